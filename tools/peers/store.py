@@ -35,6 +35,9 @@ far = {far}
 [[cloud]]
 path = "cloud.ply"
 
+[shading]
+model = "none"
+
 [method]
 name = "{method}"
 """
@@ -72,7 +75,7 @@ def write_cloud(scene, path):
 
 
 def scene_file(scene):
-    """The text of scene.toml: blending on the stored values, as the other tools do it."""
+    """The text of scene.toml: blending on the stored values and no shading, as the other tools do it."""
     view = scene.view
     return SCENE_FILE.format(
         width=view.width,

@@ -5,12 +5,12 @@
 #import long_list
 #import dispatch
 
-@group(0) @binding(13) var<storage, read_write> work: LongWork;
-@group(0) @binding(14) var<storage, read> lists: array<LongList>;
-@group(0) @binding(15) var<storage, read> runs: array<ListRun>;
-@group(0) @binding(16) var<storage, read> fragments: array<vec2<u32>>;
-@group(0) @binding(17) var<storage, read> partials: array<Partial>;
-@group(0) @binding(18) var<storage, read_write> depths: array<f32>;
+@group(0) @binding(17) var<storage, read_write> work: LongWork;
+@group(0) @binding(18) var<storage, read> lists: array<LongList>;
+@group(0) @binding(19) var<storage, read> runs: array<ListRun>;
+@group(0) @binding(20) var<storage, read> fragments: array<vec2<u32>>;
+@group(0) @binding(21) var<storage, read> partials: array<Partial>;
+@group(0) @binding(22) var<storage, read_write> depths: array<f32>;
 
 // A of a run's part behind all that lies in front.
 fn joined(front: f32, part: f32) -> f32 {

@@ -2,8 +2,7 @@
 // can be seen. One invocation per pixel of the band. Lists of more than RUN_LENGTH are composed run by run, as those are that
 // must be sorted, so that both give the same bytes. A dispatch takes TAKEN splats; the next one goes on from the image.
 // Reference: reference::abuffer::composite.
-#import elementary
-#import splat
+#import compose
 #import stop
 #import long_list
 #import dispatch
@@ -14,38 +13,20 @@ struct Push {
     first_fragment: u32,
     // Which part of each list: its splats from segment * TAKEN on.
     segment: u32,
-    // Key of the nearest depth.
-    nearest: u32,
     // Largest opacity, and largest color component, background included.
     max_opacity: f32,
     max_color: f32,
 }
 
-@group(0) @binding(0) var<uniform> view: View;
-@group(0) @binding(1) var<storage, read> offsets: array<u32>;
-@group(0) @binding(2) var<storage, read> ranks: array<u32>;
-@group(0) @binding(3) var<storage, read> records: array<vec2<u32>>;
-@group(0) @binding(4) var<storage, read> footprints: array<vec4<u32>>;
-@group(0) @binding(5) var<storage, read> colors: array<vec4<f32>>;
-@group(0) @binding(6) var<storage, read_write> image: array<vec4<f32>>;
-@group(0) @binding(7) var<storage, read_write> depths: array<f32>;
+@group(0) @binding(17) var<storage, read> offsets: array<u32>;
+@group(0) @binding(18) var<storage, read> indices: array<u32>;
+@group(0) @binding(19) var<storage, read_write> image: array<vec4<f32>>;
+@group(0) @binding(20) var<storage, read_write> depths: array<f32>;
 var<immediate> push: Push;
 
-override FALLOFF: u32 = 0u;
 override TAKEN: u32 = 1u;
 // Splats between two tests for an early stop.
 const LOOK = 16u;
-
-fn color_of(rank: u32, pixel: vec2<u32>) -> vec4<f32> {
-    var color = colors[rank];
-    if FALLOFF == FALLOFF_GAUSSIAN {
-        let f = footprints[rank];
-        let splat = Splat(bitcast<f32>(f.x), bitcast<f32>(f.y), f.z, 0.0, bitcast<f32>(f.w));
-        let rho = cover(splat, Tilt(vec4<f32>(0.0)), pixel, view).rho;
-        color.a *= gaussian(rho);
-    }
-    return color;
-}
 
 @compute @workgroup_size(WG_SIZE)
 fn main(
@@ -79,8 +60,8 @@ fn main(
     var i = 0u;
     // There is a first one, so the condition may stand at the end: CPU drivers run every loop once more otherwise.
     loop {
-        let rank = ranks[start + i];
-        run = behind(run, rank, color_of(rank, pixel));
+        let index = indices[start + i];
+        run = behind(run, index, fragment_color(index, pixel));
         i += 1u;
         let ends = i == n || i % RUN_LENGTH == 0u;
         let joined = Composed(total.rgba + (1.0 - total.rgba.a) * run.rgba, select(total.key, run.key, total.key == NOTHING));
@@ -97,6 +78,6 @@ fn main(
     }
     image[p] = total.rgba;
     if before == NOTHING && total.key != NOTHING {
-        depths[p] = key_depth(records[total.key].x + push.nearest);
+        depths[p] = depth_at(total.key);
     }
 }

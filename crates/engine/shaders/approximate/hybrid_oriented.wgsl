@@ -10,9 +10,9 @@ struct Push {
 }
 
 // Rank of the last fragment that earlier rounds composed.
-@group(0) @binding(10) var<storage, read_write> lasts: array<vec2<u32>>;
+@group(0) @binding(22) var<storage, read_write> lasts: array<vec2<u32>>;
 // State that a run leaves to the next: that rank, and rank and color of each slot.
-@group(0) @binding(11) var<storage, read_write> slots: array<vec4<u32>>;
+@group(0) @binding(23) var<storage, read_write> slots: array<vec4<u32>>;
 var<immediate> push: Push;
 
 // 1: earlier rounds left a front in the image.

@@ -12,7 +12,7 @@ struct Push {
     none: u32,
 }
 
-@group(0) @binding(0) var<storage, read> splats: array<Splat>;
+@group(0) @binding(0) var<storage, read> splat_depths: array<f32>;
 @group(0) @binding(1) var<storage, read> bounds: array<Bounds>;
 // Red, green, blue, and where in the files the point stood.
 @group(0) @binding(2) var<storage, read> points: array<vec4<u32>>;
@@ -23,7 +23,7 @@ override ORDER: u32 = 0u;
 
 fn key(i: u32) -> u32 {
     if ORDER == ORDER_DEPTH {
-        return min(depth_key(splats[i].depth) - push.nearest, push.none - 1u);
+        return min(depth_key(splat_depths[i]) - push.nearest, push.none - 1u);
     }
     if ORDER == ORDER_INDEX {
         return 0u;

@@ -1,4 +1,4 @@
-// bin/place: a record for each drawn point of a presorted order, in that order; its key is for bin/gather to fill in. One
+// bin/place: a record for each drawn point of a presorted order, in that order; nobody asks for its key. One
 // subgroup per run, which bin/pick counted; starts are the prefix sums.
 #import presorted
 

@@ -1,7 +1,7 @@
 // bin/tile-count: how many splats of each run meet each tile. One invocation per drawn splat. counts is zero before.
 #import tile_push
 #import dispatch
-@group(0) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
+@group(0) @binding(3) var<storage, read_write> counts: array<atomic<u32>>;
 
 @compute @workgroup_size(WG_SIZE)
 fn main(
@@ -13,7 +13,7 @@ fn main(
     if rank >= push.count {
         return;
     }
-    let met = tiles_of(rectangles[rank]);
+    let met = tiles_of(bounds[records[rank].y]);
     let run = rank / push.run_length;
     var tile = met.xy;
     // A drawn splat meets a tile, so the condition may stand at the end: CPU drivers run every loop once.

@@ -8,8 +8,8 @@
 // An entry says, too, which of the tile's 2 x 2 blocks of pixels the splat's rectangle meets.
 #import tile_push
 #import dispatch
-@group(0) @binding(2) var<storage, read_write> cursors: array<u32>;
-@group(0) @binding(3) var<storage, read_write> entries: array<u32>;
+@group(0) @binding(3) var<storage, read_write> cursors: array<u32>;
+@group(0) @binding(4) var<storage, read_write> entries: array<u32>;
 
 // The first tile at or after `low` that has this place in the pattern.
 fn own(low: u32, place: u32, period: u32) -> u32 {
@@ -40,11 +40,13 @@ fn main(
     let end = min(start + push.run_length, push.count);
     let place = vec2<u32>(lane % LANE_COLUMNS, lane / LANE_COLUMNS);
     for (var step = start; step < end; step += SUBGROUP) {
-        let lane_rectangle = rectangles[min(step + lane, end - 1u)];
+        let own_index = records[min(step + lane, end - 1u)].y;
+        let own_rectangle = bounds[own_index];
         // Conditions stand at the ends of the loops: CPU drivers run every loop once.
         var k = 0u;
         loop {
-            let rectangle = vec2<u32>(subgroupShuffle(lane_rectangle.x, k), subgroupShuffle(lane_rectangle.y, k));
+            let rectangle = vec2<u32>(subgroupShuffle(own_rectangle.x, k), subgroupShuffle(own_rectangle.y, k));
+            let index = subgroupShuffle(own_index, k);
             let met = tiles_of(rectangle);
             let low = max(met.xy, block_low);
             let high = min(met.zw, block_high);
@@ -57,7 +59,7 @@ fn main(
                     cursors[cell] = slot + 1u;
                     // Both passes walk the same tiles; should a driver ever disagree with itself, nothing is written outside.
                     if slot < arrayLength(&entries) {
-                        entries[slot] = (step + k) | blocks_met(rectangle, tile) << RANK_BITS;
+                        entries[slot] = index | blocks_met(rectangle, tile) << INDEX_BITS;
                     }
                 }
                 tile.x += LANE_COLUMNS;

@@ -2,6 +2,8 @@
 #import raster
 #piece
 
+const NEAREST_BINDING = 7;
+
 fn visit(i: u32, splat: Splat, tilt: Tilt, pixel: vec2<u32>) {
     let coverage = cover(splat, tilt, pixel, view);
     if coverage.hit {

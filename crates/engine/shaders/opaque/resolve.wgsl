@@ -11,9 +11,9 @@ struct Nearest {
     key: u32,
 }
 
-@group(0) @binding(13) var<storage, read> nearest: array<Nearest>;
-@group(0) @binding(14) var<storage, read_write> image: array<vec4<f32>>;
-@group(0) @binding(15) var<storage, read_write> depths: array<f32>;
+@group(0) @binding(17) var<storage, read> nearest: array<Nearest>;
+@group(0) @binding(18) var<storage, read_write> image: array<vec4<f32>>;
+@group(0) @binding(19) var<storage, read_write> depths: array<f32>;
 var<immediate> push: Push;
 
 @compute @workgroup_size(WG_SIZE)

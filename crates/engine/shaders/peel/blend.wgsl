@@ -15,13 +15,13 @@ struct Push {
     count: u32,
 }
 
-@group(0) @binding(13) var<storage, read_write> nearest: array<Nearest>;
-@group(0) @binding(14) var<storage, read_write> last: array<vec2<u32>>;
-@group(0) @binding(15) var<storage, read_write> work: PeelWork;
+@group(0) @binding(17) var<storage, read_write> nearest: array<Nearest>;
+@group(0) @binding(18) var<storage, read_write> last: array<vec2<u32>>;
+@group(0) @binding(19) var<storage, read_write> work: PeelWork;
 // Layers of each pixel; a single word that stays untouched unless COUNTED.
-@group(0) @binding(16) var<storage, read_write> layers: array<u32>;
-@group(0) @binding(17) var<storage, read_write> image: array<vec4<f32>>;
-@group(0) @binding(18) var<storage, read_write> depths: array<f32>;
+@group(0) @binding(20) var<storage, read_write> layers: array<u32>;
+@group(0) @binding(21) var<storage, read_write> image: array<vec4<f32>>;
+@group(0) @binding(22) var<storage, read_write> depths: array<f32>;
 var<immediate> push: Push;
 override COUNTED: u32 = 0u;
 

@@ -2,6 +2,8 @@
 #import points
 #piece
 
+const NEAREST_BINDING = 6;
+
 fn visit(i: u32, hit: Hit) -> u32 {
     return offer(hit.pixel, hit.key, i);
 }

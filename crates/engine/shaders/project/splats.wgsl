@@ -18,13 +18,14 @@ struct Push {
 @group(0) @binding(3) var<storage, read> point_colors: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read> normals: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> fields: array<f32>;
-@group(0) @binding(6) var<storage, read_write> splats: array<Splat>;
+@group(0) @binding(6) var<storage, read_write> splats: array<PackedSplat>;
 @group(0) @binding(7) var<storage, read_write> tilts: array<Tilt>;
 @group(0) @binding(8) var<storage, read_write> bounds: array<Bounds>;
 @group(0) @binding(9) var<storage, read_write> colors: array<vec4<f32>>;
 @group(0) @binding(10) var<storage, read_write> large: array<u32>;
 @group(0) @binding(11) var<storage, read_write> tile_counts: array<u32>;
 @group(0) @binding(12) var<storage, read_write> stats: array<Stats>;
+@group(0) @binding(13) var<storage, read_write> splat_depths: array<f32>;
 var<immediate> push: Push;
 
 // 1: the buffer of normals is filled. The fourth component is the share of light.
@@ -163,7 +164,8 @@ fn project(i: u32) -> vec2<u32> {
     let extent = rect.zw - rect.xy;
     let area = extent.x * extent.y;
     if area > 0u {
-        splats[i] = splat;
+        splats[i] = pack_splat(splat);
+        splat_depths[i] = splat.depth;
         if has_tilts() {
             tilts[i] = tilt;
         }

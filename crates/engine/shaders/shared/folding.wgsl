@@ -2,11 +2,6 @@
 #import elementary
 #import tile_run
 
-@group(0) @binding(3) var<storage, read> records: array<vec2<u32>>;
-@group(0) @binding(4) var<storage, read> footprints: array<vec4<u32>>;
-@group(0) @binding(5) var<storage, read> colors: array<vec4<f32>>;
-@group(0) @binding(6) var<storage, read> slopes: array<vec4<f32>>;
-
 // 1: a run goes on from the result of earlier ones, wherever the stage keeps that.
 override LATER: u32 = 0u;
 override FALLOFF: u32 = 0u;
@@ -19,19 +14,13 @@ struct Handed {
     whole: vec2<f32>,
     tilt: Tilt,
     color: vec4<f32>,
-    // Depth key over the nearest, and index; in sorted/blend the rank.
-    record: vec2<u32>,
+    index: u32,
 }
 
-// A splat by its rank; `record` as the stage wants it.
-fn whole_splat(rank: u32, record: vec2<u32>, corner: vec2<u32>) -> Handed {
-    var splat = splat_of(footprints[rank]);
-    var tilt = Tilt(vec4<f32>(0.0));
-    if SHAPE == SHAPE_ORIENTED {
-        tilt.normal = slopes[rank];
-        splat.depth = key_depth(records[rank].x + push.walk.nearest);
-    }
-    return Handed(splat, -whole_to(splat, corner), tilt, colors[rank], record);
+// A splat by its index. Loads of what a stage does not use are left out.
+fn whole_splat(i: u32, corner: vec2<u32>) -> Handed {
+    let splat = splat_at(i);
+    return Handed(splat, -whole_to(splat, corner), tilt_at(i), color_at(i), i);
 }
 
 // That of lane k to an invocation whose first pixel lies at `first` from the corner in work; without `present` it covers no
@@ -48,13 +37,13 @@ fn handed(own: Handed, k: u32, present: bool, first: vec2<f32>) -> Handed {
         subgroupShuffle(own.color.r, k), subgroupShuffle(own.color.g, k),
         subgroupShuffle(own.color.b, k), subgroupShuffle(own.color.a, k),
     );
-    let record = vec2<u32>(subgroupShuffle(own.record.x, k), subgroupShuffle(own.record.y, k));
+    let index = subgroupShuffle(own.index, k);
     var splat = handed_splat(own.splat, k);
     if SHAPE == SHAPE_ORIENTED {
         // No ray meets the plane of a tilted disc exactly where its centre is not.
         splat.radius = select(0.0, splat.radius, present);
     }
-    return Handed(splat, handed_whole(own.whole, k, present, first), tilt, color, record);
+    return Handed(splat, handed_whole(own.whole, k, present, first), tilt, color, index);
 }
 
 // A splat in a pixel; what a stage does not read costs nothing.
@@ -79,7 +68,7 @@ fn fragment_of(h: Handed, further: vec2<u32>, pixel: vec2<u32>) -> Fragment {
         c.a *= gaussian(coverage.rho);
     }
     c.a = select(0.0, c.a, hit);
-    let key = select(h.record.x + push.walk.nearest, depth_key(coverage.depth), SHAPE == SHAPE_ORIENTED);
-    let distance = select(key_depth(h.record.x + push.walk.nearest) + view.eye_hi.w, 1.0, view.orthographic != 0u);
-    return Fragment(hit, c, key, h.record.y, coverage.rho, h.splat.radius * (distance / view.focal.x));
+    let key = depth_key(select(h.splat.depth, coverage.depth, SHAPE == SHAPE_ORIENTED));
+    let distance = select(h.splat.depth + view.eye_hi.w, 1.0, view.orthographic != 0u);
+    return Fragment(hit, c, key, h.index, coverage.rho, h.splat.radius * (distance / view.focal.x));
 }

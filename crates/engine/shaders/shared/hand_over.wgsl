@@ -7,7 +7,7 @@
 //     Handed, PixelState                           a splat in an invocation's hands; the state of one of its pixels
 //     begin(pixel) -> PixelState                   before the run's first splat, pixels outside the window included
 //     begin_run(cut)                               after that; `cut`: the tile has splats behind the run
-//     take(rank, corner) -> Handed                 a splat by its rank, for a tile's corner
+//     take(i, corner) -> Handed                    a splat by its index, for a tile's corner
 //     may_touch(own, block, corner) -> bool        of one whose rectangle meets the block
 //     handed(own, k, present, first) -> Handed     that of lane k, for pixels from `first` on, relative to the corner; without
 //                                                  `present` it must change nothing
@@ -79,7 +79,7 @@ fn main(
         // CPU drivers load lane by lane, and only for those that take part.
         var own: Handed;
         if near {
-            own = take(rank_of(entry), corner);
+            own = take(index_of(entry), corner);
         }
 #each block         let hits{block} = subgroupBallot(near{block} && may_touch(own, {block}u, corner)).x;
 #each block         over_block({block}u, select(0u, hits{block}, is_live(live, {block}u)), own, corner, lane);

@@ -4,12 +4,12 @@
 #import classes
 #import dispatch
 
-@group(0) @binding(13) var<storage, read> offsets: array<u32>;
-@group(0) @binding(14) var<storage, read> classes: array<u32>;
-@group(0) @binding(15) var<storage, read> pixels: array<u32>;
-@group(0) @binding(16) var<storage, read> fragments: array<vec2<u32>>;
-@group(0) @binding(17) var<storage, read_write> image: array<vec4<f32>>;
-@group(0) @binding(18) var<storage, read_write> depths: array<f32>;
+@group(0) @binding(17) var<storage, read> offsets: array<u32>;
+@group(0) @binding(18) var<storage, read> classes: array<u32>;
+@group(0) @binding(19) var<storage, read> pixels: array<u32>;
+@group(0) @binding(20) var<storage, read> fragments: array<vec2<u32>>;
+@group(0) @binding(21) var<storage, read_write> image: array<vec4<f32>>;
+@group(0) @binding(22) var<storage, read_write> depths: array<f32>;
 
 // Index of the n-th pixel of the class in the window, NOTHING beyond the last.
 fn class_pixel(n: u32) -> u32 {

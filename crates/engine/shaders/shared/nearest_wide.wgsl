@@ -1,5 +1,5 @@
 // Finds each pixel's nearest by one 64-bit atomic minimum of depth key and index; all ones at the start.
-@group(0) @binding(6) var<storage, read_write> nearest: array<atomic<u64>>;
+@group(0) @binding(NEAREST_BINDING) var<storage, read_write> nearest: array<atomic<u64>>;
 
 // Offers something to a pixel. Returns 1 in the pass that meets all that is offered for the first time.
 fn offer(pixel: u32, key: u32, id: u32) -> u32 {

@@ -19,12 +19,17 @@ struct RasterPush {
     segments: u32,
 }
 
-@group(0) @binding(1) var<storage, read> splats: array<Splat>;
+@group(0) @binding(1) var<storage, read> splats: array<PackedSplat>;
 @group(0) @binding(2) var<storage, read> tilts: array<Tilt>;
 @group(0) @binding(3) var<storage, read> bounds: array<Bounds>;
 @group(0) @binding(4) var<storage, read> tile_starts: array<u32>;
 @group(0) @binding(5) var<storage, read> tile_entries: array<u32>;
+@group(0) @binding(6) var<storage, read> splat_depths: array<f32>;
 var<immediate> push: RasterPush;
+
+fn splat_of(i: u32) -> Splat {
+    return unpack_splat(splats[i], splat_depths[i]);
+}
 
 fn tilt_of(i: u32) -> Tilt {
     if has_tilts() {

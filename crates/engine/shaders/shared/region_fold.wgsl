@@ -12,12 +12,12 @@
 #import folding
 #import dispatch
 
-@group(0) @binding(7) var<storage, read> rectangles: array<vec2<u32>>;
+@group(0) @binding(19) var<storage, read> bounds: array<Bounds>;
 
 // Pixels of a region in x and y.
 const REGION = vec2<u32>(REGION_COLUMNS, SUBGROUP / REGION_COLUMNS);
 
-// Those of the run's splats that touch the block, by rank.
+// Those of the run's splats that touch the block, by index.
 var<workgroup> picked: array<u32, PICKED>;
 
 // Picks the splats that may touch a block, in their order; returns how many.
@@ -25,14 +25,14 @@ fn pick(block: u32, low: vec2<u32>, run: vec2<u32>, lane: u32) -> u32 {
     var count = 0u;
     for (var next = run.x; next < run.y; next += SUBGROUP) {
         let entry = entries[min(next + lane, run.y - 1u)];
-        let rank = rank_of(entry);
+        let i = index_of(entry);
         var near = next + lane < run.y && meets_block(entry, block);
         if near && SHAPE != SHAPE_ORIENTED {
-            near = touches(splat_of(footprints[rank]), low);
+            near = touches(flat_at(i), low);
         }
         let found = subgroupBallot(near).x;
         if near {
-            picked[count + countOneBits(found & ((1u << lane) - 1u))] = rank;
+            picked[count + countOneBits(found & ((1u << lane) - 1u))] = i;
         }
         count += countOneBits(found);
     }
@@ -40,15 +40,15 @@ fn pick(block: u32, low: vec2<u32>, run: vec2<u32>, lane: u32) -> u32 {
 }
 
 // True if a splat's rectangle meets that of some pixels.
-fn meets(rank: u32, low: vec2<u32>, size: vec2<u32>) -> bool {
-    let rectangle = rectangles[rank];
+fn meets(i: u32, low: vec2<u32>, size: vec2<u32>) -> bool {
+    let rectangle = bounds[i];
     return all(bounds_min(rectangle) < low + size) && all(bounds_max(rectangle) > low);
 }
 
 // True if a splat may touch a region; as `touches`, or by the rectangle of an oriented disc.
-fn touches_region(splat: Splat, rank: u32, low: vec2<u32>) -> bool {
+fn touches_region(splat: Splat, i: u32, low: vec2<u32>) -> bool {
     if SHAPE == SHAPE_ORIENTED {
-        return meets(rank, low, REGION);
+        return meets(i, low, REGION);
     }
     let half = 0.5 * vec2<f32>(REGION - 1u);
     let middle = vec2<f32>(vec2<i32>(low) - center_pixel(splat)) - vec2<f32>(splat.fraction_x, splat.fraction_y) + half + 0.5;
@@ -61,9 +61,9 @@ fn over_region(low: vec2<u32>, pixel: vec2<u32>, count: u32, lane: u32) {
     begin(pixel);
     let first = vec2<f32>(pixel - low);
     for (var next = 0u; next < count; next += SUBGROUP) {
-        let rank = picked[min(next + lane, count - 1u)];
-        let own = whole_splat(rank, records[rank], low);
-        var left = subgroupBallot(next + lane < count && touches_region(own.splat, rank, low)).x;
+        let i = picked[min(next + lane, count - 1u)];
+        let own = whole_splat(i, low);
+        var left = subgroupBallot(next + lane < count && touches_region(own.splat, i, low)).x;
         while left != 0u {
             let k = firstTrailingBit(left);
             left &= left - 1u;

@@ -3,7 +3,7 @@
 #import stop
 #import soft_push
 #import soft_terms
-@group(0) @binding(19) var<storage, read> records: array<vec4<u32>>;
+@group(0) @binding(23) var<storage, read> records: array<vec4<u32>>;
 
 // Events between two tests for an early stop.
 const LOOK = 16u;

@@ -23,6 +23,18 @@ struct Splat {
     radius: f32,
 }
 
+// A splat in a buffer, without its depth, which few stages read: a vector, which is loaded and stored at once, where lavapipe
+// takes a struct member by member.
+alias PackedSplat = vec4<u32>;
+
+fn pack_splat(splat: Splat) -> PackedSplat {
+    return vec4<u32>(bitcast<u32>(splat.fraction_x), bitcast<u32>(splat.fraction_y), splat.pixel, bitcast<u32>(splat.radius));
+}
+
+fn unpack_splat(splat: PackedSplat, depth: f32) -> Splat {
+    return Splat(bitcast<f32>(splat.x), bitcast<f32>(splat.y), splat.z, depth, bitcast<f32>(splat.w));
+}
+
 // The rest of an oriented disc: its unit normal n in camera axes and n.c / z for its centre c, the slope of the
 // plane against the centre's ray. The normal is zero for a flat disc. Of an exact sphere: what rounding took from
 // fraction_x, fraction_y and depth.

@@ -17,10 +17,11 @@ struct Push {
     shift: u32,
 }
 
-@group(0) @binding(1) var<storage, read> splats: array<Splat>;
+@group(0) @binding(1) var<storage, read> splats: array<PackedSplat>;
 @group(0) @binding(2) var<storage, read> tilts: array<Tilt>;
 @group(0) @binding(3) var<storage, read> bounds: array<Bounds>;
 @group(0) @binding(4) var<storage, read> colors: array<vec4<f32>>;
+@group(0) @binding(5) var<storage, read> splat_depths: array<f32>;
 var<immediate> push: Push;
 
 override FALLOFF: u32 = 0u;
@@ -37,7 +38,7 @@ fn quad_fragment(i: u32, pixel: vec2<u32>) -> QuadFragment {
     if SHAPE == SHAPE_ORIENTED {
         tilt = tilts[i];
     }
-    let coverage = cover(splats[i], tilt, pixel, view);
+    let coverage = cover(unpack_splat(splats[i], splat_depths[i]), tilt, pixel, view);
     var color = colors[i];
     if FALLOFF == FALLOFF_GAUSSIAN {
         color.a *= gaussian(coverage.rho);

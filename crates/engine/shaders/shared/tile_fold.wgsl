@@ -18,8 +18,8 @@ fn is_done(held: PixelState) -> bool {
 fn begin_run(cut: bool) {
 }
 
-fn take(rank: u32, corner: vec2<u32>) -> Handed {
-    return whole_splat(rank, records[rank], corner);
+fn take(i: u32, corner: vec2<u32>) -> Handed {
+    return whole_splat(i, corner);
 }
 
 fn may_touch(own: Handed, block: u32, corner: vec2<u32>) -> bool {

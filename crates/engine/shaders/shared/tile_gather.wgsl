@@ -1,6 +1,6 @@
 // Collects fragments tile by tile: one subgroup per tile goes through the tile's flat discs in order of depth
 // (shared/hand_over.wgsl). There are no atomics, and each pixel's fragments come in the order of blending. An invocation holds
-// one number of each of its pixels; the stage defines begin(pixel), visit(number, hit, rank), which both return it, and
+// one number of each of its pixels; the stage defines begin(pixel), visit(number, hit, index), which both return it, and
 // finish(number, pixel).
 #import hand_over
 
@@ -12,7 +12,6 @@ struct Push {
     first_fragment: u32,
 }
 
-@group(0) @binding(3) var<storage, read> footprints: array<vec4<u32>>;
 var<immediate> push: Push;
 
 alias PixelState = u32;
@@ -21,7 +20,7 @@ struct Handed {
     splat: Splat,
     // As in shared/folding.
     whole: vec2<f32>,
-    rank: u32,
+    index: u32,
 }
 
 const STOPS = false;
@@ -33,9 +32,9 @@ fn is_done(number: u32) -> bool {
 fn begin_run(cut: bool) {
 }
 
-fn take(rank: u32, corner: vec2<u32>) -> Handed {
-    let splat = splat_of(footprints[rank]);
-    return Handed(splat, -whole_to(splat, corner), rank);
+fn take(i: u32, corner: vec2<u32>) -> Handed {
+    let splat = flat_at(i);
+    return Handed(splat, -whole_to(splat, corner), i);
 }
 
 fn may_touch(own: Handed, block: u32, corner: vec2<u32>) -> bool {
@@ -43,7 +42,7 @@ fn may_touch(own: Handed, block: u32, corner: vec2<u32>) -> bool {
 }
 
 fn handed(own: Handed, k: u32, present: bool, first: vec2<f32>) -> Handed {
-    return Handed(handed_splat(own.splat, k), handed_whole(own.whole, k, present, first), subgroupShuffle(own.rank, k));
+    return Handed(handed_splat(own.splat, k), handed_whole(own.whole, k, present, first), subgroupShuffle(own.index, k));
 }
 
 fn covers(h: Handed, further: vec2<u32>, pixel: vec2<u32>) -> bool {
@@ -51,7 +50,7 @@ fn covers(h: Handed, further: vec2<u32>, pixel: vec2<u32>) -> bool {
 }
 
 fn show(number: u32, h: Handed, i: u32, pixel: vec2<u32>) -> u32 {
-    return visit(number, covers(h, place(0u, i), pixel), h.rank);
+    return visit(number, covers(h, place(0u, i), pixel), h.index);
 }
 
 // Index in the window of a pixel of the band, NOTHING for others.

@@ -16,7 +16,9 @@ struct Push {
 }
 
 @group(0) @binding(0) var<uniform> view: View;
-@group(0) @binding(1) var<storage, read> rectangles: array<vec2<u32>>;
+// Splats in order: key, and index.
+@group(0) @binding(1) var<storage, read> records: array<vec2<u32>>;
+@group(0) @binding(2) var<storage, read> bounds: array<Bounds>;
 var<immediate> push: Push;
 
 // First column and row of tiles that a rectangle meets, and one past the last ones.

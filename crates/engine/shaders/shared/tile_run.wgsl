@@ -1,5 +1,6 @@
-// The run that a subgroup takes of a tile's splats, in the order in which they were binned. The stage binds nothing at 0 to 2
-// besides these, and its push constants have a member `walk: TileWalk`.
+// The run that a subgroup takes of a tile's splats, in the order in which they were binned. Bindings 0 to 18 are those
+// of any_splat and these; the stage's push constants have a member `walk: TileWalk`.
+#import any_splat
 #import blocks
 
 struct TileWalk {
@@ -9,15 +10,12 @@ struct TileWalk {
     tiles: u32,
     // Cells of a tile in the table of ends.
     runs: u32,
-    // Key of the nearest depth.
-    nearest: u32,
     // Which part of each tile's splats: those from segment * TAKEN on.
     segment: u32,
 }
 
-@group(0) @binding(0) var<uniform> view: View;
-@group(0) @binding(1) var<storage, read> ends: array<u32>;
-@group(0) @binding(2) var<storage, read> entries: array<u32>;
+@group(0) @binding(17) var<storage, read> ends: array<u32>;
+@group(0) @binding(18) var<storage, read> entries: array<u32>;
 
 // Splats of a tile that one run takes: some 5 iterations for each stay below what CPU drivers allow.
 override TAKEN: u32 = 1u;
@@ -39,21 +37,22 @@ fn is_idle(run: vec2<u32>) -> bool {
     return push.walk.segment > 0u && run.x >= run.y;
 }
 
-// An entry is a splat's rank and, in its highest bits, the blocks of the tile that its rectangle meets.
-fn rank_of(entry: u32) -> u32 {
-    return entry & ((1u << RANK_BITS) - 1u);
+// An entry is a splat's index and, in its highest bits, the blocks of the tile that its rectangle meets.
+fn index_of(entry: u32) -> u32 {
+    return entry & ((1u << INDEX_BITS) - 1u);
 }
 
 fn meets_block(entry: u32, block: u32) -> bool {
-    return (entry >> (RANK_BITS + block) & 1u) != 0u;
+    return (entry >> (INDEX_BITS + block) & 1u) != 0u;
 }
 
 fn tile_corner(tile: u32) -> vec2<u32> {
     return view.window.xy + vec2<u32>(tile % push.walk.columns, tile / push.walk.columns) * TILE_SIDE;
 }
 
-fn splat_of(footprint: vec4<u32>) -> Splat {
-    return Splat(bitcast<f32>(footprint.x), bitcast<f32>(footprint.y), footprint.z, 0.0, bitcast<f32>(footprint.w));
+// A splat without its depth, which few stages need.
+fn flat_at(i: u32) -> Splat {
+    return unpack_splat(packed_at(i), 0.0);
 }
 
 // Where a splat lies that stands in where none is left, in pixels: beyond any radius.
@@ -70,8 +69,6 @@ fn handed_splat(own: Splat, k: u32) -> Splat {
     s.fraction_x = subgroupShuffle(own.fraction_x, k);
     s.fraction_y = subgroupShuffle(own.fraction_y, k);
     s.radius = subgroupShuffle(own.radius, k);
-    if SHAPE == SHAPE_ORIENTED {
-        s.depth = subgroupShuffle(own.depth, k);
-    }
+    s.depth = subgroupShuffle(own.depth, k);
     return s;
 }

@@ -3,5 +3,5 @@
 fn main(@builtin(position) position: vec4<f32>, @location(0) @interpolate(flat) i: u32) {
     view = camera;
     let corner = view.window.xy;
-    visit(i, splats[i], tilt_of(i), vec2<u32>(position.xy) + corner);
+    visit(i, splat_of(i), tilt_of(i), vec2<u32>(position.xy) + corner);
 }

@@ -19,7 +19,7 @@ fn main(
     if extent.x * extent.y > SMALL_AREA || !in_band(low, high) {
         return;
     }
-    let splat = splats[i];
+    let splat = splat_of(i);
     let tilt = tilt_of(i);
     // One loop over both axes: invocations that run in step wait for the largest rectangle, not for the widest row of each.
     var pixel = low;

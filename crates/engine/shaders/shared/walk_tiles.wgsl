@@ -28,7 +28,7 @@ fn main(
     for (var entry = start; entry < end; entry++) {
         let i = tile_entries[entry];
         let rect = bounds[i];
-        let splat = splats[i];
+        let splat = splat_of(i);
         let tilt = tilt_of(i);
         let low = bounds_min(rect);
         let high = bounds_max(rect);

@@ -14,18 +14,12 @@ struct Push {
     max_color: f32,
 }
 
-@group(0) @binding(3) var<storage, read> records: array<vec2<u32>>;
-@group(0) @binding(4) var<storage, read> footprints: array<vec4<u32>>;
-// Colors as blended, and W.
-@group(0) @binding(5) var<storage, read> colors: array<vec4<f32>>;
-// Tilts of oriented discs: none here.
-@group(0) @binding(6) var<storage, read> slopes: array<vec4<f32>>;
 // Depths of the solid points: only discs before them count.
-@group(0) @binding(7) var<storage, read> solid: array<f32>;
-@group(0) @binding(8) var<storage, read_write> image: array<vec4<f32>>;
-@group(0) @binding(9) var<storage, read_write> depths: array<f32>;
+@group(0) @binding(19) var<storage, read> solid: array<f32>;
+@group(0) @binding(20) var<storage, read_write> image: array<vec4<f32>>;
+@group(0) @binding(21) var<storage, read_write> depths: array<f32>;
 // Discs of each pixel.
-@group(0) @binding(10) var<storage, read_write> counts: array<u32>;
+@group(0) @binding(22) var<storage, read_write> counts: array<u32>;
 var<immediate> push: Push;
 
 // 1: the image holds what lies in front.
@@ -96,8 +90,9 @@ fn counts_as(disc: Handed, further: vec2<u32>, wall: u32) -> u32 {
     return u32(inside && disc.key < wall);
 }
 
-fn take(rank: u32, corner: vec2<u32>) -> Handed {
-    return disc_of(splat_of(footprints[rank]), records[rank].x + push.walk.nearest, colors[rank], corner);
+// The fourth component of a soft disc's color is W.
+fn take(i: u32, corner: vec2<u32>) -> Handed {
+    return disc_of(flat_at(i), depth_key(depth_at(i)), color_at(i), corner);
 }
 
 fn begin(pixel: vec2<u32>) -> PixelState {

@@ -13,8 +13,8 @@ struct Push {
     max_color: f32,
 }
 
-@group(0) @binding(7) var<storage, read_write> image: array<vec4<f32>>;
-@group(0) @binding(8) var<storage, read_write> depths: array<f32>;
+@group(0) @binding(19) var<storage, read_write> image: array<vec4<f32>>;
+@group(0) @binding(20) var<storage, read_write> depths: array<f32>;
 var<immediate> push: Push;
 
 // Runs are composed by themselves: a later one goes behind what the image holds.
@@ -35,9 +35,8 @@ fn begin_run(cut: bool) {
     max_opacity = select(push.max_opacity, 1.0, LATER != 0u || cut);
 }
 
-// Flat splats bring their rank; one look-up at the end gives the depth.
-fn take(rank: u32, corner: vec2<u32>) -> Handed {
-    return whole_splat(rank, vec2<u32>(rank, 0u), corner);
+fn take(i: u32, corner: vec2<u32>) -> Handed {
+    return whole_splat(i, corner);
 }
 
 fn may_touch(own: Handed, block: u32, corner: vec2<u32>) -> bool {
@@ -46,7 +45,8 @@ fn may_touch(own: Handed, block: u32, corner: vec2<u32>) -> bool {
 
 fn show(held: PixelState, h: Handed, i: u32, pixel: vec2<u32>) -> PixelState {
     let fragment = fragment_of(h, place(0u, i), pixel);
-    let key = select(h.record.x, fragment.depth_key, SHAPE == SHAPE_ORIENTED);
+    // A flat splat's index stands for its key: one look-up at the end gives the depth.
+    let key = select(h.index, fragment.depth_key, SHAPE == SHAPE_ORIENTED);
     return PixelState(behind(held.sum, key, fragment.color), held.front);
 }
 
@@ -62,7 +62,7 @@ fn is_done(held: PixelState) -> bool {
     return done(joined(held), max_opacity, push.max_color);
 }
 
-// Result of the runs before for a pixel. A depth stands for its key: nothing behind asks for the rank again.
+// Result of the runs before for a pixel. A depth stands for its key: nothing behind asks for the index again.
 fn left_by_others(pixel: vec2<u32>) -> Composed {
     if LATER == 0u || any(pixel >= view.window.zw) {
         return Composed(vec4<f32>(0.0), NOTHING);
@@ -80,7 +80,7 @@ fn finish(held: PixelState, pixel: vec2<u32>) {
     if LATER == 0u || (held.front.key == NOTHING && held.sum.key != NOTHING) {
         var key = held.sum.key;
         if SHAPE != SHAPE_ORIENTED && key != NOTHING {
-            key = records[key].x + push.walk.nearest;
+            key = depth_key(depth_at(key));
         }
         depths[p] = composed_depth(key);
     }

@@ -2,6 +2,8 @@
 // nearest one's: its complement is what the minimum is taken of.
 #import spbr
 #piece
+
+const NEAREST_BINDING = 6;
 #walker
 
 fn visit(point: u32, plane: u32, depth: u32, pixel: u32) {

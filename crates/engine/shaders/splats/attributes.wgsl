@@ -7,10 +7,10 @@
 #import splats
 #import sums
 #import region_fold
-@group(0) @binding(8) var<storage, read> layer: array<f32>;
-@group(0) @binding(9) var<storage, read> limits: array<f32>;
-@group(0) @binding(10) var<storage, read_write> image: array<vec4<f32>>;
-@group(0) @binding(11) var<storage, read_write> excess: array<vec4<f32>>;
+@group(0) @binding(20) var<storage, read> layer: array<f32>;
+@group(0) @binding(21) var<storage, read> limits: array<f32>;
+@group(0) @binding(22) var<storage, read_write> image: array<vec4<f32>>;
+@group(0) @binding(23) var<storage, read_write> excess: array<vec4<f32>>;
 
 // 1: some tile takes several runs.
 override KEPT: u32 = 0u;

@@ -5,9 +5,9 @@
 #import splat
 #import splats
 #import region_fold
-@group(0) @binding(8) var<storage, read> layer: array<f32>;
-@group(0) @binding(9) var<storage, read_write> limits: array<f32>;
-@group(0) @binding(10) var<storage, read_write> depths: array<f32>;
+@group(0) @binding(20) var<storage, read> layer: array<f32>;
+@group(0) @binding(21) var<storage, read_write> limits: array<f32>;
+@group(0) @binding(22) var<storage, read_write> depths: array<f32>;
 
 var<private> before: f32;
 var<private> limit: f32;

@@ -6,11 +6,11 @@
 #import splat
 #import stochastic
 #import region_fold
-@group(0) @binding(8) var<storage, read> held_keys: array<vec4<u32>>;
-@group(0) @binding(9) var<storage, read> held_indices: array<vec4<u32>>;
-@group(0) @binding(10) var<storage, read_write> sums: array<vec4<f32>>;
-@group(0) @binding(11) var<storage, read_write> exact: array<f32>;
-@group(0) @binding(12) var<storage, read_write> depths: array<f32>;
+@group(0) @binding(20) var<storage, read> held_keys: array<vec4<u32>>;
+@group(0) @binding(21) var<storage, read> held_indices: array<vec4<u32>>;
+@group(0) @binding(22) var<storage, read_write> sums: array<vec4<f32>>;
+@group(0) @binding(23) var<storage, read_write> exact: array<f32>;
+@group(0) @binding(24) var<storage, read_write> depths: array<f32>;
 
 // 1: each stratum by itself, too.
 override SPREAD: u32 = 0u;

@@ -3,8 +3,8 @@
 #import stochastic_quad
 #import held
 
-@group(0) @binding(5) var depths: texture_depth_multisampled_2d;
-@group(0) @binding(6) var indices: texture_multisampled_2d<f32>;
+@group(0) @binding(6) var depths: texture_depth_multisampled_2d;
+@group(0) @binding(7) var indices: texture_multisampled_2d<f32>;
 
 // 1 where a sample holds nothing before a fragment.
 fn seen(pixel: vec2<u32>, sample: u32, depth: f32, index: u32) -> f32 {

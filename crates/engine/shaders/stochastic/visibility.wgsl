@@ -5,8 +5,8 @@
 #import splat
 #import stochastic
 #import region_fold
-@group(0) @binding(8) var<storage, read_write> held_keys: array<vec4<u32>>;
-@group(0) @binding(9) var<storage, read_write> held_indices: array<vec4<u32>>;
+@group(0) @binding(20) var<storage, read_write> held_keys: array<vec4<u32>>;
+@group(0) @binding(21) var<storage, read_write> held_indices: array<vec4<u32>>;
 
 var<private> held: SampleRanks;
 

@@ -55,12 +55,11 @@ pub(crate) const EACH_PIXEL: &str = "tiles give each pixel to one subgroup";
 /// Counters and pixels that most methods clear, and the results of the projection.
 pub(crate) const COUNTERS: [&str; 2] = ["project/clear", "project/stats"];
 /// The passes that sort splats, four of them, and put them into tiles.
-pub(crate) const ORDER: [&str; 10] = [
+pub(crate) const ORDER: [&str; 9] = [
     "bin/keys",
     "radix/clear",
     "radix/count",
     "radix/scatter",
-    "bin/gather",
     "bin/clear",
     "bin/tile-count",
     "bin/measure",

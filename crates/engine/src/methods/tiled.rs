@@ -141,17 +141,17 @@ pub(super) fn without_lists(plan: &mut Plan<'_>, reason: &str) {
 pub(super) fn disc_bytes(pass: &PassRuns<'_>, discs: &Discs) -> Option<u64> {
     let tilted = discs.shape == DiscShape::Oriented;
     let counted = || abuffer::list_bytes(pass, tilted);
-    pass.projected(tilted).or_else(counted).or_else(|| binned_bytes(pass, tilted))
+    pass.projected(tilted).or_else(counted).or_else(|| binned_bytes(pass))
 }
 
-/// Bytes that a pass over tiles of splats must at least move; `tilted` if splats lie in their tangent planes.
-pub(super) fn binned_bytes(pass: &PassRuns<'_>, tilted: bool) -> Option<u64> {
-    least_bytes(pass.name, pass.runs, pass.facts, pass.splat(tilted))
+/// Bytes that a pass must at least move which puts splats into tiles.
+pub(super) fn binned_bytes(pass: &PassRuns<'_>) -> Option<u64> {
+    least_bytes(pass.name, pass.runs, pass.facts)
 }
 
-/// Bytes that a pass must at least read and write; `runs` of it over the frame, `splat` bytes of a splat that is blended.
+/// Bytes that a pass must at least read and write; `runs` of it over the frame.
 /// How much of the tiles `sorted/blend` reads depends on where it stops.
-fn least_bytes(name: &str, runs: u64, facts: &Facts, splat: u64) -> Option<u64> {
+fn least_bytes(name: &str, runs: u64, facts: &Facts) -> Option<u64> {
     let sorted = facts.points * RECORD_BYTES;
     match name {
         // Columns and depth of each, and the record.
@@ -161,10 +161,9 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, splat: u64) -> Option<u64> 
         // An index and a rectangle of each, and the record.
         "bin/pick" => Some(facts.points * (4 + 8) * facts.bands),
         "bin/place" => Some(facts.points * (4 + 8) * facts.bands + facts.soft_visible * RECORD_BYTES),
-        // A record, then splat, color and rectangle: read, and written except for the depth.
-        "bin/gather" => Some(facts.visible * (RECORD_BYTES + 2 * (splat + 16 + 8) - 4)),
-        "bin/tile-count" => Some(facts.visible * 8 + facts.tile_entries * 8),
-        "bin/tile-store" => Some(facts.visible * 8 + facts.tile_entries * (8 + 4)),
+        // Record and rectangle.
+        "bin/tile-count" => Some(facts.visible * (RECORD_BYTES + 8) + facts.tile_entries * 8),
+        "bin/tile-store" => Some(facts.visible * (RECORD_BYTES + 8) + facts.tile_entries * (8 + 4)),
         _ => None,
     }
 }
@@ -176,16 +175,14 @@ mod tests {
     #[test]
     fn least_bytes_by_hand() {
         let facts = Facts { points: 10, visible: 5, tile_entries: 20, bands: 2, ..Facts::default() };
-        assert_eq!(least_bytes("bin/keys", 4, &facts, 20), Some(2 * 10 * 16));
-        assert_eq!(least_bytes("radix/count", 4, &facts, 20), Some(4 * 80));
-        assert_eq!(least_bytes("radix/scatter", 4, &facts, 20), Some(4 * 160));
-        // A record of 8, splat, color and rectangle, and the 16 + 16 + 8 that are written.
-        assert_eq!(least_bytes("bin/gather", 2, &facts, 20), Some(5 * (8 + 44 + 40)));
-        assert_eq!(least_bytes("bin/pick", 2, &facts, 20), Some(2 * 10 * 12));
+        assert_eq!(least_bytes("bin/keys", 4, &facts), Some(2 * 10 * 16));
+        assert_eq!(least_bytes("radix/count", 4, &facts), Some(4 * 80));
+        assert_eq!(least_bytes("radix/scatter", 4, &facts), Some(4 * 160));
+        assert_eq!(least_bytes("bin/pick", 2, &facts), Some(2 * 10 * 12));
         let soft = Facts { soft_visible: 3, ..facts.clone() };
-        assert_eq!(least_bytes("bin/place", 2, &soft, 20), Some(2 * 10 * 12 + 3 * 8));
-        assert_eq!(least_bytes("bin/tile-count", 2, &facts, 20), Some(5 * 8 + 20 * 8));
-        assert_eq!(least_bytes("bin/tile-store", 2, &facts, 20), Some(5 * 8 + 20 * 12));
-        assert_eq!(least_bytes("sorted/blend", 2, &facts, 20), None);
+        assert_eq!(least_bytes("bin/place", 2, &soft), Some(2 * 10 * 12 + 3 * 8));
+        assert_eq!(least_bytes("bin/tile-count", 2, &facts), Some(5 * 16 + 20 * 8));
+        assert_eq!(least_bytes("bin/tile-store", 2, &facts), Some(5 * 16 + 20 * 12));
+        assert_eq!(least_bytes("sorted/blend", 2, &facts), None);
     }
 }

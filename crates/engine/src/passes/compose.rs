@@ -3,7 +3,7 @@
 use super::Error;
 use crate::gpu::shader::Choices;
 use crate::gpu::{Buffer, Device, GpuType, PARTS, Slice, Variant};
-use crate::passes::project::{DISCS, DeviceCloud, Footprint, Splat, TILED, Tilt, View};
+use crate::passes::project::{DISCS, DeviceCloud, Footprint, Splat, Tilt, View};
 use crate::scene::Falloff;
 use crate::{choices, group};
 
@@ -17,15 +17,23 @@ pub struct Cut {
 }
 
 impl Cut {
+    /// One part, whatever its length.
+    pub const WHOLE: Self = Self { parts: 1, len: 1 << 30 };
+
     /// The cut for so many points on a device, or an error if four parts do not reach.
     pub fn new(device: &Device, points: u64) -> Result<Self, Error> {
-        // Splats are the widest element; 64 of any element are a multiple of every offset alignment.
+        // No element is wider than a splat; 64 of any element are a multiple of every offset alignment.
         let len = ((device.limits().binding_bytes / size_of::<Splat>() as u64) & !63).min(1 << 30);
         let limit = PARTS as u64 * len;
         if points > limit {
             return Err(Error::TooManyPoints { points, limit });
         }
         Ok(Self { parts: if points <= len { 1 } else { PARTS as u32 }, len: len as u32 })
+    }
+
+    /// Adds the constants of stages that reach splats by their index.
+    pub fn apply_to(self, variant: Variant) -> Variant {
+        variant.with("PARTS", self.parts).with("PART_LENGTH", self.len)
     }
 
     /// The parts of a buffer; those beyond its end repeat its first element and are not read.
@@ -47,6 +55,8 @@ group! {
         colors: Parts<[f32; 4]>,
         /// Projected splats.
         splats: Parts<Splat>,
+        /// Their depths.
+        splat_depths: Parts<f32>,
         /// Their tilts.
         tilts: Parts<Tilt>,
     }
@@ -55,14 +65,20 @@ group! {
 impl<'a> Composing<'a> {
     /// The cloud, cut.
     pub fn new(cloud: &'a DeviceCloud, cut: Cut) -> Self {
-        let (colors, splats, tilts) = (cut.slices(&cloud.colors), cut.slices(&cloud.splats), cut.slices(&cloud.tilts));
-        Self { view: cloud.view(), colors, splats, tilts }
+        let (colors, tilts) = (cut.slices(&cloud.colors), cut.slices(&cloud.tilts));
+        let (splats, splat_depths) = (cut.slices(&cloud.splats), cut.slices(&cloud.splat_depths));
+        Self { view: cloud.view(), colors, splats, splat_depths, tilts }
     }
 }
 
 /// The variant of a stage that composes.
 pub fn variant(cut: Cut, footprint: Footprint, falloff: Falloff) -> Variant {
-    shape_variant(footprint, falloff).with("PARTS", cut.parts).with("PART_LENGTH", cut.len)
+    cut.apply_to(shape_variant(footprint, falloff))
+}
+
+/// The variant of a stage that reaches discs that face the viewer, and leaves their falloff to itself.
+pub fn disc_variant(cut: Cut) -> Variant {
+    cut.apply_to(Variant::plain().with("SHAPE", Footprint::Disc as u32))
 }
 
 /// The variant of a stage that composes splats which it reaches by itself.
@@ -97,10 +113,4 @@ pub(crate) fn shape_variants() -> Vec<Variant> {
 pub(crate) fn variants() -> Vec<Variant> {
     let choices = || <(Cut, Falloff)>::all().into_iter();
     DISCS.iter().flat_map(|disc| choices().map(move |(cut, falloff)| variant(cut, *disc, falloff))).collect()
-}
-
-/// What goes through tiles, in all cuts, as [`variant`] has it: without a falloff, which only blending asks for.
-pub(crate) fn tiled_variants() -> Vec<Variant> {
-    let cuts = || Cut::all().into_iter();
-    TILED.iter().flat_map(|shape| cuts().map(move |cut| variant(cut, *shape, Falloff::Flat))).collect()
 }

@@ -45,6 +45,8 @@ group! {
         tile_starts: Read<u32>,
         /// Large splats of the tiles.
         tile_entries: Read<u32>,
+        /// Depths of the chunk's splats.
+        splat_depths: Read<f32>,
     }
 }
 
@@ -61,6 +63,8 @@ group! {
         bounds: Read<Bounds>,
         /// Colors as blended, and opacities.
         colors: Read<[f32; 4]>,
+        /// Their depths.
+        splat_depths: Read<f32>,
     }
 }
 
@@ -167,6 +171,7 @@ impl<'a> Raster<'a> {
                 tilts: self.tilts(first, count),
                 bounds: cloud.bounds.slice(first, count),
                 colors: cloud.colors.slice(first, count),
+                splat_depths: cloud.splat_depths.slice(first, count),
             });
             let draw = Draw { vertices: Vertices::Count(6 * count as u32), area: [x1 - x0, y1 - y0], targets };
             recorder.draw(&pass, push(first as u32), variant, draw)?;
@@ -259,6 +264,7 @@ impl<'a> Raster<'a> {
             bounds: cloud.bounds.slice(first, count),
             tile_starts: self.tiles.starts_of(self.stats, chunk, self.window),
             tile_entries: self.tiles.entries_of(self.stats, chunk),
+            splat_depths: cloud.splat_depths.slice(first, count),
         }
     }
 }

@@ -405,8 +405,8 @@ fn long_lists_over_the_budget_are_counted_all_the_same() {
 
 #[test]
 fn small_bindings_change_no_byte() {
-    // 4 MiB hold 131 072 points or 262 144 footprints: three chunks, two of the parts that splats are reached by, and
-    // windows, since all splats are drawn. No tile has more than 2048 splats, so that none is composed in two runs.
+    // 4 MiB hold 262 144 splats: two chunks, and two of the parts that splats are reached by. No tile has more than 2048
+    // splats, so that none is composed in two runs.
     let points =
         scene(&[soup(24, 300_000, 0.0..0.005, 0.1..0.9, true), soup(25, 20, 0.2..0.6, 0.1..0.3, true)].concat());
     for discs in
@@ -417,7 +417,6 @@ fn small_bindings_change_no_byte() {
         for binding in [None, Some(4 << 20)] {
             with_device_that_binds(binding, |device| {
                 let found = rendered(device, &points, &frame);
-                assert_eq!(found.facts.windows > 1, binding.is_some(), "{:?}", found.facts);
                 images.push(bits(&found.image));
             });
         }

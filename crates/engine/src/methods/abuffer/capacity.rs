@@ -1,6 +1,6 @@
 //! How many fragments the memory has room for, and the bands of pixels that follow from it.
 
-use super::{ABuffer, Counted, FRAGMENT_BYTES, PIXEL_BYTES, RANK_BYTES, Storing, WindowJob, in_place_length};
+use super::{ABuffer, Counted, FRAGMENT_BYTES, INDEX_BYTES, PIXEL_BYTES, Storing, WindowJob, in_place_length};
 use crate::gpu::{self, Device};
 use crate::methods::Error;
 use crate::methods::engine::Work;
@@ -95,7 +95,7 @@ impl ABuffer {
 /// Buffers that a window's fragments need beside the fragment buffer.
 #[derive(Clone, Copy)]
 pub(super) struct Need {
-    /// Bytes of a fragment itself: ordered lists hold only ranks.
+    /// Bytes of a fragment itself: ordered lists hold only indices.
     fragment: u64,
     /// Room for the fragments once more.
     pub(super) spare: bool,
@@ -114,7 +114,7 @@ impl Need {
         let links = matches!(job.storing, Storing::Links);
         let sorted = matches!(job.storing, Storing::Ordered(..));
         let runs = !sorted && counted.lengths.in_long_lists > 0;
-        let fragment = if sorted { RANK_BYTES } else { FRAGMENT_BYTES };
+        let fragment = if sorted { INDEX_BYTES } else { FRAGMENT_BYTES };
         let segments = runs && job.storing.spheres().is_some_and(|spheres| spheres.kind.interior.is_integrated());
         let records = job.storing.spheres().is_some_and(|spheres| spheres.kind.interior == Interior::Packed);
         let spare = links || (runs && job.discs.long_lists == LongLists::Merge);

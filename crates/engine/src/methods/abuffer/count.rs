@@ -58,9 +58,8 @@ impl ABuffer {
         let whole = Band::whole(job.raster.window, 0);
         if let Storing::Ordered(bins, binned) = job.storing {
             let counts = counts.all();
-            let view = job.raster.cloud.view();
-            let tiles = bins.record_tiles(&mut recorder, view, binned)?;
-            tiles.record(&mut recorder, view, job.raster.window, &whole, |tiles| CountTiles { tiles, counts })?;
+            let tiles = bins.record_tiles(&mut recorder, job.raster.cloud, binned)?;
+            tiles.record(&mut recorder, job.raster.window, &whole, |tiles| CountTiles { tiles, counts })?;
         } else if let Some(spheres) = job.storing.spheres() {
             recorder.fill("abuffer/clear", self.spheres.get().all(), 0)?;
             recorder.fill("abuffer/clear", self.sphere_lengths.all(), 0)?;

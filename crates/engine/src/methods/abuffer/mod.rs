@@ -29,7 +29,7 @@ use super::engine::Work;
 use super::linked_list::{self, LinkedList};
 use super::soft::{Interior, Spheres};
 use super::{Error, Outcome, Timeline};
-use crate::gpu::shader::{SUBGROUPS, Shader};
+use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
 use crate::gpu::{Buffer, Device, Expected, Kept, Memory, Recorder};
 use crate::passes::bands::{self, Band, Budget, Window};
 use crate::passes::bin::{self, Binned, Bins};
@@ -44,7 +44,7 @@ pub const LOCAL_LENGTH: u32 = 256;
 /// Bytes of a fragment: depth key and splat index.
 pub const FRAGMENT_BYTES: u64 = 8;
 /// Bytes of a fragment of a list that is stored in order: the splat's rank.
-pub const RANK_BYTES: u64 = 4;
+pub const INDEX_BYTES: u64 = 4;
 /// Bytes per pixel of a window: count, offset, their share of the scan's levels, and place in the work list.
 pub const PIXEL_BYTES: u64 = 13;
 
@@ -255,11 +255,11 @@ impl ABuffer {
                 spheres.record_store(recorder, &job.raster, band, counts, to)?;
             }
             Storing::Ordered(bins, binned) => {
-                let (tiles, view) = (bins.tiles(binned), job.raster.cloud.view());
-                tiles.record(recorder, view, job.raster.window, band, |tiles| StoreTiles {
+                let tiles = bins.tiles(job.raster.cloud, binned);
+                tiles.record(recorder, job.raster.window, band, |tiles| StoreTiles {
                     tiles,
                     cursors: counts,
-                    ranks: fragments.cast(),
+                    indices: fragments.cast(),
                 })?;
             }
             Storing::Links => {
@@ -281,7 +281,7 @@ impl ABuffer {
 
 /// The passes with their variants.
 pub fn shaders() -> Vec<Shader> {
-    let gather = || SUBGROUPS.map(bin::gather_variant);
+    let gather = || Cut::all().into_iter().flat_map(|cut| SUBGROUPS.map(|size| bin::gather_variant(cut, size)));
     let mut all = vec![
         Shader::new::<Count>(raster::flat_variants()),
         Shader::new::<Store>(raster::flat_variants()),

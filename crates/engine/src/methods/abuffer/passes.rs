@@ -1,8 +1,7 @@
 //! The passes of the A-buffer, and the structs that they share with their shaders.
 
-use crate::passes::bin::{GatheringGroup, TilesPush};
+use crate::passes::bin::{TiledGroup, TilesPush};
 use crate::passes::compose::ComposingGroup;
-use crate::passes::project::View;
 use crate::passes::raster::{ChunkGroup, RasterPush};
 use crate::{gpu_struct, group, pass};
 
@@ -114,18 +113,18 @@ pass! {
     /// Counts the fragments of each pixel from ordered lists: one subgroup per tile, with its splats counted in
     /// registers.
     pub CountTiles(TilesPush) = "abuffer/count" in "abuffer/count_tiles" {
-        tiles: Shared<GatheringGroup>,
+        tiles: Shared<TiledGroup>,
         counts: ReadWrite<u32>,
     }
 }
 
 pass! {
-    /// Stores the ranks of a tile's splats in the ranges of its pixels, in the order of blending, by one subgroup per
+    /// Stores the indices of a tile's splats in the ranges of its pixels, in the order of blending, by one subgroup per
     /// tile.
     pub StoreTiles(TilesPush) = "abuffer/store" in "abuffer/store_tiles" {
-        tiles: Shared<GatheringGroup>,
+        tiles: Shared<TiledGroup>,
         cursors: ReadWrite<u32>,
-        ranks: ReadWrite<u32>,
+        indices: ReadWrite<u32>,
     }
 }
 
@@ -136,7 +135,6 @@ gpu_struct! {
         band_end: u32,
         first_fragment: u32,
         segment: u32,
-        nearest: u32,
         max_opacity: f32,
         max_color: f32,
     }
@@ -144,14 +142,11 @@ gpu_struct! {
 
 pass! {
     /// Blends each pixel's ordered list run by run of 256 until nothing behind can be seen. A dispatch takes 32 768
-    /// ranks.
+    /// indices.
     pub ResolveOrdered(OrderedPush) = "abuffer/resolve-ordered" in "abuffer/resolve_ordered" {
-        view: Uniform<View>,
+        splats: Shared<ComposingGroup>,
         offsets: Read<u32>,
-        ranks: Read<u32>,
-        records: Read<[u32; 2]>,
-        footprints: Read<[u32; 4]>,
-        colors: Read<[f32; 4]>,
+        indices: Read<u32>,
         image: ReadWrite<[f32; 4]>,
         depths: ReadWrite<f32>,
     }

@@ -12,8 +12,8 @@ use super::{Error, Facts, Outcome, Target};
 use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Pass, Recorder, Run, Variant};
 use crate::passes::bands::{self, Budget};
-use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
-use crate::passes::compose;
+use crate::passes::bin::{self, Bin, Binned, Bins, TileWalk, TiledGroup};
+use crate::passes::compose::{self, Cut};
 use crate::passes::project::{DISCS, Footprint};
 use crate::scene::{DiscShape, Discs, Falloff};
 use crate::{gpu_struct, group, pass};
@@ -49,7 +49,7 @@ pass! {
     /// Sums the splats of a tile with weights that fall with depth: one subgroup per block of a tile keeps the sums of
     /// its pixels in registers and finds the pixels from them. A run takes 2048 splats, and the next goes on from the sums.
     pub Weighted(SumPush) = "weighted/accumulate" in "approximate/weighted" {
-        tiles: Shared<FoldingGroup>,
+        tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
     }
 }
@@ -57,7 +57,7 @@ pass! {
 pass! {
     /// Averages the colors of the splats over each pixel, as `weighted/accumulate` goes through a tile.
     pub Average(SumPush) = "average/accumulate" in "approximate/average" {
-        tiles: Shared<FoldingGroup>,
+        tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
     }
 }
@@ -65,7 +65,7 @@ pass! {
 pass! {
     /// Blends the splats of each pixel in the order of the files, as `weighted/accumulate` goes through a tile.
     pub Unsorted(SumPush) = "unsorted/accumulate" in "approximate/unsorted" {
-        tiles: Shared<FoldingGroup>,
+        tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
     }
 }
@@ -73,7 +73,7 @@ pass! {
 pass! {
     /// Composes the first `k` fragments of each pixel front to back and sums the others, over flat discs.
     pub HybridFlat(HybridPush) = "hybrid/accumulate" in "approximate/hybrid" {
-        tiles: Shared<FoldingGroup>,
+        tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
     }
 }
@@ -82,7 +82,7 @@ pass! {
     /// Keeps the 8 nearest fragments of each pixel in slots by insertion, over oriented discs: one subgroup per block of
     /// a tile. It runs once for every 8 of `k`; fragments that fall out in the last round are summed.
     pub HybridOriented(SumPush) = "hybrid/accumulate" in "approximate/hybrid_oriented" {
-        tiles: Shared<FoldingGroup>,
+        tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
         lasts: ReadWrite<[u32; 2]>,
         slots: ReadWrite<[u32; 4]>,
@@ -244,10 +244,10 @@ impl Approximations {
         rounds: &[u32],
         target: &'a Target,
     ) -> Result<(), Error> {
-        let view = job.bin.raster.cloud.view();
-        let tiles = bins.record_tiles(recorder, view, binned)?.folding(view);
+        let tiles = bins.record_tiles(recorder, job.bin.raster.cloud, binned)?.tiled;
         let sums = Sums { image: target.image(), depths: target.depths(), kept: self.state.get().all() };
-        let stage = Stage { shape: compose::shape_variant(job.bin.raster.footprint, job.discs.falloff), binned };
+        let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.discs.falloff);
+        let stage = Stage { shape, binned };
         match job.kind {
             Kind::Weighted => stage.record(recorder, &Weighted { tiles, sums }),
             Kind::Average => stage.record(recorder, &Average { tiles, sums }),
@@ -354,8 +354,8 @@ pub fn least_bytes(name: &str, facts: &Facts, kind: Kind, tilted: bool, pixels: 
         Kind::Hybrid(k) if tilted => rounds(k).len() as u64,
         _ => 1,
     };
-    // Rank, then record, footprint and color.
-    let splat = 4 + 8 + 16 + 16 + if tilted { 16 } else { 0 };
+    // Index, then splat, depth and color.
+    let splat = 4 + 16 + 4 + 16 + if tilted { 16 } else { 0 };
     Some(rounds * (facts.tile_entries * splat + pixels * 20))
 }
 
@@ -366,8 +366,8 @@ fn variants(footprint: Footprint, of: impl Fn(Variant, OneRun) -> Vec<Variant>) 
         .flat_map(|(number, of)| SUBGROUPS.map(|subgroup| OneRun { number, of, subgroup }))
         .collect();
     let mut all = Vec::new();
-    for falloff in Falloff::all() {
-        let shape = compose::shape_variant(footprint, falloff);
+    for (cut, falloff) in <(Cut, Falloff)>::all() {
+        let shape = compose::variant(cut, footprint, falloff);
         runs.iter().for_each(|run| all.extend(of(shape.clone(), *run)));
     }
     all
@@ -416,10 +416,10 @@ mod tests {
     fn least_bytes_by_hand() {
         let facts = Facts { tile_entries: 20, ..Facts::default() };
         let of = |kind, tilted| least_bytes("hybrid/accumulate", &facts, kind, tilted, 100);
-        assert_eq!(of(Kind::Average, false), Some(20 * 44 + 2000));
+        assert_eq!(of(Kind::Average, false), Some(20 * 40 + 2000));
         let hybrid = Kind::Hybrid(9);
-        assert_eq!(of(hybrid, false), Some(20 * 44 + 2000));
-        assert_eq!(of(hybrid, true), Some(2 * (20 * 60 + 2000)));
+        assert_eq!(of(hybrid, false), Some(20 * 40 + 2000));
+        assert_eq!(of(hybrid, true), Some(2 * (20 * 56 + 2000)));
         assert_eq!(least_bytes("sorted/blend", &facts, hybrid, true, 100), None);
     }
 }

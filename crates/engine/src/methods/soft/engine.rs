@@ -201,7 +201,7 @@ impl Engine for ExpressEngine {
         }
         // The number of solid splats is unknown.
         let known = pass.facts.solid_points == 0 || ["bin/pick", "bin/place"].contains(&pass.name);
-        pass.projected(false).or_else(|| tiled::binned_bytes(pass, false).filter(|_| known))
+        pass.projected(false).or_else(|| tiled::binned_bytes(pass).filter(|_| known))
     }
 
     fn explain(&self, plan: &mut Plan<'_>) {

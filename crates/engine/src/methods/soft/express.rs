@@ -10,8 +10,8 @@ use crate::methods::engine::Work;
 use crate::methods::sorted::{self, STOP_NEVER, STOPS};
 use crate::methods::{Error, Frame, Outcome, Target};
 use crate::passes::bands;
-use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
-use crate::passes::project::Footprint;
+use crate::passes::bin::{self, Bin, Binned, Bins, TileWalk, TiledGroup};
+use crate::passes::compose::{self, Cut};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
@@ -28,7 +28,7 @@ pass! {
     /// them from lane to lane and keeps pixels in registers. A run takes 2048 splats, and the next goes on from the
     /// image.
     pub Express(ExpressPush) = "soft/express" {
-        tiles: Shared<FoldingGroup>,
+        tiles: Shared<TiledGroup>,
         solid: Read<f32>,
         image: ReadWrite<[f32; 4]>,
         depths: ReadWrite<f32>,
@@ -133,7 +133,7 @@ impl SoftDiscs {
         let cloud = job.bin.raster.cloud;
         // Without solid points the shader does not look at their depths.
         let solid = job.layer.map_or(cloud.fields.all(), Layer::depths);
-        let tiles = bins.record_tiles(recorder, cloud.view(), binned)?.folding(cloud.view());
+        let tiles = bins.record_tiles(recorder, cloud, binned)?.tiled;
         let counts = self.counts.get().all();
         let express = Express { tiles, solid, image: target.image(), depths: target.depths(), counts };
         let (stop, max_color) = sorted::stop(frame.stop, frame.color, job.max_color);
@@ -142,7 +142,7 @@ impl SoftDiscs {
             let (modulated, counted) = (job.modulated, frame.fragments);
             let kind = ExpressKind { stop, cut: job.layer.is_some(), modulated, counted, later: segment > 0 };
             let run = Run::new(Dispatch::Groups(binned.tiles().into()));
-            recorder.run(&express, push, &run.variant(express_variant(kind, binned.subgroup())))?;
+            recorder.run(&express, push, &run.variant(express_variant(binned.cut(), kind, binned.subgroup())))?;
         }
         Ok(())
     }
@@ -164,8 +164,8 @@ pub(crate) struct ExpressKind {
 }
 
 /// A variant of `soft/express`.
-fn express_variant(kind: ExpressKind, subgroup: u32) -> Variant {
-    let flat = Variant::plain().with("SHAPE", Footprint::Disc as u32);
+fn express_variant(cut: Cut, kind: ExpressKind, subgroup: u32) -> Variant {
+    let flat = compose::disc_variant(cut);
     bin::fold_variant(flat, kind.later, subgroup)
         .with("STOP", if kind.counted { STOP_NEVER } else { kind.stop })
         .with("CUT", u32::from(kind.cut))
@@ -179,7 +179,9 @@ pub(super) fn shaders() -> Vec<Shader> {
     let kinds = flags.iter().flat_map(|((cut, modulated), (counted, later))| {
         STOPS.map(|stop| ExpressKind { stop, cut: *cut, modulated: *modulated, counted: *counted, later: *later })
     });
-    vec![Shader::new::<Express>(kinds.flat_map(|kind| SUBGROUPS.map(|size| express_variant(kind, size))))]
+    let sized = kinds.flat_map(|kind| SUBGROUPS.map(|size| (kind, size)));
+    let cut = |(kind, size)| Cut::all().into_iter().map(move |cut| express_variant(cut, kind, size));
+    vec![Shader::new::<Express>(sized.flat_map(cut))]
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use super::{Error, Frame, Outcome, Target};
 use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
 use crate::gpu::{Dispatch, Recorder, Run, Variant};
 use crate::passes::bands;
-use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
+use crate::passes::bin::{self, Bin, Binned, Bins, TileWalk, TiledGroup};
 use crate::passes::compose;
 use crate::scene::{ColorSpace, Discs};
 use crate::{gpu_struct, pass};
@@ -31,7 +31,7 @@ pass! {
     /// Composes the splats of a tile front to back: one subgroup per block of a tile hands them from lane to lane and
     /// keeps pixels in registers. A run takes 2048 splats; runs are joined.
     pub Blend(BlendPush) = "sorted/blend" {
-        tiles: Shared<FoldingGroup>,
+        tiles: Shared<TiledGroup>,
         image: ReadWrite<[f32; 4]>,
         depths: ReadWrite<f32>,
     }
@@ -94,10 +94,10 @@ fn record_blend<'a>(
     target: &'a Target,
 ) -> Result<(), Error> {
     let cloud = job.bin.raster.cloud;
-    let tiles = bins.record_tiles(recorder, cloud.view(), binned)?.folding(cloud.view());
+    let tiles = bins.record_tiles(recorder, cloud, binned)?.tiled;
     let blend = Blend { tiles, image: target.image(), depths: target.depths() };
     let (stop, max_color) = stop(frame.stop, frame.color, job.max_color);
-    let shape = compose::shape_variant(job.bin.raster.footprint, job.discs.falloff);
+    let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.discs.falloff);
     for segment in 0..binned.segments() {
         let push = BlendPush { walk: binned.walk(segment), max_opacity: cloud.max_opacity(), max_color };
         let variant = blend_variant(shape.clone(), stop, segment > 0, binned.subgroup());
@@ -139,8 +139,7 @@ fn blend_variant(shape: Variant, stop: u32, later: bool, subgroup: u32) -> Varia
 /// The passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let mut variants = Vec::new();
-    for (shape, later) in
-        compose::shape_variants().iter().flat_map(|shape| bool::all().into_iter().map(move |l| (shape, l)))
+    for (shape, later) in compose::variants().iter().flat_map(|shape| bool::all().into_iter().map(move |l| (shape, l)))
     {
         for (stop, subgroup) in STOPS.iter().flat_map(|stop| SUBGROUPS.map(|size| (*stop, size))) {
             variants.push(blend_variant(shape.clone(), stop, later, subgroup));

@@ -57,7 +57,7 @@ impl Engine for SplatsEngine {
         let binned = Facts { bands: pass.facts.splatted, ..pass.facts.clone() };
         let binned = PassRuns { facts: &binned, ..*pass };
         let own = || least_bytes(pass.name, pass.facts, pass.is_tilted(tilted), pass.pixels());
-        pass.projected(tilted).or_else(|| tiled::binned_bytes(&binned, tilted)).or_else(own)
+        pass.projected(tilted).or_else(|| tiled::binned_bytes(&binned)).or_else(own)
     }
 
     fn explain(&self, plan: &mut Plan<'_>) {

@@ -20,9 +20,9 @@ use super::{Error, Facts, Outcome, Pixels};
 use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::bands;
-use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
-use crate::passes::compose;
-use crate::passes::project::{Footprint, TILED};
+use crate::passes::bin::{self, Bin, Binned, Bins, TileWalk, TiledGroup};
+use crate::passes::compose::{self, Cut};
+use crate::passes::project::{Bounds, Footprint, TILED};
 use crate::scene::Falloff;
 use crate::{gpu_struct, pass};
 
@@ -38,8 +38,8 @@ pass! {
     /// Finds the nearest depth of each pixel, and the least z + `blend_depth` · r, behind which fragments are hidden:
     /// one subgroup per 8 × 8 block of a tile. A run takes 2048 splats, and the next goes on from there.
     pub Visibility(SplatsPush) = "splats/visibility" {
-        tiles: Shared<FoldingGroup>,
-        rectangles: Read<[u32; 2]>,
+        tiles: Shared<TiledGroup>,
+        bounds: Read<Bounds>,
         layer: Read<f32>,
         limits: ReadWrite<f32>,
         depths: ReadWrite<f32>,
@@ -49,8 +49,8 @@ pass! {
 pass! {
     /// Visits the same splats again, and sums w c and w of the fragments that are not hidden, w = exp(−2ρ²).
     pub Attributes(SplatsPush) = "splats/attributes" {
-        tiles: Shared<FoldingGroup>,
-        rectangles: Read<[u32; 2]>,
+        tiles: Shared<TiledGroup>,
+        bounds: Read<Bounds>,
         layer: Read<f32>,
         limits: Read<f32>,
         image: ReadWrite<[f32; 4]>,
@@ -142,18 +142,19 @@ impl Splatter {
         into: Pixels<'a>,
     ) -> Result<(), Error> {
         let raster = job.bin.raster;
-        let ordered = bins.record_tiles(recorder, raster.cloud.view(), binned)?;
-        let (tiles, rectangles) = (ordered.folding(raster.cloud.view()), ordered.rectangles);
+        let ordered = bins.record_tiles(recorder, raster.cloud, binned)?;
+        let (tiles, bounds) = (ordered.tiled, ordered.bounds);
         let limits = self.limits.get().all();
         // Without a layer nothing is read from there.
         let layer = job.layer.unwrap_or(into.depths);
-        let visibility = Visibility { tiles, rectangles, layer, limits, depths: into.depths };
+        let visibility = Visibility { tiles, bounds, layer, limits, depths: into.depths };
         let (image, excess) = (into.image, self.excess.get().all());
-        let attributes = Attributes { tiles, rectangles, layer, limits, image, excess };
+        let attributes = Attributes { tiles, bounds, layer, limits, image, excess };
         let run = |number: u32| OneRun {
             later: number > 0,
             kept: binned.region_segments() > 1,
             behind: job.layer.is_some(),
+            cut: binned.cut(),
             subgroup: binned.subgroup(),
         };
         let over = |number: u32| (SplatsPush { walk: binned.walk(number), blend_depth: job.blend_depth }, run(number));
@@ -199,6 +200,8 @@ pub struct OneRun {
     pub kept: bool,
     /// True if only fragments behind a layer count.
     pub behind: bool,
+    /// How splats are reached.
+    pub cut: Cut,
     /// The subgroup size.
     pub subgroup: u32,
 }
@@ -206,7 +209,7 @@ pub struct OneRun {
 impl OneRun {
     /// The variant of `splats/visibility`.
     fn visibility(self, footprint: Footprint) -> Variant {
-        let shape = compose::shape_variant(footprint, Falloff::Flat);
+        let shape = compose::variant(self.cut, footprint, Falloff::Flat);
         bin::region_variant(shape, self.later, self.subgroup).with("BEHIND", u32::from(self.behind))
     }
 
@@ -219,8 +222,8 @@ impl OneRun {
 /// Bytes that a pass must at least read and write: of splats each pair with a tile in each of two passes, `tilted` whether they are
 /// oriented; and the pixels of so many `windows`.
 pub fn least_bytes(name: &str, facts: &Facts, tilted: bool, pixels: u64) -> Option<u64> {
-    // Rank, then record, footprint and tilt.
-    let splat = 4 + 8 + 16 + if tilted { 16 } else { 0 };
+    // Index, then splat, depth and tilt.
+    let splat = 4 + 16 + 4 + if tilted { 16 } else { 0 };
     match name {
         "splats/visibility" => Some(facts.tile_entries * splat + pixels * 8),
         "splats/attributes" => Some(facts.tile_entries * (splat + 16) + pixels * 20),
@@ -232,9 +235,10 @@ pub fn least_bytes(name: &str, facts: &Facts, tilted: bool, pixels: u64) -> Opti
 /// The passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let runs = || {
-        let choices = <(bool, (bool, bool))>::all().into_iter();
-        let sized = choices
-            .flat_map(|(later, (kept, behind))| SUBGROUPS.map(|subgroup| OneRun { later, kept, behind, subgroup }));
+        let choices = <((bool, bool), (bool, Cut))>::all().into_iter();
+        let sized = choices.flat_map(|((later, kept), (behind, cut))| {
+            SUBGROUPS.map(|subgroup| OneRun { later, kept, behind, cut, subgroup })
+        });
         sized.flat_map(|run| TILED.map(|shape| (run, shape)))
     };
     vec![
@@ -251,11 +255,11 @@ mod tests {
     #[test]
     fn least_bytes_by_hand() {
         let facts = Facts { tile_entries: 20, ..Facts::default() };
-        // Rank, record and footprint; limit and depth of each pixel.
-        assert_eq!(least_bytes("splats/visibility", &facts, false, 10), Some(20 * 28 + 10 * 8));
-        assert_eq!(least_bytes("splats/visibility", &facts, true, 10), Some(20 * 44 + 10 * 8));
+        // Index, splat and depth; limit and depth of each pixel.
+        assert_eq!(least_bytes("splats/visibility", &facts, false, 10), Some(20 * 24 + 10 * 8));
+        assert_eq!(least_bytes("splats/visibility", &facts, true, 10), Some(20 * 40 + 10 * 8));
         // Colors too; the limit is read, a sum written.
-        assert_eq!(least_bytes("splats/attributes", &facts, true, 10), Some(20 * 60 + 10 * 20));
+        assert_eq!(least_bytes("splats/attributes", &facts, true, 10), Some(20 * 56 + 10 * 20));
         assert_eq!(least_bytes("splats/normalise", &facts, true, 10), Some(10 * 32));
         assert_eq!(least_bytes("opaque/nearest", &facts, true, 10), None);
     }

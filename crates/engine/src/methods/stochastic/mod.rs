@@ -238,8 +238,8 @@ impl Sampler {
                 for batch in batches(job.settings.samples) {
                     recorder = device.recorder()?;
                     let tiles = match batch.before {
-                        0 => bins.record_tiles(&mut recorder, job.bin.raster.cloud.view(), binned)?,
-                        _ => bins.tiles(binned),
+                        0 => bins.record_tiles(&mut recorder, job.bin.raster.cloud, binned)?,
+                        _ => bins.tiles(job.bin.raster.cloud, binned),
                     };
                     self.record_tiles(&mut recorder, job, tiles, batch, target)?;
                     self.record_gather(&mut recorder, job, batch, target)?;

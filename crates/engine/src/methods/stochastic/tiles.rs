@@ -4,8 +4,9 @@ use super::{Batch, Kind, STRATA, Sampler, WindowJob};
 use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
 use crate::gpu::{Dispatch, Recorder, Run, Variant};
 use crate::methods::{Error, Target};
-use crate::passes::bin::{self, FoldingGroup, OrderedTiles, TileWalk};
+use crate::passes::bin::{self, OrderedTiles, TileWalk, TiledGroup};
 use crate::passes::compose;
+use crate::passes::project::Bounds;
 use crate::random::{self, STRATA_OF_A_CALL, STRATUM};
 use crate::{gpu_struct, pass};
 
@@ -25,8 +26,8 @@ pass! {
     /// Finds the nearest fragment that covers each sample, for up to 4 strata: one subgroup per 8 × 8 block of a tile
     /// hands the splats that touch it to its regions of one pixel per invocation.
     pub Visibility(StochasticPush) = "stochastic/visibility" {
-        tiles: Shared<FoldingGroup>,
-        rectangles: Read<[u32; 2]>,
+        tiles: Shared<TiledGroup>,
+        bounds: Read<Bounds>,
         held_keys: ReadWrite<[u32; 4]>,
         held_indices: ReadWrite<[u32; 4]>,
     }
@@ -36,8 +37,8 @@ pass! {
     /// Visits the splats of `stochastic/visibility` again, and sums α c and α over the samples where each is visible.
     /// With the first strata it also finds the exact A.
     pub Accumulate(StochasticPush) = "stochastic/accumulate" {
-        tiles: Shared<FoldingGroup>,
-        rectangles: Read<[u32; 2]>,
+        tiles: Shared<TiledGroup>,
+        bounds: Read<Bounds>,
         held_keys: Read<[u32; 4]>,
         held_indices: Read<[u32; 4]>,
         sums: ReadWrite<[f32; 4]>,
@@ -65,21 +66,19 @@ impl Sampler {
         batch: Batch,
         target: &'a Target,
     ) -> Result<(), Error> {
-        let cloud = job.bin.raster.cloud;
         let (held_keys, held_indices) = (self.keys.get().all(), self.indices.get().all());
-        let folding = tiles.folding(cloud.view());
-        let visibility = Visibility { tiles: folding, rectangles: tiles.rectangles, held_keys, held_indices };
+        let visibility = Visibility { tiles: tiles.tiled, bounds: tiles.bounds, held_keys, held_indices };
         let accumulate = Accumulate {
-            tiles: folding,
-            rectangles: tiles.rectangles,
+            tiles: tiles.tiled,
+            bounds: tiles.bounds,
             held_keys,
             held_indices,
             sums: self.sums.get().all(),
             exact: self.exact.get().all(),
             depths: target.depths(),
         };
-        let shape = compose::shape_variant(job.bin.raster.footprint, job.settings.discs.falloff);
         let binned = tiles.binned;
+        let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.settings.discs.falloff);
         let runs = |segment: u32| {
             let push = push(job, binned.walk(segment), batch);
             (push, tile_variant(shape.clone(), batch.strata, segment > 0, binned.subgroup()))
@@ -108,8 +107,7 @@ fn push(job: &WindowJob<'_>, walk: TileWalk, Batch { before, left, .. }: Batch) 
 
 /// The passes with their variants.
 pub(super) fn shaders() -> Vec<Shader> {
-    let later =
-        compose::shape_variants().into_iter().flat_map(|shape| [false, true].map(|later| (shape.clone(), later)));
+    let later = compose::variants().into_iter().flat_map(|shape| [false, true].map(|later| (shape.clone(), later)));
     let sized: Vec<_> = later.flat_map(|(shape, later)| SUBGROUPS.map(|size| (shape.clone(), later, size))).collect();
     let tiles: Vec<Variant> = sized
         .into_iter()

@@ -1,10 +1,11 @@
 //! How the splats of a window are binned: its tiles, and the runs of splats that subgroups take.
 
 use super::passes::{TilePush, TileWalk};
-use super::{Job, RECORD_BYTES, order_bytes, splat_bytes};
+use super::{Job, RECORD_BYTES, order_bytes};
 use crate::gpu::Device;
 use crate::passes::Error;
-use crate::passes::bands::{self, Budget, Window};
+use crate::passes::bands::{Budget, Window};
+use crate::passes::compose::Cut;
 use crate::passes::project::Stats;
 use crate::passes::radix::Runs;
 use crate::passes::raster::Raster;
@@ -16,8 +17,8 @@ pub(super) const TILE_SIDE: u32 = 16;
 pub(super) const BLOCK_SIDE: u32 = 8;
 /// Blocks of a tile.
 pub(super) const BLOCKS: u32 = (TILE_SIDE / BLOCK_SIDE).pow(2);
-/// Bits of an entry that hold a splat's rank; the others say which blocks of its tile the splat's rectangle meets.
-pub(super) const RANK_BITS: u32 = 32 - BLOCKS;
+/// Bits of an entry that hold a splat's index; the others say which blocks of its tile the splat's rectangle meets.
+pub(super) const INDEX_BITS: u32 = 32 - BLOCKS;
 /// Tiles along the side of a block of tiles that one subgroup walks, where splats meet very many.
 const WALK_BLOCK: u32 = 32;
 /// Most iterations of an invocation that walks tiles: below what one driver allows (65 535).
@@ -40,6 +41,8 @@ const LEAST_RUN: u64 = 128;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Binning {
     pub(super) drawn: u64,
+    /// How stages reach splats.
+    pub(super) cut: Cut,
     pub(super) runs: Runs,
     pub(super) columns: u32,
     rows: u32,
@@ -56,8 +59,9 @@ impl Binning {
         let subgroup = info.subgroup.ok_or_else(|| Error::NoSubgroups { device: info.name.clone() })?;
         let Raster { stats, window, .. } = job.raster;
         let drawn: u64 = stats.iter().map(|s| u64::from(s.visible)).sum();
+        let cut = Cut::new(device, job.raster.cloud.len())?;
         let binning = || Self::new(info.prefers.concurrent_runs, window, drawn, Stats::extent(stats), subgroup);
-        Ok((drawn > 0).then(binning))
+        Ok((drawn > 0).then(|| Self { cut, ..binning() }))
     }
 
     /// Plans the binning of `drawn` splats, each over at most `extent` columns and rows of pixels.
@@ -74,7 +78,7 @@ impl Binning {
         // Each run has a counter of each tile: more of them than a few for each splat would cost more than they help.
         let affordable = COUNTERS_PER_SPLAT * drawn / (u64::from(columns) * u64::from(rows)).max(1);
         let runs = Runs::new(concurrent.min(affordable.max(LEAST_RUNS)), drawn, SHORTEST_RUN.min(longest), longest);
-        Self { drawn, runs, columns, rows, block, met_tiles, subgroup }
+        Self { drawn, cut: Cut::WHOLE, runs, columns, rows, block, met_tiles, subgroup }
     }
 
     pub(super) fn tiles(&self) -> u64 {
@@ -108,11 +112,11 @@ impl Binning {
     /// Bytes left for the tiles' entries; `None` if the window must be cut.
     pub(super) fn left(&self, device: &Device, job: &Job<'_>) -> Result<Option<u64>, Error> {
         let (points, binding) = (job.raster.cloud.len(), device.limits().binding_bytes);
-        if points * RECORD_BYTES > binding {
-            return Err(Error::TooManyPoints { points, limit: binding / RECORD_BYTES });
+        let most = (binding / RECORD_BYTES).min(1 << INDEX_BITS);
+        if points > most {
+            return Err(Error::TooManyPoints { points, limit: most });
         }
-        let each = splat_bytes(job.raster.cloud);
-        let splats = |drawn: u64| order_bytes(device, job.order, points, drawn) + drawn * each;
+        let splats = |drawn: u64| order_bytes(device, job.order, points, drawn);
         let table = |cells: u64| cells * 8 + Scan::bytes(cells);
         // However small the window, there is a tile with all of its splats.
         let least = |drawn: u64| splats(drawn) + table(drawn / LEAST_RUN + 2) + drawn * 4;
@@ -126,11 +130,7 @@ impl Binning {
         let used = splats(self.drawn) + table(cells);
         // `bin/tile-count` visits the tiles of a splat one by one.
         let met = u64::from(self.met_tiles[0]) * u64::from(self.met_tiles[1]);
-        let most = (binding / 16).min(1 << RANK_BITS);
-        let fits = cells * 4 <= binding && self.drawn <= most && met <= MOST_ITERATIONS;
-        if !fits && bands::pixels(job.raster.window) == 1 {
-            return Err(Error::TooManyPoints { points: self.drawn, limit: most });
-        }
+        let fits = cells * 4 <= binding && met <= MOST_ITERATIONS;
         Ok((fits && used <= available).then(|| (available - used).min(binding)))
     }
 }
@@ -141,8 +141,6 @@ pub struct Binned {
     pub(super) binning: Binning,
     /// Which of the buffers of records holds the sorted ones.
     pub(super) records: usize,
-    /// Key of the nearest depth.
-    pub nearest: u32,
     /// Pairs of splat and tile.
     pub(super) entries: u32,
     /// Splats of the tile with most of them.
@@ -157,7 +155,6 @@ impl Binned {
             first_tile: 0,
             tiles: self.tiles(),
             runs: self.binning.runs.runs,
-            nearest: self.nearest,
             segment,
         }
     }
@@ -180,6 +177,11 @@ impl Binned {
     /// Pairs of a splat and a tile that it meets.
     pub fn entries(&self) -> u64 {
         self.entries.into()
+    }
+
+    /// How stages reach splats by their indices.
+    pub fn cut(&self) -> Cut {
+        self.binning.cut
     }
 
     /// The subgroup size of stages that go through the tiles.

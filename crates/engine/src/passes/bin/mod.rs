@@ -1,5 +1,6 @@
 //! Binning: the drawn splats of a window put into an order, and into a list for each 16 × 16 tile that their rectangles meet,
-//! in that order. Stages that go through the lists have their pixels for themselves, and need no atomics.
+//! in that order. Stages that go through the lists have their pixels for themselves, and need no atomics. Lists hold indices:
+//! splats themselves stay in canonical order, in which those of a tile lie close together, so that caches serve them.
 //!
 //! The sort is stable and points come in canonical order, so that the lists follow from the points alone.
 
@@ -17,20 +18,20 @@ pub(crate) use ordered_tiles::{fold_blocks_variant, fold_variant, gather_variant
 pub use passes::*;
 pub use sort::{order_runs, sort_bytes};
 
-use self::binning::{BLOCK_SIDE, Binning, RANK_BITS, TILE_SIDE};
-use self::keys::{ORDER_DEPTH, ORDER_INDEX, depth_keys, keys_variant};
-use self::sort::{order_bytes, presorted_variant, splat_bytes};
+use self::binning::{BLOCK_SIDE, Binning, INDEX_BITS, TILE_SIDE};
+use self::keys::{ORDER_DEPTH, ORDER_INDEX, keys_variant};
+use self::sort::{order_bytes, presorted_variant};
 use self::tile_lists::store_variant;
 use super::Error;
 use super::bands::Budget;
-use super::compose;
-use super::project::{DeviceCloud, View};
+use super::compose::Composing;
+use super::project::DeviceCloud;
 use super::radix::Radix;
 use super::raster::Raster;
 use super::scan::Scan;
 use super::timeline::Timeline;
 use crate::gpu::shader::{SUBGROUPS, Shader};
-use crate::gpu::{Buffer, Device, Kept, Memory, Recorder, Slice};
+use crate::gpu::{Buffer, Device, Kept, Memory, Recorder};
 use crate::prepare::axes::Axis;
 
 /// The order of splats in tiles.
@@ -71,10 +72,6 @@ pub struct Job<'a> {
 pub struct Bins {
     radix: Radix,
     records: [Kept<[u32; 2]>; 2],
-    footprints: Kept<[u32; 4]>,
-    colors: Kept<[f32; 4]>,
-    slopes: Kept<[f32; 4]>,
-    rectangles: Kept<[u32; 2]>,
     counts: Kept<u32>,
     cursors: Kept<u32>,
     scan: Option<Scan>,
@@ -113,10 +110,6 @@ impl Bins {
         Ok(Self {
             radix: Radix::new(device)?,
             records: [records("sort records"), records("sort records, moved")],
-            footprints: Kept::new("ordered footprints", Memory::Device),
-            colors: Kept::new("ordered colors", Memory::Device),
-            slopes: Kept::new("ordered tilts", Memory::Device),
-            rectangles: Kept::new("ordered rectangles", Memory::Device),
             counts: Kept::new("tile counts by run", Memory::Device),
             cursors: Kept::new("tile cursors by run", Memory::Device),
             scan: None,
@@ -138,11 +131,11 @@ impl Bins {
     pub fn record_tiles<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        view: Slice<'a, View>,
+        cloud: &'a DeviceCloud,
         binned: Binned,
     ) -> Result<OrderedTiles<'a>, Error> {
-        self.record_tile_store(recorder, view, &binned.binning)?;
-        Ok(self.tiles(binned))
+        self.record_tile_store(recorder, cloud, &binned)?;
+        Ok(self.tiles(cloud, binned))
     }
 
     /// Sorts a window's splats and counts those of each tile; `None` if the window must be cut.
@@ -160,8 +153,7 @@ impl Bins {
             Order::Along(axis) => self.record_pick(&mut recorder, device, job, axis, binning.subgroup)?,
             _ => self.record_sort(&mut recorder, device, job, binning.subgroup)?,
         };
-        self.record_gather(&mut recorder, device, job, binning.drawn, self.records[last].get().all())?;
-        self.record_tile_count(&mut recorder, job, &binning)?;
+        self.record_tile_count(&mut recorder, job, &binning, last)?;
         timeline.submit(recorder, "bin/sort and count")?;
         let words = self.summary.mapped_slice();
         let [overflow, entries, longest] = [words[0], words[1], words[2]];
@@ -169,41 +161,36 @@ impl Bins {
             return Ok(None);
         }
         self.entries.reserve_within(device, u64::from(entries).max(1), left / 4)?;
-        Ok(Some(Binned { binning, records: last, nearest: depth_keys(job.depth_range)[0], entries, longest }))
+        Ok(Some(Binned { binning, records: last, entries, longest }))
     }
 
     /// A binned window's tiles, for stages behind [`Self::record_tiles`].
-    pub fn tiles(&self, binned: Binned) -> OrderedTiles<'_> {
-        OrderedTiles {
-            binned,
-            ends: self.cursors.get().slice(0, binned.binning.cells()),
+    pub fn tiles<'a>(&'a self, cloud: &'a DeviceCloud, binned: Binned) -> OrderedTiles<'a> {
+        let tiled = Tiled {
+            splats: Composing::new(cloud, binned.cut()),
+            ends: self.cursors.get().slice(0, binned.cells()),
             entries: self.entries.get().all(),
-            records: self.records[binned.records].get().all(),
-            footprints: self.footprints.get().all(),
-            colors: self.colors.get().all(),
-            slopes: self.slopes.get().all(),
-            rectangles: self.rectangles.get().all(),
-        }
+        };
+        OrderedTiles { binned, tiled, bounds: cloud.bounds.all() }
     }
 
     /// Device bytes that sorting a window's splats takes, tiles not counted.
     pub fn least_bytes(device: &Device, job: &Job<'_>) -> u64 {
         let (cloud, drawn) = (job.raster.cloud, job.raster.stats.iter().map(|s| u64::from(s.visible)).sum::<u64>());
-        order_bytes(device, job.order, cloud.len(), drawn) + drawn * splat_bytes(cloud)
+        order_bytes(device, job.order, cloud.len(), drawn)
     }
 
     /// The same where every point is drawn.
     pub fn most_bytes(device: &Device, cloud: &DeviceCloud) -> u64 {
-        sort_bytes(device, cloud.len()) + cloud.len() * splat_bytes(cloud)
+        sort_bytes(device, cloud.len())
     }
 
     /// Device bytes of the buffers that hold a binned window.
     pub fn bytes(&self) -> u64 {
         let records: u64 = self.records.iter().map(|r| r.bytes()).sum();
-        let splats = self.footprints.bytes() + self.colors.bytes() + self.slopes.bytes() + self.rectangles.bytes();
         let tiles = self.counts.bytes() + self.cursors.bytes() + self.entries.bytes();
         let scan = self.scan.as_ref().map_or(0, |s| Scan::bytes(s.capacity()));
-        records + splats + tiles + scan + self.radix.kept_bytes()
+        records + tiles + scan + self.radix.kept_bytes()
     }
 
     /// Decides how a window is binned; sorts nothing.
@@ -224,10 +211,6 @@ impl Bins {
             self.radix.reserve(device, points)?;
             0
         };
-        self.footprints.reserve(device, binning.drawn)?;
-        self.colors.reserve(device, binning.drawn)?;
-        self.slopes.reserve(device, if job.raster.cloud.has_normals() { binning.drawn } else { 1 })?;
-        self.rectangles.reserve(device, binning.drawn)?;
         // The counters of a presorted order's runs are done with before those of tiles.
         let cells = binning.cells().max(picked);
         self.counts.reserve(device, cells)?;
@@ -245,7 +228,7 @@ impl Bins {
 pub(crate) const CONSTANTS: [(&str, u32); 5] = [
     ("TILE_SIDE", TILE_SIDE),
     ("BLOCK_SIDE", BLOCK_SIDE),
-    ("RANK_BITS", RANK_BITS),
+    ("INDEX_BITS", INDEX_BITS),
     ("ORDER_DEPTH", ORDER_DEPTH),
     ("ORDER_INDEX", ORDER_INDEX),
 ];
@@ -255,7 +238,6 @@ pub fn shaders() -> Vec<Shader> {
     let presorted = || SUBGROUPS.map(presorted_variant);
     vec![
         Shader::new::<Keys>([Order::Depth, Order::Index, Order::File].map(keys_variant)),
-        Shader::new::<Gather>(compose::tiled_variants()),
         Shader::new::<Pick>(presorted()),
         Shader::new::<Place>(presorted()),
         Shader::plain::<TileCount>(),

@@ -1,50 +1,36 @@
 //! Tiles with their splats in order, and the stages that go through them.
 
 use super::binning::{BLOCK_SIDE, BLOCKS, Binned, REGION_SEGMENT, SEGMENT, TILE_SIDE, pattern};
-use super::passes::{Folding, Gathering, TileWalk, TilesPush};
+use super::passes::{TileWalk, Tiled, TilesPush};
 use crate::gpu::{Dispatch, Pass, Recorder, Run, Slice, Variant};
 use crate::passes::Error;
 use crate::passes::bands::{Band, Window};
-use crate::passes::project::{Bounds, Footprint, View};
+use crate::passes::compose::{self, Cut};
+use crate::passes::project::Bounds;
 
-/// Tiles with their splats in order.
+/// Tiles with their splats in order, and what a stage binds that goes through them.
 #[derive(Clone, Copy)]
 pub struct OrderedTiles<'a> {
     /// How they were made.
     pub binned: Binned,
-    pub(super) ends: Slice<'a, u32>,
-    pub(super) entries: Slice<'a, u32>,
-    /// Depth key less [`Binned::nearest`], and index of the splat, by rank.
-    pub records: Slice<'a, [u32; 2]>,
-    /// Fractions, pixel and radius, by rank.
-    pub footprints: Slice<'a, [u32; 4]>,
-    /// Colors as blended, and opacities, by rank.
-    pub colors: Slice<'a, [f32; 4]>,
-    /// Tilts by rank; a single element unless the cloud has normals.
-    pub slopes: Slice<'a, [f32; 4]>,
-    /// Rectangles of pixels, by rank.
-    pub rectangles: Slice<'a, Bounds>,
+    /// Bindings.
+    pub tiled: Tiled<'a>,
+    /// Rectangles of pixels, by index.
+    pub bounds: Slice<'a, Bounds>,
 }
 
 impl<'a> OrderedTiles<'a> {
-    /// Bindings of a stage that goes through the tiles with whole splats (shaders/shared/tile_fold.wgsl).
-    pub fn folding(&self, view: Slice<'a, View>) -> Folding<'a> {
-        let Self { ends, entries, records, footprints, colors, slopes, .. } = *self;
-        Folding { view, ends, entries, records, footprints, colors, slopes }
-    }
-
     /// Records a stage that collects the fragments of a band's pixels.
     pub fn record<P: Pass<Push = TilesPush> + 'a>(
         &self,
         recorder: &mut Recorder<'a>,
-        view: Slice<'a, View>,
         window: Window,
         band: &Band,
-        stage: impl Fn(Gathering<'a>) -> P,
+        stage: impl Fn(Tiled<'a>) -> P,
     ) -> Result<(), Error> {
-        let Self { binned, ends, entries, footprints, .. } = *self;
+        let Self { binned, tiled, .. } = *self;
         let binning = binned.binning;
-        let pass = stage(Gathering { view, ends, entries, footprints });
+        let pass = stage(tiled);
         let row = |pixel: u32| pixel / (window[2] - window[0]) / TILE_SIDE;
         let (first, last) = (row(band.pixels[0]), row(band.pixels[1].max(1) - 1));
         let tiles = (last - first + 1) * binning.columns;
@@ -55,7 +41,7 @@ impl<'a> OrderedTiles<'a> {
                 band_end: band.pixels[1],
                 first_fragment: band.first_fragment,
             };
-            let run = Run::new(Dispatch::Groups(tiles.into())).variant(gather_variant(binning.subgroup));
+            let run = Run::new(Dispatch::Groups(tiles.into())).variant(gather_variant(binning.cut, binning.subgroup));
             recorder.run(&pass, push, &run)?;
         }
         Ok(())
@@ -87,8 +73,8 @@ pub(crate) fn fold_blocks_variant(shape: Variant, later: bool, subgroup: u32) ->
 }
 
 /// The variant of stages that go through ordered tiles.
-pub(crate) fn gather_variant(subgroup: u32) -> Variant {
-    blocks(Variant::plain(), SEGMENT, subgroup).with("SHAPE", Footprint::Disc as u32)
+pub(crate) fn gather_variant(cut: Cut, subgroup: u32) -> Variant {
+    blocks(compose::disc_variant(cut), SEGMENT, subgroup)
 }
 
 /// Adds the constants of shaders/shared/blocks.wgsl, and the number of a tile's splats that a run takes.

@@ -1,7 +1,7 @@
 //! The passes of binning, and what stages bind that go through ordered tiles.
 
 use crate::passes::compose::ComposingGroup;
-use crate::passes::project::{Bounds, Splat, View};
+use crate::passes::project::{Bounds, View};
 use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
@@ -32,31 +32,10 @@ pass! {
     /// Writes the sort key and index of each point's splat; splats that are not drawn come last. The key is the depth
     /// above the nearest possible one; for `unsorted` the place in the files; nothing where any order does.
     pub Keys(KeysPush) = "bin/keys" {
-        splats: Read<Splat>,
+        splat_depths: Read<f32>,
         bounds: Read<Bounds>,
         points: Read<[u32; 4]>,
         records: ReadWrite<[u32; 2]>,
-    }
-}
-
-gpu_struct! {
-    /// Push constants of `bin/gather`: drawn splats, and the key of the nearest depth.
-    pub struct GatherPush {
-        count: u32,
-        nearest: u32,
-    }
-}
-
-pass! {
-    /// Copies depth, footprint, color, tilt and rectangle of each drawn splat to its place in the order.
-    pub Gather(GatherPush) = "bin/gather" {
-        composing: Shared<ComposingGroup>,
-        bounds: Read<Bounds>,
-        records: ReadWrite<[u32; 2]>,
-        footprints: ReadWrite<[u32; 4]>,
-        colors: ReadWrite<[f32; 4]>,
-        slopes: ReadWrite<[f32; 4]>,
-        rectangles: ReadWrite<[u32; 2]>,
     }
 }
 
@@ -93,7 +72,8 @@ pass! {
     /// Counts the splats of each run in each tile: one increment for each drawn splat and tile that its rectangle meets.
     pub TileCount(TilePush) = "bin/tile-count" in "bin/tile_count" {
         view: Uniform<View>,
-        rectangles: Read<[u32; 2]>,
+        records: Read<[u32; 2]>,
+        bounds: Read<Bounds>,
         counts: ReadWrite<u32>,
     }
 }
@@ -102,7 +82,8 @@ pass! {
     /// Stores each splat in the lists of its tiles: one subgroup for each run of splats and block of tiles, in order.
     pub TileStore(TilePush) = "bin/tile-store" in "bin/tile_store" {
         view: Uniform<View>,
-        rectangles: Read<[u32; 2]>,
+        records: Read<[u32; 2]>,
+        bounds: Read<Bounds>,
         cursors: ReadWrite<u32>,
         entries: ReadWrite<u32>,
     }
@@ -132,7 +113,6 @@ gpu_struct! {
         first_tile: u32,
         tiles: u32,
         runs: u32,
-        nearest: u32,
         segment: u32,
     }
 }
@@ -149,34 +129,12 @@ gpu_struct! {
 
 group! {
     /// Bindings of a stage that goes through ordered tiles.
-    pub Gathering as GatheringGroup {
-        /// The camera.
-        view: Uniform<View>,
+    pub Tiled as TiledGroup {
+        /// The splats, reached by their indices.
+        splats: Shared<ComposingGroup>,
         /// Where each cell's entries end.
         ends: Read<u32>,
-        /// Ranks of the tiles' splats.
+        /// Indices of the tiles' splats.
         entries: Read<u32>,
-        /// Place, pixel and radius, by rank.
-        footprints: Read<[u32; 4]>,
-    }
-}
-
-group! {
-    /// Bindings of a stage that goes through tiles with whole splats.
-    pub Folding as FoldingGroup {
-        /// The camera.
-        view: Uniform<View>,
-        /// Where each cell's entries end.
-        ends: Read<u32>,
-        /// Ranks of the tiles' splats.
-        entries: Read<u32>,
-        /// Relative depth key and index, by rank.
-        records: Read<[u32; 2]>,
-        /// Place, pixel and radius, by rank.
-        footprints: Read<[u32; 4]>,
-        /// Colors as blended, and opacities, by rank.
-        colors: Read<[f32; 4]>,
-        /// Tilts, by rank.
-        slopes: Read<[f32; 4]>,
     }
 }

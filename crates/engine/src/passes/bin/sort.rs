@@ -1,17 +1,14 @@
 //! The drawn splats of a window in order: sorted by a key, or picked from an order that the cloud brings.
 
 use super::binning::SHORTEST_RUN;
-use super::keys::{depth_keys, key_bits, keys, keys_variant};
-use super::passes::{Gather, GatherPush, Keys, KeysPush, Pick, Place, PresortedPush};
+use super::keys::{key_bits, keys, keys_variant};
+use super::passes::{Keys, KeysPush, Pick, Place, PresortedPush};
 use super::{Bins, Job, Order, RECORD_BYTES};
-use crate::gpu::{Device, Dispatch, Recorder, Run, Slice, Variant};
+use crate::gpu::{Device, Dispatch, Recorder, Run, Variant};
 use crate::passes::Error;
-use crate::passes::compose::{self, Composing, Cut};
-use crate::passes::project::DeviceCloud;
 use crate::passes::radix::{Radix, Runs};
 use crate::passes::scan::Scan;
 use crate::prepare::axes::Axis;
-use crate::scene::Falloff;
 
 impl Bins {
     /// Records keys and sort; returns which of the records are the sorted ones.
@@ -28,10 +25,10 @@ impl Bins {
             (keys(job.order, job.depth_range, cloud.len()), key_bits(job.order, job.depth_range, cloud.len()));
         for (first, count) in cloud.chunks() {
             let push = KeysPush { count: count as u32, first: first as u32, nearest, none };
-            let (splats, bounds) = (cloud.splats.slice(first, count), cloud.bounds.slice(first, count));
+            let (splat_depths, bounds) = (cloud.splat_depths.slice(first, count), cloud.bounds.slice(first, count));
             let points = cloud.point_colors.slice(first, count).cast();
             let run = Run::new(Dispatch::Invocations(count)).variant(keys_variant(job.order));
-            recorder.run(&Keys { splats, bounds, points, records: records[0] }, push, &run)?;
+            recorder.run(&Keys { splat_depths, bounds, points, records: records[0] }, push, &run)?;
         }
         Ok(self.radix.record(recorder, device, records, bits, subgroup)?)
     }
@@ -58,31 +55,6 @@ impl Bins {
         recorder.run(&Place { order, bounds, starts, records }, push, &run())?;
         Ok(0)
     }
-
-    pub(super) fn record_gather<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        device: &Device,
-        job: &Job<'a>,
-        drawn: u64,
-        records: Slice<'a, [u32; 2]>,
-    ) -> Result<(), Error> {
-        let cloud = job.raster.cloud;
-        let cut = Cut::new(device, cloud.len())?;
-        let gather = Gather {
-            composing: Composing::new(cloud, cut),
-            bounds: cloud.bounds.all(),
-            records,
-            footprints: self.footprints.get().all(),
-            colors: self.colors.get().all(),
-            slopes: self.slopes.get().all(),
-            rectangles: self.rectangles.get().all(),
-        };
-        let variant = compose::variant(cut, job.raster.footprint, Falloff::Flat);
-        let push = GatherPush { count: drawn as u32, nearest: depth_keys(job.depth_range)[0] };
-        let run = Run::new(Dispatch::Invocations(drawn)).variant(variant);
-        Ok(recorder.run(&gather, push, &run)?)
-    }
 }
 
 /// Device bytes of the records of so many points, and of sorting them.
@@ -104,11 +76,6 @@ pub(super) fn order_bytes(device: &Device, order: Order, points: u64, drawn: u64
 /// How a presorted order is cut into runs, each of which a subgroup takes twice.
 pub fn order_runs(device: &Device, points: u64) -> Runs {
     Runs::new(device.info().prefers.concurrent_runs, points, SHORTEST_RUN, 1 << 17)
-}
-
-/// Device bytes of a drawn splat in order.
-pub(super) fn splat_bytes(cloud: &DeviceCloud) -> u64 {
-    16 + 16 + 8 + if cloud.has_normals() { 16 } else { 0 }
 }
 
 /// The variant of `bin/pick` and `bin/place`.

@@ -1,11 +1,11 @@
 //! The lists of the tiles: counted, then stored.
 
-use super::binning::{Binning, pattern};
+use super::binning::{Binned, Binning, pattern};
 use super::passes::{Measure, MeasurePush, TileCount, TileStore};
 use super::{Bins, Job};
-use crate::gpu::{Dispatch, Expected, Recorder, Run, Slice, Variant};
+use crate::gpu::{Dispatch, Expected, Recorder, Run, Variant};
 use crate::passes::Error;
-use crate::passes::project::View;
+use crate::passes::project::DeviceCloud;
 
 impl Bins {
     /// Records the counts of the tiles, their prefix sums, and the copy of the total to the host.
@@ -14,15 +14,17 @@ impl Bins {
         recorder: &mut Recorder<'a>,
         job: &Job<'a>,
         binning: &Binning,
+        records: usize,
     ) -> Result<(), Error> {
         let Some(scan) = &self.scan else { return Ok(()) };
         let cells = binning.cells();
         let (counts, cursors) = (self.counts.get().slice(0, cells), self.cursors.get().slice(0, cells));
         recorder.fill("bin/clear", counts, 0)?;
         recorder.fill("bin/clear", self.overflow.all(), 0)?;
-        let rectangles = self.rectangles.get().all();
+        let (cloud, records) = (job.raster.cloud, self.records[records].get().all());
         let run = Run::new(Dispatch::Invocations(binning.drawn));
-        recorder.run(&TileCount { view: job.raster.cloud.view(), rectangles, counts }, binning.push(), &run)?;
+        let count = TileCount { view: cloud.view(), records, bounds: cloud.bounds.all(), counts };
+        recorder.run(&count, binning.push(), &run)?;
         scan.record(recorder, counts, cursors, self.overflow.all())?;
         let (tiles, longest) = (binning.tiles(), self.longest.all());
         recorder.fill("bin/clear", longest, 0)?;
@@ -38,12 +40,13 @@ impl Bins {
     pub(super) fn record_tile_store<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        view: Slice<'a, View>,
-        binning: &Binning,
+        cloud: &'a DeviceCloud,
+        Binned { binning, records, .. }: &Binned,
     ) -> Result<(), Error> {
         let store = TileStore {
-            view,
-            rectangles: self.rectangles.get().all(),
+            view: cloud.view(),
+            records: self.records[*records].get().all(),
+            bounds: cloud.bounds.all(),
             cursors: self.cursors.get().slice(0, binning.cells()),
             entries: self.entries.get().all(),
         };

@@ -18,16 +18,8 @@ use crate::gpu::{Dispatch, Error, Recorder, Run, Variant};
 use crate::scene::{ColorSpace, Formula, Shading};
 use crate::{gpu_struct, group, pass};
 
-gpu_struct! {
-    /// A projected splat.
-    pub struct Splat {
-        fraction_x: f32,
-        fraction_y: f32,
-        pixel: u32,
-        depth: f32,
-        radius: f32,
-    }
-}
+/// A projected splat without its depth: place in its pixel, that pixel, radius; shaders/shared/splat.wgsl says how.
+pub type Splat = [u32; 4];
 
 gpu_struct! {
     /// Normal of an oriented splat in camera axes.
@@ -95,6 +87,7 @@ pass! {
         large: ReadWrite<u32>,
         tile_counts: ReadWrite<u32>,
         stats: ReadWrite<Stats>,
+        splat_depths: ReadWrite<f32>,
     }
 }
 
@@ -178,6 +171,7 @@ impl DeviceCloud {
                 large: self.large.slice(first, count),
                 tile_counts: self.tile_counts.slice(first, count),
                 stats: self.stats.all(),
+                splat_depths: self.splat_depths.slice(first, count),
             };
             let push = ProjectPush { count: count as u32, chunk: chunk as u32 };
             let run = Run::new(Dispatch::Invocations(count.div_ceil(PROJECT_RUN)));

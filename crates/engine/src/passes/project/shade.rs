@@ -51,7 +51,7 @@ impl Shaded {
 
     /// That variant of a shader that reads points in parts.
     pub(crate) fn cut(self, cut: Cut) -> Variant {
-        self.variant().with("PARTS", cut.parts).with("PART_LENGTH", cut.len)
+        cut.apply_to(self.variant())
     }
 
     /// The variants of such a shader.

@@ -117,7 +117,7 @@ impl Blender {
         let composing = Composing::new(job.raster.cloud, cut);
         let (image, depths) = (target.image(), target.depths());
         if let Storing::Ordered(bins, binned) = job.storing {
-            let tiles = bins.tiles(binned);
+            let tiles = bins.tiles(job.raster.cloud, binned);
             return Ok(Self::record_ordered(recorder, job, stored, &tiles, target, band, counted)?);
         }
         if let Storing::Spheres(spheres) = &job.storing {
@@ -223,12 +223,9 @@ impl Blender {
     ) -> Result<(), Error> {
         let cloud = job.raster.cloud;
         let resolve = ResolveOrdered {
-            view: cloud.view(),
+            splats: tiles.tiled.splats,
             offsets: stored.offsets,
-            ranks: stored.fragments.cast(),
-            records: tiles.records,
-            footprints: tiles.footprints,
-            colors: tiles.colors,
+            indices: stored.fragments.cast(),
             image: target.image(),
             depths: target.depths(),
         };
@@ -238,12 +235,11 @@ impl Blender {
                 band_end: band.pixels[1],
                 first_fragment: band.first_fragment,
                 segment,
-                nearest: tiles.binned.nearest,
                 max_opacity: cloud.max_opacity(),
                 max_color: job.stop.1,
             };
             let pixels = Dispatch::Invocations(u64::from(band.pixels[1] - band.pixels[0]));
-            let run = Run::new(pixels).variant(ordered_variant(job.discs.falloff, job.stop.0));
+            let run = Run::new(pixels).variant(ordered_variant(tiles.binned.cut(), job.discs.falloff, job.stop.0));
             recorder.run(&resolve, push, &run)?;
         }
         Ok(())
@@ -339,8 +335,8 @@ fn median_variant(compose: Variant) -> Variant {
 }
 
 /// The variant of `abuffer/resolve-ordered`.
-fn ordered_variant(falloff: Falloff, stop: u32) -> Variant {
-    compose::shape_variant(Footprint::Disc, falloff).with("STOP", stop).with("TAKEN", ORDERED_TAKEN)
+fn ordered_variant(cut: Cut, falloff: Falloff, stop: u32) -> Variant {
+    compose::variant(cut, Footprint::Disc, falloff).with("STOP", stop).with("TAKEN", ORDERED_TAKEN)
 }
 
 /// Pixels and depths of nothing: no color, no coverage, infinitely far.
@@ -365,7 +361,8 @@ pub(super) fn shaders() -> Vec<Shader> {
     let stops = || compose::variants().into_iter().flat_map(|v| STOPS.map(|stop| v.clone().with("STOP", stop)));
     let stopping = || stops().chain(compose::variants().into_iter().map(median_variant));
     let composed = |capacity: u32| stopping().map(|v| resolve_variant(v, capacity)).collect::<Vec<_>>();
-    let ordered = Falloff::all().into_iter().flat_map(|falloff| STOPS.map(|stop| ordered_variant(falloff, stop)));
+    let choices = <(Cut, Falloff)>::all().into_iter();
+    let ordered = choices.flat_map(|(cut, falloff)| STOPS.map(|stop| ordered_variant(cut, falloff, stop)));
     vec![
         Shader::new::<Classify>([class_variant()]),
         Shader::new::<Groups>([class_variant()]),

@@ -69,6 +69,8 @@ pub struct DeviceCloud {
     pub fields: Buffer<f32>,
     /// Projected splats.
     pub splats: Buffer<Splat>,
+    /// Their depths.
+    pub splat_depths: Buffer<f32>,
     /// Their tilts; a single element unless the cloud has normals, or had to be exact.
     pub tilts: Buffer<Tilt>,
     /// Their rectangles.
@@ -120,6 +122,7 @@ impl DeviceCloud {
             (self.fields, self.orders) = (empty(device, "fields")?, [None, None, None]);
             self.casting = None;
             (self.splats, self.tilts) = (empty(device, "splats")?, empty(device, "tilts")?);
+            self.splat_depths = empty(device, "splat depths")?;
             (self.bounds, self.colors) = (empty(device, "splat bounds")?, empty(device, "splat colors")?);
             (self.large, self.tile_counts) = (empty(device, "large splats")?, empty(device, "tile counts")?);
         }
@@ -148,6 +151,7 @@ impl DeviceCloud {
         let len = self.len;
         if self.splats.len() < len {
             self.splats = device.buffer("splats", len, Memory::Device)?;
+            self.splat_depths = device.buffer("splat depths", len, Memory::Device)?;
             self.tilts = device.buffer("tilts", if self.has_normals { len } else { 1 }, Memory::Device)?;
             self.bounds = device.buffer("splat bounds", len, Memory::Device)?;
             self.colors = device.buffer("splat colors", len, Memory::Device)?;
@@ -178,7 +182,7 @@ impl DeviceCloud {
         let origin = middle(&points.positions);
         let len = points.len() as u64;
         let has_normals = points.normals.as_ref().is_some_and(|normals| !normals.is_empty());
-        // Splats are the widest element; a chunk starts at a multiple of any device's offset alignment.
+        // No element is wider than a splat; a chunk starts at a multiple of any device's offset alignment.
         let chunk_len = ((device.limits().binding_bytes / size_of::<Splat>() as u64) & !0xffff).max(0x1_0000);
         let chunks = len.div_ceil(chunk_len).max(1);
         Ok(Self {
@@ -207,6 +211,7 @@ impl DeviceCloud {
             normals: empty(device, "normals")?,
             fields: empty(device, "fields")?,
             splats: empty(device, "splats")?,
+            splat_depths: empty(device, "splat depths")?,
             tilts: empty(device, "tilts")?,
             bounds: empty(device, "splat bounds")?,
             colors: empty(device, "splat colors")?,
@@ -244,6 +249,7 @@ impl DeviceCloud {
             + self.normals.bytes()
             + self.fields.bytes()
             + self.splats.bytes()
+            + self.splat_depths.bytes()
             + self.tilts.bytes()
             + self.bounds.bytes()
             + self.colors.bytes()
