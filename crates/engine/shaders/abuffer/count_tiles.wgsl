@@ -1,7 +1,7 @@
 // abuffer/count for flat discs in order of depth: how many fragments each pixel gets (MCTB12).
 // Reference: the lengths of reference::abuffer::lists.
 #import tile_gather
-@group(0) @binding(19) var<storage, read_write> counts: array<u32>;
+@group(0) @binding(20) var<storage, read_write> counts: array<u32>;
 
 fn begin(pixel: vec2<u32>) -> u32 {
     let p = band_pixel(pixel);

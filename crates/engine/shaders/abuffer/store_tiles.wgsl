@@ -2,8 +2,8 @@
 // cursors, a copy of the offsets, say where each pixel's next slot is.
 // Relies on abuffer/count visiting the same pixels. Reference: reference::abuffer::lists, sorted.
 #import tile_gather
-@group(0) @binding(19) var<storage, read_write> cursors: array<u32>;
-@group(0) @binding(20) var<storage, read_write> indices: array<u32>;
+@group(0) @binding(20) var<storage, read_write> cursors: array<u32>;
+@group(0) @binding(21) var<storage, read_write> indices: array<u32>;
 
 // The next slot of a pixel, NOTHING outside the band.
 fn begin(pixel: vec2<u32>) -> u32 {

@@ -4,15 +4,16 @@
 // Reference: reference::approximate::hybrid.
 #import splat
 #import tile_state
+#import region_fold
 
 struct Push {
     walk: TileWalk,
 }
 
 // Rank of the last fragment that earlier rounds composed.
-@group(0) @binding(22) var<storage, read_write> lasts: array<vec2<u32>>;
+@group(0) @binding(23) var<storage, read_write> lasts: array<vec2<u32>>;
 // State that a run leaves to the next: that rank, and rank and color of each slot.
-@group(0) @binding(23) var<storage, read_write> slots: array<vec4<u32>>;
+@group(0) @binding(24) var<storage, read_write> slots: array<vec4<u32>>;
 var<immediate> push: Push;
 
 // 1: earlier rounds left a front in the image.
@@ -35,10 +36,8 @@ struct Slots {
 #each slot     slot{slot}: Slot,
 }
 
-struct PixelState {
-    state: State,
-    slots: Slots,
-}
+var<private> state: State;
+var<private> nearest: Slots;
 
 fn before(a: Rank, b: Rank) -> bool {
     return a.x < b.x || (a.x == b.x && a.y < b.y);
@@ -66,24 +65,24 @@ fn keep_slots(p: u32, s: Slots) {
 #each slot     slots[first + 2u + 2u * {slot}u] = bitcast<vec4<u32>>(s.slot{slot}.color);
 }
 
-fn begin(pixel: vec2<u32>) -> PixelState {
-    var held = PixelState(empty_state(), empty_slots());
+fn begin(pixel: vec2<u32>) {
+    state = empty_state();
+    nearest = empty_slots();
     if all(pixel < view.window.zw) {
         let p = window_index(pixel, view.window);
         if LATER != 0u {
-            held = PixelState(kept_state(p), kept_slots(p));
+            state = kept_state(p);
+            nearest = kept_slots(p);
         } else if BEHIND != 0u {
-            held.state.front = image[p];
-            held.state.key = depth_key(depths[p]);
-            held.slots.last = lasts[p];
+            state.front = image[p];
+            state.key = depth_key(depths[p]);
+            nearest.last = lasts[p];
         }
     }
-    return held;
 }
 
-fn visit(before_it: PixelState, f: Fragment) -> PixelState {
-    var state = before_it.state;
-    var s = before_it.slots;
+fn visit(pixel: vec2<u32>, f: Fragment) {
+    var s = nearest;
     let rank = Rank(f.depth_key, f.index);
     // The first round has no last fragment.
     let taken = f.hit && (BEHIND == 0u || before(s.last, rank));
@@ -95,15 +94,14 @@ fn visit(before_it: PixelState, f: Fragment) -> PixelState {
         state.coverage = covered(state.coverage, carried.color.a);
     }
     state.key = nearer(state.key, f);
-    return PixelState(state, s);
+    nearest = s;
 }
 
-fn finish(held: PixelState, pixel: vec2<u32>) {
+fn finish(pixel: vec2<u32>) {
     if any(pixel >= view.window.zw) {
         return;
     }
-    let state = held.state;
-    let s = held.slots;
+    let s = nearest;
     let p = window_index(pixel, view.window);
     if KEPT != 0u {
         keep_slots(p, s);

@@ -1,6 +1,6 @@
-// As tile_fold, for stages that do much for each fragment and keep much for each pixel: one subgroup per block of a tile picks
-// those of the tile's splats that touch the block, and goes through them once for each of the block's small regions, of which
-// every invocation has one pixel. So few invocations idle where splats are small, and the stage's code stands there once.
+// As tile_fold, for stages that do much for each fragment: one subgroup per block of a tile picks those of the tile's
+// splats that touch the block, and goes through them once for each of the block's small regions, of which every invocation has
+// one pixel. So few invocations idle where splats are small, and the stage's code stands there once.
 //
 // The stage imports `splat`, declares its push constants with a member `walk: TileWalk`, and defines
 //     begin(pixel)             before the first splat of a run
@@ -12,62 +12,90 @@
 #import folding
 #import dispatch
 
-@group(0) @binding(19) var<storage, read> bounds: array<Bounds>;
-
 // Pixels of a region in x and y.
 const REGION = vec2<u32>(REGION_COLUMNS, SUBGROUP / REGION_COLUMNS);
+// Bits of a picked splat that hold its index; the others, one for each of the HELD regions of a block, say which it may touch.
+const PICKED_BITS = 32u - HELD;
 
-// Those of the run's splats that touch the block, by index.
+// Those of the run's splats that touch the block.
 var<workgroup> picked: array<u32, PICKED>;
 
-// Picks the splats that may touch a block, in their order; returns how many.
-fn pick(block: u32, low: vec2<u32>, run: vec2<u32>, lane: u32) -> u32 {
-    var count = 0u;
-    for (var next = run.x; next < run.y; next += SUBGROUP) {
-        let entry = entries[min(next + lane, run.y - 1u)];
-        let i = index_of(entry);
-        var near = next + lane < run.y && meets_block(entry, block);
-        if near && SHAPE != SHAPE_ORIENTED {
-            near = touches(flat_at(i), low);
-        }
-        let found = subgroupBallot(near).x;
-        if near {
-            picked[count + countOneBits(found & ((1u << lane) - 1u))] = i;
-        }
-        count += countOneBits(found);
-    }
-    return count;
+// First pixel of a region of a block.
+fn region_corner(region: u32, block: vec2<u32>) -> vec2<u32> {
+    const ACROSS = BLOCK_SIDE / REGION.x;
+    return block + vec2<u32>(region % ACROSS, region / ACROSS) * REGION;
 }
 
-// True if a splat's rectangle meets that of some pixels.
-fn meets(i: u32, low: vec2<u32>, size: vec2<u32>) -> bool {
-    let rectangle = bounds[i];
-    return all(bounds_min(rectangle) < low + size) && all(bounds_max(rectangle) > low);
-}
-
-// True if a splat may touch a region; as `touches`, or by the rectangle of an oriented disc.
-fn touches_region(splat: Splat, i: u32, low: vec2<u32>) -> bool {
-    if SHAPE == SHAPE_ORIENTED {
-        return meets(i, low, REGION);
-    }
+// True if a screen-aligned splat may touch a region; as `touches`.
+fn touches_region(splat: Splat, low: vec2<u32>) -> bool {
     let half = 0.5 * vec2<f32>(REGION - 1u);
     let middle = vec2<f32>(vec2<i32>(low) - center_pixel(splat)) - vec2<f32>(splat.fraction_x, splat.fraction_y) + half + 0.5;
     let outside = max(abs(middle) - half, vec2<f32>(0.0));
     return reaches(outside, splat.radius, middle);
 }
 
+// True if a rectangle meets a region.
+fn meets_region(rectangle: Bounds, low: vec2<u32>) -> bool {
+    return all(bounds_min(rectangle) < low + REGION) && all(bounds_max(rectangle) > low);
+}
+
+// The regions of a block that a splat may touch, in bits from PICKED_BITS on; an oriented disc by its rectangle.
+fn regions_of(i: u32, corner: vec2<u32>) -> u32 {
+    var regions = 0u;
+    if SHAPE == SHAPE_ORIENTED {
+        let rectangle = bounds[i];
+        for (var region = 0u; region < HELD; region += 1u) {
+            regions |= select(0u, 1u, meets_region(rectangle, region_corner(region, corner))) << (PICKED_BITS + region);
+        }
+    } else {
+        let splat = flat_at(i);
+        for (var region = 0u; region < HELD; region += 1u) {
+            regions |= select(0u, 1u, touches_region(splat, region_corner(region, corner))) << (PICKED_BITS + region);
+        }
+    }
+    return regions;
+}
+
+// Picks the splats that may touch a block, in their order; returns how many.
+fn pick(block: u32, corner: vec2<u32>, run: vec2<u32>, lane: u32) -> u32 {
+    var count = 0u;
+    for (var next = run.x; next < run.y; next += SUBGROUP) {
+        let entry = entries[min(next + lane, run.y - 1u)];
+        let i = index_of(entry);
+        var regions = 0u;
+        if next + lane < run.y && meets_block(entry, block) {
+            regions = regions_of(i, corner);
+        }
+        let found = subgroupBallot(regions != 0u).x;
+        if regions != 0u {
+            picked[count + countOneBits(found & ((1u << lane) - 1u))] = i | regions;
+        }
+        count += countOneBits(found);
+    }
+    return count;
+}
+
 // The picked splats to the pixels of one region.
-fn over_region(low: vec2<u32>, pixel: vec2<u32>, count: u32, lane: u32) {
+fn over_region(region: u32, low: vec2<u32>, pixel: vec2<u32>, count: u32, lane: u32) {
     begin(pixel);
     let first = vec2<f32>(pixel - low);
     for (var next = 0u; next < count; next += SUBGROUP) {
-        let i = picked[min(next + lane, count - 1u)];
-        let own = whole_splat(i, low);
-        var left = subgroupBallot(next + lane < count && touches_region(own.splat, i, low)).x;
-        while left != 0u {
-            let k = firstTrailingBit(left);
+        let one = picked[min(next + lane, count - 1u)];
+        let near = next + lane < count && (one >> (PICKED_BITS + region) & 1u) != 0u;
+        // CPU drivers load lane by lane, and only for those that take part.
+        var own: Handed;
+        if near {
+            own = whole_splat(one & ((1u << PICKED_BITS) - 1u), low);
+        }
+        var left = subgroupBallot(near).x;
+        // The condition stands at the end: CPU drivers run every loop once.
+        loop {
+            let k = firstTrailingBit(left) & (SUBGROUP - 1u);
+            visit(pixel, fragment_of(handed(own, k, left != 0u, first), vec2<u32>(0u), pixel));
             left &= left - 1u;
-            visit(pixel, fragment_of(handed(own, k, true, first), vec2<u32>(0u), pixel));
+            if left == 0u {
+                break;
+            }
         }
     }
     finish(pixel);
@@ -92,9 +120,8 @@ fn main(
     let corner = tile_corner(tile) + block_corner(block);
     let count = pick(block, corner, run, lane);
     workgroupBarrier();
-    let across = BLOCK_SIDE / REGION.x;
     for (var region = 0u; region < HELD; region += 1u) {
-        let low = corner + vec2<u32>(region % across, region / across) * REGION;
-        over_region(low, low + vec2<u32>(lane % REGION.x, lane / REGION.x), count, lane);
+        let low = region_corner(region, corner);
+        over_region(region, low, low + vec2<u32>(lane % REGION.x, lane / REGION.x), count, lane);
     }
 }

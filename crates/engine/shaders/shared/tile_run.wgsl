@@ -1,4 +1,4 @@
-// The run that a subgroup takes of a tile's splats, in the order in which they were binned. Bindings 0 to 18 are those
+// The run that a subgroup takes of a tile's splats, in the order in which they were binned. Bindings 0 to 19 are those
 // of any_splat and these; the stage's push constants have a member `walk: TileWalk`.
 #import any_splat
 #import blocks
@@ -16,6 +16,7 @@ struct TileWalk {
 
 @group(0) @binding(17) var<storage, read> ends: array<u32>;
 @group(0) @binding(18) var<storage, read> entries: array<u32>;
+@group(0) @binding(19) var<storage, read> bounds: array<Bounds>;
 
 // Splats of a tile that one run takes: some 5 iterations for each stay below what CPU drivers allow.
 override TAKEN: u32 = 1u;

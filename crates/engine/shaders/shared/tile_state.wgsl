@@ -2,11 +2,10 @@
 // a stage does not use cost nothing.
 #import sums
 #import over
-#import tile_fold
-@group(0) @binding(19) var<storage, read_write> image: array<vec4<f32>>;
-@group(0) @binding(20) var<storage, read_write> depths: array<f32>;
+@group(0) @binding(20) var<storage, read_write> image: array<vec4<f32>>;
+@group(0) @binding(21) var<storage, read_write> depths: array<f32>;
 // State that a run leaves to the next: four vectors for each pixel.
-@group(0) @binding(21) var<storage, read_write> kept: array<vec4<f32>>;
+@group(0) @binding(22) var<storage, read_write> kept: array<vec4<f32>>;
 
 // 1: some tile takes several runs, so that each leaves what it knows.
 override KEPT: u32 = 0u;

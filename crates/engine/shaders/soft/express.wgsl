@@ -15,11 +15,11 @@ struct Push {
 }
 
 // Depths of the solid points: only discs before them count.
-@group(0) @binding(19) var<storage, read> solid: array<f32>;
-@group(0) @binding(20) var<storage, read_write> image: array<vec4<f32>>;
-@group(0) @binding(21) var<storage, read_write> depths: array<f32>;
+@group(0) @binding(20) var<storage, read> solid: array<f32>;
+@group(0) @binding(21) var<storage, read_write> image: array<vec4<f32>>;
+@group(0) @binding(22) var<storage, read_write> depths: array<f32>;
 // Discs of each pixel.
-@group(0) @binding(22) var<storage, read_write> counts: array<u32>;
+@group(0) @binding(23) var<storage, read_write> counts: array<u32>;
 var<immediate> push: Push;
 
 // 1: the image holds what lies in front.

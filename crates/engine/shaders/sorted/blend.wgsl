@@ -13,8 +13,8 @@ struct Push {
     max_color: f32,
 }
 
-@group(0) @binding(19) var<storage, read_write> image: array<vec4<f32>>;
-@group(0) @binding(20) var<storage, read_write> depths: array<f32>;
+@group(0) @binding(20) var<storage, read_write> image: array<vec4<f32>>;
+@group(0) @binding(21) var<storage, read_write> depths: array<f32>;
 var<immediate> push: Push;
 
 // Runs are composed by themselves: a later one goes behind what the image holds.

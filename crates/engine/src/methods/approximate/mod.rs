@@ -80,7 +80,8 @@ pass! {
 
 pass! {
     /// Keeps the 8 nearest fragments of each pixel in slots by insertion, over oriented discs: one subgroup per block of
-    /// a tile. It runs once for every 8 of `k`; fragments that fall out in the last round are summed.
+    /// a tile goes through it region by region. It runs once for every 8 of `k`; fragments that fall out in the last round
+    /// are summed. A run takes 1024 splats.
     pub HybridOriented(SumPush) = "hybrid/accumulate" in "approximate/hybrid_oriented" {
         tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
@@ -207,7 +208,7 @@ impl Approximations {
             }
             Bin::Done(binned) => {
                 work.facts.note_binned(binned);
-                if binned.segments() > 1 && pixels > SMALL_WINDOW {
+                if runs_over(binned, &rounds) > 1 && pixels > SMALL_WINDOW {
                     let left = bin.budget.left(bin.counted_bytes).saturating_sub(bins.bytes());
                     if pixels * run_bytes(&rounds) > left.min(bin.budget.binding) {
                         return Ok(Outcome::Overflow);
@@ -225,7 +226,7 @@ impl Approximations {
     }
 
     fn reserve(&mut self, device: &Device, pixels: u64, binned: Binned, rounds: &[u32]) -> Result<(), Error> {
-        let kept = if binned.segments() > 1 { pixels } else { 0 };
+        let kept = if runs_over(binned, rounds) > 1 { pixels } else { 0 };
         self.state.reserve(device, (kept * STATE_BYTES / 16).max(1))?;
         if let Some(slots) = rounds.first() {
             self.slots.reserve(device, (kept * (1 + 2 * u64::from(*slots))).max(1))?;
@@ -247,7 +248,7 @@ impl Approximations {
         let tiles = bins.record_tiles(recorder, job.bin.raster.cloud, binned)?.tiled;
         let sums = Sums { image: target.image(), depths: target.depths(), kept: self.state.get().all() };
         let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.discs.falloff);
-        let stage = Stage { shape, binned };
+        let stage = Stage { shape, binned, runs: runs_over(binned, rounds) };
         match job.kind {
             Kind::Weighted => stage.record(recorder, &Weighted { tiles, sums }),
             Kind::Average => stage.record(recorder, &Average { tiles, sums }),
@@ -295,12 +296,13 @@ pub struct Round {
 struct Stage {
     shape: Variant,
     binned: Binned,
+    runs: u32,
 }
 
 impl Stage {
     /// Runs until the longest list of a tile is done.
     fn each_run(&self, run: impl FnMut(OneRun) -> Result<(), Error>) -> Result<(), Error> {
-        let (of, subgroup) = (self.binned.segments(), self.binned.subgroup());
+        let (of, subgroup) = (self.runs, self.binned.subgroup());
         (0..of).map(|number| OneRun { number, of, subgroup }).try_for_each(run)
     }
 
@@ -329,6 +331,11 @@ impl Stage {
     }
 }
 
+/// Runs over all tiles that it takes to get through the longest list.
+fn runs_over(binned: Binned, rounds: &[u32]) -> u32 {
+    if rounds.is_empty() { binned.segments() } else { binned.region_segments() }
+}
+
 /// A variant of the stages, from that of shape and falloff.
 fn sum_variant(shape: Variant, run: OneRun) -> Variant {
     bin::fold_blocks_variant(shape, run.number > 0, run.subgroup).with("KEPT", u32::from(run.of > 1))
@@ -336,7 +343,7 @@ fn sum_variant(shape: Variant, run: OneRun) -> Variant {
 
 /// A variant of `hybrid` over oriented discs.
 fn round_variant(shape: Variant, run: OneRun, round: Round) -> Variant {
-    bin::fold_blocks_variant(shape, run.number > 0, run.subgroup)
+    bin::region_variant(shape, run.number > 0, run.subgroup)
         .with("KEPT", u32::from(run.of > 1))
         .with("BEHIND", u32::from(round.behind))
         .with("TAIL", u32::from(round.tail))

@@ -22,7 +22,7 @@ use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::bands;
 use crate::passes::bin::{self, Bin, Binned, Bins, TileWalk, TiledGroup};
 use crate::passes::compose::{self, Cut};
-use crate::passes::project::{Bounds, Footprint, TILED};
+use crate::passes::project::{Footprint, TILED};
 use crate::scene::Falloff;
 use crate::{gpu_struct, pass};
 
@@ -39,7 +39,6 @@ pass! {
     /// one subgroup per 8 × 8 block of a tile. A run takes 2048 splats, and the next goes on from there.
     pub Visibility(SplatsPush) = "splats/visibility" {
         tiles: Shared<TiledGroup>,
-        bounds: Read<Bounds>,
         layer: Read<f32>,
         limits: ReadWrite<f32>,
         depths: ReadWrite<f32>,
@@ -50,7 +49,6 @@ pass! {
     /// Visits the same splats again, and sums w c and w of the fragments that are not hidden, w = exp(−2ρ²).
     pub Attributes(SplatsPush) = "splats/attributes" {
         tiles: Shared<TiledGroup>,
-        bounds: Read<Bounds>,
         layer: Read<f32>,
         limits: Read<f32>,
         image: ReadWrite<[f32; 4]>,
@@ -143,13 +141,13 @@ impl Splatter {
     ) -> Result<(), Error> {
         let raster = job.bin.raster;
         let ordered = bins.record_tiles(recorder, raster.cloud, binned)?;
-        let (tiles, bounds) = (ordered.tiled, ordered.bounds);
+        let tiles = ordered.tiled;
         let limits = self.limits.get().all();
         // Without a layer nothing is read from there.
         let layer = job.layer.unwrap_or(into.depths);
-        let visibility = Visibility { tiles, bounds, layer, limits, depths: into.depths };
+        let visibility = Visibility { tiles, layer, limits, depths: into.depths };
         let (image, excess) = (into.image, self.excess.get().all());
-        let attributes = Attributes { tiles, bounds, layer, limits, image, excess };
+        let attributes = Attributes { tiles, layer, limits, image, excess };
         let run = |number: u32| OneRun {
             later: number > 0,
             kept: binned.region_segments() > 1,

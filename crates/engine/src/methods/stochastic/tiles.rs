@@ -6,7 +6,6 @@ use crate::gpu::{Dispatch, Recorder, Run, Variant};
 use crate::methods::{Error, Target};
 use crate::passes::bin::{self, OrderedTiles, TileWalk, TiledGroup};
 use crate::passes::compose;
-use crate::passes::project::Bounds;
 use crate::random::{self, STRATA_OF_A_CALL, STRATUM};
 use crate::{gpu_struct, pass};
 
@@ -27,7 +26,6 @@ pass! {
     /// hands the splats that touch it to its regions of one pixel per invocation.
     pub Visibility(StochasticPush) = "stochastic/visibility" {
         tiles: Shared<TiledGroup>,
-        bounds: Read<Bounds>,
         held_keys: ReadWrite<[u32; 4]>,
         held_indices: ReadWrite<[u32; 4]>,
     }
@@ -38,7 +36,6 @@ pass! {
     /// With the first strata it also finds the exact A.
     pub Accumulate(StochasticPush) = "stochastic/accumulate" {
         tiles: Shared<TiledGroup>,
-        bounds: Read<Bounds>,
         held_keys: Read<[u32; 4]>,
         held_indices: Read<[u32; 4]>,
         sums: ReadWrite<[f32; 4]>,
@@ -67,10 +64,9 @@ impl Sampler {
         target: &'a Target,
     ) -> Result<(), Error> {
         let (held_keys, held_indices) = (self.keys.get().all(), self.indices.get().all());
-        let visibility = Visibility { tiles: tiles.tiled, bounds: tiles.bounds, held_keys, held_indices };
+        let visibility = Visibility { tiles: tiles.tiled, held_keys, held_indices };
         let accumulate = Accumulate {
             tiles: tiles.tiled,
-            bounds: tiles.bounds,
             held_keys,
             held_indices,
             sums: self.sums.get().all(),

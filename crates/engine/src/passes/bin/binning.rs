@@ -112,7 +112,9 @@ impl Binning {
     /// Bytes left for the tiles' entries; `None` if the window must be cut.
     pub(super) fn left(&self, device: &Device, job: &Job<'_>) -> Result<Option<u64>, Error> {
         let (points, binding) = (job.raster.cloud.len(), device.limits().binding_bytes);
-        let most = (binding / RECORD_BYTES).min(1 << INDEX_BITS);
+        // Stages that go through tiles region by region keep a bit for each region of a block beside the index.
+        let index_bits = INDEX_BITS.min(32 - BLOCK_SIDE.pow(2) / self.subgroup);
+        let most = (binding / RECORD_BYTES).min(1 << index_bits);
         if points > most {
             return Err(Error::TooManyPoints { points, limit: most });
         }

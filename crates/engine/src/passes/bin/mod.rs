@@ -170,8 +170,9 @@ impl Bins {
             splats: Composing::new(cloud, binned.cut()),
             ends: self.cursors.get().slice(0, binned.cells()),
             entries: self.entries.get().all(),
+            bounds: cloud.bounds.all(),
         };
-        OrderedTiles { binned, tiled, bounds: cloud.bounds.all() }
+        OrderedTiles { binned, tiled }
     }
 
     /// Device bytes that sorting a window's splats takes, tiles not counted.

@@ -2,11 +2,10 @@
 
 use super::binning::{BLOCK_SIDE, BLOCKS, Binned, REGION_SEGMENT, SEGMENT, TILE_SIDE, pattern};
 use super::passes::{TileWalk, Tiled, TilesPush};
-use crate::gpu::{Dispatch, Pass, Recorder, Run, Slice, Variant};
+use crate::gpu::{Dispatch, Pass, Recorder, Run, Variant};
 use crate::passes::Error;
 use crate::passes::bands::{Band, Window};
 use crate::passes::compose::{self, Cut};
-use crate::passes::project::Bounds;
 
 /// Tiles with their splats in order, and what a stage binds that goes through them.
 #[derive(Clone, Copy)]
@@ -15,8 +14,6 @@ pub struct OrderedTiles<'a> {
     pub binned: Binned,
     /// Bindings.
     pub tiled: Tiled<'a>,
-    /// Rectangles of pixels, by index.
-    pub bounds: Slice<'a, Bounds>,
 }
 
 impl<'a> OrderedTiles<'a> {

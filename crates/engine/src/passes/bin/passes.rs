@@ -136,5 +136,7 @@ group! {
         ends: Read<u32>,
         /// Indices of the tiles' splats.
         entries: Read<u32>,
+        /// Rectangles of pixels, by index.
+        bounds: Read<Bounds>,
     }
 }
