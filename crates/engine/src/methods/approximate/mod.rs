@@ -81,7 +81,7 @@ pass! {
 pass! {
     /// Keeps the 8 nearest fragments of each pixel in slots by insertion, over oriented discs: one subgroup per block of
     /// a tile goes through it region by region. It runs once for every 8 of `k`; fragments that fall out in the last round
-    /// are summed. A run takes 1024 splats.
+    /// are summed.
     pub HybridOriented(SumPush) = "hybrid/accumulate" in "approximate/hybrid_oriented" {
         tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,

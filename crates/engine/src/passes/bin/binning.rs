@@ -26,8 +26,11 @@ const MOST_ITERATIONS: u64 = 50_000;
 /// Splats of a tile that one run takes, at five iterations each. Runs are composed by themselves and then joined, so that
 /// the smallest opacities don't round away in a sum of millions.
 pub(super) const SEGMENT: u32 = 2048;
-/// The same for stages that go through tiles region by region: as many as a workgroup may note without taking the room of others.
-pub(super) const REGION_SEGMENT: u32 = 1024;
+/// The same for stages that go through tiles region by region, whose workgroups note that many: wide ones may not take the
+/// room of others.
+pub(super) const fn region_segment(subgroup: u32) -> u32 {
+    if subgroup < 16 { SEGMENT } else { SEGMENT / 2 }
+}
 /// Shortest run of splats that a subgroup walks.
 pub(super) const SHORTEST_RUN: u64 = 256;
 /// Counters of tiles by run that a splat may have on average, if there are more than a few runs.
@@ -198,7 +201,7 @@ impl Binned {
 
     /// The same for stages that go through tiles region by region.
     pub fn region_segments(&self) -> u32 {
-        self.longest.div_ceil(REGION_SEGMENT).max(1)
+        self.longest.div_ceil(region_segment(self.subgroup())).max(1)
     }
 }
 
@@ -259,8 +262,9 @@ mod tests {
         for subgroup in [4, 8, 16, 32] {
             assert!(SEGMENT * 4 + SEGMENT / subgroup < 60_000);
             // Block by block: the steps to pick splats; then every splat and the steps, for each of the block's regions.
-            let steps = REGION_SEGMENT.div_ceil(subgroup);
-            assert!(steps + (REGION_SEGMENT + steps + 1) * (BLOCK_SIDE.pow(2) / subgroup) < 60_000);
+            let taken = region_segment(subgroup);
+            let steps = taken.div_ceil(subgroup);
+            assert!(steps + (taken + steps + 1) * (BLOCK_SIDE.pow(2) / subgroup) < 60_000);
         }
     }
 

@@ -1,6 +1,6 @@
 //! Tiles with their splats in order, and the stages that go through them.
 
-use super::binning::{BLOCK_SIDE, BLOCKS, Binned, REGION_SEGMENT, SEGMENT, TILE_SIDE, pattern};
+use super::binning::{BLOCK_SIDE, BLOCKS, Binned, SEGMENT, TILE_SIDE, pattern, region_segment};
 use super::passes::{TileWalk, Tiled, TilesPush};
 use crate::gpu::{Dispatch, Pass, Recorder, Run, Variant};
 use crate::passes::Error;
@@ -54,9 +54,9 @@ pub(crate) fn fold_variant(shape: Variant, later: bool, subgroup: u32) -> Varian
 /// As [`fold_variant`], of stages that go through each tile region by region (shaders/shared/region_fold.wgsl).
 pub(crate) fn region_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
     let columns = pattern(subgroup)[0];
-    blocks(shape, REGION_SEGMENT, subgroup)
+    blocks(shape, region_segment(subgroup), subgroup)
         .with("LATER", u32::from(later))
-        .constant("PICKED", REGION_SEGMENT)
+        .constant("PICKED", region_segment(subgroup))
         .constant("REGION_COLUMNS", columns)
 }
 
