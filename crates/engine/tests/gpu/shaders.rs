@@ -67,13 +67,12 @@ const NUMBERS: [&str; 7] = ["PART_LENGTH", "RUN", "SEGMENT", "SHARED", "STEP", "
 
 /// Choices that a shader shares with others and that its pass makes in one way alone: flat discs in order of depth, oriented ones
 /// out of order, spheres and opaque splats without a falloff.
-const FIXED: [(&str, &str); 14] = [
+const FIXED: [(&str, &str); 13] = [
     ("abuffer/count_tiles", "SHAPE"),
     ("abuffer/resolve_ordered", "SHAPE"),
     ("abuffer/store_tiles", "SHAPE"),
     ("approximate/hybrid", "SHAPE"),
     ("approximate/hybrid_oriented", "SHAPE"),
-    ("bin/gather", "FALLOFF"),
     ("soft/blend_runs", "FALLOFF"),
     ("soft/express", "SHAPE"),
     ("soft/resolve_merge", "FALLOFF"),

@@ -228,7 +228,7 @@ fn runs(rendered: &Rendered, name: &str) -> usize {
 fn neither_windows_nor_runs_over_a_tile_change_a_byte() {
     with_device(|device| {
         let size = [160, 96];
-        // Every tile has some 2500 splats, of which a run takes 1024; unclamped.
+        // Every tile has some 2500 splats, of which a run takes 2048, or 1024 on wide devices; unclamped.
         let points =
             scene(&[soup(41, 2300, 2.0..3.0, 0.001..0.02, true), soup(42, 300, 0.0..0.1, 0.1..0.9, true)].concat());
         for (shape, camera) in [(Shape::Disc, perspective()), (Shape::Oriented, orthographic())] {
@@ -237,7 +237,8 @@ fn neither_windows_nor_runs_over_a_tile_change_a_byte() {
             let mut cloud = renderer.upload(&points).expect("fits");
             let mut frame = frame(camera, size, method(shape, settings));
             let whole = renderer.render(&mut cloud, &frame).expect("renders");
-            assert_eq!((runs(&whole, "splats/visibility"), runs(&whole, "splats/attributes")), (3, 3));
+            let wanted = if device.info().subgroup < Some(16) { 2 } else { 3 };
+            assert_eq!((runs(&whole, "splats/visibility"), runs(&whole, "splats/attributes")), (wanted, wanted));
             assert_eq!((whole.facts.windows, whole.facts.splatted, whole.facts.layered), (1, 1, 0));
             compare(&whole.image, &ranges(&points, &frame, shape, &settings), SUM_ERROR).expect("the reference");
             frame.memory_budget = Some(100 << 10);
@@ -260,7 +261,7 @@ fn neither_windows_nor_runs_over_a_tile_change_a_byte() {
 #[test]
 fn sums_of_any_length_are_right_to_a_few_roundings() {
     with_device(|device| {
-        for n in [2usize, 8, 255, 1023, 1024, 1025, 10_000] {
+        for n in [2usize, 8, 255, 1023, 1024, 1025, 2047, 2048, 2049, 10_000] {
             let list: Vec<P> =
                 (0..n).map(|i| disc(0.5, 0.5, 3.0, 0.0, Vec3::new((i % 2) as f32, 0.1, i as f32 / n as f32))).collect();
             let camera = pixel_camera([1, 1]);

@@ -171,7 +171,7 @@ fn the_bytes_depend_on_nothing_but_the_scene() {
 fn chunks_draw_one_after_another() {
     let settings = stochastic(DiscShape::Oriented, Falloff::Flat, 6, true);
     let frame = frame(perspective(), [40, 30], Method::Stochastic(settings));
-    let points = scene(&soup(9, 140_000, 0.0..0.02, 0.0..0.3, true));
+    let points = scene(&soup(9, 280_000, 0.0..0.02, 0.0..0.3, true));
     let (mut whole, mut cut) = (None, None);
     with_device(|device| whole = Some(drawn(device, &points, &frame)));
     with_device_that_binds(Some(2 << 20), |device| {
