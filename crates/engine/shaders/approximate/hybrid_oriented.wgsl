@@ -43,6 +43,11 @@ fn before(a: Rank, b: Rank) -> bool {
     return a.x < b.x || (a.x == b.x && a.y < b.y);
 }
 
+// The second if `second`.
+fn either(a: Slot, b: Slot, second: bool) -> Slot {
+    return Slot(select(a.rank, b.rank, second), select(a.color, b.color, second));
+}
+
 fn empty_slots() -> Slots {
     var s: Slots;
     s.last = Rank(0u, 0u);
@@ -86,9 +91,14 @@ fn visit(pixel: vec2<u32>, f: Fragment) {
     let rank = Rank(f.depth_key, f.index);
     // The first round has no last fragment.
     let taken = f.hit && (BEHIND == 0u || before(s.last, rank));
-    // The carried fragment goes into its place, and the one that was there is carried on.
-    var carried = Slot(select(NO_RANK, rank, taken), vec4<f32>(f.color.rgb, select(0.0, f.color.a, taken)));
-#each slot     if before(carried.rank, s.slot{slot}.rank) { let out = s.slot{slot}; s.slot{slot} = carried; carried = out; }
+    // Slots are in order: from the first one behind the fragment on, each takes what was in the one before.
+    let found = Slot(select(NO_RANK, rank, taken), vec4<f32>(f.color.rgb, select(0.0, f.color.a, taken)));
+    var carried = found;
+    var moved = false;
+#each slot     let here{slot} = s.slot{slot};
+#each slot     let moves{slot} = before(found.rank, here{slot}.rank);
+#each slot     s.slot{slot} = either(here{slot}, either(found, carried, moved), moves{slot}); moved = moves{slot}; carried = here{slot};
+    carried = either(found, carried, moved);
     if TAIL != 0u {
         state.sum = plus(state.sum, carried.color.a * vec4<f32>(carried.color.rgb, 1.0));
         state.coverage = covered(state.coverage, carried.color.a);
