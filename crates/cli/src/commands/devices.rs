@@ -53,7 +53,7 @@ pub fn run(args: DevicesArgs, _talk: Console) -> Result<ExitCode> {
         text += &format!("{mark} {} {} ({}, {}); lacks {lacks}\n", d.index, d.name, d.kind, d.driver);
         if let Some(version) = slow_mesa(&d.driver) {
             text += &format!(
-                "    Mesa {version} is an old one: with Mesa 25 most methods take half the time on a CPU (docs/performance.md)\n"
+                "    Mesa {version} is an old one: with Mesa 25 most methods take a tenth to a third less time on a CPU (docs/performance.md)\n"
             );
         }
     }
