@@ -29,3 +29,4 @@ mod splat;
 mod splats;
 mod stochastic;
 mod stochastic_hardware;
+mod waits;
