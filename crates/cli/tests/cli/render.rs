@@ -229,7 +229,7 @@ fn a_small_memory_budget_changes_no_byte() {
         return;
     }
     let folder = folder();
-    // 64 × 64 pixels of 300 fragments: 9.4 MiB of lists.
+    // 64 × 64 pixels of 300 fragments: 4.7 MiB of ordered lists.
     let stack = builtin(&folder, "stack", &["layers=300", "size=64"]);
     done(&folder, &["render", &stack, "-o", "all.exr", "--aov", "--profile", "all.json"]);
     done(
@@ -246,5 +246,5 @@ fn a_small_memory_budget_changes_no_byte() {
     };
     let (all, bands) = (memory("all.json"), memory("bands.json"));
     assert_eq!(all.0, 1);
-    assert!(bands.0 > 9 && bands.1 <= 1 << 20, "{bands:?} of {all:?}");
+    assert!(bands.0 > 4 && bands.1 <= 1 << 20, "{bands:?} of {all:?}");
 }

@@ -148,7 +148,7 @@ fn what_a_comparison_had_no_memory_for_is_skipped_and_leaves_no_picture() {
         return;
     }
     let mut skipped = 0;
-    for nth in [70, 100, 130, 150] {
+    for nth in [78, 90, 100, 112] {
         let folder = place();
         let args = [&TRADEOFF[..], &["--only=weighted", "--json"]].concat();
         let mut run = command(folder.path(), &args);
