@@ -246,5 +246,5 @@ fn a_small_memory_budget_changes_no_byte() {
     };
     let (all, bands) = (memory("all.json"), memory("bands.json"));
     assert_eq!(all.0, 1);
-    assert!(bands.0 > 4 && bands.1 <= 1 << 20, "{bands:?} of {all:?}");
+    assert!(bands.0 > 8 && bands.1 <= 1 << 20, "{bands:?} of {all:?}");
 }

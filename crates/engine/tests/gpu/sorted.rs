@@ -416,6 +416,9 @@ fn small_bindings_change_no_byte() {
         let mut images = Vec::new();
         for binding in [None, Some(4 << 20)] {
             with_device_that_binds(binding, |device| {
+                let cloud = Renderer::new(device).expect("a renderer").upload(&points).expect("fits");
+                assert_eq!(cloud.chunks().count() > 1, binding.is_some(), "chunks");
+                drop(cloud);
                 let found = rendered(device, &points, &frame);
                 images.push(bits(&found.image));
             });
