@@ -9,6 +9,7 @@ use ash::vk::{self, Handle};
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 
+use super::paused::Grave;
 use super::{Context, Error, GpuType, Recorder, guard};
 
 /// Bytes of the staging buffer that uploads and read-backs pass through.
@@ -58,7 +59,9 @@ impl<T: GpuType> Buffer<T> {
         }
         // The limit leaves room for the guard.
         let bytes = bytes + guard::BYTES;
-        let usage = vk::BufferUsageFlags::STORAGE_BUFFER
+        let conditional = vk::BufferUsageFlags::CONDITIONAL_RENDERING_EXT;
+        let usage = if context.conditional.is_some() { conditional } else { vk::BufferUsageFlags::empty() }
+            | vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::UNIFORM_BUFFER
             | vk::BufferUsageFlags::INDIRECT_BUFFER
             | vk::BufferUsageFlags::TRANSFER_SRC
@@ -217,13 +220,7 @@ impl<T: GpuType> Buffer<T> {
 
 impl<T> Drop for Buffer<T> {
     fn drop(&mut self) {
-        self.context.forget_allocation((vk::Buffer::TYPE, self.raw.as_raw()));
-        // SAFETY: every submission is waited for before its recorder returns, so the device no longer uses the buffer.
-        unsafe { self.context.device.destroy_buffer(self.raw, None) };
-        if let Some(allocation) = self.allocation.take() {
-            // Freeing what this allocator gave out cannot fail.
-            let _ = self.context.with_allocator(|allocator| allocator.free(allocation));
-        }
+        self.context.bury(Grave::Buffer(self.raw, self.allocation.take()));
     }
 }
 

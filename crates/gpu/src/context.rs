@@ -11,6 +11,7 @@ use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 
 use super::device::{DeviceInfo, DeviceOptions, Limits, queue_family};
 use super::instance::Instance;
+use super::paused::Graves;
 use super::pipeline::{Compilation, Made, Pipeline, PipelineKey};
 use super::{Error, cache, compiled, guard};
 
@@ -34,6 +35,8 @@ pub struct Context {
     pub info: DeviceInfo,
     pub limits: Limits,
     pub debug: Option<ext::debug_utils::Device>,
+    /// There if the device can leave out commands.
+    pub conditional: Option<ext::conditional_rendering::Device>,
     pub pipeline_cache: vk::PipelineCache,
     /// There if the driver keeps what it finds out about pipelines.
     pub executables: Option<khr::pipeline_executable_properties::Device>,
@@ -42,6 +45,8 @@ pub struct Context {
     pub submission: Mutex<()>,
     /// Command buffers that nobody records, each with a pool of its own.
     idle_commands: Mutex<Vec<Commands>>,
+    /// What interrupted recordings may still need.
+    pub graves: Mutex<Graves>,
     allocator: Mutex<Option<Allocator>>,
     /// Names and sizes by kind and handle: handles of different kinds may be equal.
     live: Mutex<HashMap<(vk::ObjectType, u64), (String, u64)>>,
@@ -99,6 +104,8 @@ impl Context {
         .map_err(Error::call("vkCreatePipelineCache"))?;
         let executables = statistics.then(|| khr::pipeline_executable_properties::Device::new(&instance.raw, &device));
         let debug = instance.debug_utils.then(|| ext::debug_utils::Device::new(&instance.raw, &device));
+        let conditional =
+            info.conditional.then(|| ext::conditional_rendering::Device::new(&instance.raw, &device));
         Ok(Self {
             device,
             #[cfg(feature = "window")]
@@ -108,11 +115,13 @@ impl Context {
             info,
             limits,
             debug,
+            conditional,
             pipeline_cache,
             executables,
             instance,
             submission: Mutex::new(()),
             idle_commands: Mutex::default(),
+            graves: Mutex::default(),
             allocator: Mutex::new(Some(allocator)),
             live: Mutex::default(),
             peak: AtomicU64::new(0),
@@ -286,6 +295,8 @@ fn create_device(
     extensions.extend(instance.surface.is_some().then_some(khr::swapchain::NAME.as_ptr()));
     extensions.extend(robustness.second.is_some().then_some(ext::robustness2::NAME.as_ptr()));
     extensions.extend(statistics.then_some(khr::pipeline_executable_properties::NAME.as_ptr()));
+    extensions.extend(info.conditional.then_some(ext::conditional_rendering::NAME.as_ptr()));
+    let mut conditional = vk::PhysicalDeviceConditionalRenderingFeaturesEXT::default().conditional_rendering(true);
     let mut executables =
         vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);
     let mut create = vk::DeviceCreateInfo::default()
@@ -296,6 +307,9 @@ fn create_device(
         .push_next(&mut features13);
     if statistics {
         create = create.push_next(&mut executables);
+    }
+    if info.conditional {
+        create = create.push_next(&mut conditional);
     }
     if let Some(second) = &mut robustness.second {
         create = create.push_next(second);

@@ -4,7 +4,7 @@ use std::ffi::CStr;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use ash::vk;
+use ash::{ext, vk};
 
 use super::context::Context;
 use super::image::{self, Attachment, Format};
@@ -100,6 +100,8 @@ pub struct DeviceInfo {
     /// Optional: invocations of the subgroups of compute shaders, 8 to 32, if ballots and shuffles work in them and
     /// their size is known beforehand.
     pub subgroup: Option<u32>,
+    /// Optional: commands that the device leaves out by a word that it finds itself (`VK_EXT_conditional_rendering`).
+    pub conditional: bool,
     /// The shapes of work that it prefers.
     pub prefers: Preferences,
     rank: u32,
@@ -222,9 +224,25 @@ fn describe(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> 
         subgroup: (features13.subgroup_size_control == vk::TRUE && features13.compute_full_subgroups == vk::TRUE)
             .then(|| subgroup_size(&subgroups, &subgroup_sizes))
             .flatten(),
+        conditional: is_conditional(instance, physical),
         prefers: Preferences::of(basic.device_type),
         rank,
     }
+}
+
+/// True if the device can leave out commands by a word in a buffer.
+fn is_conditional(instance: &Instance, physical: vk::PhysicalDevice) -> bool {
+    let mut features = vk::PhysicalDeviceConditionalRenderingFeaturesEXT::default();
+    // SAFETY: plain queries on a live instance; the struct is only asked for where its extension is present.
+    unsafe {
+        let extensions = instance.raw.enumerate_device_extension_properties(physical).unwrap_or_default();
+        if !extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(ext::conditional_rendering::NAME)) {
+            return false;
+        }
+        let mut all = vk::PhysicalDeviceFeatures2::default().push_next(&mut features);
+        instance.raw.get_physical_device_features2(physical, &mut all);
+    }
+    features.conditional_rendering == vk::TRUE
 }
 
 /// The subgroup size that compute shaders ask for: the largest up to 32, so that a ballot is one word.

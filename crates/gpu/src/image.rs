@@ -10,6 +10,7 @@ use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 
 use super::instance::Instance;
+use super::paused::Grave;
 use super::{Context, Device, Error, Resource};
 
 /// Samples per pixel of multisampled attachments: the number that every device with such attachments supports.
@@ -209,17 +210,7 @@ impl Attachment {
 
 impl Drop for Attachment {
     fn drop(&mut self) {
-        self.context.forget_allocation((vk::Image::TYPE, self.raw.as_raw()));
-        // SAFETY: every submission is waited for before its recorder returns, so the device no longer uses the image; a null
-        // view is ignored.
-        unsafe {
-            self.context.device.destroy_image_view(self.view, None);
-            self.context.device.destroy_image(self.raw, None);
-        }
-        if let Some(allocation) = self.allocation.take() {
-            // Freeing what this allocator gave out cannot fail.
-            let _ = self.context.with_allocator(|allocator| allocator.free(allocation));
-        }
+        self.context.bury(Grave::Image(self.raw, self.view, self.allocation.take()));
     }
 }
 

@@ -11,12 +11,14 @@ mod context;
 mod device;
 mod error;
 pub mod fault;
+mod foresee;
 mod guard;
 mod image;
 mod instance;
 mod kept;
 pub mod layout;
 mod pass;
+mod paused;
 mod pipeline;
 mod preferences;
 mod recorder;
@@ -33,8 +35,10 @@ pub use error::Error;
 pub use guard::BYTES as GUARD_BYTES;
 pub use image::{Attachment, DepthSamples, Format, KeptAttachment, NumberSamples, Pixels, SAMPLES, Texture};
 pub use kept::Kept;
+pub use foresee::Foresee;
 pub use layout::{GpuType, Member, Shape};
 pub use pass::{Access, Binding, Group, PARTS, Pass, PushConstants, Resource};
+pub use paused::Paused;
 pub use pipeline::{Blend, Compilation, Made, Outputs};
 pub use preferences::Preferences;
 pub use recorder::{Dispatch, Draw, PassTime, Recorder, Run, Submitted, Targets, Vertices};
@@ -51,5 +55,5 @@ pub static SHADERS: shader::Sources = shader::Sources {
 
 /// The device layer's own passes, with all their variants.
 pub fn shaders() -> Vec<shader::Shader> {
-    vec![shader::Shader::plain::<Agree>()]
+    vec![shader::Shader::plain::<Agree>(), shader::Shader::plain::<Foresee>()]
 }

@@ -1,4 +1,5 @@
-// bin/tile-count: how many splats of each run meet each tile. One invocation per drawn splat. counts is zero before.
+// bin/tile-count: how many splats of each run meet each tile. One invocation per record; those behind the
+// drawn splats count nothing. counts is zero before.
 #import tile_push
 #import dispatch
 @group(0) @binding(3) var<storage, read_write> counts: array<atomic<u32>>;
@@ -13,7 +14,11 @@ fn main(
     if rank >= push.count {
         return;
     }
-    let met = tiles_of(bounds[records[rank].y]);
+    let rectangle = rectangle_of(records[rank].y);
+    if !any(rectangle != vec2<u32>(0u)) {
+        return;
+    }
+    let met = tiles_of(rectangle);
     let run = rank / push.run_length;
     var tile = met.xy;
     // A drawn splat meets a tile, so the condition may stand at the end: CPU drivers run every loop once.

@@ -41,13 +41,13 @@ fn main(
     let place = vec2<u32>(lane % LANE_COLUMNS, lane / LANE_COLUMNS);
     for (var step = start; step < end; step += SUBGROUP) {
         let own_index = records[min(step + lane, end - 1u)].y;
-        let own_rectangle = bounds[own_index];
+        let own_rectangle = rectangle_of(own_index);
         // Conditions stand at the ends of the loops: CPU drivers run every loop once.
         var k = 0u;
         loop {
             let rectangle = vec2<u32>(subgroupShuffle(own_rectangle.x, k), subgroupShuffle(own_rectangle.y, k));
             let index = subgroupShuffle(own_index, k);
-            let met = tiles_of(rectangle);
+            let met = select(vec4<u32>(0u), tiles_of(rectangle), any(rectangle != vec2<u32>(0u)));
             let low = max(met.xy, block_low);
             let high = min(met.zw, block_high);
             let first = vec2<u32>(own(low.x, place.x, LANE_COLUMNS), own(low.y, place.y, LANE_ROWS));

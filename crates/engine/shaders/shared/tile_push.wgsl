@@ -21,6 +21,11 @@ struct Push {
 @group(0) @binding(2) var<storage, read> bounds: array<Bounds>;
 var<immediate> push: Push;
 
+// A splat's rectangle; nothing for a record without a splat, which stands behind the others.
+fn rectangle_of(index: u32) -> vec2<u32> {
+    return select(vec2<u32>(0u), bounds[min(index, arrayLength(&bounds) - 1u)], index < arrayLength(&bounds));
+}
+
 // First column and row of tiles that a rectangle meets, and one past the last ones.
 fn tiles_of(rect: vec2<u32>) -> vec4<u32> {
     let low = (vec2<u32>(rect.x & 0xffffu, rect.y & 0xffffu) - view.window.xy) / TILE_SIDE;

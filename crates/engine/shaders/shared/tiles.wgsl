@@ -4,14 +4,26 @@
 #import dispatch
 
 struct Push {
-    large_count: u32,
-    pairs: u32,
+    chunk: u32,
+}
+
+// What the projection found in a chunk; shared/stats.wgsl explains it.
+struct Found {
+    visible: u32,
+    large: u32,
+    tiles_low: u32,
+    tiles_high: u32,
+    widest: u32,
+    tallest: u32,
+    area_low: u32,
+    area_high: u32,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<storage, read> bounds: array<Bounds>;
 @group(0) @binding(2) var<storage, read> large: array<u32>;
 @group(0) @binding(3) var<storage, read> pair_offsets: array<u32>;
+@group(0) @binding(4) var<storage, read> stats: array<Found>;
 var<immediate> push: Push;
 
 struct Pair {
@@ -19,10 +31,15 @@ struct Pair {
     tile: u32,
 }
 
+// Pairs of the chunk.
+fn pairs() -> u32 {
+    return stats[push.chunk].tiles_low;
+}
+
 fn pair_at(pair: u32) -> Pair {
     // The last splat whose first pair is not after this one.
     var below = 0u;
-    var above = push.large_count;
+    var above = stats[push.chunk].large;
     while above - below > 1u {
         let middle = (below + above) / 2u;
         if pair_offsets[middle] <= pair {

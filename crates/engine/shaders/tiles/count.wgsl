@@ -1,6 +1,6 @@
 // tiles/count: how many large splats meet each tile. One invocation per pair. counts is zero before.
 #import tiles
-@group(0) @binding(4) var<storage, read_write> counts: array<atomic<u32>>;
+@group(0) @binding(5) var<storage, read_write> counts: array<atomic<u32>>;
 
 @compute @workgroup_size(WG_SIZE)
 fn main(
@@ -9,7 +9,7 @@ fn main(
     @builtin(local_invocation_index) local: u32,
 ) {
     let pair = invocation_index(workgroup, groups, local);
-    if pair < push.pairs {
+    if pair < pairs() {
         atomicAdd(&counts[pair_at(pair).tile], 1u);
     }
 }

@@ -1,8 +1,8 @@
 // tiles/store: the large splats of each tile, in any order: tile t owns entries[starts[t] .. starts[t + 1]]. One
 // invocation per pair. cursors is a copy of starts before.
 #import tiles
-@group(0) @binding(4) var<storage, read_write> cursors: array<atomic<u32>>;
-@group(0) @binding(5) var<storage, read_write> entries: array<u32>;
+@group(0) @binding(5) var<storage, read_write> cursors: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> entries: array<u32>;
 
 @compute @workgroup_size(WG_SIZE)
 fn main(
@@ -11,7 +11,7 @@ fn main(
     @builtin(local_invocation_index) local: u32,
 ) {
     let number = invocation_index(workgroup, groups, local);
-    if number < push.pairs {
+    if number < pairs() {
         let pair = pair_at(number);
         let slot = atomicAdd(&cursors[pair.tile], 1u);
         // Both passes find the same pairs; should a driver ever disagree with itself, nothing is written outside.

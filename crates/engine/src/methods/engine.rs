@@ -1,5 +1,7 @@
 //! The engine of a method, as the renderer sees it, and the tools an engine works with.
 
+use std::ops::Deref;
+
 use crate::progress::Progress;
 
 use super::bytes::PassRuns;
@@ -7,8 +9,11 @@ use super::explain::Plan;
 use super::{Buffers, Error, Facts, Frame, Outcome, Target, Timeline};
 use crate::gpu::{Device, DeviceInfo};
 use crate::passes::bands::{self, Budget, Window};
+use crate::passes::bin::Binned;
 use crate::passes::compose::Cut;
+use crate::passes::foresight::Place;
 use crate::passes::project::{DeviceCloud, Projecting, Stats};
+use crate::passes::raster::Walker;
 use crate::passes::tiles::Tiles;
 
 /// A family of methods with the settings of one of them: how its frames are cut into windows, rendered, counted, measured and
@@ -163,7 +168,12 @@ pub(crate) struct Work<'a> {
     pub switches: Switches,
     /// True if counting is enough.
     pub survey: bool,
+    /// What is added to the counts once the window was submitted.
+    pub later: Vec<Later>,
 }
+
+/// Adds to the counts of a frame, from what was found.
+pub(crate) type Later = Box<dyn FnOnce(&mut Facts, &Timeline)>;
 
 impl Work<'_> {
     /// Pixels of the window.
@@ -172,7 +182,7 @@ impl Work<'_> {
     }
 
     /// Projects a cloud's points to splats of the window. Returns the results by chunk.
-    pub fn project(&mut self, cloud: &mut DeviceCloud, how: &Projecting) -> Result<Vec<Stats>, Error> {
+    pub fn project(&mut self, cloud: &mut DeviceCloud, how: &Projecting) -> Result<Projected, Error> {
         project(self.device, cloud, (self.frame, self.window), how, self.timeline)
     }
 
@@ -188,10 +198,26 @@ impl Work<'_> {
         Ok(budget)
     }
 
+    /// Adds to the frame's counts once the window was submitted: only then counts are known.
+    pub fn note_later(&mut self, note: impl FnOnce(&mut Facts, &Timeline) + 'static) {
+        self.later.push(Box::new(note));
+    }
+
+    /// Adds a binned window to the frame's counts.
+    pub fn note_binned(&mut self, binned: Binned) {
+        self.note_later(move |facts, timeline| facts.note_binned(binned.cells(), binned.found_entries(timeline)));
+    }
+
+    /// Adds a window to the frame's counts.
+    pub fn note(&mut self, projected: &Projected, walker: Walker) {
+        let found = projected.found;
+        self.note_later(move |facts, timeline| facts.note(&found.stats(timeline), walker));
+    }
+
     /// Copies a finished window to the host.
     pub fn read_back(&mut self) -> Result<(), Error> {
         if !self.survey {
-            let mut recorder = self.device.recorder()?;
+            let mut recorder = self.timeline.recorder(self.device)?;
             self.target.record_read_back(&mut recorder, self.pixels())?;
             self.timeline.submit(recorder, "image/read-back")?;
             self.finish();
@@ -207,6 +233,36 @@ impl Work<'_> {
     }
 }
 
+/// The results of a projection by chunk, or upper bounds of them.
+pub(crate) struct Projected {
+    stats: Vec<Stats>,
+    /// The results themselves.
+    pub found: Found,
+}
+
+/// The results of a projection, once it was submitted.
+#[derive(Clone, Copy)]
+pub(crate) struct Found(Place);
+
+impl Found {
+    /// They, by chunk.
+    pub fn stats(self, timeline: &Timeline) -> Vec<Stats> {
+        stats_of(timeline.found(self.0))
+    }
+}
+
+impl Deref for Projected {
+    type Target = [Stats];
+
+    fn deref(&self) -> &[Stats] {
+        &self.stats
+    }
+}
+
+fn stats_of(words: &[u32]) -> Vec<Stats> {
+    bytemuck::pod_collect_to_vec(words)
+}
+
 /// Projects a cloud's points to splats of a window of a frame. Returns the results by chunk.
 pub(crate) fn project(
     device: &Device,
@@ -214,13 +270,17 @@ pub(crate) fn project(
     (frame, window): (&Frame, Window),
     how: &Projecting,
     timeline: &mut Timeline,
-) -> Result<Vec<Stats>, Error> {
+) -> Result<Projected, Error> {
     cloud.reserve_tilts(device, how.footprint)?;
     cloud.set_view(&frame.camera, frame.size, window, how);
-    let mut recorder = device.recorder()?;
+    let mut recorder = timeline.recorder(device)?;
     cloud.record_project(&mut recorder, how)?;
-    timeline.submit(recorder, "project/splats")?;
-    Ok(cloud.stats())
+    let names = ("project/stats", "project/splats");
+    let answer = timeline.ask(device, recorder, names, &[cloud.found().cast()])?;
+    let [width, height] = [window[2] - window[0], window[3] - window[1]];
+    let most = |((_, count), s): ((u64, u64), Stats)| s.at_most(count, [width, height]);
+    let stats = cloud.chunks().zip(stats_of(&answer.words)).map(most).collect();
+    Ok(Projected { stats, found: Found(answer.place) })
 }
 
 /// Windows for a method that needs `pixel_bytes` per pixel.

@@ -164,6 +164,9 @@ pub enum Error {
         /// The method.
         method: &'static str,
     },
+    /// A count was larger than taken for granted: the renderer tries again, and waits for it. Nobody else meets this.
+    #[error("a count was larger than foreseen")]
+    Unforeseen,
     /// Somebody who watches the progress wanted the work to end.
     #[error("cancelled")]
     Cancelled,
@@ -186,6 +189,7 @@ impl From<passes::Error> for Error {
             passes::Error::SortOverBudget { points, needed, available, budget } => {
                 Self::SortOverBudget { points, needed, available, budget }
             }
+            passes::Error::Unforeseen => Self::Unforeseen,
             passes::Error::Cancelled => Self::Cancelled,
         }
     }

@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::spbr::Form;
-use crate::passes::bin::{Binned, Survey};
+use crate::passes::bin::Survey;
 use crate::passes::project::Stats;
 use crate::passes::raster::Walker;
 
@@ -106,9 +106,9 @@ impl Facts {
     }
 
     /// Adds a window whose splats were binned.
-    pub(super) fn note_binned(&mut self, binned: Binned) {
-        self.tile_cells = self.tile_cells.max(binned.cells());
-        self.tile_entries += binned.entries();
+    pub(super) fn note_binned(&mut self, cells: u64, entries: u64) {
+        self.tile_cells = self.tile_cells.max(cells);
+        self.tile_entries += entries;
     }
 
     /// Adds a window whose splats were only surveyed, not binned.

@@ -117,7 +117,9 @@ impl LinkedList {
             let run = Run::new(Dispatch::Invocations(pixels)).variant(gather_variant(cfg!(debug_assertions)));
             recorder.run(&Gather { offsets, heads, nodes, links, fragments }, push, &run)?;
         }
-        recorder.agree("linked-list/store", "counter", node_count, Expected::Value(band.fragments as u32))?;
+        let offset = |pixel: u32| offsets.skip(pixel.into()).first(1);
+        let stored = Expected::Below { ends: offset(band.pixels[1]), counts: offset(band.pixels[0]) };
+        recorder.agree("linked-list/store", "counter", node_count, stored)?;
         // Heads are lengths now.
         let of_band = |slice: Slice<'a, u32>| slice.skip(band.pixels[0].into()).first(pixels);
         let lengths = Expected::Below { ends: of_band(offsets.skip(1)), counts: of_band(offsets) };

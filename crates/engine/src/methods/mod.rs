@@ -32,6 +32,7 @@ pub mod splats;
 pub mod stochastic;
 mod target;
 mod tiled;
+mod told;
 mod walker;
 
 pub use error::Error;

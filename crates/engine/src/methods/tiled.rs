@@ -89,7 +89,7 @@ pub(super) fn render(
     let outcome = if work.survey { stage.survey(work, &bin)? } else { stage.draw(machines, work, bin, max_color)? };
     if outcome == Outcome::Done {
         work.finish();
-        work.facts.note(&stats, walker);
+        work.note(&stats, walker);
     }
     Ok(outcome)
 }

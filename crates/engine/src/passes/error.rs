@@ -31,6 +31,8 @@ pub enum Error {
         /// The budget that would do.
         budget: u64,
     },
+    /// A count was larger than taken for granted, or not asked for before.
+    Unforeseen,
     /// Somebody who watches the progress wanted the work to end.
     Cancelled,
 }

@@ -4,6 +4,7 @@ pub mod bands;
 pub mod bin;
 pub mod compose;
 mod error;
+pub mod foresight;
 pub mod project;
 pub mod radix;
 pub mod raster;

@@ -13,10 +13,9 @@ pub const TILE: u32 = 16;
 pub const SEGMENT: u32 = 4096;
 
 gpu_struct! {
-    /// Push constants: large splats of the chunk, and their pairs with tiles.
+    /// Push constants: the number of the chunk.
     pub struct TilePush {
-        large_count: u32,
-        pairs: u32,
+        chunk: u32,
     }
 }
 
@@ -27,6 +26,7 @@ pass! {
         bounds: Read<Bounds>,
         large: Read<u32>,
         pair_offsets: Read<u32>,
+        stats: Read<Stats>,
         counts: ReadWrite<u32>,
     }
 }
@@ -38,6 +38,7 @@ pass! {
         bounds: Read<Bounds>,
         large: Read<u32>,
         pair_offsets: Read<u32>,
+        stats: Read<Stats>,
         cursors: ReadWrite<u32>,
         entries: ReadWrite<u32>,
     }
@@ -105,14 +106,14 @@ impl Tiles {
         &'a self,
         recorder: &mut Recorder<'a>,
         cloud: &'a DeviceCloud,
-        stats: &[Stats],
+        all: &[Stats],
         window: Window,
     ) -> Result<(), Error> {
         let Some(scan) = &self.scan else { return Ok(()) };
         let [columns, rows] = grid(window);
         let len = u64::from(columns) * u64::from(rows) + 1;
         let overflow = self.overflow.all();
-        for (chunk, ((first, count), s)) in cloud.chunks().zip(stats).enumerate() {
+        for (chunk, ((first, count), s)) in cloud.chunks().zip(all).enumerate() {
             if s.large == 0 {
                 continue;
             }
@@ -121,15 +122,15 @@ impl Tiles {
             let pair_offsets = self.pair_offsets.get().slice(0, u64::from(s.large));
             let cursors = self.cursors.get().slice(0, len);
             let starts = self.starts.get().slice(chunk as u64 * stride(window), len);
-            let push = TilePush { large_count: s.large, pairs: s.tiles() as u32 };
+            let (stats, push) = (cloud.found(), TilePush { chunk: chunk as u32 });
             let run = Run::new(Dispatch::Invocations(s.tiles()));
             scan.record(recorder, cloud.tile_counts.slice(first, u64::from(s.large)), pair_offsets, overflow)?;
             recorder.fill("project/clear", cursors, 0)?;
-            recorder.run(&TileCount { view, bounds, large, pair_offsets, counts: cursors }, push, &run)?;
+            recorder.run(&TileCount { view, bounds, large, pair_offsets, stats, counts: cursors }, push, &run)?;
             scan.record(recorder, cursors, starts, overflow)?;
             recorder.copy("tiles/cursors", starts, cursors)?;
-            let entries = self.entries_of(stats, chunk);
-            recorder.run(&TileStore { view, bounds, large, pair_offsets, cursors, entries }, push, &run)?;
+            let entries = self.entries_of(all, chunk);
+            recorder.run(&TileStore { view, bounds, large, pair_offsets, stats, cursors, entries }, push, &run)?;
             let (ends, next) = (cursors.first(len - 1), starts.skip(1));
             recorder.agree("tiles/store", "tile", ends, Expected::Words(next))?;
         }

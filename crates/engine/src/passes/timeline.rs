@@ -3,7 +3,8 @@
 use std::time::{Duration, Instant};
 
 use super::Error;
-use crate::gpu::{PassTime, Recorder, Submitted};
+use super::foresight::{Answer, Foresight, Knowledge, Place};
+use crate::gpu::{Device, PassTime, Paused, Recorder, Slice, Submitted};
 use crate::progress::Progress;
 
 /// Submits the work of a frame, and collects its times.
@@ -16,22 +17,94 @@ pub struct Timeline {
     pub passes: Vec<(PassTime, Duration)>,
     /// The submissions' times together.
     pub submitted: Duration,
+    /// What is known of the window in work before it is rendered.
+    pub foresight: Foresight,
+    /// What was recorded so far, where nobody waits for it.
+    paused: Option<Paused>,
 }
 
 impl Timeline {
     /// Begins without a submission; who watches the progress may cancel the frame at any of them.
     pub fn new(progress: &Progress) -> Self {
-        Self { progress: progress.clone(), start: None, passes: Vec::new(), submitted: Duration::ZERO }
+        Self::with(progress, Foresight::default())
+    }
+
+    /// The same, with what is known of earlier frames.
+    pub fn with(progress: &Progress, foresight: Foresight) -> Self {
+        let (passes, submitted) = (Vec::new(), Duration::ZERO);
+        Self { progress: progress.clone(), start: None, passes, submitted, foresight, paused: None }
+    }
+
+    /// Begins a recording, or goes on with one that nobody waited for.
+    pub fn recorder<'a>(&mut self, device: &'a Device) -> Result<Recorder<'a>, Error> {
+        Ok(match self.paused.take() {
+            Some(paused) => paused.resume(),
+            None => device.recorder()?,
+        })
+    }
+
+    /// Asks what the device counts into `words`, by copies called `name`: waits for what was recorded, unless an upper bound of
+    /// the answer is known. `submitted` says in errors what is submitted.
+    ///
+    /// # Errors
+    /// Those of [`Self::submit`].
+    pub fn ask<'a>(
+        &mut self,
+        device: &Device,
+        recorder: Recorder<'a>,
+        (name, submitted): (&'static str, &str),
+        words: &[Slice<'a, u32>],
+    ) -> Result<Answer, Error> {
+        self.progress.check()?;
+        let finished = {
+            let mut recorder: Recorder<'_> = recorder;
+            if let Some(answer) = self.foresight.ask(device, &mut recorder, name, words)? {
+                self.paused = Some(recorder.pause());
+                return Ok(answer);
+            }
+            recorder.submit(submitted)?
+        };
+        self.add(finished);
+        Ok(self.foresight.answer())
+    }
+
+    /// What was found, once it was submitted.
+    pub fn found(&self, place: Place) -> &[u32] {
+        self.foresight.found(place)
+    }
+
+    /// Submits what was recorded, and waits for it, unless the window does without waiting: then the next recording goes on from
+    /// here.
+    ///
+    /// # Errors
+    /// Those of [`Self::submit`].
+    pub fn go_on(&mut self, recorder: Recorder<'_>, name: &str) -> Result<(), Error> {
+        if self.foresight.knowledge() != Knowledge::Bounds {
+            return self.submit(recorder, name);
+        }
+        self.progress.check()?;
+        self.paused = Some(recorder.pause());
+        Ok(())
+    }
+
+    /// Drops what was recorded and not submitted.
+    pub fn drop_paused(&mut self) {
+        self.paused = None;
     }
 
     /// Submits what was recorded, and waits for it. `name` says in errors what was submitted.
     ///
     /// # Errors
-    /// The frame was cancelled, and nothing submitted; or the device failed.
+    /// The frame was cancelled, and nothing submitted; the device failed; or a count was larger than foreseen.
     pub fn submit(&mut self, recorder: Recorder<'_>, name: &str) -> Result<(), Error> {
         self.progress.check()?;
-        self.add(recorder.submit(name)?);
-        Ok(())
+        let finished = {
+            let mut recorder: Recorder<'_> = recorder;
+            self.foresight.record_end(&mut recorder);
+            recorder.submit(name)?
+        };
+        self.add(finished);
+        if self.foresight.is_met() { Ok(()) } else { Err(Error::Unforeseen) }
     }
 
     /// Adds a finished submission.

@@ -5,6 +5,7 @@
 //! after a graphics pass.
 
 mod barriers;
+mod condition;
 mod descriptors;
 mod dispatch;
 mod draw;
@@ -26,6 +27,7 @@ use self::times::Queries;
 use super::agree::Agreement;
 use super::context::{Commands, lock};
 use super::guard::Guards;
+use super::paused::Held;
 use super::pipeline::Pipeline;
 use super::{Context, Error, GpuType, Pass, RawSlice, Slice, Variant};
 
@@ -82,6 +84,10 @@ pub struct Recorder<'a> {
     passes: Vec<(&'static str, bool)>,
     guards: Guards,
     agreements: Vec<Agreement>,
+    /// True where the device may leave commands out.
+    conditional: bool,
+    /// There once the recording was interrupted.
+    pub(super) held: Option<Held>,
     buffers: PhantomData<&'a ()>,
 }
 
@@ -100,6 +106,8 @@ impl<'a> Recorder<'a> {
             passes: Vec::new(),
             guards: Guards::default(),
             agreements: Vec::new(),
+            conditional: false,
+            held: None,
             buffers: PhantomData,
         };
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
@@ -243,6 +251,13 @@ impl<'a> Recorder<'a> {
         Ok(())
     }
 
+    /// Copies one range into another of the same length, untimed.
+    pub fn copy_untimed<T: GpuType>(&mut self, from: Slice<'a, T>, to: Slice<'a, T>) {
+        assert_eq!(from.len(), to.len(), "ranges of different length");
+        self.guards.note_write(to.raw());
+        self.copy_raw("", from.raw(), to.raw());
+    }
+
     /// A copy that is not timed.
     pub(super) fn copy_raw(&mut self, _name: &'static str, from: RawSlice, to: RawSlice) {
         self.memory_barrier();
@@ -256,7 +271,8 @@ impl<'a> Recorder<'a> {
     }
 
     /// Ends, submits, waits, and reads the times. `name` says in errors what was submitted.
-    pub fn submit(self, name: &str) -> Result<Submitted, Error> {
+    pub fn submit(mut self, name: &str) -> Result<Submitted, Error> {
+        self.end_condition();
         let context = self.context.clone();
         let allowed = |left: u64| if left == u64::MAX { Some(left) } else { left.checked_sub(1) };
         if context.allowed.fetch_update(Ordering::Relaxed, Ordering::Relaxed, allowed).is_err() {
@@ -301,6 +317,8 @@ impl<'a> Recorder<'a> {
 
 impl Drop for Recorder<'_> {
     fn drop(&mut self) {
+        // Of a recording that was not submitted: validation layers remember it beyond the reset.
+        self.end_condition();
         let device = &self.context.device;
         // SAFETY: either never submitted or waited for in `submit`.
         unsafe {

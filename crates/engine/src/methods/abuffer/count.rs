@@ -5,6 +5,7 @@ use super::{ABuffer, LOCAL_LENGTH, Storing, WindowJob};
 use crate::gpu::{Device, Dispatch, Run, Variant};
 use crate::methods::{Error, Facts, Timeline};
 use crate::passes::bands::{self, Band};
+use crate::passes::foresight::Place;
 use crate::passes::raster::Chunk;
 use crate::passes::scan::Scan;
 
@@ -20,9 +21,29 @@ pub(super) struct Counted {
     /// As the last two, but a sphere counts once, however many events it has.
     spheres: u32,
     most_spheres: u32,
+    /// Where the counts are found.
+    place: Place,
 }
 
 impl Counted {
+    /// From the words of the answer; `events` says of spheres whether they were counted beside their events.
+    fn new(words: &[u32], place: Place, events: Option<bool>) -> Self {
+        let (longest, total) = (words[1], words[3]);
+        let [most_spheres, spheres] = match events {
+            Some(true) => [words[4], words[5]],
+            Some(false) => [longest / 2, total / 2],
+            None => [longest, total],
+        };
+        let lengths = Lengths { longest, in_long_lists: words[2] };
+        Self { overflow: words[0] != 0, lengths, total, spheres, most_spheres, place }
+    }
+
+    /// What adds the counts themselves to those of the frame.
+    pub(super) fn noting(&self, job: &WindowJob<'_>, bands: Vec<Band>) -> impl FnOnce(&mut Facts, &Timeline) + 'static {
+        let (place, events) = (self.place, events(job));
+        move |facts, timeline| Self::new(timeline.found(place), place, events).note(&bands, facts)
+    }
+
     pub(super) fn note(&self, bands: &[Band], facts: &mut Facts) {
         facts.bands += bands.len() as u64;
         facts.fragments += u64::from(self.spheres);
@@ -32,10 +53,12 @@ impl Counted {
 }
 
 impl ABuffer {
+    /// Counts and scans; if they are to be `told`, lengths come to the host with the submission.
     pub(super) fn count(
         &mut self,
         device: &Device,
         job: &WindowJob<'_>,
+        told: bool,
         timeline: &mut Timeline,
     ) -> Result<Counted, Error> {
         let pixels = bands::pixels(job.raster.window);
@@ -49,9 +72,11 @@ impl ABuffer {
         });
         let counted = job.storing.spheres().filter(|spheres| spheres.kind.interior.counted());
         self.spheres.reserve(device, if counted.is_some() { pixels } else { 1 })?;
+        self.told_offsets.reserve(device, if told { pixels + 1 } else { 0 })?;
+        self.told_spheres.reserve(device, if told && counted.is_some() { pixels } else { 0 })?;
         let (counts, offsets) = (self.counts.get(), self.offsets.get());
 
-        let mut recorder = device.recorder()?;
+        let mut recorder = timeline.recorder(device)?;
         recorder.fill("abuffer/clear", counts.slice(0, pixels + 1), 0)?;
         recorder.fill("abuffer/clear", self.overflow.all(), 0)?;
         recorder.fill("abuffer/clear", self.lengths.all(), 0)?;
@@ -83,23 +108,21 @@ impl ABuffer {
             // From here on the counts are the cursors that hand out slots.
             recorder.copy("abuffer/cursors", offsets.slice(0, pixels + 1), counts.slice(0, pixels + 1))?;
         }
-        recorder.copy("abuffer/summary", self.overflow.all(), self.summary.slice(0, 1))?;
-        recorder.copy("abuffer/summary", self.lengths.all().cast(), self.summary.slice(1, 2))?;
-        recorder.copy("abuffer/summary", offsets.slice(pixels, 1), self.summary.slice(3, 1))?;
+        self.told_offsets.record(&mut recorder, offsets);
+        self.told_spheres.record(&mut recorder, self.spheres.get());
+        let mut words = vec![self.overflow.all(), self.lengths.all().cast(), offsets.slice(pixels, 1)];
         if counted.is_some() {
-            recorder.copy("abuffer/summary", self.sphere_lengths.all().cast(), self.summary.slice(4, 2))?;
+            words.push(self.sphere_lengths.all().cast());
         }
-        timeline.submit(recorder, "abuffer/count and scan")?;
-        let words = self.summary.mapped_slice();
-        let (longest, total) = (words[1], words[3]);
-        let [most_spheres, spheres] = match job.storing.spheres() {
-            Some(spheres) if spheres.kind.interior.counted() => [words[4], words[5]],
-            Some(_) => [longest / 2, total / 2],
-            None => [longest, total],
-        };
-        let lengths = Lengths { longest, in_long_lists: words[2] };
-        Ok(Counted { overflow: words[0] != 0, lengths, total, spheres, most_spheres })
+        let names = ("abuffer/summary", "abuffer/count and scan");
+        let answer = timeline.ask(device, recorder, names, &words)?;
+        Ok(Counted::new(&answer.words, answer.place, events(job)))
     }
+}
+
+/// Of spheres, whether they are counted beside their events.
+fn events(job: &WindowJob<'_>) -> Option<bool> {
+    job.storing.spheres().map(|spheres| spheres.kind.interior.counted())
 }
 
 /// The variant of `abuffer/measure`: lists longer than `long` are long.

@@ -118,7 +118,7 @@ impl Engine for ListEngine {
         if self.in_order(device, frame, &bin)
             && let Bin::Done(binned) = bins.bin(device, &bin, work.timeline)?
         {
-            work.facts.note_binned(binned);
+            work.note_binned(binned);
             job.storing = Storing::Ordered(bins, binned);
             job.budget.tiles += bins.bytes();
             ordered = 1;
@@ -126,7 +126,7 @@ impl Engine for ListEngine {
         let outcome = if work.survey { lists.survey(work, &job)? } else { lists.render(work, &job)? };
         if outcome == Outcome::Done {
             work.facts.ordered += ordered;
-            work.facts.note(&stats, walker);
+            work.note(&stats, walker);
         }
         Ok(outcome)
     }

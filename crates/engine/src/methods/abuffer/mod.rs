@@ -28,12 +28,14 @@ use self::count::{Counted, measure_variant};
 use super::engine::Work;
 use super::linked_list::{self, LinkedList};
 use super::soft::{Interior, Spheres};
+use super::told::Told;
 use super::{Error, Outcome, Timeline};
 use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
 use crate::gpu::{Buffer, Device, Expected, Kept, Memory, Recorder};
 use crate::passes::bands::{self, Band, Budget, Window};
 use crate::passes::bin::{self, Binned, Bins};
 use crate::passes::compose::Cut;
+use crate::passes::foresight::Knowledge;
 use crate::passes::project::Footprint;
 use crate::passes::raster::{self, Chunk, Raster};
 use crate::passes::scan::Scan;
@@ -60,10 +62,10 @@ pub fn footprint(shape: DiscShape) -> Footprint {
 pub struct ABuffer {
     counts: Kept<u32>,
     offsets: Kept<u32>,
+    told_offsets: Told<u32>,
     scan: Option<Scan>,
     overflow: Buffer<u32>,
     lengths: Buffer<Lengths>,
-    summary: Buffer<u32>,
     fragments: Kept<[u32; 2]>,
     /// Room for the fragments once more: nodes of linked lists, and what long lists are merged into.
     spare: Kept<[u32; 2]>,
@@ -71,6 +73,7 @@ pub struct ABuffer {
     records: Kept<[u32; 4]>,
     /// Spheres of each pixel, where they have several events, and what was found in them.
     spheres: Kept<u32>,
+    told_spheres: Told<u32>,
     sphere_lengths: Buffer<Lengths>,
     linked: LinkedList,
     blender: Blender,
@@ -130,14 +133,15 @@ impl ABuffer {
         Ok(Self {
             counts: Kept::new("fragment counts", Memory::Device),
             offsets: Kept::new("fragment offsets", Memory::Device),
+            told_offsets: Told::new("fragment offsets, host"),
             scan: None,
             overflow: device.buffer("scan overflow", 1, Memory::Device)?,
             lengths: device.buffer("list lengths", 1, Memory::Device)?,
-            summary: device.buffer("fragment summary", 6, Memory::Readback)?,
             fragments: Kept::new("fragments", Memory::Device),
             spare: Kept::new("spare fragments", Memory::Device),
             records: Kept::new("event records", Memory::Device),
             spheres: Kept::new("sphere counts", Memory::Device),
+            told_spheres: Told::new("sphere counts, host"),
             sphere_lengths: device.buffer("sphere lengths", 1, Memory::Device)?,
             linked: LinkedList::new(device)?,
             blender: Blender::new(device)?,
@@ -147,14 +151,16 @@ impl ABuffer {
     /// Counts, then stores, sorts and blends band by band into the target.
     pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<Outcome, Error> {
         let (device, target) = (work.device, work.target);
-        let counted = self.count(device, job, work.timeline)?;
+        let counted = self.count(device, job, work.frame.fragments, work.timeline)?;
         if counted.overflow {
             return Ok(Outcome::Overflow);
         }
         let bands = self.plan_bands(work, job, &counted)?;
+        if bands.len() > 1 && work.timeline.foresight.knowledge() != Knowledge::None {
+            return Err(Error::Unforeseen);
+        }
         self.reserve_fragments(device, job, &bands, &counted)?;
         let facts = &mut *work.facts;
-        counted.note(&bands, facts);
         let records = if Need::for_window(job, &counted).records { self.records.get().bytes() } else { 0 };
         facts.fragment_bytes = facts.fragment_bytes.max(self.fragments.get().bytes() + records);
         let cut = Cut::new(device, job.raster.cloud.len())?;
@@ -166,7 +172,7 @@ impl ABuffer {
             records: self.records.get().all(),
         };
         for (i, band) in bands.iter().enumerate() {
-            let mut recorder = device.recorder()?;
+            let mut recorder = work.timeline.recorder(device)?;
             if i == 0 {
                 record_nothing(&mut recorder, target, job.raster.window)?;
             }
@@ -184,12 +190,13 @@ impl ABuffer {
             work.timeline.submit(recorder, "abuffer/store and blend")?;
             work.progress.inc(u64::from(band.pixels[1] - band.pixels[0]));
         }
+        work.note_later(counted.noting(job, bands));
         Ok(Outcome::Done)
     }
 
     /// Counts and plans the bands; stores nothing.
     pub(crate) fn survey(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<Outcome, Error> {
-        let counted = self.count(work.device, job, work.timeline)?;
+        let counted = self.count(work.device, job, false, work.timeline)?;
         if counted.overflow {
             return Ok(Outcome::Overflow);
         }
@@ -200,31 +207,31 @@ impl ABuffer {
 
     /// Counts the lists of a window for a method that renders without them.
     pub(crate) fn tally(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<Outcome, Error> {
-        let counted = self.count(work.device, job, work.timeline)?;
+        let counted = self.count(work.device, job, true, work.timeline)?;
         if counted.overflow {
             return Ok(Outcome::Overflow);
         }
-        counted.note(&[], work.facts);
+        work.note_later(counted.noting(job, Vec::new()));
         Ok(Outcome::Done)
     }
 
     /// Fragment counts of every pixel of the window, in its order; what the last count left, read from the prefix sums.
     pub fn read_counts(&self, window: Window) -> Result<Vec<u32>, Error> {
-        let offsets = self.offsets.get().read(0, bands::pixels(window) + 1)?;
+        let offsets = self.told_offsets.read(self.offsets.get(), bands::pixels(window) + 1)?;
         Ok(offsets.windows(2).map(|w| w[1] - w[0]).collect())
     }
 
     /// Spheres of every pixel of the window, in its order, as [`Self::read_counts`].
     pub fn read_spheres(&self, window: Window, interior: Interior) -> Result<Vec<u32>, Error> {
         if interior.counted() {
-            return Ok(self.spheres.get().read(0, bands::pixels(window))?);
+            return self.told_spheres.read(self.spheres.get(), bands::pixels(window));
         }
         Ok(self.read_counts(window)?.into_iter().map(|events| events / 2).collect())
     }
 
     /// Count, scan and store of a window that fits as one band, without sorting or blending.
     pub fn lists(&mut self, device: &Device, job: &WindowJob<'_>, timeline: &mut Timeline) -> Result<Lists, Error> {
-        let counted = self.count(device, job, timeline)?;
+        let counted = self.count(device, job, false, timeline)?;
         let pixels = bands::pixels(job.raster.window);
         let band = Band::whole(job.raster.window, u64::from(counted.total));
         self.reserve_fragments(device, job, &[band], &counted)?;

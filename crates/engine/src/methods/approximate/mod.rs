@@ -203,11 +203,11 @@ impl Approximations {
         match bins.bin(device, &bin, work.timeline).map_err(|error| beside(error.into(), runs))? {
             Bin::TooLarge => return Ok(Outcome::Overflow),
             Bin::Nothing => {
-                recorder = device.recorder()?;
+                recorder = work.timeline.recorder(device)?;
                 record_nothing(&mut recorder, target, window)?;
             }
             Bin::Done(binned) => {
-                work.facts.note_binned(binned);
+                work.note_binned(binned);
                 if runs_over(binned, &rounds) > 1 && pixels > SMALL_WINDOW {
                     let left = bin.budget.left(bin.counted_bytes).saturating_sub(bins.bytes());
                     if pixels * run_bytes(&rounds) > left.min(bin.budget.binding) {
@@ -216,7 +216,7 @@ impl Approximations {
                 }
                 self.reserve(device, pixels, binned, &rounds)?;
                 work.facts.bands += 1;
-                recorder = device.recorder()?;
+                recorder = work.timeline.recorder(device)?;
                 self.record(bins, &mut recorder, job, binned, &rounds, target)?;
             }
         }

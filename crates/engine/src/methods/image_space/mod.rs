@@ -190,7 +190,7 @@ impl Filterer {
     pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<(), Error> {
         let device = work.device;
         self.reserve(device, job)?;
-        let mut recorder = device.recorder()?;
+        let mut recorder = work.timeline.recorder(device)?;
         self.record_clear(&mut recorder, job)?;
         let cut = Cut::new(device, job.cloud.len())?;
         self.record_points(&mut recorder, job, (None, None))?;

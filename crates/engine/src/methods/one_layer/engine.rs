@@ -73,18 +73,19 @@ impl Engine for OneLayerEngine {
             // What tiles of large splats may take, which are made behind the layer.
             work.budget.tiles = work.budget.bytes / 8;
         }
-        let mut met = Vec::new();
+        let mut met = None;
         if cloud.parts(threshold).soft > 0 {
             let how = solid_projecting(work.frame, cloud, Part::Soft { threshold, modulation: None });
-            met = work.project(cloud, &how)?;
+            let stats = work.project(cloud, &how)?;
             if !work.survey {
                 buffers.machines.layer.reserve(work.device, work.pixels())?;
             }
-            if draw(cloud, buffers, work, (&met, how.footprint), Onto::Layer)? == Outcome::Overflow {
+            if draw(cloud, buffers, work, (&stats, how.footprint), Onto::Layer)? == Outcome::Overflow {
                 return Ok(Outcome::Overflow);
             }
+            met = Some(stats);
         }
-        let layered = met.iter().any(|s| s.visible > 0);
+        let layered = met.iter().any(|stats| stats.iter().any(|s| s.visible > 0));
         let (part, onto) = if layered {
             (Part::Marked(threshold), Onto::TargetBehindLayer)
         } else {
@@ -92,7 +93,7 @@ impl Engine for OneLayerEngine {
         };
         let how = solid_projecting(work.frame, cloud, part);
         let stats = work.project(cloud, &how)?;
-        let splats = (stats.as_slice(), how.footprint);
+        let splats: Splats<'_> = (&stats, how.footprint);
         if work.frame.fragments && count(cloud, buffers, work, splats)? == Outcome::Overflow {
             return Ok(Outcome::Overflow);
         }
@@ -100,12 +101,15 @@ impl Engine for OneLayerEngine {
             return Ok(Outcome::Overflow);
         }
         work.facts.layered += u64::from(layered);
-        work.facts.note(&[met, stats].concat(), Walker::Compute);
+        if let Some(found) = met.map(|met| met.found) {
+            work.note_later(move |facts, timeline| facts.meet(&found.stats(timeline)));
+        }
+        work.note(&stats, Walker::Compute);
         if layered && !work.survey {
-            let mut recorder = work.device.recorder()?;
+            let mut recorder = work.timeline.recorder(work.device)?;
             let layer = &buffers.machines.layer;
             record(&mut recorder, layer.pixels(), work.target.pixels(), work.window, softness)?;
-            work.timeline.submit(recorder, "one-layer/compose")?;
+            work.timeline.go_on(recorder, "one-layer/compose")?;
         }
         work.read_back()?;
         Ok(Outcome::Done)

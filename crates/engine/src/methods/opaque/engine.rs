@@ -48,7 +48,7 @@ impl Engine for NearestEngine {
             machines.opaque.render(work, &raster, self.relief)?;
             work.finish();
         }
-        work.facts.note(&stats, walker);
+        work.note(&stats, walker);
         Ok(Outcome::Done)
     }
 

@@ -86,7 +86,7 @@ impl Opaque {
         let pixels = bands::pixels(raster.window);
         self.nearest.reserve(device, pixels)?;
 
-        let mut recorder = device.recorder()?;
+        let mut recorder = work.timeline.recorder(device)?;
         let nearest = self.nearest.get().slice(0, pixels);
         recorder.fill("project/clear", nearest, u32::MAX)?;
         raster.record_tiles(&mut recorder)?;

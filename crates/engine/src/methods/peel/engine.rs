@@ -48,7 +48,7 @@ impl Engine for PeelEngine {
         } else {
             machines.peeler.render(work, &job)?;
         }
-        work.facts.note(&stats, walker);
+        work.note(&stats, walker);
         Ok(Outcome::Done)
     }
 

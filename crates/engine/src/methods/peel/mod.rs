@@ -12,11 +12,13 @@ pub(crate) use engine::{PeelEngine, pass_group};
 use super::abuffer::CountPush;
 use super::engine::Work;
 use super::opaque::NearestSplat;
+use super::told::Told;
 use super::{Error, Facts, Target};
 use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::bands::{self, Band, Window};
 use crate::passes::compose::{self, Composing, ComposingGroup, Cut};
+use crate::passes::foresight::Knowledge;
 use crate::passes::project::{DISCS, Footprint};
 use crate::passes::raster::{self, Chunk, ChunkGroup, Raster, RasterPush};
 use crate::scene::{Falloff, Peel};
@@ -26,6 +28,8 @@ use crate::{gpu_struct, pass};
 /// are recorded beyond the last layer cost something: frames of four layers took 4, 6, 8 and 23 ms with 4, 16, 32 and 128
 /// (medians of 7, lavapipe).
 const BATCH: u32 = 16;
+/// The same where the last window tells how many there are.
+const MOST_FORESEEN: u32 = 256;
 /// Bytes per pixel of a window: last rank and smallest rank.
 const PIXEL_BYTES: u64 = 16;
 /// As much again where list lengths and layers are counted.
@@ -136,6 +140,12 @@ pub struct Peeler {
     layers: Kept<u32>,
     work: Buffer<PeelWork>,
     work_host: Buffer<PeelWork>,
+    told_counts: Told<u32>,
+    told_layers: Told<u32>,
+    /// Indirect arguments of the passes of a layer.
+    arguments: Kept<u32>,
+    /// Layers of the last window.
+    last_layers: u32,
 }
 
 impl Peeler {
@@ -148,6 +158,10 @@ impl Peeler {
             layers: Kept::new("layer counts", Memory::Device),
             work: device.buffer("peel work", 1, Memory::Device)?,
             work_host: device.buffer("peel work, host", 1, Memory::Readback)?,
+            told_counts: Told::new("fragment counts, host"),
+            told_layers: Told::new("layer counts, host"),
+            arguments: Kept::new("layer dispatches", Memory::Device),
+            last_layers: 0,
         })
     }
 
@@ -156,21 +170,19 @@ impl Peeler {
         let (device, target) = (work.device, work.target);
         let pixels = bands::pixels(job.raster.window);
         self.reserve(device, job)?;
-        let mut recorder = device.recorder()?;
+        let mut recorder = work.timeline.recorder(device)?;
         let mut dispatches = vec![recorder.arguments("peel/blend", Dispatch::Invocations(pixels))?];
         dispatches.extend(job.raster.arguments(&recorder, &Band::whole(job.raster.window, 0))?);
-        work.progress.check()?;
-        let arguments = device.upload("layer dispatches", dispatches.as_flattened())?;
+        self.arguments.reserve(device, 4 * dispatches.len() as u64)?;
+        recorder.update(self.arguments.get().all(), dispatches.as_flattened());
         self.record_count(&mut recorder, job)?;
         self.record_nothing(&mut recorder, pixels, target)?;
-        work.timeline.submit(recorder, "peel/clear")?;
-        self.note_counts(job, work.facts)?;
+        work.timeline.go_on(recorder, "peel/clear")?;
 
-        let layers = self.peel(work, job, arguments.all())?;
+        let layers = self.peel(work, job)?;
+        self.last_layers = layers;
+        self.note_counts(job, work.facts)?;
         work.facts.layers = work.facts.layers.max(layers);
-        let mut recorder = device.recorder()?;
-        target.record_read_back(&mut recorder, pixels)?;
-        work.timeline.submit(recorder, "image/read-back")?;
         work.finish();
         Ok(())
     }
@@ -179,7 +191,7 @@ impl Peeler {
     pub(crate) fn survey(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<(), Error> {
         let device = work.device;
         self.reserve(device, job)?;
-        let mut recorder = device.recorder()?;
+        let mut recorder = work.timeline.recorder(device)?;
         self.record_count(&mut recorder, job)?;
         work.timeline.submit(recorder, "peel/count")?;
         self.note_counts(job, work.facts)
@@ -188,7 +200,8 @@ impl Peeler {
     /// List length and peeled layers of every pixel of the window, in its order, as the last counted window left them.
     pub fn read_counts(&self, window: Window) -> Result<[Vec<u32>; 2], Error> {
         let pixels = bands::pixels(window);
-        Ok([self.counts.get().read(0, pixels)?, self.layers.get().read(0, pixels)?])
+        let counts = self.told_counts.read(self.counts.get(), pixels)?;
+        Ok([counts, self.told_layers.read(self.layers.get(), pixels)?])
     }
 
     fn reserve(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
@@ -198,7 +211,9 @@ impl Peeler {
         self.last.reserve(device, pixels)?;
         self.counts.reserve(device, counted)?;
         self.layers.reserve(device, counted)?;
-        Ok(())
+        let told = if job.counted { pixels } else { 0 };
+        self.told_counts.reserve(device, told)?;
+        self.told_layers.reserve(device, told)
     }
 
     /// Records the tiles that every visit of the window needs, and the fragments of each pixel if they are counted.
@@ -209,13 +224,14 @@ impl Peeler {
             recorder.fill("peel/clear", counts, 0)?;
             let all = &Band::whole(job.raster.window, 0);
             job.raster.record(recorder, all, |chunk: Chunk<'a>| Count { chunk, counts })?;
+            self.told_counts.record(recorder, self.counts.get());
         }
         Ok(())
     }
 
     fn note_counts(&self, job: &WindowJob<'_>, facts: &mut Facts) -> Result<(), Error> {
         if job.counted {
-            let lengths = self.counts.get().read(0, bands::pixels(job.raster.window))?;
+            let lengths = self.told_counts.read(self.counts.get(), bands::pixels(job.raster.window))?;
             facts.fragments += lengths.iter().map(|n| u64::from(*n)).sum::<u64>();
             facts.max_list = facts.max_list.max(lengths.iter().copied().max().unwrap_or(0));
         }
@@ -234,18 +250,23 @@ impl Peeler {
     }
 
     /// Batch after batch until nothing is left or enough was peeled; the number of layers.
-    fn peel(&self, work: &mut Work<'_>, job: &WindowJob<'_>, arguments: Slice<'_, u32>) -> Result<u32, Error> {
-        let (device, target) = (work.device, work.target);
+    fn peel(&self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<u32, Error> {
+        let (device, target, arguments) = (work.device, work.target, self.arguments.get().all());
         let cut = Cut::new(device, job.raster.cloud.len())?;
         let most = job.most();
+        // As many as the last window had, and one that is empty.
+        let foreseen = work.timeline.foresight.knowledge() == Knowledge::Bounds;
+        let first = if foreseen { BATCH.max((self.last_layers + 1).min(MOST_FORESEEN)) } else { BATCH };
         let mut recorded = 0;
         loop {
-            let batch = u64::from(BATCH).min(most - recorded);
-            let mut recorder = device.recorder()?;
+            let batch = u64::from(if recorded == 0 { first } else { BATCH }).min(most - recorded);
+            let mut recorder = work.timeline.recorder(device)?;
             for _ in 0..batch {
                 self.record_layer(&mut recorder, job, cut, arguments, target)?;
             }
             recorder.copy("peel/summary", self.work.all(), self.work_host.all())?;
+            self.told_layers.record(&mut recorder, self.layers.get());
+            target.record_read_back(&mut recorder, bands::pixels(job.raster.window))?;
             work.timeline.submit(recorder, "peel/nearest and blend")?;
             recorded += batch;
             let layers = self.work_host.mapped_slice()[0].layers;

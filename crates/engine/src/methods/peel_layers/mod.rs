@@ -12,11 +12,13 @@ pub(crate) use engine::{PeelLayersEngine, pass_group};
 use super::engine::Work;
 use super::image_space::{DeliverPush, Emptied, Filterer, WindowJob};
 use super::peel::{Next, PeelWork};
+use super::told::Told;
 use super::{Error, Target};
 use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::bands::{self, Window};
 use crate::passes::compose::Cut;
+use crate::passes::foresight::Knowledge;
 use crate::{gpu_struct, pass};
 
 /// Layers of a submission: what is recorded beyond the last layer costs something, too.
@@ -77,6 +79,10 @@ pub struct LayerPeeler {
     limits: Kept<u32>,
     layers: Kept<u32>,
     work_host: Buffer<PeelWork>,
+    told: Told<u32>,
+    dispatches: Kept<u32>,
+    /// Layers of the last window.
+    last_layers: u32,
 }
 
 /// The dispatches of a layer in one buffer: of each chunk's points, then over all tiles. What goes over lists has none where
@@ -104,12 +110,15 @@ impl LayerPeeler {
             limits: Kept::new("layer limits", Memory::Device),
             layers: Kept::new("layer counts", Memory::Device),
             work_host: device.buffer("layer work, host", 1, Memory::Readback)?,
+            told: Told::new("layer counts, host"),
+            dispatches: Kept::new("layer dispatches", Memory::Device),
+            last_layers: 0,
         })
     }
 
     /// Layers of every pixel of the window, in its order, as the last counted window left them.
     pub fn read_layers(&self, window: Window) -> Result<Vec<u32>, Error> {
-        Ok(self.layers.get().read(0, bands::pixels(window))?)
+        self.told.read(self.layers.get(), bands::pixels(window))
     }
 
     /// Peels a window into the target.
@@ -125,25 +134,23 @@ impl LayerPeeler {
         images.reserve(device, image)?;
         self.limits.reserve(device, bands::pixels(image.outer))?;
         self.layers.reserve(device, if job.counted { pixels } else { 1 })?;
-        let mut recorder = device.recorder()?;
+        self.told.reserve(device, if job.counted { pixels } else { 0 })?;
+        let mut recorder = work.timeline.recorder(device)?;
         let words = Self::arguments(&recorder, image)?;
-        work.progress.check()?;
-        let uploaded = device.upload("layer dispatches", words.as_flattened())?;
-        let dispatches = Dispatches { all: uploaded.all(), chunks: image.cloud.chunks().count() as u64 };
+        self.dispatches.reserve(device, WORDS * words.len() as u64)?;
+        recorder.update(self.dispatches.get().all(), words.as_flattened());
         images.record_clear(&mut recorder, image)?;
         recorder.fill("peel-layers/clear", self.layers.get().all(), 0)?;
         recorder.fill("image/clear", target.image().first(pixels), 0)?;
         recorder.fill("image/clear", target.depths().first(pixels), f32::INFINITY.to_bits())?;
-        work.timeline.submit(recorder, "peel-layers/clear")?;
+        work.timeline.go_on(recorder, "peel-layers/clear")?;
 
+        let dispatches = self.dispatches.get().all();
+        let dispatches = Dispatches { all: dispatches, chunks: image.cloud.chunks().count() as u64 };
         let layers = self.peel(images, work, job, dispatches)?;
+        self.last_layers = layers;
         work.facts.layers = work.facts.layers.max(layers);
         images.note(image, layers, work.facts);
-        if job.read_back {
-            let mut recorder = device.recorder()?;
-            target.record_read_back(&mut recorder, pixels)?;
-            work.timeline.submit(recorder, "image/read-back")?;
-        }
         Ok(())
     }
 
@@ -168,10 +175,12 @@ impl LayerPeeler {
     ) -> Result<u32, Error> {
         let (device, target) = (work.device, work.target);
         let cut = Cut::new(device, job.image.cloud.len())?;
+        let foreseen = work.timeline.foresight.knowledge() == Knowledge::Bounds;
+        let first = if foreseen { BATCH.max(self.last_layers + 1) } else { BATCH };
         let mut recorded = 0;
         loop {
-            let batch = BATCH.min(job.layers - recorded);
-            let mut recorder = device.recorder()?;
+            let batch = if recorded == 0 { first } else { BATCH }.min(job.layers - recorded);
+            let mut recorder = work.timeline.recorder(device)?;
             for number in recorded..recorded + batch {
                 let limits = (number > 0).then(|| self.limits.get().all());
                 images.record_points(&mut recorder, &job.image, (limits, Some(dispatches.emptied())))?;
@@ -186,6 +195,10 @@ impl LayerPeeler {
             }
             recorder.copy("peel-layers/summary", images.work.all(), self.work_host.all())?;
             images.record_summary(&mut recorder)?;
+            self.told.record(&mut recorder, self.layers.get());
+            if job.read_back {
+                target.record_read_back(&mut recorder, bands::pixels(job.image.window))?;
+            }
             work.timeline.submit(recorder, "layers of points")?;
             recorded += batch;
             let layers = self.work_host.mapped_slice()[0].layers;

@@ -34,7 +34,7 @@ impl Engine for PointsEngine {
             if work.reserve_tiles(tiles, &stats, true)?.is_none() {
                 return Ok(Outcome::Overflow);
             }
-            stats
+            stats.to_vec()
         } else {
             cloud.set_view(&work.frame.camera, work.frame.size, work.window, &how);
             machines.opaque.render_points(work, cloud, &how)?

@@ -112,7 +112,7 @@ impl Opaque {
         let (device, target, wide) = (work.device, work.target, work.switches.wide_atomics);
         let pixels = work.pixels();
         self.nearest.reserve(device, pixels)?;
-        let mut recorder = device.recorder()?;
+        let mut recorder = work.timeline.recorder(device)?;
         let nearest = self.nearest.get().slice(0, pixels);
         recorder.fill("project/clear", nearest, u32::MAX)?;
         cloud.record_clear(&mut recorder)?;

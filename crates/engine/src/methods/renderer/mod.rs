@@ -2,7 +2,7 @@
 
 mod arranged;
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crate::progress::Progress;
 
@@ -20,10 +20,15 @@ use crate::image::Image;
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::Bins;
 use crate::passes::compose::Cut;
+use crate::passes::foresight::{Foresight, Knowledge};
 use crate::passes::project::{DeviceCloud, Stats};
 use crate::points::Points;
 use crate::prepare::ensembles::Dealt;
 use crate::scene::{Discs, MAX_LAYERS, Method};
+
+/// Frames that take longer are submitted in parts, as they wait for counts: whoever cancels one waits for a submission, and some
+/// drivers end those of a few seconds.
+const LONGEST: Duration = Duration::from_secs(1);
 
 /// A rendered frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +47,11 @@ pub struct Renderer {
     buffers: Buffers,
     target: Target,
     eye_dome: EyeDomeLighting,
+    /// What is known of frames of one kind, and which kind that is.
+    foresight: Foresight,
+    kind: Option<Kind>,
+    /// How long the submissions of the last frame took.
+    submitted: Duration,
     /// An image that was given back.
     spare: Option<Image>,
     /// Counts finished pixels of a frame, and is asked before each submission if the frame may go on; hidden unless the caller
@@ -65,6 +75,9 @@ impl Renderer {
             buffers: Buffers::new(device)?,
             target: Target::new(),
             eye_dome: EyeDomeLighting::new(),
+            foresight: Foresight::default(),
+            kind: None,
+            submitted: Duration::ZERO,
             spare: None,
             progress: Progress::hidden(),
             wide_atomics: device.info().int64_atomics,
@@ -109,28 +122,41 @@ impl Renderer {
     /// A frame that does not fit, a device that fails, and a frame that [`Self::progress`] cancels: within one submission, after
     /// which the renderer and the cloud serve other frames as before.
     pub fn render(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Rendered, Error> {
+        let mut timeline = Timeline::with(&self.progress, std::mem::take(&mut self.foresight));
+        let rendered = self.render_by(cloud, frame, &mut timeline);
+        self.submitted = timeline.submitted;
+        self.foresight = timeline.foresight;
+        rendered
+    }
+
+    /// The same, by the submissions of a timeline.
+    fn render_by(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        timeline: &mut Timeline,
+    ) -> Result<Rendered, Error> {
         frame.check()?;
         let engine = engine_of(&frame.method);
         let engine = engine.as_ref();
         self.place(engine, cloud, frame, false)?;
         self.device.reset_peak();
         engine.prepare(&self.device, cloud, frame)?;
-        let mut timeline = Timeline::new(&self.progress);
         let waits = self.device.waits();
         let light_views = light_views(cloud, frame);
-        self.cast_shadows(engine, cloud, frame, &mut timeline)?;
+        self.cast_shadows(engine, cloud, frame, timeline)?;
         let budget = self.budget(engine, cloud, frame);
         let (budget, shading) = edl::divided(budget, frame);
         let windows = engine.windows(frame, budget)?;
         self.target.reserve(&self.device, largest(&windows))?;
 
         let mut image = blank(self.spare.take(), engine, frame);
-        let drawing = Drawing { engine, frame, windows: &windows, budget };
+        let drawing = Drawing { engine, frame, windows: &windows, budget, waits: self.waits(frame, cloud, &windows, timeline) };
         let mut facts = match (engine.samples(frame), frame.max_error) {
             (Some(limit), Some(most)) => {
                 let mut samples = limit.min(stochastic::FIRST_SAMPLES);
                 loop {
-                    let facts = self.draw(cloud, &drawing, samples, &mut image, &mut timeline)?;
+                    let facts = self.draw(cloud, &drawing, samples, &mut image, timeline)?;
                     let errors = image.stderr.as_deref().unwrap_or_default();
                     match stochastic::more_samples(samples, limit, errors, most) {
                         Some(more) => samples = more,
@@ -138,24 +164,24 @@ impl Renderer {
                     }
                 }
             }
-            (samples, _) => self.draw(cloud, &drawing, samples.unwrap_or(0), &mut image, &mut timeline)?,
+            (samples, _) => self.draw(cloud, &drawing, samples.unwrap_or(0), &mut image, timeline)?,
         };
         image.stderr = image.stderr.filter(|_| frame.fragments || frame.spread);
         facts.light_views = light_views;
         if frame.shading.edl.edl {
-            let medians = self.medians_of(cloud, frame, budget, &mut timeline)?;
+            let medians = self.medians_of(cloud, frame, budget, timeline)?;
             let Image { rgba, depth, .. } = &mut image;
             let surface = Surface { size: frame.size, depths: medians.as_deref().unwrap_or(depth) };
-            self.eye_dome.apply(&self.device, &frame.shading.edl, shading, surface, rgba, &mut timeline)?;
+            self.eye_dome.apply(&self.device, &frame.shading.edl, shading, surface, rgba, timeline)?;
         }
         let begin = timeline.start.unwrap_or_else(Instant::now);
         let wall = begin.elapsed();
         facts.peak_device_bytes = self.device.peak_bytes();
         let lengths = image.fragments.as_deref().unwrap_or_default();
-        let passes = aggregate(engine, &timeline.passes, &facts, frame, cloud, lengths);
-        let submitted = timeline.submitted;
+        let (submitted, runs) = (timeline.submitted, std::mem::take(&mut timeline.passes));
+        let passes = aggregate(engine, &runs, &facts, frame, cloud, lengths);
         let waits = self.device.waits() - waits;
-        let profile = FrameProfile { passes, begin, timeline: timeline.passes, submitted, wall, waits };
+        let profile = FrameProfile { passes, begin, timeline: runs, submitted, wall, waits };
         Ok(Rendered { image, profile, facts })
     }
 
@@ -203,13 +229,13 @@ impl Renderer {
         image: &mut Image,
         timeline: &mut Timeline,
     ) -> Result<Facts, Error> {
-        let Drawing { engine, frame, windows, budget } = *drawing;
+        let Drawing { engine, frame, windows, budget, waits } = *drawing;
         self.progress.set_length(u64::from(frame.size[0]) * u64::from(frame.size[1]));
         self.progress.set_position(0);
         let mut facts = Facts { points: cloud.len(), ..Default::default() };
         let mut windows = last_first(windows);
         while let Some(window) = windows.pop() {
-            let part = Part { engine, frame, window, budget, samples, survey: false };
+            let part = Part { engine, frame, window, budget, samples, survey: false, waits };
             match self.window(cloud, &part, timeline, &mut facts)? {
                 Outcome::Done => {
                     self.progress.check()?;
@@ -222,7 +248,18 @@ impl Renderer {
         Ok(facts)
     }
 
-    /// Renders or surveys a window; of one that has to be cut the facts don't count.
+    /// True if a frame has to wait for its counts. Frames of one kind learn from one another.
+    fn waits(&mut self, frame: &Frame, cloud: &DeviceCloud, windows: &[Window], timeline: &mut Timeline) -> bool {
+        let kind = Kind { method: frame.method, size: frame.size, points: cloud.len() };
+        if self.kind != Some(kind) {
+            timeline.foresight.forget();
+            self.kind = Some(kind);
+        }
+        windows.len() > 1 || !self.device.info().conditional || self.submitted > LONGEST
+    }
+
+    /// Renders or surveys a window; of one that has to be cut the facts don't count. One that was not as foreseen is rendered once
+    /// more.
     fn window(
         &mut self,
         cloud: &mut DeviceCloud,
@@ -230,7 +267,39 @@ impl Renderer {
         timeline: &mut Timeline,
         facts: &mut Facts,
     ) -> Result<Outcome, Error> {
-        let before = facts.clone();
+        timeline.foresight.begin(part.waits);
+        loop {
+            let before = facts.clone();
+            let outcome = self.attempt(cloud, part, timeline, facts);
+            timeline.drop_paused();
+            let waited = timeline.foresight.knowledge() == Knowledge::None;
+            match outcome {
+                Ok(Outcome::Done) => {
+                    if !part.waits {
+                        timeline.foresight.finish();
+                    }
+                    return outcome;
+                }
+                // An upper bound may not fit where a count does.
+                Ok(Outcome::Overflow) if !waited => {}
+                Err(ref error) if !waited && error.is_refusal() => {}
+                _ => {
+                    *facts = before;
+                    return outcome;
+                }
+            }
+            *facts = before;
+            timeline.foresight.miss();
+        }
+    }
+
+    fn attempt(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        part: &Part<'_>,
+        timeline: &mut Timeline,
+        facts: &mut Facts,
+    ) -> Result<Outcome, Error> {
         let mut work = Work {
             device: &self.device,
             frame: part.frame,
@@ -239,7 +308,7 @@ impl Renderer {
             samples: part.samples,
             target: &self.target,
             timeline,
-            facts: &mut *facts,
+            facts,
             progress: &self.progress,
             switches: Switches {
                 wide_atomics: self.wide_atomics,
@@ -248,10 +317,13 @@ impl Renderer {
                 max_layers: self.max_layers,
             },
             survey: part.survey,
+            later: Vec::new(),
         };
         let outcome = part.engine.render(cloud, &mut self.buffers, &mut work)?;
-        if outcome == Outcome::Overflow {
-            *facts = before;
+        if outcome == Outcome::Done {
+            for note in std::mem::take(&mut work.later) {
+                note(work.facts, work.timeline);
+            }
         }
         Ok(outcome)
     }
@@ -291,7 +363,7 @@ impl Renderer {
         let windows = engine.windows(&frame, budget)?;
         self.target.reserve(&self.device, largest(&windows))?;
         let mut image = blank(None, &engine, &frame);
-        let drawing = Drawing { engine: &engine, frame: &frame, windows: &windows, budget };
+        let drawing = Drawing { engine: &engine, frame: &frame, windows: &windows, budget, waits: true };
         self.draw(cloud, &drawing, 0, &mut image, timeline)?;
         Ok(Some(image.depth))
     }
@@ -312,7 +384,7 @@ impl Renderer {
         let mut facts = Facts { points: cloud.len(), light_views, ..Default::default() };
         let (mut windows, mut timeline) = (last_first(&windows), Timeline::new(&self.progress));
         while let Some(window) = windows.pop() {
-            let part = Part { engine, frame, window, budget, samples, survey: true };
+            let part = Part { engine, frame, window, budget, samples, survey: true, waits: true };
             if let Outcome::Overflow = self.window(cloud, &part, &mut timeline, &mut facts)? {
                 split(engine, window, &mut windows)?;
             }
@@ -357,6 +429,7 @@ struct Drawing<'a> {
     frame: &'a Frame,
     windows: &'a [Window],
     budget: Budget,
+    waits: bool,
 }
 
 /// A window of a frame.
@@ -367,6 +440,16 @@ struct Part<'a> {
     budget: Budget,
     samples: u32,
     survey: bool,
+    /// True if it waits for counts.
+    waits: bool,
+}
+
+/// Frames that learn from one another: those of a kind mostly have counts of much the same size.
+#[derive(Clone, Copy, PartialEq)]
+struct Kind {
+    method: Method,
+    size: [u32; 2],
+    points: u64,
 }
 
 /// Images through the eyes of a light that a frame of a cloud needs.

@@ -206,6 +206,7 @@ pub fn cast(
             let window = [0, 0, pitch(resolution) as u32, resolution];
             cloud.set_view(&view.camera, [resolution; 2], window, how);
             let mut recorder = device.recorder()?;
+            cloud.record_view(&mut recorder);
             image.record(&mut recorder, cloud, casting, &frame, view.face.is_some())?;
             timeline.submit(recorder, "shadows/lit")?;
         }

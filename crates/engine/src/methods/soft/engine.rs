@@ -69,9 +69,13 @@ impl SpheresEngine {
         let outcome =
             if work.survey { machines.lists.survey(work, &job)? } else { machines.lists.render(work, &job)? };
         machines.soft_counted = true;
-        work.facts.soft_visible += visible(&stats);
-        work.facts.soft_large += stats.iter().map(|s| u64::from(s.large)).sum::<u64>();
-        work.facts.note(&stats, walker);
+        let found = stats.found;
+        work.note_later(move |facts, timeline| {
+            let stats = found.stats(timeline);
+            facts.soft_visible += visible(&stats);
+            facts.soft_large += stats.iter().map(|s| u64::from(s.large)).sum::<u64>();
+        });
+        work.note(&stats, walker);
         Ok(outcome)
     }
 }
@@ -153,9 +157,10 @@ impl ExpressEngine {
         };
         if outcome == Outcome::Done {
             machines.soft_counted = true;
-            work.facts.soft_visible += visible(&stats);
+            let found = stats.found;
+            work.note_later(move |facts, timeline| facts.soft_visible += visible(&found.stats(timeline)));
             work.finish();
-            work.facts.note(&stats, walker);
+            work.note(&stats, walker);
         }
         Ok(outcome)
     }
@@ -246,17 +251,18 @@ fn draw_solids(
     let stats = work.project(cloud, how)?;
     let outcome = splats::draw_solid(cloud, buffers, work, (&stats, how.footprint, Onto::Layer))?;
     work.survey = survey;
-    work.facts.meet(&stats);
+    let found = stats.found;
+    work.note_later(move |facts, timeline| facts.meet(&found.stats(timeline)));
     Ok(outcome)
 }
 
 /// A window without soft points from its layer.
 fn only_solids(cloud: &DeviceCloud, layer: &Layer, work: &mut Work<'_>) -> Result<Outcome, Error> {
     if !work.survey {
-        let mut recorder = work.device.recorder()?;
+        let mut recorder = work.timeline.recorder(work.device)?;
         record_nothing(&mut recorder, work.target, work.window)?;
         record_compose(&mut recorder, layer, work.target, work.pixels(), cloud.depth_origin())?;
-        work.timeline.submit(recorder, "solid points alone")?;
+        work.timeline.go_on(recorder, "solid points alone")?;
     }
     work.facts.note(&[], Walker::Compute);
     work.read_back()?;

@@ -8,6 +8,7 @@ use crate::gpu::{Dispatch, Kept, Memory, Recorder, Run, Variant};
 use crate::methods::abuffer::record_nothing;
 use crate::methods::engine::Work;
 use crate::methods::sorted::{self, STOP_NEVER, STOPS};
+use crate::methods::told::Told;
 use crate::methods::{Error, Frame, Outcome, Target};
 use crate::passes::bands;
 use crate::passes::bin::{self, Bin, Binned, Bins, TileWalk, TiledGroup};
@@ -57,12 +58,17 @@ pub struct WindowJob<'a> {
 /// Buffers, kept from frame to frame.
 pub struct SoftDiscs {
     counts: Kept<u32>,
+    told: Told<u32>,
     counted: Vec<u32>,
 }
 
 impl Default for SoftDiscs {
     fn default() -> Self {
-        Self { counts: Kept::new("soft discs of pixels", Memory::Device), counted: Vec::new() }
+        Self {
+            counts: Kept::new("soft discs of pixels", Memory::Device),
+            told: Told::new("soft discs of pixels, host"),
+            counted: Vec::new(),
+        }
     }
 }
 
@@ -81,18 +87,19 @@ impl SoftDiscs {
         let pixels = bands::pixels(window);
         self.counts.reserve(device, if counted { pixels } else { 1 })?;
         self.counted.clear();
+        self.told.reserve(device, if counted { pixels } else { 0 })?;
         let mut recorder;
         let binned = match bins.bin(device, &job.bin, work.timeline)? {
             Bin::TooLarge => return Ok(Outcome::Overflow),
             Bin::Nothing => {
-                recorder = device.recorder()?;
+                recorder = work.timeline.recorder(device)?;
                 record_nothing(&mut recorder, target, window)?;
                 None
             }
             Bin::Done(binned) => {
-                work.facts.note_binned(binned);
+                work.note_binned(binned);
                 work.facts.bands += 1;
-                recorder = device.recorder()?;
+                recorder = work.timeline.recorder(device)?;
                 self.record_blend(bins, &mut recorder, frame, job, binned, target)?;
                 Some(binned)
             }
@@ -100,12 +107,13 @@ impl SoftDiscs {
         if let Some(layer) = job.layer {
             record_compose(&mut recorder, layer, target, pixels, 0.0)?;
         }
+        self.told.record(&mut recorder, self.counts.get());
         target.record_read_back(&mut recorder, pixels)?;
         work.timeline.submit(recorder, "soft/express")?;
         if counted {
             work.progress.check()?;
             self.counted = match binned {
-                Some(_) => self.counts.get().read(0, pixels)?,
+                Some(_) => self.told.read(self.counts.get(), pixels)?,
                 None => vec![0; pixels as usize],
             };
             let facts = &mut *work.facts;

@@ -69,13 +69,13 @@ pub(crate) fn render(bins: &mut Bins, work: &mut Work<'_>, job: &WindowJob<'_>) 
     match bins.bin(device, &job.bin, work.timeline)? {
         Bin::TooLarge => return Ok(Outcome::Overflow),
         Bin::Nothing => {
-            recorder = device.recorder()?;
+            recorder = work.timeline.recorder(device)?;
             record_nothing(&mut recorder, target, window)?;
         }
         Bin::Done(binned) => {
-            work.facts.note_binned(binned);
+            work.note_binned(binned);
             work.facts.bands += 1;
-            recorder = device.recorder()?;
+            recorder = work.timeline.recorder(device)?;
             record_blend(bins, &mut recorder, work.frame, job, binned, target)?;
         }
     }

@@ -71,11 +71,12 @@ impl Ensembles {
         let (device, target) = (work.device, work.target);
         self.reserve(device, job)?;
         let mut tasks = Tasks::new(job).peekable();
-        let mut submissions = 0;
+        let (mut submissions, streamed) = (0, job.streamed.is_some());
         loop {
             let submission = self.next_submission(job, &mut tasks);
-            let mut recorder = device.recorder()?;
+            let mut recorder = work.timeline.recorder(device)?;
             if submissions == 0 {
+                job.cloud.record_view(&mut recorder);
                 self.record_clear(&mut recorder, job)?;
             }
             self.stream.record(&mut recorder)?;
@@ -89,7 +90,12 @@ impl Ensembles {
                 work.timeline.submit(recorder, "spbr/resolve")?;
                 break;
             }
-            work.timeline.submit(recorder, "spbr/draw")?;
+            if streamed {
+                // The next points take the place of these in the host's memory.
+                work.timeline.submit(recorder, "spbr/draw")?;
+            } else {
+                work.timeline.go_on(recorder, "spbr/draw")?;
+            }
             submissions += 1;
             let done = submission.last().map_or(0, |task| task.ensembles.end);
             work.progress.set_message(format!("rendering, {done} ensembles"));

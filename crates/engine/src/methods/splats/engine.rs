@@ -43,7 +43,7 @@ impl Engine for SplatsEngine {
         if draw(cloud, buffers, work, &drawing)? == Outcome::Overflow {
             return Ok(Outcome::Overflow);
         }
-        work.facts.note(&stats, Walker::Compute);
+        work.note(&stats, Walker::Compute);
         work.read_back()?;
         Ok(Outcome::Done)
     }

@@ -113,20 +113,20 @@ impl Splatter {
         match bin {
             Bin::TooLarge => return Ok(Outcome::Overflow),
             Bin::Nothing => {
-                recorder = device.recorder()?;
+                recorder = work.timeline.recorder(device)?;
                 into.record_nothing(&mut recorder, window)?;
             }
             Bin::Done(binned) => {
                 let pixels = bands::pixels(window);
                 self.limits.reserve(device, pixels)?;
                 self.excess.reserve(device, if binned.region_segments() > 1 { pixels } else { 1 })?;
-                work.facts.note_binned(binned);
+                work.note_binned(binned);
                 work.facts.splatted += 1;
-                recorder = device.recorder()?;
+                recorder = work.timeline.recorder(device)?;
                 self.record(bins, &mut recorder, job, binned, into)?;
             }
         }
-        work.timeline.submit(recorder, "splats/visibility and attributes")?;
+        work.timeline.go_on(recorder, "splats/visibility and attributes")?;
         Ok(Outcome::Done)
     }
 

@@ -205,7 +205,7 @@ impl Sampler {
         let (device, target) = (work.device, work.target);
         let window = job.bin.raster.window;
         self.reserve_drawing(device, job)?;
-        let mut recorder = device.recorder()?;
+        let mut recorder = work.timeline.recorder(device)?;
         if is_seen(&job.bin.raster) {
             work.facts.bands += 1;
             if job.kind().exact {
@@ -217,15 +217,16 @@ impl Sampler {
                     self.record_stratum(&mut recorder, job, Stratum { batch, number, depths }, target)?;
                 }
                 self.record_gather(&mut recorder, job, batch, target)?;
-                work.timeline.submit(recorder, "stochastic/draw-held and draw-sums")?;
+                work.timeline.go_on(recorder, "stochastic/draw-held and draw-sums")?;
                 work.progress.set_message(format!("rendering, {} samples", batch.before + batch.left));
-                recorder = device.recorder()?;
+                recorder = work.timeline.recorder(device)?;
             }
             self.record_resolve(&mut recorder, job, target)?;
         } else {
             record_nothing(&mut recorder, target, window)?;
             recorder.fill("image/clear", self.spread.get().all(), 0)?;
         }
+        self.told.record(&mut recorder, self.spread.get());
         target.record_read_back(&mut recorder, job.pixels())?;
         work.timeline.submit(recorder, "stochastic/resolve")?;
         Ok(())

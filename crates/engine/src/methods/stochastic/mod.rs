@@ -16,6 +16,7 @@ pub use tiles::{Accumulate, StochasticPush, Visibility};
 
 use super::abuffer::record_nothing;
 use super::engine::Work;
+use super::told::Told;
 use super::{Error, Facts, Outcome, Target};
 use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Variant};
@@ -198,6 +199,7 @@ pub struct Sampler {
     sums: Kept<[f32; 4]>,
     exact: Kept<f32>,
     spread: Kept<[f32; 4]>,
+    told: Told<[f32; 4]>,
     attachments: hardware::Attachments,
 }
 
@@ -210,6 +212,7 @@ impl Sampler {
             sums: Kept::new("sample sums", Memory::Device),
             exact: Kept::new("exact alpha", Memory::Device),
             spread: Kept::new("sample spread", Memory::Device),
+            told: Told::new("sample spread, host"),
             attachments: hardware::Attachments::default(),
         }
     }
@@ -227,29 +230,31 @@ impl Sampler {
             Bin::TooLarge => return Ok(Outcome::Overflow),
             Bin::Nothing => {
                 self.spread.reserve(device, if job.spread { job.pixels() } else { 1 })?;
-                recorder = device.recorder()?;
+                self.told.reserve(device, if job.spread { job.pixels() } else { 0 })?;
+                recorder = work.timeline.recorder(device)?;
                 record_nothing(&mut recorder, target, job.bin.raster.window)?;
                 recorder.fill("image/clear", self.spread.get().all(), 0)?;
             }
             Bin::Done(binned) => {
-                work.facts.note_binned(binned);
+                work.note_binned(binned);
                 work.facts.bands += 1;
                 self.reserve(device, job)?;
                 for batch in batches(job.settings.samples) {
-                    recorder = device.recorder()?;
+                    recorder = work.timeline.recorder(device)?;
                     let tiles = match batch.before {
                         0 => bins.record_tiles(&mut recorder, job.bin.raster.cloud, binned)?,
                         _ => bins.tiles(job.bin.raster.cloud, binned),
                     };
                     self.record_tiles(&mut recorder, job, tiles, batch, target)?;
                     self.record_gather(&mut recorder, job, batch, target)?;
-                    work.timeline.submit(recorder, "stochastic/visibility and accumulate")?;
+                    work.timeline.go_on(recorder, "stochastic/visibility and accumulate")?;
                     work.progress.set_message(format!("rendering, {} samples", batch.before + batch.left));
                 }
-                recorder = device.recorder()?;
+                recorder = work.timeline.recorder(device)?;
                 self.record_resolve(&mut recorder, job, target)?;
             }
         }
+        self.told.record(&mut recorder, self.spread.get());
         target.record_read_back(&mut recorder, job.pixels())?;
         work.timeline.submit(recorder, "stochastic/resolve")?;
         Ok(Outcome::Done)
@@ -257,7 +262,7 @@ impl Sampler {
 
     /// The standard error of every pixel of the window, in its order, from the last window rendered with it.
     pub fn read_stderr(&self, window: Window) -> Result<Vec<[f32; 3]>, Error> {
-        let errors = self.spread.get().read(0, bands::pixels(window))?;
+        let errors = self.told.read(self.spread.get(), bands::pixels(window))?;
         Ok(errors.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect())
     }
 
@@ -277,7 +282,7 @@ impl Sampler {
         self.sums.reserve(device, pixels * job.kind().sums(strata))?;
         self.exact.reserve(device, if exact { pixels } else { 1 })?;
         self.spread.reserve(device, if spread { 2 * pixels } else { 1 })?;
-        Ok(())
+        self.told.reserve(device, if spread { pixels } else { 0 })
     }
 
     fn record_gather<'a>(

@@ -6,10 +6,12 @@ use crate::gpu::Device;
 use crate::passes::Error;
 use crate::passes::bands::{Budget, Window};
 use crate::passes::compose::Cut;
+use crate::passes::foresight::Place;
 use crate::passes::project::Stats;
 use crate::passes::radix::Runs;
 use crate::passes::raster::Raster;
 use crate::passes::scan::Scan;
+use crate::passes::timeline::Timeline;
 
 /// Side of a tile in pixels.
 pub(super) const TILE_SIDE: u32 = 16;
@@ -146,10 +148,10 @@ pub struct Binned {
     pub(super) binning: Binning,
     /// Which of the buffers of records holds the sorted ones.
     pub(super) records: usize,
-    /// Pairs of splat and tile.
-    pub(super) entries: u32,
-    /// Splats of the tile with most of them.
+    /// Splats of the tile with most of them, at most.
     pub(super) longest: u32,
+    /// Where the counts are: overflow, pairs of splat and tile, splats of the tile with most of them.
+    pub(super) counts: Place,
 }
 
 impl Binned {
@@ -179,9 +181,9 @@ impl Binned {
         self.binning.cells()
     }
 
-    /// Pairs of a splat and a tile that it meets.
-    pub fn entries(&self) -> u64 {
-        self.entries.into()
+    /// Pairs of a splat and a tile that it meets, once they were submitted.
+    pub fn found_entries(&self, timeline: &Timeline) -> u64 {
+        timeline.found(self.counts)[1].into()
     }
 
     /// How stages reach splats by their indices.

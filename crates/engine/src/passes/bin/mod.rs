@@ -24,6 +24,7 @@ use self::sort::{order_bytes, presorted_variant};
 use self::tile_lists::store_variant;
 use super::Error;
 use super::bands::Budget;
+use super::foresight::Knowledge;
 use super::compose::Composing;
 use super::project::DeviceCloud;
 use super::radix::Radix;
@@ -77,7 +78,6 @@ pub struct Bins {
     scan: Option<Scan>,
     overflow: Buffer<u32>,
     longest: Buffer<u32>,
-    summary: Buffer<u32>,
     entries: Kept<u32>,
 }
 
@@ -115,7 +115,6 @@ impl Bins {
             scan: None,
             overflow: device.buffer("scan overflow", 1, Memory::Device)?,
             longest: device.buffer("longest tile list", 1, Memory::Device)?,
-            summary: device.buffer("tile summary", 3, Memory::Readback)?,
             entries: Kept::new("ordered tile entries", Memory::Device),
         })
     }
@@ -148,20 +147,27 @@ impl Bins {
     ) -> Result<Option<Binned>, Error> {
         let Some(left) = binning.left(device, job)? else { return Ok(None) };
         self.reserve(device, job, &binning)?;
-        let mut recorder = device.recorder()?;
+        let mut recorder = timeline.recorder(device)?;
         let last = match job.order {
-            Order::Along(axis) => self.record_pick(&mut recorder, device, job, axis, binning.subgroup)?,
+            Order::Along(axis) => {
+                if timeline.foresight.knowledge() != Knowledge::None {
+                    // There may be fewer drawn points than records.
+                    recorder.fill("bin/clear", self.records[0].get().all(), u32::MAX)?;
+                }
+                self.record_pick(&mut recorder, device, job, axis, binning.subgroup)?
+            }
             _ => self.record_sort(&mut recorder, device, job, binning.subgroup)?,
         };
         self.record_tile_count(&mut recorder, job, &binning, last)?;
-        timeline.submit(recorder, "bin/sort and count")?;
-        let words = self.summary.mapped_slice();
-        let [overflow, entries, longest] = [words[0], words[1], words[2]];
+        let total = self.cursors.get().slice(binning.cells() - 1, 1);
+        let counts = [self.overflow.all(), total, self.longest.all()];
+        let answer = timeline.ask(device, recorder, ("bin/summary", "bin/sort and count"), &counts)?;
+        let [overflow, entries, longest] = [answer.words[0], answer.words[1], answer.words[2]];
         if overflow != 0 || u64::from(entries) * 4 > left {
             return Ok(None);
         }
         self.entries.reserve_within(device, u64::from(entries).max(1), left / 4)?;
-        Ok(Some(Binned { binning, records: last, entries, longest }))
+        Ok(Some(Binned { binning, records: last, longest, counts: answer.place }))
     }
 
     /// A binned window's tiles, for stages behind [`Self::record_tiles`].

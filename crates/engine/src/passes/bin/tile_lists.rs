@@ -8,7 +8,7 @@ use crate::passes::Error;
 use crate::passes::project::DeviceCloud;
 
 impl Bins {
-    /// Records the counts of the tiles, their prefix sums, and the copy of the total to the host.
+    /// Records the counts of the tiles, their prefix sums, and the longest of their lists.
     pub(super) fn record_tile_count<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
@@ -30,11 +30,7 @@ impl Bins {
         recorder.fill("bin/clear", longest, 0)?;
         let run = Run::new(Dispatch::Invocations(tiles));
         let push = MeasurePush { tiles: tiles as u32, runs: binning.runs.runs };
-        recorder.run(&Measure { starts: cursors, longest }, push, &run)?;
-        recorder.copy("bin/summary", self.overflow.all(), self.summary.slice(0, 1))?;
-        recorder.copy("bin/summary", cursors.skip(cells - 1), self.summary.slice(1, 1))?;
-        recorder.copy("bin/summary", longest, self.summary.slice(2, 1))?;
-        Ok(())
+        Ok(recorder.run(&Measure { starts: cursors, longest }, push, &run)?)
     }
 
     pub(super) fn record_tile_store<'a>(

@@ -14,7 +14,7 @@ pub use view::View;
 
 use self::part::{PART_MARKED, PART_SOFT, PART_SOLID};
 use crate::gpu::shader::{Choices, Shader};
-use crate::gpu::{Dispatch, Error, Recorder, Run, Variant};
+use crate::gpu::{Dispatch, Error, Recorder, Run, Slice, Variant};
 use crate::scene::{ColorSpace, Formula, Shading};
 use crate::{gpu_struct, group, pass};
 
@@ -54,6 +54,18 @@ impl Stats {
     /// Columns and rows of pixels of the widest and the tallest splat of all chunks.
     pub fn extent(stats: &[Self]) -> [u32; 2] {
         stats.iter().fold([0, 0], |[x, y], s| [x.max(s.widest), y.max(s.tallest)])
+    }
+
+    /// Bounds of what can be found among so many points in a window of this size.
+    pub fn at_most(self, points: u64, [width, height]: [u32; 2]) -> Self {
+        let points = points as u32;
+        Self {
+            visible: self.visible.min(points),
+            large: self.large.min(points),
+            widest: self.widest.min(width),
+            tallest: self.tallest.min(height),
+            ..self
+        }
     }
 
     /// Tiles of the large splats.
@@ -147,7 +159,7 @@ group! {
 const PROJECT_RUN: u64 = 8;
 
 impl DeviceCloud {
-    /// Records the projection of all chunks; [`Self::stats`] holds what it found once it was submitted.
+    /// Records the projection of all chunks; [`Self::found`] then holds what it found.
     pub fn record_project<'a>(&'a self, recorder: &mut Recorder<'a>, how: &Projecting) -> Result<(), Error> {
         self.record_clear(recorder)?;
         // Without a field F is 0 everywhere: all points are solid, and nobody asks for soft ones.
@@ -177,11 +189,17 @@ impl DeviceCloud {
             let run = Run::new(Dispatch::Invocations(count.div_ceil(PROJECT_RUN)));
             recorder.run(&pass, push, &run.variant(variant.clone()))?;
         }
-        self.record_stats(recorder)
+        Ok(())
     }
 
-    /// Records that nothing has been found yet.
+    /// Statistics of the last projection, on the device: one for each chunk.
+    pub fn found(&self) -> Slice<'_, Stats> {
+        self.stats.slice(0, self.chunks().count() as u64)
+    }
+
+    /// Records the view, and that nothing has been found yet.
     pub fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
+        self.record_view(recorder);
         recorder.fill("project/clear", self.stats.all(), 0)
     }
 

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use super::Projecting;
 use super::cloud::{DeviceCloud, split};
 use crate::camera::{Camera, Projection};
-use crate::gpu::Slice;
+use crate::gpu::{Recorder, Slice};
 use crate::gpu_struct;
 use crate::scene::Light;
 
@@ -40,7 +40,7 @@ impl DeviceCloud {
         self.view.all()
     }
 
-    /// Sets the camera and the rectangle of pixels that is rendered next.
+    /// Sets the camera and the rectangle of pixels that is rendered next; [`Self::record_view`] brings it to the device.
     pub fn set_view(&mut self, camera: &Camera, size: [u32; 2], window: [u32; 4], how: &Projecting) {
         let rows = |v: DVec3| {
             let (hi, lo) = split(v);
@@ -78,7 +78,12 @@ impl DeviceCloud {
         };
         self.opacity_factor = how.opacity_factor;
         self.depth_origin = eye_hi[3];
-        self.view.write(&[view]);
+        self.view_host = view;
+    }
+
+    /// Records that the view of the last [`Self::set_view`] holds from here on.
+    pub fn record_view<'a>(&'a self, recorder: &mut Recorder<'a>) {
+        recorder.update(self.view.all().cast(), bytemuck::cast_slice(&[self.view_host]));
     }
 }
 

@@ -85,6 +85,7 @@ pub struct DeviceCloud {
     pub(super) stats: Buffer<Stats>,
     pub(super) stats_host: Buffer<Stats>,
     pub(super) view: Buffer<View>,
+    pub(super) view_host: View,
 }
 
 impl DeviceCloud {
@@ -219,7 +220,8 @@ impl DeviceCloud {
             tile_counts: empty(device, "tile counts")?,
             stats: device.buffer("splat stats", chunks, Memory::Device)?,
             stats_host: device.buffer("splat stats, host", chunks, Memory::Readback)?,
-            view: device.buffer("view", 1, Memory::Upload)?,
+            view: device.buffer("view", 1, Memory::Device)?,
+            view_host: bytemuck::Zeroable::zeroed(),
         })
     }
 

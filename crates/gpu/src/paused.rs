@@ -1,0 +1,106 @@
+//! Recordings that are interrupted. What they were given may be dropped meanwhile: it is destroyed once no recording is left
+//! that may hold it.
+
+use std::sync::Arc;
+
+use ash::vk::{self, Handle};
+use gpu_allocator::vulkan::Allocation;
+
+use super::context::lock;
+use super::{Context, Recorder};
+
+/// A recording that goes on later.
+pub struct Paused(Recorder<'static>);
+
+impl Paused {
+    /// Goes on.
+    pub fn resume<'a>(self) -> Recorder<'a> {
+        self.0
+    }
+}
+
+impl Recorder<'_> {
+    /// Interrupts the recording. From here on until it is submitted or dropped, what is dropped on this device is destroyed later.
+    pub fn pause(mut self) -> Paused {
+        if self.held.is_none() {
+            self.held = Some(Held::new(self.context()));
+        }
+        // SAFETY: the lifetime only says that what was recorded outlives the recording, which `held` sees to.
+        Paused(unsafe { std::mem::transmute::<Recorder<'_>, Recorder<'static>>(self) })
+    }
+}
+
+/// Handles and memory that nobody but an interrupted recording may need.
+pub enum Grave {
+    Buffer(vk::Buffer, Option<Allocation>),
+    Image(vk::Image, vk::ImageView, Option<Allocation>),
+}
+
+/// What waits for the end of interrupted recordings, and how many there are.
+#[derive(Default)]
+pub struct Graves {
+    recordings: usize,
+    waiting: Vec<Grave>,
+}
+
+/// While there is one, nothing is destroyed.
+pub struct Held(Arc<Context>);
+
+impl Held {
+    fn new(context: &Arc<Context>) -> Self {
+        lock(&context.graves).recordings += 1;
+        Self(context.clone())
+    }
+}
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        let mut graves = lock(&self.0.graves);
+        graves.recordings -= 1;
+        if graves.recordings > 0 {
+            return;
+        }
+        let waiting = std::mem::take(&mut graves.waiting);
+        drop(graves);
+        for grave in waiting {
+            self.0.destroy(grave);
+        }
+    }
+}
+
+impl Context {
+    /// Destroys what nobody but an interrupted recording may need, as soon as there is none.
+    pub fn bury(&self, grave: Grave) {
+        let mut graves = lock(&self.graves);
+        if graves.recordings > 0 {
+            graves.waiting.push(grave);
+        } else {
+            drop(graves);
+            self.destroy(grave);
+        }
+    }
+
+    fn destroy(&self, grave: Grave) {
+        // SAFETY: whoever owned the handles gave them up. Submissions are waited for before their recorders are dropped, and no
+        // interrupted recording is left; so the device no longer uses them. A null view is ignored.
+        let allocation = unsafe {
+            match grave {
+                Grave::Buffer(raw, allocation) => {
+                    self.forget_allocation((vk::Buffer::TYPE, raw.as_raw()));
+                    self.device.destroy_buffer(raw, None);
+                    allocation
+                }
+                Grave::Image(raw, view, allocation) => {
+                    self.forget_allocation((vk::Image::TYPE, raw.as_raw()));
+                    self.device.destroy_image_view(view, None);
+                    self.device.destroy_image(raw, None);
+                    allocation
+                }
+            }
+        };
+        if let Some(allocation) = allocation {
+            // Freeing what this allocator gave out cannot fail.
+            let _ = self.with_allocator(|allocator| allocator.free(allocation));
+        }
+    }
+}
