@@ -106,23 +106,40 @@ fn a_cancelled_frame_ends_at_once_and_leaves_nothing_behind() {
             let name = frame.method.name();
             let (mut renderer, watch, arranged) = watched(device, &frame);
             let upload = |renderer: &Renderer| renderer.upload_arranged(&arranged).expect("fits");
-            let whole = renderer.render(&mut upload(&renderer), &frame).expect("watching changes nothing");
-            assert!(bits(&whole.image) == wanted, "{name}");
-            let questions = watch.asked();
-            assert!(questions > 2, "{name}: {questions}");
-            for question in [0, questions / 2, questions - 1] {
-                // A cloud of its own: its shadows are found under way.
+            for steady in [false, true] {
+                // A cloud of its own: its shadows are found under way, unless it is steady.
                 let mut cloud = upload(&renderer);
-                watch.cancel_at(question);
-                let cancelled = renderer.render(&mut cloud, &frame);
-                assert!(matches!(cancelled, Err(Error::Cancelled)), "{name}, {question} of {questions}");
-                assert_eq!(watch.asked(), question + 1, "{name}: nobody asks after a yes");
+                become_known(&mut renderer, &mut cloud, &frame, steady);
                 watch.watch_only();
-                let next = renderer.render(&mut cloud, &frame).expect("the next frame renders");
-                assert!(bits(&next.image) == wanted, "{name}, after {question} of {questions}");
+                let whole = renderer.render(&mut cloud, &frame).expect("watching changes nothing");
+                assert!(bits(&whole.image) == wanted, "{name}");
+                let questions = watch.asked();
+                assert!(questions > 2, "{name}: {questions}");
+                for question in [0, questions / 2, questions - 1] {
+                    let mut cloud = upload(&renderer);
+                    watch.watch_only();
+                    become_known(&mut renderer, &mut cloud, &frame, steady);
+                    watch.cancel_at(question);
+                    let cancelled = renderer.render(&mut cloud, &frame);
+                    assert!(matches!(cancelled, Err(Error::Cancelled)), "{name}, {question} of {questions}, {steady}");
+                    assert_eq!(watch.asked(), question + 1, "{name}: nobody asks after a yes");
+                    watch.watch_only();
+                    let next = renderer.render(&mut cloud, &frame).expect("the next frame renders");
+                    assert!(bits(&next.image) == wanted, "{name}, after {question} of {questions}");
+                }
             }
         }
     });
+}
+
+/// Makes the counts of a frame known from earlier ones if it is to be `steady`, or forgotten.
+fn become_known(renderer: &mut Renderer, cloud: &mut DeviceCloud, frame: &Frame, steady: bool) {
+    if steady {
+        renderer.render(cloud, frame).expect("renders");
+        renderer.render(cloud, frame).expect("renders");
+    } else {
+        renderer.forget();
+    }
 }
 
 /// Renders with so many submissions; true if they were enough.
@@ -137,7 +154,8 @@ fn renders_with(device: &Device, renderer: &mut Renderer, cloud: &mut DeviceClou
     }
 }
 
-/// A renderer asks once before it brings the points, once before each submission, and once for each window that is done.
+/// A renderer asks once before it brings the points, once before each submission of a frame whose counts it waits for, and once for
+/// each window that is done.
 #[test]
 fn a_renderer_asks_before_every_submission() {
     with_device(|device| {
@@ -149,11 +167,15 @@ fn a_renderer_asks_before_every_submission() {
             let mut cloud = renderer.upload_arranged(&arranged).expect("fits");
             // Points, shadows and orders come to the device with the first frame.
             renderer.render(&mut cloud, &frame).expect("renders");
+            renderer.forget();
             watch.watch_only();
             let windows = renderer.render(&mut cloud, &frame).expect("renders").facts.windows;
             let (name, submissions) = (frame.method.name(), watch.asked() - 1 - windows);
-            assert!(renders_with(device, &mut renderer, &mut cloud, &frame, submissions), "{name}: {submissions}");
-            assert!(!renders_with(device, &mut renderer, &mut cloud, &frame, submissions - 1), "{name}: {submissions}");
+            for (most, enough) in [(submissions, true), (submissions - 1, false)] {
+                renderer.forget();
+                let renders = renders_with(device, &mut renderer, &mut cloud, &frame, most);
+                assert_eq!(renders, enough, "{name}: {most} of {submissions}");
+            }
         }
     });
 }

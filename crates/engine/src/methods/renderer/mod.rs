@@ -116,6 +116,11 @@ impl Renderer {
         self.spare = Some(image);
     }
 
+    /// Forgets the counts of earlier frames: the next one waits for its own. Changes no byte.
+    pub fn forget(&mut self) {
+        self.kind = None;
+    }
+
     /// Renders a frame.
     ///
     /// # Errors
@@ -248,7 +253,7 @@ impl Renderer {
         Ok(facts)
     }
 
-    /// True if a frame has to wait for its counts. Frames of one kind learn from one another.
+    /// True if a frame has to wait for its counts.
     fn waits(&mut self, frame: &Frame, cloud: &DeviceCloud, windows: &[Window], timeline: &mut Timeline) -> bool {
         let kind = Kind { method: frame.method, size: frame.size, points: cloud.len() };
         if self.kind != Some(kind) {
