@@ -136,7 +136,7 @@ impl<T: GpuType> Buffer<T> {
         let mut offset = 0;
         for chunk in bytes.chunks(staging_bytes as usize) {
             staging.mapped_mut()[..chunk.len()].copy_from_slice(chunk);
-            let mut recorder = Recorder::new(&self.context)?;
+            let mut recorder = Recorder::new(&self.context, false)?;
             let bytes = chunk.len() as u64;
             recorder.copy_raw("upload", staging.raw_slice(0, bytes), self.raw_slice(offset, bytes));
             recorder.submit("upload")?;
@@ -158,7 +158,7 @@ impl<T: GpuType> Buffer<T> {
             let count = most.min(len - first);
             let elements: &mut [T] = bytemuck::cast_slice_mut(staging.mapped_mut());
             fill(first as usize..(first + count) as usize, &mut elements[..count as usize]);
-            let mut recorder = Recorder::new(&self.context)?;
+            let mut recorder = Recorder::new(&self.context, false)?;
             recorder.copy_raw("upload", staging.raw_slice(0, count * size), self.raw_slice(first * size, count * size));
             recorder.submit("upload")?;
             first += count;
@@ -176,7 +176,7 @@ impl<T: GpuType> Buffer<T> {
         let mut offset = 0;
         for chunk in out_bytes.chunks_mut(staging_bytes as usize) {
             let bytes = chunk.len() as u64;
-            let mut recorder = Recorder::new(&self.context)?;
+            let mut recorder = Recorder::new(&self.context, false)?;
             let from = self.raw_slice(source.offset + offset, bytes);
             recorder.copy_raw("read-back", from, staging.raw_slice(0, bytes));
             recorder.submit("read-back")?;

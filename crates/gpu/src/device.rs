@@ -330,9 +330,14 @@ impl Device {
         Attachment::new(&self.0, name, format, samples, size)
     }
 
-    /// A new recorder.
+    /// A new recorder, which times its passes and counts their invocations.
     pub fn recorder(&self) -> Result<Recorder<'_>, Error> {
-        Recorder::new(&self.0)
+        Recorder::new(&self.0, true)
+    }
+
+    /// A new recorder without times and counts: passes that have nothing to do with one another may run at once.
+    pub fn plain_recorder(&self) -> Result<Recorder<'_>, Error> {
+        Recorder::new(&self.0, false)
     }
 
     /// Command buffers that wait for the next [`Self::recorder`]: as many as there were recorders at one time, less those

@@ -52,23 +52,24 @@ impl Guards {
         }
     }
 
-    /// A pass may write to this range. Records, outside of passes, what makes the words behind it known; a barrier must follow.
+    /// A pass may write to this range. Records, outside of passes, what makes the words behind it known, unless they are: true
+    /// if a barrier must follow.
     pub fn watch(
         &mut self,
         context: &Arc<Context>,
         commands: vk::CommandBuffer,
         names: (&'static str, &'static str),
         slice: RawSlice,
-    ) -> Result<(), Error> {
+    ) -> Result<bool, Error> {
         if BYTES == 0 {
-            return Ok(());
+            return Ok(false);
         }
         let (pass, binding) = names;
         self.written.push(slice);
         let start = slice.offset + slice.bytes;
         if let Some(known) = self.guards.iter_mut().find(|g| g.buffer == slice.buffer && g.start == start) {
             known.passes[1] = pass;
-            return Ok(());
+            return Ok(false);
         }
         let is_behind = start == slice.room;
         let bytes = if is_behind { BYTES } else { BYTES.min(slice.room - start) };
@@ -84,7 +85,7 @@ impl Guards {
             self.copy(context, commands, self.guards.len(), &guard, 0);
         }
         self.guards.push(guard);
-        Ok(())
+        Ok(true)
     }
 
     /// Records, after all passes, that the words come to the host.

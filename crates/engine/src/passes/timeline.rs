@@ -17,6 +17,8 @@ pub struct Timeline {
     pub passes: Vec<(PassTime, Duration)>,
     /// The submissions' times together.
     pub submitted: Duration,
+    /// True if passes are timed.
+    pub timed: bool,
     /// What is known of the window in work before it is rendered.
     pub foresight: Foresight,
     /// What was recorded so far, where nobody waits for it.
@@ -32,14 +34,15 @@ impl Timeline {
     /// The same, with what is known of earlier frames.
     pub fn with(progress: &Progress, foresight: Foresight) -> Self {
         let (passes, submitted) = (Vec::new(), Duration::ZERO);
-        Self { progress: progress.clone(), start: None, passes, submitted, foresight, paused: None }
+        Self { progress: progress.clone(), start: None, passes, submitted, timed: true, foresight, paused: None }
     }
 
     /// Begins a recording, or goes on with one that nobody waited for.
     pub fn recorder<'a>(&mut self, device: &'a Device) -> Result<Recorder<'a>, Error> {
         Ok(match self.paused.take() {
             Some(paused) => paused.resume(),
-            None => device.recorder()?,
+            None if self.timed => device.recorder()?,
+            None => device.plain_recorder()?,
         })
     }
 

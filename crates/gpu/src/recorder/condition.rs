@@ -3,6 +3,7 @@
 use ash::vk;
 
 use super::Recorder;
+use super::barriers::Touch;
 use crate::RawSlice;
 
 /// Most bytes of one update.
@@ -12,8 +13,8 @@ impl Recorder<'_> {
     /// From here on dispatches and draws run only if the word is not 0; the end of the recording ends it.
     pub(crate) fn begin_condition(&mut self, word: RawSlice) {
         self.end_condition();
+        self.barrier_before(&[Touch::read(word)]);
         let Some(conditional) = &self.context.conditional else { return };
-        self.memory_barrier();
         let begin = vk::ConditionalRenderingBeginInfoEXT::default().buffer(word.buffer).offset(word.offset);
         // SAFETY: the extension is enabled; the command buffer is recording outside of a render pass and of a condition.
         unsafe { (conditional.fp().cmd_begin_conditional_rendering_ext)(self.commands, &begin) };
@@ -29,7 +30,7 @@ impl Recorder<'_> {
     }
 
     pub(crate) fn update_raw(&mut self, to: RawSlice, bytes: &[u8]) {
-        self.memory_barrier();
+        self.barrier_before(&[Touch::write(RawSlice { bytes: bytes.len() as u64, ..to })]);
         self.guards.note_write(to);
         for (number, part) in bytes.chunks(UPDATE_BYTES).enumerate() {
             let offset = to.offset + (number * UPDATE_BYTES) as u64;

@@ -3,6 +3,7 @@
 use ash::vk;
 
 use super::Recorder;
+use super::barriers::Touch;
 use super::draw::READ;
 use crate::guard;
 use crate::pipeline::Pipeline;
@@ -17,7 +18,7 @@ impl Recorder<'_> {
         pipeline: &Pipeline,
         name: &'static str,
         resources: &[Resource],
-    ) -> Result<vk::DescriptorSet, Error> {
+    ) -> Result<(vk::DescriptorSet, Vec<Touch>), Error> {
         let limit = self.context.limits.binding_bytes;
         let needed = resources.len() as u32;
         if self.sets_left == 0 || self.descriptors_left < needed {
@@ -31,7 +32,7 @@ impl Recorder<'_> {
         // SAFETY: the pool has room for the set: counted above.
         let set = unsafe { self.context.device.allocate_descriptor_sets(&info) }
             .map_err(Error::call("vkAllocateDescriptorSets"))?[0];
-        let (mut buffers, mut images) = (Vec::new(), Vec::new());
+        let (mut buffers, mut images, mut touches) = (Vec::new(), Vec::new(), Vec::new());
         for (resource, binding) in resources.iter().zip(P::bindings()) {
             match *resource {
                 Resource::Buffer(RawSlice { bytes, .. }) if bytes > limit => {
@@ -40,13 +41,17 @@ impl Recorder<'_> {
                 }
                 Resource::Buffer(slice @ RawSlice { buffer, offset, bytes, .. }) => {
                     assert!(bytes > 0, "{name}: nothing is bound to {}", binding.name);
-                    if binding.access == Access::ReadWrite {
-                        self.guards.watch(&self.context, self.commands, (name, binding.name), slice)?;
+                    if binding.access == Access::ReadWrite
+                        && self.guards.watch(&self.context, self.commands, (name, binding.name), slice)?
+                    {
+                        self.touch_more();
                     }
                     let guard = if binding.access == Access::Uniform { 0 } else { guard::BYTES };
                     // A buffer that fills the device's limit goes without, which only makes its `arrayLength` too short.
                     let range = (bytes + guard).min(self.context.limits.range_bytes.max(bytes));
                     buffers.push([vk::DescriptorBufferInfo { buffer, offset, range }]);
+                    let writes = binding.access == Access::ReadWrite;
+                    touches.push(Touch { slice: RawSlice { bytes: range, ..slice }, writes });
                 }
                 Resource::Texture(view) => {
                     images.push([vk::DescriptorImageInfo::default().image_view(view).image_layout(READ)]);
@@ -66,7 +71,7 @@ impl Recorder<'_> {
             .collect();
         // SAFETY: set, buffers and images are live; ranges lie within the buffers.
         unsafe { self.context.device.update_descriptor_sets(&writes, &[]) };
-        Ok(set)
+        Ok((set, touches))
     }
 
     fn new_pool(&mut self) -> Result<(), Error> {

@@ -80,8 +80,10 @@ impl<'a> Recorder<'a> {
             return Err(Error::Framebuffer { name: P::NAME.to_owned(), size, limit });
         }
         let pipeline = Pipeline::draw::<P>(&self.context, variant, draw.targets.outputs(), P::NAME)?;
-        let set = self.descriptors::<P>(&pipeline, P::NAME, &pass.resources())?;
-        self.begin_pass(P::NAME, true)?;
+        let (set, touches) = self.descriptors::<P>(&pipeline, P::NAME, &pass.resources())?;
+        // Attachments are not looked at one by one.
+        self.touch_more();
+        self.begin_pass(P::NAME, true, &touches)?;
         let extent = vk::Extent2D { width: draw.area[0], height: draw.area[1] };
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent };
         let viewport = vk::Viewport {
@@ -125,6 +127,7 @@ impl<'a> Recorder<'a> {
             device.cmd_end_rendering(commands);
         }
         self.image_barrier(draw.targets, DRAWN, READ);
+        self.touch_more();
         self.end_pass();
         self.pipelines.push(pipeline);
         Ok(())

@@ -1,8 +1,8 @@
 //! Records passes into one command buffer: the only place for barriers, labels, timestamps, binding and dispatching.
 //!
-//! Passes run one after another: a full memory barrier stands before each. Timestamps are written at the end of the pipe
-//! at both ends of a pass, each followed by an execution barrier, without which lavapipe's stamps shift by one interval
-//! after a graphics pass.
+//! Passes run as if one after another: a barrier stands before each that meets what an earlier one did. Where passes are
+//! stamped one stands before each, and timestamps are written at the end of the pipe at both ends of a pass, each followed by
+//! an execution barrier, without which lavapipe's stamps shift by one interval after a graphics pass.
 
 mod barriers;
 mod condition;
@@ -23,6 +23,7 @@ use std::time::{Duration, Instant};
 
 use ash::vk;
 
+use self::barriers::{Touch, Touched};
 use self::times::Queries;
 use super::agree::Agreement;
 use super::context::{Commands, lock};
@@ -86,13 +87,16 @@ pub struct Recorder<'a> {
     agreements: Vec<Agreement>,
     /// True where the device may leave commands out.
     conditional: bool,
+    /// True if passes are timed and counted.
+    stamped: bool,
+    touched: Touched,
     /// There once the recording was interrupted.
     pub(super) held: Option<Held>,
     buffers: PhantomData<&'a ()>,
 }
 
 impl<'a> Recorder<'a> {
-    pub(super) fn new(context: &Arc<Context>) -> Result<Self, Error> {
+    pub(super) fn new(context: &Arc<Context>, stamped: bool) -> Result<Self, Error> {
         let commands = context.take_commands()?;
         let recorder = Self {
             context: context.clone(),
@@ -107,6 +111,8 @@ impl<'a> Recorder<'a> {
             guards: Guards::default(),
             agreements: Vec::new(),
             conditional: false,
+            stamped,
+            touched: Touched::default(),
             held: None,
             buffers: PhantomData,
         };
@@ -164,8 +170,8 @@ impl<'a> Recorder<'a> {
     /// ```
     pub fn run<P: Pass + 'a>(&mut self, pass: &P, push: P::Push, run: &Run<'a>) -> Result<(), Error> {
         let name = run.label.unwrap_or(P::NAME);
-        let (pipeline, set) = self.prepare(pass, run, name)?;
-        self.begin_pass(name, true)?;
+        let (pipeline, set, touches) = self.prepare(pass, run, name)?;
+        self.begin_pass(name, true, &touches)?;
         self.dispatch::<P>(&pipeline, set, push, run)?;
         self.end_pass();
         self.pipelines.push(pipeline);
@@ -174,8 +180,8 @@ impl<'a> Recorder<'a> {
 
     /// Runs a compute pass that the submission's times know nothing of. The caller keeps its buffers until after the submission.
     pub(super) fn run_untimed<P: Pass>(&mut self, pass: &P, push: P::Push, run: &Run<'_>) -> Result<(), Error> {
-        let (pipeline, set) = self.prepare(pass, run, P::NAME)?;
-        self.memory_barrier();
+        let (pipeline, set, touches) = self.prepare(pass, run, P::NAME)?;
+        self.barrier_before(&touches);
         self.dispatch::<P>(&pipeline, set, push, run)?;
         self.pipelines.push(pipeline);
         Ok(())
@@ -186,10 +192,13 @@ impl<'a> Recorder<'a> {
         pass: &P,
         run: &Run<'_>,
         name: &'static str,
-    ) -> Result<(Arc<Pipeline>, vk::DescriptorSet), Error> {
+    ) -> Result<(Arc<Pipeline>, vk::DescriptorSet, Vec<Touch>), Error> {
         let pipeline = Pipeline::compute::<P>(&self.context, &run.variant, name)?;
-        let set = self.descriptors::<P>(&pipeline, name, &pass.resources())?;
-        Ok((pipeline, set))
+        let (set, mut touches) = self.descriptors::<P>(&pipeline, name, &pass.resources())?;
+        if let Dispatch::Indirect(arguments) = run.dispatch {
+            touches.push(Touch::read(arguments.raw()));
+        }
+        Ok((pipeline, set, touches))
     }
 
     fn dispatch<P: Pass>(
@@ -232,7 +241,7 @@ impl<'a> Recorder<'a> {
 
     /// Fills a range with copies of one word, as a pass of its own.
     pub fn fill<T: GpuType>(&mut self, name: &'static str, target: Slice<'a, T>, word: u32) -> Result<(), Error> {
-        self.begin_pass(name, false)?;
+        self.begin_pass(name, false, &[Touch::write(target.raw())])?;
         let raw = target.raw();
         self.guards.note_write(raw);
         // SAFETY: ranges of buffers are multiples of four bytes for every `GpuType`.
@@ -244,7 +253,7 @@ impl<'a> Recorder<'a> {
     /// Copies one range into another of the same length, as a pass of its own.
     pub fn copy<T: GpuType>(&mut self, name: &'static str, from: Slice<'a, T>, to: Slice<'a, T>) -> Result<(), Error> {
         assert_eq!(from.len(), to.len(), "{name}: ranges of different length");
-        self.begin_pass(name, false)?;
+        self.begin_pass(name, false, &[Touch::read(from.raw()), Touch::write(to.raw())])?;
         self.guards.note_write(to.raw());
         self.copy_command(from.raw(), to.raw());
         self.end_pass();
@@ -260,7 +269,7 @@ impl<'a> Recorder<'a> {
 
     /// A copy that is not timed.
     pub(super) fn copy_raw(&mut self, _name: &'static str, from: RawSlice, to: RawSlice) {
-        self.memory_barrier();
+        self.barrier_before(&[Touch::read(from), Touch::write(to)]);
         self.copy_command(from, to);
     }
 

@@ -6,6 +6,7 @@ use std::time::Duration;
 use ash::vk;
 
 use super::Recorder;
+use super::barriers::Touch;
 use crate::Error;
 
 /// Passes that one pair of query pools covers.
@@ -28,19 +29,29 @@ pub(super) struct Queries {
 }
 
 impl Recorder<'_> {
-    pub(super) fn begin_pass(&mut self, name: &'static str, counted: bool) -> Result<(), Error> {
+    pub(super) fn begin_pass(
+        &mut self,
+        name: &'static str,
+        counted: bool,
+        touches: &[Touch],
+    ) -> Result<(), Error> {
         let index = self.passes.len() as u32 % QUERY_PASSES;
-        if index == 0 {
-            let queries = self.new_queries()?;
-            self.queries.push(queries);
+        if self.stamped {
+            if index == 0 {
+                let queries = self.new_queries()?;
+                self.queries.push(queries);
+            }
+            self.passes.push((name, counted));
         }
-        self.passes.push((name, counted));
-        self.memory_barrier();
+        self.barrier_before(touches);
         if let Some(debug) = &self.context.debug {
             let label_name = CString::new(name).unwrap_or_default();
             let label = vk::DebugUtilsLabelEXT::default().label_name(&label_name);
             // SAFETY: the extension is enabled, the command buffer is recording.
             unsafe { debug.cmd_begin_debug_utils_label(self.commands, &label) };
+        }
+        if !self.stamped {
+            return Ok(());
         }
         self.stamp(2 * index);
         if let (true, Some(pool)) = (counted, self.queries.last().and_then(|q| q.statistics)) {
@@ -51,6 +62,14 @@ impl Recorder<'_> {
     }
 
     pub(super) fn end_pass(&mut self) {
+        self.stamp_end();
+        if let Some(debug) = &self.context.debug {
+            // SAFETY: a label was begun in `begin_pass`.
+            unsafe { debug.cmd_end_debug_utils_label(self.commands) };
+        }
+    }
+
+    fn stamp_end(&self) {
         let Some(&(_, counted)) = self.passes.last() else { return };
         let index = (self.passes.len() as u32 - 1) % QUERY_PASSES;
         if let (true, Some(pool)) = (counted, self.queries.last().and_then(|q| q.statistics)) {
@@ -58,10 +77,6 @@ impl Recorder<'_> {
             unsafe { self.context.device.cmd_end_query(self.commands, pool, index) };
         }
         self.stamp(2 * index + 1);
-        if let Some(debug) = &self.context.debug {
-            // SAFETY: a label was begun in `begin_pass`.
-            unsafe { debug.cmd_end_debug_utils_label(self.commands) };
-        }
     }
 
     fn stamp(&self, query: u32) {

@@ -57,6 +57,9 @@ pub struct Renderer {
     /// Counts finished pixels of a frame, and is asked before each submission if the frame may go on; hidden unless the caller
     /// puts its own here.
     pub progress: Progress,
+    /// True if passes are timed and their invocations counted, so that profiles have them; without, passes that have nothing to do
+    /// with one another may run at once.
+    pub timed: bool,
     /// True if opaque splats and layers use 64-bit atomics; follows the device unless a test switches it off.
     pub wide_atomics: bool,
     /// True if ensembles are drawn in one go where possible; a test may switch it off.
@@ -80,6 +83,7 @@ impl Renderer {
             submitted: Duration::ZERO,
             spare: None,
             progress: Progress::hidden(),
+            timed: true,
             wide_atomics: device.info().int64_atomics,
             single_pass: true,
             epoch_bits: 31,
@@ -128,6 +132,7 @@ impl Renderer {
     /// which the renderer and the cloud serve other frames as before.
     pub fn render(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Rendered, Error> {
         let mut timeline = Timeline::with(&self.progress, std::mem::take(&mut self.foresight));
+        timeline.timed = self.timed;
         let rendered = self.render_by(cloud, frame, &mut timeline);
         self.submitted = timeline.submitted;
         self.foresight = timeline.foresight;
