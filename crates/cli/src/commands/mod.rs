@@ -123,6 +123,11 @@ struct MeasureArgs {
 }
 
 impl MeasureArgs {
+    /// True if passes have to be timed.
+    fn is_asked(&self) -> bool {
+        self.profile.is_some() || self.trace.is_some()
+    }
+
     /// Refuses files that could not be written in the end.
     fn check(&self) -> Result<()> {
         for path in [&self.profile, &self.trace].into_iter().flatten() {

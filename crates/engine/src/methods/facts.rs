@@ -58,7 +58,7 @@ pub struct Facts {
     pub soft_visible: u64,
     /// Splats of soft points among the large ones.
     pub soft_large: u64,
-    /// Bytes of the fragment buffer.
+    /// Bytes of the fragments that are stored at a time.
     pub fragment_bytes: u64,
     /// Bands over all windows; windows with anything in them, if splats are sorted.
     pub bands: u64,

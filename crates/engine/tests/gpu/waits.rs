@@ -47,7 +47,7 @@ fn a_steady_frame_waits_once() {
 
 /// The numbers that do not depend on how large buffers are and how work is cut.
 fn counted(facts: &Facts) -> Facts {
-    Facts { peak_device_bytes: 0, tile_cells: 0, fragment_bytes: 0, ..facts.clone() }
+    Facts { peak_device_bytes: 0, tile_cells: 0, ..facts.clone() }
 }
 
 /// Color, depth and counts of each pixel, to the bit.

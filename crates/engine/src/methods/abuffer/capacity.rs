@@ -121,6 +121,12 @@ impl Need {
         Self { fragment, spare, links, runs, segments, records }
     }
 
+    /// Bytes of so many fragments as they are stored.
+    pub(super) fn stored_bytes(self, fragments: u64) -> u64 {
+        let records = if self.records { fragments * soft::RECORD_BYTES } else { 0 };
+        (fragments * self.fragment).next_multiple_of(FRAGMENT_BYTES) + records
+    }
+
     /// Bytes for each fragment of a band, those in the fragment buffer included.
     fn bytes(self) -> u64 {
         let spare = if self.spare { FRAGMENT_BYTES } else { 0 };

@@ -1,5 +1,6 @@
 //! Counts a window's fragments, and finds where each pixel's list begins.
 
+use super::capacity::Need;
 use super::passes::{Count, CountPush, CountTiles, Lengths, Measure};
 use super::{ABuffer, LOCAL_LENGTH, Storing, WindowJob};
 use crate::gpu::{Device, Dispatch, Run, Variant};
@@ -40,8 +41,16 @@ impl Counted {
 
     /// What adds the counts themselves to those of the frame.
     pub(super) fn noting(&self, job: &WindowJob<'_>, bands: Vec<Band>) -> impl FnOnce(&mut Facts, &Timeline) + 'static {
-        let (place, events) = (self.place, events(job));
-        move |facts, timeline| Self::new(timeline.found(place), place, events).note(&bands, facts)
+        let (place, events, need) = (self.place, events(job), Need::for_window(job, self));
+        move |facts, timeline| {
+            let found = Self::new(timeline.found(place), place, events);
+            found.note(&bands, facts);
+            let most = match bands[..] {
+                [_] => u64::from(found.total),
+                _ => bands.iter().map(|band| band.fragments).max().unwrap_or(0),
+            };
+            facts.fragment_bytes = facts.fragment_bytes.max(need.stored_bytes(most));
+        }
     }
 
     pub(super) fn note(&self, bands: &[Band], facts: &mut Facts) {

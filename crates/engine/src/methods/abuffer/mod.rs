@@ -160,9 +160,6 @@ impl ABuffer {
             return Err(Error::Unforeseen);
         }
         self.reserve_fragments(device, job, &bands, &counted)?;
-        let facts = &mut *work.facts;
-        let records = if Need::for_window(job, &counted).records { self.records.get().bytes() } else { 0 };
-        facts.fragment_bytes = facts.fragment_bytes.max(self.fragments.get().bytes() + records);
         let cut = Cut::new(device, job.raster.cloud.len())?;
         let stored = Stored {
             cut,
