@@ -161,7 +161,7 @@ impl Renderer {
         self.target.reserve(&self.device, largest(&windows))?;
 
         let mut image = blank(self.spare.take(), engine, frame);
-        let drawing = Drawing { engine, frame, windows: &windows, budget, waits: self.waits(frame, cloud, &windows, timeline) };
+        let drawing = Drawing { engine, frame, windows: &windows, budget, learns: self.learns(frame, cloud, &windows, timeline) };
         let mut facts = match (engine.samples(frame), frame.max_error) {
             (Some(limit), Some(most)) => {
                 let mut samples = limit.min(stochastic::FIRST_SAMPLES);
@@ -239,13 +239,13 @@ impl Renderer {
         image: &mut Image,
         timeline: &mut Timeline,
     ) -> Result<Facts, Error> {
-        let Drawing { engine, frame, windows, budget, waits } = *drawing;
+        let Drawing { engine, frame, windows, budget, learns } = *drawing;
         self.progress.set_length(u64::from(frame.size[0]) * u64::from(frame.size[1]));
         self.progress.set_position(0);
         let mut facts = Facts { points: cloud.len(), ..Default::default() };
         let mut windows = last_first(windows);
         while let Some(window) = windows.pop() {
-            let part = Part { engine, frame, window, budget, samples, survey: false, waits };
+            let part = Part { engine, frame, window, budget, samples, survey: false, learns };
             match self.window(cloud, &part, timeline, &mut facts)? {
                 Outcome::Done => {
                     self.progress.check()?;
@@ -258,14 +258,14 @@ impl Renderer {
         Ok(facts)
     }
 
-    /// True if a frame has to wait for its counts.
-    fn waits(&mut self, frame: &Frame, cloud: &DeviceCloud, windows: &[Window], timeline: &mut Timeline) -> bool {
+    /// True if a frame can learn its counts from earlier ones of its kind.
+    fn learns(&mut self, frame: &Frame, cloud: &DeviceCloud, windows: &[Window], timeline: &mut Timeline) -> bool {
         let kind = Kind { method: frame.method, size: frame.size, points: cloud.len() };
         if self.kind != Some(kind) {
             timeline.foresight.forget();
             self.kind = Some(kind);
         }
-        windows.len() > 1 || !self.device.info().conditional || self.submitted > LONGEST
+        windows.len() == 1 && self.device.info().conditional
     }
 
     /// Renders or surveys a window; of one that has to be cut the facts don't count. One that was not as foreseen is rendered once
@@ -277,7 +277,7 @@ impl Renderer {
         timeline: &mut Timeline,
         facts: &mut Facts,
     ) -> Result<Outcome, Error> {
-        timeline.foresight.begin(part.waits);
+        timeline.foresight.begin(!part.learns || self.submitted > LONGEST);
         loop {
             let before = facts.clone();
             let outcome = self.attempt(cloud, part, timeline, facts);
@@ -285,7 +285,7 @@ impl Renderer {
             let waited = timeline.foresight.knowledge() == Knowledge::None;
             match outcome {
                 Ok(Outcome::Done) => {
-                    if !part.waits {
+                    if part.learns {
                         timeline.foresight.finish();
                     }
                     return outcome;
@@ -373,7 +373,7 @@ impl Renderer {
         let windows = engine.windows(&frame, budget)?;
         self.target.reserve(&self.device, largest(&windows))?;
         let mut image = blank(None, &engine, &frame);
-        let drawing = Drawing { engine: &engine, frame: &frame, windows: &windows, budget, waits: true };
+        let drawing = Drawing { engine: &engine, frame: &frame, windows: &windows, budget, learns: false };
         self.draw(cloud, &drawing, 0, &mut image, timeline)?;
         Ok(Some(image.depth))
     }
@@ -394,7 +394,7 @@ impl Renderer {
         let mut facts = Facts { points: cloud.len(), light_views, ..Default::default() };
         let (mut windows, mut timeline) = (last_first(&windows), Timeline::new(&self.progress));
         while let Some(window) = windows.pop() {
-            let part = Part { engine, frame, window, budget, samples, survey: true, waits: true };
+            let part = Part { engine, frame, window, budget, samples, survey: true, learns: false };
             if let Outcome::Overflow = self.window(cloud, &part, &mut timeline, &mut facts)? {
                 split(engine, window, &mut windows)?;
             }
@@ -439,7 +439,8 @@ struct Drawing<'a> {
     frame: &'a Frame,
     windows: &'a [Window],
     budget: Budget,
-    waits: bool,
+    /// True if its windows learn from earlier frames.
+    learns: bool,
 }
 
 /// A window of a frame.
@@ -450,8 +451,8 @@ struct Part<'a> {
     budget: Budget,
     samples: u32,
     survey: bool,
-    /// True if it waits for counts.
-    waits: bool,
+    /// True if it learns from earlier frames.
+    learns: bool,
 }
 
 /// Frames that learn from one another: those of a kind mostly have counts of much the same size.
