@@ -104,8 +104,7 @@ impl Context {
         .map_err(Error::call("vkCreatePipelineCache"))?;
         let executables = statistics.then(|| khr::pipeline_executable_properties::Device::new(&instance.raw, &device));
         let debug = instance.debug_utils.then(|| ext::debug_utils::Device::new(&instance.raw, &device));
-        let conditional =
-            info.conditional.then(|| ext::conditional_rendering::Device::new(&instance.raw, &device));
+        let conditional = info.conditional.then(|| ext::conditional_rendering::Device::new(&instance.raw, &device));
         Ok(Self {
             device,
             #[cfg(feature = "window")]

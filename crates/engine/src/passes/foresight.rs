@@ -164,7 +164,11 @@ impl Foresight {
         let foreseen = self.knowledge == Knowledge::Bounds;
         let room = self.answers.as_ref().map_or(0, |answers| answers.host.len());
         let place = self.asked.len();
-        let known = self.known.as_ref().and_then(|known| known.get(place)).filter(|known| known.name == name && known.most.len() as u64 == count);
+        let known = self
+            .known
+            .as_ref()
+            .and_then(|known| known.get(place))
+            .filter(|known| known.name == name && known.most.len() as u64 == count);
         if foreseen && (known.is_none() || room < first + count) {
             return Err(Error::Unforeseen);
         }

@@ -3,7 +3,7 @@
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::gpu::{Buffer, Device, Dispatch, Memory, Run};
 use pellucid_engine::methods::{Facts, Frame, Rendered, Renderer};
-use pellucid_engine::passes::scan::{Spread, ScanPush, spread_variant};
+use pellucid_engine::passes::scan::{ScanPush, Spread, spread_variant};
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::{Arranged, ensembles, order};
 use pellucid_engine::progress::Progress;
@@ -53,9 +53,10 @@ fn counted(facts: &Facts) -> Facts {
 }
 
 /// Color, depth and counts of each pixel, to the bit.
-fn bytes(Rendered { image, .. }: &Rendered) -> (Vec<u32>, Vec<u32>, Option<Vec<u32>>, Option<Vec<u32>>) {
-    let colors = image.rgba.iter().flatten().map(|value| value.to_bits()).collect();
-    (colors, image.depth.iter().map(|depth| depth.to_bits()).collect(), image.fragments.clone(), image.layers.clone())
+fn bytes(Rendered { image, .. }: &Rendered) -> [Vec<u32>; 4] {
+    let bits = |values: &[f32]| values.iter().map(|value| value.to_bits()).collect();
+    let counts = |counts: &Option<Vec<u32>>| counts.clone().unwrap_or_default();
+    [bits(image.rgba.as_flattened()), bits(&image.depth), counts(&image.fragments), counts(&image.layers)]
 }
 
 /// A camera that is so far from the origin.

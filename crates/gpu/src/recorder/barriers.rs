@@ -87,7 +87,8 @@ mod tests {
     #[test]
     fn a_barrier_stands_where_something_written_is_met() {
         use ash::vk::Handle;
-        let slice = |buffer: u64, offset, bytes| RawSlice { buffer: vk::Buffer::from_raw(buffer), offset, bytes, room: 99 };
+        let slice =
+            |buffer: u64, offset, bytes| RawSlice { buffer: vk::Buffer::from_raw(buffer), offset, bytes, room: 99 };
         let [front, back, across] = [slice(1, 0, 8), slice(1, 8, 8), slice(1, 4, 8)];
         let meet = |a: Touch, b: Touch| {
             assert_eq!(a.meets(&b), b.meets(&a));

@@ -29,12 +29,7 @@ pub(super) struct Queries {
 }
 
 impl Recorder<'_> {
-    pub(super) fn begin_pass(
-        &mut self,
-        name: &'static str,
-        counted: bool,
-        touches: &[Touch],
-    ) -> Result<(), Error> {
+    pub(super) fn begin_pass(&mut self, name: &'static str, counted: bool, touches: &[Touch]) -> Result<(), Error> {
         let index = self.passes.len() as u32 % QUERY_PASSES;
         if self.stamped {
             if index == 0 {

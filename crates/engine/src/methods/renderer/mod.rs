@@ -161,7 +161,8 @@ impl Renderer {
         self.target.reserve(&self.device, largest(&windows))?;
 
         let mut image = blank(self.spare.take(), engine, frame);
-        let drawing = Drawing { engine, frame, windows: &windows, budget, learns: self.learns(frame, cloud, &windows, timeline) };
+        let drawing =
+            Drawing { engine, frame, windows: &windows, budget, learns: self.learns(frame, cloud, &windows, timeline) };
         let mut facts = match (engine.samples(frame), frame.max_error) {
             (Some(limit), Some(most)) => {
                 let mut samples = limit.min(stochastic::FIRST_SAMPLES);
