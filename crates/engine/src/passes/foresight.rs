@@ -105,8 +105,10 @@ impl Foresight {
 
     /// Begins a window of the same kind as the last one. It waits for its counts if it `waits`, or has to.
     pub fn begin(&mut self, waits: bool) {
-        self.rest = self.rest.saturating_sub(1);
         self.asked.clear();
+        if !waits {
+            self.rest = self.rest.saturating_sub(1);
+        }
         self.knowledge = if waits || self.hopeless || self.rest > 0 || self.known.is_none() {
             Knowledge::None
         } else if self.roomy {

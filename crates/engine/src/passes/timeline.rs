@@ -31,8 +31,10 @@ impl Timeline {
         Self::with(progress, Foresight::default())
     }
 
-    /// The same, with what is known of earlier frames.
-    pub fn with(progress: &Progress, foresight: Foresight) -> Self {
+    /// The same, with what is known of earlier frames. What comes before the first window waits.
+    pub fn with(progress: &Progress, mut foresight: Foresight) -> Self {
+        // An earlier frame may have ended in the middle of a window.
+        foresight.begin(true);
         let (passes, submitted) = (Vec::new(), Duration::ZERO);
         Self { progress: progress.clone(), start: None, passes, submitted, timed: true, foresight, paused: None }
     }
