@@ -38,6 +38,11 @@ impl Console {
         }
     }
 
+    /// True if somebody asked for details.
+    pub fn is_verbose(self) -> bool {
+        self.verbose
+    }
+
     /// A detail for those who asked for more.
     pub fn detail(self, detail: impl Display) {
         if self.verbose {

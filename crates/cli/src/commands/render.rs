@@ -349,7 +349,7 @@ fn picture(
         }
     };
     session.renderer.progress = (**progress).clone();
-    session.renderer.timed = args.measure.is_asked();
+    session.renderer.timed = args.measure.is_asked() || console.is_verbose();
     session.describe(console);
     // In a time series, warn only once.
     let last = step.is_none_or(|(step, count)| step == count);

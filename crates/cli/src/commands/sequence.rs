@@ -53,7 +53,7 @@ pub fn run(args: &RenderArgs, along: &Along, pattern: &Pattern, console: Console
     let mut session = Session::open(&args.device, &resolved, counts, args.stop(&pattern.file(0)), &progress)?;
     session.describe(console);
     session.warn(&resolved, console);
-    session.renderer.timed = args.measure.is_asked();
+    session.renderer.timed = args.measure.is_asked() || console.is_verbose();
     let frames = Frames::find(args, cameras, pattern, &resolved, &session)?;
     let mut records = Records::open(args, &frames, &session)?;
     interrupt::defer();

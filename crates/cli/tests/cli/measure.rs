@@ -127,6 +127,9 @@ fn a_verbose_run_says_what_host_and_device_took() {
     };
     assert_eq!(times(&stderr, "host:"), names(&profile["host"]));
     assert_eq!(times(&stderr, "passes:"), names(&profile["frames"][0]["passes"]));
+    // Passes are timed for whoever reads of them, whether they go to a file or not.
+    let (_, _, told) = run(&folder, &[&["-v"], &args[..6]].concat());
+    assert_eq!(times(&told, "passes:"), times(&stderr, "passes:"));
     let (_, _, quiet) = run(&folder, &args);
     assert!(!quiet.contains("host:") && !quiet.contains("passes:"), "{quiet}");
 }
