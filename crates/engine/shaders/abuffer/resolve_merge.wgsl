@@ -2,10 +2,8 @@
 // Reference: reference::abuffer::composite.
 #import resolve
 #import local_sort
-
-// Fragments between two tests for an early stop, of lists longer than these, which the tests would not make faster.
-const LOOK = 16u;
-const WHOLE = 64u;
+#import private_list
+#import blend_sorted
 
 @compute @workgroup_size(WG_SIZE)
 fn main(
@@ -24,15 +22,7 @@ fn main(
         list[i] = fragments[start + i];
     }
     let sorted = sort_local(&list, n);
-    let pixel = pixel_place(p);
-    var sum = Composed(vec4<f32>(0.0), NOTHING);
-    for (var i = 0u; i < n; i++) {
-        let fragment = list[sorted + i];
-        sum = behind(sum, fragment.x, fragment_color(fragment.y, pixel));
-        if n > WHOLE && i % LOOK == LOOK - 1u && done(sum, push.max_opacity, push.max_color) {
-            break;
-        }
-    }
+    let sum = blend_sorted(&list, sorted, n, pixel_place(p));
     image[p] = sum.rgba;
     depths[p] = composed_depth(sum.key);
 }

@@ -3,7 +3,7 @@
 // Reference: reference::soft.
 #import segment
 
-fn blend_list(list: ptr<function, array<vec2<u32>, 2u * CAPACITY>>, start: u32, n: u32, pixel: vec2<u32>) -> Composed {
+fn blend_list(list: SortedList, start: u32, n: u32, pixel: vec2<u32>) -> Composed {
     // Edge, middle, reach and absorption; color times weight and weight. Half of the events are entries.
     var open: array<vec4<f32>, CAPACITY / 2u>;
     var terms: array<vec4<f32>, CAPACITY / 2u>;
@@ -15,7 +15,7 @@ fn blend_list(list: ptr<function, array<vec2<u32>, 2u * CAPACITY>>, start: u32, 
     var key = 0x80000000u;
     var first = vec2<f32>(0.0);
     for (var k = 0u; k < n; k++) {
-        let event = (*list)[start + k];
+        let event = listed(list, start + k);
         let i = event_splat(event.y);
         let last = event_depth(event);
         var depth = 0.0;

@@ -2,6 +2,7 @@
 // them.
 #import soft_resolve
 #import local_sort
+#import private_list
 
 @compute @workgroup_size(WG_SIZE)
 fn main(

@@ -2,6 +2,7 @@
 // between them.
 #import soft_resolve
 #import fragments
+#import private_list
 
 fn slot(start: u32, i: u32, n: u32) -> vec2<u32> {
     return select(vec2<u32>(NOTHING), fragments[start + min(i, n - 1u)], i < n);

@@ -15,8 +15,8 @@ mod engine;
 mod explain;
 mod passes;
 
-pub use blend::{CLASSES, in_place_length, is_network, least_bytes, lower_bound, record_nothing};
-pub(crate) use blend::{CONSTANTS, kernels, resolve_variant};
+pub use blend::{CLASSES, in_place_length, least_bytes, lower_bound, record_nothing};
+pub(crate) use blend::{CONSTANTS, Sorting};
 pub use engine::projecting;
 pub(crate) use engine::{ListEngine, ORDERED_AREA, list_bytes};
 pub(crate) use explain::{BY_LENGTH, COUNT, count_group, counted_beside, list_group, list_passes};

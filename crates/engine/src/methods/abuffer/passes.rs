@@ -207,17 +207,35 @@ group! {
 }
 
 pass! {
-    /// Sorts each list of a class of up to 64 fragments in registers by Batcher's network, and blends it. Its label ends
-    /// with the longest length of the class.
+    /// Sorts each list of a class of up to 32 fragments in registers by Batcher's network, and blends it; longer ones in an
+    /// array of the invocation's own, or in memory that a workgroup shares, whichever the device prefers. Its label ends with
+    /// the longest length of the class.
     pub ResolveNetwork(ResolvePush) = "abuffer/resolve" in "abuffer/resolve_network" {
         lists: Shared<ResolvingGroup>,
     }
 }
 
 pass! {
-    /// Sorts each list of a class of up to 256 fragments by merge sort in a local array, with blocks of 32 sorted by a
+    /// Sorts each list of a class of up to 256 fragments by merge sort in a local array, with blocks of 16 sorted by a
     /// network, and blends it.
     pub ResolveMerge(ResolvePush) = "abuffer/resolve" in "abuffer/resolve_merge" {
+        lists: Shared<ResolvingGroup>,
+    }
+}
+
+pass! {
+    /// Sorts each list of a class of up to 256 fragments where it lies, in the memory of a workgroup.
+    pub SortLists(ClassPush) = "abuffer/resolve" in "abuffer/sort_lists" {
+        offsets: Read<u32>,
+        classes: Read<u32>,
+        pixels: Read<u32>,
+        fragments: ReadWrite<[u32; 2]>,
+    }
+}
+
+pass! {
+    /// Blends each list of a class of up to 256 fragments that is sorted.
+    pub ResolveSorted(ResolvePush) = "abuffer/resolve" in "abuffer/resolve_sorted" {
         lists: Shared<ResolvingGroup>,
     }
 }
@@ -242,8 +260,18 @@ pass! {
 }
 
 pass! {
-    /// Sorts each run in a local array.
+    /// Sorts each run in an array of an invocation's own, or in the memory of a workgroup (`abuffer/sort_runs_group`),
+    /// whichever the device prefers.
     pub SortRuns = "abuffer/sort-runs" in "abuffer/sort_runs" {
+        work: ReadWrite<LongWork>,
+        runs: Read<ListRun>,
+        fragments: ReadWrite<[u32; 2]>,
+    }
+}
+
+pass! {
+    /// Sorts each run in the memory of a workgroup.
+    pub SortRunsGroup = "abuffer/sort-runs" in "abuffer/sort_runs_group" {
         work: ReadWrite<LongWork>,
         runs: Read<ListRun>,
         fragments: ReadWrite<[u32; 2]>,

@@ -36,15 +36,52 @@ pub fn lower_bound(class: usize) -> u32 {
     class.checked_sub(1).map_or(0, |i| CLASSES[i].0)
 }
 
-/// The variant of the kernel for lists of up to `capacity` fragments; which of the two kernels it is, [`is_network`] says.
-pub(crate) fn resolve_variant(compose: Variant, capacity: u32) -> Variant {
-    let classified = compose.text(&class_text());
-    if is_network(capacity) { classified.network(capacity) } else { local_sort(classified, capacity) }
+/// How the lists of a class are sorted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sorting {
+    /// By the kernel that blends them, in registers.
+    Network,
+    /// By the kernel that blends them, in an array of the invocation's own.
+    Merge,
+    /// Before the kernel, in the memory of a workgroup.
+    Group,
 }
 
-/// True if lists of up to `capacity` fragments are sorted in registers.
-pub fn is_network(capacity: u32) -> bool {
-    capacity <= NETWORK_LENGTH
+impl Sorting {
+    /// How lists of up to `capacity` fragments are sorted; `shared` if a device prefers that invocations share work. On a CPU
+    /// an array of the invocation's own lies in the cache, on a GPU in the device's memory.
+    pub(crate) fn of(capacity: u32, shared: bool) -> Self {
+        match shared {
+            _ if capacity <= NETWORK_LENGTH => Self::Network,
+            false => Self::Merge,
+            true => Self::Group,
+        }
+    }
+
+    /// The variant of the kernel for lists of up to `capacity` fragments, from the one that composes.
+    pub(crate) fn resolve_variant(self, compose: Variant, capacity: u32) -> Variant {
+        let classified = compose.text(&class_text());
+        match self {
+            Self::Network => classified.network(capacity),
+            Self::Merge => local_sort(classified, capacity),
+            Self::Group => classified,
+        }
+    }
+
+    /// The variants of the kernels of all classes that are sorted so, from the variants that resolve.
+    pub(crate) fn kernels(self, resolving: impl Fn(Self, u32) -> Vec<Variant>) -> Vec<Variant> {
+        let capacities = CLASSES.iter().map(|(capacity, _)| *capacity);
+        let wanted =
+            capacities.filter(|capacity| [false, true].map(|shared| Self::of(*capacity, shared)).contains(&self));
+        let mut found: Vec<Variant> = Vec::new();
+        for variant in wanted.flat_map(|capacity| resolving(self, capacity)) {
+            // Kernels that only blend may serve several classes.
+            if !found.contains(&variant) {
+                found.push(variant);
+            }
+        }
+        found
+    }
 }
 
 /// The variant of the passes that know the classes.
@@ -68,11 +105,6 @@ pub(super) fn sort_runs_variant() -> Variant {
 /// Adds the constants of shaders/shared/local_sort.wgsl.
 fn local_sort(variant: Variant, capacity: u32) -> Variant {
     variant.constant("CAPACITY", capacity).constant("BLOCK", BLOCK_LENGTH).network(BLOCK_LENGTH)
-}
-
-/// The variants of kernels for the lengths of lists that `wanted` picks, from the variants that compose.
-pub(crate) fn kernels(composed: impl Fn(u32) -> Vec<Variant>, wanted: fn(u32) -> bool) -> Vec<Variant> {
-    CLASSES.iter().filter(|(capacity, _)| wanted(*capacity)).flat_map(|(capacity, _)| composed(*capacity)).collect()
 }
 
 #[cfg(test)]

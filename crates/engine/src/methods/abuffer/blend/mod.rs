@@ -4,8 +4,8 @@ mod classes;
 mod in_place;
 mod least_bytes;
 
-pub use classes::{CLASSES, is_network, lower_bound};
-pub(crate) use classes::{kernels, resolve_variant};
+pub(crate) use classes::Sorting;
+pub use classes::{CLASSES, lower_bound};
 pub use in_place::in_place_length;
 pub use least_bytes::least_bytes;
 
@@ -28,6 +28,8 @@ use crate::scene::{Falloff, LongLists};
 const ORDERED_TAKEN: u32 = 32_768;
 /// Place of the number of long lists among the words of [`LongWork`].
 const LIST_COUNT: u64 = 7;
+/// Place of the workgroups of a dispatch that gives one to each run.
+const WHOLE_GROUPS: u64 = 8;
 /// Pixels of one invocation that classifies.
 const CLASSIFY_RUN: u64 = 64;
 
@@ -40,6 +42,8 @@ pub struct Blender {
     partials: Kept<Partial>,
     work: Buffer<LongWork>,
     spheres: LongSpheres,
+    /// Whether workgroups share lists.
+    shared: bool,
 }
 
 /// A band whose fragments are stored.
@@ -68,6 +72,7 @@ impl Blender {
             partials: Kept::new("partial sums", Memory::Device),
             work: device.buffer("long work", 1, Memory::Device)?,
             spheres: LongSpheres::default(),
+            shared: device.info().prefers.shared_work,
         })
     }
 
@@ -128,21 +133,21 @@ impl Blender {
         let lists = Resolving { composing, offsets, classes, pixels, fragments, image, depths };
         let stopping =
             if job.median { median_variant(variant.clone()) } else { variant.clone().with("STOP", job.stop.0) };
-        for (index, (capacity, name)) in CLASSES.into_iter().enumerate() {
-            if counted.lengths.longest <= lower_bound(index) {
-                break;
-            }
+        let classes = || occurring(CLASSES.into_iter().enumerate(), counted.lengths.longest);
+        self.record_sort_lists(recorder, classes(), stored, band)?;
+        for (index, (capacity, name)) in classes() {
             let push = ResolvePush {
                 class_index: index as u32,
                 first_fragment: band.first_fragment,
                 max_opacity: job.raster.cloud.max_opacity(),
                 max_color: job.stop.1,
             };
-            let run = self.over_class(index).label(name).variant(resolve_variant(stopping.clone(), capacity));
-            if is_network(capacity) {
-                recorder.run(&ResolveNetwork { lists }, push, &run)?;
-            } else {
-                recorder.run(&ResolveMerge { lists }, push, &run)?;
+            let sorting = Sorting::of(capacity, self.shared);
+            let run = self.over_class(index).label(name).variant(sorting.resolve_variant(stopping.clone(), capacity));
+            match sorting {
+                Sorting::Network => recorder.run(&ResolveNetwork { lists }, push, &run)?,
+                Sorting::Merge => recorder.run(&ResolveMerge { lists }, push, &run)?,
+                Sorting::Group => recorder.run(&ResolveSorted { lists }, push, &run)?,
             }
         }
         if counted.lengths.in_long_lists == 0 {
@@ -187,17 +192,17 @@ impl Blender {
         let lists = Resolving { composing, offsets, classes, pixels, fragments, image, depths };
         let longest = counted.lengths.longest;
         // There is no list of one event.
-        for (index, (capacity, name)) in soft::classes() {
-            if longest <= lower_bound(index) {
-                break;
-            }
+        let classes = || occurring(soft::classes(), longest);
+        self.record_sort_lists(recorder, classes(), stored, band)?;
+        for (index, (capacity, name)) in classes() {
             let push = spheres.push(index as u32, band.first_fragment, job.stop.1);
-            let kernel = spheres.resolve_variant(cut, job.stop.0, capacity);
+            let sorting = Sorting::of(capacity, self.shared);
+            let kernel = spheres.resolve_variant(cut, job.stop.0, sorting, capacity);
             let run = self.over_class(index).label(name).variant(kernel);
-            if is_network(capacity) {
-                recorder.run(&soft::ResolveNetwork { lists, records }, push, &run)?;
-            } else {
-                recorder.run(&soft::ResolveMerge { lists, records }, push, &run)?;
+            match sorting {
+                Sorting::Network => recorder.run(&soft::ResolveNetwork { lists, records }, push, &run)?,
+                Sorting::Merge => recorder.run(&soft::ResolveMerge { lists, records }, push, &run)?,
+                Sorting::Group => recorder.run(&soft::ResolveSorted { lists, records }, push, &run)?,
             }
         }
         let (true, Some(spare)) = (counted.lengths.in_long_lists > 0, stored.spare) else { return Ok(()) };
@@ -265,6 +270,37 @@ impl Blender {
         recorder.agree_every(CLASS_WORDS as u32, "abuffer/order", "class", placed, Expected::Words(counted))
     }
 
+    /// Records the sorting of the lists whose kernels only blend.
+    fn record_sort_lists<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        classes: impl Iterator<Item = (usize, (u32, &'static str))>,
+        stored: Stored<'a>,
+        band: &Band,
+    ) -> Result<(), Error> {
+        let Stored { offsets, fragments, .. } = stored;
+        let sort = SortLists { offsets, classes: self.classes.all(), pixels: self.pixels.get().all(), fragments };
+        for (index, (_, name)) in classes.filter(|(_, (n, _))| Sorting::of(*n, self.shared) == Sorting::Group) {
+            let push = ClassPush { class_index: index as u32, first_fragment: band.first_fragment };
+            recorder.run(&sort, push, &self.over_class(index).label(name).variant(class_variant()))?;
+        }
+        Ok(())
+    }
+
+    /// Records the sorting of the runs of long lists, each by itself.
+    fn record_sort_runs<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        fragments: Slice<'a, [u32; 2]>,
+    ) -> Result<(), Error> {
+        let (work, runs) = (self.work.all(), self.runs.get().all());
+        if self.shared {
+            let whole = Run::new(Dispatch::Indirect(work.cast().skip(WHOLE_GROUPS).first(3)));
+            return recorder.run(&SortRunsGroup { work, runs, fragments }, (), &whole);
+        }
+        recorder.run(&SortRuns { work, runs, fragments }, (), &self.over_runs().variant(sort_runs_variant()))
+    }
+
     /// Records the work lists of runs and of long lists.
     fn record_split<'a>(&'a self, recorder: &mut Recorder<'a>, stored: Stored<'a>, band: &Band) -> Result<(), Error> {
         let offsets = stored.offsets;
@@ -289,7 +325,7 @@ impl Blender {
         longest: u32,
     ) -> Result<Slice<'a, [u32; 2]>, Error> {
         let (work, runs) = (self.work.all(), self.runs.get().all());
-        recorder.run(&SortRuns { work, runs, fragments }, (), &self.over_runs().variant(sort_runs_variant()))?;
+        self.record_sort_runs(recorder, fragments)?;
         let (mut unmerged, mut merged) = (fragments, spare);
         let mut width = LOCAL_LENGTH;
         while width < longest {
@@ -309,7 +345,7 @@ impl Blender {
         longest: u32,
     ) -> Result<Slice<'a, [u32; 2]>, Error> {
         let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
-        recorder.run(&SortRuns { work, runs, fragments }, (), &self.over_runs().variant(sort_runs_variant()))?;
+        self.record_sort_runs(recorder, fragments)?;
         for push in in_place_merges(longest) {
             recorder.run(&MergeInPlace { work, runs, lists, fragments }, push, &self.over_lists())?;
         }
@@ -327,6 +363,14 @@ impl Blender {
     fn over_lists(&self) -> Run<'_> {
         Run::new(Dispatch::Indirect(self.work.all().cast().skip(4).first(3)))
     }
+}
+
+/// The classes that lists of up to `longest` fragments are in, by their numbers.
+fn occurring(
+    classes: impl Iterator<Item = (usize, (u32, &'static str))>,
+    longest: u32,
+) -> impl Iterator<Item = (usize, (u32, &'static str))> {
+    classes.take_while(move |(index, _)| longest > lower_bound(*index))
 }
 
 /// The variant of a kernel whose depths are those at which half of the light or less is left, from the one that composes.
@@ -360,19 +404,23 @@ pub(crate) const CONSTANTS: [(&str, u32); 6] = [
 pub(super) fn shaders() -> Vec<Shader> {
     let stops = || compose::variants().into_iter().flat_map(|v| STOPS.map(|stop| v.clone().with("STOP", stop)));
     let stopping = || stops().chain(compose::variants().into_iter().map(median_variant));
-    let composed = |capacity: u32| stopping().map(|v| resolve_variant(v, capacity)).collect::<Vec<_>>();
+    let resolving =
+        |sorting: Sorting, capacity: u32| stopping().map(|v| sorting.resolve_variant(v, capacity)).collect::<Vec<_>>();
     let choices = <(Cut, Falloff)>::all().into_iter();
     let ordered = choices.flat_map(|(cut, falloff)| STOPS.map(|stop| ordered_variant(cut, falloff, stop)));
     vec![
         Shader::new::<Classify>([class_variant()]),
         Shader::new::<Groups>([class_variant()]),
         Shader::new::<Order>([class_variant()]),
-        Shader::new::<ResolveNetwork>(kernels(composed, is_network)),
-        Shader::new::<ResolveMerge>(kernels(composed, |capacity| !is_network(capacity))),
+        Shader::new::<ResolveNetwork>(Sorting::Network.kernels(resolving)),
+        Shader::new::<ResolveMerge>(Sorting::Merge.kernels(resolving)),
+        Shader::new::<SortLists>([class_variant()]),
+        Shader::new::<ResolveSorted>(Sorting::Group.kernels(resolving)),
         Shader::new::<ResolveOrdered>(ordered),
         Shader::new::<Split>([class_variant()]),
         Shader::plain::<RunGroups>(),
         Shader::new::<SortRuns>([sort_runs_variant()]),
+        Shader::plain::<SortRunsGroup>(),
         Shader::plain::<Merge>(),
         Shader::plain::<MergeInPlace>(),
         Shader::new::<BlendRuns>(compose::variants()),

@@ -22,7 +22,7 @@ use self::long_lists::{run_variant, segments_variant};
 use super::{Layer, SoftModel};
 use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Dispatch, Recorder, Run, Slice, Variant};
-use crate::methods::abuffer;
+use crate::methods::abuffer::{self, Sorting};
 use crate::methods::sorted::STOPS;
 use crate::methods::{Error, Target, splats};
 use crate::passes::bands::Band;
@@ -137,8 +137,8 @@ impl<'a> Spheres<'a> {
     }
 
     /// The variant of the kernel for lists of up to `capacity` events.
-    pub fn resolve_variant(&self, cut: Cut, stop: u32, capacity: u32) -> Variant {
-        resolve_variant(self.kind, cut, stop, capacity)
+    pub(crate) fn resolve_variant(&self, cut: Cut, stop: u32, sorting: Sorting, capacity: u32) -> Variant {
+        resolve_variant(self.kind, cut, stop, sorting, capacity)
     }
 
     /// Depths of the solid points; anything where there are none, since nobody reads it then.
@@ -177,12 +177,15 @@ fn store_variant(walker: Variant, interior: Interior, cut: bool) -> Variant {
     interior.sphere(walker).with("CUT", u32::from(cut))
 }
 
-/// The variant of the kernel for lists of up to `capacity` events; which of the two kernels it is, [`abuffer::is_network`] says.
-fn resolve_variant(kind: Kind, cut: Cut, stop: u32, capacity: u32) -> Variant {
-    let piece = if kind.interior.is_integrated() { "blend_spheres" } else { "blend_shells" };
+/// The variant of the kernel for lists of up to `capacity` events, which are sorted as told.
+fn resolve_variant(kind: Kind, cut: Cut, stop: u32, sorting: Sorting, capacity: u32) -> Variant {
+    let integrated = kind.interior.is_integrated();
+    let piece = if integrated { "blend_spheres" } else { "blend_shells" };
     let variant = run_variant(kind, cut).with("STOP", stop).walker(piece);
-    let sorted = abuffer::resolve_variant(variant, capacity);
-    if abuffer::is_network(capacity) { sorted.constant("CAPACITY", capacity) } else { sorted }
+    let kernel = sorting.resolve_variant(variant, capacity);
+    // Merge sort has its capacity already; without a list of one's own, only the spheres that are open ask for one.
+    let asked = sorting == Sorting::Network || sorting == Sorting::Group && integrated;
+    if asked { kernel.constant("CAPACITY", capacity) } else { kernel }
 }
 
 /// The passes with their variants.
@@ -196,16 +199,19 @@ pub(super) fn shaders() -> Vec<Shader> {
     let blended = |of: &dyn Fn(Kind, Cut) -> Vec<Variant>| {
         <(Kind, Cut)>::all().into_iter().flat_map(|(kind, cut)| of(kind, cut)).collect::<Vec<_>>()
     };
-    let kernels =
-        |capacity| blended(&|kind, cut| STOPS.map(|stop| resolve_variant(kind, cut, stop, capacity)).to_vec());
+    let kernels = |sorting, capacity| {
+        blended(&|kind, cut| STOPS.map(|stop| resolve_variant(kind, cut, stop, sorting, capacity)).to_vec())
+    };
     let runs = || blended(&|kind, cut| vec![run_variant(kind, cut)]);
     vec![
         Shader::new::<Count>(walked(count_variant, |_| SEGMENT)),
         Shader::new::<Store>(walked(store_variant, Interior::segment)),
-        Shader::new::<ResolveNetwork>(abuffer::kernels(kernels, |capacity| {
-            capacity > 1 && abuffer::is_network(capacity)
+        Shader::new::<ResolveNetwork>(Sorting::Network.kernels(|sorting, capacity| {
+            // There is no list of one event.
+            if capacity > 1 { kernels(sorting, capacity) } else { Vec::new() }
         })),
-        Shader::new::<ResolveMerge>(abuffer::kernels(kernels, |capacity| !abuffer::is_network(capacity))),
+        Shader::new::<ResolveMerge>(Sorting::Merge.kernels(kernels)),
+        Shader::new::<ResolveSorted>(Sorting::Group.kernels(kernels)),
         Shader::new::<SumRuns>(runs()),
         Shader::plain::<Carry>(),
         Shader::new::<Segments>(blended(&|kind, cut| vec![segments_variant(kind, cut)])),

@@ -53,8 +53,9 @@ pass! {
 }
 
 pass! {
-    /// Sorts the events of each list of a class of up to 64 in registers, and blends the segments between them. Its
-    /// label ends with the longest length of the class.
+    /// Sorts the events of each list of a class of up to 32 in registers, and blends the segments between them; longer lists
+    /// in an array of the invocation's own, or in memory that a workgroup shares, whichever the device prefers. Its label ends
+    /// with the longest length of the class.
     pub ResolveNetwork(SoftPush) = "soft/resolve" in "soft/resolve_network" {
         lists: Shared<ResolvingGroup>,
         records: Read<[u32; 4]>,
@@ -64,6 +65,14 @@ pass! {
 pass! {
     /// Sorts the events of each list of a class of up to 256 in a local array, and blends the segments between them.
     pub ResolveMerge(SoftPush) = "soft/resolve" in "soft/resolve_merge" {
+        lists: Shared<ResolvingGroup>,
+        records: Read<[u32; 4]>,
+    }
+}
+
+pass! {
+    /// Blends the segments between the events of each list of a class of up to 256, which are sorted.
+    pub ResolveSorted(SoftPush) = "soft/resolve" in "soft/resolve_sorted" {
         lists: Shared<ResolvingGroup>,
         records: Read<[u32; 4]>,
     }

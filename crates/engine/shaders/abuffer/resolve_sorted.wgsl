@@ -1,0 +1,22 @@
+// abuffer/resolve-N, N from 128, second half where invocations share work: blends lists that abuffer/sort_lists sorted.
+// Reference: reference::abuffer::composite.
+#import resolve
+#import stored_list
+#import blend_sorted
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let p = class_pixel(invocation_index(workgroup, groups, local));
+    if p == NOTHING {
+        return;
+    }
+    let n = offsets[p + 1u] - offsets[p];
+    let start = offsets[p] - push.first_fragment;
+    let sum = blend_sorted(start, 0u, n, pixel_place(p));
+    image[p] = sum.rgba;
+    depths[p] = composed_depth(sum.key);
+}
