@@ -1,8 +1,7 @@
-// abuffer/resolve-N, N from 128 to 256: sorts and blends lists of up to CAPACITY fragments by merge sort in a local array.
+// abuffer/resolve-N, N from 32 to 256: sorts and blends lists of up to CAPACITY fragments by merge sort in a local array.
 // Reference: reference::abuffer::composite.
 #import resolve
 #import local_sort
-#import private_list
 #import blend_sorted
 
 @compute @workgroup_size(WG_SIZE)

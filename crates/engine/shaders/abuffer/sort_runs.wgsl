@@ -24,8 +24,8 @@ fn main(
     for (var i = 0u; i < n; i++) {
         list[i] = fragments[start + i];
     }
-    let sorted = sort_local(&list, n);
+    var place = sort_local(&list, n);
     for (var i = 0u; i < n; i++) {
-        fragments[start + i] = list[sorted + i];
+        fragments[start + i] = taken(&list, &place);
     }
 }

@@ -1,13 +1,14 @@
-// Blends a sorted list of one class, which begins at `start`, front to back.
+// Blends a sorted list of one class front to back.
 
 // Fragments between two tests for an early stop, of lists longer than these, which the tests would not make faster.
 const LOOK = 16u;
 const WHOLE = 64u;
 
-fn blend_sorted(list: SortedList, start: u32, n: u32, pixel: vec2<u32>) -> Composed {
+fn blend_sorted(list: List, start: Place, n: u32, pixel: vec2<u32>) -> Composed {
+    var place = start;
     var sum = Composed(vec4<f32>(0.0), NOTHING);
     for (var i = 0u; i < n; i++) {
-        let fragment = listed(list, start + i);
+        let fragment = taken(list, &place);
         sum = behind(sum, fragment.x, fragment_color(fragment.y, pixel));
         if n > WHOLE && i % LOOK == LOOK - 1u && done(sum, push.max_opacity, push.max_color) {
             break;

@@ -3,19 +3,20 @@
 // Reference: reference::soft.
 #import segment
 
-fn blend_list(list: SortedList, start: u32, n: u32, pixel: vec2<u32>) -> Composed {
+fn blend_list(list: List, begin: Place, n: u32, pixel: vec2<u32>) -> Composed {
     // Edge, middle, reach and absorption; color times weight and weight. Half of the events are entries.
     var open: array<vec4<f32>, CAPACITY / 2u>;
     var terms: array<vec4<f32>, CAPACITY / 2u>;
     var ids: array<u32, CAPACITY / 2u>;
     let ray = ray_of(pixel);
+    var place = begin;
     var sums = no_sums();
     var sum = Composed(vec4<f32>(0.0), NOTHING);
     var count = 0u;
     var key = 0x80000000u;
     var first = vec2<f32>(0.0);
     for (var k = 0u; k < n; k++) {
-        let event = listed(list, start + k);
+        let event = taken(list, &place);
         let i = event_splat(event.y);
         let last = event_depth(event);
         var depth = 0.0;

@@ -1,8 +1,7 @@
-// soft/resolve-N, N from 128 to 256: sorts the events of a list by merge sort in a local array and blends the segments between
+// soft/resolve-N, N from 32 to 256: sorts the events of a list by merge sort in a local array and blends the segments between
 // them.
 #import soft_resolve
 #import local_sort
-#import private_list
 
 @compute @workgroup_size(WG_SIZE)
 fn main(

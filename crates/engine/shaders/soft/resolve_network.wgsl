@@ -22,7 +22,7 @@ fn main(
     let start = offsets[p] - push.first_fragment;
 #repeat     var x{i} = slot(start, {i}u, n);
 #comparators
-    var list: array<vec2<u32>, 2u * CAPACITY>;
+    var list: array<vec2<u32>, CAPACITY>;
 #repeat     list[{i}u] = x{i};
     let sum = blend_list(&list, 0u, n, pixel_place(p));
     image[p] = sum.rgba;

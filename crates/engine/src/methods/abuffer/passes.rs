@@ -207,9 +207,9 @@ group! {
 }
 
 pass! {
-    /// Sorts each list of a class of up to 32 fragments in registers by Batcher's network, and blends it; longer ones in an
-    /// array of the invocation's own, or in memory that a workgroup shares, whichever the device prefers. Its label ends with
-    /// the longest length of the class.
+    /// Sorts each list of a class and blends it: up to 16 fragments in registers by Batcher's network, longer ones in an array
+    /// of the invocation's own; where the device prefers shared work, up to 32 in registers and longer ones in the memory of a
+    /// workgroup. Its label ends with the longest length of the class.
     pub ResolveNetwork(ResolvePush) = "abuffer/resolve" in "abuffer/resolve_network" {
         lists: Shared<ResolvingGroup>,
     }

@@ -3,19 +3,19 @@
 use crate::gpu::Variant;
 use crate::methods::abuffer::LOCAL_LENGTH;
 
-/// Lists of up to this length are sorted in registers. A network for twice as many has nearly three times the code: on a CPU it
-/// takes a third of the time in which all kernels compile, on a GPU more registers than a workgroup should.
-const NETWORK_LENGTH: u32 = 32;
-/// Blocks that a local sort begins with, each sorted in registers. Twice the length saves a round of merging, which is hardly
-/// faster and compiles twice as long.
+/// Lists of up to this length are sorted in registers on a CPU, and the blocks that longer ones begin with. A network for twice
+/// as many has three times the code: it would take a third of the time in which all kernels compile.
 const BLOCK_LENGTH: u32 = 16;
+/// Lists of up to this length are sorted in registers where invocations share work. Twice as many would take more registers than
+/// a workgroup should.
+const NETWORK_LENGTH: u32 = 32;
 
 /// Upper bounds of the classes of list lengths, and the names of their kernels; longer lists make one class more.
 pub const CLASSES: [(u32, &str); 7] = [
     (1, "abuffer/resolve-1"),
     (4, "abuffer/resolve-4"),
     (8, "abuffer/resolve-8"),
-    (16, "abuffer/resolve-16"),
+    (BLOCK_LENGTH, "abuffer/resolve-16"),
     (NETWORK_LENGTH, "abuffer/resolve-32"),
     (128, "abuffer/resolve-128"),
     (LOCAL_LENGTH, "abuffer/resolve-256"),
@@ -51,8 +51,9 @@ impl Sorting {
     /// How lists of up to `capacity` fragments are sorted; `shared` if a device prefers that invocations share work. On a CPU
     /// an array of the invocation's own lies in the cache, on a GPU in the device's memory.
     pub(crate) fn of(capacity: u32, shared: bool) -> Self {
+        let in_registers = if shared { NETWORK_LENGTH } else { BLOCK_LENGTH };
         match shared {
-            _ if capacity <= NETWORK_LENGTH => Self::Network,
+            _ if capacity <= in_registers => Self::Network,
             false => Self::Merge,
             true => Self::Group,
         }
@@ -63,7 +64,7 @@ impl Sorting {
         let classified = compose.text(&class_text());
         match self {
             Self::Network => classified.network(capacity),
-            Self::Merge => local_sort(classified, capacity),
+            Self::Merge => local_sort(classified),
             Self::Group => classified,
         }
     }
@@ -75,7 +76,7 @@ impl Sorting {
             capacities.filter(|capacity| [false, true].map(|shared| Self::of(*capacity, shared)).contains(&self));
         let mut found: Vec<Variant> = Vec::new();
         for variant in wanted.flat_map(|capacity| resolving(self, capacity)) {
-            // Kernels that only blend may serve several classes.
+            // A kernel may serve several classes.
             if !found.contains(&variant) {
                 found.push(variant);
             }
@@ -99,12 +100,13 @@ fn class_text() -> String {
 
 /// The variant of `abuffer/sort-runs`.
 pub(super) fn sort_runs_variant() -> Variant {
-    local_sort(Variant::plain(), LOCAL_LENGTH)
+    local_sort(Variant::plain())
 }
 
-/// Adds the constants of shaders/shared/local_sort.wgsl.
-fn local_sort(variant: Variant, capacity: u32) -> Variant {
-    variant.constant("CAPACITY", capacity).constant("BLOCK", BLOCK_LENGTH).network(BLOCK_LENGTH)
+/// Adds the constants of shaders/shared/local_sort.wgsl. One kernel serves all classes: an array that is longer than its list
+/// costs nothing.
+fn local_sort(variant: Variant) -> Variant {
+    variant.constant("CAPACITY", LOCAL_LENGTH).constant("BLOCK", BLOCK_LENGTH).network(BLOCK_LENGTH)
 }
 
 #[cfg(test)]

@@ -53,9 +53,9 @@ pass! {
 }
 
 pass! {
-    /// Sorts the events of each list of a class of up to 32 in registers, and blends the segments between them; longer lists
-    /// in an array of the invocation's own, or in memory that a workgroup shares, whichever the device prefers. Its label ends
-    /// with the longest length of the class.
+    /// Sorts the events of each list of a class and blends the segments between them: up to 16 in registers, more in an array
+    /// of the invocation's own; where the device prefers shared work, up to 32 in registers and more in the memory of a
+    /// workgroup. Its label ends with the longest length of the class.
     pub ResolveNetwork(SoftPush) = "soft/resolve" in "soft/resolve_network" {
         lists: Shared<ResolvingGroup>,
         records: Read<[u32; 4]>,
