@@ -1,6 +1,7 @@
 // project/splats: points to splats on the screen, shaded, with the rectangle of pixels that each may cover.
 // One workgroup per WG_SIZE * RUN points of a chunk, so that few atomics meet. Points outside near and far, or whose
-// rectangle misses the part of the image in work, get empty bounds. Splats of more than SMALL_AREA pixels are listed apart, with the number of tiles they meet.
+// rectangle misses the part of the image in work, get empty bounds. Splats of more than view.small_area pixels are listed apart,
+// with the number of tiles they meet.
 #import splat
 #import locate
 #import stats
@@ -181,7 +182,7 @@ fn project(i: u32) -> vec2<u32> {
     return extent;
 }
 
-// Lists a splat of more than SMALL_AREA pixels with the tiles that it meets.
+// Lists a splat of more than view.small_area pixels with the tiles that it meets.
 fn list_large(i: u32) {
     let rect = bounds[i];
     let first = (bounds_min(rect) - view.window.xy) / TILE;
@@ -217,7 +218,7 @@ fn main(
             let extent = project(i);
             let area = extent.x * extent.y;
             visible += u32(area > 0u);
-            waiting |= u32(area > SMALL_AREA) << k;
+            waiting |= u32(area > view.small_area) << k;
             most = max(most, extent);
             // No image has more than 2^28 pixels: less than 2^32 for up to 15 points, and a bound that low is no harm.
             sum += min(area, 0x0fffffffu);

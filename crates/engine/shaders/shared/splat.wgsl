@@ -168,9 +168,6 @@ fn key_depth(key: u32) -> f32 {
     return bitcast<f32>(select(~key, key & 0x7fffffffu, (key & 0x80000000u) != 0u));
 }
 
-// Splats of at most this many pixels are walked by one invocation; larger ones tile by tile.
-const SMALL_AREA = 1024u;
-
 // Tiles of TILE x TILE pixels start at the corner of the rectangle in work.
 fn tile_columns(window: vec4<u32>) -> u32 {
     return (window.z - window.x + TILE - 1u) / TILE;

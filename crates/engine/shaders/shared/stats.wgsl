@@ -2,7 +2,7 @@
 struct Stats {
     // Points that may cover a pixel of the part of the image in work.
     visible: atomic<u32>,
-    // Splats of more than SMALL_AREA pixels.
+    // Splats of more than view.small_area pixels.
     large: atomic<u32>,
     // Tiles of all large splats, 64 bits.
     tiles_low: atomic<u32>,

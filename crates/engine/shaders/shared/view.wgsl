@@ -33,6 +33,12 @@ struct View {
     threshold: f32,
     // Field from which soft points are as transparent as the model says (Seemann et al., l_m); not above the threshold: all.
     modulation: f32,
+    // Splats of at most this many pixels are walked by one invocation; larger ones tile by tile.
+    small_area: u32,
+    // Uniform structs are made of 16 bytes each.
+    unused_a: u32,
+    unused_b: u32,
+    unused_c: u32,
 }
 
 // Place of a pixel in the buffers of the rectangle in work.

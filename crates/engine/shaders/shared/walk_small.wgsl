@@ -1,4 +1,4 @@
-// Walker: one invocation per splat of a chunk walks its whole rectangle, at most SMALL_AREA pixels.
+// Walker: one invocation per splat of a chunk walks its whole rectangle, at most view.small_area pixels.
 #import dispatch
 
 @compute @workgroup_size(WG_SIZE)
@@ -16,7 +16,7 @@ fn main(
     let low = bounds_min(rect);
     let high = bounds_max(rect);
     let extent = high - low;
-    if extent.x * extent.y > SMALL_AREA || !in_band(low, high) {
+    if extent.x * extent.y > view.small_area || !in_band(low, high) {
         return;
     }
     let splat = splat_of(i);

@@ -14,7 +14,7 @@ pub struct Facts {
     /// Splats whose rectangle touches the image (summed over windows; solid plus soft points, if a method separates
     /// them).
     pub visible: u64,
-    /// Splats of more than 1024 pixels, which are visited tile by tile.
+    /// Splats of more pixels than one invocation should walk (1024 on a CPU, 64 on a GPU), which are visited tile by tile.
     pub large: u64,
     /// Windows whose lists were filled in order of depth, from sorted splats.
     pub ordered: u64,

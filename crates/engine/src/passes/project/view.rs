@@ -31,6 +31,10 @@ gpu_struct! {
         opacity_factor: f32,
         threshold: f32,
         modulation: f32,
+        small_area: u32,
+        unused_a: u32,
+        unused_b: u32,
+        unused_c: u32,
     }
 }
 
@@ -75,6 +79,10 @@ impl DeviceCloud {
             opacity_factor: how.opacity_factor,
             threshold: how.part.threshold(),
             modulation: how.part.modulation(),
+            small_area: self.small_area,
+            unused_a: 0,
+            unused_b: 0,
+            unused_c: 0,
         };
         self.opacity_factor = how.opacity_factor;
         self.depth_origin = eye_hi[3];
