@@ -50,13 +50,14 @@ fn close(live: u32, block: u32) -> u32 {
     return select(live & ~(1u << block), live, subgroupBallot(open).x != 0u);
 }
 
-@compute @workgroup_size(SUBGROUP)
+@compute @workgroup_size(SUBGROUP * TEAM)
 fn main(
     @builtin(workgroup_id) workgroup: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(subgroup_id) member: u32,
     @builtin(subgroup_invocation_id) lane: u32,
 ) {
-    let group = workgroup_index(workgroup, groups);
+    let group = subgroup_of(workgroup_index(workgroup, groups), member);
     if group / SHARED >= push.walk.tiles {
         return;
     }

@@ -17,8 +17,8 @@ const REGION = vec2<u32>(REGION_COLUMNS, SUBGROUP / REGION_COLUMNS);
 // Bits of a picked splat that hold its index; the others, one for each of the HELD regions of a block, say which it may touch.
 const PICKED_BITS = 32u - HELD;
 
-// Those of the run's splats that touch the block.
-var<workgroup> picked: array<u32, PICKED>;
+// Those of the run's splats that touch the block of each subgroup.
+var<workgroup> picked: array<u32, TEAM * PICKED>;
 
 // First pixel of a region of a block.
 fn region_corner(region: u32, block: vec2<u32>) -> vec2<u32> {
@@ -56,8 +56,8 @@ fn regions_of(i: u32, corner: vec2<u32>) -> u32 {
     return regions;
 }
 
-// Picks the splats that may touch a block, in their order; returns how many.
-fn pick(block: u32, corner: vec2<u32>, run: vec2<u32>, lane: u32) -> u32 {
+// Picks the splats that may touch a block, in their order, from `base` on; returns how many.
+fn pick(block: u32, corner: vec2<u32>, run: vec2<u32>, base: u32, lane: u32) -> u32 {
     var count = 0u;
     for (var next = run.x; next < run.y; next += SUBGROUP) {
         let entry = entries[min(next + lane, run.y - 1u)];
@@ -68,7 +68,7 @@ fn pick(block: u32, corner: vec2<u32>, run: vec2<u32>, lane: u32) -> u32 {
         }
         let found = subgroupBallot(regions != 0u).x;
         if regions != 0u {
-            picked[count + countOneBits(found & ((1u << lane) - 1u))] = i | regions;
+            picked[base + count + countOneBits(found & ((1u << lane) - 1u))] = i | regions;
         }
         count += countOneBits(found);
     }
@@ -76,11 +76,11 @@ fn pick(block: u32, corner: vec2<u32>, run: vec2<u32>, lane: u32) -> u32 {
 }
 
 // The picked splats to the pixels of one region.
-fn over_region(region: u32, low: vec2<u32>, pixel: vec2<u32>, count: u32, lane: u32) {
+fn over_region(region: u32, low: vec2<u32>, pixel: vec2<u32>, base: u32, count: u32, lane: u32) {
     begin(pixel);
     let first = vec2<f32>(pixel - low);
     for (var next = 0u; next < count; next += SUBGROUP) {
-        let one = picked[min(next + lane, count - 1u)];
+        let one = picked[base + min(next + lane, count - 1u)];
         let near = next + lane < count && (one >> (PICKED_BITS + region) & 1u) != 0u;
         // CPU drivers load lane by lane, and only for those that take part.
         var own: Handed;
@@ -101,27 +101,35 @@ fn over_region(region: u32, low: vec2<u32>, pixel: vec2<u32>, count: u32, lane: 
     finish(pixel);
 }
 
-@compute @workgroup_size(SUBGROUP)
+@compute @workgroup_size(SUBGROUP * TEAM)
 fn main(
     @builtin(workgroup_id) workgroup: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(subgroup_id) member: u32,
     @builtin(subgroup_invocation_id) lane: u32,
 ) {
-    let group = workgroup_index(workgroup, groups);
+    let group = subgroup_of(workgroup_index(workgroup, groups), member);
     let tile = group / (BLOCKS * BLOCKS);
-    if tile >= push.walk.tiles {
-        return;
-    }
-    let run = run_of(tile);
-    if is_idle(run) {
-        return;
-    }
     let block = group % (BLOCKS * BLOCKS);
     let corner = tile_corner(tile) + block_corner(block);
-    let count = pick(block, corner, run, lane);
+    var run = vec2<u32>(0u);
+    var idle = tile >= push.walk.tiles;
+    if !idle {
+        run = run_of(tile);
+        idle = is_idle(run);
+    }
+    let base = select(member * PICKED, 0u, TEAM == 1u);
+    var count = 0u;
+    if !idle {
+        count = pick(block, corner, run, base, lane);
+    }
+    // Those of a workgroup whose subgroups have nothing to do wait with the others.
     workgroupBarrier();
+    if idle {
+        return;
+    }
     for (var region = 0u; region < HELD; region += 1u) {
         let low = region_corner(region, corner);
-        over_region(region, low, low + vec2<u32>(lane % REGION.x, lane / REGION.x), count, lane);
+        over_region(region, low, low + vec2<u32>(lane % REGION.x, lane / REGION.x), base, count, lane);
     }
 }

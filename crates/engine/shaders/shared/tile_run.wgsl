@@ -21,6 +21,11 @@ struct TileWalk {
 // Splats of a tile that one run takes: some 5 iterations for each stay below what CPU drivers allow.
 override TAKEN: u32 = 1u;
 
+// A subgroup's number among all: a workgroup has TEAM of them.
+fn subgroup_of(workgroup: u32, member: u32) -> u32 {
+    return select(workgroup * TEAM + member, workgroup, TEAM == 1u);
+}
+
 // One past a tile's last splat.
 fn tile_end(tile: u32) -> u32 {
     return ends[(tile + 1u) * push.walk.runs - 1u];

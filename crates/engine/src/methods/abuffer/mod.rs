@@ -30,10 +30,10 @@ use super::linked_list::{self, LinkedList};
 use super::soft::{Interior, Spheres};
 use super::told::Told;
 use super::{Error, Outcome, Timeline};
-use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
+use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Buffer, Device, Expected, Kept, Memory, Recorder};
 use crate::passes::bands::{self, Band, Budget, Window};
-use crate::passes::bin::{self, Binned, Bins};
+use crate::passes::bin::{self, Binned, Bins, Lanes};
 use crate::passes::compose::Cut;
 use crate::passes::foresight::Knowledge;
 use crate::passes::project::Footprint;
@@ -285,7 +285,7 @@ impl ABuffer {
 
 /// The passes with their variants.
 pub fn shaders() -> Vec<Shader> {
-    let gather = || Cut::all().into_iter().flat_map(|cut| SUBGROUPS.map(|size| bin::gather_variant(cut, size)));
+    let gather = || <(Cut, Lanes)>::all().into_iter().map(|(cut, lanes)| bin::gather_variant(cut, lanes));
     let mut all = vec![
         Shader::new::<Count>(raster::flat_variants()),
         Shader::new::<Store>(raster::flat_variants()),

@@ -9,10 +9,10 @@ pub(crate) use engine::ApproximateEngine;
 use super::abuffer::record_nothing;
 use super::engine::Work;
 use super::{Error, Facts, Outcome, Target};
-use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
-use crate::gpu::{Device, Dispatch, Kept, Memory, Pass, Recorder, Run, Variant};
+use crate::gpu::shader::{Choices, Shader};
+use crate::gpu::{Device, Kept, Memory, Pass, Recorder, Run, Variant};
 use crate::passes::bands::{self, Budget};
-use crate::passes::bin::{self, Bin, Binned, Bins, TileWalk, TiledGroup};
+use crate::passes::bin::{self, Bin, Binned, Bins, Lanes, TileWalk, TiledGroup};
 use crate::passes::compose::{self, Cut};
 use crate::passes::project::{DISCS, Footprint};
 use crate::scene::{DiscShape, Discs, Falloff};
@@ -255,7 +255,7 @@ impl Approximations {
             Kind::Unsorted => stage.record(recorder, &Unsorted { tiles, sums }),
             Kind::Hybrid(k) if rounds.is_empty() => stage.each_run(|run| {
                 let push = HybridPush { walk: binned.walk(run.number), k };
-                let over = Run::new(Dispatch::Groups(binned.blocks()));
+                let over = Run::new(binned.over_blocks());
                 Ok(recorder.run(
                     &HybridFlat { tiles, sums },
                     push,
@@ -277,8 +277,8 @@ pub struct OneRun {
     pub number: u32,
     /// How many there are; with more than one, each leaves what it knows.
     pub of: u32,
-    /// The subgroup size.
-    pub subgroup: u32,
+    /// The invocations that go through the tiles.
+    pub lanes: Lanes,
 }
 
 /// A round of `hybrid` over oriented discs.
@@ -302,14 +302,14 @@ struct Stage {
 impl Stage {
     /// Runs until the longest list of a tile is done.
     fn each_run(&self, run: impl FnMut(OneRun) -> Result<(), Error>) -> Result<(), Error> {
-        let (of, subgroup) = (self.runs, self.binned.subgroup());
-        (0..of).map(|number| OneRun { number, of, subgroup }).try_for_each(run)
+        let (of, lanes) = (self.runs, self.binned.lanes());
+        (0..of).map(|number| OneRun { number, of, lanes }).try_for_each(run)
     }
 
     fn record<'a, P: Pass<Push = SumPush> + 'a>(&self, recorder: &mut Recorder<'a>, pass: &P) -> Result<(), Error> {
         self.each_run(|run| {
             let push = SumPush { walk: self.binned.walk(run.number) };
-            let over = Run::new(Dispatch::Groups(self.binned.blocks()));
+            let over = Run::new(self.binned.over_blocks());
             Ok(recorder.run(pass, push, &over.variant(sum_variant(self.shape.clone(), run)))?)
         })
     }
@@ -324,7 +324,7 @@ impl Stage {
             let round = Round { slots: *slots, behind: i > 0, tail: i + 1 == rounds.len() };
             self.each_run(|run| {
                 let push = SumPush { walk: self.binned.walk(run.number) };
-                let over = Run::new(Dispatch::Groups(self.binned.blocks()));
+                let over = Run::new(self.binned.over_blocks());
                 Ok(recorder.run(pass, push, &over.variant(round_variant(self.shape.clone(), run, round)))?)
             })
         })
@@ -338,12 +338,12 @@ fn runs_over(binned: Binned, rounds: &[u32]) -> u32 {
 
 /// A variant of the stages, from that of shape and falloff.
 fn sum_variant(shape: Variant, run: OneRun) -> Variant {
-    bin::fold_blocks_variant(shape, run.number > 0, run.subgroup).with("KEPT", u32::from(run.of > 1))
+    bin::fold_blocks_variant(shape, run.number > 0, run.lanes).with("KEPT", u32::from(run.of > 1))
 }
 
 /// A variant of `hybrid` over oriented discs.
 fn round_variant(shape: Variant, run: OneRun, round: Round) -> Variant {
-    bin::region_variant(shape, run.number > 0, run.subgroup)
+    bin::region_variant(shape, run.number > 0, run.lanes)
         .with("KEPT", u32::from(run.of > 1))
         .with("BEHIND", u32::from(round.behind))
         .with("TAIL", u32::from(round.tail))
@@ -370,7 +370,7 @@ pub fn least_bytes(name: &str, facts: &Facts, kind: Kind, tilted: bool, pixels: 
 fn variants(footprint: Footprint, of: impl Fn(Variant, OneRun) -> Vec<Variant>) -> Vec<Variant> {
     let runs: Vec<OneRun> = [(0, 1), (0, 2), (1, 2)]
         .into_iter()
-        .flat_map(|(number, of)| SUBGROUPS.map(|subgroup| OneRun { number, of, subgroup }))
+        .flat_map(|(number, of)| Lanes::all().into_iter().map(move |lanes| OneRun { number, of, lanes }))
         .collect();
     let mut all = Vec::new();
     for (cut, falloff) in <(Cut, Falloff)>::all() {

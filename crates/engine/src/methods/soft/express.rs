@@ -3,15 +3,15 @@
 //! sorts nothing; it is the order of depth for orthographic views along an axis, and close to it otherwise.
 
 use super::{Layer, SoftModel, record_compose};
-use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
-use crate::gpu::{Dispatch, Kept, Memory, Recorder, Run, Variant};
+use crate::gpu::shader::{Choices, Shader};
+use crate::gpu::{Kept, Memory, Recorder, Run, Variant};
 use crate::methods::abuffer::record_nothing;
 use crate::methods::engine::Work;
 use crate::methods::sorted::{self, STOP_NEVER, STOPS};
 use crate::methods::told::Told;
 use crate::methods::{Error, Frame, Outcome, Target};
 use crate::passes::bands;
-use crate::passes::bin::{self, Bin, Binned, Bins, TileWalk, TiledGroup};
+use crate::passes::bin::{self, Bin, Binned, Bins, Lanes, TileWalk, TiledGroup};
 use crate::passes::compose::{self, Cut};
 use crate::{gpu_struct, pass};
 
@@ -149,8 +149,8 @@ impl SoftDiscs {
             let push = ExpressPush { walk: binned.walk(segment), peak: job.model.lambda, max_color };
             let (modulated, counted) = (job.modulated, frame.fragments);
             let kind = ExpressKind { stop, cut: job.layer.is_some(), modulated, counted, later: segment > 0 };
-            let run = Run::new(Dispatch::Groups(binned.tiles().into()));
-            recorder.run(&express, push, &run.variant(express_variant(binned.cut(), kind, binned.subgroup())))?;
+            let run = Run::new(binned.over_tiles());
+            recorder.run(&express, push, &run.variant(express_variant(binned.cut(), kind, binned.lanes())))?;
         }
         Ok(())
     }
@@ -172,9 +172,9 @@ pub(crate) struct ExpressKind {
 }
 
 /// A variant of `soft/express`.
-fn express_variant(cut: Cut, kind: ExpressKind, subgroup: u32) -> Variant {
+fn express_variant(cut: Cut, kind: ExpressKind, lanes: Lanes) -> Variant {
     let flat = compose::disc_variant(cut);
-    bin::fold_variant(flat, kind.later, subgroup)
+    bin::fold_variant(flat, kind.later, lanes)
         .with("STOP", if kind.counted { STOP_NEVER } else { kind.stop })
         .with("CUT", u32::from(kind.cut))
         .with("MODULATED", u32::from(kind.modulated))
@@ -187,9 +187,8 @@ pub(super) fn shaders() -> Vec<Shader> {
     let kinds = flags.iter().flat_map(|((cut, modulated), (counted, later))| {
         STOPS.map(|stop| ExpressKind { stop, cut: *cut, modulated: *modulated, counted: *counted, later: *later })
     });
-    let sized = kinds.flat_map(|kind| SUBGROUPS.map(|size| (kind, size)));
-    let cut = |(kind, size)| Cut::all().into_iter().map(move |cut| express_variant(cut, kind, size));
-    vec![Shader::new::<Express>(sized.flat_map(cut))]
+    let ways = |kind| <(Cut, Lanes)>::all().into_iter().map(move |(cut, lanes)| express_variant(cut, kind, lanes));
+    vec![Shader::new::<Express>(kinds.flat_map(ways))]
 }
 
 #[cfg(test)]

@@ -10,10 +10,10 @@ pub(crate) use engine::SortedEngine;
 use super::abuffer::record_nothing;
 use super::engine::Work;
 use super::{Error, Frame, Outcome, Target};
-use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
-use crate::gpu::{Dispatch, Recorder, Run, Variant};
+use crate::gpu::shader::{Choices, Shader};
+use crate::gpu::{Recorder, Run, Variant};
 use crate::passes::bands;
-use crate::passes::bin::{self, Bin, Binned, Bins, TileWalk, TiledGroup};
+use crate::passes::bin::{self, Bin, Binned, Bins, Lanes, TileWalk, TiledGroup};
 use crate::passes::compose;
 use crate::scene::{ColorSpace, Discs};
 use crate::{gpu_struct, pass};
@@ -100,8 +100,8 @@ fn record_blend<'a>(
     let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.discs.falloff);
     for segment in 0..binned.segments() {
         let push = BlendPush { walk: binned.walk(segment), max_opacity: cloud.max_opacity(), max_color };
-        let variant = blend_variant(shape.clone(), stop, segment > 0, binned.subgroup());
-        recorder.run(&blend, push, &Run::new(Dispatch::Groups(binned.blocks())).variant(variant))?;
+        let variant = blend_variant(shape.clone(), stop, segment > 0, binned.lanes());
+        recorder.run(&blend, push, &Run::new(binned.over_blocks()).variant(variant))?;
     }
     Ok(())
 }
@@ -132,8 +132,8 @@ pub fn stop(stop: Stop, space: ColorSpace, most: f32) -> (u32, f32) {
 }
 
 /// A variant of `sorted/blend`, from that of shape and falloff; `later`: a run that goes on from the image.
-fn blend_variant(shape: Variant, stop: u32, later: bool, subgroup: u32) -> Variant {
-    bin::fold_blocks_variant(shape, later, subgroup).with("STOP", stop)
+fn blend_variant(shape: Variant, stop: u32, later: bool, lanes: Lanes) -> Variant {
+    bin::fold_blocks_variant(shape, later, lanes).with("STOP", stop)
 }
 
 /// The passes with their variants.
@@ -141,8 +141,8 @@ pub fn shaders() -> Vec<Shader> {
     let mut variants = Vec::new();
     for (shape, later) in compose::variants().iter().flat_map(|shape| bool::all().into_iter().map(move |l| (shape, l)))
     {
-        for (stop, subgroup) in STOPS.iter().flat_map(|stop| SUBGROUPS.map(|size| (*stop, size))) {
-            variants.push(blend_variant(shape.clone(), stop, later, subgroup));
+        for lanes in Lanes::all() {
+            variants.extend(STOPS.map(|stop| blend_variant(shape.clone(), stop, later, lanes)));
         }
     }
     vec![Shader::new::<Blend>(variants)]

@@ -17,10 +17,10 @@ pub(crate) use engine::{
 use super::abuffer::CountPush;
 use super::engine::Work;
 use super::{Error, Facts, Outcome, Pixels};
-use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
+use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::bands;
-use crate::passes::bin::{self, Bin, Binned, Bins, TileWalk, TiledGroup};
+use crate::passes::bin::{self, Bin, Binned, Bins, Lanes, TileWalk, TiledGroup};
 use crate::passes::compose::{self, Cut};
 use crate::passes::project::{Footprint, TILED};
 use crate::scene::Falloff;
@@ -153,17 +153,17 @@ impl Splatter {
             kept: binned.region_segments() > 1,
             behind: job.layer.is_some(),
             cut: binned.cut(),
-            subgroup: binned.subgroup(),
+            lanes: binned.lanes(),
         };
         let over = |number: u32| (SplatsPush { walk: binned.walk(number), blend_depth: job.blend_depth }, run(number));
         for number in 0..binned.region_segments() {
             let (push, run) = over(number);
-            let groups = Run::new(Dispatch::Groups(binned.blocks()));
+            let groups = Run::new(binned.over_blocks());
             recorder.run(&visibility, push, &groups.variant(run.visibility(raster.footprint)))?;
         }
         for number in 0..binned.region_segments() {
             let (push, run) = over(number);
-            let groups = Run::new(Dispatch::Groups(binned.blocks()));
+            let groups = Run::new(binned.over_blocks());
             recorder.run(&attributes, push, &groups.variant(run.attributes(raster.footprint)))?;
         }
         let pixels = bands::pixels(raster.window);
@@ -200,15 +200,15 @@ pub struct OneRun {
     pub behind: bool,
     /// How splats are reached.
     pub cut: Cut,
-    /// The subgroup size.
-    pub subgroup: u32,
+    /// The invocations that go through the tiles.
+    pub lanes: Lanes,
 }
 
 impl OneRun {
     /// The variant of `splats/visibility`.
     fn visibility(self, footprint: Footprint) -> Variant {
         let shape = compose::variant(self.cut, footprint, Falloff::Flat);
-        bin::region_variant(shape, self.later, self.subgroup).with("BEHIND", u32::from(self.behind))
+        bin::region_variant(shape, self.later, self.lanes).with("BEHIND", u32::from(self.behind))
     }
 
     /// The variant of `splats/attributes`.
@@ -235,7 +235,7 @@ pub fn shaders() -> Vec<Shader> {
     let runs = || {
         let choices = <((bool, bool), (bool, Cut))>::all().into_iter();
         let sized = choices.flat_map(|((later, kept), (behind, cut))| {
-            SUBGROUPS.map(|subgroup| OneRun { later, kept, behind, cut, subgroup })
+            Lanes::all().into_iter().map(move |lanes| OneRun { later, kept, behind, cut, lanes })
         });
         sized.flat_map(|run| TILED.map(|shape| (run, shape)))
     };

@@ -1,10 +1,10 @@
 //! The samples' two passes over the splats in compute shaders, tile by tile.
 
 use super::{Batch, Kind, STRATA, Sampler, WindowJob};
-use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
-use crate::gpu::{Dispatch, Recorder, Run, Variant};
+use crate::gpu::shader::{Choices, Shader};
+use crate::gpu::{Recorder, Run, Variant};
 use crate::methods::{Error, Target};
-use crate::passes::bin::{self, OrderedTiles, TileWalk, TiledGroup};
+use crate::passes::bin::{self, Lanes, OrderedTiles, TileWalk, TiledGroup};
 use crate::passes::compose;
 use crate::random::{self, STRATA_OF_A_CALL, STRATUM};
 use crate::{gpu_struct, pass};
@@ -46,8 +46,8 @@ pass! {
 
 /// The variant of `stochastic/visibility`, from that of shape and falloff; `later`: a run of a tile's splats that goes on
 /// from what earlier ones left.
-fn tile_variant(shape: Variant, strata: u32, later: bool, subgroup: u32) -> Variant {
-    bin::region_variant(shape, later, subgroup)
+fn tile_variant(shape: Variant, strata: u32, later: bool, lanes: Lanes) -> Variant {
+    bin::region_variant(shape, later, lanes)
         .constant("STRATA", strata)
         .each("stratum", strata)
         .each("pair", strata / STRATA_OF_A_CALL)
@@ -77,9 +77,9 @@ impl Sampler {
         let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.settings.discs.falloff);
         let runs = |segment: u32| {
             let push = push(job, binned.walk(segment), batch);
-            (push, tile_variant(shape.clone(), batch.strata, segment > 0, binned.subgroup()))
+            (push, tile_variant(shape.clone(), batch.strata, segment > 0, binned.lanes()))
         };
-        let dispatch = || Run::new(Dispatch::Groups(binned.blocks()));
+        let dispatch = || Run::new(binned.over_blocks());
         for segment in 0..binned.region_segments() {
             let (push, variant) = runs(segment);
             recorder.run(&visibility, push, &dispatch().variant(variant))?;
@@ -104,10 +104,9 @@ fn push(job: &WindowJob<'_>, walk: TileWalk, Batch { before, left, .. }: Batch) 
 /// The passes with their variants.
 pub(super) fn shaders() -> Vec<Shader> {
     let later = compose::variants().into_iter().flat_map(|shape| [false, true].map(|later| (shape.clone(), later)));
-    let sized: Vec<_> = later.flat_map(|(shape, later)| SUBGROUPS.map(|size| (shape.clone(), later, size))).collect();
-    let tiles: Vec<Variant> = sized
-        .into_iter()
-        .flat_map(|(shape, later, size)| STRATA.map(|strata| tile_variant(shape.clone(), strata, later, size)))
+    let tiles: Vec<Variant> = later
+        .flat_map(|(shape, later)| Lanes::all().into_iter().map(move |lanes| (shape.clone(), later, lanes)))
+        .flat_map(|(shape, later, lanes)| STRATA.map(|strata| tile_variant(shape.clone(), strata, later, lanes)))
         .collect();
     let kinds = || Kind::all().into_iter();
     let accumulate = tiles.iter().flat_map(|tile| kinds().map(move |kind| kind.apply_to(tile.clone())));

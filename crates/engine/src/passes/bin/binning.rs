@@ -1,8 +1,9 @@
 //! How the splats of a window are binned: its tiles, and the runs of splats that subgroups take.
 
+use super::lanes::Lanes;
 use super::passes::{TilePush, TileWalk};
 use super::{Job, RECORD_BYTES, order_bytes};
-use crate::gpu::Device;
+use crate::gpu::{Device, Dispatch};
 use crate::passes::Error;
 use crate::passes::bands::{Budget, Window};
 use crate::passes::compose::Cut;
@@ -54,23 +55,23 @@ pub(super) struct Binning {
     block: [u32; 2],
     /// Most columns and rows of tiles that a splat meets.
     met_tiles: [u32; 2],
-    pub(super) subgroup: u32,
+    pub(super) lanes: Lanes,
 }
 
 impl Binning {
     /// Plans the binning of a window's splats; `None` if it shows none.
     pub(super) fn for_window(device: &Device, job: &Job<'_>) -> Result<Option<Self>, Error> {
-        let info = device.info();
-        let subgroup = info.subgroup.ok_or_else(|| Error::NoSubgroups { device: info.name.clone() })?;
+        let lanes = Lanes::of(device)?;
         let Raster { stats, window, .. } = job.raster;
         let drawn: u64 = stats.iter().map(|s| u64::from(s.visible)).sum();
         let cut = Cut::new(device, job.raster.cloud.len())?;
-        let binning = || Self::new(info.prefers.concurrent_runs, window, drawn, Stats::extent(stats), subgroup);
+        let binning = || Self::new(device.info().prefers.concurrent_runs, window, drawn, Stats::extent(stats), lanes);
         Ok((drawn > 0).then(|| Self { cut, ..binning() }))
     }
 
     /// Plans the binning of `drawn` splats, each over at most `extent` columns and rows of pixels.
-    fn new(concurrent: u64, window: Window, drawn: u64, extent: [u32; 2], subgroup: u32) -> Self {
+    fn new(concurrent: u64, window: Window, drawn: u64, extent: [u32; 2], lanes: Lanes) -> Self {
+        let subgroup = lanes.subgroup;
         let [columns, rows] =
             [(window[2] - window[0]).div_ceil(TILE_SIDE), (window[3] - window[1]).div_ceil(TILE_SIDE)];
         // A span of n pixels meets at most this many tiles.
@@ -83,7 +84,7 @@ impl Binning {
         // Each run has a counter of each tile: more of them than a few for each splat would cost more than they help.
         let affordable = COUNTERS_PER_SPLAT * drawn / (u64::from(columns) * u64::from(rows)).max(1);
         let runs = Runs::new(concurrent.min(affordable.max(LEAST_RUNS)), drawn, SHORTEST_RUN.min(longest), longest);
-        Self { drawn, cut: Cut::WHOLE, runs, columns, rows, block, met_tiles, subgroup }
+        Self { drawn, cut: Cut::WHOLE, runs, columns, rows, block, met_tiles, lanes }
     }
 
     pub(super) fn tiles(&self) -> u64 {
@@ -118,7 +119,7 @@ impl Binning {
     pub(super) fn left(&self, device: &Device, job: &Job<'_>) -> Result<Option<u64>, Error> {
         let (points, binding) = (job.raster.cloud.len(), device.limits().binding_bytes);
         // Stages that go through tiles region by region keep a bit for each region of a block beside the index.
-        let index_bits = INDEX_BITS.min(32 - BLOCK_SIDE.pow(2) / self.subgroup);
+        let index_bits = INDEX_BITS.min(32 - BLOCK_SIDE.pow(2) / self.lanes.subgroup);
         let most = (binding / RECORD_BYTES).min(1 << index_bits);
         if points > most {
             return Err(Error::TooManyPoints { points, limit: most });
@@ -171,9 +172,14 @@ impl Binned {
         self.binning.tiles() as u32
     }
 
-    /// Blocks of all tiles.
-    pub fn blocks(&self) -> u64 {
-        self.binning.tiles() * u64::from(BLOCKS)
+    /// A dispatch with a subgroup for each tile.
+    pub fn over_tiles(&self) -> Dispatch<'static> {
+        Dispatch::Groups(self.lanes().groups(self.binning.tiles()))
+    }
+
+    /// A dispatch with a subgroup for each block of each tile.
+    pub fn over_blocks(&self) -> Dispatch<'static> {
+        Dispatch::Groups(self.lanes().groups(self.binning.tiles() * u64::from(BLOCKS)))
     }
 
     /// Counters of the tiles' splats by run.
@@ -191,9 +197,9 @@ impl Binned {
         self.binning.cut
     }
 
-    /// The subgroup size of stages that go through the tiles.
-    pub fn subgroup(&self) -> u32 {
-        self.binning.subgroup
+    /// The invocations of stages that go through the tiles.
+    pub fn lanes(&self) -> Lanes {
+        self.binning.lanes
     }
 
     /// Runs over all tiles that it takes to get through the longest list.
@@ -203,7 +209,7 @@ impl Binned {
 
     /// The same for stages that go through tiles region by region.
     pub fn region_segments(&self) -> u32 {
-        self.longest.div_ceil(region_segment(self.subgroup())).max(1)
+        self.longest.div_ceil(region_segment(self.lanes().subgroup)).max(1)
     }
 }
 
@@ -231,11 +237,11 @@ mod tests {
     fn iterations(binning: &Binning) -> u64 {
         let [columns, rows] = binning.block.map(u64::from);
         // In the worst case each splat meets as many of a block's tiles as any splat meets at all.
-        let [lane_columns, lane_rows] = pattern(binning.subgroup).map(u64::from);
+        let [lane_columns, lane_rows] = pattern(binning.lanes.subgroup).map(u64::from);
         let most = binning.met_tiles.map(u64::from);
         let walked = most[0].min(columns).div_ceil(lane_columns) * most[1].min(rows).div_ceil(lane_rows);
         let length = u64::from(binning.runs.length);
-        length * (walked + 1) + length.div_ceil(u64::from(binning.subgroup))
+        length * (walked + 1) + length.div_ceil(u64::from(binning.lanes.subgroup))
     }
 
     #[test]
@@ -248,7 +254,7 @@ mod tests {
                     for drawn in [1, 255, 100_000, 30_000_000] {
                         for concurrent in [32, 4096] {
                             let window = [3, 5, 3 + width, 5 + height];
-                            let binning = Binning::new(concurrent, window, drawn, [x, y], subgroup);
+                            let binning = Binning::new(concurrent, window, drawn, [x, y], Lanes { subgroup, team: 1 });
                             let Runs { runs, length } = binning.runs;
                             assert!(u64::from(runs) * u64::from(length) >= drawn, "every splat: {binning:?}");
                             assert!(drawn > u64::from(runs - 1) * u64::from(length), "no empty run: {binning:?}");
@@ -280,7 +286,10 @@ mod tests {
             {
                 for (concurrent, subgroup) in [1, 32, 4096].iter().flat_map(|runs| [4, 32].map(|size| (*runs, size))) {
                     let extent = [extent.min(side); 2];
-                    all.push((concurrent, Binning::new(concurrent, [0, 0, side, side], drawn, extent, subgroup)));
+                    all.push((
+                        concurrent,
+                        Binning::new(concurrent, [0, 0, side, side], drawn, extent, Lanes { subgroup, team: 1 }),
+                    ));
                 }
             }
         }

@@ -6,6 +6,7 @@
 
 mod binning;
 mod keys;
+mod lanes;
 mod ordered_tiles;
 mod passes;
 mod sort;
@@ -13,6 +14,7 @@ mod tile_lists;
 
 pub use binning::Binned;
 pub use keys::key_bits;
+pub use lanes::Lanes;
 pub use ordered_tiles::OrderedTiles;
 pub(crate) use ordered_tiles::{fold_blocks_variant, fold_variant, gather_variant, region_variant};
 pub use passes::*;
@@ -154,9 +156,9 @@ impl Bins {
                     // There may be fewer drawn points than records.
                     recorder.fill("bin/clear", self.records[0].get().all(), u32::MAX)?;
                 }
-                self.record_pick(&mut recorder, device, job, axis, binning.subgroup)?
+                self.record_pick(&mut recorder, device, job, axis, binning.lanes.subgroup)?
             }
-            _ => self.record_sort(&mut recorder, device, job, binning.subgroup)?,
+            _ => self.record_sort(&mut recorder, device, job, binning.lanes.subgroup)?,
         };
         self.record_tile_count(&mut recorder, job, &binning, last)?;
         let total = self.cursors.get().slice(binning.cells() - 1, 1);

@@ -1,6 +1,7 @@
 //! Tiles with their splats in order, and the stages that go through them.
 
 use super::binning::{BLOCK_SIDE, BLOCKS, Binned, SEGMENT, TILE_SIDE, pattern, region_segment};
+use super::lanes::Lanes;
 use super::passes::{TileWalk, Tiled, TilesPush};
 use crate::gpu::{Dispatch, Pass, Recorder, Run, Variant};
 use crate::passes::Error;
@@ -38,7 +39,8 @@ impl<'a> OrderedTiles<'a> {
                 band_end: band.pixels[1],
                 first_fragment: band.first_fragment,
             };
-            let run = Run::new(Dispatch::Groups(tiles.into())).variant(gather_variant(binning.cut, binning.subgroup));
+            let over = Dispatch::Groups(binning.lanes.groups(tiles.into()));
+            let run = Run::new(over).variant(gather_variant(binning.cut, binning.lanes));
             recorder.run(&pass, push, &run)?;
         }
         Ok(())
@@ -47,22 +49,22 @@ impl<'a> OrderedTiles<'a> {
 
 /// The variant of stages that go through tiles with whole splats, from that of shape and falloff; `later`: a run that goes on
 /// from what earlier ones left.
-pub(crate) fn fold_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
-    blocks(shape, SEGMENT, subgroup).with("LATER", u32::from(later))
+pub(crate) fn fold_variant(shape: Variant, later: bool, lanes: Lanes) -> Variant {
+    blocks(shape, SEGMENT, lanes).with("LATER", u32::from(later))
 }
 
 /// As [`fold_variant`], of stages that go through each tile region by region (shaders/shared/region_fold.wgsl).
-pub(crate) fn region_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
-    let columns = pattern(subgroup)[0];
-    blocks(shape, region_segment(subgroup), subgroup)
+pub(crate) fn region_variant(shape: Variant, later: bool, lanes: Lanes) -> Variant {
+    let taken = region_segment(lanes.subgroup);
+    blocks(shape, taken, lanes)
         .with("LATER", u32::from(later))
-        .constant("PICKED", region_segment(subgroup))
-        .constant("REGION_COLUMNS", columns)
+        .constant("PICKED", taken)
+        .constant("REGION_COLUMNS", pattern(lanes.subgroup)[0])
 }
 
-/// The same where each block of a tile has a subgroup of its own ([`Binned::blocks`]): for stages that hold much for each pixel.
-pub(crate) fn fold_blocks_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
-    let mut variant = fold_variant(shape, later, subgroup).with("SHARED", BLOCKS);
+/// The same where each block of a tile has a subgroup of its own ([`Binned::over_blocks`]): for stages that hold much for each pixel.
+pub(crate) fn fold_blocks_variant(shape: Variant, later: bool, lanes: Lanes) -> Variant {
+    let mut variant = fold_variant(shape, later, lanes).with("SHARED", BLOCKS);
     for (_, count) in &mut variant.counts {
         *count /= BLOCKS;
     }
@@ -70,15 +72,16 @@ pub(crate) fn fold_blocks_variant(shape: Variant, later: bool, subgroup: u32) ->
 }
 
 /// The variant of stages that go through ordered tiles.
-pub(crate) fn gather_variant(cut: Cut, subgroup: u32) -> Variant {
-    blocks(compose::disc_variant(cut), SEGMENT, subgroup)
+pub(crate) fn gather_variant(cut: Cut, lanes: Lanes) -> Variant {
+    blocks(compose::disc_variant(cut), SEGMENT, lanes)
 }
 
 /// Adds the constants of shaders/shared/blocks.wgsl, and the number of a tile's splats that a run takes.
-fn blocks(variant: Variant, taken: u32, subgroup: u32) -> Variant {
+fn blocks(variant: Variant, taken: u32, lanes: Lanes) -> Variant {
     variant
         .with("TAKEN", taken)
-        .subgroup(subgroup)
+        .subgroup(lanes.subgroup)
+        .constant("TEAM", lanes.team)
         .each("block", BLOCKS)
-        .each("held", BLOCKS * BLOCK_SIDE * BLOCK_SIDE / subgroup)
+        .each("held", BLOCKS * BLOCK_SIDE * BLOCK_SIDE / lanes.subgroup)
 }

@@ -47,7 +47,7 @@ impl Bins {
             entries: self.entries.get().all(),
         };
         let run = Run::new(Dispatch::Groups(binning.groups()));
-        recorder.run(&store, binning.push(), &run.variant(store_variant(binning.subgroup)))?;
+        recorder.run(&store, binning.push(), &run.variant(store_variant(binning.lanes.subgroup)))?;
         // Each cell ends where the next one began; the last one is empty and has kept its cursor, the total.
         let inner = binning.cells() - 1;
         let (cursors, counts) = (self.cursors.get(), self.counts.get().slice(1, inner));
