@@ -321,7 +321,7 @@ mod tests {
     #[test]
     fn a_splat_never_meets_more_tiles_than_binning_expects() {
         for extent in 1..=70u32 {
-            let met = Binning::new(32, [0, 0, 1600, 1600], 1, [extent; 2], 8).met_tiles[0];
+            let met = Binning::new(32, [0, 0, 1600, 1600], 1, [extent; 2], Lanes { subgroup: 8, team: 1 }).met_tiles[0];
             let tiles = |first: u32| (first + extent - 1) / TILE_SIDE - first / TILE_SIDE + 1;
             assert!((0..TILE_SIDE).all(|first| tiles(first) <= met), "{extent}");
             assert!((0..TILE_SIDE).any(|first| tiles(first) + 1 >= met), "{extent}: at most one too many");
