@@ -182,59 +182,42 @@ fn project(i: u32) -> vec2<u32> {
     return extent;
 }
 
-// Lists a splat of more than view.small_area pixels with the tiles that it meets.
-fn list_large(i: u32) {
+// Number of tiles that a large splat meets.
+fn tiles_of(i: u32) -> u32 {
     let rect = bounds[i];
     let first = (bounds_min(rect) - view.window.xy) / TILE;
     let last = (bounds_max(rect) - 1u - view.window.xy) / TILE;
     let tiles = last - first + 1u;
-    let count = tiles.x * tiles.y;
-    let place = atomicAdd(&stats[push.chunk].large, 1u);
-    large[place] = i;
-    tile_counts[place] = count;
-    // A 64-bit counter made of two words.
-    let old = atomicAdd(&stats[push.chunk].tiles_low, count);
-    if old + count < old {
-        atomicAdd(&stats[push.chunk].tiles_high, 1u);
-    }
+    return tiles.x * tiles.y;
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    view = camera;
-    let first = workgroup_index(workgroup, groups) * WG_SIZE * RUN + local;
-    var visible = 0u;
-    var most = vec2<u32>(0u);
-    var sum = 0u;
+// What an invocation's points add to the statistics.
+struct Found {
+    visible: u32,
+    // Most columns and rows.
+    most: vec2<u32>,
+    // Pixels of all rectangles.
+    area: u32,
     // Large splats wait in a mask, one bit for each step: invocations in step would all go through the listing.
-    var waiting = 0u;
+    waiting: u32,
+}
+
+// Projects every WG_SIZE-th point from the first on.
+fn project_run(first: u32) -> Found {
+    var found = Found(0u, vec2<u32>(0u), 0u, 0u);
     for (var k = 0u; k < RUN; k++) {
         let i = first + k * WG_SIZE;
         if i < push.count {
             let extent = project(i);
             let area = extent.x * extent.y;
-            visible += u32(area > 0u);
-            waiting |= u32(area > view.small_area) << k;
-            most = max(most, extent);
+            found.visible += u32(area > 0u);
+            found.waiting |= u32(area > view.small_area) << k;
+            found.most = max(found.most, extent);
             // No image has more than 2^28 pixels: less than 2^32 for up to 15 points, and a bound that low is no harm.
-            sum += min(area, 0x0fffffffu);
+            found.area += min(area, 0x0fffffffu);
         }
     }
-    while waiting != 0u {
-        list_large(first + firstTrailingBit(waiting) * WG_SIZE);
-        waiting &= waiting - 1u;
-    }
-    if visible > 0u {
-        atomicAdd(&stats[push.chunk].visible, visible);
-        let old = atomicAdd(&stats[push.chunk].area_low, sum);
-        if old + sum < old {
-            atomicAdd(&stats[push.chunk].area_high, 1u);
-        }
-        atomicMax(&stats[push.chunk].widest, most.x);
-        atomicMax(&stats[push.chunk].tallest, most.y);
-    }
+    return found;
 }
+
+#walker

@@ -164,7 +164,7 @@ impl DeviceCloud {
         self.record_clear(recorder)?;
         // Without a field F is 0 everywhere: all points are solid, and nobody asks for soft ones.
         let part = if self.has_fields { how.part } else { Part::All };
-        let variant = project_variant(&Projecting { part, ..*how }, self.has_normals);
+        let variant = project_variant(&Projecting { part, ..*how }, self.has_normals, self.prefers.shared_work);
         for (chunk, (first, count)) in self.chunks().enumerate() {
             let used = used_normals(how, self.has_normals);
             // One stands in where none are read: all of them may be more than can be bound.
@@ -220,14 +220,15 @@ impl DeviceCloud {
     }
 }
 
-/// The variant of `project/splats` for a cloud with or without normals.
-fn project_variant(how: &Projecting, normals: bool) -> Variant {
-    how.shaded(used_normals(how, normals)).project(how.footprint, how.part)
+/// The variant of `project/splats` for a cloud with or without normals; `shared` if workgroups share statistics.
+fn project_variant(how: &Projecting, normals: bool, shared: bool) -> Variant {
+    how.shaded(used_normals(how, normals)).project(how.footprint, how.part, shared)
 }
 
 impl Shaded {
-    fn project(self, footprint: Footprint, part: Part) -> Variant {
+    fn project(self, footprint: Footprint, part: Part, shared: bool) -> Variant {
         self.variant()
+            .walker(if shared { "found_by_group" } else { "found_alone" })
             .with("SHAPE", footprint as u32)
             .with("NORMALS", u32::from(self.normals))
             .with("PART", part.value())
@@ -239,8 +240,9 @@ impl Shaded {
 pub fn shaders() -> Vec<Shader> {
     let soft = Part::Soft { threshold: 0.5, modulation: None };
     let parts = [Part::All, Part::Solid(0.5), soft, Part::Marked(0.5)];
-    let choices = <(Shaded, Footprint)>::all();
-    let variants = choices.iter().flat_map(|(shaded, shape)| parts.map(|part| shaded.project(*shape, part)));
+    let choices = <((Shaded, Footprint), bool)>::all();
+    let variants =
+        choices.iter().flat_map(|((shaded, shape), shared)| parts.map(|part| shaded.project(*shape, part, *shared)));
     vec![Shader::new::<Project>(variants)]
 }
 

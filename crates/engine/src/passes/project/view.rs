@@ -79,7 +79,7 @@ impl DeviceCloud {
             opacity_factor: how.opacity_factor,
             threshold: how.part.threshold(),
             modulation: how.part.modulation(),
-            small_area: self.small_area,
+            small_area: self.prefers.small_area,
             unused_a: 0,
             unused_b: 0,
             unused_c: 0,

@@ -21,7 +21,7 @@ use super::view::View;
 use super::{Bounds, Footprint, Projecting, Splat, Stats, Tilt};
 use crate::cloud::Bounds as Box3;
 use crate::cloud::shadow_texture::Casting;
-use crate::gpu::{Buffer, Device, Error, GpuType, Memory, Slice};
+use crate::gpu::{Buffer, Device, Error, GpuType, Memory, Preferences, Slice};
 use crate::points::Points;
 use crate::prepare::axes;
 use crate::prepare::ensembles::Dealt;
@@ -39,7 +39,7 @@ pub struct DeviceCloud {
     pub(super) has_normals: bool,
     pub(super) has_fields: bool,
     pub(super) opacity_factor: f32,
-    pub(super) small_area: u32,
+    pub(super) prefers: Preferences,
     max_opacity: f32,
     max_color: f32,
     max_radius: f32,
@@ -195,7 +195,7 @@ impl DeviceCloud {
             has_normals,
             has_fields: !points.fields.is_empty(),
             opacity_factor: 1.0,
-            small_area: device.info().prefers.small_area,
+            prefers: device.info().prefers,
             depth_origin: 0.0,
             max_opacity: largest(&points.opacities),
             max_color: largest_component(&points.colors),
