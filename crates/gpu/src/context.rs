@@ -370,6 +370,7 @@ fn limits(instance: &Instance, physical: vk::PhysicalDevice) -> (Limits, String)
         allocation_bytes: maintenance3.max_memory_allocation_size.saturating_sub(guard::BYTES),
         offset_alignment: basic.limits.min_storage_buffer_offset_alignment.max(16),
         groups_x: basic.limits.max_compute_work_group_count[0],
+        shared_bytes: basic.limits.max_compute_shared_memory_size,
         heap_bytes,
         storage_buffers: basic.limits.max_per_stage_descriptor_storage_buffers,
         framebuffer: [basic.limits.max_framebuffer_width, basic.limits.max_framebuffer_height],

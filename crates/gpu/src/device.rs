@@ -66,6 +66,8 @@ pub struct Limits {
     pub offset_alignment: u64,
     /// Workgroups in x of one dispatch.
     pub groups_x: u32,
+    /// Bytes of memory that a workgroup may share.
+    pub shared_bytes: u32,
     /// Bytes of the largest device-local heap.
     pub heap_bytes: u64,
     /// Storage buffers that one stage may see.

@@ -1,5 +1,6 @@
 //! The invocations of the stages that go through tiles.
 
+use super::binning::region_segment;
 use crate::gpu::Device;
 use crate::gpu::shader::{Choices, SUBGROUPS};
 use crate::passes::Error;
@@ -21,7 +22,8 @@ impl Lanes {
     pub(super) fn of(device: &Device) -> Result<Self, Error> {
         let info = device.info();
         let subgroup = info.subgroup.ok_or_else(|| Error::NoSubgroups { device: info.name.clone() })?;
-        Ok(Self { subgroup, team: if info.prefers.shared_work { TEAM } else { 1 } })
+        let fits = picked_bytes(subgroup, TEAM) <= device.limits().shared_bytes;
+        Ok(Self { subgroup, team: if info.prefers.shared_work && fits { TEAM } else { 1 } })
     }
 
     /// Workgroups of so many subgroups.
@@ -29,6 +31,14 @@ impl Lanes {
         subgroups.div_ceil(self.team.into())
     }
 }
+
+/// Bytes of a workgroup's memory that stages take which go through tiles region by region.
+const fn picked_bytes(subgroup: u32, team: u32) -> u32 {
+    region_segment(subgroup) * team * 4
+}
+
+// Every device has 16 KiB.
+const _: () = assert!(picked_bytes(4, 1) <= 16 << 10);
 
 impl Choices for Lanes {
     fn all() -> Vec<Self> {
