@@ -14,7 +14,8 @@ pub struct Image {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Premultiplied R, G, B and A = 1 − T per pixel, row by row.
+    /// Premultiplied R, G, B and A = 1 − T per pixel, row by row; empty if they stayed on the device
+    /// ([`crate::methods::Renderer::host_colors`]).
     pub rgba: Vec<[f32; 4]>,
     /// z of the first fragment with α > 0, +inf if none has.
     pub depth: Vec<f32>,
@@ -28,6 +29,11 @@ pub struct Image {
 }
 
 impl Image {
+    /// True if the colors came to the host.
+    pub fn has_colors(&self) -> bool {
+        self.rgba.len() == self.depth.len()
+    }
+
     /// Standard error of the whole image, if that of its pixels was found: root mean square over pixels and R, G, B.
     pub fn standard_error(&self) -> Option<f64> {
         self.stderr.as_deref().map(|errors| mean_square(errors).sqrt())

@@ -35,7 +35,11 @@ const UNDECLARED: [(&str, &str, &str); 27] = [
     ("bin/clear", "fill", "Sets tile counters, longest list and overflow flag to 0."),
     ("bin/summary", "copy", "Copies overflow, number of entries and longest list to the host."),
     ("image/clear", "fill", "Empties the pixels, so that those without fragments stay empty."),
-    ("image/read-back", "copy", "Copies color and depth of the window to the host."),
+    (
+        "image/read-back",
+        "copy",
+        "Copies color and depth of the window to the host, or depth alone where colors are shown from the device.",
+    ),
     (
         "image-space/clear",
         "fill",

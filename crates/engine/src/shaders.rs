@@ -8,6 +8,7 @@ use crate::methods::{
     abuffer, approximate, edl, image_space, linked_list, one_layer, opaque, peel, peel_layers, points, shadows, soft,
     sorted, spbr, splats, stochastic,
 };
+use crate::output::encode;
 use crate::passes::{bin, compose, project, radix, scan, tiles};
 
 /// The WGSL files under shaders/, and the constants that stand in Rust alone.
@@ -51,6 +52,7 @@ pub fn shaders() -> Vec<Shader> {
         abuffer::shaders,
         approximate::shaders,
         edl::shaders,
+        encode::shaders,
         image_space::shaders,
         linked_list::shaders,
         one_layer::shaders,

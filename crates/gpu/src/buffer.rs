@@ -105,6 +105,12 @@ impl<T: GpuType> Buffer<T> {
         self.len == 0
     }
 
+    /// True if it belongs to this device.
+    #[cfg(feature = "window")]
+    pub(super) fn is_of(&self, context: &Arc<Context>) -> bool {
+        Arc::ptr_eq(&self.context, context)
+    }
+
     /// Size of the content in bytes.
     pub fn bytes(&self) -> u64 {
         self.len * size_of::<T>() as u64
@@ -190,15 +196,6 @@ impl<T: GpuType> Buffer<T> {
     pub fn write(&mut self, data: &[T]) {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         self.mapped_mut()[..bytes.len()].copy_from_slice(bytes);
-    }
-
-    /// Writes words of four bytes to the front of a [`Memory::Upload`] buffer, each as `word` has it.
-    #[cfg(feature = "window")]
-    pub(super) fn write_words(&mut self, bytes: &[u8], word: impl Fn([u8; 4]) -> [u8; 4] + Sync) {
-        use rayon::prelude::*;
-        let to = self.mapped_mut()[..bytes.len()].par_chunks_exact_mut(4);
-        let from = bytes.par_chunks_exact(4);
-        to.zip(from).for_each(|(to, from)| to.copy_from_slice(&word([from[0], from[1], from[2], from[3]])));
     }
 
     /// The content of a [`Memory::Readback`] buffer.

@@ -72,17 +72,17 @@ pub struct Accuracy {
     pub standing: Option<Standing>,
 }
 
-/// Pictures of one view. Pixels are composed linear R, G, B.
+/// Pictures of one view. Pixels are composed linear R, G, B, and missing while they are on the device alone.
 #[derive(Default)]
 pub struct History {
     view: Option<(Arc<Scene>, Pose)>,
-    rungs: Vec<(Rung, Vec<[f32; 3]>)>,
+    rungs: Vec<(Rung, Option<Vec<[f32; 3]>>)>,
     against: Option<Reference>,
 }
 
 impl History {
     /// Adds a picture; those of another view are forgotten. A whole one becomes the reference for the earlier ones.
-    pub fn add(&mut self, scene: &Arc<Scene>, pose: Pose, rung: Rung, pixels: Vec<[f32; 3]>, whole: bool) {
+    pub fn add(&mut self, scene: &Arc<Scene>, pose: Pose, rung: Rung, pixels: Option<Vec<[f32; 3]>>, whole: bool) {
         if !self.is_of(scene, pose) {
             *self = Self { view: Some((scene.clone(), pose)), ..Self::default() };
         }
@@ -92,11 +92,16 @@ impl History {
         while self.rungs.len() > 1 && self.bytes() > MOST_BYTES {
             self.rungs.remove(0);
         }
-        if let (true, Some((last, whole))) =
-            (whole, self.rungs.split_last_mut().map(|((_, whole), rest)| (rest, whole)))
-        {
-            last.iter_mut().for_each(|(rung, pixels)| rung.rmse = Some(metrics::rmse(whole, pixels)));
+        if let (true, Some(((_, Some(whole)), rest))) = (whole, self.rungs.split_last_mut()) {
+            measure(rest, whole);
             self.against = Some(Reference::Whole);
+        }
+    }
+
+    /// Gives the last picture its pixels, if they were missing.
+    pub fn supply(&mut self, pixels: Vec<[f32; 3]>) {
+        if let Some((_, missing)) = self.rungs.last_mut() {
+            missing.get_or_insert(pixels);
         }
     }
 
@@ -104,24 +109,32 @@ impl History {
     pub fn measure(&mut self, scene: &Arc<Scene>, pose: Pose, method: &'static str, exact: &[[f32; 3]]) -> bool {
         let same = self.is_of(scene, pose);
         if same {
-            self.rungs.iter_mut().for_each(|(rung, pixels)| rung.rmse = Some(metrics::rmse(exact, pixels)));
+            measure(&mut self.rungs, exact);
             self.against = Some(Reference::Exact(method));
         }
         same
     }
 
-    fn is_of(&self, scene: &Scene, pose: Pose) -> bool {
+    /// True if it has pictures of this view.
+    pub fn is_of(&self, scene: &Scene, pose: Pose) -> bool {
         self.view.as_ref().is_some_and(|(before, from)| *from == pose && **before == *scene)
     }
 
     fn bytes(&self) -> usize {
-        self.rungs.iter().map(|(_, pixels)| size_of_val(pixels.as_slice())).sum()
+        self.rungs.iter().flat_map(|(_, pixels)| pixels).map(|pixels| size_of_val(pixels.as_slice())).sum()
     }
 
     /// The table.
     pub fn accuracy(&self, standing: Option<Standing>) -> Accuracy {
         let rungs = self.rungs.iter().map(|(rung, _)| rung.clone()).collect();
         Accuracy { rungs, against: self.against, standing }
+    }
+}
+
+/// Finds the errors of pictures against a better one.
+fn measure(rungs: &mut [(Rung, Option<Vec<[f32; 3]>>)], better: &[[f32; 3]]) {
+    for (rung, pixels) in rungs {
+        rung.rmse = pixels.as_ref().map(|pixels| metrics::rmse(better, pixels));
     }
 }
 
@@ -174,10 +187,10 @@ mod tests {
         let (scene, mut history) = (Arc::new(scene), History::default());
         let rung = |name: &str| Rung { name: name.into(), ms: 1.0, standard_error: None, rmse: None };
         let gray = |value: f32| vec![[value; 3]; 4];
-        history.add(&scene, Pose::Scene, rung("a"), gray(0.5), false);
-        history.add(&scene, Pose::Scene, rung("b"), gray(0.25), false);
+        history.add(&scene, Pose::Scene, rung("a"), Some(gray(0.5)), false);
+        history.add(&scene, Pose::Scene, rung("b"), Some(gray(0.25)), false);
         assert_eq!(history.accuracy(None).against, None);
-        history.add(&scene, Pose::Scene, rung("whole"), gray(0.0), true);
+        history.add(&scene, Pose::Scene, rung("whole"), Some(gray(0.0)), true);
         let errors = |history: &History| history.accuracy(None).rungs.iter().map(|rung| rung.rmse).collect::<Vec<_>>();
         assert_eq!(errors(&history), [Some(0.5), Some(0.25), None]);
         assert!(history.measure(&scene, Pose::Scene, "abuffer", &gray(0.125)));
@@ -187,7 +200,7 @@ mod tests {
         let mut again = Scene::clone(&scene);
         again.image.size[0] += 1;
         let again = Arc::new(again);
-        history.add(&again, Pose::Scene, rung("a"), gray(1.0), false);
+        history.add(&again, Pose::Scene, rung("a"), Some(gray(1.0)), false);
         assert_eq!(errors(&history), [None]);
         assert!(!history.measure(&scene, Pose::Scene, "abuffer", &gray(0.0)));
         assert_eq!(errors(&history), [None]);
@@ -200,7 +213,7 @@ mod tests {
         let pixels = MOST_BYTES / size_of::<[f32; 3]>() / 2;
         for name in ["a", "b", "c"] {
             let rung = Rung { name: name.into(), ms: 1.0, standard_error: None, rmse: None };
-            history.add(&scene, Pose::Scene, rung, vec![[0.0; 3]; pixels], false);
+            history.add(&scene, Pose::Scene, rung, Some(vec![[0.0; 3]; pixels]), false);
         }
         assert_eq!(history.accuracy(None).rungs.len(), 2);
         assert!(history.bytes() <= MOST_BYTES);

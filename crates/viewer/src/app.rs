@@ -232,6 +232,7 @@ impl Running {
     fn begin_anew(&mut self, opening: &Opening, during: &str, logs: &mut Vec<ValidationLog>) -> Result<()> {
         let Some(graphics) = self.graphics.take() else { return Ok(()) };
         let (device, during) = (graphics.device.info().name.clone(), during.to_owned());
+        self.model.release_picture();
         // The new device takes over the window, so the old one must have released it.
         let Some((workload, news, textures)) = graphics.end() else {
             let why = "the renderer has panicked".to_owned();
@@ -384,7 +385,8 @@ impl Running {
         let primitives = ctx.tessellate(output.shapes, pixels_per_point);
         let drawing = Drawing { primitives, textures: std::mem::take(&mut self.textures), pixels_per_point };
         let at = self.model.viewport().at;
-        let picture = self.model.picture().map(|picture| Picture { size: picture.size, at, rgba: &picture.rgba });
+        let shown = self.model.picture().and_then(|picture| Some((picture.size, picture.pixels.as_deref()?)));
+        let picture = shown.map(|(size, pixels)| Picture { size, at, pixels });
         let Some(graphics) = &mut self.graphics else { return Ok(close) };
         let delay = output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |output| output.repaint_delay);
         // Wayland compositors then ask for the next frame when they can use it, and never for a window that is not

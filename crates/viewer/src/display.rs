@@ -1,12 +1,18 @@
-//! Converts an image to the bytes on the screen, which equal those of its PNG.
+//! Converts an image on the host to the bytes on the screen, which equal those of its PNG. Images whose colors are on the device
+//! are encoded there ([`pellucid_engine::output::encode`]).
+
+use std::sync::Arc;
 
 use glam::Vec3;
 use rayon::prelude::*;
 
-use pellucid_engine::color::{decode_srgb, encode_srgb};
+use pellucid_engine::Result;
+use pellucid_engine::color::encode_srgb;
+use pellucid_engine::gpu::{Buffer, Device, Slice};
 use pellucid_engine::image::Image;
+use pellucid_engine::output::encode::{Encoder, Showing, byte_steps};
 use pellucid_engine::output::to_byte;
-use pellucid_engine::scene::ColorSpace;
+use pellucid_engine::scene::{ColorSpace, Scene};
 
 /// Cells of the table of first guesses.
 const CELLS: usize = 4096;
@@ -17,29 +23,15 @@ const CELLS: usize = 4096;
 /// leaves one or two comparisons.
 pub struct Display {
     /// The least value that becomes this byte.
-    steps: [f32; 256],
+    steps: [f32; 257],
     /// The byte at each cell's beginning.
     begin: Vec<u8>,
 }
 
 impl Display {
     pub fn new() -> Self {
-        let byte = |value: f32| to_byte(encode_srgb(value));
-        let mut steps = [0.0f32; 256];
-        for (step, least) in (0u8..=255).zip(&mut steps).skip(1) {
-            // Positive floats are in the order of their bits.
-            let guess = decode_srgb((f32::from(step) - 0.5) / 255.0);
-            let mut bits = guess.to_bits();
-            while byte(f32::from_bits(bits)) >= step {
-                bits -= 1;
-            }
-            while byte(f32::from_bits(bits)) < step {
-                bits += 1;
-            }
-            *least = f32::from_bits(bits);
-        }
-        let begin = (0..=CELLS).map(|cell| byte(cell as f32 / CELLS as f32)).collect();
-        Self { steps, begin }
+        let begin = (0..=CELLS).map(|cell| to_byte(encode_srgb(cell as f32 / CELLS as f32))).collect();
+        Self { steps: byte_steps(ColorSpace::Linear), begin }
     }
 
     /// The byte of a linear value; NaN is 0.
@@ -47,7 +39,7 @@ impl Display {
         // The cast of NaN is 0.
         let value = value.clamp(0.0, 1.0);
         let mut byte = self.begin[(value * CELLS as f32) as usize];
-        while byte < u8::MAX && value >= self.steps[usize::from(byte) + 1] {
+        while value >= self.steps[usize::from(byte) + 1] {
             byte += 1;
         }
         byte
@@ -68,10 +60,71 @@ impl Display {
     }
 }
 
-/// An image over a background (linear, as the scene gives it), row by row: values of the color space in force.
-pub fn compose(image: &Image, background: Vec3, color: ColorSpace) -> Vec<[f32; 3]> {
-    let background = pellucid_engine::output::background(background, color);
-    image.rgba.par_iter().map(|rgba| Image::over(*rgba, background)).collect()
+/// An image of a scene, which may have fewer pixels than the scene says.
+#[derive(Clone, Copy)]
+pub struct SceneImage<'a> {
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// The scene.
+    pub scene: &'a Scene,
+}
+
+impl SceneImage<'_> {
+    /// True if it has fewer pixels.
+    pub fn is_coarse(&self) -> bool {
+        self.size != self.scene.image.size
+    }
+
+    /// Its pixels over the background, as many as the scene says, row by row: values of the color space in force.
+    pub fn composed(&self, rgba: &[[f32; 4]]) -> Vec<[f32; 3]> {
+        let image = &self.scene.image;
+        let background = pellucid_engine::output::background(image.background, image.color);
+        let pixels: Vec<_> = rgba.par_iter().map(|rgba| Image::over(*rgba, background)).collect();
+        if self.is_coarse() { enlarge(&pixels, self.size, image.size) } else { pixels }
+    }
+}
+
+/// Makes the bytes that a screen shows.
+pub struct Shows {
+    encoder: Encoder,
+    display: Display,
+    /// True if the screen has blue first in memory.
+    blue_first: bool,
+}
+
+impl Shows {
+    /// For a screen of a device.
+    ///
+    /// # Errors
+    /// Vulkan errors.
+    pub fn new(device: &Device, blue_first: bool) -> Result<Self> {
+        Ok(Self { encoder: Encoder::new(device)?, display: Display::new(), blue_first })
+    }
+
+    /// The bytes of an image whose colors are on the device.
+    ///
+    /// # Errors
+    /// Vulkan errors.
+    pub fn encode(&mut self, colors: Slice<'_, [f32; 4]>, image: SceneImage<'_>) -> Result<Arc<Buffer<u32>>> {
+        let Scene { image: wanted, .. } = image.scene;
+        let showing = Showing {
+            image: image.size,
+            picture: wanted.size,
+            background: wanted.background,
+            color: wanted.color,
+            blue_first: self.blue_first,
+        };
+        Ok(self.encoder.encode(colors, &showing)?)
+    }
+
+    /// The bytes of composed pixels.
+    ///
+    /// # Errors
+    /// Vulkan errors.
+    pub fn upload(&mut self, composed: &[[f32; 3]], scene: &Scene) -> Result<Arc<Buffer<u32>>> {
+        let rgba = self.display.bytes(composed, scene.image.color);
+        Ok(self.encoder.upload(&rgba, scene.image.size, self.blue_first)?)
+    }
 }
 
 /// Maps pixels of the screen to those of a coarser picture with the same camera. The centres of both coincide, and a row of the
@@ -105,7 +158,7 @@ impl Scaling {
 }
 
 /// Enlarges a coarser picture to the size of the screen by bilinear interpolation. Sizes are columns and rows.
-pub fn enlarge(pixels: &[[f32; 3]], from: [u32; 2], to: [u32; 2]) -> Vec<[f32; 3]> {
+fn enlarge(pixels: &[[f32; 3]], from: [u32; 2], to: [u32; 2]) -> Vec<[f32; 3]> {
     let scaling = Scaling { from: from.map(|n| n as usize), to: to.map(|n| n as usize) };
     let width = scaling.to[0];
     let columns: Vec<_> = (0..width).map(|x| scaling.between(0, x)).collect();
@@ -136,7 +189,12 @@ pub fn enlarge_depths(depths: &[f32], from: [u32; 2], to: [u32; 2]) -> Vec<f32> 
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
+    use pellucid_engine::gpu::Memory;
+    use pellucid_engine::scene::{Document, Overrides};
+    use pellucid_testing::with_device;
     use rand::{RngExt, SeedableRng};
 
     #[test]
@@ -145,7 +203,7 @@ mod tests {
         let mut random = rand_pcg::Pcg64::seed_from_u64(7);
         let near =
             |value: f32| (-3..=3).map(move |ulps: i32| f32::from_bits(value.to_bits().wrapping_add_signed(ulps)));
-        let steps = display.steps[1..].iter().copied().flat_map(near);
+        let steps = display.steps[1..256].iter().copied().flat_map(near);
         let cells = (1..=CELLS).map(|cell| cell as f32 / CELLS as f32).flat_map(near);
         let odd = [0.0, -0.0, -1.0, 1.0, 1.5, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, f32::MIN_POSITIVE];
         let chance = (0..200_000).map(|_| random.random_range(-0.1..1.1f32).powi(3));
@@ -184,20 +242,100 @@ mod tests {
         assert_eq!(enlarge_depths(&depths, [2, 2], [2, 2]), depths);
     }
 
+    /// An empty scene with a picture of this size.
+    fn scene([width, height]: [u32; 2], color: &str) -> Scene {
+        let text = format!(
+            "[image]\nsize = [{width}, {height}]\nbackground = [0.5, 1.0, 0.0]\ncolor = '{color}'\n[[cloud]]\npath = 'a.ply'"
+        );
+        Document::from_toml(&text, Path::new("/scans/s.toml"), &Overrides::default()).unwrap().scene().unwrap()
+    }
+
     #[test]
     fn composed_pixels_are_those_of_the_image() {
-        let image = Image {
-            width: 2,
-            height: 1,
-            rgba: vec![[0.25, 0.0, 0.0, 0.5], [0.0; 4]],
-            depth: vec![1.0, f32::INFINITY],
-            fragments: None,
-            layers: None,
-            stderr: None,
-        };
-        let composed = compose(&image, Vec3::new(0.5, 1.0, 0.0), ColorSpace::Linear);
+        let scene = scene([2, 1], "linear");
+        let composed = SceneImage { size: [2, 1], scene: &scene }.composed(&[[0.25, 0.0, 0.0, 0.5], [0.0; 4]]);
         assert_eq!(composed, [[0.5, 0.5, 0.0], [0.5, 1.0, 0.0]]);
         let bytes = Display::new().bytes(&composed, ColorSpace::Linear);
         assert_eq!(bytes, [188, 188, 0, 255, 188, 255, 0, 255]);
+    }
+
+    /// Values near each step of a byte, others by chance, and some that are no colors.
+    fn pixels(count: usize) -> Vec<[f32; 4]> {
+        let mut random = rand_pcg::Pcg64::seed_from_u64(11);
+        let odd = [0.0, -0.0, -1.0, 1.5, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, f32::MIN_POSITIVE, 1e-42];
+        let mut value = |i: usize| match i % 4 {
+            0 => odd[random.random_range(0..odd.len())],
+            1 => random.random_range(-0.1..1.1f32),
+            _ => {
+                let color = if i % 8 < 4 { ColorSpace::Linear } else { ColorSpace::Encoded };
+                let step = byte_steps(color)[random.random_range(1..256)];
+                f32::from_bits(step.to_bits().wrapping_add_signed(random.random_range(-2..3)))
+            }
+        };
+        (0..count)
+            .map(|i| [value(5 * i), value(7 * i + 1), value(3 * i + 2), if i % 3 == 0 { 0.5 } else { 1.0 }])
+            .collect()
+    }
+
+    /// What a window shows, in the order of memory.
+    fn bytes(shown: &Buffer<u32>) -> Vec<u8> {
+        shown.read(0, shown.len()).unwrap().into_iter().flat_map(u32::to_le_bytes).collect()
+    }
+
+    #[test]
+    fn the_devices_bytes_are_those_of_the_host() {
+        with_device(|device| {
+            for (size, color) in [([161, 100], "linear"), ([64, 300], "encoded")] {
+                let scene = scene(size, color);
+                let pixels = pixels((size[0] * size[1]) as usize);
+                let colors = device.buffer("colors", pixels.len() as u64, Memory::Device).unwrap();
+                colors.upload(&pixels).unwrap();
+                let image = SceneImage { size, scene: &scene };
+                let host = Display::new().bytes(&image.composed(&pixels), scene.image.color);
+                let swapped: Vec<u8> = host.chunks(4).flat_map(|p| [p[2], p[1], p[0], p[3]]).collect();
+                for (blue_first, wanted) in [(false, &host), (true, &swapped)] {
+                    let mut shows = Shows::new(device, blue_first).unwrap();
+                    let encoded = shows.encode(colors.all(), image).unwrap();
+                    assert!(bytes(&encoded) == *wanted, "{color}, {blue_first}");
+                    let uploaded = shows.upload(&image.composed(&pixels), &scene).unwrap();
+                    assert!(bytes(&uploaded) == *wanted, "{color}, {blue_first}");
+                }
+            }
+        });
+    }
+
+    /// Weights are float64 on the host.
+    #[test]
+    fn the_device_enlarges_as_the_host_does() {
+        with_device(|device| {
+            let mut random = rand_pcg::Pcg64::seed_from_u64(5);
+            for (from, to) in [([31, 21], [123, 82]), ([50, 40], [50, 41]), ([1, 1], [7, 5])] {
+                let scene = scene(to, "linear");
+                let pixels: Vec<[f32; 4]> = (0..from[0] * from[1]).map(|_| random.random()).collect();
+                let colors = device.buffer("colors", pixels.len() as u64, Memory::Device).unwrap();
+                colors.upload(&pixels).unwrap();
+                let image = SceneImage { size: from, scene: &scene };
+                let shown = Shows::new(device, false).unwrap().encode(colors.all(), image).unwrap();
+                let host = Display::new().bytes(&image.composed(&pixels), scene.image.color);
+                let most = bytes(&shown).iter().zip(&host).map(|(a, b)| a.abs_diff(*b)).max();
+                assert!(most <= Some(1), "{from:?} to {to:?}: {most:?}");
+            }
+        });
+    }
+
+    #[test]
+    fn pictures_that_nobody_holds_are_written_again() {
+        with_device(|device| {
+            let scene = scene([8, 4], "linear");
+            let mut shows = Shows::new(device, false).unwrap();
+            let mut upload = |value: f32| shows.upload(&[[value; 3]; 32], &scene).unwrap();
+            let (first, second) = (upload(0.0), upload(1.0));
+            assert!(!Arc::ptr_eq(&first, &second));
+            let before = Arc::as_ptr(&first);
+            drop(first);
+            let third = upload(1.0);
+            assert_eq!(Arc::as_ptr(&third), before);
+            assert_eq!(second.read(0, 32).unwrap(), vec![u32::MAX; 32]);
+        });
     }
 }

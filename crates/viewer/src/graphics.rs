@@ -44,7 +44,7 @@ impl Graphics {
         let proxy = opening.proxy.clone();
         // A loop that is gone needs no news.
         let wake = move || drop(proxy.send_event(Wake));
-        let worker = Worker::start(&device, workload, opening.setup, wake)?;
+        let worker = Worker::start(&device, workload, opening.setup, screen.blue_first(), wake)?;
         Ok(Self { worker, screen, device })
     }
 
@@ -56,6 +56,9 @@ impl Graphics {
         let textures = screen.take_textures();
         drop(screen);
         drop(device);
-        ended.map(|(workload, news)| (workload, news, textures))
+        ended.map(|(workload, mut news)| {
+            news.iter_mut().for_each(News::release);
+            (workload, news, textures)
+        })
     }
 }

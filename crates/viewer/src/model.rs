@@ -200,6 +200,13 @@ impl Model {
         self.picture.as_deref()
     }
 
+    /// Gives the picture's memory on the device back; all else of it stays.
+    pub fn release_picture(&mut self) {
+        if let Some(picture) = &mut self.picture {
+            picture.pixels = None;
+        }
+    }
+
     /// The part of the window that shows the picture.
     pub fn viewport(&self) -> Viewport {
         self.viewport

@@ -152,7 +152,11 @@ impl Stage {
         let lights = lights(&mut frame, &placed.cloud, effort);
         let draft = self.draft(&method, effort);
         let started = Instant::now();
-        let (rendered, brightness) = self.draw(&frame, draft)?;
+        // What moves is looked at and gone.
+        self.renderer.host_colors = !matches!(effort, Effort::Moving(_));
+        let drawn = self.draw(&frame, draft);
+        self.renderer.host_colors = true;
+        let (rendered, brightness) = drawn?;
         // Shadows that were cast are there for the next one.
         if rendered.facts.light_views == 0 {
             let cost = Cost { ms: started.elapsed().as_secs_f64() * 1e3, work: draft.work(&method) };

@@ -10,7 +10,7 @@ use pellucid_engine::progress::Progress;
 
 use super::accuracy::{History, Rung, Standing};
 use super::census::Census;
-use super::display::{self, Display};
+use super::display::{self, SceneImage, Shows};
 use super::legend::Legends;
 use super::loss;
 use super::save::{self, Saving};
@@ -96,19 +96,27 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// Starts the thread, with tasks that it has already. `wake` is called after each piece of news.
-    pub fn start(device: &Device, workload: Workload, setup: Setup, wake: impl Fn() + Send + 'static) -> Result<Self> {
+    /// Starts the thread, with tasks that it has already. Its pictures are for a screen that has blue first in memory, or red.
+    /// `wake` is called after each piece of news.
+    pub fn start(
+        device: &Device,
+        workload: Workload,
+        setup: Setup,
+        blue_first: bool,
+        wake: impl Fn() + Send + 'static,
+    ) -> Result<Self> {
         let (tasks, waiting) = mpsc::channel();
         let (teller, news) = mpsc::channel();
         let stage = Stage::new(device, workload.clouds, setup.seed, setup.memory_budget)?;
         let progress = stage.progress.clone();
-        let (display, history) = (Display::new(), History::default());
+        let (shows, history) = (Shows::new(device, blue_first)?, History::default());
         let work = Work {
             stage,
             setup,
             generated: workload.generated,
-            display,
+            shows,
             history,
+            unread: None,
             whole: None,
             legends: Legends::default(),
         };
@@ -189,9 +197,11 @@ struct Work {
     setup: Setup,
     /// True if no file contains the clouds.
     generated: bool,
-    display: Display,
+    shows: Shows,
     /// Pictures of the view.
     history: History,
+    /// Columns and rows of the last picture's image, if its colors are on the device alone.
+    unread: Option<[u32; 2]>,
     /// The last whole picture.
     whole: Option<Whole>,
     legends: Legends,
@@ -292,13 +302,14 @@ impl Work {
 
     fn show(&mut self, request: &Request) -> Result<News> {
         let Request { scene, pose, effort, serial, legend } = request;
+        self.supply(scene, *pose)?;
         let mut taken = self.stage.take(scene, *pose, *effort)?;
         let plan = self.stage.plan(&taken);
         let (stage, legends) = (&self.stage, &mut self.legends);
         let legend = legend.then(|| legends.of_scene(scene, || stage.legend(scene))).transpose()?;
         let (whole, draft) = (taken.is_whole(), taken.name());
         let image = &taken.rendered.image;
-        let (small, size) = ([image.width, image.height], scene.image.size);
+        let shown = SceneImage { size: [image.width, image.height], scene };
         let rung = Rung {
             name: draft.clone(),
             ms: taken.rendered.profile.wall.as_secs_f64() * 1e3,
@@ -306,14 +317,17 @@ impl Work {
             standard_error: image.standard_error().filter(|error| error.is_finite()),
             rmse: None,
         };
-        let mut pixels = display::compose(image, scene.image.background, scene.image.color);
+        let composed = image.has_colors().then(|| shown.composed(&image.rgba));
+        let pixels = match self.stage.renderer().colors() {
+            Some(colors) => self.shows.encode(colors, shown)?,
+            None => self.shows.upload(composed.as_deref().unwrap_or_default(), scene)?,
+        };
+        self.unread = composed.is_none().then_some(shown.size);
         let mut depths = std::mem::take(&mut taken.rendered.image.depth);
-        if small != size {
-            pixels = display::enlarge(&pixels, small, size);
-            depths = display::enlarge_depths(&depths, small, size);
+        if shown.is_coarse() {
+            depths = display::enlarge_depths(&depths, shown.size, scene.image.size);
         }
-        let rgba = self.display.bytes(&pixels, scene.image.color);
-        self.history.add(scene, *pose, rung, pixels, whole);
+        self.history.add(scene, *pose, rung, composed, whole);
         let TakenPicture { rendered, frame, subject, standing, field, .. } = taken;
         if let (true, Some(standing)) = (whole, standing) {
             self.whole = Some(Whole { serial: *serial, scene: scene.clone(), pose: *pose, frame, standing });
@@ -323,8 +337,8 @@ impl Work {
             pose: *pose,
             camera: frame.camera,
             subject,
-            size,
-            rgba,
+            size: scene.image.size,
+            pixels: Some(pixels),
             depths,
             whole,
             draft,
@@ -339,14 +353,27 @@ impl Work {
         Ok(News::Picture(Box::new(picture)))
     }
 
+    /// Brings the colors of the last picture to the host if the next one is of the same view: a better one will tell their error.
+    fn supply(&mut self, scene: &Scene, pose: Pose) -> Result<()> {
+        let Some(size) = self.unread.take().filter(|_| self.history.is_of(scene, pose)) else { return Ok(()) };
+        if let Some(rgba) = self.stage.renderer().read_colors()? {
+            self.history.supply(SceneImage { size, scene }.composed(&rgba));
+        }
+        Ok(())
+    }
+
     /// Compares the pictures of the last view with the exact one.
     fn measure(&mut self, serial: u64) -> Result<News> {
         let whole = self.whole.as_ref().filter(|whole| whole.serial == serial);
         let standing = whole.map(|whole| whole.standing);
+        if let Some((scene, pose)) = whole.map(|whole| (whole.scene.clone(), whole.pose)) {
+            self.supply(&scene, pose)?;
+        }
+        let whole = self.whole.as_ref().filter(|whole| whole.serial == serial);
         if let (Some(whole), Some(Standing::Approximation(method))) = (whole, standing) {
             let rendered = self.stage.exact(&whole.scene, &whole.frame, method)?;
-            let image = &whole.scene.image;
-            let exact = display::compose(&rendered.image, image.background, image.color);
+            let image = SceneImage { size: [rendered.image.width, rendered.image.height], scene: &whole.scene };
+            let exact = image.composed(&rendered.image.rgba);
             self.stage.recycle(rendered.image);
             self.history.measure(&whole.scene, whole.pose, method.name(), &exact);
         }
@@ -362,12 +389,15 @@ impl Work {
         self.stage = Stage::new(&device, opened.clouds, self.setup.seed, self.setup.memory_budget)?;
         self.stage.progress = progress;
         // A file of the same name may have other contents now.
-        (self.history, self.whole, self.legends) = (History::default(), None, Legends::default());
+        (self.history, self.unread, self.whole) = (History::default(), None, None);
+        self.legends = Legends::default();
         self.generated = opened.generated;
         Ok(News::Opened(opened.name, Box::new(opened.document)))
     }
 
     fn save(&mut self, saving: &Saving) -> Result<News> {
+        // The saved picture takes its place.
+        self.unread = None;
         save::write(&mut self.stage, saving, self.generated, self.setup.seed).map(News::Saved)
     }
 }

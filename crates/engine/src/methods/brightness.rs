@@ -87,6 +87,11 @@ impl Applied {
     }
 }
 
+/// True if images of a method are brightened.
+pub(super) fn is_applied(method: &Method) -> bool {
+    matches!(method, Method::SpbrSimplified(_)) || matches!(method, Method::Spbr(spbr) if spbr.brighten)
+}
+
 /// Brightens a frame's image as its method demands: `spbr-simplified`, and `spbr` with `brighten`. If p is not given,
 /// all points are rendered once more, as a single ensemble. `None` for other methods, whose image stays unchanged.
 ///
@@ -98,13 +103,15 @@ pub fn apply(
     frame: &Frame,
     image: &mut Image,
 ) -> Result<Option<Applied>, Error> {
+    if !is_applied(&frame.method) {
+        return Ok(None);
+    }
+    renderer.disown_colors();
     let applied = match &frame.method {
         Method::SpbrSimplified(SpbrSimplified { brightness: Brightness::Factor(factor), .. }) => {
             Applied { factor: *factor, found: None }
         }
-        Method::SpbrSimplified(_) => search_with(renderer, cloud, frame, image)?,
-        Method::Spbr(spbr) if spbr.brighten => search_with(renderer, cloud, frame, image)?,
-        _ => return Ok(None),
+        _ => search_with(renderer, cloud, frame, image)?,
     };
     brighten(&mut image.rgba, applied.factor);
     for error in image.stderr.iter_mut().flatten().flatten() {

@@ -5,6 +5,7 @@ use std::time::Duration;
 use super::engine::Engine;
 use super::{Facts, Frame, PassProfile, edl, shadows};
 use crate::gpu::PassTime;
+use crate::image::Image;
 use crate::passes::project::DeviceCloud;
 
 /// All runs of a pass in a frame.
@@ -19,11 +20,16 @@ pub(crate) struct PassRuns<'a> {
     pub frame: &'a Frame,
     /// Its points.
     pub cloud: &'a DeviceCloud,
-    /// Lengths of all lists of fragments, if they were read back.
-    pub lengths: &'a [u32],
+    /// Its image.
+    pub image: &'a Image,
 }
 
 impl PassRuns<'_> {
+    /// Lengths of all lists of fragments, if they were read back.
+    pub fn lengths(&self) -> &[u32] {
+        self.image.fragments.as_deref().unwrap_or_default()
+    }
+
     /// Pixels of the image.
     pub fn pixels(&self) -> u64 {
         u64::from(self.frame.size[0]) * u64::from(self.frame.size[1])
@@ -57,7 +63,7 @@ impl PassRuns<'_> {
     fn common(&self) -> Option<u64> {
         match self.name {
             "image/clear" => Some(self.pixels() * 20),
-            "image/read-back" => Some(self.pixels() * 20 * 2),
+            "image/read-back" => Some(self.pixels() * if self.image.has_colors() { 20 * 2 } else { 4 * 2 }),
             name if name.starts_with("shading/") => edl::least_bytes(name, self.pixels()),
             name if name.starts_with("shadows/") => {
                 let resolution = self.frame.shadows.map_or(0, |shadows| shadows.resolution);
@@ -69,15 +75,14 @@ impl PassRuns<'_> {
     }
 }
 
-/// Sums the dispatches of each pass, in order of first appearance, and adds the bytes that each must move. `lengths` are those
-/// of all lists of fragments, if they were read back.
+/// Sums the dispatches of each pass of a frame and its image, in order of first appearance, and adds the bytes that each must
+/// move.
 pub(super) fn aggregate(
     engine: &dyn Engine,
     timeline: &[(PassTime, Duration)],
     facts: &Facts,
-    frame: &Frame,
+    (frame, image): (&Frame, &Image),
     cloud: &DeviceCloud,
-    lengths: &[u32],
 ) -> Vec<PassProfile> {
     let mut passes: Vec<PassProfile> = Vec::new();
     for (time, _) in timeline {
@@ -87,7 +92,7 @@ pub(super) fn aggregate(
             continue;
         }
         let runs = timeline.iter().filter(|(other, _)| other.name == time.name).count() as u64;
-        let pass = PassRuns { name: time.name, runs, facts, frame, cloud, lengths };
+        let pass = PassRuns { name: time.name, runs, facts, frame, cloud, image };
         let bytes = pass.common().or_else(|| engine.least_bytes(&pass));
         passes.push(PassProfile { name: time.name, gpu: time.gpu, invocations: time.invocations, bytes });
     }

@@ -13,6 +13,8 @@ pub struct Target {
     depths: Kept<f32>,
     image_host: Kept<[f32; 4]>,
     depths_host: Kept<f32>,
+    /// True if colors of windows are not copied to the host.
+    pub(super) keeps_colors: bool,
 }
 
 impl Target {
@@ -22,6 +24,7 @@ impl Target {
             depths: Kept::new("depths", Memory::Device),
             image_host: Kept::new("image, host", Memory::Readback),
             depths_host: Kept::new("depths, host", Memory::Readback),
+            keeps_colors: false,
         }
     }
 
@@ -39,6 +42,11 @@ impl Target {
         self.image.get().all()
     }
 
+    /// The colors of the first pixels, on the host.
+    pub(super) fn read_colors(&self, pixels: u64) -> Result<Vec<[f32; 4]>, Error> {
+        Ok(self.image.get().read(0, pixels)?)
+    }
+
     /// Their depths.
     pub fn depths(&self) -> Slice<'_, f32> {
         self.depths.get().all()
@@ -49,9 +57,12 @@ impl Target {
         Pixels { image: self.image(), depths: self.depths() }
     }
 
-    /// Records the copy to the host.
+    /// Records the copy to the host, of depths alone if colors stay.
     pub fn record_read_back<'a>(&'a self, recorder: &mut Recorder<'a>, pixels: u64) -> Result<(), Error> {
-        recorder.copy("image/read-back", self.image.get().slice(0, pixels), self.image_host.get().slice(0, pixels))?;
+        if !self.keeps_colors {
+            let [from, to] = [&self.image, &self.image_host].map(|kept| kept.get().slice(0, pixels));
+            recorder.copy("image/read-back", from, to)?;
+        }
         recorder.copy(
             "image/read-back",
             self.depths.get().slice(0, pixels),
@@ -60,14 +71,16 @@ impl Target {
         Ok(())
     }
 
-    /// Copies the window's rows into the image.
+    /// Copies the window's rows into the image, of depths alone if colors stay.
     pub(super) fn deliver(&self, window: Window, image: &mut Image) {
         let [x0, y0, x1, y1] = window.map(|v| v as usize);
         let (width, pitch) = (x1 - x0, image.width as usize);
         // On all cores: the image's memory is untouched, and the kernel clears every page on first access.
-        let rgba = image.rgba[y0 * pitch..y1 * pitch].par_chunks_mut(pitch);
-        let from = self.image_host.get().mapped_slice().par_chunks(width);
-        rgba.zip(from).for_each(|(row, from)| row[x0..x1].copy_from_slice(from));
+        if !self.keeps_colors {
+            let rgba = image.rgba[y0 * pitch..y1 * pitch].par_chunks_mut(pitch);
+            let from = self.image_host.get().mapped_slice().par_chunks(width);
+            rgba.zip(from).for_each(|(row, from)| row[x0..x1].copy_from_slice(from));
+        }
         let depth = image.depth[y0 * pitch..y1 * pitch].par_chunks_mut(pitch);
         let from = self.depths_host.get().mapped_slice().par_chunks(width);
         depth.zip(from).for_each(|(row, from)| row[x0..x1].copy_from_slice(from));

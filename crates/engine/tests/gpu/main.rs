@@ -4,6 +4,7 @@ mod abuffer;
 mod approximate;
 mod brightness;
 mod cancelled;
+mod colors;
 mod edl;
 mod elementary;
 mod gpu;

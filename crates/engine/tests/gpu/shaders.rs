@@ -44,7 +44,7 @@ fn every_shader_file_belongs_to_a_pass() {
 }
 
 #[test]
-fn every_compute_shader_has_the_common_workgroup_or_a_subgroup() {
+fn every_compute_shader_has_the_common_workgroup_or_subgroups() {
     const SINGLE: [&str; 3] = ["abuffer/groups", "abuffer/run_groups", "peel/next"];
     for shader in shaders() {
         for variant in texts(&shader) {
@@ -55,7 +55,9 @@ fn every_compute_shader_has_the_common_workgroup_or_a_subgroup() {
                 assert_eq!(variant.walker, Some("walk_fragment"), "{}", shader.stem);
             } else {
                 let single = SINGLE.contains(&shader.stem);
-                let wanted = if single { 1 } else { variant.subgroup.unwrap_or(WORKGROUP) };
+                let team = variant.constants.iter().find(|(name, _)| *name == "TEAM").map_or("1u", |(_, team)| team);
+                let team: u32 = team.trim_end_matches('u').parse().expect("a number of subgroups");
+                let wanted = if single { 1 } else { variant.subgroup.map_or(WORKGROUP, |lanes| lanes * team) };
                 assert_eq!(reflection.workgroup, [wanted, 1, 1], "{}", shader.stem);
             }
         }
@@ -67,7 +69,7 @@ const NUMBERS: [&str; 7] = ["PART_LENGTH", "RUN", "SEGMENT", "SHARED", "STEP", "
 
 /// Choices that a shader shares with others and that its pass makes in one way alone: flat discs in order of depth, oriented ones
 /// out of order, spheres and opaque splats without a falloff.
-const FIXED: [(&str, &str); 13] = [
+const FIXED: [(&str, &str); 14] = [
     ("abuffer/count_tiles", "SHAPE"),
     ("abuffer/resolve_ordered", "SHAPE"),
     ("abuffer/store_tiles", "SHAPE"),
@@ -77,6 +79,7 @@ const FIXED: [(&str, &str); 13] = [
     ("soft/express", "SHAPE"),
     ("soft/resolve_merge", "FALLOFF"),
     ("soft/resolve_network", "FALLOFF"),
+    ("soft/resolve_sorted", "FALLOFF"),
     ("soft/segments", "FALLOFF"),
     ("soft/sum_runs", "FALLOFF"),
     ("splats/attributes", "FALLOFF"),

@@ -20,7 +20,7 @@ pub struct Variant {
     pub walker: Option<&'static str>,
     /// Names and counts for `#each`.
     pub counts: Vec<(&'static str, u32)>,
-    /// Invocations of a subgroup, for shaders whose workgroup is one subgroup; also the constant `SUBGROUP` in WGSL.
+    /// Invocations of a subgroup, for shaders whose workgroup is one subgroup or several; also the constant `SUBGROUP` in WGSL.
     pub subgroup: Option<u32>,
 }
 

@@ -1,4 +1,4 @@
-//! From a picture in the host's memory to the window.
+//! From a picture in the device's memory to the window.
 
 use std::sync::Arc;
 
@@ -7,16 +7,16 @@ use ash::{khr, vk};
 use super::panel::{Drawing, Painter, Textures};
 use super::swapchain::{self, RANGE, Swapchain, failed};
 use crate::context::lock;
-use crate::{Context, Device, Error, Kept, Memory};
+use crate::{Buffer, Context, Device, Error};
 
-/// Bytes to show, and where: R, G, B, A of each pixel, row by row, sRGB-encoded.
+/// Bytes to show, and where: sRGB-encoded, row by row, in the order that [`Screen::blue_first`] says.
 pub struct Picture<'a> {
     /// Columns and rows.
     pub size: [u32; 2],
     /// The upper left corner in the window, in physical pixels. The part outside of the window is not shown.
     pub at: [u32; 2],
     /// 4 bytes for each pixel.
-    pub rgba: &'a [u8],
+    pub pixels: &'a Buffer<u32>,
 }
 
 /// The outcome of a frame.
@@ -31,7 +31,6 @@ pub enum Shown {
 /// The content of a window. Holds the device; one frame is in flight at a time.
 pub struct Screen {
     context: Arc<Context>,
-    device: Device,
     loader: khr::swapchain::Device,
     format: vk::SurfaceFormatKHR,
     swapchain: Option<Swapchain>,
@@ -39,7 +38,6 @@ pub struct Screen {
     commands: vk::CommandBuffer,
     fence: vk::Fence,
     painter: Option<Painter>,
-    staging: Kept<u32>,
     /// True if the swapchain no longer fits the window.
     stale: bool,
 }
@@ -55,7 +53,6 @@ impl Screen {
         let format = swapchain::format(&context)?;
         let loader = khr::swapchain::Device::new(&context.instance.raw, &context.device);
         let mut screen = Self {
-            device: device.clone(),
             loader,
             format,
             swapchain: None,
@@ -63,7 +60,6 @@ impl Screen {
             commands: vk::CommandBuffer::null(),
             fence: vk::Fence::null(),
             painter: Some(Painter::new(&context, format.format, textures)?),
-            staging: Kept::new("picture", Memory::Upload),
             stale: true,
             context,
         };
@@ -87,6 +83,11 @@ impl Screen {
         Ok(())
     }
 
+    /// True if pixels are B, G, R, A in memory, and not R, G, B, A.
+    pub fn blue_first(&self) -> bool {
+        self.format.format == vk::Format::B8G8R8A8_UNORM
+    }
+
     /// The window has changed its size.
     pub fn resized(&mut self) {
         self.stale = true;
@@ -102,7 +103,7 @@ impl Screen {
     ///
     /// # Errors
     /// [`Error::Lost`] if the device or the surface is lost; [`Error::NoSurface`] if the picture's length doesn't match
-    /// its size. After running out of memory, the next frame may succeed.
+    /// its size, or if it is on another device. After running out of memory, the next frame may succeed.
     pub fn show(
         &mut self,
         size: [u32; 2],
@@ -135,7 +136,7 @@ impl Screen {
 
     /// Draws to an image of the window, if it has one to give.
     fn draw(&mut self, size: [u32; 2], picture: Option<&Picture<'_>>, drawing: &Drawing) -> Result<Option<u32>, Error> {
-        self.stage(picture)?;
+        picture.map_or(Ok(()), |picture| self.check(picture))?;
         if self.stale {
             self.renew(size)?;
         }
@@ -201,16 +202,15 @@ impl Screen {
         }
     }
 
-    /// Puts the picture where the device can copy it from.
-    fn stage(&mut self, picture: Option<&Picture<'_>>) -> Result<(), Error> {
-        let Some(Picture { size: [width, height], rgba, .. }) = picture else { return Ok(()) };
-        let pixels = u64::from(*width) * u64::from(*height);
-        if rgba.len() as u64 != 4 * pixels {
-            return Err(Error::NoSurface(format!("{} bytes for a picture of {width} × {height}", rgba.len())));
+    /// Makes sure that the device can copy all of a picture.
+    fn check(&self, picture: &Picture<'_>) -> Result<(), Error> {
+        let Picture { size: [width, height], pixels, .. } = picture;
+        if !pixels.is_of(&self.context) {
+            return Err(Error::NoSurface("the picture is on another device".into()));
         }
-        self.staging.reserve(&self.device, pixels)?;
-        let bgra = self.format.format == vk::Format::B8G8R8A8_UNORM;
-        self.staging.get_mut().write_words(rgba, |[r, g, b, a]| if bgra { [b, g, r, a] } else { [r, g, b, a] });
+        if pixels.len() != u64::from(*width) * u64::from(*height) {
+            return Err(Error::NoSurface(format!("{} pixels for a picture of {width} × {height}", pixels.len())));
+        }
         Ok(())
     }
 
@@ -227,9 +227,11 @@ impl Screen {
             let gray = vk::ClearColorValue { float32: [GRAY, GRAY, GRAY, 1.0] };
             device.cmd_clear_color_image(commands, image, COPIED, &gray, &[RANGE]);
             barrier(device, commands, image, [COPIED, COPIED]);
-            let region = picture.and_then(|picture| region(picture, swapchain.extent));
-            if let Some(region) = region {
-                let source = self.staging.get().all().raw();
+            if let Some(Picture { size, at, pixels }) = picture
+                && let Some(region) = region(*size, *at, swapchain.extent)
+            {
+                see_all(device, commands);
+                let source = pixels.all().raw();
                 let region = region.buffer_offset(source.offset);
                 device.cmd_copy_buffer_to_image(commands, source.buffer, image, COPIED, &[region]);
             }
@@ -328,14 +330,14 @@ const GRAY: f32 = 0.1;
 const COPIED: vk::ImageLayout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
 const DRAWN: vk::ImageLayout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
 
-/// The part of a picture that fits the window; `None` if that is empty.
-fn region(picture: &Picture<'_>, extent: vk::Extent2D) -> Option<vk::BufferImageCopy> {
-    let room = [extent.width.saturating_sub(picture.at[0]), extent.height.saturating_sub(picture.at[1])];
-    let [width, height] = [picture.size[0].min(room[0]), picture.size[1].min(room[1])];
-    let offset = [i32::try_from(picture.at[0]).ok()?, i32::try_from(picture.at[1]).ok()?];
+/// The part of a picture of this size, with its corner at `at`, that fits the window; `None` if that is empty.
+fn region(size: [u32; 2], at: [u32; 2], extent: vk::Extent2D) -> Option<vk::BufferImageCopy> {
+    let room = [extent.width.saturating_sub(at[0]), extent.height.saturating_sub(at[1])];
+    let [width, height] = [size[0].min(room[0]), size[1].min(room[1])];
+    let offset = [i32::try_from(at[0]).ok()?, i32::try_from(at[1]).ok()?];
     (width > 0 && height > 0).then(|| {
         vk::BufferImageCopy::default()
-            .buffer_row_length(picture.size[0])
+            .buffer_row_length(size[0])
             .image_subresource(vk::ImageSubresourceLayers {
                 aspect_mask: vk::ImageAspectFlags::COLOR,
                 mip_level: 0,
@@ -345,6 +347,21 @@ fn region(picture: &Picture<'_>, extent: vk::Extent2D) -> Option<vk::BufferImage
             .image_offset(vk::Offset3D { x: offset[0], y: offset[1], z: 0 })
             .image_extent(vk::Extent3D { width, height, depth: 1 })
     })
+}
+
+/// Lets copies see what earlier submissions wrote.
+///
+/// # Safety
+/// The command buffer is recording outside of rendering.
+unsafe fn see_all(device: &ash::Device, commands: vk::CommandBuffer) {
+    let barrier = [vk::MemoryBarrier2::default()
+        .src_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
+        .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
+        .dst_stage_mask(vk::PipelineStageFlags2::COPY)
+        .dst_access_mask(vk::AccessFlags2::TRANSFER_READ)];
+    let dependency = vk::DependencyInfo::default().memory_barriers(&barrier);
+    // SAFETY: by the caller.
+    unsafe { device.cmd_pipeline_barrier2(commands, &dependency) };
 }
 
 /// Takes an image from one layout to another, after all that was done to it.
@@ -381,7 +398,7 @@ mod tests {
     fn a_picture_is_cut_at_the_windows_border() {
         let extent = vk::Extent2D { width: 10, height: 8 };
         let part = |size, at| {
-            let region = region(&Picture { size, at, rgba: &[] }, extent)?;
+            let region = region(size, at, extent)?;
             Some((region.image_extent.width, region.image_extent.height, region.buffer_row_length))
         };
         assert_eq!(part([6, 8], [0, 0]), Some((6, 8, 6)));

@@ -51,7 +51,7 @@ fn picture(request: &Request, whole: bool) -> News {
         camera,
         subject: Subject { bounds: Bounds { min: -half, max: half }, radius: 0.1, up: UpAxis::Z },
         size: SIZE,
-        rgba: vec![0; 4 * 64 * 48],
+        pixels: None,
         depths: vec![10.0; 64 * 48],
         whole,
         draft: String::new(),

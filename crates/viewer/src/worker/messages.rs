@@ -12,6 +12,7 @@ use crate::stage::Pose;
 use pellucid_engine::Error;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::camera::import::Source;
+use pellucid_engine::gpu::Buffer;
 use pellucid_engine::methods::{Facts, FrameProfile};
 use pellucid_engine::plan::Step;
 use pellucid_engine::scene::legend::Legend;
@@ -59,8 +60,8 @@ pub struct Picture {
     pub subject: Subject,
     /// Columns and rows.
     pub size: [u32; 2],
-    /// R, G, B, A bytes, sRGB-encoded, row by row.
-    pub rgba: Vec<u8>,
+    /// Its bytes, as the screen takes them; `None` once the device is lost.
+    pub pixels: Option<Arc<Buffer<u32>>>,
     /// Depth of each pixel, infinite where the pixel is empty.
     pub depths: Vec<f32>,
     /// True if nothing was left out.
@@ -105,6 +106,15 @@ pub enum News {
     Gone,
     /// Rendering is no longer possible.
     Lost(Error),
+}
+
+impl News {
+    /// Gives up what is on the device.
+    pub fn release(&mut self) {
+        if let Self::Picture(picture) = self {
+            picture.pixels = None;
+        }
+    }
 }
 
 impl Task {

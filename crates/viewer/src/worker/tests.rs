@@ -70,7 +70,7 @@ fn work(device: &Device, test: impl FnOnce(&Device, &Worker, Document, &Path)) {
     ];
     keys.into_iter().for_each(|(key, value)| document.put(key, value).unwrap());
     let workload = Workload { clouds: opened.clouds, generated: false, tasks: Vec::new() };
-    let worker = Worker::start(device, workload, Setup { seed: 0, memory_budget: None }, || {}).unwrap();
+    let worker = Worker::start(device, workload, Setup { seed: 0, memory_budget: None }, false, || {}).unwrap();
     test(device, &worker, document, folder.path());
 }
 

@@ -137,7 +137,7 @@ impl Engine for ListEngine {
 
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
         let tilted = self.discs.shape == DiscShape::Oriented;
-        let lists = || list_bytes(pass, tilted).or_else(|| super::least_bytes(pass.name, pass.lengths));
+        let lists = || list_bytes(pass, tilted).or_else(|| super::least_bytes(pass.name, pass.lengths()));
         pass.projected(tilted).or_else(|| tiled::binned_bytes(pass)).or_else(lists)
     }
 

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use crate::progress::Progress;
 
 use super::abuffer::{self, ListEngine, Lists};
+use super::brightness;
 use super::bytes::aggregate;
 use super::cost::Load;
 use super::edl::{self, EyeDomeLighting, Surface};
@@ -15,7 +16,7 @@ use super::{
     Buffers, Error, Facts, Frame, FrameProfile, Outcome, Target, Timeline, engine_of, shadows, spbr, stochastic,
 };
 use crate::cloud::shadow_texture::Casting;
-use crate::gpu::Device;
+use crate::gpu::{Device, Slice};
 use crate::image::Image;
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::Bins;
@@ -54,12 +55,17 @@ pub struct Renderer {
     submitted: Duration,
     /// An image that was given back.
     spare: Option<Image>,
+    /// Pixels of the last frame, if their colors are all in `target` as the image has them.
+    whole: Option<u64>,
     /// Counts finished pixels of a frame, and is asked before each submission if the frame may go on; hidden unless the caller
     /// puts its own here.
     pub progress: Progress,
     /// True if passes are timed and their invocations counted, so that profiles have them; without, passes that have nothing to do
     /// with one another may run at once.
     pub timed: bool,
+    /// False if nobody needs colors on the host: where the device has those of the whole image at once, they stay there
+    /// ([`Self::colors`]), and [`Image::rgba`] is empty.
+    pub host_colors: bool,
     /// True if opaque splats and layers use 64-bit atomics; follows the device unless a test switches it off.
     pub wide_atomics: bool,
     /// True if ensembles are drawn in one go where possible; a test may switch it off.
@@ -82,8 +88,10 @@ impl Renderer {
             kind: None,
             submitted: Duration::ZERO,
             spare: None,
+            whole: None,
             progress: Progress::hidden(),
             timed: true,
+            host_colors: true,
             wide_atomics: device.info().int64_atomics,
             single_pass: true,
             epoch_bits: 31,
@@ -120,6 +128,26 @@ impl Renderer {
         self.spare = Some(image);
     }
 
+    /// Colors of the last frame, premultiplied R, G, B and A per pixel, row by row: where the device had those of the whole image at
+    /// once, and until anything else is rendered.
+    pub fn colors(&self) -> Option<Slice<'_, [f32; 4]>> {
+        self.whole.map(|pixels| self.target.image().first(pixels))
+    }
+
+    /// A copy of them on the host.
+    ///
+    /// # Errors
+    /// Vulkan errors.
+    pub fn read_colors(&self) -> Result<Option<Vec<[f32; 4]>>, Error> {
+        let read = |pixels| self.target.read_colors(pixels);
+        self.whole.map(read).transpose()
+    }
+
+    /// The device has no colors any more that are those of the last image.
+    pub(super) fn disown_colors(&mut self) {
+        self.whole = None;
+    }
+
     /// Forgets the counts of earlier frames: the next one waits for its own. Changes no byte.
     pub fn forget(&mut self) {
         self.kind = None;
@@ -150,6 +178,7 @@ impl Renderer {
         let engine = engine_of(&frame.method);
         let engine = engine.as_ref();
         self.place(engine, cloud, frame, false)?;
+        self.disown_colors();
         self.device.reset_peak();
         engine.prepare(&self.device, cloud, frame)?;
         let waits = self.device.waits();
@@ -160,6 +189,8 @@ impl Renderer {
         let windows = engine.windows(frame, budget)?;
         self.target.reserve(&self.device, largest(&windows))?;
 
+        self.target.keeps_colors =
+            !self.host_colors && !frame.shading.edl.edl && !brightness::is_applied(&frame.method);
         let mut image = blank(self.spare.take(), engine, frame);
         let drawing =
             Drawing { engine, frame, windows: &windows, budget, learns: self.learns(frame, cloud, &windows, timeline) };
@@ -177,20 +208,23 @@ impl Renderer {
             }
             (samples, _) => self.draw(cloud, &drawing, samples.unwrap_or(0), &mut image, timeline)?,
         };
+        if self.target.keeps_colors {
+            image.rgba = Vec::new();
+        }
         image.stderr = image.stderr.filter(|_| frame.fragments || frame.spread);
         facts.light_views = light_views;
         if frame.shading.edl.edl {
             let medians = self.medians_of(cloud, frame, budget, timeline)?;
             let Image { rgba, depth, .. } = &mut image;
             let surface = Surface { size: frame.size, depths: medians.as_deref().unwrap_or(depth) };
+            self.whole = None;
             self.eye_dome.apply(&self.device, &frame.shading.edl, shading, surface, rgba, timeline)?;
         }
         let begin = timeline.start.unwrap_or_else(Instant::now);
         let wall = begin.elapsed();
         facts.peak_device_bytes = self.device.peak_bytes();
-        let lengths = image.fragments.as_deref().unwrap_or_default();
         let (submitted, runs) = (timeline.submitted, std::mem::take(&mut timeline.passes));
-        let passes = aggregate(engine, &runs, &facts, frame, cloud, lengths);
+        let passes = aggregate(engine, &runs, &facts, (frame, &image), cloud);
         let waits = self.device.waits() - waits;
         let profile = FrameProfile { passes, begin, timeline: runs, submitted, wall, waits };
         Ok(Rendered { image, profile, facts })
@@ -244,12 +278,16 @@ impl Renderer {
         self.progress.set_length(u64::from(frame.size[0]) * u64::from(frame.size[1]));
         self.progress.set_position(0);
         let mut facts = Facts { points: cloud.len(), ..Default::default() };
+        self.whole = None;
         let mut windows = last_first(windows);
         while let Some(window) = windows.pop() {
+            let whole = window == [0, 0, frame.size[0], frame.size[1]];
+            self.target.keeps_colors &= whole;
             let part = Part { engine, frame, window, budget, samples, survey: false, learns };
             match self.window(cloud, &part, timeline, &mut facts)? {
                 Outcome::Done => {
                     self.progress.check()?;
+                    self.whole = whole.then(|| bands::pixels(window));
                     self.target.deliver(window, image);
                     place(frame, window, engine.counts(&self.buffers, frame, window)?, image);
                 }
@@ -375,8 +413,9 @@ impl Renderer {
         self.target.reserve(&self.device, largest(&windows))?;
         let mut image = blank(None, &engine, &frame);
         let drawing = Drawing { engine: &engine, frame: &frame, windows: &windows, budget, learns: false };
-        self.draw(cloud, &drawing, 0, &mut image, timeline)?;
-        Ok(Some(image.depth))
+        let drawn = self.draw(cloud, &drawing, 0, &mut image, timeline);
+        self.disown_colors();
+        drawn.map(|_| Some(image.depth))
     }
 
     /// The expected counts of the frame, from projecting and counting alone: nothing is stored, sorted or blended.
@@ -385,6 +424,7 @@ impl Renderer {
         let engine = engine_of(&frame.method);
         let engine = engine.as_ref();
         self.place(engine, cloud, frame, true)?;
+        self.disown_colors();
         let budget = self.budget(engine, cloud, frame);
         let (budget, _) = edl::divided(budget, frame);
         let windows = engine.windows(frame, budget)?;
@@ -512,7 +552,9 @@ fn blank(spare: Option<Image>, engine: &dyn Engine, frame: &Frame) -> Image {
     let layers = (frame.fragments && channels.layers).then(|| vec![0; pixels]);
     let stderr = (engine.samples(frame).is_some() && frame.wants_spread()).then(|| vec![[0.0; 3]; pixels]);
     match spare {
-        Some(image) if (image.width, image.height) == (width, height) => Image { fragments, layers, stderr, ..image },
+        Some(image) if image.has_colors() && (image.width, image.height) == (width, height) => {
+            Image { fragments, layers, stderr, ..image }
+        }
         _ => Image { width, height, rgba: vec![[0.0; 4]; pixels], depth: vec![0.0; pixels], fragments, layers, stderr },
     }
 }

@@ -7,8 +7,8 @@ use crate::worker::{Setup, Worker, Workload};
 use pellucid_engine::gpu::Device;
 use pellucid_engine::scene::{self, Opened};
 
-/// Runs the tasks of a model until a picture is there that nothing was left out of; the bytes of that picture.
-fn settle(model: &mut Model, worker: &Worker) -> Vec<u8> {
+/// Runs the tasks of a model until a picture is there that nothing was left out of; its pixels.
+fn settle(model: &mut Model, worker: &Worker) -> Vec<u32> {
     let until = Instant::now() + Duration::from_secs(120);
     loop {
         let now = Instant::now();
@@ -19,7 +19,8 @@ fn settle(model: &mut Model, worker: &Worker) -> Vec<u8> {
             model.take_in(news).unwrap();
         }
         if model.is_at_rest(Instant::now()) {
-            return model.picture().expect("a picture").rgba.clone();
+            let pixels = model.picture().and_then(|picture| picture.pixels.clone()).expect("a picture");
+            return pixels.read(0, pixels.len()).unwrap();
         }
         assert!(now < until, "{:?}", model.message);
         std::thread::sleep(Duration::from_millis(5));
@@ -55,7 +56,7 @@ fn reopen(device: &Device) {
     let mut model = Model::new(name, document, View::default(), 33.0).unwrap();
     model.set_viewport(Viewport { at: [0, 0], size: SIZE });
     let workload = Workload { clouds, generated, tasks: Vec::new() };
-    let worker = Worker::start(device, workload, Setup { seed: 7, memory_budget: None }, || {}).unwrap();
+    let worker = Worker::start(device, workload, Setup { seed: 7, memory_budget: None }, false, || {}).unwrap();
     let first = settle(&mut model, &worker);
     let settings = [
         ("method.name", Setting::Word("sorted".into())),

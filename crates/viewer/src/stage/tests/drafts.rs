@@ -1,7 +1,7 @@
 //! Drafts show what the whole picture shows, where it shows it; and the whole picture does not depend on them.
 
 use super::*;
-use crate::display;
+use crate::display::SceneImage;
 use pellucid_engine::metrics;
 use pellucid_engine::scene::{procedural, take_generated};
 
@@ -19,10 +19,14 @@ fn garden(device: &Device) -> (Stage, Document) {
     (stage(device, clouds), document.clone())
 }
 
-fn composed(taken: &TakenPicture, scene: &Scene) -> Vec<[f32; 3]> {
+/// The pixels of a picture, of the last one if its colors are on the device.
+fn composed(stage: &Stage, taken: &TakenPicture, scene: &Scene) -> Vec<[f32; 3]> {
     let image = &taken.rendered.image;
-    let pixels = display::compose(image, scene.image.background, scene.image.color);
-    display::enlarge(&pixels, [image.width, image.height], SIZE)
+    let rgba = match image.has_colors() {
+        true => image.rgba.clone(),
+        false => stage.renderer().read_colors().unwrap().expect("they are where they were found"),
+    };
+    SceneImage { size: [image.width, image.height], scene }.composed(&rgba)
 }
 
 /// Each pixel the mean of 9 × 9, at the border of fewer: single points are left out of drafts, and samples, by chance.
@@ -86,13 +90,13 @@ fn drafts_lie_where_the_whole_picture_does() {
             let scene = document.set("method.name", Setting::Word(method.into())).unwrap();
             let whole = stage.take(&scene, Pose::Scene, Effort::Whole).unwrap();
             assert!(whole.is_whole() && whole.name() == "whole" || whole.draft.steps.is_some(), "{method}");
-            let picture = blurred(&composed(&whole, &scene));
+            let picture = blurred(&composed(&stage, &whole, &scene));
             let background = vec![scene.image.background.to_array(); picture.len()];
             for (work, name, step) in drafts {
                 let what = format!("{method}, {name}");
                 let taken = draft(&mut stage, &scene, *work);
                 assert_eq!((taken.name().as_str(), taken.is_whole()), (*name, false), "{what}");
-                let pixels = blurred(&composed(&taken, &scene));
+                let pixels = blurred(&composed(&stage, &taken, &scene));
                 let here = apart(&picture, &pixels, [0, 0]);
                 let nothing = apart(&picture, &background, [0, 0]);
                 if here >= 0.7 * nothing {
@@ -121,9 +125,14 @@ fn finer_drafts_are_closer_to_the_whole_picture() {
     with_device(|device| {
         let (mut stage, mut document) = garden(device);
         let scene = document.set("method.name", Setting::Word("abuffer".into())).unwrap();
-        let picture = composed(&stage.take(&scene, Pose::Scene, Effort::Whole).unwrap(), &scene);
+        let whole = stage.take(&scene, Pose::Scene, Effort::Whole).unwrap();
+        let picture = composed(&stage, &whole, &scene);
         let shares = [0.016, 0.028, 0.0625, 0.12, 0.25, 1.0];
-        let errors = shares.map(|work| apart(&picture, &composed(&draft(&mut stage, &scene, work), &scene), [0, 0]));
+        let errors = shares.map(|work| {
+            let taken = draft(&mut stage, &scene, work);
+            assert!(!taken.rendered.image.has_colors(), "they stay on the device");
+            apart(&picture, &composed(&stage, &taken, &scene), [0, 0])
+        });
         assert!(errors.is_sorted_by(|coarse, fine| coarse > fine), "{errors:?}");
         assert_eq!(errors[5], 0.0);
     });

@@ -1,0 +1,110 @@
+// image/encode: pixels over a background as bytes, those of the PNG, in some rows of a picture. One invocation per pixel of the
+// picture. A coarser image is enlarged by bilinear interpolation: the centres of both coincide, and a row of the picture is
+// `scale` rows of the image. Reference: output::to_byte.
+#import dispatch
+
+struct Push {
+    // Pixels of the rows.
+    count: u32,
+    // Their first row in the picture.
+    first_row: u32,
+    // Columns and rows of the picture.
+    width: u32,
+    height: u32,
+    // Columns and rows of the image.
+    image_width: u32,
+    image_height: u32,
+    scale: f32,
+    // Of the space that the image's colors have.
+    background_r: f32,
+    background_g: f32,
+    background_b: f32,
+    // 1 if the image's colors are encoded.
+    encoded: u32,
+    // 1 if blue comes first in memory.
+    blue_first: u32,
+}
+var<immediate> push: Push;
+
+@group(0) @binding(0) var<storage, read> image: array<vec4<f32>>;
+// The least value of each byte; nothing reaches that of 256.
+@group(0) @binding(1) var<storage, read> steps: array<f32>;
+@group(0) @binding(2) var<storage, read_write> bytes: array<u32>;
+
+fn composed(column: u32, row: u32) -> vec3<f32> {
+    let pixel = image[row * push.image_width + column];
+    let background = vec3<f32>(push.background_r, push.background_g, push.background_b);
+    return pixel.rgb + (1.0 - pixel.a) * background;
+}
+
+// Of a pixel centre of the picture, in pixels of the image from the centre of its first one.
+fn place(at: u32, size: u32, image_size: u32) -> f32 {
+    let centred = (f32(at) + 0.5 - 0.5 * f32(size)) * push.scale;
+    return clamp(centred + 0.5 * f32(image_size) - 0.5, 0.0, f32(image_size - 1u));
+}
+
+fn between(a: vec3<f32>, b: vec3<f32>, t: f32) -> vec3<f32> {
+    return a * (1.0 - t) + b * t;
+}
+
+fn enlarged(column: u32, row: u32) -> vec3<f32> {
+    let x = place(column, push.width, push.image_width);
+    let y = place(row, push.height, push.image_height);
+    let left = u32(x);
+    let above = u32(y);
+    let right = min(left + 1u, push.image_width - 1u);
+    let below = min(above + 1u, push.image_height - 1u);
+    let along = x - f32(left);
+    let down = y - f32(above);
+    let upper = between(composed(left, above), composed(right, above), along);
+    let lower = between(composed(left, below), composed(right, below), along);
+    return between(upper, lower, down);
+}
+
+// The number of steps below a value; NaN is 0.
+fn byte_of(value: f32) -> u32 {
+    let x = min(select(0.0, value, value > 0.0), 1.0);
+    var guess = x;
+    if push.encoded == 0u {
+        // Within 0.3 of a byte, and cheaper than a power.
+        let half = sqrt(x);
+        let quarter = sqrt(half);
+        let curve = 0.662002687 * half + 0.684122060 * quarter - 0.323583601 * sqrt(quarter) - 0.0225411470 * x;
+        guess = select(curve, 12.92 * x, x <= 0.0031308);
+    }
+    // A guess may be off by one. The table has the last word.
+    var byte = u32(clamp(255.0 * guess + 0.5, 0.0, 255.0));
+    while byte > 0u && x < steps[byte] {
+        byte -= 1u;
+    }
+    while byte < 255u && x >= steps[byte + 1u] {
+        byte += 1u;
+    }
+    return byte;
+}
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let p = invocation_index(workgroup, groups, local);
+    if p >= push.count {
+        return;
+    }
+    let column = p % push.width;
+    let row = push.first_row + p / push.width;
+    var color: vec3<f32>;
+    if push.image_width == push.width && push.image_height == push.height {
+        color = composed(column, row);
+    } else {
+        color = enlarged(column, row);
+    }
+    let r = byte_of(color.r);
+    let g = byte_of(color.g);
+    let b = byte_of(color.b);
+    let first = select(r, b, push.blue_first == 1u);
+    let third = select(b, r, push.blue_first == 1u);
+    bytes[p] = first | (g << 8u) | (third << 16u) | (255u << 24u);
+}
