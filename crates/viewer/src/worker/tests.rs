@@ -136,6 +136,40 @@ fn accuracy_is_that_of_the_picture_that_is_shown() {
     });
 }
 
+/// The colors of a moving picture come to the host only if a better one of the same view follows.
+#[test]
+fn a_moving_picture_is_measured_once_a_better_one_is_there() {
+    working(|_, worker, mut document, folder| {
+        document.put("method.name", Setting::Word("stochastic".into())).unwrap();
+        let show = |document: &Document, effort, serial| {
+            let scene = Arc::new(document.scene().unwrap());
+            worker.ask(Task::Show(Box::new(Request { scene, pose: Pose::Scene, effort, serial, legend: false })));
+            match news(worker, || {}) {
+                News::Picture(picture) => picture.accuracy.rungs,
+                _ => panic!("no picture"),
+            }
+        };
+        let draft = show(&document, Effort::Moving(1e-6), 1);
+        assert!(draft.len() == 1 && draft[0].rmse.is_none(), "{draft:?}");
+        let rungs = show(&document, Effort::Whole, 2);
+        assert!(rungs.len() == 2 && rungs[0].rmse.is_some_and(|rmse| rmse > 1e-3), "{rungs:?}");
+        // What was rendered in between is not what is measured.
+        document.put("cloud.0.opacity", Setting::Number(0.5)).unwrap();
+        show(&document, Effort::Moving(1e-6), 3);
+        let saving = Saving {
+            document: document.clone(),
+            stem: String::new(),
+            picture: true,
+            path: None,
+            to: Some(folder.join("kept.toml")),
+        };
+        worker.ask(Task::Save(Box::new(saving)));
+        assert!(matches!(news(worker, || {}), News::Saved(_)));
+        let rungs = show(&document, Effort::Whole, 4);
+        assert!(rungs.len() == 2 && rungs[0].rmse.is_none(), "{rungs:?}");
+    });
+}
+
 /// The same names and the same view, but different points.
 #[test]
 fn files_that_are_opened_again_have_no_accuracy_yet() {
