@@ -94,10 +94,12 @@ impl Encoder {
     /// # Errors
     /// Vulkan errors.
     pub fn new(device: &Device) -> Result<Self, Error> {
-        let steps_of = |color| {
+        let steps_of = |color| -> Result<_, Error> {
             let steps = byte_steps(color);
-            let buffer = device.buffer("steps of bytes", steps.len() as u64, Memory::Device)?;
-            buffer.upload(&steps).map(|()| buffer)
+            // Written in place: a thousand bytes are worth no submission, which could be the one that loses the device.
+            let mut buffer = device.buffer("steps of bytes", steps.len() as u64, Memory::Upload)?;
+            buffer.write(&steps);
+            Ok(buffer)
         };
         let steps = [steps_of(ColorSpace::Linear)?, steps_of(ColorSpace::Encoded)?];
         Ok(Self { device: device.clone(), steps, buffers: Vec::new() })
