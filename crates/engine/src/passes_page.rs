@@ -110,7 +110,8 @@ impl Declared {
     fn kind(&self) -> &'static str {
         let path = Path::new(CRATE).join("shaders").join(&self.stem).with_extension("wgsl");
         let shader = fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-        match (shader.contains("#walker"), shader.contains("@fragment")) {
+        let visits = shader.contains("#walker") && shader.contains("fn visit(");
+        match (visits, shader.contains("@fragment")) {
             (true, _) => "walker",
             (_, true) => "draw",
             _ => "dispatch",

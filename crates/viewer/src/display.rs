@@ -84,15 +84,15 @@ impl SceneImage<'_> {
     }
 }
 
-/// Makes the bytes that a screen shows.
-pub struct Shows {
+/// Makes the bytes of pictures for a screen, on the device where the colors are there.
+pub struct ScreenEncoder {
     encoder: Encoder,
     display: Display,
     /// True if the screen has blue first in memory.
     blue_first: bool,
 }
 
-impl Shows {
+impl ScreenEncoder {
     /// For a screen of a device.
     ///
     /// # Errors
@@ -277,7 +277,7 @@ mod tests {
             .collect()
     }
 
-    /// What a window shows, in the order of memory.
+    /// Bytes of a picture in the order of memory.
     fn bytes(shown: &Buffer<u32>) -> Vec<u8> {
         shown.read(0, shown.len()).unwrap().into_iter().flat_map(u32::to_le_bytes).collect()
     }
@@ -294,10 +294,10 @@ mod tests {
                 let host = Display::new().bytes(&image.composed(&pixels), scene.image.color);
                 let swapped: Vec<u8> = host.chunks(4).flat_map(|p| [p[2], p[1], p[0], p[3]]).collect();
                 for (blue_first, wanted) in [(false, &host), (true, &swapped)] {
-                    let mut shows = Shows::new(device, blue_first).unwrap();
-                    let encoded = shows.encode(colors.all(), image).unwrap();
+                    let mut encoder = ScreenEncoder::new(device, blue_first).unwrap();
+                    let encoded = encoder.encode(colors.all(), image).unwrap();
                     assert!(bytes(&encoded) == *wanted, "{color}, {blue_first}");
-                    let uploaded = shows.upload(&image.composed(&pixels), &scene).unwrap();
+                    let uploaded = encoder.upload(&image.composed(&pixels), &scene).unwrap();
                     assert!(bytes(&uploaded) == *wanted, "{color}, {blue_first}");
                 }
             }
@@ -315,7 +315,7 @@ mod tests {
                 let colors = device.buffer("colors", pixels.len() as u64, Memory::Device).unwrap();
                 colors.upload(&pixels).unwrap();
                 let image = SceneImage { size: from, scene: &scene };
-                let shown = Shows::new(device, false).unwrap().encode(colors.all(), image).unwrap();
+                let shown = ScreenEncoder::new(device, false).unwrap().encode(colors.all(), image).unwrap();
                 let host = Display::new().bytes(&image.composed(&pixels), scene.image.color);
                 let most = bytes(&shown).iter().zip(&host).map(|(a, b)| a.abs_diff(*b)).max();
                 assert!(most <= Some(1), "{from:?} to {to:?}: {most:?}");
@@ -327,8 +327,8 @@ mod tests {
     fn pictures_that_nobody_holds_are_written_again() {
         with_device(|device| {
             let scene = scene([8, 4], "linear");
-            let mut shows = Shows::new(device, false).unwrap();
-            let mut upload = |value: f32| shows.upload(&[[value; 3]; 32], &scene).unwrap();
+            let mut encoder = ScreenEncoder::new(device, false).unwrap();
+            let mut upload = |value: f32| encoder.upload(&[[value; 3]; 32], &scene).unwrap();
             let (first, second) = (upload(0.0), upload(1.0));
             assert!(!Arc::ptr_eq(&first, &second));
             let before = Arc::as_ptr(&first);

@@ -152,7 +152,7 @@ impl Stage {
         let lights = lights(&mut frame, &placed.cloud, effort);
         let draft = self.draft(&method, effort);
         let started = Instant::now();
-        // What moves is looked at and gone.
+        // Nobody but the screen needs the colors of a moving picture, unless one at rest follows.
         self.renderer.host_colors = !matches!(effort, Effort::Moving(_));
         let drawn = self.draw(&frame, draft);
         self.renderer.host_colors = true;

@@ -10,7 +10,7 @@ use pellucid_engine::progress::Progress;
 
 use super::accuracy::{History, Rung, Standing};
 use super::census::Census;
-use super::display::{self, SceneImage, Shows};
+use super::display::{self, SceneImage, ScreenEncoder};
 use super::legend::Legends;
 use super::loss;
 use super::save::{self, Saving};
@@ -109,12 +109,12 @@ impl Worker {
         let (teller, news) = mpsc::channel();
         let stage = Stage::new(device, workload.clouds, setup.seed, setup.memory_budget)?;
         let progress = stage.progress.clone();
-        let (shows, history) = (Shows::new(device, blue_first)?, History::default());
+        let (encoder, history) = (ScreenEncoder::new(device, blue_first)?, History::default());
         let work = Work {
             stage,
             setup,
             generated: workload.generated,
-            shows,
+            encoder,
             history,
             unread: None,
             whole: None,
@@ -197,7 +197,7 @@ struct Work {
     setup: Setup,
     /// True if no file contains the clouds.
     generated: bool,
-    shows: Shows,
+    encoder: ScreenEncoder,
     /// Pictures of the view.
     history: History,
     /// Columns and rows of the last picture's image, if its colors are on the device alone.
@@ -208,6 +208,7 @@ struct Work {
 }
 
 /// A whole picture that can be compared with an exact one.
+#[derive(Clone)]
 struct Whole {
     serial: u64,
     scene: Arc<Scene>,
@@ -319,8 +320,8 @@ impl Work {
         };
         let composed = image.has_colors().then(|| shown.composed(&image.rgba));
         let pixels = match self.stage.renderer().colors() {
-            Some(colors) => self.shows.encode(colors, shown)?,
-            None => self.shows.upload(composed.as_deref().unwrap_or_default(), scene)?,
+            Some(colors) => self.encoder.encode(colors, shown)?,
+            None => self.encoder.upload(composed.as_deref().unwrap_or_default(), scene)?,
         };
         self.unread = composed.is_none().then_some(shown.size);
         let mut depths = std::mem::take(&mut taken.rendered.image.depth);
@@ -364,13 +365,10 @@ impl Work {
 
     /// Compares the pictures of the last view with the exact one.
     fn measure(&mut self, serial: u64) -> Result<News> {
-        let whole = self.whole.as_ref().filter(|whole| whole.serial == serial);
-        let standing = whole.map(|whole| whole.standing);
-        if let Some((scene, pose)) = whole.map(|whole| (whole.scene.clone(), whole.pose)) {
-            self.supply(&scene, pose)?;
-        }
-        let whole = self.whole.as_ref().filter(|whole| whole.serial == serial);
+        let whole = self.whole.clone().filter(|whole| whole.serial == serial);
+        let standing = whole.as_ref().map(|whole| whole.standing);
         if let (Some(whole), Some(Standing::Approximation(method))) = (whole, standing) {
+            self.supply(&whole.scene, whole.pose)?;
             let rendered = self.stage.exact(&whole.scene, &whole.frame, method)?;
             let image = SceneImage { size: [rendered.image.width, rendered.image.height], scene: &whole.scene };
             let exact = image.composed(&rendered.image.rgba);

@@ -73,7 +73,7 @@ pub struct Showing {
     pub image: [u32; 2],
     /// Columns and rows of the picture.
     pub picture: [u32; 2],
-    /// What lies behind it, linear.
+    /// The background, linear.
     pub background: Vec3,
     /// The space of its colors.
     pub color: ColorSpace,
@@ -96,7 +96,7 @@ impl Encoder {
     pub fn new(device: &Device) -> Result<Self, Error> {
         let steps_of = |color| -> Result<_, Error> {
             let steps = byte_steps(color);
-            // Written in place: a thousand bytes are worth no submission, which could be the one that loses the device.
+            // Written in place: until the first picture no submission can fail.
             let mut buffer = device.buffer("steps of bytes", steps.len() as u64, Memory::Upload)?;
             buffer.write(&steps);
             Ok(buffer)

@@ -16,7 +16,7 @@ pub struct Variant {
     pub text: String,
     /// Inputs of the sorting network that `#comparators` and `#repeat` write out; a power of two.
     pub network: Option<u32>,
-    /// The shared piece that stands in for `#walker`: who visits the pixels of splats.
+    /// The shared piece that stands in for `#walker`: mostly who visits the pixels of splats.
     pub walker: Option<&'static str>,
     /// Names and counts for `#each`.
     pub counts: Vec<(&'static str, u32)>,

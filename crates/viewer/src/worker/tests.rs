@@ -153,7 +153,7 @@ fn a_moving_picture_is_measured_once_a_better_one_is_there() {
         assert!(draft.len() == 1 && draft[0].rmse.is_none(), "{draft:?}");
         let rungs = show(&document, Effort::Whole, 2);
         assert!(rungs.len() == 2 && rungs[0].rmse.is_some_and(|rmse| rmse > 1e-3), "{rungs:?}");
-        // What was rendered in between is not what is measured.
+        // The saved picture takes the place of the draft on the device, so the draft can't be measured.
         document.put("cloud.0.opacity", Setting::Number(0.5)).unwrap();
         show(&document, Effort::Moving(1e-6), 3);
         let saving = Saving {
