@@ -2,6 +2,7 @@
 
 pub(crate) mod depth_camera;
 pub mod field;
+mod parts;
 pub mod shadow_texture;
 pub(crate) mod upright;
 

@@ -11,6 +11,7 @@ mod pcd;
 pub mod photo;
 pub mod ply;
 pub mod polygon;
+pub mod store;
 mod text;
 pub mod volume;
 
