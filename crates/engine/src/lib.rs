@@ -94,6 +94,7 @@ pub mod random;
 pub mod reference;
 pub mod scene;
 mod shaders;
+pub mod supply;
 mod words;
 
 pub use error::{Error, Result};

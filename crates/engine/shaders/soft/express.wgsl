@@ -99,7 +99,7 @@ fn begin(pixel: vec2<u32>) -> PixelState {
     return PixelState(left_by_others(pixel), wall_at(pixel), 0u);
 }
 
-fn begin_run(cut: bool) {
+fn begin_run() {
 #each block     far{block} = farthest({block}u);
 }
 

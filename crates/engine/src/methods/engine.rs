@@ -12,7 +12,7 @@ use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::Binned;
 use crate::passes::compose::Cut;
 use crate::passes::foresight::Place;
-use crate::passes::project::{DeviceCloud, Projecting, Stats};
+use crate::passes::project::{DeviceCloud, Extent, Projecting, Stats};
 use crate::passes::raster::Walker;
 use crate::passes::tiles::Tiles;
 
@@ -28,6 +28,11 @@ pub(crate) trait Engine {
     /// Cuts a window that turned out to be too large; `None` for a single pixel.
     fn halves(&self, window: Window) -> Option<[Window; 2]> {
         bands::halves(window)
+    }
+
+    /// How far beyond its place a point may show in a frame, for clouds whose points come to the device window by window.
+    fn extent(&self, frame: &Frame, _cloud: &DeviceCloud) -> Extent {
+        Extent::discs(frame.factors.radius)
     }
 
     /// Brings to the device what frames need of a cloud: its points, and room for their splats. A survey may do with less.

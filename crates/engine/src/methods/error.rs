@@ -1,5 +1,7 @@
 //! Why a frame cannot be rendered.
 
+use std::sync::Arc;
+
 use bytesize::ByteSize;
 
 use crate::passes;
@@ -53,6 +55,23 @@ pub enum Error {
         /// Shells of a sphere.
         shells: u32,
         /// The largest number of distinguishable points.
+        limit: u64,
+    },
+    /// Points that come from a file while a frame is rendered can't be read.
+    #[error("{0}")]
+    Store(Arc<crate::io::Error>),
+    /// More points show in a single pixel than fit.
+    #[error(
+        "{points} points may show in pixel ({x}, {y}), but the device holds {limit} at a time; a larger --memory-budget or smaller radii would help"
+    )]
+    PointsOfPixel {
+        /// Column.
+        x: u32,
+        /// Row.
+        y: u32,
+        /// Points of blocks that reach the pixel.
+        points: u64,
+        /// Points that fit.
         limit: u64,
     },
     /// A single pixel overflows the 32-bit counters.
@@ -189,6 +208,7 @@ impl From<passes::Error> for Error {
             passes::Error::SortOverBudget { points, needed, available, budget } => {
                 Self::SortOverBudget { points, needed, available, budget }
             }
+            passes::Error::Store(error) => Self::Store(error),
             passes::Error::Unforeseen => Self::Unforeseen,
             passes::Error::Cancelled => Self::Cancelled,
         }
@@ -226,7 +246,7 @@ impl Error {
         use crate::gpu::Error::{OutOfMemory, TooLarge};
         match self {
             Self::Gpu(error) => matches!(error, OutOfMemory { .. } | TooLarge { .. }),
-            Self::ImageSize { .. } | Self::Cancelled => false,
+            Self::ImageSize { .. } | Self::Cancelled | Self::Store(_) => false,
             _ => true,
         }
     }

@@ -22,13 +22,22 @@ impl Cut {
 
     /// The cut for so many points on a device, or an error if four parts do not reach.
     pub fn new(device: &Device, points: u64) -> Result<Self, Error> {
-        // No element is wider than a splat; 64 of any element are a multiple of every offset alignment.
-        let len = ((device.limits().binding_bytes / size_of::<Splat>() as u64) & !63).min(1 << 30);
-        let limit = PARTS as u64 * len;
+        let (len, limit) = (Self::longest(device), Self::most(device));
         if points > limit {
             return Err(Error::TooManyPoints { points, limit });
         }
         Ok(Self { parts: if points <= len { 1 } else { PARTS as u32 }, len: len as u32 })
+    }
+
+    /// Most points of a device.
+    pub fn most(device: &Device) -> u64 {
+        PARTS as u64 * Self::longest(device)
+    }
+
+    /// Most splats of a part.
+    fn longest(device: &Device) -> u64 {
+        // No element is wider than a splat; 64 of any element are a multiple of every offset alignment.
+        ((device.limits().binding_bytes / size_of::<Splat>() as u64) & !63).min(1 << 30)
     }
 
     /// Adds the constants of stages that reach splats by their index.

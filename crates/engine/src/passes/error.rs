@@ -1,6 +1,9 @@
 //! Why passes don't work on a cloud.
 
+use std::sync::Arc;
+
 use crate::gpu;
+use crate::io;
 use crate::progress::Cancelled;
 
 /// Reasons why passes don't work on a cloud; `methods::Error` has the messages for people.
@@ -31,6 +34,8 @@ pub enum Error {
         /// The budget that would do.
         budget: u64,
     },
+    /// Points can't be read.
+    Store(Arc<io::Error>),
     /// A count was larger than taken for granted, or not asked for before.
     Unforeseen,
     /// Somebody who watches the progress wanted the work to end.

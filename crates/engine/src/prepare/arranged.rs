@@ -1,13 +1,15 @@
 //! The points of a scene in the order that its method wants.
 
+use std::sync::Arc;
+
 use super::ensembles::{Dealt, Surface};
 use crate::points::Points;
 
 /// The points of a scene in the order that its method wants.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Arranged {
-    /// Points in canonical order.
-    Canonical(Points),
+    /// Points in canonical order; shared with what renders them, which may have no room for all of them at once.
+    Canonical(Arc<Points>),
     /// Shuffled, cloud after cloud, for methods that deal points to ensembles.
     Dealt(Dealt),
 }

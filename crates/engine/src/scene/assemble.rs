@@ -1,5 +1,7 @@
 //! From the clouds of a scene to the points of a frame: settings applied, merged, put into canonical order.
 
+use std::sync::Arc;
+
 use crate::progress::{Phase, Progress};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -178,7 +180,8 @@ fn arrange_explained(
     mut legend: Option<&mut Legend>,
 ) -> Result<Arranged, Error> {
     if !scene.method.is_dealt() {
-        return merged(scene, clouds, scene.method.needs_radii(), progress, legend).map(Arranged::Canonical);
+        return merged(scene, clouds, scene.method.needs_radii(), progress, legend)
+            .map(|points| Arranged::Canonical(Arc::new(points)));
     }
     let (each, clips) = (clouds.into_iter().enumerate(), Clips::load(&scene.clips)?);
     let placed =

@@ -73,7 +73,7 @@ fn arranged(frame: &Frame) -> Arranged {
     if frame.method.is_dealt() {
         Arranged::Dealt(ensembles::deal(vec![points()], frame.seed, &Progress::hidden()))
     } else {
-        Arranged::Canonical(points())
+        Arranged::Canonical(points().into())
     }
 }
 

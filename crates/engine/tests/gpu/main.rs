@@ -30,4 +30,5 @@ mod splat;
 mod splats;
 mod stochastic;
 mod stochastic_hardware;
+mod supplied;
 mod waits;

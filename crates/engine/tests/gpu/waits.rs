@@ -22,7 +22,7 @@ fn arranged(method: &Method) -> Arranged {
     if method.is_dealt() {
         Arranged::Dealt(ensembles::deal(vec![points()], 1, &Progress::hidden()))
     } else {
-        Arranged::Canonical(points())
+        Arranged::Canonical(points().into())
     }
 }
 

@@ -64,7 +64,7 @@ impl Subject {
             let hidden = Progress::hidden();
             return Arranged::Dealt(ensembles::deal(self.clouds.clone(), self.frame.seed, &hidden));
         }
-        Arranged::Canonical(order::canonical(joined(&self.clouds)))
+        Arranged::Canonical(order::canonical(joined(&self.clouds)).into())
     }
 
     /// Renders it from the beginning: orders and uploads the points, too.

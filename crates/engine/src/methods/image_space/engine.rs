@@ -7,7 +7,7 @@ use crate::methods::explain::{Absent, PassGroup, Plan};
 use crate::methods::points;
 use crate::methods::{Buffers, Error, Frame, Outcome};
 use crate::passes::bands::{Budget, Window};
-use crate::passes::project::{DeviceCloud, Projecting};
+use crate::passes::project::{DeviceCloud, Extent, Projecting};
 use crate::passes::raster::Walker;
 use crate::scene::ImageSpace;
 
@@ -26,6 +26,10 @@ impl ImageSpaceEngine {
 impl Engine for ImageSpaceEngine {
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
         self.filtering().windows(frame, budget)
+    }
+
+    fn extent(&self, _frame: &Frame, _cloud: &DeviceCloud) -> Extent {
+        Extent::pixels(self.filtering().halo().into())
     }
 
     fn channels(&self) -> Channels {

@@ -7,7 +7,7 @@ use crate::methods::explain::{Absent, COUNTERS, NOTHING, PassGroup, Plan, TILES}
 use crate::methods::walker::walker;
 use crate::methods::{Buffers, Error, Frame, Outcome};
 use crate::passes::bands::{Budget, Window};
-use crate::passes::project::{DeviceCloud, Footprint, Part};
+use crate::passes::project::{DeviceCloud, Extent, Footprint, Part};
 use crate::passes::raster::{Raster, Walker};
 use crate::scene::{Relief, ScreenSplats};
 
@@ -24,6 +24,10 @@ pub(crate) struct NearestEngine {
 impl Engine for NearestEngine {
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
         Ok(windows_of(frame, budget, PIXEL_BYTES))
+    }
+
+    fn extent(&self, frame: &Frame, _cloud: &DeviceCloud) -> Extent {
+        Extent::squares(frame.factors.radius * self.splats.size)
     }
 
     fn channels(&self) -> Channels {

@@ -7,7 +7,7 @@ use crate::methods::explain::{Absent, PassGroup, Plan};
 use crate::methods::image_space::{self, Filtering};
 use crate::methods::{Buffers, Error, Frame, Machines, Outcome};
 use crate::passes::bands::{Budget, Window};
-use crate::passes::project::DeviceCloud;
+use crate::passes::project::{DeviceCloud, Extent};
 use crate::scene::PeelLayers;
 
 /// Layers of filtered images of points, blended.
@@ -29,6 +29,10 @@ impl Engine for PeelLayersEngine {
 
     fn renders_to_survey(&self) -> bool {
         true
+    }
+
+    fn extent(&self, _frame: &Frame, _cloud: &DeviceCloud) -> Extent {
+        Extent::pixels(self.filtering().halo().into())
     }
 
     fn channels(&self) -> Channels {

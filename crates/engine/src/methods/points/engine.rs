@@ -6,7 +6,7 @@ use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
 use crate::methods::explain::{Absent, PassGroup, Plan};
 use crate::methods::{Buffers, Error, Frame, Outcome, opaque};
 use crate::passes::bands::{Budget, Window};
-use crate::passes::project::DeviceCloud;
+use crate::passes::project::{DeviceCloud, Extent};
 use crate::passes::raster::Walker;
 
 /// 1-pixel points.
@@ -15,6 +15,10 @@ pub(crate) struct PointsEngine;
 impl Engine for PointsEngine {
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
         Ok(windows_of(frame, budget, opaque::PIXEL_BYTES))
+    }
+
+    fn extent(&self, _frame: &Frame, _cloud: &DeviceCloud) -> Extent {
+        Extent::pixels(0.0)
     }
 
     fn channels(&self) -> Channels {

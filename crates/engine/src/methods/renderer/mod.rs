@@ -1,6 +1,7 @@
 //! The renderer: from points, camera and method to an image and a profile, window by window.
 
 mod arranged;
+mod supplied;
 
 use std::time::{Duration, Instant};
 
@@ -180,7 +181,9 @@ impl Renderer {
         self.place(engine, cloud, frame, false)?;
         self.disown_colors();
         self.device.reset_peak();
-        engine.prepare(&self.device, cloud, frame)?;
+        if cloud.supply().is_none() {
+            engine.prepare(&self.device, cloud, frame)?;
+        }
         let waits = self.device.waits();
         let light_views = light_views(cloud, frame);
         self.cast_shadows(engine, cloud, frame, timeline)?;
@@ -233,7 +236,8 @@ impl Renderer {
     /// Brings to the device what frames need of a cloud, unless the frame is cancelled already.
     fn place(&self, engine: &dyn Engine, cloud: &mut DeviceCloud, frame: &Frame, survey: bool) -> Result<(), Error> {
         self.progress.check()?;
-        engine.place(&self.device, cloud, frame, survey)
+        // Those of which some come at a time come with each window.
+        if cloud.supply().is_some() { Ok(()) } else { engine.place(&self.device, cloud, frame, survey) }
     }
 
     /// Computes the light of each point for the shadows of a frame, unless it has none or the cloud has them already.
@@ -277,7 +281,7 @@ impl Renderer {
         let Drawing { engine, frame, windows, budget, learns } = *drawing;
         self.progress.set_length(u64::from(frame.size[0]) * u64::from(frame.size[1]));
         self.progress.set_position(0);
-        let mut facts = Facts { points: cloud.len(), ..Default::default() };
+        let mut facts = Facts { points: cloud.total(), ..Default::default() };
         self.whole = None;
         let mut windows = last_first(windows);
         while let Some(window) = windows.pop() {
@@ -299,12 +303,12 @@ impl Renderer {
 
     /// True if a frame can learn its counts from earlier ones of its kind.
     fn learns(&mut self, frame: &Frame, cloud: &DeviceCloud, windows: &[Window], timeline: &mut Timeline) -> bool {
-        let kind = Kind { method: frame.method, size: frame.size, points: cloud.len() };
+        let kind = Kind { method: frame.method, size: frame.size, points: cloud.total() };
         if self.kind != Some(kind) {
             timeline.foresight.forget();
             self.kind = Some(kind);
         }
-        windows.len() == 1 && self.device.info().conditional
+        windows.len() == 1 && self.device.info().conditional && cloud.supply().is_none()
     }
 
     /// Renders or surveys a window; of one that has to be cut the facts don't count. One that was not as foreseen is rendered once
@@ -349,6 +353,9 @@ impl Renderer {
         timeline: &mut Timeline,
         facts: &mut Facts,
     ) -> Result<Outcome, Error> {
+        if self.bring(cloud, part)? == Outcome::Overflow {
+            return Ok(Outcome::Overflow);
+        }
         let mut work = Work {
             device: &self.device,
             frame: part.frame,
@@ -432,7 +439,7 @@ impl Renderer {
             self.target.reserve(&self.device, largest(&windows))?;
         }
         let (light_views, samples) = (light_views(cloud, frame), engine.samples(frame).unwrap_or(0));
-        let mut facts = Facts { points: cloud.len(), light_views, ..Default::default() };
+        let mut facts = Facts { points: cloud.total(), light_views, ..Default::default() };
         let (mut windows, mut timeline) = (last_first(&windows), Timeline::new(&self.progress));
         while let Some(window) = windows.pop() {
             let part = Part { engine, frame, window, budget, samples, survey: true, learns: false };
@@ -462,6 +469,9 @@ impl Renderer {
 
     fn budget(&self, engine: &dyn Engine, cloud: &DeviceCloud, frame: &Frame) -> Budget {
         let limits = self.device.limits();
+        if cloud.supply().is_some() {
+            return Budget { bytes: supplied::rest(&self.device, frame), tiles: 0, binding: limits.binding_bytes };
+        }
         let streamed = engine.streamed(&self.device, cloud, frame);
         let bytes = frame.memory_budget.unwrap_or_else(|| {
             // Points that were dealt may only come with the frame.

@@ -9,7 +9,7 @@ use crate::methods::soft::Layer;
 use crate::methods::{Buffers, Error, Facts, Frame, Machines, Outcome, tiled};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Order};
-use crate::passes::project::{DeviceCloud, Footprint, Part, Projecting, Stats};
+use crate::passes::project::{DeviceCloud, Extent, Footprint, Part, Projecting, Stats};
 use crate::passes::raster::{Raster, Walker};
 use crate::scene::{BlendedSplats, ScreenSplats};
 
@@ -28,6 +28,10 @@ impl Engine for SplatsEngine {
 
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
         Ok(windows_of(frame, budget, bin::PIXEL_BYTES + PIXEL_BYTES))
+    }
+
+    fn extent(&self, frame: &Frame, _cloud: &DeviceCloud) -> Extent {
+        Extent::squares(frame.factors.radius * self.settings.splats.size)
     }
 
     fn channels(&self) -> Channels {

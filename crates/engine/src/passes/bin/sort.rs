@@ -21,8 +21,10 @@ impl Bins {
     ) -> Result<usize, Error> {
         let cloud = job.raster.cloud;
         let records = self.records.each_ref().map(|r| r.get().slice(0, cloud.len()));
+        // Places in files are those among all points, wherever the others are.
+        let all = cloud.total();
         let ([nearest, none], bits) =
-            (keys(job.order, job.depth_range, cloud.len()), key_bits(job.order, job.depth_range, cloud.len()));
+            (keys(job.order, job.depth_range, all), key_bits(job.order, job.depth_range, all));
         for (first, count) in cloud.chunks() {
             let push = KeysPush { count: count as u32, first: first as u32, nearest, none };
             let (splat_depths, bounds) = (cloud.splat_depths.slice(first, count), cloud.bounds.slice(first, count));

@@ -1,12 +1,14 @@
 //! Points on the device, and their projection to splats.
 
+mod beam;
 mod cloud;
 mod footprint;
 mod part;
 mod shade;
 mod view;
 
-pub use cloud::{COLUMN_BYTES, Column, DeviceCloud, Placed};
+pub use beam::{Beam, Extent};
+pub use cloud::{COLUMN_BYTES, Column, DeviceCloud, Placed, Present};
 pub use footprint::{DISCS, Footprint, TILED};
 pub use part::{Part, Parts};
 pub(crate) use shade::Shaded;

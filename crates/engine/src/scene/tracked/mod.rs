@@ -257,7 +257,7 @@ impl Tracked {
             placed.into_iter().for_each(|cloud| points.append(cloud));
             let points = order::canonical(points);
             let ties = Ties::find(&points.positions);
-            (Arranged::Canonical(points), Trace { origins: Vec::new(), ties })
+            (Arranged::Canonical(Arc::new(points)), Trace { origins: Vec::new(), ties })
         };
         if arranged.points().is_empty() {
             return Err(assemble::no_points(scene, arranged.points()));
@@ -298,7 +298,7 @@ impl Tracked {
         let views = views(scene, clouds, derived, &column_keys)?;
         let Self { arranged, dealt, ties, origins, .. } = self;
         let points = match arranged {
-            Arranged::Canonical(points) => points,
+            Arranged::Canonical(points) => Arc::make_mut(points),
             Arranged::Dealt(dealt) => Arc::make_mut(&mut dealt.points),
         };
         let mut order = std::mem::take(if self.placement.dealt { dealt } else { &mut points.file_order });

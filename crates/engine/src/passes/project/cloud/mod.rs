@@ -4,10 +4,12 @@ mod change;
 mod column;
 mod lit;
 mod placed;
+mod supplied;
 
 pub(super) use column::split;
 pub use column::{COLUMN_BYTES, Column};
 pub use placed::Placed;
+pub use supplied::Present;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -16,6 +18,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use self::column::middle;
+use self::supplied::Supplied;
 use super::part::{Parts, fields_and_radii};
 use super::view::View;
 use super::{Bounds, Footprint, Projecting, Splat, Stats, Tilt};
@@ -34,7 +37,9 @@ pub struct DeviceCloud {
     pub(super) origin: DVec3,
     /// Corners of the points' box.
     pub(super) corners: [DVec3; 8],
+    /// Points on the device, and all of them.
     len: u64,
+    total: u64,
     chunk_len: u64,
     pub(super) has_normals: bool,
     pub(super) has_fields: bool,
@@ -58,6 +63,8 @@ pub struct DeviceCloud {
     casting: Option<Casting>,
     /// The points of a dealt list: whether they fit the device, the frame decides.
     host: Option<Arc<Points>>,
+    /// Where the points come from, if they come some at a time.
+    supplied: Option<Supplied>,
     /// Positions relative to the cloud's origin, rounded, with radii.
     pub points_hi: Buffer<[f32; 4]>,
     /// The rest of the positions, with opacities.
@@ -191,6 +198,7 @@ impl DeviceCloud {
             origin,
             corners: points.bounds().map_or([origin; 8], |b| b.corners()),
             len,
+            total: len,
             chunk_len,
             has_normals,
             has_fields: !points.fields.is_empty(),
@@ -208,6 +216,7 @@ impl DeviceCloud {
             surfaces: None,
             casting: None,
             host: None,
+            supplied: None,
             points_hi: empty(device, "points, hi")?,
             points_lo: empty(device, "points, lo")?,
             point_colors: empty(device, "point colors")?,
@@ -235,12 +244,17 @@ impl DeviceCloud {
         Ok(())
     }
 
-    /// Number of points.
+    /// Number of points; of a cloud whose points come some at a time, of those on the device.
     pub fn len(&self) -> u64 {
         self.len
     }
 
-    /// True without points.
+    /// Number of all points.
+    pub fn total(&self) -> u64 {
+        self.total
+    }
+
+    /// True without points on the device.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
@@ -297,7 +311,7 @@ impl DeviceCloud {
         match self.parts {
             Some((known, parts)) if known == threshold => parts,
             _ => {
-                let parts = Parts::new(self.len, &self.fields_and_radii, threshold);
+                let parts = Parts::new(self.total, &self.fields_and_radii, threshold);
                 self.parts = Some((threshold, parts));
                 parts
             }
@@ -355,7 +369,7 @@ impl DeviceCloud {
 
     /// Tilts of a chunk, or the single element that stands for none.
     pub fn tilts_of(&self, first: u64, count: u64) -> Slice<'_, Tilt> {
-        if self.tilts.len() == self.len { self.tilts.slice(first, count) } else { self.tilts.all() }
+        if self.tilts.len() >= self.len { self.tilts.slice(first, count) } else { self.tilts.all() }
     }
 }
 

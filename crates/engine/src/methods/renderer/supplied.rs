@@ -1,0 +1,75 @@
+//! Clouds whose points come to the device window by window.
+
+use std::sync::Arc;
+
+use super::{Error, Outcome, Part, Renderer};
+use crate::gpu::Device;
+use crate::methods::Frame;
+use crate::passes::compose::Cut;
+use crate::passes::project::{Beam, DeviceCloud, Footprint, Present};
+use crate::points::Points;
+use crate::supply::{Held, Supply};
+
+/// The part of a memory budget that is for points; the rest is the engine's.
+const PART: u64 = 2;
+/// How many times as many points as fit are read in the hope that so many of them lie outside of the window: blocks are larger than
+/// the parts of them that a window shows.
+const READ: u64 = 3;
+/// Bytes of an element of the sort of splats, for each point.
+const SORT_BYTES: u64 = 16;
+
+/// Bytes of a frame on the device, points included.
+fn all_bytes(device: &Device, frame: &Frame) -> u64 {
+    frame.memory_budget.unwrap_or(device.limits().heap_bytes / 4 * 3)
+}
+
+/// What a budget leaves the engine.
+pub(super) fn rest(device: &Device, frame: &Frame) -> u64 {
+    let bytes = all_bytes(device, frame);
+    bytes - bytes / PART
+}
+
+/// Points that are on the device at a time, at most.
+fn room(device: &Device, cloud: &DeviceCloud, frame: &Frame) -> u64 {
+    let bytes = cloud.point_bytes(Footprint::Oriented) + SORT_BYTES;
+    (all_bytes(device, frame) / PART / bytes).min(Cut::most(device)).max(1)
+}
+
+impl Renderer {
+    /// Takes points that come to the device window by window, for any method: more of them than the device has room for at once.
+    /// `points` are all of them, in canonical order; they stay in the host's memory.
+    ///
+    /// # Errors
+    /// No memory for small buffers.
+    pub fn supply(&self, points: &Arc<Points>) -> Result<DeviceCloud, Error> {
+        let held: Arc<dyn Supply> = Arc::new(Held::new(points.clone()));
+        Ok(DeviceCloud::of_supply(&self.device, points, held)?)
+    }
+
+    /// Brings the points that may show in a window to the device, unless they are there. A window that too many reach must be cut.
+    pub(super) fn bring(&self, cloud: &mut DeviceCloud, part: &Part<'_>) -> Result<Outcome, Error> {
+        let Some(supply) = cloud.supply().cloned() else { return Ok(Outcome::Done) };
+        let (frame, blocks, room) = (part.frame, supply.blocks(), room(&self.device, cloud, part.frame));
+        let count = |picked: &[u32]| picked.iter().map(|i| blocks[*i as usize].points).sum::<u64>();
+        let beam = Beam::new(&frame.camera, frame.size, part.window, part.engine.extent(frame, cloud));
+        let (mut wanted, mut picked) = (Present::Within(beam), Vec::new());
+        if cloud.has(&wanted) {
+            return Ok(Outcome::Done);
+        }
+        if cloud.total() <= room {
+            // They stay for the windows and frames to come.
+            (wanted, picked) = (Present::All, (0..blocks.len() as u32).collect());
+        } else {
+            picked.extend(beam.pick(blocks));
+        }
+        let [x, y, x1, y1] = part.window;
+        let alone = x1 - x == 1 && y1 - y == 1;
+        let points = count(&picked);
+        let few = points <= READ * room || alone;
+        if few && cloud.bring(&self.device, (&picked, wanted, room), &self.progress)? {
+            part.engine.prepare(&self.device, cloud, frame)?;
+            return Ok(Outcome::Done);
+        }
+        if alone { Err(Error::PointsOfPixel { x, y, points, limit: room }) } else { Ok(Outcome::Overflow) }
+    }
+}

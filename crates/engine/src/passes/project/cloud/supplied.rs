@@ -1,0 +1,151 @@
+//! Clouds whose points come to the device some at a time, block by block: those that show in the window in work.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::super::{Beam, Bounds, Footprint, Splat, Tilt};
+use super::{COLUMN_BYTES, Column, DeviceCloud, empty};
+use crate::gpu::{Device, Error, Memory};
+use crate::points::Points;
+use crate::progress::Progress;
+use crate::supply::{Failure, Supply};
+
+/// Where the points of a cloud come from, and which of them are on the device.
+pub(super) struct Supplied {
+    supply: Arc<dyn Supply>,
+    /// Which points are on the device.
+    present: Option<Present>,
+}
+
+/// Which points of a cloud are on the device.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Present {
+    /// All.
+    All,
+    /// Those of which anything may show there.
+    Within(Beam),
+}
+
+impl Present {
+    /// True if a point in a block of this radius is among them.
+    fn keeps(&self, position: DVec3, radius: f32) -> bool {
+        match self {
+            Self::All => true,
+            Self::Within(beam) => beam.meets_point(position, radius),
+        }
+    }
+}
+
+impl DeviceCloud {
+    /// Takes points in canonical order that come to the device when a window asks for them ([`Self::bring`]).
+    pub fn of_supply(device: &Device, points: &Points, supply: Arc<dyn Supply>) -> Result<Self, Error> {
+        let mut cloud = Self::without_columns(device, points)?;
+        cloud.len = 0;
+        cloud.supplied = Some(Supplied { supply, present: None });
+        Ok(cloud)
+    }
+
+    /// Where the points come from, of clouds whose points come some at a time.
+    pub fn supply(&self) -> Option<&Arc<dyn Supply>> {
+        self.supplied.as_ref().map(|supplied| &supplied.supply)
+    }
+
+    /// Device bytes of a point with its splat.
+    pub fn point_bytes(&self, footprint: Footprint) -> u64 {
+        let columns = self.columns().len() as u64 * COLUMN_BYTES + if self.has_fields { 8 } else { 0 };
+        let tilts = if self.has_normals || footprint.has_tilts() { size_of::<Tilt>() as u64 } else { 0 };
+        // Depth, color, place among the large ones and number of their tiles.
+        columns + tilts + (size_of::<Splat>() + size_of::<Bounds>()) as u64 + 4 + 16 + 4 + 4
+    }
+
+    /// True if these points are on the device.
+    pub fn has(&self, wanted: &Present) -> bool {
+        let present = self.supplied.as_ref().and_then(|supplied| supplied.present);
+        present.is_some_and(|present| present == Present::All || present == *wanted)
+    }
+
+    /// Brings points of these blocks to the device in place of those that are there: at most `room` of them, or false. Room for them is
+    /// kept.
+    ///
+    /// # Errors
+    /// The points can't be taken, or there is no memory for them: then none are there.
+    pub fn bring(
+        &mut self,
+        device: &Device,
+        (blocks, wanted, room): (&[u32], Present, u64),
+        progress: &Progress,
+    ) -> Result<bool, crate::passes::Error> {
+        let Some(supplied) = &mut self.supplied else { return Ok(true) };
+        let points = supplied.supply.take(blocks, &|position, radius| wanted.keeps(position, radius), progress);
+        let mut points = points.map_err(failed)?;
+        if points.len() as u64 > room {
+            return Ok(false);
+        }
+        if points.is_empty() {
+            // Passes want one. It shows nowhere.
+            points = supplied.supply.take(&[0], &|_, _| true, progress).map_err(failed)?.subset(&[0], 1.0);
+        }
+        supplied.present = None;
+        self.len = points.len() as u64;
+        self.make_columns(device)?;
+        self.make_room(device)?;
+        self.put_columns(device, &points)?;
+        if let Some(supplied) = &mut self.supplied {
+            supplied.present = Some(wanted);
+        }
+        Ok(true)
+    }
+
+    /// Makes room for the columns of points, unless there is.
+    fn make_columns(&mut self, device: &Device) -> Result<(), Error> {
+        let len = self.len;
+        let chunks = self.chunks().count() as u64;
+        if self.stats.len() < chunks {
+            self.stats = device.buffer("splat stats", chunks, Memory::Device)?;
+            self.stats_host = device.buffer("splat stats, host", chunks, Memory::Readback)?;
+        }
+        if self.points_hi.len() < len {
+            // What was there goes first: both may not fit.
+            self.points_hi = empty(device, "points, hi")?;
+            self.points_lo = empty(device, "points, lo")?;
+            self.point_colors = empty(device, "point colors")?;
+            self.points_hi = device.buffer("points, hi", len, Memory::Device)?;
+            self.points_lo = device.buffer("points, lo", len, Memory::Device)?;
+            self.point_colors = device.buffer("point colors", len, Memory::Device)?;
+        }
+        if self.has_normals && self.normals.len() < len {
+            self.normals = empty(device, "normals")?;
+            self.normals = device.buffer("normals", len, Memory::Device)?;
+        }
+        if self.has_fields && self.fields.len() < len {
+            self.fields = empty(device, "fields")?;
+            self.fields = device.buffer("fields", len, Memory::Device)?;
+        }
+        Ok(())
+    }
+
+    /// Fills the columns with points.
+    fn put_columns(&mut self, _device: &Device, points: &Points) -> Result<(), Error> {
+        Column::High.upload(points, self.origin, &self.points_hi)?;
+        Column::Low.upload(points, self.origin, &self.points_lo)?;
+        Column::Color.upload(points, self.origin, &self.point_colors)?;
+        if self.has_normals {
+            Column::Normal.upload(points, self.origin, &self.normals)?;
+        }
+        if self.has_fields {
+            self.fields.upload(&points.fields)?;
+            self.positions.clone_from(&points.positions);
+        }
+        self.orders = [None, None, None];
+        self.casting = None;
+        Ok(())
+    }
+}
+
+fn failed(failure: Failure) -> crate::passes::Error {
+    match failure {
+        Failure::Cancelled => crate::passes::Error::Cancelled,
+        Failure::Store(error) => crate::passes::Error::Store(error),
+    }
+}

@@ -1,0 +1,157 @@
+//! Points in blocks, of which some are taken at a time: clouds that don't fit the device, or the host's memory.
+
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::cloud::Bounds;
+use crate::points::{Points, Unseen};
+use crate::progress::{Cancelled, Progress};
+
+/// A scene's points in blocks. Points in one place are either in one block, or in blocks of which each holds the largest radius
+/// there: who takes all blocks that reach a part of the image has all points in a place, or none of those that show.
+pub trait Supply: Debug + Send + Sync {
+    /// The blocks.
+    fn blocks(&self) -> &[Block];
+
+    /// Those points of some blocks, in ascending order, that `keep` keeps by their place and the radius of their block, in canonical
+    /// order. They have the columns of all points, even if they are empty.
+    ///
+    /// # Errors
+    /// They can't be read, or `progress` cancels it.
+    fn take(&self, blocks: &[u32], keep: Keep<'_>, progress: &Progress) -> Result<Points, Failure>;
+}
+
+/// Which points are taken, by their place and the radius of their block.
+pub type Keep<'a> = &'a (dyn Fn(DVec3, f32) -> bool + Sync);
+
+/// Why points can't be taken.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// The store failed.
+    #[error("{0}")]
+    Store(#[from] Arc<crate::io::Error>),
+    /// Somebody who watches the progress wanted the work to end.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+impl From<Cancelled> for Failure {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
+/// Some points of a scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Block {
+    /// A box around them, in world coordinates.
+    pub bounds: Bounds,
+    /// The largest radius of all points in that box that aren't farther apart than points in one place, in world units.
+    pub radius: f32,
+    /// Number of points.
+    pub points: u64,
+}
+
+/// Points of a block of those in memory; more if that many are in one place.
+const BLOCK: usize = 1 << 12;
+
+/// Points in memory, in canonical order, in which those near in space are near in the list.
+#[derive(Clone)]
+pub struct Held {
+    points: Arc<Points>,
+    blocks: Vec<Block>,
+    /// For each block its first point, with their number as the last entry.
+    starts: Vec<usize>,
+}
+
+impl Debug for Held {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} points in {} blocks", self.points.len(), self.blocks.len())
+    }
+}
+
+impl Held {
+    /// Points in canonical order.
+    pub fn new(points: Arc<Points>) -> Self {
+        let starts = starts(&points);
+        let block = |range: &[usize]| {
+            let range = range[0]..range[1];
+            let positions = points.positions[range.clone()].iter().copied();
+            let radius = points.radii[range.clone()].iter().copied().fold(0.0, f32::max);
+            Some(Block { bounds: Bounds::enclosing(positions)?, radius, points: range.len() as u64 })
+        };
+        let blocks = starts.par_windows(2).filter_map(block).collect();
+        Self { points, blocks, starts }
+    }
+}
+
+/// The first points of blocks that cut no run of points in one place, and the number of all points.
+fn starts(points: &Points) -> Vec<usize> {
+    let (positions, mut found) = (&points.positions, vec![0]);
+    let mut next = BLOCK;
+    while next < positions.len() {
+        if positions[next] == positions[next - 1] {
+            next += 1;
+        } else {
+            found.push(next);
+            next += BLOCK;
+        }
+    }
+    found.push(positions.len());
+    found
+}
+
+impl Supply for Held {
+    fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+
+    fn take(&self, blocks: &[u32], keep: Keep<'_>, _progress: &Progress) -> Result<Points, Failure> {
+        let positions = &self.points.positions;
+        let places = |block: &u32| -> Vec<u32> {
+            let (block, radius) = (*block as usize, self.blocks[*block as usize].radius);
+            let all = self.starts[block]..self.starts[block + 1];
+            all.filter(|place| keep(positions[*place], radius)).map(|place| place as u32).collect()
+        };
+        let places: Vec<Vec<u32>> = blocks.par_iter().map(places).collect();
+        let places = places.concat();
+        let taken = self.points.subset(&places, 1.0);
+        Ok(Points { unseen: Arc::<Unseen>::default(), ..taken })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    fn points(positions: Vec<DVec3>) -> Points {
+        let count = positions.len();
+        let radii = (0..count).map(|i| i as f32).collect();
+        Points { positions, radii, colors: vec![Vec3::ONE; count], opacities: vec![0.5; count], ..Points::default() }
+    }
+
+    #[test]
+    fn blocks_part_no_place_and_give_their_points_back() {
+        let mut positions: Vec<DVec3> = (0..3 * BLOCK).map(|i| DVec3::splat(i as f64)).collect();
+        // A run across the first border.
+        positions[BLOCK - 2..BLOCK + 5].fill(DVec3::splat(BLOCK as f64 - 2.0));
+        let held = Held::new(Arc::new(points(positions)));
+        assert_eq!(held.starts, [0, BLOCK + 5, 2 * BLOCK + 5, 3 * BLOCK]);
+        let [first, second, _] = held.blocks() else { panic!("{held:?}") };
+        assert_eq!((first.points, first.radius), (BLOCK as u64 + 5, BLOCK as f32 + 4.0));
+        assert_eq!(second.bounds.min, DVec3::splat(BLOCK as f64 + 5.0));
+        let taken = held.take(&[0, 2], &|_, _| true, &Progress::hidden()).unwrap();
+        assert_eq!(taken.len(), BLOCK + 5 + BLOCK - 5);
+        assert_eq!(taken.radii[BLOCK + 4..BLOCK + 6], [BLOCK as f32 + 4.0, 2.0 * BLOCK as f32 + 5.0]);
+        let few =
+            held.take(&[0, 1], &|p, radius| p.x < 2.0 && radius < 2.0 * BLOCK as f32, &Progress::hidden()).unwrap();
+        assert_eq!(few.radii, [0.0, 1.0]);
+        let none = held.take(&[0, 1], &|_, _| false, &Progress::hidden()).unwrap();
+        assert!(none.is_empty());
+    }
+}
