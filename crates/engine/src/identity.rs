@@ -34,7 +34,8 @@ pub fn hash(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &st
         hasher.update(&(bytes.len() as u64).to_le_bytes());
         hasher.update(bytes);
     };
-    let Points { positions, colors, opacities, radii, normals, file_order, fields, unseen } = arranged.points();
+    let Points { positions, colors, opacities, radii, normals, file_order, dealt_ids: _, fields, unseen } =
+        arranged.points();
     let coordinates: Vec<[f64; 3]> = positions.iter().map(|p| p.to_array()).collect();
     add(bytemuck::cast_slice(&coordinates));
     add(bytemuck::cast_slice(colors));

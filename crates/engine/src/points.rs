@@ -1,5 +1,6 @@
 //! The points of a whole scene, ready for the device: merged, with every setting applied, in canonical order.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
@@ -28,11 +29,27 @@ pub struct Points {
     /// The place of each point before it came into canonical order: file after file, point after point. Empty if
     /// unchanged. Only `unsorted` needs it.
     pub file_order: Vec<u32>,
+    /// The id of each point of a list in another order ([`Points::ids`]); empty of one in canonical order, from which ids follow.
+    pub dealt_ids: Vec<u32>,
     /// The scalar field F of each point in [0, 1], which separates solid points from soft ones. Empty means 0 for all;
     /// only the soft methods need it.
     pub fields: Vec<f32>,
     /// Points that are not drawn but belong to the scene, for its bounds and its camera.
     pub unseen: Arc<Unseen>,
+}
+
+/// Ids that one thread finds at a time.
+const IDS_AT_ONCE: usize = 1 << 14;
+
+/// The id of the `nth` point in a place, counted from 0. Each word is multiplied by 2⁶⁴ over the golden ratio, whose high half depends
+/// on all of its bits, and folded (Knuth, The Art of Computer Programming 3, 6.4).
+fn id(place: [u64; 3], nth: u64) -> u32 {
+    let mix = |all: u64, word: u64| {
+        let product = (all ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        product ^ product >> 32
+    };
+    let mixed = mix(place.into_iter().fold(nth, mix), 0);
+    (mixed ^ mixed >> 32) as u32
 }
 
 /// A unit normal that is estimated, as [`Points::normals`] has it.
@@ -75,6 +92,32 @@ impl Points {
         [&self.positions, &self.unseen.positions].into_iter().filter_map(|some| Bounds::of(some)).reduce(Bounds::union)
     }
 
+    /// Ids of some points of the list: numbers that random words are made from. An id follows from a point's place and, of points in
+    /// one place, from their canonical order; not from what else there is, so that any part of a scene has the ids of the whole.
+    /// Two of 2³² points in different places share an id by chance.
+    pub fn ids(&self, range: Range<usize>) -> Vec<u32> {
+        if !self.dealt_ids.is_empty() {
+            return self.dealt_ids[range].to_vec();
+        }
+        let bits = |i: usize| self.positions[i].to_array().map(f64::to_bits);
+        let part = |part: Range<usize>| {
+            let mut first = part.start;
+            while first > 0 && bits(first - 1) == bits(part.start) {
+                first -= 1;
+            }
+            let mut found = Vec::with_capacity(part.len());
+            for i in part {
+                if bits(i) != bits(first) {
+                    first = i;
+                }
+                found.push(id(bits(i), (i - first) as u64));
+            }
+            found
+        };
+        let starts = range.clone().into_par_iter().step_by(IDS_AT_ONCE);
+        starts.flat_map_iter(|start| part(start..range.end.min(start + IDS_AT_ONCE))).collect()
+    }
+
     /// The box of the points that are drawn; `None` without any.
     pub fn drawn_bounds(&self) -> Option<Bounds> {
         Bounds::of(&self.positions)
@@ -105,6 +148,7 @@ impl Points {
             radii: pick(self.radii, &from),
             normals: self.normals.map(|normals| pick(normals, &from)),
             file_order: pick(self.file_order, &from),
+            dealt_ids: pick(self.dealt_ids, &from),
             fields: pick(self.fields, &from),
             unseen: self.unseen,
         }
@@ -123,6 +167,7 @@ impl Points {
             radii: pick(&self.radii, places).into_iter().map(|radius| (radius_factor * radius).min(f32::MAX)).collect(),
             normals: self.normals.as_ref().map(|normals| pick(normals, places)),
             file_order: pick(&self.file_order, places),
+            dealt_ids: pick(&self.dealt_ids, places),
             fields: pick(&self.fields, places),
             unseen: Arc::clone(&self.unseen),
         }
@@ -154,6 +199,7 @@ impl Points {
         self.opacities.extend(more.opacities);
         self.radii.extend(more.radii);
         self.fields.extend(more.fields);
+        self.dealt_ids.extend(more.dealt_ids);
         self.file_order = Vec::new();
     }
 }
@@ -195,5 +241,32 @@ impl Changes {
     /// True if anything changed.
     pub fn any(self) -> bool {
         self != Self::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_follow_from_places_and_tell_equal_ones_apart() {
+        let mut positions: Vec<DVec3> = (0..50_000).map(|i| DVec3::new(f64::from(i), 0.5, -1.0)).collect();
+        positions[20_000..40_000].fill(DVec3::splat(7.0));
+        let points = Points { positions: positions.clone(), ..Points::default() };
+        let all = points.ids(0..50_000);
+        let mut distinct = all.clone();
+        distinct.sort_unstable();
+        distinct.dedup();
+        // 2^-32 of 50,000 squared halves: about a third of a pair by chance.
+        assert!(distinct.len() >= 49_998, "{}", distinct.len());
+        // Wherever a range begins, and whatever else there is.
+        assert_eq!(points.ids(33_333..44_444), all[33_333..44_444]);
+        let few = Points { positions: positions[20_000..].to_vec(), ..Points::default() };
+        assert_eq!(few.ids(0..30_000), all[20_000..]);
+        // Every bit is set in half of them.
+        for bit in 0..32 {
+            let set = all.iter().filter(|id| *id >> bit & 1 == 1).count();
+            assert!((24_000..26_000).contains(&set), "bit {bit}: {set}");
+        }
     }
 }

@@ -32,7 +32,7 @@ pub fn key(seed: u64) -> [u32; 2] {
     [seed as u32, ((seed >> 32) as u32).wrapping_mul(0x9E37_79B9)]
 }
 
-/// The random word of a fragment, a splat (by its index in canonical order) in a pixel (column and row), for a stratum.
+/// The random word of a fragment, a splat (by its point's id, [`Points::ids`](crate::points::Points::ids)) in a pixel (column and row), for a stratum.
 pub fn word(seed: u64, [x, y]: [u32; 2], splat: u32, stratum: u32) -> u32 {
     let [low, high] = key(seed);
     let words = threefry2x32([y << 16 | x, splat], [low, high.wrapping_add(stratum / STRATA_OF_A_CALL)]);

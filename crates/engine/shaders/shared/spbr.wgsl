@@ -63,9 +63,11 @@ struct Counters {
 @group(0) @binding(2) var<storage, read> points_lo: array<vec4<f32>>;
 // A single one if there are none.
 @group(0) @binding(3) var<storage, read> normals: array<vec4<f32>>;
-@group(0) @binding(4) var<storage, read_write> counters: array<Counters>;
+// From which random words follow.
+@group(0) @binding(4) var<storage, read> ids: array<u32>;
+@group(0) @binding(5) var<storage, read_write> counters: array<Counters>;
 // Two vectors for each square of more than SMALL_SQUARE pixels: place, plane and depth key of its point; columns and rows.
-@group(0) @binding(5) var<storage, read_write> large: array<vec4<u32>>;
+@group(0) @binding(6) var<storage, read_write> large: array<vec4<u32>>;
 var<immediate> push: Push;
 
 // 0: every point asks for the whole pixel; 1: its opacity says how much of it.
@@ -196,7 +198,7 @@ fn is_drawn(slot: Slot, area: f32) -> bool {
     if THINNED == 0u {
         return true;
     }
-    let counter = vec2<u32>(push.list + slot.point, push.ensemble + slot.plane);
+    let counter = vec2<u32>(ids[slot.point], push.ensemble + slot.plane);
     let word = threefry2x32(counter, vec2<u32>(push.key_x, push.key_y)).x;
     return area >= 1.0 || word < u32(area * 4294967296.0);
 }

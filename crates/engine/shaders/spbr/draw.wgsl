@@ -6,17 +6,17 @@
 #import spbr_color
 #walker
 // Planes, if a round has more than one.
-@group(0) @binding(6) var<storage, read_write> nearest: array<atomic<u64>>;
+@group(0) @binding(7) var<storage, read_write> nearest: array<atomic<u64>>;
 // Colors of all points, in four parts of PART_LENGTH elements as in shared/compose.wgsl.
-@group(0) @binding(7) var<storage, read> point_colors_0: array<vec4<f32>>;
-@group(0) @binding(8) var<storage, read> point_colors_1: array<vec4<f32>>;
-@group(0) @binding(9) var<storage, read> point_colors_2: array<vec4<f32>>;
-@group(0) @binding(10) var<storage, read> point_colors_3: array<vec4<f32>>;
+@group(0) @binding(8) var<storage, read> point_colors_0: array<vec4<f32>>;
+@group(0) @binding(9) var<storage, read> point_colors_1: array<vec4<f32>>;
+@group(0) @binding(10) var<storage, read> point_colors_2: array<vec4<f32>>;
+@group(0) @binding(11) var<storage, read> point_colors_3: array<vec4<f32>>;
 // For each pixel the nearest point of a round's single ensemble, sums of green and red, of number and blue in the
 // halves of two more, and the complement of the nearest depth's key: all in one line of the cache.
-@group(0) @binding(11) var<storage, read_write> pixels: array<atomic<u64>>;
+@group(0) @binding(12) var<storage, read_write> pixels: array<atomic<u64>>;
 // For each pixel the sums of squares of red, green, blue, and a spare one.
-@group(0) @binding(12) var<storage, read_write> squares: array<atomic<u64>>;
+@group(0) @binding(13) var<storage, read_write> squares: array<atomic<u64>>;
 
 // 1: squares are summed, too.
 override SPREAD: u32 = 0u;

@@ -3,7 +3,7 @@
 #import spbr
 #piece
 
-const NEAREST_BINDING = 6;
+const NEAREST_BINDING = 7;
 #walker
 
 fn visit(point: u32, plane: u32, depth: u32, pixel: u32) {

@@ -4,12 +4,12 @@
 #import spbr_color
 #walker
 // Index and depth as spbr/nearest left them: complements of a key's words.
-@group(0) @binding(6) var<storage, read> nearest: array<vec2<u32>>;
-@group(0) @binding(7) var<storage, read> point_colors: array<vec4<f32>>;
+@group(0) @binding(7) var<storage, read> nearest: array<vec2<u32>>;
+@group(0) @binding(8) var<storage, read> point_colors: array<vec4<f32>>;
 // Eight words for each pixel: two spare ones; sums of green, red, number, blue; complement of the nearest depth's key.
-@group(0) @binding(8) var<storage, read_write> pixels: array<atomic<u32>>;
+@group(0) @binding(9) var<storage, read_write> pixels: array<atomic<u32>>;
 // For each pixel the sums of squares of red, green, blue, 64 bits each, and a spare one.
-@group(0) @binding(9) var<storage, read_write> squares: array<atomic<u32>>;
+@group(0) @binding(10) var<storage, read_write> squares: array<atomic<u32>>;
 
 // 1: squares are summed, too.
 override SPREAD: u32 = 0u;

@@ -5,6 +5,9 @@
 #import held
 #import random
 
+// Of the points of the chunk, from which random words follow.
+@group(0) @binding(6) var<storage, read> ids: array<u32>;
+
 struct Output {
     @builtin(frag_depth) depth: f32,
     @builtin(sample_mask) mask: u32,
@@ -16,7 +19,7 @@ fn main(@builtin(position) position: vec4<f32>, @location(0) @interpolate(flat) 
     view = camera;
     let pixel = vec2<u32>(position.xy) + view.window.xy;
     let found = quad_fragment(i, pixel);
-    let words = words_of(pixel, push.first + i, vec2<u32>(push.key_low, push.key_high));
+    let words = words_of(pixel, ids[i], vec2<u32>(push.key_low, push.key_high));
     let mask = mask_of(found.color.a, select(words.x, words.y, push.word == 1u)) & ((1u << push.samples) - 1u);
     if mask == 0u {
         discard;

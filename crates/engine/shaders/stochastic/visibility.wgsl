@@ -7,6 +7,8 @@
 #import region_fold
 @group(0) @binding(20) var<storage, read_write> held_keys: array<vec4<u32>>;
 @group(0) @binding(21) var<storage, read_write> held_indices: array<vec4<u32>>;
+// Of the points, from which random words follow.
+@group(0) @binding(22) var<storage, read> ids: array<u32>;
 
 var<private> held: SampleRanks;
 
@@ -40,7 +42,8 @@ fn begin(pixel: vec2<u32>) {
 }
 
 fn visit(pixel: vec2<u32>, fragment: Fragment) {
-#each pair     let words{pair} = words_of(pixel, fragment.index, vec2<u32>(push.key_low, push.key_high + {pair}u));
+    let id = ids[fragment.index];
+#each pair     let words{pair} = words_of(pixel, id, vec2<u32>(push.key_low, push.key_high + {pair}u));
 #each pair     hold(2u * {pair}u, mask_of(fragment.color.a, words{pair}.x), fragment);
 #each pair     hold(2u * {pair}u + 1u, mask_of(fragment.color.a, words{pair}.y), fragment);
 }

@@ -153,26 +153,27 @@ impl<'a> Raster<'a> {
     }
 
     /// Records a draw of all splats into attachments, in the order of their indices. `push` makes the push constants from the
-    /// index of a chunk's first splat. At least one splat must be visible, or nothing is drawn, not even what is cleared.
+    /// index of a chunk's first splat; `stage` also gets the ids of the chunk's points. At least one splat must be visible, or nothing is drawn, not even what is cleared.
     pub fn draw<P: Pass + 'a>(
         &self,
         recorder: &mut Recorder<'a>,
         variant: &Variant,
         mut targets: Targets<'a>,
-        stage: impl Fn(Quads<'a>) -> P,
+        stage: impl Fn(Quads<'a>, Slice<'a, u32>) -> P,
         push: impl Fn(u32) -> P::Push,
     ) -> Result<(), Error> {
         let [x0, y0, x1, y1] = self.window;
         for ((first, count), _) in self.cloud.chunks().zip(self.stats).filter(|(_, stats)| stats.visible > 0) {
             let cloud = self.cloud;
-            let pass = stage(Quads {
+            let quads = Quads {
                 camera: cloud.view(),
                 splats: cloud.splats.slice(first, count),
                 tilts: self.tilts(first, count),
                 bounds: cloud.bounds.slice(first, count),
                 colors: cloud.colors.slice(first, count),
                 splat_depths: cloud.splat_depths.slice(first, count),
-            });
+            };
+            let pass = stage(quads, cloud.ids.slice(first, count));
             let draw = Draw { vertices: Vertices::Count(6 * count as u32), area: [x1 - x0, y1 - y0], targets };
             recorder.draw(&pass, push(first as u32), variant, draw)?;
             targets.clear = None;

@@ -184,9 +184,9 @@ fn scrambled(mut x: u32) -> u32 {
 /// Clouds without points are left out.
 ///
 /// The order of a cloud's points in its file has no effect; its place among the others has. Point i of the canonical
-/// order is sorted by its word: the first of [`threefry2x32`] with counter \[i, place of the cloud\] and the seed's
-/// key, the second word of it exclusive-or 0x73687566; equal words stay in order. So a seed gives the same shuffle on
-/// every machine. `progress` counts points, each of them twice.
+/// order is sorted by its words: those of [`threefry2x32`] with counter \[id of the point ([`Points::ids`]), place of the cloud\] and the
+/// seed's key, the second word of it exclusive-or 0x73687566; equal words stay in order. So a seed gives the same shuffle on
+/// every machine, and any part of a cloud has the order of the whole. `progress` counts points, each of them twice.
 pub fn deal(clouds: Vec<Points>, seed: u64, progress: &Progress) -> Dealt {
     deal_traced(clouds, seed, progress, None)
 }
@@ -224,12 +224,14 @@ pub(crate) fn deal_traced(clouds: Vec<Points>, seed: u64, progress: &Progress, m
             points.append(cloud);
             continue;
         };
-        let (count, place) = (cloud.len(), surfaces.len() as u32);
-        let (cloud, order) = (order::canonical(cloud), shuffle(count, place, seed));
+        let place = surfaces.len() as u32;
+        let cloud = order::canonical(cloud);
+        let ids = cloud.ids(0..cloud.len());
+        let order = shuffle(&ids, place, seed);
         if let Some(trace) = &mut trace {
             trace.note(&cloud, &order);
         }
-        let cloud = shuffled(cloud, &order);
+        let cloud = shuffled(cloud, ids, &order);
         drop(order);
         progress.inc(cloud.len() as u64);
         let first = points.len() as u64;
@@ -248,18 +250,22 @@ fn most(opacities: &[f32]) -> f32 {
     opacities.iter().copied().fold(0.0, f32::max)
 }
 
-fn shuffled(mut cloud: Points, order: &[u32]) -> Points {
+fn shuffled(mut cloud: Points, ids: Vec<u32>, order: &[u32]) -> Points {
     // Random order knows no files.
     cloud.file_order = Vec::new();
+    cloud.dealt_ids = ids;
     cloud.in_order(|i| order[i] as usize)
 }
 
-/// For each place of a cloud the point to put there.
-fn shuffle(count: usize, place: u32, seed: u64) -> Vec<u32> {
+/// For each place of a cloud the point to put there, from the points' ids.
+fn shuffle(ids: &[u32], place: u32, seed: u64) -> Vec<u32> {
     let [low, high] = key(seed);
-    let word = |i: u32| threefry2x32([i, place], [low, high ^ SHUFFLE])[0];
+    let words = |id: u32| {
+        let [first, second] = threefry2x32([id, place], [low, high ^ SHUFFLE]);
+        u64::from(first) << 32 | u64::from(second)
+    };
     // Points are counted in 32 bits: more of them don't fit any device.
-    let mut order: Vec<(u32, u32)> = (0..count).into_par_iter().map(|i| (word(i as u32), i as u32)).collect();
+    let mut order: Vec<(u64, u32)> = ids.par_iter().enumerate().map(|(i, id)| (words(*id), i as u32)).collect();
     order.par_sort_unstable();
     order.into_iter().map(|(_, index)| index).collect()
 }
@@ -275,9 +281,10 @@ impl Dealt {
     /// The same clouds, each shuffled once more by another seed: as good an order as this one, with other ensembles.
     pub fn again(&self, seed: u64) -> Self {
         let shuffled = |(surface, place): (&Surface, u32)| {
-            let first = surface.points.start;
-            let count = (surface.points.end - first) as usize;
-            shuffle(count, place, seed).into_iter().map(move |index| first as usize + index as usize)
+            let [first, end] = [surface.points.start, surface.points.end].map(|point| point as usize);
+            shuffle(&self.points.dealt_ids[first..end], place, seed)
+                .into_iter()
+                .map(move |index| first + index as usize)
         };
         let order: Vec<usize> = self.surfaces.iter().zip(0..).flat_map(shuffled).collect();
         let points = Points::clone(&self.points).in_order(|i| order[i]);

@@ -168,9 +168,9 @@ fn pixels(drawn: &Drawn, size: [u32; 2]) -> impl Iterator<Item = usize> + use<> 
 }
 
 /// The area, in [0, 1), from which on an ensemble draws a point that covers less than a pixel.
-fn least_area(index: usize, ensemble: u32, seed: u64) -> f64 {
+fn least_area(id: u32, ensemble: u32, seed: u64) -> f64 {
     let [low, high] = key(seed);
-    let word = threefry2x32([index as u32, ensemble], [low, high ^ STREAM])[0];
+    let word = threefry2x32([id, ensemble], [low, high ^ STREAM])[0];
     f64::from(word) / 4_294_967_296.0
 }
 
@@ -199,6 +199,8 @@ struct View<'a> {
     camera: &'a Camera,
     size: [u32; 2],
     dealt: &'a Dealt,
+    /// Ids of its points.
+    ids: &'a [u32],
     rule: Rule,
     seed: u64,
 }
@@ -241,7 +243,8 @@ fn render_hands(
     seed: u64,
     hands: impl Fn(&Deal) -> Vec<Vec<u64>>,
 ) -> (Picture, Vec<DVec3>) {
-    let view = View { camera, size, dealt, rule: *rule, seed };
+    let ids = &dealt.points.ids(0..dealt.points.len());
+    let view = View { camera, size, dealt, ids, rule: *rule, seed };
     let count = size[0] as usize * size[1] as usize;
     let mut sums = vec![(DVec3::ZERO, DVec3::ZERO, 0u32); count];
     let mut depth = vec![f64::INFINITY; count];
@@ -275,7 +278,7 @@ fn render_hands(
 
 /// The points of each cloud and ensemble.
 fn hands_of(view: &View<'_>, hands: impl Fn(&Deal) -> Vec<Vec<u64>>) -> Vec<Vec<Vec<u64>>> {
-    let View { camera, size, dealt, rule, seed } = *view;
+    let View { camera, size, dealt, rule, seed, .. } = *view;
     let hands_of_cloud = |(surface, place): (&Surface, u32)| {
         let share = share(camera, size[1], dealt, surface, &rule);
         let points = surface.points.end - surface.points.start;
@@ -292,7 +295,7 @@ fn draw(view: &View<'_>, ensemble: u32, hands: &[Vec<Vec<u64>>], counts: &mut [u
         for point in &hands[ensemble as usize] {
             let index = (surface.points.start + point) as usize;
             let Some(point) = drawn(view, &share, index, 0.0) else { continue };
-            if point.area < 1.0 && point.area <= least_area(index, ensemble, view.seed) {
+            if point.area < 1.0 && point.area <= least_area(view.ids[index], ensemble, view.seed) {
                 continue;
             }
             for pixel in pixels(&point, view.size) {
@@ -310,7 +313,7 @@ fn draw(view: &View<'_>, ensemble: u32, hands: &[Vec<Vec<u64>>], counts: &mut [u
 /// others except for one part in their number. So it is the image of points of this opacity, or less where less than a
 /// pixel is drawn, blended front to back. `counts` are the points on a pixel.
 pub fn limit(camera: &Camera, size: [u32; 2], dealt: &Dealt, colors: &[DVec3], rule: &Rule) -> Picture {
-    let view = View { camera, size, dealt, rule: *rule, seed: 0 };
+    let view = View { camera, size, dealt, ids: &[], rule: *rule, seed: 0 };
     let mut lists: Vec<Vec<Fragment>> = vec![Vec::new(); size[0] as usize * size[1] as usize];
     for surface in &dealt.surfaces {
         let share = share(camera, size[1], dealt, surface, rule);

@@ -109,7 +109,8 @@ pub fn render(
     settings: &Stochastic,
     seed: u64,
 ) -> (Picture, Vec<DVec3>) {
-    render_with(camera, size, points, colors, settings, |pixel, splat, p| word(seed, pixel, splat, p))
+    let ids = points.ids(0..points.len());
+    render_with(camera, size, points, colors, settings, |pixel, splat, p| word(seed, pixel, ids[splat as usize], p))
 }
 
 /// Like [`render`], with random words by pixel, splat and stratum from elsewhere.

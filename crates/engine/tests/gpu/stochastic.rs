@@ -75,14 +75,16 @@ fn every_sample_is_covered_as_the_host_says() {
         }
         let points = scene(&dots);
         let lists = lists(&pixel_camera(size), size, &points, &Discs::default());
+        let ids = points.ids(0..points.len());
         let mut stage = Stage::new(device, &points, pixel_camera(size), size);
         for samples in [1, 2, 3, 4, 5, 6, 7, 8, 13, 16, 17, 30, 31, 32, 33, 34, 61, 64] {
             for seed in [0, 7, u64::from(u32::MAX), 0x1234_5678_9abc_def0] {
                 let image = stage.image(plain(samples), seed);
                 for (at, (rgba, list)) in image.rgba.iter().zip(&lists).enumerate() {
                     let pixel = [at as u32 % size[0], at as u32 / size[0]];
-                    let covered =
-                        |s: u32| mask(list[0].alpha as f32, word(seed, pixel, list[0].index, s / 4)) >> (s % 4) & 1;
+                    let covered = |s: u32| {
+                        mask(list[0].alpha as f32, word(seed, pixel, ids[list[0].index as usize], s / 4)) >> (s % 4) & 1
+                    };
                     let through = samples - (0..samples).map(covered).sum::<u32>();
                     let found = rgba[0] * samples as f32;
                     assert!((found - through as f32).abs() < 1e-4, "{pixel:?}, seed {seed}: {found} {through}");
@@ -108,10 +110,10 @@ impl Doubt {
     }
 
     /// True if order or masks of some fragments depend on rounding.
-    fn about(&self, list: &[Fragment], pixel: [u32; 2], samples: u32, seed: u64) -> bool {
+    fn about(&self, (list, ids): (&[Fragment], &[u32]), pixel: [u32; 2], samples: u32, seed: u64) -> bool {
         let unsure = |f: &Fragment, p: u32| {
             let [low, high] = [1.0 - self.alpha, 1.0 + self.alpha].map(|factor| (f.alpha * factor) as f32);
-            let word = word(seed, pixel, f.index, p);
+            let word = word(seed, pixel, ids[f.index as usize], p);
             mask(low, word) != mask(high, word)
         };
         let masks = self.alpha > 0.0 && list.iter().any(|f| (0..samples.div_ceil(4)).any(|p| unsure(f, p)));
@@ -126,7 +128,7 @@ impl Doubt {
 fn compare(
     image: &Image,
     (wanted, errors): &(Picture, Vec<DVec3>),
-    lists: &[Vec<Fragment>],
+    (lists, ids): (&[Vec<Fragment>], &[u32]),
     settings: &Stochastic,
     seed: u64,
 ) -> Result<f64, String> {
@@ -135,7 +137,7 @@ fn compare(
     let mut clear = 0;
     for (at, list) in lists.iter().enumerate() {
         let pixel = [at as u32 % image.width, at as u32 / image.width];
-        if doubt.about(list, pixel, settings.samples, seed) {
+        if doubt.about((list, ids), pixel, settings.samples, seed) {
             continue;
         }
         clear += 1;
@@ -171,6 +173,7 @@ fn images_equal_the_reference_with_the_same_masks() {
                 SHAPES.into_iter().flat_map(|s| FALLOFFS.map(|falloff| Discs { shape: s, falloff, ..Discs::default() }))
             {
                 let points = scene(&safe(&mixed, &camera, size, discs.shape));
+                let ids = points.ids(0..points.len());
                 let lists = lists(&camera, size, &points, &discs);
                 let mut stage = Stage::new(device, &points, camera, size);
                 for samples in [1, 3, 4, 6, 8, 64] {
@@ -181,10 +184,10 @@ fn images_equal_the_reference_with_the_same_masks() {
                         let wanted = |seed: u64| {
                             reference::stochastic::render(&camera, size, &points, &colors(&points), &settings, seed)
                         };
-                        let clear = compare(&image, &wanted(seed), &lists, &settings, seed);
+                        let clear = compare(&image, &wanted(seed), (&lists, &ids), &settings, seed);
                         assert!(clear.clone().is_ok_and(|share| share > 0.8), "{settings:?}: {clear:?}");
                         // The comparison can fail.
-                        assert!(compare(&image, &wanted(seed + 1), &lists, &settings, seed).is_err());
+                        assert!(compare(&image, &wanted(seed + 1), (&lists, &ids), &settings, seed).is_err());
                         assert_eq!(image.fragments, Some(lists.iter().map(|l| l.len() as u32).collect()));
                     }
                 }
@@ -212,13 +215,14 @@ fn coincident_splats_are_ordered_by_their_index() {
     with_device(|device| {
         let (camera, size) = (pixel_camera([16, 16]), [16, 16]);
         let points = scene(&coincident(12));
+        let ids = points.ids(0..points.len());
         let lists = lists(&camera, size, &points, &Discs::default());
         assert!(lists.iter().any(|list| list.len() == 12));
         let mut stage = Stage::new(device, &points, camera, size);
         for settings in [plain(6), plain(64), corrected(6), corrected(64)] {
             let image = stage.image(settings, 3);
             let wanted = reference::stochastic::render(&camera, size, &points, &colors(&points), &settings, 3);
-            assert_eq!(compare(&image, &wanted, &lists, &settings, 3), Ok(1.0), "{settings:?}");
+            assert_eq!(compare(&image, &wanted, (&lists, &ids), &settings, 3), Ok(1.0), "{settings:?}");
         }
     });
 }

@@ -253,6 +253,10 @@ impl Ensembles {
             } else {
                 cloud.normals.slice(0, 1)
             },
+            ids: match job.streamed {
+                Some(_) => self.stream.ids(bound),
+                None => cloud.ids.slice(bound.start, bound.end - bound.start),
+            },
             counters: self.counters.get().all(),
             large: self.large.get().all(),
         }

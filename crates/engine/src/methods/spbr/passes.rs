@@ -74,6 +74,8 @@ group! {
         points_lo: Read<[f32; 4]>,
         /// Normals; a single one if there are none.
         normals: Read<[f32; 4]>,
+        /// Ids.
+        ids: Read<u32>,
         /// Counters of the passes.
         counters: ReadWrite<Counters>,
         /// Large squares of a dispatch.

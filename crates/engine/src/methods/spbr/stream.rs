@@ -28,14 +28,14 @@ pub fn window_points(device: &Device, cloud: &DeviceCloud, memory_budget: Option
     if cloud.surfaces().is_none() || cloud.len() <= LEAST_POINTS || fits {
         return None;
     }
-    let point = cloud.columns().len() as u64 * COLUMN_BYTES;
+    let point = cloud.columns().len() as u64 * COLUMN_BYTES + 4;
     let most = cloud.longest().min(limits.allocation_bytes / point).min(MOST_POINTS);
     Some((budget / PART / point).max(LEAST_POINTS).min(most) / ALIGNED * ALIGNED)
 }
 
 /// The rest of a budget beside this many points at a time.
 pub fn rest(budget: u64, cloud: &DeviceCloud, points: u64) -> u64 {
-    let both = 2 * points * cloud.columns().len() as u64 * COLUMN_BYTES;
+    let both = 2 * points * (cloud.columns().len() as u64 * COLUMN_BYTES + 4);
     budget.saturating_sub(both + OVERHEAD_BYTES.min(budget / 4)).max(budget / PART)
 }
 
@@ -111,6 +111,9 @@ pub struct Stream {
     window: Kept<[f32; 4]>,
     staging: Kept<[f32; 4]>,
     packed: Vec<[f32; 4]>,
+    ids: Kept<u32>,
+    staging_ids: Kept<u32>,
+    packed_ids: Vec<u32>,
     columns: u64,
     shelf: Shelf,
     /// Bytes that were copied to the device since [`Self::reserve`].
@@ -123,6 +126,9 @@ impl Default for Stream {
             window: Kept::new("streamed points", Memory::Device),
             staging: Kept::new("streamed points, host", Memory::Upload),
             packed: Vec::new(),
+            ids: Kept::new("streamed ids", Memory::Device),
+            staging_ids: Kept::new("streamed ids, host", Memory::Upload),
+            packed_ids: Vec::new(),
             columns: 0,
             shelf: Shelf::default(),
             uploaded: 0,
@@ -139,10 +145,15 @@ impl Stream {
             self.window.release();
             self.staging.release();
             self.packed = Vec::new();
+            self.ids.release();
+            self.staging_ids.release();
+            self.packed_ids = Vec::new();
             return Ok(());
         };
         let vectors = points * self.columns;
         self.window.reserve_within(device, vectors, vectors)?;
+        self.ids.reserve_within(device, points, points)?;
+        self.staging_ids.reserve_within(device, points, points)?;
         self.staging.reserve_within(device, vectors, vectors)
     }
 
@@ -160,20 +171,26 @@ impl Stream {
     /// Packs the new points, for [`Self::record`].
     pub fn pack(&mut self, cloud: &DeviceCloud) {
         self.packed.clear();
+        self.packed_ids.clear();
         for resident in &self.shelf.fresh {
             for column in cloud.columns() {
                 cloud.pack(*column, resident.points.clone(), &mut self.packed);
             }
+            cloud.pack_ids(resident.points.clone(), &mut self.packed_ids);
         }
         self.staging.get_mut().write(&self.packed);
-        self.uploaded += self.packed.len() as u64 * COLUMN_BYTES;
+        self.staging_ids.get_mut().write(&self.packed_ids);
+        self.uploaded += self.packed.len() as u64 * COLUMN_BYTES + 4 * self.packed_ids.len() as u64;
     }
 
     /// Records the copies of the new points.
     pub fn record<'a>(&'a self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
-        let mut from = 0;
+        let (mut from, mut first) = (0, 0);
         for Resident { points, place } in &self.shelf.fresh {
             let count = points.end - points.start;
+            let ids = self.staging_ids.get().slice(first, count);
+            recorder.copy("spbr/upload", ids, self.ids.get().slice(*place, count))?;
+            first += count;
             for column in 0..self.columns {
                 let to = self.window.get().slice(column * self.shelf.capacity + place, count);
                 recorder.copy("spbr/upload", self.staging.get().slice(from, count), to)?;
@@ -187,6 +204,12 @@ impl Stream {
     pub fn column(&self, column: Column, points: &Range<u64>) -> Slice<'_, [f32; 4]> {
         let place = self.shelf.place(points).expect("points of the submission are there");
         self.window.get().slice(column as u64 * self.shelf.capacity + place, points.end - points.start)
+    }
+
+    /// Ids of some points of the submission.
+    pub fn ids(&self, points: &Range<u64>) -> Slice<'_, u32> {
+        let place = self.shelf.place(points).expect("points of the submission are there");
+        self.ids.get().slice(place, points.end - points.start)
     }
 }
 

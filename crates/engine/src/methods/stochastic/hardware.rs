@@ -60,6 +60,7 @@ pass! {
     /// whose mask has it.
     pub DrawHeld(StratumPush) = "stochastic/draw-held" in "stochastic/draw_held" {
         quads: Shared<QuadsGroup>,
+        ids: Read<u32>,
     }
 }
 
@@ -248,7 +249,7 @@ impl Sampler {
         let color = Some((self.attachments.alphas.get(), Blend::Cover));
         let targets = Targets { color, depth: None, clear: Some(0.0) };
         let push = |first| StratumPush { first, ..stratum.push(job.seed) };
-        job.bin.raster.draw(recorder, &draw_variant(job), targets, |quads| DrawAlpha { quads }, push)?;
+        job.bin.raster.draw(recorder, &draw_variant(job), targets, |quads, _| DrawAlpha { quads }, push)?;
         Ok(())
     }
 
@@ -264,9 +265,9 @@ impl Sampler {
         let (raster, variant) = (job.bin.raster, draw_variant(job));
         let push = |first| StratumPush { first, ..stratum.push(job.seed) };
         let held = Targets { color: Some((indices, Blend::Replace)), depth: Some(depths), clear: Some(f32::MAX) };
-        raster.draw(recorder, &variant, held, |quads| DrawHeld { quads }, push)?;
+        raster.draw(recorder, &variant, held, |quads, ids| DrawHeld { quads, ids }, push)?;
         let summed = Targets { color: Some((drawn, Blend::Add)), depth: None, clear: Some(0.0) };
-        raster.draw(recorder, &variant, summed, |quads| DrawSums { quads, depths, indices }, push)?;
+        raster.draw(recorder, &variant, summed, |quads, _| DrawSums { quads, depths, indices }, push)?;
         let fold = Fold {
             held_depths: depths,
             drawn,

@@ -28,6 +28,7 @@ pass! {
         tiles: Shared<TiledGroup>,
         held_keys: ReadWrite<[u32; 4]>,
         held_indices: ReadWrite<[u32; 4]>,
+        ids: Read<u32>,
     }
 }
 
@@ -64,7 +65,8 @@ impl Sampler {
         target: &'a Target,
     ) -> Result<(), Error> {
         let (held_keys, held_indices) = (self.keys.get().all(), self.indices.get().all());
-        let visibility = Visibility { tiles: tiles.tiled, held_keys, held_indices };
+        let ids = job.bin.raster.cloud.ids.all();
+        let visibility = Visibility { tiles: tiles.tiled, held_keys, held_indices, ids };
         let accumulate = Accumulate {
             tiles: tiles.tiled,
             held_keys,

@@ -85,7 +85,8 @@ impl Sums {
 
 /// The images that float32 may make of [`super::render`]'s. Arguments as there.
 pub fn ranges(camera: &Camera, size: [u32; 2], dealt: &Dealt, colors: &[DVec3], rule: &Rule, seed: u64) -> Ranges {
-    let view = View { camera, size, dealt, rule: *rule, seed };
+    let ids = &dealt.points.ids(0..dealt.points.len());
+    let view = View { camera, size, dealt, ids, rule: *rule, seed };
     let hands = hands_of(&view, dealing::hands);
     let mut sums = vec![Sums::EMPTY; size[0] as usize * size[1] as usize];
     for ensemble in 0..rule.ensembles {
@@ -111,7 +112,7 @@ fn candidates(view: &View<'_>, ensemble: u32, hands: &[Vec<Vec<u64>>]) -> Vec<Ve
             // Near and far are rounded, too.
             let [wide, narrow] = [1.0, -1.0].map(|sign| drawn(view, &share, index, sign * 2.0 * DEPTH_ERROR));
             let Some(point) = wide else { continue };
-            let least = least_area(index, ensemble, view.seed);
+            let least = least_area(view.ids[index], ensemble, view.seed);
             if point.area + point.area_error <= least {
                 continue;
             }

@@ -71,6 +71,8 @@ pub struct DeviceCloud {
     pub points_lo: Buffer<[f32; 4]>,
     /// Their colors, linear, and as the bits of the fourth where in the files each point stood.
     pub point_colors: Buffer<[f32; 4]>,
+    /// Their ids, from which random words follow.
+    pub ids: Buffer<u32>,
     /// Their normals, and the share of light that reaches each point, 1 without shadows. A single element if there are neither.
     pub normals: Buffer<[f32; 4]>,
     /// Their scalar field; a single element if there is none.
@@ -128,6 +130,7 @@ impl DeviceCloud {
             let (points_hi, points_lo) = (empty(device, "points, hi")?, empty(device, "points, lo")?);
             (self.points_hi, self.points_lo) = (points_hi, points_lo);
             (self.point_colors, self.normals) = (empty(device, "point colors")?, empty(device, "normals")?);
+            self.ids = empty(device, "point ids")?;
             (self.fields, self.orders) = (empty(device, "fields")?, [None, None, None]);
             self.casting = None;
             (self.splats, self.tilts) = (empty(device, "splats")?, empty(device, "tilts")?);
@@ -152,6 +155,13 @@ impl DeviceCloud {
     pub fn pack(&self, column: Column, range: Range<u64>, into: &mut Vec<[f32; 4]>) {
         if let Some(points) = &self.host {
             into.par_extend(column.values(points, self.origin, range.start as usize..range.end as usize));
+        }
+    }
+
+    /// The same of their ids.
+    pub fn pack_ids(&self, range: Range<u64>, into: &mut Vec<u32>) {
+        if let Some(points) = &self.host {
+            into.extend(points.ids(range.start as usize..range.end as usize));
         }
     }
 
@@ -181,6 +191,8 @@ impl DeviceCloud {
         let point_colors = upload("point colors", Column::Color)?;
         let normals = if self.has_normals { upload("normals", Column::Normal)? } else { empty(device, "normals")? };
         self.fields = device.upload("fields", &points.fields)?;
+        self.ids = device.buffer("point ids", (points.len() as u64).max(1), Memory::Device)?;
+        upload_ids(points, &self.ids)?;
         (self.points_hi, self.points_lo) = (points_hi, points_lo);
         (self.point_colors, self.normals) = (point_colors, normals);
         self.casting = None;
@@ -220,6 +232,7 @@ impl DeviceCloud {
             points_hi: empty(device, "points, hi")?,
             points_lo: empty(device, "points, lo")?,
             point_colors: empty(device, "point colors")?,
+            ids: empty(device, "point ids")?,
             normals: empty(device, "normals")?,
             fields: empty(device, "fields")?,
             splats: empty(device, "splats")?,
@@ -265,6 +278,7 @@ impl DeviceCloud {
             + self.points_lo.bytes()
             + self.point_colors.bytes()
             + self.normals.bytes()
+            + self.ids.bytes()
             + self.fields.bytes()
             + self.splats.bytes()
             + self.splat_depths.bytes()
@@ -371,6 +385,11 @@ impl DeviceCloud {
     pub fn tilts_of(&self, first: u64, count: u64) -> Slice<'_, Tilt> {
         if self.tilts.len() >= self.len { self.tilts.slice(first, count) } else { self.tilts.all() }
     }
+}
+
+/// Brings the ids of all points to the front of a buffer.
+fn upload_ids(points: &Points, ids: &Buffer<u32>) -> Result<(), Error> {
+    ids.upload_by(points.len() as u64, |range, to| to.copy_from_slice(&points.ids(range)))
 }
 
 /// A buffer for nothing.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::super::{Beam, Bounds, Footprint, Splat, Tilt};
-use super::{COLUMN_BYTES, Column, DeviceCloud, empty};
+use super::{COLUMN_BYTES, Column, DeviceCloud, empty, upload_ids};
 use crate::gpu::{Device, Error, Memory};
 use crate::points::Points;
 use crate::progress::Progress;
@@ -53,7 +53,7 @@ impl DeviceCloud {
 
     /// Device bytes of a point with its splat.
     pub fn point_bytes(&self, footprint: Footprint) -> u64 {
-        let columns = self.columns().len() as u64 * COLUMN_BYTES + if self.has_fields { 8 } else { 0 };
+        let columns = self.columns().len() as u64 * COLUMN_BYTES + 4 + if self.has_fields { 8 } else { 0 };
         let tilts = if self.has_normals || footprint.has_tilts() { size_of::<Tilt>() as u64 } else { 0 };
         // Depth, color, place among the large ones and number of their tiles.
         columns + tilts + (size_of::<Splat>() + size_of::<Bounds>()) as u64 + 4 + 16 + 4 + 4
@@ -113,6 +113,8 @@ impl DeviceCloud {
             self.points_hi = device.buffer("points, hi", len, Memory::Device)?;
             self.points_lo = device.buffer("points, lo", len, Memory::Device)?;
             self.point_colors = device.buffer("point colors", len, Memory::Device)?;
+            self.ids = empty(device, "point ids")?;
+            self.ids = device.buffer("point ids", len, Memory::Device)?;
         }
         if self.has_normals && self.normals.len() < len {
             self.normals = empty(device, "normals")?;
@@ -130,6 +132,7 @@ impl DeviceCloud {
         Column::High.upload(points, self.origin, &self.points_hi)?;
         Column::Low.upload(points, self.origin, &self.points_lo)?;
         Column::Color.upload(points, self.origin, &self.point_colors)?;
+        upload_ids(points, &self.ids)?;
         if self.has_normals {
             Column::Normal.upload(points, self.origin, &self.normals)?;
         }
