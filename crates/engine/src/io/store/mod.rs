@@ -5,6 +5,7 @@ mod file;
 mod grid;
 mod held;
 mod octree;
+mod open;
 
 use std::fmt::Debug;
 use std::path::PathBuf;
@@ -14,6 +15,7 @@ use crate::cloud::{Bounds, Cloud, UpAxis};
 pub use grid::Grid;
 pub use held::Held;
 pub use octree::Octree;
+pub use open::open_input;
 
 /// A cloud whose nodes are read one by one, by any number of threads at once.
 pub trait Store: Debug + Send + Sync {

@@ -8,6 +8,7 @@ use super::super::octree::attributes::{Kind, Layout, Role};
 use super::super::octree::metadata::{self, About, Metadata};
 use super::super::octree::nodes::{self, Extent, NODES};
 use super::super::octree::{HIERARCHY, POINTS, integers};
+use super::checkpoint::{self, Checkpoint, Kept};
 use super::cube::{Cell, Cube};
 use super::hierarchy::{self, Written};
 use super::sink::Sink;
@@ -31,6 +32,8 @@ pub struct Assembler {
     open: Vec<Open>,
     ranges: Ranges,
     total: u64,
+    /// Nodes that a checkpoint has, and their file.
+    kept: Kept,
 }
 
 /// What a store says of its points as a whole.
@@ -50,11 +53,41 @@ impl Assembler {
     /// # Errors
     /// A file can't be written.
     pub fn new(folder: &Path, layout: Layout, cube: Cube, node_points: usize) -> Result<Self, Error> {
-        let points = Sink::new(&folder.join(POINTS))?;
+        Self::resume(folder, layout, cube, node_points, None)
+    }
+
+    /// Goes on after a checkpoint in the same folder, with the same layout, cube and number of points.
+    ///
+    /// # Errors
+    /// A file can't be read or written, or isn't what the checkpoint says.
+    pub(super) fn resume(
+        folder: &Path,
+        layout: Layout,
+        cube: Cube,
+        node_points: usize,
+        checkpoint: Option<&Checkpoint>,
+    ) -> Result<Self, Error> {
+        let none = Checkpoint::default();
+        let checkpoint = checkpoint.unwrap_or(&none);
+        let points = Sink::keep(&folder.join(POINTS), checkpoint.bytes)?;
+        let (kept, written) = Kept::resume(folder, checkpoint)?;
+        let open = checkpoint::read_open(folder, checkpoint)?;
         let rules = Rules::new(&layout, cube, node_points.max(1));
-        let ranges = Ranges::new(&layout);
-        let folder = folder.to_path_buf();
-        Ok(Self { folder, layout, rules, points, written: Vec::new(), open: Vec::new(), ranges, total: 0 })
+        let mut ranges = Ranges::new(&layout);
+        ranges.0.iter_mut().zip(&checkpoint.ranges).for_each(|(range, bits)| *range = bits.map(f64::from_bits));
+        let (folder, total) = (folder.to_path_buf(), checkpoint.total);
+        Ok(Self { folder, layout, rules, points, written, open, ranges, total, kept })
+    }
+
+    /// Writes down what is needed to go on from here, should this process end.
+    ///
+    /// # Errors
+    /// A file can't be written.
+    pub(super) fn checkpoint(&mut self) -> Result<Checkpoint, Error> {
+        let nodes = self.kept.add(&self.written)?;
+        let open = self.kept.write_open(&self.folder, &self.open)?;
+        let ranges = self.ranges.0.iter().map(|range| range.map(f64::to_bits)).collect();
+        Ok(Checkpoint { bytes: self.points.len(), nodes, open, ranges, total: self.total })
     }
 
     /// Adds all points of a cell, as [`encode`](super::encode) gives them, in any order: fewer than 2³².
@@ -121,6 +154,7 @@ impl Assembler {
         };
         self.write(vec![Done { cell: root.cell, records: root.records }])?;
         self.points.sync()?;
+        self.kept.remove(&self.folder);
         let extents: Vec<Extent> = self.written.iter().filter_map(|node| node.extent).collect();
         let mut file = Sink::new(&self.folder.join(NODES))?;
         file.write(&nodes::write(&extents))?;

@@ -106,6 +106,7 @@ impl Cell {
     }
 
     /// Its number among those of its parent.
+    #[cfg(test)]
     pub(super) fn digit(self) -> u32 {
         (self.at[0] & 1) | (self.at[1] & 1) << 1 | (self.at[2] & 1) << 2
     }
@@ -117,6 +118,7 @@ impl Cell {
     }
 
     /// The cell of a code of some levels below this one.
+    #[cfg(test)]
     pub(super) fn below(self, code: u64, levels: u32) -> Self {
         (0..levels).rev().fold(self, |cell, level| cell.child((code >> (3 * level) & 7) as u32))
     }

@@ -2,6 +2,8 @@
 
 use std::collections::{HashMap, VecDeque};
 
+use serde::{Deserialize, Serialize};
+
 use super::super::octree::hierarchy::{INNER, LEAF, NODE_BYTES, PROXY};
 use super::super::octree::nodes::Extent;
 use super::cube::Cell;
@@ -10,7 +12,7 @@ use super::cube::Cell;
 pub(super) const STEP: u32 = 4;
 
 /// A node whose points are written.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Written {
     pub cell: Cell,
     /// Of octree.bin.

@@ -1,5 +1,7 @@
 //! nodes.bin: what Potree's hierarchy has no room for, the box and the largest radius of each node's points.
 
+use serde::{Deserialize, Serialize};
+
 use crate::cloud::Bounds;
 use crate::io::store::Grid;
 
@@ -14,7 +16,7 @@ const MAGIC: [u8; 8] = *b"pellucd\x01";
 const RECORD: usize = 36;
 
 /// A node with points.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Extent {
     /// First byte of its points in octree.bin.
     pub offset: u64,
