@@ -184,7 +184,7 @@ impl Columns {
 }
 
 /// The normal with length 1, or zero if it has no direction.
-fn unit_or_zero(normal: Vec3) -> Vec3 {
+pub(super) fn unit_or_zero(normal: Vec3) -> Vec3 {
     if (normal.length_squared() - 1.0).abs() <= UNIT_TOLERANCE {
         return normal;
     }

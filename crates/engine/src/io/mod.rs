@@ -112,6 +112,18 @@ pub enum Error {
         /// The existing properties.
         found: String,
     },
+    /// Somebody who watches wanted the work to end.
+    #[error("{}: stopped; the same command goes on from there", path.display())]
+    Cancelled {
+        /// What was to be written.
+        path: PathBuf,
+    },
+    /// A folder holds something else than what is to be written.
+    #[error("{}: a folder with other files; name a new one, an empty one, or one with an octree that is to be replaced", path.display())]
+    Occupied {
+        /// The folder.
+        path: PathBuf,
+    },
     /// The file could not be written; an earlier file of this name is unchanged.
     #[error("{}: not written: {source}{}", path.display(), crate::atomic::remedy(source))]
     Write {

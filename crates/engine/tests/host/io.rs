@@ -4,6 +4,7 @@ mod bad;
 mod docs;
 mod e57;
 mod las;
+mod octree;
 mod pcd;
 mod ply;
 mod real;

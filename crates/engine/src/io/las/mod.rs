@@ -11,8 +11,10 @@ mod header;
 use std::io::{Read, Seek, SeekFrom};
 
 use crate::progress::Progress;
+use glam::DVec3;
 use rayon::prelude::*;
 
+use super::store::Grid;
 use super::{Error, LasColumns, Source};
 use crate::cloud::Cloud;
 use chunks::Chunk;
@@ -51,6 +53,13 @@ pub(super) fn read(source: &mut Source, asked: LasColumns, progress: &Progress) 
         decoded.into_iter().for_each(|part| columns.append(part));
     }
     Ok(columns.finish(&header, asked))
+}
+
+/// The grid that the positions of a file lie on.
+pub(super) fn grid(source: &mut Source) -> Result<Grid, Error> {
+    let transforms = header::read(source)?.transforms;
+    let each = |of: fn(&las::Transform) -> f64| DVec3::new(of(&transforms.x), of(&transforms.y), of(&transforms.z));
+    Ok(Grid { scale: each(|transform| transform.scale), offset: each(|transform| transform.offset) })
 }
 
 /// The bytes of a chunk, which lies within the file.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Node, Piece, Store, Summary};
+use super::{Grid, Node, Piece, Store, Summary};
 use crate::cloud::Cloud;
 use crate::io::Error;
 
@@ -26,10 +26,19 @@ impl Held {
         let points = cloud.len() as u64;
         let like = cloud.subset(&[]);
         let ranges = cloud.scalars.iter().filter_map(|(name, values)| Some((name.clone(), range(values)?))).collect();
-        let summary = Summary { path: path.to_path_buf(), points, bounds, up: cloud.up, ranges, like };
+        let summary = Summary { path: path.to_path_buf(), points, bounds, up: cloud.up, ranges, grid: None, like };
         let node =
             Node { level: 0, parent: None, bounds, points, bytes: 0, spacing: 0.0, largest_radius: largest(&cloud) };
         Ok(Self { summary, nodes: vec![node], cloud })
+    }
+}
+
+impl Held {
+    /// The same cloud, all of whose positions lie on a grid.
+    #[must_use]
+    pub fn on_grid(mut self, grid: Option<Grid>) -> Self {
+        self.summary.grid = grid;
+        self
     }
 }
 

@@ -1,13 +1,21 @@
 //! Clouds in nodes that are read one by one: octrees, tiles, and plain files in pieces. What a scan is too large for, a node is not.
 
+pub mod build;
+mod file;
+mod grid;
 mod held;
+mod octree;
+mod open;
 
 use std::fmt::Debug;
 use std::path::PathBuf;
 
 use super::Error;
 use crate::cloud::{Bounds, Cloud, UpAxis};
+pub use grid::Grid;
 pub use held::Held;
+pub use octree::Octree;
+pub use open::open_input;
 
 /// A cloud whose nodes are read one by one, by any number of threads at once.
 pub trait Store: Debug + Send + Sync {
@@ -37,6 +45,8 @@ pub struct Summary {
     pub up: UpAxis,
     /// Least and largest value of a scalar column, by its name, where the store knows them.
     pub ranges: Vec<(String, [f64; 2])>,
+    /// The grid that all positions lie on, where the store has one.
+    pub grid: Option<Grid>,
     /// A cloud without points but with everything else that the nodes have in common: the (empty) columns that each of them has,
     /// how it was prepared, and warnings.
     pub like: Cloud,

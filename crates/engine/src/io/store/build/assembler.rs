@@ -1,0 +1,273 @@
+//! Puts an octree together from cells that come along the Morton curve.
+
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+use super::super::octree::attributes::{Kind, Layout, Role};
+use super::super::octree::metadata::{self, About, Metadata};
+use super::super::octree::nodes::{self, Extent, NODES};
+use super::super::octree::{HIERARCHY, POINTS, integers};
+use super::checkpoint::{self, Checkpoint, Kept};
+use super::cube::{Cell, Cube};
+use super::hierarchy::{self, Written};
+use super::sink::Sink;
+use super::tree::{Done, Open, Rules};
+use crate::cloud::Cloud;
+use crate::io::Error;
+
+/// Points of a node by default.
+pub const NODE_POINTS: usize = 20_000;
+
+/// An octree in the making: a folder with files that are not yet a store. Memory holds the nodes that are open, at most seven of a
+/// level, and 64 bytes for each node that is written.
+#[derive(Debug)]
+pub struct Assembler {
+    folder: PathBuf,
+    layout: Layout,
+    rules: Rules,
+    points: Sink,
+    written: Vec<Written>,
+    /// Nodes whose parents are not complete, along the Morton curve.
+    open: Vec<Open>,
+    ranges: Ranges,
+    total: u64,
+    /// Nodes that a checkpoint has, and their file.
+    kept: Kept,
+}
+
+/// What a store says of its points as a whole.
+#[derive(Debug, Clone, Copy)]
+pub struct Told<'a> {
+    /// A name for people.
+    pub name: &'a str,
+    /// A cloud without points, but with all that they have in common.
+    pub like: &'a Cloud,
+    /// The largest distance of a position from where it was in the source, in the file's units.
+    pub rounding: f64,
+}
+
+impl Assembler {
+    /// Begins an octree in a folder that is there; files of its own are replaced.
+    ///
+    /// # Errors
+    /// A file can't be written.
+    pub fn new(folder: &Path, layout: Layout, cube: Cube, node_points: usize) -> Result<Self, Error> {
+        Self::resume(folder, layout, cube, node_points, None)
+    }
+
+    /// Goes on after a checkpoint in the same folder, with the same layout, cube and number of points.
+    ///
+    /// # Errors
+    /// A file can't be read or written, or isn't what the checkpoint says.
+    pub(super) fn resume(
+        folder: &Path,
+        layout: Layout,
+        cube: Cube,
+        node_points: usize,
+        checkpoint: Option<&Checkpoint>,
+    ) -> Result<Self, Error> {
+        let none = Checkpoint::default();
+        let checkpoint = checkpoint.unwrap_or(&none);
+        let points = Sink::keep(&folder.join(POINTS), checkpoint.bytes)?;
+        let (kept, written) = Kept::resume(folder, checkpoint)?;
+        let open = checkpoint::read_open(folder, checkpoint)?;
+        let rules = Rules::new(&layout, cube, node_points.max(1));
+        let mut ranges = Ranges::new(&layout);
+        ranges.0.iter_mut().zip(&checkpoint.ranges).for_each(|(range, bits)| *range = bits.map(f64::from_bits));
+        let (folder, total) = (folder.to_path_buf(), checkpoint.total);
+        Ok(Self { folder, layout, rules, points, written, open, ranges, total, kept })
+    }
+
+    /// Writes down what is needed to go on from here, should this process end.
+    ///
+    /// # Errors
+    /// A file can't be written.
+    pub(super) fn checkpoint(&mut self) -> Result<Checkpoint, Error> {
+        let nodes = self.kept.add(&self.written)?;
+        let open = self.kept.write_open(&self.folder, &self.open)?;
+        let ranges = self.ranges.0.iter().map(|range| range.map(f64::to_bits)).collect();
+        Ok(Checkpoint { bytes: self.points.len(), nodes, open, ranges, total: self.total })
+    }
+
+    /// Adds all points of a cell, as [`encode`](super::encode) gives them, in any order: fewer than 2³².
+    ///
+    /// # Errors
+    /// A file can't be written.
+    ///
+    /// # Panics
+    /// The cell isn't behind those that came before along the Morton curve, or deeper than the cube has levels.
+    pub fn add(&mut self, cell: Cell, records: &[u8]) -> Result<(), Error> {
+        if records.is_empty() {
+            return Ok(());
+        }
+        let is_behind = |last: &Open| {
+            last.cell.morton_order() < cell.morton_order() && !last.cell.holds(cell) && !cell.holds(last.cell)
+        };
+        assert!(self.open.last().is_none_or(is_behind), "cells come along the Morton curve");
+        self.total += (records.len() / self.rules.stride) as u64;
+        while self.open.last().is_some_and(|last| !last.cell.parent().holds(cell)) {
+            self.close_last()?;
+        }
+        let (open, done) = self.rules.grow(cell, records);
+        self.open.push(open);
+        self.write(done)
+    }
+
+    /// Completes the parent of the last open node.
+    fn close_last(&mut self) -> Result<(), Error> {
+        let Some(last) = self.open.last() else { return Ok(()) };
+        let parent = last.cell.parent();
+        let first = self.open.iter().rposition(|open| open.cell.parent() != parent || open.cell.level == 0);
+        let children = self.open.split_off(first.map_or(0, |before| before + 1));
+        let (open, done) = self.rules.close(parent, children);
+        self.open.push(open);
+        self.write(done)
+    }
+
+    /// Writes nodes in their order.
+    fn write(&mut self, done: Vec<Done>) -> Result<(), Error> {
+        let look = |done: &Done| Ranges::of(&self.layout, &done.records);
+        let seen: Vec<(Ranges, Option<Extent>)> = done.par_iter().map(look).collect();
+        for (node, (ranges, extent)) in done.into_iter().zip(seen) {
+            let offset = self.points.len();
+            self.points.write(&node.records)?;
+            self.ranges.add(&ranges);
+            let points = (node.records.len() / self.rules.stride) as u32;
+            let extent = extent.map(|extent| Extent { offset, ..extent });
+            self.written.push(Written { cell: node.cell, offset, bytes: node.records.len() as u64, points, extent });
+        }
+        Ok(())
+    }
+
+    /// Writes what is left. The folder then has all files of a store; returns the text of metadata.json, which is to be written
+    /// when the others are in their place.
+    ///
+    /// # Errors
+    /// A file can't be written; there are no points.
+    pub fn finish(mut self, told: &Told) -> Result<String, Error> {
+        while self.open.last().is_some_and(|last| last.cell.level > 0) {
+            self.close_last()?;
+        }
+        let Some(root) = self.open.pop() else {
+            return Err(Error::NoPoints { path: self.folder.clone(), non_finite: told.like.non_finite });
+        };
+        self.write(vec![Done { cell: root.cell, records: root.records }])?;
+        self.points.sync()?;
+        self.kept.remove(&self.folder);
+        let extents: Vec<Extent> = self.written.iter().filter_map(|node| node.extent).collect();
+        let mut file = Sink::new(&self.folder.join(NODES))?;
+        file.write(&nodes::write(&extents))?;
+        file.sync()?;
+        let hierarchy = hierarchy::write(&mut self.written);
+        let mut file = Sink::new(&self.folder.join(HIERARCHY))?;
+        file.write(&hierarchy.bytes)?;
+        file.sync()?;
+        let metadata = self.metadata(told, &hierarchy);
+        let text = serde_json::to_string_pretty(&metadata);
+        text.map_err(|error| Error::Write { path: self.folder.join(metadata::METADATA), source: error.into() })
+    }
+
+    fn metadata(&self, told: &Told, hierarchy: &hierarchy::Bytes) -> Metadata {
+        let bounds = self.rules.cube.bounds(Cell::ROOT);
+        let like = told.like;
+        let about = About::new(like.up, &self.layout, like.prepared.as_ref(), told.rounding, like.non_finite as u64);
+        let grid = self.rules.cube.grid;
+        let described = self.layout.attributes.iter().zip(self.ranges.by_attribute(&self.layout));
+        let position = |ranges: &[[f64; 2]]| -> Vec<[f64; 2]> {
+            let ends = [0, 1].map(|end| grid.position([0, 1, 2].map(|axis| ranges[axis][end] as i32)));
+            (0..3).map(|axis| [ends[0][axis], ends[1][axis]]).collect()
+        };
+        let attributes = described.map(|(attribute, ranges)| match attribute.role {
+            Role::Position => metadata::describe(attribute, &position(ranges)),
+            _ => metadata::describe(attribute, ranges),
+        });
+        Metadata {
+            version: "2.0".to_owned(),
+            name: told.name.to_owned(),
+            description: String::new(),
+            points: self.total,
+            projection: String::new(),
+            hierarchy: metadata::Hierarchy {
+                first_chunk_size: hierarchy.first_chunk,
+                step_size: hierarchy::STEP.into(),
+                depth: hierarchy.depth.into(),
+            },
+            offset: grid.offset.to_array(),
+            scale: grid.scale.to_array(),
+            spacing: (bounds.max - bounds.min).max_element() * (-f64::from(self.rules.grid_bits)).exp2(),
+            bounding_box: metadata::corners(bounds.min, bounds.max),
+            encoding: "DEFAULT".to_owned(),
+            attributes: attributes.collect(),
+            pellucid: serde_json::to_value(about).ok(),
+        }
+    }
+}
+
+/// Least and largest value of each number of a record, those of positions on the grid.
+#[derive(Debug, Clone, PartialEq)]
+struct Ranges(Vec<[f64; 2]>);
+
+impl Ranges {
+    fn new(layout: &Layout) -> Self {
+        let numbers = layout.attributes.iter().map(|attribute| attribute.elements).sum();
+        Self(vec![[f64::INFINITY, f64::NEG_INFINITY]; numbers])
+    }
+
+    fn add(&mut self, other: &Self) {
+        for ([least, most], other) in self.0.iter_mut().zip(&other.0) {
+            *least = least.min(other[0]);
+            *most = most.max(other[1]);
+        }
+    }
+
+    fn by_attribute<'a>(&'a self, layout: &'a Layout) -> impl Iterator<Item = &'a [[f64; 2]]> {
+        let mut rest = self.0.as_slice();
+        layout.attributes.iter().map(move |attribute| {
+            let (own, others) = rest.split_at(attribute.elements);
+            rest = others;
+            own
+        })
+    }
+
+    /// Those of some records, and the box and largest radius of their points; `None` without points. The offset is 0.
+    fn of(layout: &Layout, records: &[u8]) -> (Self, Option<Extent>) {
+        let mut ranges = Self::new(layout);
+        if records.is_empty() {
+            return (ranges, None);
+        }
+        let mut corners = [[i32::MAX; 3], [i32::MIN; 3]];
+        for record in records.chunks_exact(layout.stride) {
+            let at = integers(record);
+            for axis in 0..3 {
+                corners[0][axis] = corners[0][axis].min(at[axis]);
+                corners[1][axis] = corners[1][axis].max(at[axis]);
+            }
+        }
+        let mut number = 0;
+        let mut largest_radius = None;
+        for attribute in &layout.attributes {
+            for element in 0..attribute.elements {
+                let range = match attribute.role {
+                    Role::Position => [0, 1].map(|end: usize| f64::from(corners[end][element])),
+                    _ => {
+                        let at = attribute.at + element * (attribute.bytes / attribute.elements);
+                        finite_range(attribute.kind, records.chunks_exact(layout.stride).map(|record| &record[at..]))
+                    }
+                };
+                if attribute.role == Role::Radius {
+                    largest_radius = Some(range[1].max(0.0) as f32);
+                }
+                ranges.0[number] = range;
+                number += 1;
+            }
+        }
+        (ranges, Some(Extent { offset: 0, largest_radius, corners }))
+    }
+}
+
+/// Least and largest of the finite numbers at the starts of some bytes.
+fn finite_range<'a>(kind: Kind, bytes: impl Iterator<Item = &'a [u8]>) -> [f64; 2] {
+    let finite = bytes.map(|bytes| kind.read(bytes)).filter(|value| value.is_finite());
+    finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| [least.min(value), most.max(value)])
+}

@@ -1,0 +1,27 @@
+//! Writes clouds as octrees of Potree 2.0, whatever their size.
+
+mod assembler;
+mod builder;
+mod checkpoint;
+mod columns;
+mod cube;
+mod encode;
+mod hierarchy;
+mod input;
+mod plan;
+mod scatter;
+mod sink;
+mod state;
+mod survey;
+mod tree;
+mod types;
+
+pub use super::octree::attributes::Layout;
+pub use assembler::{Assembler, NODE_POINTS, Told};
+pub use builder::{Built, Settings, build};
+pub use cube::{Cell, Cube};
+pub use encode::{Encoded, encode};
+pub use types::{Narrow, Types};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,61 @@
+//! Files of a build, which grow at their ends and are only part of a store when it is whole.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use crate::gpu::fault;
+use crate::io::Error;
+
+/// A file that bytes are put behind.
+#[derive(Debug)]
+pub(super) struct Sink {
+    path: PathBuf,
+    file: File,
+    len: u64,
+}
+
+impl Sink {
+    /// A file with its first bytes, as many as are to be kept; they must be there.
+    pub fn keep(path: &Path, len: u64) -> Result<Self, Error> {
+        let failed = |source| Error::Write { path: path.to_path_buf(), source };
+        fault::file("output/create").map_err(failed)?;
+        let mut file = OpenOptions::new().create(true).truncate(false).write(true).open(path).map_err(failed)?;
+        if file.metadata().map_err(failed)?.len() < len {
+            return Err(failed(io::Error::new(io::ErrorKind::UnexpectedEof, "it became shorter while it was written")));
+        }
+        file.set_len(len).map_err(failed)?;
+        io::Seek::seek(&mut file, io::SeekFrom::Start(len)).map_err(failed)?;
+        Ok(Self { path: path.to_path_buf(), file, len })
+    }
+
+    /// An empty file.
+    pub fn new(path: &Path) -> Result<Self, Error> {
+        Self::keep(path, 0)
+    }
+
+    /// Its bytes so far.
+    pub fn len(&self) -> u64 {
+        self.len
+    }
+
+    /// Puts bytes behind the others.
+    pub fn write(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        self.write_all(bytes).map_err(|source| Error::Write { path: self.path.clone(), source })?;
+        self.len += bytes.len() as u64;
+        Ok(())
+    }
+
+    fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
+        if let Some(before) = fault::bytes("output/byte", bytes.len()) {
+            self.file.write_all(&bytes[..before])?;
+            fault::strike()?;
+        }
+        self.file.write_all(bytes)
+    }
+
+    /// Flushes to the disk: some file systems report only then that they are full.
+    pub fn sync(&mut self) -> Result<(), Error> {
+        self.file.sync_data().map_err(|source| Error::Write { path: self.path.clone(), source })
+    }
+}

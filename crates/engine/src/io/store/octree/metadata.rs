@@ -1,0 +1,335 @@
+//! metadata.json, as PotreeConverter writes it, and what this program adds to it.
+
+use std::path::Path;
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use super::attributes::{AS_STORED, Attribute, Kind, Layout, Role};
+use crate::cloud::field::Field;
+use crate::cloud::shadow_texture::{CastingRecord, ShadowTexture};
+use crate::cloud::{Bounds, Prepared, UpAxis};
+use crate::io::Error;
+use crate::io::store::Grid;
+
+/// The file of a folder that is an octree.
+pub const METADATA: &str = "metadata.json";
+
+/// Version of what is added.
+const VERSION: u64 = 1;
+
+/// Bytes of the file at most: it describes attributes, not points.
+const MAX_BYTES: u64 = 16 << 20;
+
+/// metadata.json.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct Metadata {
+    pub version: String,
+    #[serde(default)]
+    pub name: String,
+    #[serde(default)]
+    pub description: String,
+    pub points: u64,
+    #[serde(default)]
+    pub projection: String,
+    pub hierarchy: Hierarchy,
+    pub offset: [f64; 3],
+    pub scale: [f64; 3],
+    pub spacing: f64,
+    pub bounding_box: Corners,
+    #[serde(default = "uncompressed")]
+    pub encoding: String,
+    pub attributes: Vec<Described>,
+    /// [`About`]; read by itself, since others may write another object of that name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pellucid: Option<serde_json::Value>,
+}
+
+fn uncompressed() -> String {
+    "DEFAULT".to_owned()
+}
+
+/// How hierarchy.bin is divided.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct Hierarchy {
+    pub first_chunk_size: u64,
+    #[serde(default)]
+    pub step_size: u64,
+    #[serde(default)]
+    pub depth: u64,
+}
+
+/// A box.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Corners {
+    pub min: [f64; 3],
+    pub max: [f64; 3],
+}
+
+/// An attribute.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct Described {
+    pub name: String,
+    #[serde(default)]
+    pub description: String,
+    pub size: usize,
+    pub num_elements: usize,
+    pub element_size: usize,
+    #[serde(rename = "type")]
+    pub kind: Kind,
+    #[serde(default)]
+    pub min: Vec<Option<f64>>,
+    #[serde(default)]
+    pub max: Vec<Option<f64>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<Vec<f64>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset: Option<Vec<f64>>,
+}
+
+impl Described {
+    /// Least and largest value, if both are there.
+    pub fn range(&self) -> Option<[f64; 2]> {
+        let finite = |values: &[Option<f64>]| values.first().copied().flatten().filter(|value| value.is_finite());
+        Some([finite(&self.min)?, finite(&self.max)?])
+    }
+
+    /// The largest value of all elements.
+    pub fn largest(&self) -> Option<f64> {
+        self.max.iter().copied().flatten().max_by(f64::total_cmp)
+    }
+
+    /// Factor and summand of its values.
+    fn transform(&self) -> [f64; 2] {
+        let first = |values: &Option<Vec<f64>>| values.as_ref().and_then(|values| values.first().copied());
+        let [factor, summand] = [first(&self.scale).unwrap_or(1.0), first(&self.offset).unwrap_or(0.0)];
+        if factor.is_finite() && factor != 0.0 && summand.is_finite() { [factor, summand] } else { AS_STORED }
+    }
+}
+
+/// What `pellucid prepare` adds: what a cloud has that Potree knows no word for.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct About {
+    pub version: u64,
+    pub up: Up,
+    /// For each attribute what it is.
+    pub roles: Vec<Role>,
+    /// The largest distance of a position from where it was in the source, in the file's units.
+    pub rounding: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub prepared: Option<PreparedRecord>,
+    /// Points of the source that were dropped because a coordinate is not finite.
+    #[serde(default)]
+    pub non_finite: u64,
+}
+
+/// The vertical.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Up {
+    Y,
+    Z,
+    #[serde(rename = "-y")]
+    NegativeY,
+}
+
+impl From<UpAxis> for Up {
+    fn from(up: UpAxis) -> Self {
+        match up {
+            UpAxis::Y => Self::Y,
+            UpAxis::Z => Self::Z,
+            UpAxis::NegativeY => Self::NegativeY,
+        }
+    }
+}
+
+impl From<Up> for UpAxis {
+    fn from(up: Up) -> Self {
+        match up {
+            Up::Y => Self::Y,
+            Up::Z => Self::Z,
+            Up::NegativeY => Self::NegativeY,
+        }
+    }
+}
+
+/// How a cloud was prepared.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct PreparedRecord {
+    neighbors: usize,
+    #[serde(default)]
+    radius_cap: f32,
+    estimated_radii: bool,
+    field: Field,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    shadows: Option<serde_json::Value>,
+}
+
+impl PreparedRecord {
+    pub fn of(prepared: &Prepared) -> Self {
+        let casting = |shadows: &ShadowTexture| serde_json::to_value(CastingRecord::from(&shadows.casting)).ok();
+        Self {
+            neighbors: prepared.neighbors,
+            radius_cap: prepared.radius_cap,
+            estimated_radii: prepared.estimated_radii,
+            field: prepared.field.clone(),
+            shadows: prepared.shadows.as_ref().and_then(casting),
+        }
+    }
+
+    /// The same without values; shadows only if there is an attribute for their light. The reason why it can't be.
+    pub fn prepared(&self, has_light: bool) -> Result<Prepared, String> {
+        let Self { neighbors, radius_cap, estimated_radii, .. } = *self;
+        if neighbors == 0 || neighbors > 65_535 {
+            return Err(format!("claims {neighbors} neighbors"));
+        }
+        if !(radius_cap >= 0.0 && radius_cap.is_finite()) {
+            return Err(format!("claims a radius cap of {radius_cap}"));
+        }
+        let casting = self.shadows.clone().filter(|_| has_light);
+        let casting: Option<CastingRecord> =
+            casting.map(serde_json::from_value).transpose().map_err(|error| error.to_string())?;
+        let shadows = casting.map(|casting| ShadowTexture { casting: (&casting).into(), lit: Vec::new() });
+        Ok(Prepared { neighbors, radius_cap, estimated_radii, field: self.field.clone(), values: Vec::new(), shadows })
+    }
+}
+
+impl About {
+    pub fn new(up: UpAxis, layout: &Layout, prepared: Option<&Prepared>, rounding: f64, non_finite: u64) -> Self {
+        let roles = layout.attributes.iter().map(|attribute| attribute.role.clone()).collect();
+        let prepared = prepared.map(PreparedRecord::of);
+        Self { version: VERSION, up: up.into(), roles, rounding, prepared, non_finite }
+    }
+}
+
+/// metadata.json with everything checked that it says by itself.
+pub(crate) struct Checked {
+    pub metadata: Metadata,
+    pub about: Option<About>,
+    pub layout: Layout,
+    pub grid: Grid,
+    pub bounds: Bounds,
+    pub warnings: Vec<String>,
+}
+
+/// Reads the file.
+pub(crate) fn read(path: &Path) -> Result<Checked, Error> {
+    let malformed =
+        |place: &str, cause: String| Error::Malformed { path: path.to_path_buf(), place: place.to_owned(), cause };
+    let failed = |source| Error::Read { path: path.to_path_buf(), source };
+    let bytes = std::fs::metadata(path).map_err(failed)?.len();
+    if bytes > MAX_BYTES {
+        return Err(malformed("size", format!("{bytes} bytes are too many for a description (at most {MAX_BYTES})")));
+    }
+    let text = std::fs::read(path).map_err(failed)?;
+    let metadata: Metadata = serde_json::from_slice(&text)
+        .map_err(|error| malformed("JSON", format!("{error}; a Potree 2.0 octree was expected")))?;
+    if !metadata.version.starts_with("2.") {
+        return Err(malformed("version", format!("{:?}, but only Potree 2 is known", metadata.version)));
+    }
+    if metadata.encoding != "DEFAULT" {
+        let cause = format!(
+            "{:?} is a compression that is not read; convert it anew with `--encoding UNCOMPRESSED`, or `pellucid prepare` \
+             the source",
+            metadata.encoding
+        );
+        return Err(malformed("encoding", cause));
+    }
+    let grid = Grid { scale: metadata.scale.into(), offset: metadata.offset.into() };
+    if !grid.is_valid() {
+        return Err(malformed("scale", "scales must be finite and above 0, offsets finite".to_owned()));
+    }
+    let bounds = bounds(&metadata.bounding_box).map_err(|cause| malformed("boundingBox", cause))?;
+    let mut warnings = Vec::new();
+    let about = about(&metadata, &mut warnings);
+    let layout = layout(&metadata, about.as_ref()).map_err(|(name, cause)| malformed(&name, cause))?;
+    Ok(Checked { metadata, about, layout, grid, bounds, warnings })
+}
+
+fn bounds(corners: &Corners) -> Result<Bounds, String> {
+    let bounds = Bounds { min: corners.min.into(), max: corners.max.into() };
+    let sides = bounds.max - bounds.min;
+    if bounds.min.is_finite() && bounds.max.is_finite() && sides.is_finite() && sides.min_element() >= 0.0 {
+        return Ok(bounds);
+    }
+    Err(format!("no box: from {} to {}", bounds.min, bounds.max))
+}
+
+/// What this program added, if it can be used; a warning if not.
+fn about(metadata: &Metadata, warnings: &mut Vec<String>) -> Option<About> {
+    let value = metadata.pellucid.clone()?;
+    let refused = |why: String| format!("{METADATA}: {why}; what `pellucid prepare` stored is not used as such");
+    match value.get("version").and_then(serde_json::Value::as_u64) {
+        Some(VERSION) => {}
+        Some(version) => {
+            warnings.push(refused(format!("prepared in format {version}, of which this version knows only {VERSION}")));
+            return None;
+        }
+        None => {
+            warnings.push(refused("`pellucid` names no version".to_owned()));
+            return None;
+        }
+    }
+    match serde_json::from_value::<About>(value) {
+        Ok(about) if about.roles.len() == metadata.attributes.len() => Some(about),
+        Ok(about) => {
+            let (roles, attributes) = (about.roles.len(), metadata.attributes.len());
+            warnings.push(refused(format!("`pellucid` has {roles} roles for {attributes} attributes")));
+            None
+        }
+        Err(error) => {
+            warnings.push(refused(format!("`pellucid` can't be read ({error})")));
+            None
+        }
+    }
+}
+
+/// The places of the attributes in a record. An error comes with the attribute.
+fn layout(metadata: &Metadata, about: Option<&About>) -> Result<Layout, (String, String)> {
+    let mut layout = Layout::default();
+    for (index, described) in metadata.attributes.iter().enumerate() {
+        let Described { ref name, kind, num_elements: elements, size: bytes, element_size, .. } = *described;
+        let role = match about {
+            Some(about) => about.roles[index].clone(),
+            None => Role::named(name, kind, elements),
+        };
+        let transform = if about.is_none() { described.transform() } else { AS_STORED };
+        let attribute = Attribute { name: name.clone(), kind, elements, role, at: 0, bytes, transform };
+        let added = layout.add_foreign(attribute, element_size);
+        added.map_err(|cause| (format!("attribute {name:?}"), cause))?;
+    }
+    if layout.find(&Role::Position).is_none() {
+        let names: Vec<_> = layout.attributes.iter().map(|attribute| &*attribute.name).collect();
+        return Err(("attributes".to_owned(), format!("no position of three int32, only [{}]", names.join(", "))));
+    }
+    Ok(layout)
+}
+
+/// The description of an attribute with its range.
+pub(crate) fn describe(attribute: &Attribute, ranges: &[[f64; 2]]) -> Described {
+    // Ranges of nothing, and what is not finite, are none; the viewer wants numbers.
+    let end = |end: usize| {
+        let of = |range: &[f64; 2]| Some(if range[0] <= range[1] { range[end] } else { 0.0 });
+        ranges.iter().map(of).collect()
+    };
+    Described {
+        name: attribute.name.clone(),
+        description: String::new(),
+        size: attribute.bytes,
+        num_elements: attribute.elements,
+        element_size: attribute.bytes / attribute.elements.max(1),
+        kind: attribute.kind,
+        min: end(0),
+        max: end(1),
+        scale: None,
+        offset: None,
+    }
+}
+
+/// The corners of a box.
+pub(crate) fn corners(min: DVec3, max: DVec3) -> Corners {
+    Corners { min: min.to_array(), max: max.to_array() }
+}

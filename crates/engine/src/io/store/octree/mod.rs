@@ -1,0 +1,287 @@
+//! Octrees of Potree 2.0: folders of metadata.json, hierarchy.bin and octree.bin, as PotreeConverter 2 and `pellucid prepare` write
+//! them.
+//!
+//! Points are uncompressed records, the position three int32 on a grid. Names of attributes that a cloud has a column for:
+//!
+//! | column | attribute |
+//! |---|---|
+//! | position | `position` |
+//! | color | `rgb`, `rgba`: of 65535, or of 255 if no channel is above; of `pellucid prepare` also `linear_red` … `linear_blue` |
+//! | normal | `NormalX`, `NormalY`, `NormalZ`, or `normal` |
+//! | intensity, classification, alpha, radius | the same names |
+//! | scalars | all others of one number; `gps-time` counts from the first |
+//!
+//! What `pellucid prepare` adds stands in an object `pellucid` of metadata.json and in nodes.bin, which Potree ignores.
+
+pub(crate) mod attributes;
+mod decode;
+pub(crate) mod hierarchy;
+pub(crate) mod metadata;
+pub(crate) mod nodes;
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
+use super::file::Shared;
+use super::{Node, Piece, Store, Summary};
+use crate::cloud::{Bounds, Cloud, GPS_TIME, UpAxis};
+use crate::io::Error;
+use attributes::Role;
+pub(crate) use decode::integers;
+use decode::{Decoder, full_scale};
+use hierarchy::Listed;
+use metadata::{About, Checked, METADATA};
+use nodes::{Extent, NODES};
+
+/// The file of the nodes' points.
+pub(crate) const POINTS: &str = "octree.bin";
+/// The file of the nodes.
+pub(crate) const HIERARCHY: &str = "hierarchy.bin";
+
+/// Share of a coordinate by which a node's box may be off.
+const ROUNDING: f64 = 1e-14;
+
+/// A folder with an octree. Threads read its nodes side by side.
+#[derive(Debug)]
+pub struct Octree {
+    summary: Summary,
+    nodes: Vec<Node>,
+    /// The first byte of each node in the file of points.
+    starts: Vec<u64>,
+    decoder: Decoder,
+    file: Shared,
+}
+
+impl Octree {
+    /// Opens a folder, or the metadata.json in it. Reads everything but the points.
+    ///
+    /// # Errors
+    /// A file is missing or can't be read; the octree is compressed or of Potree 1; what the files say contradicts itself or their
+    /// sizes; there are no points. Memory use follows the files' sizes, not their claims.
+    pub fn open(path: &Path) -> Result<Self, Error> {
+        let folder = if path.is_dir() { path } else { crate::atomic::folder(path) };
+        if !folder.join(METADATA).exists() && folder.join("cloud.js").exists() {
+            return Err(Error::Malformed {
+                path: folder.join("cloud.js"),
+                place: "format".to_owned(),
+                cause:
+                    "an octree of Potree 1, which is not read; convert its source with PotreeConverter 2 or `pellucid \
+                        prepare`"
+                        .to_owned(),
+            });
+        }
+        let checked = metadata::read(&folder.join(METADATA)).map_err(|error| missing(error, folder))?;
+        let file = Shared::open(&folder.join(POINTS))?;
+        let listed = list(folder, &checked)?;
+        check_bytes(folder, &listed, checked.layout.stride as u64, file.len())?;
+        let extents = extents(folder, checked.about.is_some())?;
+        let nodes = nodes_of(folder, &checked, &listed, extents.as_deref())?;
+        let points: u64 = nodes.iter().map(|node| node.points).sum();
+        if points == 0 {
+            return Err(Error::NoPoints { path: folder.to_path_buf(), non_finite: 0 });
+        }
+        let (decoder, like) = decoder(&checked, points).map_err(|cause| malformed(folder, METADATA, cause))?;
+        let summary = Summary {
+            path: folder.to_path_buf(),
+            points,
+            bounds: nodes.first().map_or(checked.bounds, |root| root.bounds),
+            up: like.up,
+            ranges: ranges(&checked),
+            grid: Some(checked.grid),
+            like,
+        };
+        let starts = listed.iter().map(|listed| listed.offset).collect();
+        Ok(Self { summary, nodes, starts, decoder, file })
+    }
+
+    /// True if a path is a folder with an octree, or its metadata.json.
+    pub fn is_one(path: &Path) -> bool {
+        path.join(METADATA).is_file() || path.file_name().is_some_and(|name| name == METADATA)
+    }
+
+    fn damaged(&self, node: usize, cause: String) -> Error {
+        malformed(&self.summary.path, POINTS, format!("node at byte {}: {cause}", self.starts[node]))
+    }
+}
+
+impl Store for Octree {
+    fn summary(&self) -> &Summary {
+        &self.summary
+    }
+
+    fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    fn read(&self, node: usize) -> Result<Piece, Error> {
+        let about = &self.nodes[node];
+        let records = self.file.read(self.starts[node], about.bytes)?;
+        let mut cloud = self.decoder.cloud(&records);
+        cloud.up = self.summary.up;
+        let Bounds { min, max } = about.bounds;
+        let is_outside = |p: &&DVec3| !(p.cmpge(min) & p.cmple(max)).all();
+        if let Some(outside) = cloud.positions.iter().find(is_outside) {
+            return Err(self.damaged(node, format!("a point at {outside}, outside of its box from {min} to {max}")));
+        }
+        let larger = |largest: f32| cloud.radii.iter().flatten().copied().find(|radius| *radius > largest);
+        if let Some((radius, largest)) = about.largest_radius.and_then(|largest| Some((larger(largest)?, largest))) {
+            return Err(self.damaged(node, format!("a radius of {radius}, but the largest should be {largest}")));
+        }
+        let places = self.decoder.places(&records, self.starts[node] / self.decoder.stride().max(1));
+        Ok(Piece { cloud, places })
+    }
+}
+
+fn malformed(folder: &Path, place: &str, cause: String) -> Error {
+    Error::Malformed { path: folder.to_path_buf(), place: place.to_owned(), cause }
+}
+
+/// The error of a folder that is no octree.
+fn missing(error: Error, folder: &Path) -> Error {
+    match error {
+        Error::Read { source, .. } if source.kind() == std::io::ErrorKind::NotFound && folder.is_dir() => {
+            let cause = format!("no {METADATA}, which a Potree 2.0 octree has");
+            malformed(folder, "folder", cause)
+        }
+        Error::Read { source, path } if source.kind() == std::io::ErrorKind::NotFound => Error::Missing { path },
+        error => error,
+    }
+}
+
+/// All bytes of a file beside the points, of which there are few for each node.
+fn whole(path: PathBuf) -> Result<Vec<u8>, Error> {
+    let file = Shared::open(&path)?;
+    file.read(0, file.len())
+}
+
+/// The nodes of the hierarchy.
+fn list(folder: &Path, checked: &Checked) -> Result<Vec<Listed>, Error> {
+    let bytes = whole(folder.join(HIERARCHY))?;
+    let read = hierarchy::read(&bytes, checked.metadata.hierarchy.first_chunk_size, checked.bounds);
+    read.map_err(|(place, cause)| malformed(folder, &place, cause))
+}
+
+/// Compares the nodes' bytes with their points and with the file.
+fn check_bytes(folder: &Path, nodes: &[Listed], stride: u64, len: u64) -> Result<(), Error> {
+    let mut all = 0_u64;
+    for node in nodes {
+        let refused = |cause: String| malformed(folder, &format!("{HIERARCHY}: node of level {}", node.level), cause);
+        if node.points.checked_mul(stride) != Some(node.bytes) {
+            let (points, bytes) = (node.points, node.bytes);
+            return Err(refused(format!("{bytes} bytes for {points} points of {stride} bytes")));
+        }
+        if node.bytes > 0 && node.offset.checked_add(node.bytes).is_none_or(|end| end > len) {
+            let (offset, bytes) = (node.offset, node.bytes);
+            return Err(Error::Truncated {
+                path: folder.join(POINTS),
+                what: format!("a node has {bytes} bytes from byte {offset}, the file has {len}"),
+            });
+        }
+        all = all.saturating_add(node.bytes);
+    }
+    if all > len {
+        return Err(malformed(folder, HIERARCHY, format!("nodes have {all} bytes, {POINTS} only {len}: they overlap")));
+    }
+    Ok(())
+}
+
+/// nodes.bin, if it is there.
+fn extents(folder: &Path, is_ours: bool) -> Result<Option<Vec<Extent>>, Error> {
+    if !is_ours || !folder.join(NODES).exists() {
+        return Ok(None);
+    }
+    let bytes = whole(folder.join(NODES))?;
+    nodes::read(&bytes).map(Some).map_err(|(place, cause)| malformed(folder, &place, cause))
+}
+
+/// The nodes with boxes around their points: those of nodes.bin, else the parts of the root's box.
+fn nodes_of(
+    folder: &Path,
+    checked: &Checked,
+    listed: &[Listed],
+    extents: Option<&[Extent]>,
+) -> Result<Vec<Node>, Error> {
+    let grown = |bounds: &Bounds| {
+        let by = checked.grid.scale + ROUNDING * bounds.min.abs().max(bounds.max.abs());
+        Bounds { min: bounds.min - by, max: bounds.max + by }
+    };
+    let mut nodes = Vec::with_capacity(listed.len());
+    for node in listed {
+        let part = grown(&node.bounds);
+        let mut largest_radius = None;
+        let mut bounds = Some(part).filter(|_| extents.is_none());
+        if let (Some(extents), 1..) = (extents, node.points) {
+            let refused = |cause: &str| malformed(folder, NODES, format!("node at byte {}: {cause}", node.offset));
+            let found = extents.binary_search_by_key(&node.offset, |extent| extent.offset);
+            let extent = found.map_err(|_| refused("missing"))?;
+            let own = extents[extent].bounds(&checked.grid);
+            if own.min.cmplt(part.min).any() || own.max.cmpgt(part.max).any() {
+                return Err(refused("its box is outside of its part of the octree"));
+            }
+            largest_radius = extents[extent].largest_radius;
+            bounds = Some(own);
+        }
+        let spacing = checked.metadata.spacing * (-f64::from(node.level)).exp2();
+        let Listed { level, parent, points, bytes, .. } = *node;
+        let node = Node { level, parent, bounds: part, points, bytes, spacing, largest_radius };
+        nodes.push((node, bounds));
+    }
+    Ok(around_children(nodes))
+}
+
+/// Lets boxes of points grow around those of the nodes below.
+fn around_children(mut nodes: Vec<(Node, Option<Bounds>)>) -> Vec<Node> {
+    for index in (0..nodes.len()).rev() {
+        let (Node { parent, .. }, bounds) = nodes[index];
+        if let (Some(parent), Some(bounds)) = (parent, bounds) {
+            let above = &mut nodes[parent as usize].1;
+            *above = Some(above.map_or(bounds, |above| above.union(bounds)));
+        }
+    }
+    nodes.into_iter().map(|(node, bounds)| Node { bounds: bounds.unwrap_or(node.bounds), ..node }).collect()
+}
+
+/// What decodes points, and a cloud without points but with all that they have in common.
+fn decoder(checked: &Checked, points: u64) -> Result<(Decoder, Cloud), String> {
+    let Checked { metadata, about, layout, grid, .. } = checked;
+    let described = |role: &Role| {
+        let at = layout.attributes.iter().position(|attribute| attribute.role == *role)?;
+        metadata.attributes.get(at)
+    };
+    let full = described(&Role::Rgb).and_then(|rgb| match about {
+        Some(_) => full_scale(rgb.kind, None),
+        None => full_scale(rgb.kind, rgb.largest()),
+    });
+    let first_time = described(&Role::Time).and_then(metadata::Described::range).map_or(0.0, |[first, _]| first);
+    let has = |role: &Role| layout.find(role).is_some();
+    let prepared = about.as_ref().and_then(|about| about.prepared.as_ref()).filter(|_| has(&Role::Field));
+    let prepared = prepared.map(|record| record.prepared(has(&Role::Lit))).transpose()?;
+    let decoder = Decoder::new(layout.clone(), *grid, full, first_time, prepared);
+    let mut like = decoder.cloud(&[]);
+    like.up = about.as_ref().map_or(UpAxis::Z, |About { up, .. }| (*up).into());
+    like.non_finite = about.as_ref().map_or(0, |about| usize::try_from(about.non_finite).unwrap_or(usize::MAX));
+    like.warnings.clone_from(&checked.warnings);
+    if metadata.points != points {
+        like.warnings.push(format!("{METADATA} announces {} points, the nodes have {points}", metadata.points));
+    }
+    Ok((decoder, like))
+}
+
+/// Least and largest value of each scalar.
+fn ranges(checked: &Checked) -> Vec<(String, [f64; 2])> {
+    let each = checked.layout.attributes.iter().zip(&checked.metadata.attributes);
+    let range = |(attribute, described): (&attributes::Attribute, &metadata::Described)| {
+        let [least, most] = described.range()?;
+        let [factor, summand] = attribute.transform;
+        match &attribute.role {
+            Role::Scalar(name) => {
+                let ends = [least * factor + summand, most * factor + summand];
+                Some((name.clone(), [ends[0].min(ends[1]), ends[0].max(ends[1])]))
+            }
+            Role::Time => Some((GPS_TIME.to_owned(), [0.0, most - least])),
+            _ => None,
+        }
+    };
+    each.filter_map(range).collect()
+}

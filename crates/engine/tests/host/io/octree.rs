@@ -1,0 +1,517 @@
+//! Clouds written as Potree 2.0 octrees and read back, whatever memory there is; octrees of others, and damaged ones.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use glam::{DVec3, Vec3};
+use pellucid_engine::cloud::field::Field;
+use pellucid_engine::cloud::{Bounds, Cloud, Prepared, UpAxis};
+use pellucid_engine::color::decode_srgb;
+use pellucid_engine::io::store::build::{Built, Settings, build};
+use pellucid_engine::io::store::{Grid, Held, Node, Octree, Piece, Store, Summary, open_input};
+use pellucid_engine::io::{Error, Hints};
+use pellucid_engine::progress::{Observer, Progress};
+use pellucid_testing::{root, whole_clouds};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use tempfile::TempDir;
+
+const FILES: [&str; 4] = ["octree.bin", "hierarchy.bin", "nodes.bin", "metadata.json"];
+
+/// Settings that make many nodes and, if asked for, many files.
+fn settings(host_memory: u64) -> Settings {
+    Settings { node_points: 1000, host_memory }
+}
+
+const ROOMY: u64 = 1 << 30;
+const TIGHT: u64 = 1 << 16;
+
+/// Waves, a cluster far off, and many points in one place, with all columns that a prepared cloud has.
+fn cloud(count: usize, seed: u64) -> Cloud {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let position = |i: usize| {
+        let [u, v, w]: [f64; 3] = [(); 3].map(|()| random.random());
+        match i % 10 {
+            0 => DVec3::new(-700.0 + 1e-4 * u, 1e-4 * v, -300.0 + 1e-4 * w),
+            1 => DVec3::new(40.0, 40.0, 7.0),
+            _ => DVec3::new(100.0 * u, 100.0 * v, (9.0 * u).sin() + 0.1 * w),
+        }
+    };
+    let positions: Vec<DVec3> = (0..count).map(position).collect();
+    let mut column = || (0..count).map(|_| random.random::<f32>()).collect::<Vec<f32>>();
+    let prepared = Prepared {
+        neighbors: 12,
+        radius_cap: 4.0,
+        estimated_radii: false,
+        field: Field::Property { name: "height above".to_owned() },
+        values: column(),
+        shadows: None,
+    };
+    Cloud {
+        positions,
+        colors: Some((0..count).map(|i| Vec3::splat(decode_srgb((i % 256) as f32 / 255.0))).collect()),
+        normals: Some(vec![Vec3::Y; count]),
+        radii: Some(column()),
+        intensity: Some(column()),
+        classification: Some((0..count).map(|i| (i % 7) as u8).collect()),
+        scalars: vec![("height above".to_owned(), column())],
+        up: UpAxis::Y,
+        prepared: Some(prepared),
+        ..Cloud::default()
+    }
+}
+
+fn held(cloud: Cloud) -> Box<dyn Store> {
+    Box::new(Held::new(Path::new("memory"), cloud).unwrap())
+}
+
+fn write(inputs: &[Box<dyn Store>], folder: &Path, host_memory: u64) -> Built {
+    build(inputs, folder, &settings(host_memory), &Progress::hidden()).unwrap()
+}
+
+fn bytes(folder: &Path) -> Vec<Vec<u8>> {
+    let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    names.sort();
+    let mut expected = FILES;
+    expected.sort_unstable();
+    assert_eq!(names, expected);
+    FILES.map(|file| fs::read(folder.join(file)).unwrap()).to_vec()
+}
+
+/// All points of a store by their places, which must be 0, 1, 2, ….
+fn points(store: &dyn Store) -> Cloud {
+    let mut whole = store.summary().like.clone();
+    let mut places = Vec::new();
+    for node in 0..store.nodes().len() {
+        let piece = store.read(node).unwrap();
+        assert_eq!(piece.cloud.len() as u64, store.nodes()[node].points);
+        whole.append(piece.cloud);
+        places.extend(piece.places);
+    }
+    let mut order: Vec<u32> = (0..places.len() as u32).collect();
+    order.sort_unstable_by_key(|i| places[*i as usize]);
+    assert!(order.iter().enumerate().all(|(place, i)| places[*i as usize] == place as u64));
+    whole.subset(&order)
+}
+
+/// The same points, except for positions, which may be rounded by `most`.
+fn assert_same(back: Cloud, cloud: &Cloud, most: f64) {
+    let moved = back.positions.iter().zip(&cloud.positions).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+    assert!(moved <= most, "{moved}");
+    assert_eq!(Cloud { positions: cloud.positions.clone(), ..back }, *cloud);
+}
+
+#[test]
+fn memory_changes_no_byte_and_every_point_comes_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let cloud = cloud(20_000, 1);
+    let [roomy, tight] = ["roomy", "tight"].map(|name| folder.path().join(name).join("store"));
+    let (a, b) = (write(&[held(cloud.clone())], &roomy, ROOMY), write(&[held(cloud.clone())], &tight, TIGHT));
+    assert_eq!(a, b);
+    // 800 is below 2¹⁰, so a step of the grid is 2⁻²⁰.
+    assert!(a.rounding > 0.0 && a.rounding < (-20_f64).exp2() && a.points == 20_000, "{a:?}");
+    assert!(bytes(&roomy) == bytes(&tight));
+    assert_eq!(fs::read_dir(tight.parent().unwrap()).unwrap().count(), 1, "nothing is left beside it");
+    let octree = Octree::open(&tight).unwrap();
+    assert_same(points(&octree), &cloud, a.rounding);
+    let summary = octree.summary();
+    assert_eq!((summary.points, summary.up), (20_000, UpAxis::Y));
+    assert_eq!(summary.ranges[0].0, "height above");
+    let within = cloud.bounds().unwrap();
+    let off = (summary.bounds.min - within.min).abs().max((summary.bounds.max - within.max).abs());
+    assert!(off.max_element() <= a.rounding, "the box is that of the points");
+    assert!(octree.nodes().len() > 20);
+}
+
+/// Its nodes in another order.
+#[derive(Debug)]
+struct Turned(Octree);
+
+impl Store for Turned {
+    fn summary(&self) -> &Summary {
+        self.0.summary()
+    }
+
+    fn nodes(&self) -> &[Node] {
+        self.0.nodes()
+    }
+
+    fn read(&self, node: usize) -> Result<Piece, Error> {
+        // The number of points of a node is told before, so only the order in a node can be another one.
+        let Piece { cloud, places } = self.0.read(node)?;
+        let order: Vec<u32> = (0..cloud.len() as u32).rev().collect();
+        Ok(Piece { cloud: cloud.subset(&order), places: places.into_iter().rev().collect() })
+    }
+}
+
+#[test]
+fn a_store_made_of_a_store_is_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let [first, second] = ["first", "second"].map(|name| folder.path().join(name).join("store"));
+    write(&[held(cloud(5000, 1))], &first, ROOMY);
+    write(&[Box::new(Turned(Octree::open(&first).unwrap()))], &second, TIGHT);
+    let (mut a, mut b) = (bytes(&first), bytes(&second));
+    // What was rounded is not rounded again.
+    let text = |bytes: Vec<u8>| serde_json::from_slice::<serde_json::Value>(&bytes).unwrap();
+    let (mut c, mut d) = (text(a.pop().unwrap()), text(b.pop().unwrap()));
+    assert!(c["pellucid"]["rounding"].take().as_f64() > d["pellucid"]["rounding"].take().as_f64());
+    assert_eq!(c, d);
+    assert!(a == b);
+    // In its own place.
+    write(&[Box::new(Octree::open(&second).unwrap())], &second, TIGHT);
+    b = bytes(&second);
+    b.pop();
+    assert!(a == b);
+}
+
+#[test]
+fn several_clouds_become_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let target = folder.path().join("store");
+    let (a, plain) = (cloud(3000, 1), cloud(2000, 2));
+    let b = Cloud { colors: None, scalars: Vec::new(), classification: None, ..plain };
+    let built = write(&[held(a.clone()), held(b.clone())], &target, TIGHT);
+    // Of 5000 random radii the smallest is small.
+    let says =
+        ["what was prepared for one of several clouds is left out", "more than a thousandth of the smallest radius"];
+    assert!(
+        built.notes.len() == 2 && built.notes.iter().zip(says).all(|(note, says)| note.contains(says)),
+        "{built:?}"
+    );
+    let back = points(&Octree::open(&target).unwrap());
+    let mut expected = Cloud { prepared: None, ..a };
+    expected.append(Cloud {
+        colors: Some(vec![Vec3::ONE; 2000]),
+        classification: Some(vec![0; 2000]),
+        scalars: vec![("height above".to_owned(), vec![f32::NAN; 2000])],
+        prepared: None,
+        ..b
+    });
+    let heights = |cloud: &Cloud| cloud.scalars[0].1.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+    assert_eq!(heights(&back), heights(&expected));
+    let without = |cloud: Cloud| Cloud { scalars: Vec::new(), ..cloud };
+    assert_same(without(back), &without(expected), built.rounding);
+}
+
+#[test]
+fn real_scans_come_back_to_the_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["lidar/sample_c_2k.las", "formats/las_extrabytes.las", "formats/laz_pointwise_nochunk.laz"] {
+        let path = root().join("tests/data").join(name);
+        let cloud = super::load(&path).unwrap();
+        let target = folder.path().join(name);
+        let input = open_input(&path, Hints::default(), &Progress::hidden()).unwrap();
+        let built = write(&[input], &target, TIGHT);
+        assert_eq!(built.rounding, 0.0, "{name}");
+        assert_same(points(&Octree::open(&target).unwrap()), &cloud, 0.0);
+    }
+}
+
+#[test]
+fn whole_scans_come_back_to_the_bit() {
+    let Some(data) = whole_clouds() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["lidar/autzen_trim.laz", "lidar/ign_lidarhd_77050_627755_classified.laz"] {
+        let path = data.join(name);
+        let input = open_input(&path, Hints::default(), &Progress::hidden()).unwrap();
+        let cloud = points(&*input);
+        let target = folder.path().join(name);
+        let built = write(&[input], &target, 4 << 20);
+        assert_eq!(built.rounding, 0.0, "{name}");
+        assert_same(points(&Octree::open(&target).unwrap()), &cloud, 0.0);
+    }
+}
+
+/// Cancels the work when so many messages came.
+struct Impatient {
+    patience: usize,
+    told: Arc<AtomicUsize>,
+}
+
+impl Observer for Impatient {
+    fn advanced(&self, _done: u64, _total: Option<u64>) {
+        self.told.fetch_add(1, Ordering::Relaxed);
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.told.load(Ordering::Relaxed) > self.patience
+    }
+}
+
+/// Counts what is read of a store.
+#[derive(Debug)]
+struct Counted(Held, Arc<AtomicUsize>);
+
+impl Store for Counted {
+    fn summary(&self) -> &Summary {
+        self.0.summary()
+    }
+
+    fn nodes(&self) -> &[Node] {
+        self.0.nodes()
+    }
+
+    fn read(&self, node: usize) -> Result<Piece, Error> {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        self.0.read(node)
+    }
+}
+
+#[test]
+fn what_was_stopped_goes_on_where_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name).join("store"));
+    write(&[held(cloud(5000, 1))], &whole, TIGHT);
+    let (reads, mut stops) = (Arc::new(AtomicUsize::new(0)), 0);
+    let begin = || -> Vec<Box<dyn Store>> {
+        let held = Held::new(Path::new("memory"), cloud(5000, 1)).unwrap();
+        vec![Box::new(Counted(held, reads.clone()))]
+    };
+    // Each time a little further.
+    for patience in 0.. {
+        let observer = Impatient { patience: 6 * patience, told: Arc::default() };
+        match build(&begin(), &parts, &settings(TIGHT), &Progress::observed(observer)) {
+            Ok(_) => break,
+            Err(error) => assert!(matches!(error, Error::Cancelled { .. }), "{error}"),
+        }
+        stops += 1;
+        assert!(!parts.join("metadata.json").exists());
+    }
+    // The third pass alone has more chunks than that; the first two read the cloud once each.
+    assert!(stops > 2 && reads.load(Ordering::Relaxed) == 2, "{stops} {reads:?}");
+    assert!(bytes(&parts) == bytes(&whole));
+    assert_eq!(fs::read_dir(parts.parent().unwrap()).unwrap().count(), 1);
+}
+
+#[test]
+fn what_is_left_of_other_work_is_not_used() {
+    let folder = tempfile::tempdir().unwrap();
+    let [whole, again] = ["whole", "again"].map(|name| folder.path().join(name).join("store"));
+    write(&[held(cloud(5000, 1))], &whole, TIGHT);
+    let stopped = || {
+        let observer = Impatient { patience: 12, told: Arc::default() };
+        build(&[held(cloud(5000, 1))], &again, &settings(TIGHT), &Progress::observed(observer)).unwrap_err();
+        again.parent().unwrap().join(".store.pellucid-unfinished")
+    };
+    // Another cloud.
+    let work = stopped();
+    assert!(work.join("state.json").exists());
+    write(&[held(cloud(4000, 2))], &again, TIGHT);
+    assert_eq!(Octree::open(&again).unwrap().summary().points, 4000);
+    // Files that are gone or shorter.
+    for file in ["octree.bin", "chunk.3", "written.jsonl", "chunk.4"] {
+        let work = stopped();
+        if file.starts_with('c') {
+            fs::write(work.join(file), "short").unwrap();
+        } else {
+            fs::remove_file(work.join(file)).unwrap();
+        }
+        write(&[held(cloud(5000, 1))], &again, TIGHT);
+        assert!(bytes(&again) == bytes(&whole), "{file}");
+    }
+}
+
+#[test]
+fn folders_of_others_are_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("mine"), "precious").unwrap();
+    let error = build(&[held(cloud(10, 1))], folder.path(), &settings(ROOMY), &Progress::hidden()).unwrap_err();
+    assert!(error.to_string().ends_with("one with an octree that is to be replaced"), "{error}");
+    let file = folder.path().join("mine");
+    assert!(build(&[held(cloud(10, 1))], &file, &settings(ROOMY), &Progress::hidden()).is_err());
+    assert_eq!(fs::read(&file).unwrap(), b"precious");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+/// A store that lies about its box.
+#[derive(Debug)]
+struct Lying(Held, Summary);
+
+impl Store for Lying {
+    fn summary(&self) -> &Summary {
+        &self.1
+    }
+
+    fn nodes(&self) -> &[Node] {
+        self.0.nodes()
+    }
+
+    fn read(&self, node: usize) -> Result<Piece, Error> {
+        self.0.read(node)
+    }
+}
+
+#[test]
+fn points_outside_of_the_announced_box_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let held = Held::new(Path::new("memory"), cloud(100, 1)).unwrap();
+    let summary = Summary {
+        bounds: Bounds { min: DVec3::ZERO, max: DVec3::ONE },
+        grid: Some(Grid { scale: DVec3::ONE, offset: DVec3::ZERO }),
+        ..held.summary().clone()
+    };
+    let error =
+        build(&[Box::new(Lying(held, summary))], &folder.path().join("a"), &settings(ROOMY), &Progress::hidden());
+    let message = error.unwrap_err().to_string();
+    assert!(message.starts_with("memory: point at ") && message.contains("outside of the box"), "{message}");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is left");
+}
+
+/// An octree of 7 points as PotreeConverter writes it: a root and one child, in a chunk of its own.
+fn foreign(change: impl Fn(&mut serde_json::Value)) -> (TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let attribute = |name: &str, kind: &str, elements: usize, size: usize, range: [f64; 2]| {
+        serde_json::json!({
+            "name": name, "description": "", "size": elements * size, "numElements": elements, "elementSize": size,
+            "type": kind, "min": vec![range[0]; elements], "max": vec![range[1]; elements],
+        })
+    };
+    let mut metadata = serde_json::json!({
+        "version": "2.0", "name": "seven", "description": "", "points": 7, "projection": "",
+        "hierarchy": { "firstChunkSize": 44, "stepSize": 4, "depth": 1 },
+        "offset": [100.0, 0.0, 0.0], "scale": [0.5, 0.5, 0.5], "spacing": 0.25,
+        "boundingBox": { "min": [100.0, 0.0, 0.0], "max": [108.0, 8.0, 8.0] },
+        "encoding": "DEFAULT",
+        "attributes": [
+            attribute("position", "int32", 3, 4, [0.0, 108.0]),
+            attribute("intensity", "uint16", 1, 2, [0.0, 6.0]),
+            attribute("return number", "uint8", 1, 1, [1.0, 1.0]),
+            attribute("classification", "uint8", 1, 1, [0.0, 6.0]),
+            attribute("gps-time", "double", 1, 8, [1e9, 1e9 + 6.0]),
+            attribute("waveform", "undefined", 1, 3, [0.0, 0.0]),
+            attribute("rgb", "uint16", 3, 2, [0.0, 255.0]),
+        ],
+    });
+    change(&mut metadata);
+    let record = |i: u8, x: i32| {
+        let mut record: Vec<u8> = [x, i.into(), 3].into_iter().flat_map(i32::to_le_bytes).collect();
+        record.extend(u16::from(i).to_le_bytes());
+        record.extend([1, i]);
+        record.extend((1e9 + f64::from(i)).to_le_bytes());
+        record.extend([9, 9, 9]);
+        record.extend([255, u16::from(i), 0].into_iter().flat_map(u16::to_le_bytes));
+        record
+    };
+    let points = (0..7).flat_map(|i| record(i, if i < 4 { 1 } else { 9 })).collect::<Vec<u8>>();
+    let node = |kind: u8, children: u8, points: u32, offset: u64, bytes: u64| {
+        [&[kind, children][..], &points.to_le_bytes(), &offset.to_le_bytes(), &bytes.to_le_bytes()].concat()
+    };
+    // The child's number 4: high x.
+    let hierarchy = [node(0, 16, 4, 0, 4 * 33), node(2, 0, 3, 44, 22), node(1, 0, 3, 4 * 33, 3 * 33)].concat();
+    fs::write(folder.path().join("metadata.json"), metadata.to_string()).unwrap();
+    fs::write(folder.path().join("octree.bin"), points).unwrap();
+    fs::write(folder.path().join("hierarchy.bin"), hierarchy).unwrap();
+    let path = folder.path().to_path_buf();
+    (folder, path)
+}
+
+#[test]
+fn octrees_of_potree_are_read() {
+    let (_folder, path) = foreign(|_| ());
+    let octree = Octree::open(&path).unwrap();
+    let summary = octree.summary();
+    assert_eq!((summary.points, summary.up, octree.nodes().len()), (7, UpAxis::Z, 2));
+    assert_eq!(summary.like.warnings, [""; 0]);
+    let names: Vec<_> = summary.ranges.iter().map(|(name, range)| (&**name, *range)).collect();
+    assert_eq!(names, [("return_number", [1.0, 1.0]), ("gps_time", [0.0, 6.0])]);
+    let child = &octree.nodes()[1];
+    assert_eq!((child.level, child.parent, child.spacing, child.bytes), (1, Some(0), 0.125, 99));
+    // To half a step of the grid, and to rounding.
+    assert!((child.bounds.min - DVec3::new(103.5, -0.5, -0.5)).abs().max_element() < 1e-6, "{child:?}");
+    let cloud = points(&octree);
+    assert_eq!(cloud.positions[4], DVec3::new(104.5, 2.0, 1.5));
+    assert_eq!(cloud.intensity.unwrap(), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+    assert_eq!(cloud.classification.unwrap(), [0, 1, 2, 3, 4, 5, 6]);
+    // 8 bits in 16, as in LAS files.
+    assert_eq!(cloud.colors.unwrap()[5], Vec3::new(1.0, decode_srgb(5.0 / 255.0), 0.0));
+    let scalars: Vec<_> = cloud.scalars.iter().map(|(name, values)| (&**name, values[6])).collect();
+    assert_eq!(scalars, [("return_number", 1.0), ("gps_time", 6.0)]);
+    let file = Octree::open(&path.join("metadata.json")).unwrap();
+    assert_eq!(file.summary().points, 7);
+    let open = open_input(&path, Hints::default(), &Progress::hidden()).unwrap();
+    assert_eq!(open.summary().points, 7);
+}
+
+#[track_caller]
+fn assert_bad(path: &Path, says: &str) {
+    let error =
+        Octree::open(path).and_then(|octree| (0..octree.nodes().len()).try_for_each(|i| octree.read(i).map(drop)));
+    let message = error.expect_err(says).to_string();
+    assert!(
+        message.starts_with(&path.display().to_string()) && message.contains(says),
+        "`{says}` is not in: {message}"
+    );
+}
+
+#[test]
+fn octrees_that_lie_are_refused() {
+    type Change = fn(&mut serde_json::Value);
+    let changes: [(Change, &str); 13] = [
+        (|m| m["encoding"] = "BROTLI".into(), "a compression that is not read; convert it anew with"),
+        (|m| m["version"] = "1.8".into(), "only Potree 2 is known"),
+        (|m| m["scale"][1] = 0.into(), "scales must be finite and above 0"),
+        (|m| m["boundingBox"]["min"][2] = 9.into(), "no box"),
+        (|m| m["hierarchy"]["firstChunkSize"] = 66.into(), "no node before it"),
+        (|m| m["hierarchy"]["firstChunkSize"] = u64::MAX.into(), "but the file ends after 66"),
+        (|m| m["attributes"][0]["size"] = 16.into(), "attribute \"position\": 16 bytes for 3 elements of 4"),
+        (|m| m["attributes"][0]["name"] = "place".into(), "no position of three int32, only [place, intensity"),
+        (|m| m["attributes"][1]["elementSize"] = 4.into(), "elements of 4 bytes, but Uint16 has other ones"),
+        (|m| m["attributes"][5]["size"] = 4.into(), "4 bytes for 1 elements of 3"),
+        (|m| m["attributes"] = serde_json::json!([m["attributes"][0]]), "132 bytes for 4 points of 12 bytes"),
+        (|m| m["boundingBox"]["max"][0] = 102.into(), "outside of its box"),
+        (|m| m["points"] = "many".into(), "a Potree 2.0 octree was expected"),
+    ];
+    for (change, says) in changes {
+        let (_folder, path) = foreign(change);
+        assert_bad(&path, says);
+    }
+    let (_folder, path) = foreign(|_| ());
+    for (file, says) in
+        [("octree.bin", "the file has 230"), ("hierarchy.bin", "ends after 65"), ("metadata.json", "JSON")]
+    {
+        let whole = fs::read(path.join(file)).unwrap();
+        fs::write(path.join(file), &whole[..whole.len() - 1]).unwrap();
+        assert_bad(&path, says);
+        fs::remove_file(path.join(file)).unwrap();
+        assert_bad(&path, if file == "metadata.json" { "no metadata.json" } else { "no such file" });
+        fs::write(path.join(file), whole).unwrap();
+    }
+    assert_eq!(Octree::open(&path).unwrap().summary().points, 7);
+    fs::remove_file(path.join("metadata.json")).unwrap();
+    fs::write(path.join("cloud.js"), "{}").unwrap();
+    assert_bad(&path, "an octree of Potree 1");
+    assert!(matches!(Octree::open(&path.join("none")), Err(Error::Missing { .. } | Error::Malformed { .. })));
+}
+
+#[test]
+fn no_damage_goes_beyond_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut random = Pcg64Mcg::seed_from_u64(3);
+    write(&[held(cloud(300, 1))], folder.path(), ROOMY);
+    let read_all = || -> Result<(), Error> {
+        let octree = Octree::open(folder.path())?;
+        (0..octree.nodes().len()).try_for_each(|node| octree.read(node).map(drop))
+    };
+    let mut refused = 0;
+    for file in ["hierarchy.bin", "nodes.bin", "metadata.json", "octree.bin"] {
+        let path = folder.path().join(file);
+        let whole = fs::read(&path).unwrap();
+        for _ in 0..200 {
+            let mut damaged = whole.clone();
+            let at = random.random_range(0..whole.len());
+            match random.random_range(0..3) {
+                0 => damaged.truncate(at),
+                1 => damaged[at] ^= 1 << random.random_range(0..8),
+                _ => damaged[at] = random.random(),
+            }
+            fs::write(&path, damaged).unwrap();
+            refused += usize::from(read_all().is_err());
+        }
+        fs::write(&path, whole).unwrap();
+    }
+    read_all().unwrap();
+    // Many bits of points and names may be others.
+    assert!(refused > 300, "{refused}");
+}
