@@ -11,6 +11,7 @@ mod pcd;
 pub mod photo;
 pub mod ply;
 pub mod polygon;
+mod shared;
 pub mod store;
 mod text;
 pub mod volume;
@@ -24,6 +25,7 @@ use crate::progress::Progress;
 use crate::cloud::{Cloud, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER, same_scalar};
 pub use decoder::silence_decoder_panics;
 use photo::Photo;
+use shared::SharedFile;
 pub use text::ColumnNames;
 
 /// Points between two steps of a progress bar.
@@ -210,7 +212,7 @@ pub fn load_with(path: &Path, hints: Hints, progress: &Progress) -> Result<Cloud
     let format = format?;
     let mut cloud = match format {
         Format::Picture => photo::read(source, hints.photo.unwrap_or(&Photo::default()), progress)?,
-        Format::Las => las::read(&mut source, hints.las, progress)?,
+        Format::Las => las::read(source, hints.las, progress)?,
         Format::Ply => ply::read(&mut source, progress)?,
         Format::E57 => e57::read(&mut source, progress)?,
         Format::Pcd => pcd::read(&mut source, progress)?,

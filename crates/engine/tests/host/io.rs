@@ -3,10 +3,10 @@
 mod bad;
 mod docs;
 mod e57;
-mod las;
+pub mod las;
 mod pcd;
-mod ply;
-mod real;
+pub mod ply;
+pub mod real;
 mod splats;
 mod text;
 

@@ -1,13 +1,18 @@
 //! Clouds in nodes that are read one by one: octrees, tiles, and plain files in pieces. What a scan is too large for, a node is not.
 
+mod copc;
 mod held;
+mod keys;
+mod las;
 
 use std::fmt::Debug;
 use std::path::PathBuf;
 
 use super::Error;
 use crate::cloud::{Bounds, Cloud, UpAxis};
+pub use copc::Copc;
 pub use held::Held;
+pub use las::LasPieces;
 
 /// A cloud whose nodes are read one by one, by any number of threads at once.
 pub trait Store: Debug + Send + Sync {
