@@ -1,7 +1,12 @@
 //! Files that are read in place, node by node: together their nodes are the cloud that loading gives.
 
 mod copc;
+mod ept;
 mod las;
+mod make_copc;
+mod make_ept;
+mod open;
+mod ply;
 
 use std::path::{Path, PathBuf};
 

@@ -14,18 +14,18 @@ use crate::io::LasColumns;
 
 /// Columns of a part of the file, as they are stored: before what only the whole file tells ([`Traits`]) is known.
 pub(in crate::io) struct Columns {
-    positions: Vec<DVec3>,
-    rgb: Option<Vec<[u16; 3]>>,
-    intensity: Vec<f32>,
-    classification: Vec<u8>,
-    return_number: Vec<u8>,
-    number_of_returns: Vec<u8>,
+    pub positions: Vec<DVec3>,
+    pub rgb: Option<Vec<[u16; 3]>>,
+    pub intensity: Vec<f32>,
+    pub classification: Vec<u8>,
+    pub return_number: Vec<u8>,
+    pub number_of_returns: Vec<u8>,
     /// If it is asked for.
-    source: Option<Vec<u16>>,
+    pub source: Option<Vec<u16>>,
     /// If it is asked for and there, in seconds.
-    gps_time: Option<Vec<f64>>,
-    extra: Vec<Vec<f32>>,
-    non_finite: usize,
+    pub gps_time: Option<Vec<f64>>,
+    pub extra: Vec<Vec<f32>>,
+    pub non_finite: usize,
 }
 
 impl Columns {
@@ -112,9 +112,9 @@ impl Columns {
         }
     }
 
-    /// The cloud of the points of a file with these traits. Returns are kept if some pulse has more than one, or if they are asked
-    /// for.
-    pub fn finish(self, header: &Header, asked: LasColumns, traits: &Traits) -> Cloud {
+    /// The cloud of the points of a file with these traits and these names of extra dimensions. Returns are kept if some pulse has
+    /// more than one, or if they are asked for.
+    pub fn finish<'a>(self, extra: impl Iterator<Item = &'a str>, asked: LasColumns, traits: &Traits) -> Cloud {
         let mut scalars = Vec::new();
         if asked.returns || traits.most_returns > 1 {
             let column = |bytes: &[u8]| bytes.iter().map(|&byte| byte.into()).collect();
@@ -127,7 +127,7 @@ impl Columns {
         if let Some(times) = &self.gps_time {
             scalars.push((GPS_TIME.to_owned(), since(traits.first_time, times)));
         }
-        scalars.extend(header.extra.iter().map(|dimension| dimension.name.clone()).zip(self.extra));
+        scalars.extend(extra.map(str::to_owned).zip(self.extra));
         Cloud {
             positions: self.positions,
             colors: self.rgb.and_then(|rgb| linear(&rgb, traits.largest_color)),
@@ -174,7 +174,8 @@ fn extend<T>(column: &mut Vec<T>, new: impl Iterator<Item = T>, keep: &[bool]) {
 }
 
 /// Converts stored colors to linear ones. Many writers put 8-bit values into the 16-bit fields: if the largest value of the file
-/// is at most 255, they count as 8-bit. Colors that are all zero are dropped.
+/// is at most 255, they count as 8-bit, and others, which a store's description may have missed, as 255. Colors that are all zero are
+/// dropped.
 fn linear(rgb: &[[u16; 3]], largest: u16) -> Option<Vec<Vec3>> {
     if largest == 0 {
         return None;
@@ -184,7 +185,7 @@ fn linear(rgb: &[[u16; 3]], largest: u16) -> Option<Vec<Vec3>> {
     let (table, full) = if largest <= 255 { (&EIGHT_BITS, 255) } else { (&SIXTEEN_BITS, u16::MAX) };
     let table =
         table.get_or_init(|| (0..=full).map(|stored| decode_srgb(f32::from(stored) / f32::from(full))).collect());
-    Some(rgb.par_iter().map(|color| Vec3::from(color.map(|stored| table[usize::from(stored)]))).collect())
+    Some(rgb.par_iter().map(|color| Vec3::from(color.map(|stored| table[usize::from(stored.min(full))]))).collect())
 }
 
 #[cfg(test)]

@@ -68,6 +68,11 @@ impl LasFile {
 
     /// The cloud of some of the points, of which all together have these traits.
     pub fn finish(&self, columns: Columns, traits: &Traits) -> Cloud {
-        columns.finish(&self.header, self.asked, traits)
+        columns.finish(self.extra_names(), self.asked, traits)
+    }
+
+    /// The names of the extra dimensions.
+    pub fn extra_names(&self) -> impl Iterator<Item = &str> {
+        self.header.extra.iter().map(|dimension| &*dimension.name)
     }
 }

@@ -30,9 +30,13 @@ impl Traits {
 
     /// True if whatever the other points of the file are changes no column.
     pub fn are_settled(&self, header: &Header, asked: LasColumns) -> bool {
-        let colors = !header.format.has_color || self.largest_color > u16::from(u8::MAX);
-        let returns = asked.returns || self.most_returns > 1;
-        let times = !(asked.gps_time && header.format.has_gps_time);
-        colors && returns && times
+        self.settle(header.format.has_color, asked.gps_time && header.format.has_gps_time, asked.returns)
+    }
+
+    /// As [`Self::are_settled`], of points that have colors, have times that are asked for, and keep returns in any case.
+    pub fn settle(&self, has_color: bool, has_times: bool, keeps_returns: bool) -> bool {
+        let colors = !has_color || self.largest_color > u16::from(u8::MAX);
+        let returns = keeps_returns || self.most_returns > 1;
+        colors && returns && !has_times
     }
 }

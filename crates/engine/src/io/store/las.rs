@@ -28,7 +28,7 @@ pub struct LasPieces {
     traits: Traits,
     pieces: Vec<Range<usize>>,
     nodes: Vec<Node>,
-    summary: Summary,
+    pub(super) summary: Summary,
 }
 
 impl LasPieces {

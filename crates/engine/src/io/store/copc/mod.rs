@@ -27,7 +27,7 @@ pub struct Copc {
     /// The chunk of each node.
     chunks: Vec<Chunk>,
     nodes: Vec<Node>,
-    summary: Summary,
+    pub(super) summary: Summary,
 }
 
 impl Copc {

@@ -1,0 +1,72 @@
+//! Files and folders as stores, by what they are.
+
+use std::path::Path;
+
+use super::{Copc, Ept, Held, LasPieces, PlyPieces, Store};
+use crate::io::las::LasFile;
+use crate::io::{Error, Format, Hints, NAMES_WITHOUT_EFFECT, Source, load_with};
+use crate::progress::Progress;
+
+/// Opens a cloud to be read node by node: an EPT folder (or its `ept.json`), COPC, LAS and LAZ files, binary PLY files. All other files
+/// are loaded as a whole, which `progress` follows.
+///
+/// Opening takes as long as each says: [`Ept`], [`Copc`], [`LasPieces`], [`PlyPieces`].
+///
+/// # Errors
+/// Those of each, and of [`load_with`].
+pub fn open(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn Store>, Error> {
+    let is_named = |name: &str| path.file_name().is_some_and(|found| found == name);
+    if is_named("ept.json") || path.is_dir() && path.join("ept.json").is_file() {
+        let mut store = Ept::open(path, hints.las)?;
+        store.summary.like.warnings.extend(warning(&hints));
+        return refuse_photo(path, &hints).map(|()| Box::new(store) as Box<dyn Store>);
+    }
+    if is_named("metadata.json") || path.is_dir() && path.join("metadata.json").is_file() {
+        let cause = "the description of a Potree octree, which can't be read";
+        return Err(Error::Malformed {
+            path: path.to_path_buf(),
+            place: "metadata.json".to_owned(),
+            cause: cause.to_owned(),
+        });
+    }
+    let mut source = Source::open(path)?;
+    let start = source.peek()?;
+    match Format::detect(&source, &start) {
+        Ok(Format::Las) => {
+            refuse_photo(path, &hints)?;
+            let file = LasFile::open(source, hints.las)?;
+            if file.header.copc.is_some() {
+                let mut store = Copc::new(file)?;
+                store.summary.like.warnings.extend(warning(&hints));
+                return Ok(Box::new(store));
+            }
+            let mut store = LasPieces::new(file)?;
+            store.summary.like.warnings.extend(warning(&hints));
+            Ok(Box::new(store))
+        }
+        Ok(Format::Ply) => {
+            refuse_photo(path, &hints)?;
+            match PlyPieces::new(source)? {
+                Some(mut store) => {
+                    store.summary.like.warnings.extend(warning(&hints));
+                    Ok(Box::new(store))
+                }
+                None => whole(path, hints, progress),
+            }
+        }
+        _ => whole(path, hints, progress),
+    }
+}
+
+fn whole(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn Store>, Error> {
+    Ok(Box::new(Held::new(path, load_with(path, hints, progress)?)?))
+}
+
+/// What is said of hints that are for other files.
+fn warning(hints: &Hints) -> Option<String> {
+    hints.columns.map(|_| NAMES_WITHOUT_EFFECT.to_owned())
+}
+
+fn refuse_photo(path: &Path, hints: &Hints) -> Result<(), Error> {
+    if hints.photo.is_some() { Err(Error::NoPicture { path: path.to_path_buf() }) } else { Ok(()) }
+}
