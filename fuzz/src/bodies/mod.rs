@@ -8,6 +8,7 @@ mod pictures;
 mod prepared;
 mod profile;
 mod scene;
+mod store;
 mod volume;
 
 use std::path::Path;
@@ -20,12 +21,15 @@ pub use pictures::{compare, photo};
 pub use prepared::prepared;
 pub use profile::profile;
 pub use scene::{polygon, scene};
+pub use store::{copc, ept};
 pub use volume::volume;
 
 /// All of them by name, which is that of the target and of its corpus.
-pub const TARGETS: [(&str, Body); 13] = [
+pub const TARGETS: [(&str, Body); 15] = [
     ("ply", ply),
     ("las", las),
+    ("copc", copc),
+    ("ept", ept),
     ("e57", e57),
     ("pcd", pcd),
     ("text", text),

@@ -6,7 +6,7 @@
 // all invocations one by one by shuffles. The stage defines what is handed over, and what becomes of it:
 //     Handed, PixelState                           a splat in an invocation's hands; the state of one of its pixels
 //     begin(pixel) -> PixelState                   before the run's first splat, pixels outside the window included
-//     begin_run()                                  after that
+//     begin_run(cut)                               after that; `cut`: the tile has splats behind the run
 //     take(i, corner) -> Handed                    a splat by its index, for a tile's corner
 //     may_touch(own, block, corner) -> bool        of one whose rectangle meets the block
 //     handed(own, k, present, first) -> Handed     that of lane k, for pixels from `first` on, relative to the corner; without
@@ -68,7 +68,7 @@ fn main(
     }
     let corner = tile_corner(tile) + block_corner(group % SHARED);
 #each held     held{held} = begin(corner + place(lane, {held}u));
-    begin_run();
+    begin_run(run.y < tile_end(tile));
     var live = (1u << (BLOCKS * BLOCKS / SHARED)) - 1u;
     var steps = 0u;
     for (var next = run.x; next < run.y && live != 0u; next += SUBGROUP) {

@@ -15,7 +15,7 @@ fn is_done(held: PixelState) -> bool {
     return false;
 }
 
-fn begin_run() {
+fn begin_run(cut: bool) {
 }
 
 fn take(i: u32, corner: vec2<u32>) -> Handed {

@@ -99,7 +99,7 @@ fn begin(pixel: vec2<u32>) -> PixelState {
     return PixelState(left_by_others(pixel), wall_at(pixel), 0u);
 }
 
-fn begin_run() {
+fn begin_run(cut: bool) {
 #each block     far{block} = farthest({block}u);
 }
 

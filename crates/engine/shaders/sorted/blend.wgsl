@@ -17,16 +17,22 @@ struct Push {
 @group(0) @binding(21) var<storage, read_write> depths: array<f32>;
 var<immediate> push: Push;
 
-alias PixelState = Composed;
-
-const STOPS = true;
-
-// A later run goes on from what the image holds: how a tile's splats are cut into runs shows in no bit.
-fn begin(pixel: vec2<u32>) -> Composed {
-    return left_by_others(pixel);
+// Runs are composed by themselves: a later one goes behind what the image holds.
+struct PixelState {
+    sum: Composed,
+    front: Composed,
 }
 
-fn begin_run() {
+const STOPS = true;
+// Largest opacity of the splats behind: another run may be opaque.
+var<private> max_opacity: f32;
+
+fn begin(pixel: vec2<u32>) -> PixelState {
+    return PixelState(Composed(vec4<f32>(0.0), NOTHING), left_by_others(pixel));
+}
+
+fn begin_run(cut: bool) {
+    max_opacity = select(push.max_opacity, 1.0, LATER != 0u || cut);
 }
 
 fn take(i: u32, corner: vec2<u32>) -> Handed {
@@ -37,41 +43,45 @@ fn may_touch(own: Handed, block: u32, corner: vec2<u32>) -> bool {
     return SHAPE == SHAPE_ORIENTED || touches(own.splat, corner + block_corner(block));
 }
 
-fn show(held: Composed, h: Handed, i: u32, pixel: vec2<u32>) -> Composed {
+fn show(held: PixelState, h: Handed, i: u32, pixel: vec2<u32>) -> PixelState {
     let fragment = fragment_of(h, place(0u, i), pixel);
     // A flat splat's index stands for its key: one look-up at the end gives the depth.
     let key = select(h.index, fragment.depth_key, SHAPE == SHAPE_ORIENTED);
-    return behind(held, key, fragment.color);
+    return PixelState(behind(held.sum, key, fragment.color), held.front);
 }
 
-fn is_done(held: Composed) -> bool {
-    return done(held, push.max_opacity, push.max_color);
+// This run's composition, behind that of the runs in front of it.
+fn joined(held: PixelState) -> Composed {
+    if LATER == 0u {
+        return held.sum;
+    }
+    return Composed(held.front.rgba + (1.0 - held.front.rgba.a) * held.sum.rgba, held.front.key);
 }
 
-// Stands for the key of a fragment of an earlier run, whose depth is there: no index, and the key of no depth.
-const SEEN = 0xfffffffeu;
+fn is_done(held: PixelState) -> bool {
+    return done(joined(held), max_opacity, push.max_color);
+}
 
-// Result of the runs before for a pixel.
+// Result of the runs before for a pixel. A depth stands for its key: nothing behind asks for the index again.
 fn left_by_others(pixel: vec2<u32>) -> Composed {
     if LATER == 0u || any(pixel >= view.window.zw) {
         return Composed(vec4<f32>(0.0), NOTHING);
     }
     let p = window_index(pixel, view.window);
-    return Composed(image[p], select(SEEN, NOTHING, depths[p] > 3.4e38));
+    return Composed(image[p], select(0u, NOTHING, depths[p] > 3.4e38));
 }
 
-fn finish(held: Composed, pixel: vec2<u32>) {
+fn finish(held: PixelState, pixel: vec2<u32>) {
     if any(pixel >= view.window.zw) {
         return;
     }
     let p = window_index(pixel, view.window);
-    image[p] = held.rgba;
-    if LATER != 0u && held.key == SEEN {
-        return;
+    image[p] = joined(held).rgba;
+    if LATER == 0u || (held.front.key == NOTHING && held.sum.key != NOTHING) {
+        var key = held.sum.key;
+        if SHAPE != SHAPE_ORIENTED && key != NOTHING {
+            key = depth_key(depth_at(key));
+        }
+        depths[p] = composed_depth(key);
     }
-    var key = held.key;
-    if SHAPE != SHAPE_ORIENTED && key != NOTHING {
-        key = depth_key(depth_at(key));
-    }
-    depths[p] = composed_depth(key);
 }

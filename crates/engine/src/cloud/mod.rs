@@ -170,6 +170,11 @@ impl Bounds {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
+    /// True if another box lies within this one.
+    pub fn holds(&self, other: &Self) -> bool {
+        self.min.cmple(other.min).all() && other.max.cmple(self.max).all()
+    }
+
     /// The middle of the box.
     pub fn center(&self) -> DVec3 {
         0.5 * self.min + 0.5 * self.max

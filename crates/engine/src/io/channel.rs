@@ -10,6 +10,7 @@ use crate::color::decode_srgb;
 const UNIT: f32 = 1.0 + 1e-3;
 
 /// A color or alpha channel.
+#[derive(Debug)]
 pub(super) struct Channel {
     at: usize,
     scale: Scale,
@@ -17,7 +18,7 @@ pub(super) struct Channel {
     table: Vec<f32>,
 }
 
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 enum Scale {
     /// Integers up to this are 0–1. Signed bytes are bytes that someone declared wrongly.
     Integer {
@@ -91,41 +92,52 @@ impl Channel {
     }
 }
 
-/// The number of full intensity in values whose type doesn't define it: 1 if no value is larger, else 255, else 65535.
-/// `None` if no value is above 0.
-pub(super) fn full_scale(values: impl ParallelIterator<Item = f32>) -> Option<f32> {
-    let largest = values.filter(|value| value.is_finite()).max_by(f32::total_cmp).filter(|&largest| largest > 0.0)?;
-    Some(match largest {
-        _ if largest <= UNIT => 1.0,
-        _ if largest <= 255.0 => 255.0,
+/// The largest finite value.
+pub(super) fn largest(values: impl ParallelIterator<Item = f32>) -> Option<f32> {
+    values.filter(|value| value.is_finite()).max_by(f32::total_cmp)
+}
+
+/// The number of full intensity in values whose type doesn't define it, by the largest of them: 1 if that is no larger, else 255,
+/// else 65535. `None` if no value is above 0.
+pub(super) fn full_scale(largest: Option<f32>) -> Option<f32> {
+    Some(match largest.filter(|&largest| largest > 0.0)? {
+        largest if largest <= UNIT => 1.0,
+        largest if largest <= 255.0 => 255.0,
         _ => 65535.0,
     })
 }
 
-/// Linear colors from sRGB-encoded ones with a common range ([`full_scale`]). `None` if no color is above 0. A color
-/// without any number is white, like points without color.
-pub(super) fn measured(encoded: &[[f32; 3]]) -> Option<Vec<Vec3>> {
-    let full = full_scale(encoded.par_iter().flat_map_iter(|color| *color))?;
+/// Linear colors from sRGB-encoded ones, by the number of full intensity ([`full_scale`]). A color without any number is white,
+/// like points without color.
+pub(super) fn measured(mut colors: Vec<Vec3>, full: f32) -> Vec<Vec3> {
     let channel = |value: f32| if value.is_nan() { 0.0 } else { decode_srgb((value / full).clamp(0.0, 1.0)) };
-    let linear = |color: &[f32; 3]| {
-        if color.iter().all(|value| value.is_nan()) { Vec3::ONE } else { Vec3::from(color.map(channel)) }
+    let linear = |color: &Vec3| {
+        let encoded = color.to_array();
+        if encoded.iter().all(|value| value.is_nan()) { Vec3::ONE } else { Vec3::from(encoded.map(channel)) }
     };
-    Some(encoded.par_iter().map(linear).collect())
+    colors.par_iter_mut().for_each(|color| *color = linear(color));
+    colors
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// Linear colors of a table of encoded ones.
+    fn decoded_all(encoded: &[[f32; 3]]) -> Option<Vec<Vec3>> {
+        let full = full_scale(largest(encoded.par_iter().flat_map_iter(|color| *color)))?;
+        Some(measured(encoded.iter().copied().map(Vec3::from).collect(), full))
+    }
+
     #[test]
     fn the_range_is_that_of_all_values() {
         let decoded = |value: f32, full: f32| decode_srgb(value / full);
-        assert_eq!(measured(&[[0.0; 3], [-1.0, f32::NAN, 0.0]]), None);
-        assert_eq!(measured(&[[0.5, 1.0, 0.0]]).unwrap(), [Vec3::new(decoded(0.5, 1.0), 1.0, 0.0)]);
-        let bytes = measured(&[[0.5, 1.0, 0.0], [51.0, 255.0, -3.0]]).unwrap();
+        assert_eq!(decoded_all(&[[0.0; 3], [-1.0, f32::NAN, 0.0]]), None);
+        assert_eq!(decoded_all(&[[0.5, 1.0, 0.0]]).unwrap(), [Vec3::new(decoded(0.5, 1.0), 1.0, 0.0)]);
+        let bytes = decoded_all(&[[0.5, 1.0, 0.0], [51.0, 255.0, -3.0]]).unwrap();
         assert_eq!(bytes[0], Vec3::new(decoded(0.5, 255.0), decoded(1.0, 255.0), 0.0));
         assert_eq!(bytes[1], Vec3::new(decoded(51.0, 255.0), 1.0, 0.0));
-        let shorts = measured(&[[256.0, 0.0, 0.0], [f32::INFINITY, f32::NAN, 0.0], [f32::NAN; 3]]).unwrap();
+        let shorts = decoded_all(&[[256.0, 0.0, 0.0], [f32::INFINITY, f32::NAN, 0.0], [f32::NAN; 3]]).unwrap();
         assert_eq!(shorts, [Vec3::new(decoded(256.0, 65535.0), 0.0, 0.0), Vec3::X, Vec3::ONE]);
     }
 }

@@ -11,6 +11,7 @@ mod pcd;
 pub mod photo;
 pub mod ply;
 pub mod polygon;
+mod shared;
 pub mod store;
 mod text;
 pub mod volume;
@@ -24,10 +25,14 @@ use crate::progress::Progress;
 use crate::cloud::{Cloud, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER, same_scalar};
 pub use decoder::silence_decoder_panics;
 use photo::Photo;
+use shared::SharedFile;
 pub use text::ColumnNames;
 
 /// Points between two steps of a progress bar.
 const PROGRESS_STEP: u64 = 1 << 16;
+
+/// The warning about a hint.
+const NAMES_WITHOUT_EFFECT: &str = "names of columns have no effect: they are for text files";
 
 /// First bytes of a file that are looked at to find its format.
 const START: u64 = 512;
@@ -222,8 +227,8 @@ pub fn load_with(path: &Path, hints: Hints, progress: &Progress) -> Result<Cloud
     let format = format?;
     let mut cloud = match format {
         Format::Picture => photo::read(source, hints.photo.unwrap_or(&Photo::default()), progress)?,
-        Format::Las => las::read(&mut source, hints.las, progress)?,
-        Format::Ply => ply::read(&mut source, progress)?,
+        Format::Las => las::read(source, hints.las, progress)?,
+        Format::Ply => ply::read(source, progress)?,
         Format::E57 => e57::read(&mut source, progress)?,
         Format::Pcd => pcd::read(&mut source, progress)?,
         Format::Text(kind) => text::read(&mut source, &start, kind, hints.columns, progress)?,
@@ -232,7 +237,7 @@ pub fn load_with(path: &Path, hints: Hints, progress: &Progress) -> Result<Cloud
         return Err(Error::NoPoints { path, non_finite: cloud.non_finite });
     }
     if hints.columns.is_some() && !matches!(format, Format::Text(_)) {
-        cloud.warnings.push("names of columns have no effect: they are for text files".to_owned());
+        cloud.warnings.push(NAMES_WITHOUT_EFFECT.to_owned());
     }
     Ok(cloud)
 }

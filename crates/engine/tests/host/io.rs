@@ -3,11 +3,11 @@
 mod bad;
 mod docs;
 mod e57;
-mod las;
+pub mod las;
 mod octree;
 mod pcd;
-mod ply;
-mod real;
+pub mod ply;
+pub mod real;
 mod splats;
 mod text;
 

@@ -6,6 +6,7 @@ mod clips;
 mod coloring;
 mod edl;
 mod ensembles;
+mod in_place;
 mod io;
 mod legend;
 mod metrics;

@@ -25,7 +25,8 @@ fn block(record_len: usize) -> u64 {
 }
 
 /// A run of points that can be decoded independently. It lies within the file.
-pub(super) struct Chunk {
+#[derive(Debug, Clone, Copy)]
+pub(in crate::io) struct Chunk {
     pub start: u64,
     pub bytes: u64,
     pub first_point: u64,
@@ -60,9 +61,10 @@ pub(super) fn compressed(source: &mut Source, header: &Header, laz: &LazVlr) -> 
     for (index, entry) in table.into_iter().enumerate() {
         let points = entry.point_count.min(header.count - first_point);
         if points == 0 {
+            start = start.saturating_add(entry.byte_count);
             continue;
         }
-        if entry.byte_count > data_end - start {
+        if entry.byte_count > data_end.saturating_sub(start) {
             let cause = format!("{} bytes from byte {start}, but the chunks end at {data_end}", entry.byte_count);
             return Err(source.malformed(format!("LAZ chunk {index}"), cause));
         }
@@ -170,7 +172,7 @@ fn entry_count(source: &mut Source, place: u64) -> std::io::Result<u64> {
 
 impl Chunk {
     /// Passes the chunk's records on in blocks, or returns the defect.
-    pub fn decode(
+    pub(super) fn decode(
         &self,
         header: &Header,
         bytes: &[u8],

@@ -1,28 +1,31 @@
 //! From LAS point records to the columns of a cloud.
 
+use std::sync::OnceLock;
+
 use glam::{DVec3, Vec3};
 use las::PointDataBuilder;
 use rayon::prelude::*;
 
 use super::header::Header;
-use crate::cloud::{Cloud, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER, UpAxis};
+use super::traits::Traits;
+use crate::cloud::{Bounds, Cloud, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER, UpAxis};
 use crate::color::decode_srgb;
 use crate::io::LasColumns;
 
-/// Columns of a part of the file, before what only the whole file can tell (the range of the colors) is known.
-pub(super) struct Columns {
-    positions: Vec<DVec3>,
-    rgb: Option<Vec<[u16; 3]>>,
-    intensity: Vec<f32>,
-    classification: Vec<u8>,
-    return_number: Vec<u8>,
-    number_of_returns: Vec<u8>,
+/// Columns of a part of the file, as they are stored: before what only the whole file tells ([`Traits`]) is known.
+pub(in crate::io) struct Columns {
+    pub positions: Vec<DVec3>,
+    pub rgb: Option<Vec<[u16; 3]>>,
+    pub intensity: Vec<f32>,
+    pub classification: Vec<u8>,
+    pub return_number: Vec<u8>,
+    pub number_of_returns: Vec<u8>,
     /// If it is asked for.
-    source: Option<Vec<u16>>,
+    pub source: Option<Vec<u16>>,
     /// If it is asked for and there, in seconds.
-    gps_time: Option<Vec<f64>>,
-    extra: Vec<Vec<f32>>,
-    non_finite: usize,
+    pub gps_time: Option<Vec<f64>>,
+    pub extra: Vec<Vec<f32>>,
+    pub non_finite: usize,
 }
 
 impl Columns {
@@ -75,32 +78,45 @@ impl Columns {
         Ok(())
     }
 
-    /// Adds the part of the file that follows.
-    pub fn append(&mut self, mut next: Self) {
-        self.positions.append(&mut next.positions);
-        self.intensity.append(&mut next.intensity);
-        self.classification.append(&mut next.classification);
-        self.return_number.append(&mut next.return_number);
-        self.number_of_returns.append(&mut next.number_of_returns);
-        if let (Some(source), Some(next)) = (&mut self.source, &mut next.source) {
-            source.append(next);
+    /// The columns of the parts of a file, one behind the other. Each column of the parts is gone once it is joined.
+    pub fn join(mut parts: Vec<Self>) -> Option<Self> {
+        let mut all = parts.pop()?;
+        all.positions = joined(&mut parts, all.positions, |part| &mut part.positions);
+        all.intensity = joined(&mut parts, all.intensity, |part| &mut part.intensity);
+        all.classification = joined(&mut parts, all.classification, |part| &mut part.classification);
+        all.return_number = joined(&mut parts, all.return_number, |part| &mut part.return_number);
+        all.number_of_returns = joined(&mut parts, all.number_of_returns, |part| &mut part.number_of_returns);
+        all.source = all.source.map(|last| joined_optional(&mut parts, last, |part| &mut part.source));
+        all.gps_time = all.gps_time.map(|last| joined_optional(&mut parts, last, |part| &mut part.gps_time));
+        all.rgb = all.rgb.map(|last| joined_optional(&mut parts, last, |part| &mut part.rgb));
+        for (at, values) in all.extra.iter_mut().enumerate() {
+            *values = joined(&mut parts, std::mem::take(values), |part| &mut part.extra[at]);
         }
-        if let (Some(times), Some(next)) = (&mut self.gps_time, &mut next.gps_time) {
-            times.append(next);
-        }
-        if let (Some(rgb), Some(next)) = (&mut self.rgb, &mut next.rgb) {
-            rgb.append(next);
-        }
-        for (values, next) in self.extra.iter_mut().zip(&mut next.extra) {
-            values.append(next);
-        }
-        self.non_finite += next.non_finite;
+        all.non_finite += parts.iter().map(|part| part.non_finite).sum::<usize>();
+        Some(all)
     }
 
-    /// The cloud of all parts. Returns are kept if some pulse has more than one, or if they are asked for.
-    pub fn finish(self, header: &Header, asked: LasColumns) -> Cloud {
+    /// The box of the points; `None` if there are none.
+    pub fn bounds(&self) -> Option<Bounds> {
+        Bounds::enclosing(self.positions.iter().copied())
+    }
+
+    /// What these points tell of the whole file.
+    pub fn traits(&self) -> Traits {
+        let largest = |rgb: &[[u16; 3]]| rgb.par_iter().map(|&[r, g, b]| r.max(g).max(b)).max().unwrap_or(0);
+        let times = self.gps_time.iter().flatten().copied().filter(|time| time.is_finite());
+        Traits {
+            largest_color: self.rgb.as_deref().map_or(0, largest),
+            most_returns: self.number_of_returns.par_iter().copied().max().unwrap_or(0),
+            first_time: times.fold(f64::INFINITY, f64::min),
+        }
+    }
+
+    /// The cloud of the points of a file with these traits and these names of extra dimensions. Returns are kept if some pulse has
+    /// more than one, or if they are asked for.
+    pub fn finish<'a>(self, extra: impl Iterator<Item = &'a str>, asked: LasColumns, traits: &Traits) -> Cloud {
         let mut scalars = Vec::new();
-        if asked.returns || self.number_of_returns.iter().any(|&count| count > 1) {
+        if asked.returns || traits.most_returns > 1 {
             let column = |bytes: &[u8]| bytes.iter().map(|&byte| byte.into()).collect();
             scalars.push((RETURN_NUMBER.to_owned(), column(&self.return_number)));
             scalars.push((NUMBER_OF_RETURNS.to_owned(), column(&self.number_of_returns)));
@@ -109,12 +125,12 @@ impl Columns {
             scalars.push((POINT_SOURCE.to_owned(), source.iter().map(|&id| id.into()).collect()));
         }
         if let Some(times) = &self.gps_time {
-            scalars.push((GPS_TIME.to_owned(), since_first(times)));
+            scalars.push((GPS_TIME.to_owned(), since(traits.first_time, times)));
         }
-        scalars.extend(header.extra.iter().map(|dimension| dimension.name.clone()).zip(self.extra));
+        scalars.extend(extra.map(str::to_owned).zip(self.extra));
         Cloud {
             positions: self.positions,
-            colors: self.rgb.and_then(|rgb| linear(&rgb)),
+            colors: self.rgb.and_then(|rgb| linear(&rgb, traits.largest_color)),
             intensity: Some(self.intensity),
             classification: Some(self.classification),
             scalars,
@@ -125,9 +141,31 @@ impl Columns {
     }
 }
 
-/// Times in seconds since the smallest finite one; others stay as they are.
-fn since_first(times: &[f64]) -> Vec<f32> {
-    let first = times.iter().copied().filter(|time| time.is_finite()).fold(f64::INFINITY, f64::min);
+/// Takes a column of each part, and of the last one.
+fn joined<T: Copy>(parts: &mut [Columns], mut last: Vec<T>, column: impl Fn(&mut Columns) -> &mut Vec<T>) -> Vec<T> {
+    if parts.is_empty() {
+        return last;
+    }
+    let len = parts.iter_mut().map(|part| column(part).len()).sum::<usize>() + last.len();
+    let mut all = Vec::with_capacity(len);
+    for part in parts {
+        all.append(&mut std::mem::take(column(part)));
+    }
+    all.append(&mut last);
+    all
+}
+
+/// As [`joined`], of a column that all parts have if the last one has it.
+fn joined_optional<T: Copy>(
+    parts: &mut [Columns],
+    last: Vec<T>,
+    column: impl Fn(&mut Columns) -> &mut Option<Vec<T>>,
+) -> Vec<T> {
+    joined(parts, last, |part| column(part).get_or_insert_default())
+}
+
+/// Times in seconds since the first; those that are not finite stay as they are.
+fn since(first: f64, times: &[f64]) -> Vec<f32> {
     times.iter().map(|time| if time.is_finite() { (time - first) as f32 } else { *time as f32 }).collect()
 }
 
@@ -135,13 +173,19 @@ fn extend<T>(column: &mut Vec<T>, new: impl Iterator<Item = T>, keep: &[bool]) {
     column.extend(new.zip(keep).filter(|(_, keep)| **keep).map(|(value, _)| value));
 }
 
-/// Converts stored colors to linear ones. Many writers put 8-bit values into the 16-bit fields: if no value of the file
-/// exceeds 255, they count as 8-bit. Colors that are all zero are dropped.
-fn linear(rgb: &[[u16; 3]]) -> Option<Vec<Vec3>> {
-    let largest = rgb.par_iter().map(|&[r, g, b]| r.max(g).max(b)).max().filter(|&largest| largest > 0)?;
-    let range = if largest <= 255 { 255 } else { u16::MAX };
-    let table: Vec<f32> = (0..=largest).map(|stored| decode_srgb(f32::from(stored) / f32::from(range))).collect();
-    Some(rgb.par_iter().map(|color| Vec3::from(color.map(|stored| table[usize::from(stored)]))).collect())
+/// Converts stored colors to linear ones. Many writers put 8-bit values into the 16-bit fields: if the largest value of the file
+/// is at most 255, they count as 8-bit, and others, which a store's description may have missed, as 255. Colors that are all zero are
+/// dropped.
+fn linear(rgb: &[[u16; 3]], largest: u16) -> Option<Vec<Vec3>> {
+    if largest == 0 {
+        return None;
+    }
+    static EIGHT_BITS: OnceLock<Vec<f32>> = OnceLock::new();
+    static SIXTEEN_BITS: OnceLock<Vec<f32>> = OnceLock::new();
+    let (table, full) = if largest <= 255 { (&EIGHT_BITS, 255) } else { (&SIXTEEN_BITS, u16::MAX) };
+    let table =
+        table.get_or_init(|| (0..=full).map(|stored| decode_srgb(f32::from(stored) / f32::from(full))).collect());
+    Some(rgb.par_iter().map(|color| Vec3::from(color.map(|stored| table[usize::from(stored.min(full))]))).collect())
 }
 
 #[cfg(test)]
@@ -151,18 +195,20 @@ mod tests {
     #[test]
     fn times_count_from_the_first() {
         // Adjusted standard time: a float32 there is 16 seconds apart from the next one.
-        let times = since_first(&[311_862_004.25, 311_862_000.0, f64::NAN, 311_862_000.125]);
+        let times = since(311_862_000.0, &[311_862_004.25, 311_862_000.0, f64::NAN, 311_862_000.125]);
         assert_eq!([times[0], times[1], times[3]], [4.25, 0.0, 0.125]);
         assert!(times[2].is_nan());
     }
 
     #[test]
     fn eight_bits_in_sixteen_are_seen_over_the_whole_file() {
-        assert_eq!(linear(&[[0; 3], [0; 3]]), None);
-        let eight = linear(&[[255, 0, 51], [0, 0, 0]]).unwrap();
+        assert_eq!(linear(&[[0; 3], [0; 3]], 0), None);
+        let eight = linear(&[[255, 0, 51], [0, 0, 0]], 255).unwrap();
         assert_eq!(eight, [Vec3::new(1.0, 0.0, decode_srgb(0.2)), Vec3::ZERO]);
-        let sixteen = linear(&[[255, 0, 0], [65535, 0, 256]]).unwrap();
+        let sixteen = linear(&[[255, 0, 0], [65535, 0, 256]], 65535).unwrap();
         assert_eq!(sixteen[0].x, decode_srgb(255.0 / 65535.0));
         assert_eq!(sixteen[1], Vec3::new(1.0, 0.0, decode_srgb(256.0 / 65535.0)));
+        let black = linear(&[[0; 3]], 7).unwrap();
+        assert_eq!(black, [Vec3::ZERO], "a part of a file with colors");
     }
 }

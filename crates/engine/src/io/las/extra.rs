@@ -8,6 +8,7 @@ use super::header::user_id;
 const DESCRIPTOR: usize = 192;
 
 /// A named number in the extra bytes of each point.
+#[derive(Debug)]
 pub(super) struct Dimension {
     pub name: String,
     /// Bytes from the start of the extra bytes.

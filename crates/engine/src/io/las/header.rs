@@ -2,12 +2,14 @@
 
 use std::io::{Read, Seek, SeekFrom};
 
+use glam::DVec3;
 use las::point::Format;
 use las::raw;
 use las::{Transform, Vector};
 use laz::LazVlr;
 
 use super::extra::{self, Dimension};
+use crate::cloud::Bounds;
 use crate::io::{Error, Source, decoder};
 
 /// Bytes of a variable-length record before its data.
@@ -18,7 +20,8 @@ const VLR_HEADER: u64 = 54;
 const MAX_POINTS_PER_BYTE: u64 = 4096;
 
 /// The storage and the number of the points.
-pub(super) struct Header {
+#[derive(Debug)]
+pub(in crate::io) struct Header {
     pub count: u64,
     pub record_len: usize,
     pub format: Format,
@@ -28,7 +31,32 @@ pub(super) struct Header {
     /// The compression of the points, if any.
     pub laz: Option<LazVlr>,
     /// The extra dimensions of a record.
-    pub extra: Vec<Dimension>,
+    pub(super) extra: Vec<Dimension>,
+    /// The box of the points, as the header has it: perhaps not finite, empty, or another one's.
+    pub bounds: Bounds,
+    /// The record that makes a COPC file of it.
+    pub copc: Option<Vec<u8>>,
+}
+
+impl Header {
+    /// The header's box with a step of the coordinates' grid around it, since many writers round it; `None` if it can be no box.
+    pub fn claimed_bounds(&self) -> Option<Bounds> {
+        let Bounds { min, max } = self.bounds;
+        (min.is_finite() && max.is_finite() && min.cmple(max).all()).then(|| self.widened(self.bounds))
+    }
+
+    /// A box with a step of the coordinates' grid around it.
+    pub fn widened(&self, bounds: Bounds) -> Bounds {
+        let step = DVec3::new(self.transforms.x.scale, self.transforms.y.scale, self.transforms.z.scale).abs();
+        Bounds { min: bounds.min - step, max: bounds.max + step }
+    }
+
+    /// True if every coordinate that the points can store is finite.
+    pub fn is_finite(&self) -> bool {
+        let Vector { x, y, z } = self.transforms;
+        let ends = |t: Transform| [i32::MIN, i32::MAX].map(|stored| f64::from(stored) * t.scale + t.offset);
+        [x, y, z].into_iter().flat_map(ends).all(f64::is_finite)
+    }
 }
 
 /// Reads and checks the header.
@@ -63,6 +91,11 @@ pub(super) fn read(source: &mut Source) -> Result<Header, Error> {
         transforms: transforms(&raw),
         start,
         laz,
+        bounds: Bounds {
+            min: DVec3::new(raw.min_x, raw.min_y, raw.min_z),
+            max: DVec3::new(raw.max_x, raw.max_y, raw.max_z),
+        },
+        copc: vlrs.iter().find(is_copc).map(|vlr| vlr.data.clone()),
     };
     check_claim(source, &header)?;
     Ok(header)
@@ -109,6 +142,10 @@ fn vlrs(source: &mut Source, raw: &raw::Header) -> Result<Vec<raw::Vlr>, Error> 
         vlrs.push(vlr);
     }
     Ok(vlrs)
+}
+
+fn is_copc(vlr: &&raw::Vlr) -> bool {
+    user_id(vlr) == b"copc" && vlr.record_id == 1
 }
 
 fn laz_vlr(source: &Source, vlrs: &[raw::Vlr]) -> Result<LazVlr, Error> {

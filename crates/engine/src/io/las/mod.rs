@@ -1,4 +1,4 @@
-//! LAS 1.0–1.4 and LAZ files; a COPC file is a LAZ file whose chunks happen to form a tree.
+//! LAS 1.0–1.4 and LAZ files; a COPC file is a LAZ file whose chunks happen to form a tree (`store::copc`).
 //!
 //! The libraries read headers and decompress; everything a file claims (records, counts, lengths) is compared with its
 //! size here first, since they allocate what is claimed. Extended variable-length records are not read.
@@ -7,66 +7,81 @@ mod chunks;
 mod columns;
 mod extra;
 mod header;
+mod traits;
 
-use std::io::{Read, Seek, SeekFrom};
-
-use crate::progress::Progress;
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::store::Grid;
-use super::{Error, LasColumns, Source};
+use super::{Error, LasColumns, SharedFile, Source};
 use crate::cloud::Cloud;
-use chunks::Chunk;
-use columns::Columns;
-
-/// Chunks read before they are decoded side by side, per thread: enough to level out chunks of different cost.
-const CHUNKS_PER_THREAD: usize = 4;
+use crate::progress::Progress;
+pub(super) use chunks::Chunk;
+pub(super) use columns::Columns;
+pub(super) use header::Header;
+pub(super) use traits::Traits;
 
 /// Reads the points of a LAS or LAZ file.
-pub(super) fn read(source: &mut Source, asked: LasColumns, progress: &Progress) -> Result<Cloud, Error> {
-    let header = header::read(source)?;
-    progress.set_length(header.count);
-    if header.count == 0 {
-        return Ok(Cloud::default());
-    }
-    let chunks = match &header.laz {
-        Some(laz) => chunks::compressed(source, &header, laz)?,
-        None => chunks::plain(source, &header)?,
-    };
-    let mut columns = Columns::new(&header, asked);
-    for batch in chunks.chunks(CHUNKS_PER_THREAD * rayon::current_num_threads()) {
-        let loaded = batch.iter().map(|chunk| load(source, chunk)).collect::<Result<Vec<_>, _>>()?;
-        let decode = |(chunk, bytes): (&Chunk, Vec<u8>)| {
-            let mut columns = Columns::new(&header, asked);
-            let decoded = chunk.decode(&header, &bytes, |records| {
-                columns.push(&header, records)?;
-                progress.inc((records.len() / header.record_len) as u64);
-                Ok(())
-            });
-            decoded.map(|()| columns).map_err(|cause| {
-                let (first, last) = (chunk.first_point, chunk.first_point + chunk.points - 1);
-                source.malformed(format!("points {first}–{last} (chunk at byte {})", chunk.start), cause)
-            })
+pub(super) fn read(source: Source, asked: LasColumns, progress: &Progress) -> Result<Cloud, Error> {
+    let file = LasFile::open(source, asked)?;
+    progress.set_length(file.header.count);
+    let parts = file.chunks.par_iter().map(|chunk| file.decode(chunk, progress)).collect::<Result<Vec<_>, _>>()?;
+    let Some(columns) = Columns::join(parts) else { return Ok(Cloud::default()) };
+    let traits = columns.traits();
+    Ok(file.finish(columns, &traits))
+}
+
+/// An open LAS or LAZ file, whose chunks are decoded by any number of threads.
+#[derive(Debug)]
+pub(super) struct LasFile {
+    pub file: SharedFile,
+    pub header: Header,
+    /// The runs of points in the file's order; together they hold as many as the header says.
+    pub chunks: Vec<Chunk>,
+    pub asked: LasColumns,
+}
+
+impl LasFile {
+    /// Reads the header and finds the chunks.
+    pub fn open(mut source: Source, asked: LasColumns) -> Result<Self, Error> {
+        let header = header::read(&mut source)?;
+        let chunks = match &header.laz {
+            _ if header.count == 0 => Vec::new(),
+            Some(laz) => chunks::compressed(&mut source, &header, laz)?,
+            None => chunks::plain(&source, &header)?,
         };
-        let decoded = batch.par_iter().zip(loaded).map(decode).collect::<Result<Vec<_>, _>>()?;
-        decoded.into_iter().for_each(|part| columns.append(part));
+        Ok(Self { file: source.into(), header, chunks, asked })
     }
-    Ok(columns.finish(&header, asked))
-}
 
-/// The grid that the positions of a file lie on.
-pub(super) fn grid(source: &mut Source) -> Result<Grid, Error> {
-    let transforms = header::read(source)?.transforms;
-    let each = |of: fn(&las::Transform) -> f64| DVec3::new(of(&transforms.x), of(&transforms.y), of(&transforms.z));
-    Ok(Grid { scale: each(|transform| transform.scale), offset: each(|transform| transform.offset) })
-}
+    /// The columns of a chunk, as they are stored.
+    pub fn decode(&self, chunk: &Chunk, progress: &Progress) -> Result<Columns, Error> {
+        let bytes = self.file.read(chunk.start, chunk.bytes)?;
+        let mut columns = Columns::new(&self.header, self.asked);
+        let decoded = chunk.decode(&self.header, &bytes, |records| {
+            columns.push(&self.header, records)?;
+            progress.inc((records.len() / self.header.record_len) as u64);
+            Ok(())
+        });
+        decoded.map(|()| columns).map_err(|cause| {
+            let (first, last) = (chunk.first_point, chunk.first_point + chunk.points - 1);
+            self.file.malformed(format!("points {first}–{last} (chunk at byte {})", chunk.start), cause)
+        })
+    }
 
-/// The bytes of a chunk, which lies within the file.
-fn load(source: &mut Source, chunk: &Chunk) -> Result<Vec<u8>, Error> {
-    let mut bytes = Vec::new();
-    let read = source.reader.seek(SeekFrom::Start(chunk.start));
-    let read = read.and_then(|_| source.reader.by_ref().take(chunk.bytes).read_to_end(&mut bytes));
-    read.map_err(|e| source.read_error(e))?;
-    Ok(bytes)
+    /// The cloud of some of the points, of which all together have these traits.
+    pub fn finish(&self, columns: Columns, traits: &Traits) -> Cloud {
+        columns.finish(self.extra_names(), self.asked, traits)
+    }
+
+    /// The names of the extra dimensions.
+    pub fn extra_names(&self) -> impl Iterator<Item = &str> {
+        self.header.extra.iter().map(|dimension| &*dimension.name)
+    }
+
+    /// The grid that the positions lie on.
+    pub fn grid(&self) -> Grid {
+        let transforms = &self.header.transforms;
+        let each = |of: fn(&las::Transform) -> f64| DVec3::new(of(&transforms.x), of(&transforms.y), of(&transforms.z));
+        Grid { scale: each(|transform| transform.scale), offset: each(|transform| transform.offset) }
+    }
 }

@@ -20,99 +20,135 @@
 mod header;
 mod payload;
 mod prepared;
+mod rows;
 mod splats;
+mod vertical;
 mod write;
 
 use crate::progress::Progress;
 use ply_rs_bw::ply::Encoding;
 
-use super::columns::{Column, Columns, FullScale};
+use super::columns::{Column, FullScale, Layout, Table};
 use super::{Error, PROGRESS_STEP, Source};
-use crate::cloud::depth_camera::is_depth_camera;
-use crate::cloud::upright::reason_for_z;
-use crate::cloud::{Cloud, UpAxis};
-use header::{Element, Kind};
+use crate::cloud::Cloud;
+use header::{Element, Header, Kind};
+pub(super) use prepared::is_prepared;
+pub(super) use rows::VertexRows;
 use splats::Splats;
+pub(super) use vertical::{step, vertical};
 pub use write::{write, write_prepared, write_to};
 
 /// Reads the vertices of a PLY file.
-pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Error> {
-    let header = header::read(source)?;
-    let Some(at) = header.elements.iter().position(|e| e.name == "vertex") else {
-        let names: Vec<_> = header.elements.iter().map(|e| e.name.as_str()).collect();
-        return Err(source.malformed("header", format!("no element `vertex`, only [{}]", names.join(", "))));
+pub(super) fn read(source: Source, progress: &Progress) -> Result<Cloud, Error> {
+    let (vertices, comments) = Vertices::find(source)?;
+    let mut cloud = match vertices {
+        Vertices::Rows(rows) => {
+            progress.set_length(rows.count);
+            let (table, _) = rows.parse(0..rows.count, progress)?;
+            let whole = table.whole(&rows.layout);
+            table.finish(&rows.layout, &whole)
+        }
+        Vertices::Records(records) => records.read(progress)?,
     };
-    let vertex = &header.elements[at];
-    let scalars = vertex.scalars();
-    let splats = Splats::find(&scalars);
-    let named = splats.as_ref().map_or(&scalars, Splats::columns);
-    let mut columns = Columns::new(named, FullScale::Typed).map_err(|missing| Error::MissingProperty {
-        path: source.path.clone(),
-        missing,
-        found: vertex.names(),
-    })?;
-    let text = header.encoding == Encoding::Ascii;
-    check_claim(source, &header.elements[..=at], header.len, text)?;
-    progress.set_length(vertex.count);
-    let mut row = Vec::with_capacity(vertex.properties.len());
-    let mut splat = Vec::new();
-    let mut take = |row: &[f64], index: u64| {
-        match &splats {
-            None => columns.push(row),
-            Some(splats) => columns.push(splats.convert(row, &mut splat)),
-        }
-        if (index + 1).is_multiple_of(PROGRESS_STEP) {
-            progress.inc(PROGRESS_STEP);
-        }
-    };
-    if text {
-        let mut lines = payload::Lines::after_header(&header);
-        for element in &header.elements[..at] {
-            lines.skip(source, element)?;
-        }
-        for index in 0..vertex.count {
-            lines.read(source, vertex, index, &mut row)?;
-            take(&row, index);
-        }
-    } else {
-        let binary = payload::Binary { little_endian: header.encoding == Encoding::BinaryLittleEndian };
-        for element in &header.elements[..at] {
-            binary.skip(source, element)?;
-        }
-        for index in 0..vertex.count {
-            binary.read(source, vertex, index, &mut row)?;
-            take(&row, index);
-        }
+    if let Some(bounds) = cloud.bounds() {
+        let step = step((cloud.len() + cloud.non_finite) as u64);
+        let sample: Vec<_> = cloud.positions.iter().step_by(step).copied().collect();
+        (cloud.up, cloud.up_reason) = vertical(&bounds, &sample);
     }
-    progress.set_position(vertex.count);
-    let mut cloud = columns.finish();
-    (cloud.up, cloud.up_reason) = vertical(&cloud);
-    prepared::recognize(&mut cloud, &header.comments);
-    if splats.is_some() {
-        cloud.warnings.push(splats::NOTE.to_owned());
-    }
+    prepared::recognize(&mut cloud, &comments);
     Ok(cloud)
 }
 
-/// Where a survey's coordinates begin that are not local ones, in its units.
-const SURVEY: f64 = 1e4;
+/// The vertices of a file whose header is read.
+pub(super) enum Vertices {
+    /// Rows that several threads read from anywhere.
+    Rows(Box<VertexRows>),
+    /// Text, splats and what has lists: one by one.
+    Records(Box<Records>),
+}
 
-/// The vertical of a PLY file, which can't say it: Y, as of models, but Z of what stands far from the origin along X and Y alone, as
-/// surveys do whose coordinates are eastings, northings and heights, −Y in the frame of a depth camera, and Z where only then the
-/// shape lies or stands as things do, with the reason.
-fn vertical(cloud: &Cloud) -> (UpAxis, Option<&'static str>) {
-    let surveyed = cloud.bounds().is_some_and(|bounds| {
-        let (center, diagonal) = (bounds.center().abs(), bounds.diagonal());
-        center.x >= SURVEY && center.y >= SURVEY && center.z < SURVEY && diagonal < center.truncate().length()
-    });
-    if surveyed {
-        return (UpAxis::Z, None);
+impl Vertices {
+    /// Reads the header; also returns its comments with the numbers of their lines.
+    pub fn find(mut source: Source) -> Result<(Self, Vec<(u64, String)>), Error> {
+        let mut header = header::read(&mut source)?;
+        let Some(at) = header.elements.iter().position(|e| e.name == "vertex") else {
+            let names: Vec<_> = header.elements.iter().map(|e| e.name.as_str()).collect();
+            return Err(source.malformed("header", format!("no element `vertex`, only [{}]", names.join(", "))));
+        };
+        let vertex = &header.elements[at];
+        let scalars = vertex.scalars();
+        let splats = Splats::find(&scalars);
+        let named = splats.as_ref().map_or(&scalars, Splats::columns);
+        let layout = Layout::new(named, FullScale::Typed).map_err(|missing| Error::MissingProperty {
+            path: source.path.clone(),
+            missing,
+            found: vertex.names(),
+        })?;
+        check_claim(&source, &header.elements[..=at], header.len, header.encoding == Encoding::Ascii)?;
+        let comments = std::mem::take(&mut header.comments);
+        let vertices = if splats.is_none() && rows::are_rows(&header, vertex) {
+            Self::Rows(Box::new(VertexRows::find(source, &header, at, layout)?))
+        } else {
+            Self::Records(Box::new(Records { source, header, at, splats, layout }))
+        };
+        Ok((vertices, comments))
     }
-    if is_depth_camera(&cloud.positions) {
-        return (UpAxis::NegativeY, None);
+}
+
+/// Vertices that are read one by one.
+pub(super) struct Records {
+    source: Source,
+    header: Header,
+    at: usize,
+    splats: Option<Splats>,
+    layout: Layout,
+}
+
+impl Records {
+    fn read(self, progress: &Progress) -> Result<Cloud, Error> {
+        let Self { mut source, header, at, splats, layout } = self;
+        let source = &mut source;
+        let vertex = &header.elements[at];
+        progress.set_length(vertex.count);
+        let mut table = Table::new(&layout, 0);
+        let mut row = Vec::with_capacity(vertex.properties.len());
+        let mut splat = Vec::new();
+        let mut take = |row: &[f64], index: u64| {
+            match &splats {
+                None => table.push(&layout, row),
+                Some(splats) => table.push(&layout, splats.convert(row, &mut splat)),
+            }
+            if (index + 1).is_multiple_of(PROGRESS_STEP) {
+                progress.inc(PROGRESS_STEP);
+            }
+        };
+        if header.encoding == Encoding::Ascii {
+            let mut lines = payload::Lines::after_header(&header);
+            for element in &header.elements[..at] {
+                lines.skip(source, element)?;
+            }
+            for index in 0..vertex.count {
+                lines.read(source, vertex, index, &mut row)?;
+                take(&row, index);
+            }
+        } else {
+            let binary = payload::Binary { little_endian: header.encoding == Encoding::BinaryLittleEndian };
+            for element in &header.elements[..at] {
+                binary.skip(source, element)?;
+            }
+            for index in 0..vertex.count {
+                binary.read(source, vertex, index, &mut row)?;
+                take(&row, index);
+            }
+        }
+        progress.set_position(vertex.count);
+        let whole = table.whole(&layout);
+        let mut cloud = table.finish(&layout, &whole);
+        if splats.is_some() {
+            cloud.warnings.push(splats::NOTE.to_owned());
+        }
+        Ok(cloud)
     }
-    let reason = reason_for_z(&cloud.positions);
-    (if reason.is_some() { UpAxis::Z } else { UpAxis::Y }, reason)
 }
 
 /// Compares the claimed number of elements, up to the vertices, with the bytes that follow the header.

@@ -38,22 +38,8 @@ impl Binary {
 
     fn scalar(&self, reader: &mut impl Read, scalar: &ScalarType) -> std::io::Result<f64> {
         let mut bytes = [0; 8];
-        let used = &mut bytes[..size(scalar) as usize];
-        reader.read_exact(used)?;
-        if !self.little_endian {
-            used.reverse();
-        }
-        let [b0, b1, b2, b3, ..] = bytes;
-        Ok(match scalar {
-            ScalarType::Char => i8::from_le_bytes([b0]).into(),
-            ScalarType::UChar => b0.into(),
-            ScalarType::Short => i16::from_le_bytes([b0, b1]).into(),
-            ScalarType::UShort => u16::from_le_bytes([b0, b1]).into(),
-            ScalarType::Int => i32::from_le_bytes([b0, b1, b2, b3]).into(),
-            ScalarType::UInt => u32::from_le_bytes([b0, b1, b2, b3]).into(),
-            ScalarType::Float => f32::from_le_bytes([b0, b1, b2, b3]).into(),
-            ScalarType::Double => f64::from_le_bytes(bytes),
-        })
+        reader.read_exact(&mut bytes[..size(scalar) as usize])?;
+        Ok(value(&bytes, scalar, self.little_endian))
     }
 
     fn skip_list(&self, reader: &mut impl Read, count: &ScalarType, item: &ScalarType) -> std::io::Result<()> {
@@ -66,15 +52,43 @@ impl Binary {
 
     fn error(&self, source: &Source, e: std::io::Error, element: &Element, index: u64) -> Error {
         match e.kind() {
-            ErrorKind::UnexpectedEof => source.truncated(format!(
-                "the file ends at byte {} in record {index} of element `{}`, of which the header announces {}",
-                source.len, element.name, element.count
-            )),
+            ErrorKind::UnexpectedEof => self.ends_early(source, element, index),
             ErrorKind::InvalidData => {
                 source.malformed(format!("element `{}`, record {index}", element.name), e.to_string())
             }
             _ => source.read_error(e),
         }
+    }
+
+    /// The error of a file that ends in this record of an element.
+    pub fn ends_early(&self, source: &Source, element: &Element, index: u64) -> Error {
+        source.truncated(format!(
+            "the file ends at byte {} in record {index} of element `{}`, of which the header announces {}",
+            source.len, element.name, element.count
+        ))
+    }
+}
+
+/// The scalar that some bytes begin with.
+#[inline]
+pub(super) fn value(bytes: &[u8], scalar: &ScalarType, little_endian: bool) -> f64 {
+    #[inline]
+    fn first<const N: usize>(bytes: &[u8], little_endian: bool) -> [u8; N] {
+        let mut first: [u8; N] = bytes.first_chunk().copied().unwrap_or([0; N]);
+        if !little_endian {
+            first.reverse();
+        }
+        first
+    }
+    match scalar {
+        ScalarType::Char => i8::from_le_bytes(first(bytes, little_endian)).into(),
+        ScalarType::UChar => u8::from_le_bytes(first(bytes, little_endian)).into(),
+        ScalarType::Short => i16::from_le_bytes(first(bytes, little_endian)).into(),
+        ScalarType::UShort => u16::from_le_bytes(first(bytes, little_endian)).into(),
+        ScalarType::Int => i32::from_le_bytes(first(bytes, little_endian)).into(),
+        ScalarType::UInt => u32::from_le_bytes(first(bytes, little_endian)).into(),
+        ScalarType::Float => f32::from_le_bytes(first(bytes, little_endian)).into(),
+        ScalarType::Double => f64::from_le_bytes(first(bytes, little_endian)),
     }
 }
 

@@ -96,6 +96,11 @@ pub(super) fn comment(cloud: &Cloud) -> std::io::Result<Option<String>> {
     Ok(Some(format!("{WORD} {}", serde_json::to_string(&claim)?)))
 }
 
+/// True if `pellucid prepare` wrote the file: its data belong to all of its points together.
+pub(in crate::io) fn is_prepared(comments: &[(u64, String)]) -> bool {
+    comments.iter().any(|(_, text)| text.starts_with(WORD))
+}
+
 /// Finds the comment and, if the points match it, moves the field into [`Cloud::prepared`]. Otherwise adds a warning
 /// and drops the field, and also the radii unless they are the points' own.
 pub(super) fn recognize(cloud: &mut Cloud, comments: &[(u64, String)]) {

@@ -1,21 +1,32 @@
 //! Clouds in nodes that are read one by one: octrees, tiles, and plain files in pieces. What a scan is too large for, a node is not.
 
 pub mod build;
+mod copc;
+mod ept;
 mod file;
 mod grid;
 mod held;
+mod keys;
+mod las;
 mod octree;
 mod open;
+mod ply;
+mod tiles;
 
 use std::fmt::Debug;
 use std::path::PathBuf;
 
 use super::Error;
 use crate::cloud::{Bounds, Cloud, UpAxis};
+pub use copc::Copc;
+pub use ept::Ept;
 pub use grid::Grid;
 pub use held::Held;
+pub use las::LasPieces;
 pub use octree::Octree;
-pub use open::open_input;
+pub use open::open;
+pub use ply::PlyPieces;
+pub use tiles::Tiles;
 
 /// A cloud whose nodes are read one by one, by any number of threads at once.
 pub trait Store: Debug + Send + Sync {

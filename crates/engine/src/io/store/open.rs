@@ -1,28 +1,69 @@
-//! Any input as a store.
+//! Files and folders as stores, by what they are.
 
 use std::path::Path;
 
-use super::{Grid, Held, Octree, Store};
-use crate::io::{Error, Hints, Source, las, load_with};
+use super::{Copc, Ept, Held, LasPieces, Octree, PlyPieces, Store};
+use crate::io::las::LasFile;
+use crate::io::{Error, Format, Hints, NAMES_WITHOUT_EFFECT, Source, load_with};
 use crate::progress::Progress;
 
-/// Opens an octree, or reads a file of another format ([`load_with`]) into memory.
+/// Opens a cloud to be read node by node: a folder with an octree of Potree 2.0 (or its `metadata.json`), an EPT folder (or its `ept.json`), COPC, LAS and LAZ files, binary PLY files. All other files
+/// are loaded as a whole, which `progress` follows.
+///
+/// Opening takes as long as each says: [`Octree`], [`Ept`], [`Copc`], [`LasPieces`], [`PlyPieces`].
 ///
 /// # Errors
-/// Those of [`Octree::open`] and of [`load_with`].
-pub fn open_input(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn Store>, Error> {
-    if Octree::is_one(path) {
-        return Ok(Box::new(Octree::open(path)?));
+/// Those of each, and of [`load_with`].
+pub fn open(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn Store>, Error> {
+    let is_named = |name: &str| path.file_name().is_some_and(|found| found == name);
+    if is_named("ept.json") || path.is_dir() && path.join("ept.json").is_file() {
+        let mut store = Ept::open(path, hints.las)?;
+        store.summary.like.warnings.extend(warning(&hints));
+        return refuse_photo(path, &hints).map(|()| Box::new(store) as Box<dyn Store>);
     }
-    let cloud = load_with(path, hints, progress)?;
-    Ok(Box::new(Held::new(path, cloud)?.on_grid(las_grid(path)?)))
+    if Octree::is_one(path) {
+        let mut store = Octree::open(path)?;
+        store.summary.like.warnings.extend(warning(&hints));
+        return refuse_photo(path, &hints).map(|()| Box::new(store) as Box<dyn Store>);
+    }
+    let mut source = Source::open(path)?;
+    let start = source.peek()?;
+    match Format::detect(&source, &start) {
+        Ok(Format::Las) => {
+            refuse_photo(path, &hints)?;
+            let file = LasFile::open(source, hints.las)?;
+            if file.header.copc.is_some() {
+                let mut store = Copc::new(file)?;
+                store.summary.like.warnings.extend(warning(&hints));
+                return Ok(Box::new(store));
+            }
+            let mut store = LasPieces::new(file)?;
+            store.summary.like.warnings.extend(warning(&hints));
+            Ok(Box::new(store))
+        }
+        Ok(Format::Ply) => {
+            refuse_photo(path, &hints)?;
+            match PlyPieces::new(source)? {
+                Some(mut store) => {
+                    store.summary.like.warnings.extend(warning(&hints));
+                    Ok(Box::new(store))
+                }
+                None => whole(path, hints, progress),
+            }
+        }
+        _ => whole(path, hints, progress),
+    }
 }
 
-/// The grid of a LAS or LAZ file; `None` of others.
-fn las_grid(path: &Path) -> Result<Option<Grid>, Error> {
-    let mut source = Source::open(path)?;
-    if !source.peek()?.starts_with(b"LASF") {
-        return Ok(None);
-    }
-    las::grid(&mut source).map(Some)
+fn whole(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn Store>, Error> {
+    Ok(Box::new(Held::new(path, load_with(path, hints, progress)?)?))
+}
+
+/// What is said of hints that are for other files.
+fn warning(hints: &Hints) -> Option<String> {
+    hints.columns.map(|_| NAMES_WITHOUT_EFFECT.to_owned())
+}
+
+fn refuse_photo(path: &Path, hints: &Hints) -> Result<(), Error> {
+    if hints.photo.is_some() { Err(Error::NoPicture { path: path.to_path_buf() }) } else { Ok(()) }
 }

@@ -6,7 +6,7 @@ use crate::io::number::number;
 use crate::io::{Error, Source};
 
 /// Longest line that is read: a table of numbers has no longer ones.
-const MAX_LINE: u64 = 1 << 20;
+pub(super) const MAX_LINE: u64 = 1 << 20;
 
 /// The lines of a text, one at a time.
 pub(super) struct Lines<'s> {
@@ -126,6 +126,7 @@ impl Delimiter {
 }
 
 /// The fields of a line as numbers: their separator, the columns that aren't read, and the decimal mark.
+#[derive(Clone)]
 pub(super) struct Fields {
     pub delimiter: Delimiter,
     /// True for a column that may hold anything.
@@ -154,6 +155,13 @@ impl Fields {
             row.pop();
         }
         Ok(())
+    }
+
+    /// Takes over the decimal mark of other lines of the same table; false if these have another one.
+    pub fn agree(&mut self, others: &Self) -> bool {
+        let mark = self.mark.or(others.mark);
+        self.mark = mark;
+        others.mark.is_none() || others.mark == mark
     }
 
     /// Like [`Fields::numbers`], for lines that must have `columns` fields.

@@ -5,6 +5,7 @@
 //! a line of names, or inferred from their number and values; docs/formats.md has the rules. Colors and alphas share a
 //! common range: 1, 255 or 65535.
 
+mod batch;
 mod lines;
 mod names;
 mod ptx;

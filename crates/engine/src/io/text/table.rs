@@ -2,11 +2,12 @@
 
 use crate::progress::Progress;
 
+use super::batch::Batch;
 use super::lines::{Delimiter, Fields, Lines, any_number, comment};
 use super::names::{ColumnNames, Layout, by_values, of_scanners};
 use crate::cloud::Cloud;
 use crate::io::columns::{Columns, FullScale};
-use crate::io::{Error, PROGRESS_STEP, Source};
+use crate::io::{Error, Source};
 
 /// Bytes of the shortest line of a point: three digits, each with something behind it.
 pub(super) const LEAST_LINE: u64 = 6;
@@ -22,20 +23,22 @@ pub(super) fn read(
     let mut line = String::new();
     let Some(mut head) = Head::read(&mut lines, &mut line, given)? else { return Ok(Cloud::default()) };
     progress.set_length(lines.source.len / (line.len() as u64 + 1));
-    let mut table = Table { rows: Rows::new(&lines, head.names.as_deref())?, block: head.block, points: 0 };
-    let mut row = Vec::new();
-    loop {
-        if comment(&line).is_none() && !table.begins_block(&lines, &line)? {
-            head.fields.row(&line, head.columns, &mut row).map_err(|fault| lines.wrong(fault))?;
-            table.rows.push(&row);
-            table.points += 1;
-            if table.points.is_multiple_of(PROGRESS_STEP) {
-                progress.inc(PROGRESS_STEP);
+    let mut table =
+        Table { rows: Rows::new(&lines, head.names.as_deref())?, block: head.block.take(), points: 0, row: Vec::new() };
+    table.take(&lines, &mut head, &line)?;
+    while let Some(batch) = Batch::read(&mut lines)? {
+        let before = table.points;
+        if let Some(parsed) = batch.parse(&head.fields, head.columns) {
+            parsed.values.chunks_exact(head.columns).for_each(|row| table.rows.push(row));
+            table.points += (parsed.values.len() / head.columns) as u64;
+            batch.pass(&mut lines, &parsed, &mut head.fields);
+        } else {
+            let end = batch.put_back(&mut lines)?;
+            while lines.read < end && lines.next(&mut line)? {
+                table.take(&lines, &mut head, &line)?;
             }
         }
-        if !lines.next(&mut line)? {
-            break;
-        }
+        progress.inc(table.points - before);
     }
     let warning = table.check_block(&lines)?;
     progress.set_length(table.points);
@@ -160,9 +163,21 @@ struct Table {
     rows: Rows,
     block: Option<Block>,
     points: u64,
+    /// The numbers of the line last taken.
+    row: Vec<f64>,
 }
 
 impl Table {
+    /// Takes a line: a point, a comment, or the number of the points of another scan.
+    fn take(&mut self, lines: &Lines, head: &mut Head, line: &str) -> Result<(), Error> {
+        if comment(line).is_none() && !self.begins_block(lines, line)? {
+            head.fields.row(line, head.columns, &mut self.row).map_err(|fault| lines.wrong(fault))?;
+            self.rows.push(&self.row);
+            self.points += 1;
+        }
+        Ok(())
+    }
+
     /// True if a line announces the points of another scan; only valid after all points of the previous one.
     fn begins_block(&mut self, lines: &Lines, line: &str) -> Result<bool, Error> {
         let Some(block) = &self.block else { return Ok(false) };

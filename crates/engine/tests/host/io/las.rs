@@ -14,7 +14,7 @@ use super::{Folder, load_bytes};
 
 const OFFSET: DVec3 = DVec3::new(289_814.15, 4_320_978.61, 170.76);
 
-fn builder(minor: u8, format: u8, compressed: bool) -> Builder {
+pub fn builder(minor: u8, format: u8, compressed: bool) -> Builder {
     let mut builder = Builder::from((1, minor));
     builder.point_format = Format::new(format).unwrap();
     builder.point_format.is_compressed = compressed;
@@ -32,7 +32,7 @@ pub fn write(builder: Builder, points: impl IntoIterator<Item = Point>) -> Vec<u
 }
 
 /// A point on the file's grid.
-fn point(format: &Format, index: u16) -> Point {
+pub fn point(format: &Format, index: u16) -> Point {
     let step = f64::from(index) * 0.001;
     Point {
         x: OFFSET.x + step,

@@ -10,7 +10,7 @@ use pellucid_engine::cloud::field::Field;
 use pellucid_engine::cloud::{Bounds, Cloud, Prepared, UpAxis};
 use pellucid_engine::color::decode_srgb;
 use pellucid_engine::io::store::build::{Built, Settings, build};
-use pellucid_engine::io::store::{Grid, Held, Node, Octree, Piece, Store, Summary, open_input};
+use pellucid_engine::io::store::{Grid, Held, Node, Octree, Piece, Store, Summary, open};
 use pellucid_engine::io::{Error, Hints};
 use pellucid_engine::progress::{Observer, Progress};
 use pellucid_testing::{root, whole_clouds};
@@ -202,7 +202,7 @@ fn real_scans_come_back_to_the_bit() {
         let path = root().join("tests/data").join(name);
         let cloud = super::load(&path).unwrap();
         let target = folder.path().join(name);
-        let input = open_input(&path, Hints::default(), &Progress::hidden()).unwrap();
+        let input = open(&path, Hints::default(), &Progress::hidden()).unwrap();
         let built = write(&[input], &target, TIGHT);
         assert_eq!(built.rounding, 0.0, "{name}");
         assert_same(points(&Octree::open(&target).unwrap()), &cloud, 0.0);
@@ -215,7 +215,7 @@ fn whole_scans_come_back_to_the_bit() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["lidar/autzen_trim.laz", "lidar/ign_lidarhd_77050_627755_classified.laz"] {
         let path = data.join(name);
-        let input = open_input(&path, Hints::default(), &Progress::hidden()).unwrap();
+        let input = open(&path, Hints::default(), &Progress::hidden()).unwrap();
         let cloud = points(&*input);
         let target = folder.path().join(name);
         let built = write(&[input], &target, 4 << 20);
@@ -430,8 +430,8 @@ fn octrees_of_potree_are_read() {
     assert_eq!(scalars, [("return_number", 1.0), ("gps_time", 6.0)]);
     let file = Octree::open(&path.join("metadata.json")).unwrap();
     assert_eq!(file.summary().points, 7);
-    let open = open_input(&path, Hints::default(), &Progress::hidden()).unwrap();
-    assert_eq!(open.summary().points, 7);
+    let input = open(&path, Hints::default(), &Progress::hidden()).unwrap();
+    assert_eq!(input.summary().points, 7);
 }
 
 #[track_caller]

@@ -45,7 +45,7 @@ const ROUNDING: f64 = 1e-14;
 /// A folder with an octree. Threads read its nodes side by side.
 #[derive(Debug)]
 pub struct Octree {
-    summary: Summary,
+    pub(super) summary: Summary,
     nodes: Vec<Node>,
     /// The first byte of each node in the file of points.
     starts: Vec<u64>,

@@ -1,0 +1,80 @@
+//! The hierarchy of a COPC file: pages of entries, some of which lead to further pages.
+
+use std::collections::HashSet;
+
+use crate::io::store::keys::Key;
+use crate::io::{Error, SharedFile};
+
+/// Bytes of an entry.
+const ENTRY: usize = 32;
+
+/// A node with points.
+pub(super) struct Entry {
+    pub key: Key,
+    pub start: u64,
+    pub bytes: u64,
+    pub points: u64,
+}
+
+/// A run of entries in the file.
+#[derive(Clone, Copy)]
+pub(super) struct Page {
+    pub start: u64,
+    pub bytes: u64,
+}
+
+/// All nodes with points. Pages take no more bytes together than the file has, so there is an end, whatever they say.
+pub(super) fn read(file: &SharedFile, root: Page) -> Result<Vec<Entry>, Error> {
+    let mut pages = vec![root];
+    let (mut entries, mut keys, mut total) = (Vec::new(), HashSet::new(), 0u64);
+    while let Some(page) = pages.pop() {
+        let place = format!("COPC hierarchy at byte {}", page.start);
+        total = total.saturating_add(page.bytes);
+        if total > file.len() {
+            let cause =
+                format!("pages of {total} bytes and more in a file of {}: they lie above each other", file.len());
+            return Err(file.malformed(place, cause));
+        }
+        let bytes = file.read(page.start, page.bytes)?;
+        let (records, rest) = bytes.as_chunks::<ENTRY>();
+        if !rest.is_empty() || records.is_empty() {
+            let cause = format!("a page of {} bytes, which are no entries of {ENTRY} bytes", page.bytes);
+            return Err(file.malformed(place, cause));
+        }
+        for record in records {
+            match parse(record).map_err(|cause| file.malformed(&*place, cause))? {
+                Target::Page(further) => pages.push(further),
+                Target::Empty => {}
+                Target::Node(entry) if keys.insert(entry.key) => entries.push(entry),
+                Target::Node(entry) => return Err(file.malformed(place, format!("a second node {}", entry.key))),
+            }
+        }
+    }
+    Ok(entries)
+}
+
+/// What an entry stands for.
+enum Target {
+    Node(Entry),
+    Page(Page),
+    Empty,
+}
+
+fn parse(record: &[u8; ENTRY]) -> Result<Target, String> {
+    let (words, _) = record.as_chunks::<4>();
+    let word = |at: usize| i32::from_le_bytes(words[at]);
+    let start = u64::from_le_bytes([
+        record[16], record[17], record[18], record[19], record[20], record[21], record[22], record[23],
+    ]);
+    let numbers = [word(0), word(1), word(2), word(3)];
+    let Some(key) = Key::new(numbers.map(i64::from)) else {
+        return Err(format!("an entry for level and place {numbers:?}, which no octree has"));
+    };
+    let (bytes, points) = (word(6), word(7));
+    match (u64::try_from(bytes), u64::try_from(points)) {
+        (Ok(_), Ok(0)) => Ok(Target::Empty),
+        (Ok(bytes), Ok(points)) => Ok(Target::Node(Entry { key, start, bytes, points })),
+        (Ok(bytes), Err(_)) if points == -1 => Ok(Target::Page(Page { start, bytes })),
+        _ => Err(format!("node {key} of {points} points in {bytes} bytes")),
+    }
+}
