@@ -111,8 +111,8 @@ pub(super) fn growth(cover: Cover) -> f64 {
     }
 }
 
-/// The color of a cover, sRGB-encoded bytes before light.
-pub(super) fn tone(land: &Land, p: DVec2, place: &Place, cover: Cover) -> Tone {
+/// The color of a cover before light, where points are `spacing` metres apart.
+pub(super) fn tone(land: &Land, p: DVec2, place: &Place, cover: Cover, spacing: f64) -> Tone {
     let coarse = land.noise(p / 31.0, layer::PATCHES);
     let fine = land.noise(p / 4.5, layer::PATCHES + 1);
     let mix = |a: Tone, b: Tone, share: f64| a.lerp(b, share.clamp(0.0, 1.0));
@@ -120,7 +120,7 @@ pub(super) fn tone(land: &Land, p: DVec2, place: &Place, cover: Cover) -> Tone {
     match cover {
         Cover::Water => mix(Tone::new(62.0, 98.0, 112.0), Tone::new(96.0, 132.0, 140.0), patches),
         Cover::Shore => mix(Tone::new(158.0, 146.0, 118.0), Tone::new(112.0, 126.0, 72.0), patches),
-        Cover::Road => road(place, fine),
+        Cover::Road => road(place, fine, spacing),
         Cover::Pavement => Tone::new(170.0, 165.0, 157.0) * (1.0 + 0.04 * fine),
         Cover::Plaza => plaza(land, place),
         Cover::Yard => mix(Tone::new(96.0, 138.0, 58.0), Tone::new(132.0, 156.0, 78.0), patches),
@@ -131,12 +131,16 @@ pub(super) fn tone(land: &Land, p: DVec2, place: &Place, cover: Cover) -> Tone {
     }
 }
 
-/// Asphalt with a dashed line in the middle of main roads, light lines at their edges.
-fn road(place: &Place, fine: f64) -> Tone {
+/// Asphalt with a dashed line in the middle of main roads and light lines at their edges, if points are close enough to show them.
+fn road(place: &Place, fine: f64, spacing: f64) -> Tone {
     let across = place.uv.x.abs();
     let dash = across < 0.12 && (place.uv.y / 6.0).rem_euclid(1.0) < 0.5;
     let edge = (across - (ROAD - 0.35)).abs() < 0.1;
-    if dash || edge { Tone::new(226.0, 224.0, 216.0) } else { Tone::new(118.0, 117.0, 118.0) * (1.0 + 0.05 * fine) }
+    if (dash || edge) && spacing < 0.3 {
+        Tone::new(226.0, 224.0, 216.0)
+    } else {
+        Tone::new(118.0, 117.0, 118.0) * (1.0 + 0.05 * fine)
+    }
 }
 
 /// Slabs of 1.5 m.

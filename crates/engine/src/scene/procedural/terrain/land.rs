@@ -86,13 +86,13 @@ impl Land {
     /// How far streets along v are bent at `v`, zero at the origin.
     fn bend_u(&self, v: f64) -> f64 {
         let bend =
-            |v: f64| 10.0 * self.wave(v / 170.0, layer::BEND_U) + 55.0 * self.wave(v / 1300.0, layer::BEND_U + 50);
+            |v: f64| 17.0 * self.wave(v / 210.0, layer::BEND_U) + 55.0 * self.wave(v / 1300.0, layer::BEND_U + 50);
         bend(v) - bend(0.0)
     }
 
     fn bend_v(&self, u: f64) -> f64 {
         let bend =
-            |u: f64| 8.0 * self.wave(u / 150.0, layer::BEND_V) + 55.0 * self.wave(u / 1500.0, layer::BEND_V + 50);
+            |u: f64| 13.0 * self.wave(u / 190.0, layer::BEND_V) + 55.0 * self.wave(u / 1500.0, layer::BEND_V + 50);
         bend(u) - bend(0.0)
     }
 

@@ -11,7 +11,7 @@ use super::trees::Tree;
 use crate::cloud::{Cloud, UpAxis};
 
 /// Points on a square metre of upright surfaces, over pulses on a square metre of ground.
-const UPRIGHT: f64 = 1.6;
+const UPRIGHT: f64 = 2.2;
 /// Returns of a pulse from a crown, and the share of such pulses that reach the ground.
 const LEAVES: usize = 3;
 const THROUGH: f64 = 0.4;
@@ -25,8 +25,10 @@ pub(super) fn weight(site: &Site<'_>) -> f64 {
     let step = site.side / probes;
     let returns = (0..count * count).map(|i| {
         let cell = DVec2::new((i % count) as f64, (i / count) as f64);
-        match site.hit(site.low + (cell + 0.5) * step) {
+        let p = site.low + (cell + 0.5) * step;
+        match site.hit(p) {
             Hit::Crowns([Some(_), ..]) => LEAVES as f64 + THROUGH,
+            Hit::Roof(solid, ..) if solid.is_open_below(p) => 2.0,
             _ => 1.0,
         }
     });
@@ -85,7 +87,7 @@ impl Scan<'_> {
     /// Walls, trunks and lamps, at so many points per square metre.
     fn upright(&mut self, density: f64) {
         let site = self.site;
-        let radius = 0.8 / density.sqrt();
+        let radius = 0.9 / density.sqrt();
         for side in &site.sides {
             let count = (density * side.area + self.random.unit()) as usize;
             let shift = [self.random.unit(), self.random.unit()];
@@ -117,7 +119,7 @@ impl Scan<'_> {
         let at = p.extend(low + h * (high - low));
         let normal = side.wall.normal();
         let lit = if normal.dot(self.sun) > 0.0 { self.site.lit(at + 0.5 * normal) } else { 0.0 };
-        let tone = solid.wall_tone(&side.wall, t, at.z - low, solid.eave - low) * shade(normal, self.sun, lit);
+        let tone = solid.wall_tone(&side.wall, t, at.z - low, solid.eave - low, radius) * shade(normal, self.sun, lit);
         let radius = radius.min(0.5 * (high - low) + 0.05);
         self.push(Point { at, normal, tone, radius, class: solid.class });
     }
@@ -128,19 +130,18 @@ impl Scan<'_> {
         let mut pulse = 0;
         while self.cloud.len() < self.wanted {
             let place = DVec2::from_array(evenly(pulse, shift)) * self.site.side;
-            let place = place + self.jitter(0.6);
+            let place = place + self.jitter(0.4);
             let p = self.site.low + self.fold(place);
             match self.site.hit(p) {
                 Hit::Roof(solid, z, normal) => {
                     let lit = self.site.lit(p.extend(z) + 0.3 * normal);
                     let tone = solid.roof_tone(p) * shade(normal, self.sun, lit);
-                    self.push(Point {
-                        at: p.extend(z),
-                        normal,
-                        tone,
-                        radius: self.covering(normal),
-                        class: solid.class,
-                    });
+                    let radius = self.covering(normal).min(solid.half.min_element());
+                    self.push(Point { at: p.extend(z), normal, tone, radius, class: solid.class });
+                    // A scanner on the ground sees there.
+                    if solid.is_open_below(p) {
+                        self.ground(p, false);
+                    }
                 }
                 Hit::Crowns(crowns) => self.through(p, &crowns),
             }
@@ -161,7 +162,7 @@ impl Scan<'_> {
             }
         }
         if self.cloud.len() == before || self.random.unit() < THROUGH {
-            self.ground(p);
+            self.ground(p, count > 0);
         }
     }
 
@@ -178,17 +179,18 @@ impl Scan<'_> {
             _ => 5,
         };
         let tone = tree.tone() * light * self.random.range(0.86, 1.14);
-        let radius = 0.5 * self.spacing.min(1.2);
+        let radius = 0.52 * self.spacing.min(1.2);
         self.push(Point { at: p.extend(leaf.z), normal: leaf.normal, tone, radius, class });
     }
 
-    fn ground(&mut self, p: DVec2) {
+    /// A point of the ground, with larger gaps around it where few pulses get through leaves.
+    fn ground(&mut self, p: DVec2, below_leaves: bool) {
         let land = self.site.land;
         let place = land.place(p);
         let cover = ground::cover(land, p, &place);
         let (mut z, mut normal) = self.site.ground(p);
         let mut class = ground::class(cover);
-        let mut tone = ground::tone(land, p, &place, cover);
+        let mut tone = ground::tone(land, p, &place, cover, self.spacing);
         if cover == Cover::Water {
             (z, normal) = (0.0, DVec3::Z);
         }
@@ -200,12 +202,13 @@ impl Scan<'_> {
             class = if growth > 0.15 { 3 } else { class };
         }
         let tone = tone * shade(normal, self.sun, lit);
-        self.push(Point { at: p.extend(z), normal, tone, radius: self.covering(normal), class });
+        let wider = if below_leaves { 1.0 / THROUGH.sqrt() } else { 1.0 };
+        self.push(Point { at: p.extend(z), normal, tone, radius: wider * self.covering(normal), class });
     }
 
     /// The radius at which discs on a surface leave no gaps.
     fn covering(&self, normal: DVec3) -> f64 {
-        0.82 * self.spacing / normal.z.clamp(0.25, 1.0).sqrt()
+        0.88 * self.spacing / normal.z.clamp(0.25, 1.0).sqrt()
     }
 
     /// A step within a square whose sides are so many distances of pulses.

@@ -11,6 +11,9 @@ const EAVES: f64 = 0.4;
 const STOREY: f64 = 2.8;
 const BAY: f64 = 2.5;
 
+/// LAS class of bridges.
+pub(super) const BRIDGE: u8 = 17;
+
 /// The shape of a roof.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Roof {
@@ -114,6 +117,11 @@ impl Solid {
         self.cover * (0.9 + 0.2 * random::hash(at.x.floor() as i64, at.y.floor() as i64, 5))
     }
 
+    /// True if there is air between the roof and the ground at a position: under eaves and bridges.
+    pub(super) fn is_open_below(&self, p: DVec2) -> bool {
+        self.class == BRIDGE || (self.local(p).abs() - self.half).max_element() > 0.0
+    }
+
     pub(super) fn walls(&self) -> [Wall; 4] {
         let (a, b) = (self.axis, self.axis.perp());
         let wall = |x: f64, y: f64, along: DVec2, half: f64, gable: bool| {
@@ -139,8 +147,8 @@ impl Solid {
         self.eave + if wall.gable { 0.5 * self.rise } else { 0.0 }
     }
 
-    /// Color of a wall at so many metres along it and above the ground outside.
-    pub(super) fn wall_tone(&self, wall: &Wall, t: f64, h: f64, storeys_end: f64) -> Tone {
+    /// Color of a wall at so many metres along it and above the ground outside, whose points are `spacing` apart.
+    pub(super) fn wall_tone(&self, wall: &Wall, t: f64, h: f64, storeys_end: f64, spacing: f64) -> Tone {
         let glass = Tone::new(66.0, 80.0, 96.0);
         let bay = |width: f64| {
             let count = (wall.length / width).floor().max(1.0);
@@ -167,7 +175,8 @@ impl Solid {
                     return if h < 0.45 { self.wall * 0.72 } else { self.wall };
                 }
                 let frame = up.abs() > 0.7 || off > 0.55 || off < 0.04;
-                if frame { Tone::new(240.0, 238.0, 232.0) } else { glass }
+                // Frames of single points would tear the glass.
+                if frame && spacing < 0.12 { Tone::new(240.0, 238.0, 232.0) } else { glass }
             }
         }
     }

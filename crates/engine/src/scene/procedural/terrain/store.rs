@@ -83,7 +83,7 @@ impl Terrain {
         // From above the river over the town to the hills; of large landscapes a part.
         let scale = self.land.side.min(1500.0);
         let at = |x: f64, y: f64, z: f64| [x, y, z].map(|share| (10.0 * share * scale).round() / 10.0);
-        let (eye, target) = (at(0.16, -0.47, 0.2), at(-0.035, 0.02, 0.0));
+        let (eye, target) = (at(0.3, -0.4, 0.17), at(-0.03, 0.03, 0.0));
         format!(
             r#"# An airborne scan of a made-up river valley: {points} points on {side:.0} x {side:.0} m.
 [image]
@@ -98,6 +98,10 @@ fov_y = 45.0
 
 [[cloud]]
 path = "{path}"
+
+[[cloud.class]]
+id = "high-vegetation"
+opacity = 0.6
 
 [method]
 name = "auto"

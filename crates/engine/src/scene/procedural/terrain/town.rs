@@ -6,7 +6,7 @@ use super::ground::{Cover, ROAD};
 use super::land::{Land, Place};
 use super::light::Tone;
 use super::posts::Post;
-use super::solids::{Front, Roof, Solid};
+use super::solids::{BRIDGE, Front, Roof, Solid};
 
 /// Distances of streets along u and v, from the middle of one to that of the next; half their width without and with
 /// pavements. Metres.
@@ -121,7 +121,7 @@ pub(super) fn cover(land: &Land, place: &Place) -> Option<Cover> {
     };
     let gap = inside.min(BLOCK - inside);
     for (axis, gap) in gap.to_array().into_iter().enumerate() {
-        if gap < PAVEMENT && (built || across(axis)) {
+        if gap < STREET && (built || across(axis)) || gap < PAVEMENT && built {
             return Some(if gap < STREET { Cover::Road } else { Cover::Pavement });
         }
     }
@@ -170,7 +170,7 @@ const PLASTER: [[f64; 3]; 6] = [
     [202.0, 210.0, 190.0],
 ];
 const TILES: [[f64; 3]; 5] =
-    [[186.0, 92.0, 66.0], [166.0, 78.0, 58.0], [134.0, 74.0, 60.0], [110.0, 110.0, 116.0], [196.0, 112.0, 78.0]];
+    [[172.0, 98.0, 76.0], [152.0, 86.0, 70.0], [128.0, 80.0, 68.0], [112.0, 112.0, 118.0], [182.0, 116.0, 90.0]];
 const PAINT: [[f64; 3]; 6] = [
     [196.0, 44.0, 40.0],
     [230.0, 230.0, 228.0],
@@ -317,7 +317,7 @@ pub(super) fn bridge(land: &Land, near: DVec2) -> [Solid; 3] {
     let level = ends[0].max(ends[1]) + 0.1;
     let stone = Tone::new(176.0, 166.0, 150.0);
     let cover = Tone::new(122.0, 120.0, 120.0);
-    let deck = Solid { base: level - 0.9, eave: level, roof: Roof::Flat, wall: stone, cover, class: 17, ..deck };
+    let deck = Solid { base: level - 0.9, eave: level, roof: Roof::Flat, wall: stone, cover, class: BRIDGE, ..deck };
     let rail = |side: f64| Solid {
         center: deck.center + side * (half.x - 0.15) * deck.axis.perp(),
         half: DVec2::new(deck.half.x, 0.15),

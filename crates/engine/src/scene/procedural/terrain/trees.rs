@@ -64,7 +64,7 @@ impl Tree {
         let leaves = match kind {
             Kind::Broad => Tone::new(86.0, 124.0, 50.0).lerp(Tone::new(142.0, 150.0, 62.0), hash(2) * hash(2)),
             Kind::Birch => Tone::new(142.0, 164.0, 76.0),
-            Kind::Spruce => Tone::new(56.0, 92.0, 62.0),
+            Kind::Spruce => Tone::new(76.0, 114.0, 76.0),
             Kind::Bush => Tone::new(104.0, 136.0, 62.0),
         };
         let tone = leaves * (0.86 + 0.28 * hash(3));
@@ -166,7 +166,7 @@ impl Tree {
             Kind::Broad => Tone::new(112.0, 92.0, 74.0),
             Kind::Spruce => Tone::new(110.0, 82.0, 64.0),
         };
-        let height = if self.kind == Kind::Spruce { 0.8 } else { 0.6 } * self.height;
+        let height = if self.kind == Kind::Spruce { 0.3 } else { 0.5 } * self.height;
         let radius = 0.012 * self.height + 0.03;
         Some(Post { foot: self.foot, height, radius, tone: bark, head: None, class: 5 })
     }
