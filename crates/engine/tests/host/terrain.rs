@@ -107,7 +107,7 @@ fn a_landscape_has_what_surveys_have() {
         tiles(&terrain).into_iter().for_each(|piece| all.append(piece.cloud));
         let shares = classes(&all);
         assert_eq!(shares.keys().copied().collect::<Vec<_>>(), [1, 2, 3, 4, 5, 6, 9, 11, 17]);
-        for (class, least) in [(2, 0.2), (3, 0.02), (4, 0.005), (5, 0.05), (6, 0.04), (9, 0.01), (11, 0.01)] {
+        for (class, least) in [(2, 0.2), (3, 0.02), (4, 0.005), (5, 0.05), (6, 0.015), (9, 0.01), (11, 0.01)] {
             assert!(shares[&class] > least, "{points} {seed}, class {class}: {shares:?}");
         }
         let normals = all.normals.as_ref().unwrap();
@@ -138,7 +138,7 @@ fn the_ground_is_closed() {
         let at = bounds.min + (bounds.max - bounds.min) * share;
         let covers = |i: &usize| (cloud.positions[*i] - at).truncate().length() < f64::from(radii[*i]);
         let near = (-1..=1).flat_map(|x| (-1..=1).map(move |y| DVec3::new(f64::from(x), f64::from(y), 0.0) * cell));
-        let covered = near.filter_map(|step| bins.get(&key(at + step))).flatten().any(|i| covers(i));
+        let covered = near.filter_map(|step| bins.get(&key(at + step))).flatten().any(covers);
         open += usize::from(!covered);
         all += 1;
     }

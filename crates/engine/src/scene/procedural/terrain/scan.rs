@@ -172,15 +172,16 @@ impl Scan<'_> {
         let aside = self.site.low + self.fold(aside);
         let leaf = tree.leaf(aside, &mut self.random).map(|leaf| (aside, leaf));
         let Some((p, leaf)) = leaf.or_else(|| tree.leaf(p, &mut self.random).map(|leaf| (p, leaf))) else { return };
+        let z = leaf.z.max(self.site.ground(p).0 + 0.05);
         let light = shade(leaf.normal, self.sun, 0.25 + 0.75 * leaf.up) * (0.66 + 0.4 * leaf.up);
-        let class = match leaf.z - tree.foot.z {
+        let class = match z - tree.foot.z {
             h if h < 0.5 => 3,
             h if h < 2.5 => 4,
             _ => 5,
         };
         let tone = tree.tone() * light * self.random.range(0.86, 1.14);
         let radius = 0.52 * self.spacing.min(1.2);
-        self.push(Point { at: p.extend(leaf.z), normal: leaf.normal, tone, radius, class });
+        self.push(Point { at: p.extend(z), normal: leaf.normal, tone, radius, class });
     }
 
     /// A point of the ground, with larger gaps around it where few pulses get through leaves.

@@ -80,9 +80,10 @@ impl<'a> Site<'a> {
         site
     }
 
-    /// Height and normal of the ground.
+    /// Height and normal of the ground, or of the water over it.
     pub(super) fn ground(&self, p: DVec2) -> (f64, DVec3) {
-        self.ground.at(p)
+        let (z, normal) = self.ground.at(p);
+        if z < 0.0 { (0.0, DVec3::Z) } else { (z, normal) }
     }
 
     /// What a pulse that comes straight down at a position meets.
@@ -136,8 +137,9 @@ impl<'a> Site<'a> {
         for post in &self.posts {
             high = high.max(post.foot.z + post.height + post.head.map_or(0.0, |(radius, _)| radius));
         }
-        // Water is at 0, whatever is below it.
-        [low.max(0.0) - 0.1, high + 0.6]
+        // Water is at 0, and banks within the two metres to the next height that is known are low.
+        let low = if low < 1.0 { 0.0 } else { low };
+        [low - 0.1, high + 0.6]
     }
 
     fn find_sides(&self) -> Vec<Side> {

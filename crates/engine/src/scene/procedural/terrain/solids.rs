@@ -174,7 +174,7 @@ impl Solid {
                     // A plinth.
                     return if h < 0.45 { self.wall * 0.72 } else { self.wall };
                 }
-                let frame = up.abs() > 0.7 || off > 0.55 || off < 0.04;
+                let frame = up.abs() > 0.7 || !(0.04..=0.55).contains(&off);
                 // Frames of single points would tear the glass.
                 if frame && spacing < 0.12 { Tone::new(240.0, 238.0, 232.0) } else { glass }
             }
