@@ -55,7 +55,7 @@ impl Land {
             relief: (0.14 * side).clamp(12.0, 190.0),
             valley: [(0.07 * side).clamp(15.0, 130.0), (0.5 * side).clamp(60.0, 800.0)],
             river: (0.022 * side).clamp(5.0, 22.0),
-            town: (0.21 * side).clamp(45.0, 420.0),
+            town: (0.21 * side).clamp(75.0, 340.0),
         }
     }
 

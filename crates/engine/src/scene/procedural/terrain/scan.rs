@@ -14,7 +14,7 @@ use crate::cloud::{Cloud, UpAxis};
 const UPRIGHT: f64 = 2.2;
 /// Returns of a pulse from a crown, and the share of such pulses that reach the ground.
 const LEAVES: usize = 3;
-const THROUGH: f64 = 0.4;
+const THROUGH: f64 = 0.5;
 /// Metres between the pulses that estimate how many points a tile has.
 const PROBES: f64 = 2.5;
 
@@ -101,7 +101,7 @@ impl Scan<'_> {
                 let (at, normal, tone) = post.at(&mut self.random);
                 let lit = if post.head.is_some() { 1.0 } else { 0.45 };
                 let tone = tone * shade(normal, self.sun, lit);
-                self.push(Point { at, normal, tone, radius: radius.min(1.3 * post.radius + 0.02), class: post.class });
+                self.push(Point { at, normal, tone, radius: radius.min(0.8 * post.radius + 0.03), class: post.class });
             }
         }
     }
@@ -173,7 +173,7 @@ impl Scan<'_> {
         let leaf = tree.leaf(aside, &mut self.random).map(|leaf| (aside, leaf));
         let Some((p, leaf)) = leaf.or_else(|| tree.leaf(p, &mut self.random).map(|leaf| (p, leaf))) else { return };
         let z = leaf.z.max(self.site.ground(p).0 + 0.05);
-        let light = shade(leaf.normal, self.sun, 0.25 + 0.75 * leaf.up) * (0.66 + 0.4 * leaf.up);
+        let light = shade(leaf.normal, self.sun, 0.35 + 0.65 * leaf.up) * (0.78 + 0.28 * leaf.up);
         let class = match z - tree.foot.z {
             h if h < 0.5 => 3,
             h if h < 2.5 => 4,
@@ -184,7 +184,7 @@ impl Scan<'_> {
         self.push(Point { at: p.extend(z), normal: leaf.normal, tone, radius, class });
     }
 
-    /// A point of the ground, with larger gaps around it where few pulses get through leaves.
+    /// A point of the ground, with larger where few pulses get through leaves.
     fn ground(&mut self, p: DVec2, below_leaves: bool) {
         let land = self.site.land;
         let place = land.place(p);
@@ -203,7 +203,7 @@ impl Scan<'_> {
             class = if growth > 0.15 { 3 } else { class };
         }
         let tone = tone * shade(normal, self.sun, lit);
-        let wider = if below_leaves { 1.0 / THROUGH.sqrt() } else { 1.0 };
+        let wider = if below_leaves { 1.2 / THROUGH.sqrt() } else { 1.0 };
         self.push(Point { at: p.extend(z), normal, tone, radius: wider * self.covering(normal), class });
     }
 

@@ -103,6 +103,10 @@ path = "{path}"
 id = "high-vegetation"
 opacity = 0.6
 
+[[cloud.class]]
+id = "medium-vegetation"
+opacity = 0.6
+
 [method]
 name = "auto"
 "#,

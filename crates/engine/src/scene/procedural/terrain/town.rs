@@ -76,7 +76,7 @@ impl Block {
     }
 
     fn is_park(&self, land: &Land) -> bool {
-        self.at == [-1, 0] || self.hash(land, 0, layer::PARK) < 0.08
+        self.at == [-1, 0] || self.hash(land, 0, layer::PARK) < 0.11
     }
 
     /// The houses of the block.
@@ -94,7 +94,7 @@ impl Block {
         }
         let low = self.low() + PAVEMENT;
         let width = (BLOCK.x - 2.0 * PAVEMENT) / LOTS as f64;
-        let dense = (self.low() + 0.5 * BLOCK).length() < 0.6 * land.town_radius(self.town);
+        let dense = (self.low() + 0.5 * BLOCK).length() < 0.42 * land.town_radius(self.town);
         let half = DVec2::new(if dense { 0.47 * width } else { 4.0 + 1.2 * hash(1) }, 4.2 + 1.3 * hash(2));
         let storeys = if dense { 1.0 + f64::from(hash(3) > 0.5) } else { f64::from(hash(3) > 0.45) };
         let setback = if dense { 0.5 } else { 2.0 + 2.5 * hash(4) };

@@ -75,7 +75,7 @@ impl Tree {
 
     /// A lobe at the top of the crown, the others around its middle.
     fn grow(&mut self, hash: impl Fn(i64) -> f64) {
-        let low = if self.kind == Kind::Bush { 0.3 } else { 0.42 };
+        let low = if self.kind == Kind::Bush { 0.3 } else { 0.55 };
         let turn = hash(4);
         for (i, lobe) in self.lobes.iter_mut().enumerate() {
             let i = i as i64;
