@@ -89,11 +89,7 @@ impl Scan<'_> {
         let site = self.site;
         let radius = 0.9 / density.sqrt();
         for side in &site.sides {
-            let count = (density * side.area + self.random.unit()) as usize;
-            let shift = [self.random.unit(), self.random.unit()];
-            for i in 0..count {
-                self.wall(side, evenly(i, shift), radius);
-            }
+            self.side(side, density.sqrt(), radius);
         }
         for post in &site.posts {
             let count = (density * post.area() + self.random.unit()) as usize;
@@ -103,6 +99,20 @@ impl Scan<'_> {
                 let tone = tone * shade(normal, self.sun, lit);
                 self.push(Point { at, normal, tone, radius: radius.min(0.8 * post.radius + 0.03), class: post.class });
             }
+        }
+    }
+
+    /// A wall, in rows of so many points per metre that stray by a quarter of their distance.
+    fn side(&mut self, side: &Side, per_metre: f64, radius: f64) {
+        let length = side.to - side.from;
+        // Rounded at random, so that parts of walls get their share on average.
+        let columns = (per_metre * length + self.random.unit()).floor();
+        let rows = (per_metre * side.area / length).round().max(1.0);
+        for i in 0..(columns * rows) as usize {
+            let cell = DVec2::new(i as f64 % columns, (i as f64 / columns).floor());
+            let stray = 0.5 * DVec2::new(self.random.unit(), self.random.unit()) + 0.25;
+            let at = (cell + stray) / DVec2::new(columns, rows);
+            self.wall(side, at.to_array(), radius);
         }
     }
 
