@@ -5,6 +5,7 @@
 //! side alone; a tile needs no other one.
 
 mod bins;
+mod buildings;
 mod ground;
 mod land;
 mod light;

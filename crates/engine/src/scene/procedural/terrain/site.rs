@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::bins::Bins;
+use super::buildings;
 use super::land::Land;
 use super::light::TO_SUN;
 use super::posts::Post;
@@ -57,12 +58,12 @@ impl<'a> Site<'a> {
         let center = low + 0.5 * side;
         let half = 0.5 * length + REACH;
         let blocks = town::blocks(land, center, half * std::f64::consts::SQRT_2);
-        let mut solids: Vec<Solid> = blocks.iter().flat_map(|block| town::solids(land, block)).collect();
-        solids.extend(town::bridge(land, center));
+        let mut solids: Vec<Solid> = blocks.iter().flat_map(|block| buildings::solids(land, block)).collect();
+        solids.extend(buildings::bridge(land, center));
         solids.retain(|solid| (solid.center - center).abs().max_element() < 0.5 * length + solid.reach());
         let mut trees = trees(land, from - REACH, length + 2.0 * REACH);
         trees.retain(|tree| (tree.foot.truncate() - center).abs().max_element() < 0.5 * length + tree.radius);
-        let lamps = blocks.iter().flat_map(|block| town::lamps(land, block));
+        let lamps = blocks.iter().flat_map(|block| buildings::lamps(land, block));
         let inside = |post: &Post| {
             let at = post.foot.truncate() - low;
             at.min_element() >= 0.0 && at.max_element() < side
