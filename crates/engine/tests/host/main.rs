@@ -22,4 +22,5 @@ mod scene_points;
 mod shading_normals;
 mod strays;
 mod surface_opacity;
+mod terrain;
 mod tracked;

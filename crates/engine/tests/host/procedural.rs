@@ -26,6 +26,7 @@ fn small(name: &str, seed: u64) -> Generated {
         "planes" => make(name, &[("planes", 3.0), ("points", 2000.0)], seed),
         "spheres" => make(name, &[("count", 50.0)], seed),
         "sign" => make(name, &[("points", 4000.0)], seed),
+        "terrain" => make(name, &[("points", 20_000.0)], seed),
         _ => make(name, &[], seed),
     }
 }
@@ -72,6 +73,7 @@ fn point_counts_are_near_those_asked_for() {
         }
     }
     assert_eq!(total(&make("volume", &[("points", 12_345.0), ("layers", 8.0)], 3)), 12_345);
+    assert_eq!(total(&make("terrain", &[("points", 123_456.0)], 3)), 123_456);
     for count in [1, 2, 3, 77] {
         assert_eq!(total(&make("spheres", &[("count", f64::from(count))], 3)), count as usize);
     }
@@ -114,7 +116,7 @@ fn scene_files_name_their_clouds_and_known_keys_only() {
         ("image", vec!["size", "background"]),
         ("camera", vec!["eye", "target", "up", "fov_y", "height", "near", "far"]),
         ("shading", vec!["model", "ambient", "diffuse", "specular", "shininess"]),
-        ("cloud", vec!["path", "color_by", "opacity", "radius"]),
+        ("cloud", vec!["path", "color_by", "opacity", "radius", "class"]),
         ("method", vec!["name", "shape", "falloff"]),
     ];
     for builtin in BUILTINS {

@@ -56,8 +56,9 @@ fn caps_by_hand() {
 
 #[test]
 fn no_radius_of_clean_clouds_changes() {
-    // `garden` is a scan, with noise and with a point alone in a shadow of it.
-    for name in procedural::BUILTINS.iter().map(|scene| scene.name).filter(|name| *name != "garden") {
+    // `garden` is a scan, with noise and with a point alone in a shadow of it; leaves of `terrain` stand alone.
+    let is_clean = |name: &&str| !["garden", "terrain"].contains(name);
+    for name in procedural::BUILTINS.iter().map(|scene| scene.name).filter(is_clean) {
         let generated = procedural::build(name, &[], 0).unwrap();
         for (cloud_name, cloud) in &generated.clouds {
             let changed = radii(&cloud.positions, 0.0)

@@ -14,6 +14,7 @@ mod random;
 mod sign;
 mod spheres;
 mod stack;
+pub mod terrain;
 mod tori;
 mod volume;
 
@@ -70,6 +71,7 @@ pub const BUILTINS: &[Builtin] = &[
     planes::BUILTIN,
     spheres::BUILTIN,
     sign::BUILTIN,
+    terrain::BUILTIN,
 ];
 
 /// A generated scene: its clouds and the scene file that shows them.
