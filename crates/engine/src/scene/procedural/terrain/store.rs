@@ -11,7 +11,7 @@ use super::scan::{columns, scan, weight};
 use super::site::Site;
 use super::{BUILTIN, Error, RANGE};
 use crate::cloud::{Bounds, Cloud, UpAxis};
-use crate::io::store::{Node, Piece, Store, Summary};
+use crate::io::store::{Grid, Node, Piece, Store, Summary};
 
 /// Metres of side for a single point; those of n are ∛n times as many.
 const SIDE: f64 = 4.472;
@@ -194,6 +194,7 @@ fn summary(points: u64, side: f64) -> Summary {
         bounds: Bounds { min: -corner, max: corner },
         up: UpAxis::Z,
         ranges: Vec::new(),
+        grid: Some(Grid { scale: DVec3::splat(0.001), offset: DVec3::ZERO }),
         like: columns(0),
     }
 }
