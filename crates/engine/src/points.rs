@@ -38,6 +38,39 @@ pub struct Points {
     pub unseen: Arc<Unseen>,
 }
 
+/// What the points of a scene are relative to on a device.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Anchor {
+    /// The origin of positions: about the median of each coordinate.
+    pub origin: DVec3,
+    /// The binary exponent of the scene's size.
+    exponent: i32,
+}
+
+impl Anchor {
+    /// Bits of a position relative to the origin, in units of about the scene's size.
+    fn relative(&self, position: DVec3) -> [u64; 3] {
+        // In two steps, since 2^1074 is no float64.
+        let [half, rest] = [self.exponent / 2, self.exponent - self.exponent / 2].map(|part| 2f64.powi(-part));
+        (((position - self.origin) * half * rest) + DVec3::ZERO).to_array().map(f64::to_bits)
+    }
+}
+
+/// Most points whose median is taken for that of all.
+const SAMPLED_POINTS: usize = 4096;
+
+/// The median of each coordinate, of evenly spaced points if they are many. Points far off, however far, take no digits from the
+/// others, as they do from the middle of a box around all.
+fn middle(positions: &[DVec3]) -> DVec3 {
+    let step = positions.len().div_ceil(SAMPLED_POINTS).max(1);
+    let median = |axis: usize| {
+        let mut all: Vec<f64> = positions.iter().step_by(step).map(|position| position[axis]).collect();
+        let half = all.len() / 2;
+        if all.is_empty() { 0.0 } else { *all.select_nth_unstable_by(half, f64::total_cmp).1 }
+    };
+    DVec3::new(median(0), median(1), median(2))
+}
+
 /// Ids that one thread finds at a time.
 const IDS_AT_ONCE: usize = 1 << 14;
 
@@ -92,10 +125,19 @@ impl Points {
         [&self.positions, &self.unseen.positions].into_iter().filter_map(|some| Bounds::of(some)).reduce(Bounds::union)
     }
 
+    /// What these points are relative to on a device.
+    pub fn anchor(&self) -> Anchor {
+        let side = self.bounds().map_or(0.0, |bounds| (0.5 * bounds.max - 0.5 * bounds.min).max_element());
+        // Of 0 and of denormal sides any will do.
+        let exponent = if side.is_normal() { side.log2().floor() as i32 } else { 0 };
+        Anchor { origin: middle(&self.positions), exponent }
+    }
+
     /// Ids of some points of the list: numbers that random words are made from. An id follows from a point's place and, of points in
     /// one place, from their canonical order; not from what else there is, so that any part of a scene has the ids of the whole.
-    /// Two of 2³² points in different places share an id by chance.
-    pub fn ids(&self, range: Range<usize>) -> Vec<u32> {
+    /// A scene that is moved, or scaled by a power of two, without a rounding keeps its ids. Two of 2³² points in different
+    /// places share an id by chance.
+    pub fn ids(&self, anchor: &Anchor, range: Range<usize>) -> Vec<u32> {
         if !self.dealt_ids.is_empty() {
             return self.dealt_ids[range].to_vec();
         }
@@ -110,7 +152,7 @@ impl Points {
                 if bits(i) != bits(first) {
                     first = i;
                 }
-                found.push(id(bits(i), (i - first) as u64));
+                found.push(id(anchor.relative(self.positions[i]), (i - first) as u64));
             }
             found
         };
@@ -253,16 +295,21 @@ mod tests {
         let mut positions: Vec<DVec3> = (0..50_000).map(|i| DVec3::new(f64::from(i), 0.5, -1.0)).collect();
         positions[20_000..40_000].fill(DVec3::splat(7.0));
         let points = Points { positions: positions.clone(), ..Points::default() };
-        let all = points.ids(0..50_000);
+        let anchor = points.anchor();
+        let all = points.ids(&anchor, 0..50_000);
         let mut distinct = all.clone();
         distinct.sort_unstable();
         distinct.dedup();
         // 2^-32 of 50,000 squared halves: about a third of a pair by chance.
         assert!(distinct.len() >= 49_998, "{}", distinct.len());
         // Wherever a range begins, and whatever else there is.
-        assert_eq!(points.ids(33_333..44_444), all[33_333..44_444]);
+        assert_eq!(points.ids(&anchor, 33_333..44_444), all[33_333..44_444]);
         let few = Points { positions: positions[20_000..].to_vec(), ..Points::default() };
-        assert_eq!(few.ids(0..30_000), all[20_000..]);
+        assert_eq!(few.ids(&anchor, 0..30_000), all[20_000..]);
+        // Moved and scaled without a rounding they keep them.
+        let moved = |p: &DVec3| 1024.0 * (*p + DVec3::new(4096.0, -512.0, 0.25));
+        let moved = Points { positions: positions.iter().map(moved).collect(), ..Points::default() };
+        assert_eq!(moved.ids(&moved.anchor(), 0..50_000), all);
         // Every bit is set in half of them.
         for bit in 0..32 {
             let set = all.iter().filter(|id| *id >> bit & 1 == 1).count();

@@ -226,7 +226,7 @@ pub(crate) fn deal_traced(clouds: Vec<Points>, seed: u64, progress: &Progress, m
         };
         let place = surfaces.len() as u32;
         let cloud = order::canonical(cloud);
-        let ids = cloud.ids(0..cloud.len());
+        let ids = cloud.ids(&cloud.anchor(), 0..cloud.len());
         let order = shuffle(&ids, place, seed);
         if let Some(trace) = &mut trace {
             trace.note(&cloud, &order);

@@ -243,7 +243,7 @@ fn render_hands(
     seed: u64,
     hands: impl Fn(&Deal) -> Vec<Vec<u64>>,
 ) -> (Picture, Vec<DVec3>) {
-    let ids = &dealt.points.ids(0..dealt.points.len());
+    let ids = &dealt.points.ids(&dealt.points.anchor(), 0..dealt.points.len());
     let view = View { camera, size, dealt, ids, rule: *rule, seed };
     let count = size[0] as usize * size[1] as usize;
     let mut sums = vec![(DVec3::ZERO, DVec3::ZERO, 0u32); count];

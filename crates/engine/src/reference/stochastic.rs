@@ -109,7 +109,7 @@ pub fn render(
     settings: &Stochastic,
     seed: u64,
 ) -> (Picture, Vec<DVec3>) {
-    let ids = points.ids(0..points.len());
+    let ids = points.ids(&points.anchor(), 0..points.len());
     render_with(camera, size, points, colors, settings, |pixel, splat, p| word(seed, pixel, ids[splat as usize], p))
 }
 

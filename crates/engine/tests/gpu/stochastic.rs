@@ -75,7 +75,7 @@ fn every_sample_is_covered_as_the_host_says() {
         }
         let points = scene(&dots);
         let lists = lists(&pixel_camera(size), size, &points, &Discs::default());
-        let ids = points.ids(0..points.len());
+        let ids = points.ids(&points.anchor(), 0..points.len());
         let mut stage = Stage::new(device, &points, pixel_camera(size), size);
         for samples in [1, 2, 3, 4, 5, 6, 7, 8, 13, 16, 17, 30, 31, 32, 33, 34, 61, 64] {
             for seed in [0, 7, u64::from(u32::MAX), 0x1234_5678_9abc_def0] {
@@ -173,7 +173,7 @@ fn images_equal_the_reference_with_the_same_masks() {
                 SHAPES.into_iter().flat_map(|s| FALLOFFS.map(|falloff| Discs { shape: s, falloff, ..Discs::default() }))
             {
                 let points = scene(&safe(&mixed, &camera, size, discs.shape));
-                let ids = points.ids(0..points.len());
+                let ids = points.ids(&points.anchor(), 0..points.len());
                 let lists = lists(&camera, size, &points, &discs);
                 let mut stage = Stage::new(device, &points, camera, size);
                 for samples in [1, 3, 4, 6, 8, 64] {
@@ -215,7 +215,7 @@ fn coincident_splats_are_ordered_by_their_index() {
     with_device(|device| {
         let (camera, size) = (pixel_camera([16, 16]), [16, 16]);
         let points = scene(&coincident(12));
-        let ids = points.ids(0..points.len());
+        let ids = points.ids(&points.anchor(), 0..points.len());
         let lists = lists(&camera, size, &points, &Discs::default());
         assert!(lists.iter().any(|list| list.len() == 12));
         let mut stage = Stage::new(device, &points, camera, size);

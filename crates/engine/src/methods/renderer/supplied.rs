@@ -7,6 +7,7 @@ use crate::gpu::Device;
 use crate::methods::Frame;
 use crate::passes::compose::Cut;
 use crate::passes::project::{Beam, DeviceCloud, Footprint, Present};
+use crate::passes::tiles::TILE;
 use crate::points::Points;
 use crate::supply::{Held, Supply};
 
@@ -63,7 +64,10 @@ impl Renderer {
             picked.extend(beam.pick(blocks));
         }
         let [x, y, x1, y1] = part.window;
-        let alone = x1 - x == 1 && y1 - y == 1;
+        let (alone, is_tile) = (x1 - x == 1 && y1 - y == 1, x1 - x <= TILE && y1 - y <= TILE);
+        // Runs over a tile's splats are composed by themselves, so a window within a tile may have other bytes: as long as the device
+        // can hold them, a tile's points come together.
+        let room = if is_tile { Cut::most(&self.device) } else { room };
         let points = count(&picked);
         let few = points <= READ * room || alone;
         if few && cloud.bring(&self.device, (&picked, wanted, room), &self.progress)? {

@@ -85,7 +85,7 @@ impl Sums {
 
 /// The images that float32 may make of [`super::render`]'s. Arguments as there.
 pub fn ranges(camera: &Camera, size: [u32; 2], dealt: &Dealt, colors: &[DVec3], rule: &Rule, seed: u64) -> Ranges {
-    let ids = &dealt.points.ids(0..dealt.points.len());
+    let ids = &dealt.points.ids(&dealt.points.anchor(), 0..dealt.points.len());
     let view = View { camera, size, dealt, ids, rule: *rule, seed };
     let hands = hands_of(&view, dealing::hands);
     let mut sums = vec![Sums::EMPTY; size[0] as usize * size[1] as usize];

@@ -64,18 +64,3 @@ pub(in crate::passes::project) fn split(v: DVec3) -> (Vec3, Vec3) {
     let hi = v.as_vec3();
     (hi, (v - hi.as_dvec3()).as_vec3())
 }
-
-/// Most points whose median is taken for that of all.
-const SAMPLED_POINTS: usize = 4096;
-
-/// Returns the origin of positions: the median of each coordinate, of evenly spaced ones if they are many. Points far off,
-/// however far, take no digits from the others, as they do from the middle of a box around all.
-pub(super) fn middle(positions: &[DVec3]) -> DVec3 {
-    let step = positions.len().div_ceil(SAMPLED_POINTS).max(1);
-    let median = |axis: usize| {
-        let mut all: Vec<f64> = positions.iter().step_by(step).map(|position| position[axis]).collect();
-        let half = all.len() / 2;
-        if all.is_empty() { 0.0 } else { *all.select_nth_unstable_by(half, f64::total_cmp).1 }
-    };
-    DVec3::new(median(0), median(1), median(2))
-}

@@ -17,7 +17,6 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use self::column::middle;
 use self::supplied::Supplied;
 use super::part::{Parts, fields_and_radii};
 use super::view::View;
@@ -25,7 +24,7 @@ use super::{Bounds, Footprint, Projecting, Splat, Stats, Tilt};
 use crate::cloud::Bounds as Box3;
 use crate::cloud::shadow_texture::Casting;
 use crate::gpu::{Buffer, Device, Error, GpuType, Memory, Preferences, Slice};
-use crate::points::Points;
+use crate::points::{Anchor, Points};
 use crate::prepare::axes;
 use crate::prepare::ensembles::Dealt;
 use crate::scene::{ColorSpace, Formula, Shading};
@@ -34,6 +33,7 @@ use crate::scene::{ColorSpace, Formula, Shading};
 ///
 /// Chunks are ranges of points short enough to be bound; every per-point buffer is bound chunk by chunk.
 pub struct DeviceCloud {
+    anchor: Anchor,
     pub(super) origin: DVec3,
     /// Corners of the points' box.
     pub(super) corners: [DVec3; 8],
@@ -161,7 +161,7 @@ impl DeviceCloud {
     /// The same of their ids.
     pub fn pack_ids(&self, range: Range<u64>, into: &mut Vec<u32>) {
         if let Some(points) = &self.host {
-            into.extend(points.ids(range.start as usize..range.end as usize));
+            into.extend(points.ids(&self.anchor, range.start as usize..range.end as usize));
         }
     }
 
@@ -192,7 +192,7 @@ impl DeviceCloud {
         let normals = if self.has_normals { upload("normals", Column::Normal)? } else { empty(device, "normals")? };
         self.fields = device.upload("fields", &points.fields)?;
         self.ids = device.buffer("point ids", (points.len() as u64).max(1), Memory::Device)?;
-        upload_ids(points, &self.ids)?;
+        upload_ids(points, &self.anchor, &self.ids)?;
         (self.points_hi, self.points_lo) = (points_hi, points_lo);
         (self.point_colors, self.normals) = (point_colors, normals);
         self.casting = None;
@@ -200,13 +200,15 @@ impl DeviceCloud {
     }
 
     fn without_columns(device: &Device, points: &Points) -> Result<Self, Error> {
-        let origin = middle(&points.positions);
+        let anchor = points.anchor();
+        let origin = anchor.origin;
         let len = points.len() as u64;
         let has_normals = points.normals.as_ref().is_some_and(|normals| !normals.is_empty());
         // No element is wider than a splat; a chunk starts at a multiple of any device's offset alignment.
         let chunk_len = ((device.limits().binding_bytes / size_of::<Splat>() as u64) & !0xffff).max(0x1_0000);
         let chunks = len.div_ceil(chunk_len).max(1);
         Ok(Self {
+            anchor,
             origin,
             corners: points.bounds().map_or([origin; 8], |b| b.corners()),
             len,
@@ -388,8 +390,8 @@ impl DeviceCloud {
 }
 
 /// Brings the ids of all points to the front of a buffer.
-fn upload_ids(points: &Points, ids: &Buffer<u32>) -> Result<(), Error> {
-    ids.upload_by(points.len() as u64, |range, to| to.copy_from_slice(&points.ids(range)))
+fn upload_ids(points: &Points, anchor: &Anchor, ids: &Buffer<u32>) -> Result<(), Error> {
+    ids.upload_by(points.len() as u64, |range, to| to.copy_from_slice(&points.ids(anchor, range)))
 }
 
 /// A buffer for nothing.

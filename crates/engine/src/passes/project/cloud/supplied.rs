@@ -132,7 +132,7 @@ impl DeviceCloud {
         Column::High.upload(points, self.origin, &self.points_hi)?;
         Column::Low.upload(points, self.origin, &self.points_lo)?;
         Column::Color.upload(points, self.origin, &self.point_colors)?;
-        upload_ids(points, &self.ids)?;
+        upload_ids(points, &self.anchor, &self.ids)?;
         if self.has_normals {
             Column::Normal.upload(points, self.origin, &self.normals)?;
         }
