@@ -217,6 +217,9 @@ pub fn load(path: &Path, progress: &Progress) -> Result<Cloud, Error> {
 /// Those of [`load`]; a picture's placement for a file that is not a picture; a number of columns that differs from the
 /// number of names.
 pub fn load_with(path: &Path, hints: Hints, progress: &Progress) -> Result<Cloud, Error> {
+    if store::is_folder(path) {
+        return store::whole(&*store::open(path, hints, progress)?, progress);
+    }
     let mut source = Source::open(path)?;
     let start = source.peek()?;
     let path = source.path.clone();

@@ -129,11 +129,11 @@ fn a_turned_scaled_and_moved_cloud() {
         // Another box has another radius.
         assert_density("turned", &flat.iter().map(|&p| turn * p).collect::<Vec<_>>(), 50_000.0, 0.015);
     }
-    let scaled = density(&flat.iter().map(|&p| 1000.0 * p).collect::<Vec<_>>());
-    assert!((scaled * 1e6 / upright - 1.0).abs() < 1e-9, "{scaled} {upright}");
-    // Float64 has steps of 10⁻⁹ out there.
+    let scaled = density(&flat.iter().map(|&p| 1024.0 * p).collect::<Vec<_>>());
+    assert!((scaled * 1024.0 * 1024.0 / upright - 1.0).abs() < 1e-9, "{scaled} {upright}");
+    // Float64 has steps of 10⁻⁹ out there: rounded places are others, and so are the centres that are chosen.
     let moved = density(&flat.iter().map(|&p| p + DVec3::new(5e5, 4.5e6, 100.0)).collect::<Vec<_>>());
-    assert!((moved / upright - 1.0).abs() < 1e-4, "{moved} {upright}");
+    assert!((moved / upright - 1.0).abs() < 2e-3, "{moved} {upright}");
 }
 
 #[test]

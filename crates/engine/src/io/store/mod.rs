@@ -12,6 +12,7 @@ mod octree;
 mod open;
 mod ply;
 mod tiles;
+mod whole;
 
 use std::fmt::Debug;
 use std::path::PathBuf;
@@ -24,9 +25,10 @@ pub use grid::Grid;
 pub use held::Held;
 pub use las::LasPieces;
 pub use octree::Octree;
-pub use open::open;
+pub use open::{is_folder, open};
 pub use ply::PlyPieces;
 pub use tiles::Tiles;
+pub use whole::whole;
 
 /// A cloud whose nodes are read one by one, by any number of threads at once.
 pub trait Store: Debug + Send + Sync {

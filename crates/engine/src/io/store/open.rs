@@ -15,8 +15,7 @@ use crate::progress::Progress;
 /// # Errors
 /// Those of each, and of [`load_with`].
 pub fn open(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn Store>, Error> {
-    let is_named = |name: &str| path.file_name().is_some_and(|found| found == name);
-    if is_named("ept.json") || path.is_dir() && path.join("ept.json").is_file() {
+    if is_ept(path) {
         let mut store = Ept::open(path, hints.las)?;
         store.summary.like.warnings.extend(warning(&hints));
         return refuse_photo(path, &hints).map(|()| Box::new(store) as Box<dyn Store>);
@@ -53,6 +52,15 @@ pub fn open(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn St
         }
         _ => whole(path, hints, progress),
     }
+}
+
+/// True if a path is a folder that is a store, or the file that describes it.
+pub fn is_folder(path: &Path) -> bool {
+    is_ept(path) || Octree::is_one(path)
+}
+
+fn is_ept(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name == "ept.json") || path.join("ept.json").is_file()
 }
 
 fn whole(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn Store>, Error> {

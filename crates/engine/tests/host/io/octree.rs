@@ -206,6 +206,8 @@ fn real_scans_come_back_to_the_bit() {
         let built = write(&[input], &target, TIGHT);
         assert_eq!(built.rounding, 0.0, "{name}");
         assert_same(points(&Octree::open(&target).unwrap()), &cloud, 0.0);
+        // As a cloud it is the file: every picture of it has the same bytes.
+        assert_eq!(super::load(&target).unwrap(), cloud, "{name}");
     }
 }
 
