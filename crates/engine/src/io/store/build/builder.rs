@@ -4,6 +4,8 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
+
 use super::super::octree::metadata::METADATA;
 use super::super::octree::nodes::NODES;
 use super::super::octree::{HIERARCHY, POINTS, integers};
@@ -43,7 +45,7 @@ impl Default for Settings {
 }
 
 /// What was made.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Built {
     /// Points of the store.
     pub points: u64,

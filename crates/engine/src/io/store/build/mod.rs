@@ -9,6 +9,7 @@ mod encode;
 mod hierarchy;
 mod input;
 mod plan;
+mod ranges;
 mod scatter;
 mod sink;
 mod state;
@@ -21,6 +22,7 @@ pub use assembler::{Assembler, NODE_POINTS, Told};
 pub use builder::{Built, Settings, build};
 pub use cube::{Cell, Cube};
 pub use encode::{Encoded, encode};
+pub(crate) use state::key;
 pub use types::{Narrow, Types};
 
 #[cfg(test)]
