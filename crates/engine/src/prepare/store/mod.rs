@@ -80,7 +80,12 @@ pub fn prepare(
     let raw = beside(folder);
     let raw_built = points(inputs, &raw, settings, progress)?;
     let octree = Octree::open(&raw)?;
-    let enriched = compute(octree, folder, request, settings, progress)?;
+    let enriched = compute(octree, folder, request, settings, progress).inspect_err(|error| {
+        if matches!(error, Error::Field { .. }) {
+            // Nothing to go on with.
+            let _ = std::fs::remove_dir_all(&raw);
+        }
+    })?;
     let built = build::build(&[Box::new(enriched) as Box<dyn Store>], folder, settings, progress)?;
     std::fs::remove_dir_all(&raw).map_err(|source| io::Error::Write { path: raw, source })?;
     let (rounding, notes) = (raw_built.rounding.max(built.rounding), [raw_built.notes, built.notes].concat());

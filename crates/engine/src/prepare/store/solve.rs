@@ -104,7 +104,8 @@ impl Solver<'_> {
         if self.hops() > 1.0
             && let Some(places) = self.places(&local)
         {
-            let at = places.order.iter().position(|point| *point == find(&local)).unwrap_or(0);
+            let point = find(&local);
+            let at = places.order.iter().position(|other| *other == point).unwrap_or(0);
             let (others, _) = places.others(places.place_of(at as u32), k);
             balls.extend(others.into_iter().map(|rank| {
                 let (_, distance) = places.others(places.place_of(rank), k);
