@@ -100,7 +100,7 @@ fn given_normals_count() {
     let mut cloud = cloud(2000);
     let mut random = Pcg64Mcg::seed_from_u64(2);
     let normal = |i: usize| {
-        if i % 3 == 0 { Vec3::ZERO } else { Vec3::from([(); 3].map(|()| random.random::<f32>())).normalize() }
+        if i.is_multiple_of(3) { Vec3::ZERO } else { Vec3::from([(); 3].map(|()| random.random::<f32>())).normalize() }
     };
     let normals: Vec<Vec3> = (0..cloud.len()).map(normal).collect();
     cloud.normals = Some(normals.clone());
