@@ -87,8 +87,8 @@ fn a_run_that_ends_early_leaves_no_store_and_goes_on() {
         }
         command.output().unwrap()
     };
-    assert!(prepare("whole", None).status.success());
-    let whole = bytes(&inside(&folder, "whole"));
+    assert!(prepare("whole/store", None).status.success());
+    let whole = bytes(&inside(&folder, "whole/store"));
     let mut killed = 0;
     for fault in [
         "output/byte:100",
@@ -99,17 +99,18 @@ fn a_run_that_ends_early_leaves_no_store_and_goes_on() {
         "output/rename",
         "output/rename:2",
     ] {
-        let status = prepare("a", Some(&format!("kill@{fault}"))).status;
+        let status = prepare("a/store", Some(&format!("kill@{fault}"))).status;
         killed += u32::from(status.signal() == Some(9));
-        assert!(!inside(&folder, "a/metadata.json").exists() || status.success(), "{fault}");
-        let said = prepare("b", Some(&format!("disk-full@{fault}")));
+        assert!(!inside(&folder, "a/store/metadata.json").exists() || status.success(), "{fault}");
+        let said = prepare("b/store", Some(&format!("disk-full@{fault}")));
         assert!(said.status.success() || String::from_utf8_lossy(&said.stderr).contains("free some space"), "{said:?}");
-        for store in ["a", "b"] {
-            assert!(prepare(store, None).status.success(), "{fault}");
-            assert!(bytes(&inside(&folder, store)) == whole, "{fault}");
-            fs::remove_dir_all(inside(&folder, store)).unwrap();
+        for parent in ["a", "b"] {
+            let store = format!("{parent}/store");
+            assert!(prepare(&store, None).status.success(), "{fault}");
+            assert!(bytes(&inside(&folder, &store)) == whole, "{fault}");
+            assert_eq!(fs::read_dir(inside(&folder, parent)).unwrap().count(), 1, "{fault}: nothing is left beside");
+            fs::remove_dir_all(inside(&folder, parent)).unwrap();
         }
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "{fault}: nothing is left beside");
     }
     assert!(killed >= 5, "{killed}");
 }

@@ -77,6 +77,7 @@ pub fn prepare(
     settings: &Settings,
     progress: &Progress,
 ) -> Result<Built, Error> {
+    build::check_target(folder)?;
     let raw = beside(folder);
     let raw_built = points(inputs, &raw, settings, progress)?;
     let octree = Octree::open(&raw)?;

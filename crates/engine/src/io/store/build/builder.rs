@@ -94,7 +94,7 @@ pub fn build(
 }
 
 /// Refuses a folder with files of others, before the work.
-fn check_target(folder: &Path) -> Result<(), Error> {
+pub(crate) fn check_target(folder: &Path) -> Result<(), Error> {
     let failed = |source| Error::Write { path: folder.to_path_buf(), source };
     match fs::read_dir(folder) {
         Ok(mut entries) => {

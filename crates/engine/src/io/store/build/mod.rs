@@ -19,6 +19,7 @@ mod types;
 
 pub use super::octree::attributes::Layout;
 pub use assembler::{Assembler, NODE_POINTS, Told};
+pub(crate) use builder::check_target;
 pub use builder::{Built, Settings, build};
 pub use cube::{Cell, Cube};
 pub use encode::{Encoded, encode};
