@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
+use super::super::octree::about::About;
 use super::super::octree::attributes::{Layout, Role};
-use super::super::octree::metadata::{self, About, Metadata};
+use super::super::octree::metadata::{self, Metadata};
 use super::super::octree::nodes::{self, Extent, NODES};
 use super::super::octree::{HIERARCHY, POINTS};
 use super::checkpoint::{self, Checkpoint, Kept};

@@ -6,6 +6,7 @@ mod checkpoint;
 mod columns;
 mod cube;
 mod encode;
+mod feeder;
 mod hierarchy;
 mod input;
 mod plan;

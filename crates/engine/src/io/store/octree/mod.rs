@@ -13,6 +13,7 @@
 //!
 //! What `pellucid prepare` adds stands in an object `pellucid` of metadata.json and in nodes.bin, which Potree ignores.
 
+pub(crate) mod about;
 pub(crate) mod attributes;
 mod decode;
 pub(crate) mod hierarchy;
@@ -27,11 +28,12 @@ use super::file::Shared;
 use super::{Node, Piece, Store, Summary};
 use crate::cloud::{Bounds, Cloud, GPS_TIME, UpAxis};
 use crate::io::Error;
+use about::About;
 use attributes::Role;
 pub(crate) use decode::integers;
 use decode::{Decoder, full_scale};
 use hierarchy::Listed;
-use metadata::{About, Checked, METADATA};
+use metadata::{Checked, METADATA};
 use nodes::{Extent, NODES};
 
 /// The file of the nodes' points.
