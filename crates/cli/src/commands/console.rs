@@ -24,6 +24,11 @@ impl Console {
         Self { quiet: true, ..self }
     }
 
+    /// For output of which the details are told in another way.
+    pub fn without_details(self) -> Self {
+        Self { verbose: false, ..self }
+    }
+
     /// Prints a warning unless --quiet is given.
     pub fn warn(self, warning: impl Display) {
         if !self.quiet {

@@ -20,6 +20,7 @@ mod noise;
 mod opacity_notes;
 mod plan;
 mod prepare;
+mod prepare_store;
 mod presets;
 mod profile;
 mod render;

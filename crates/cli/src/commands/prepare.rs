@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use super::bar::Bar;
+use bytesize::ByteSize;
 use clap::{ArgGroup, Args};
 use pellucid_engine::cloud::shadow_texture::ShadowTexture;
 use pellucid_engine::cloud::{Cloud, Prepared};
@@ -16,24 +17,34 @@ use super::DeviceArgs;
 use super::console::Console;
 use super::limit::usage;
 use super::loaded::report_cloud;
+use super::prepare_store;
 
 /// The soft methods (soft-base, soft-concentric, soft-express, one-layer) tell solid points from soft ones by a field F in
 /// [0, 1]. This computes it and the radii once and writes them with the cloud; render, plan and all others then use what
 /// is stored, with the same bytes as result, as long as the points are the same (a hash tells) and the settings, if they
 /// name a field or a number of neighbors at all, name these. Takes about 4·K + 170 bytes of memory for each point.
 ///
+/// An OUT that ends in `/`, has no extension or is a folder becomes a store: an octree of Potree 2.0, which its viewer opens. It may
+/// be made of several clouds and be of any size: memory stays within --host-memory, and a run that was cut short goes on where it was.
+///
 /// With --light or --light-position it also finds, on the device, which share of the light reaches each point, and stores it. A
 /// scene of this one cloud with [shadows] of the same settings then casts none anew.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("any_light").args(["light", "light_position"])))]
 pub struct PrepareArgs {
-    /// A point cloud in any format that is read.
-    #[arg(value_name = "IN")]
-    input: PathBuf,
-    /// The file to write, a binary PLY (.ply) with every column of the cloud, `radius` and `field`; docs/prepared-clouds.md
-    /// describes it. May be the input.
-    #[arg(short, long, value_name = "OUT.ply")]
+    /// A point cloud in any format that is read; several for a store.
+    #[arg(value_name = "IN", required = true)]
+    inputs: Vec<PathBuf>,
+    /// The file to write, a binary PLY (.ply) with every column of the cloud, `radius` and `field`, or the folder of a store;
+    /// docs/prepared-clouds.md describes both. May be the input.
+    #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
+    /// Memory to use for a store, as in 4GiB; by default half of what is free.
+    #[arg(long, value_name = "SIZE")]
+    host_memory: Option<ByteSize>,
+    /// Points of a store's node at most; by default 20000.
+    #[arg(long, value_name = "N")]
+    node_points: Option<u32>,
     /// Columns of a text file (PTS, PTX, XYZ, CSV, TXT), as in x,y,z,-,r,g,b; `render --help` lists the names.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     columns: Option<String>,
@@ -87,7 +98,7 @@ pub struct PrepareArgs {
 }
 
 impl PrepareArgs {
-    /// The options as keys of a scene of this one cloud, so that they are checked as those are.
+    /// The options as keys of a scene of these clouds, so that they are checked as those are.
     fn overrides(&self) -> Result<Overrides> {
         let mut overrides = Overrides::default();
         // A method that reads all the keys.
@@ -103,8 +114,10 @@ impl PrepareArgs {
             ("axis-direction", "axis.direction", self.axis_direction.as_ref().map(list)),
         ];
         for (option, key, value) in options {
-            if let Some(value) = value {
-                overrides.set(format!("--{option}"), &format!("cloud.0.{key}"), &value)?;
+            for cloud in 0..self.inputs.len() {
+                if let Some(value) = &value {
+                    overrides.set(format!("--{option}"), &format!("cloud.{cloud}.{key}"), value)?;
+                }
             }
         }
         Ok(overrides)
@@ -177,32 +190,64 @@ impl PrepareArgs {
 
 pub fn run(args: PrepareArgs, console: Console) -> Result<ExitCode> {
     let has = |path: &Path, extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
+    if let Some(scene) = args.inputs.iter().find(|input| has(input, "toml")) {
+        return Err(usage(format!("{}: prepare takes a point cloud, not a scene file", scene.display())));
+    }
+    if prepare_store::is_store(&args.output) {
+        return run_store(&args, console);
+    }
     if !has(&args.output, "ply") {
         return Err(usage(format!(
-            "{}: prepared clouds are PLY files; the name must end in .ply",
+            "{}: prepared clouds are PLY files or folders; the name must end in .ply, in / or in no extension",
             args.output.display()
         )));
     }
-    if has(&args.input, "toml") {
-        return Err(usage(format!("{}: prepare takes a point cloud, not a scene file", args.input.display())));
+    let [input] = args.inputs.as_slice() else {
+        return Err(usage(format!(
+            "{}: a PLY file holds one prepared cloud, and there are {}; several become a store, a folder",
+            args.output.display(),
+            args.inputs.len()
+        )));
+    };
+    if args.host_memory.is_some() || args.node_points.is_some() {
+        return Err(usage(format!("{}: --host-memory and --node-points are for stores", args.output.display())));
     }
+    run_ply(&args, input, console)
+}
+
+/// Writes a store.
+fn run_store(args: &PrepareArgs, console: Console) -> Result<ExitCode> {
+    if args.light.is_some() || args.light_position.is_some() {
+        return Err(usage(format!(
+            "{}: shadows are found for PLY files only; name an output that ends in .ply",
+            args.output.display()
+        )));
+    }
+    let settings = prepare_store::settings(args.host_memory, args.node_points)?;
+    let scene = Scene::from_clouds(&args.inputs, &args.overrides()?)?;
+    scene.warnings.iter().for_each(|warning| console.warn(warning));
+    prepare_store::run(&args.inputs, &args.output, &scene, args.normals, &settings, console)
+}
+
+/// Writes a PLY file.
+fn run_ply(args: &PrepareArgs, input: &PathBuf, console: Console) -> Result<ExitCode> {
     output::check_folder(&args.output)?;
-    let scene = Scene::from_clouds([&args.input], &args.overrides()?)?;
-    let light = args.light()?.map(|overrides| Scene::from_clouds([&args.input], &overrides)).transpose()?;
+    let scene = Scene::from_clouds([input], &args.overrides()?)?;
+    let light = args.light()?.map(|overrides| Scene::from_clouds([input], &overrides)).transpose()?;
     scene.warnings.iter().for_each(|warning| console.warn(warning));
     let progress = console.progress();
-    progress.set_message(format!("reading {}", args.input.display()));
+    progress.set_message(format!("reading {}", input.display()));
     let settings = scene.clouds.into_iter().next();
     let hints = settings.as_ref().map(CloudSettings::hints).unwrap_or_default();
-    let cloud = io::load_with(&args.input, hints, &progress)?;
-    report_cloud(&args.input, &cloud, console);
+    let cloud = io::load_with(input, hints, &progress)?;
+    report_cloud(input, &cloud, console);
     let radius_cap = settings.as_ref().and_then(|cloud| cloud.strays.radius_cap);
     let (neighbors, field) = settings.map(|cloud| (cloud.neighbors, cloud.field)).unwrap_or_default();
     let request = prepare::Request { neighbors, radius_cap, field, normals: args.normals, ..Default::default() };
     progress.reset();
     progress.set_message("finding neighbors");
     let prepared = prepare::prepared(cloud, &request, &progress);
-    let mut prepared = prepared.map_err(|source| scene::Error::Field { path: args.input.clone(), source })?;
+    let mut prepared = prepared.map_err(|source| scene::Error::Field { path: input.clone(), source })?;
     if let Some(light) = light {
         let texture = args.shadows(&light, &prepared, &progress)?;
         prepared.prepared = prepared.prepared.map(|prepared| Prepared { shadows: Some(texture), ..prepared });

@@ -25,6 +25,7 @@ mod measure;
 mod old_scenes;
 mod opacity;
 mod prepare;
+mod prepare_store;
 mod presets;
 mod readme;
 mod render;

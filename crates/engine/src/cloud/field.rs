@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::{CLASSIFICATION_NAMES, Cloud, INTENSITY_NAMES};
+use super::{Bounds, CLASSIFICATION_NAMES, Cloud, INTENSITY_NAMES};
 
 /// Values that differ by less than this share of the largest one differ only by rounding.
 const LEAST_RANGE: f64 = 1e-9;
@@ -95,19 +95,32 @@ impl Field {
     /// # Errors
     /// The cloud lacks the property.
     pub fn values(&self, cloud: &Cloud) -> Result<Option<Vec<f32>>, Error> {
+        let values = self.unscaled(cloud, || cloud.bounds())?;
+        Ok(values.map(|values| self.scaled(&values, range(&values))))
+    }
+
+    /// What F is made of, for some points of a cloud with these bounds; `None` for uncertainty.
+    ///
+    /// # Errors
+    /// The cloud lacks the property.
+    pub(crate) fn unscaled(
+        &self,
+        cloud: &Cloud,
+        bounds: impl FnOnce() -> Option<Bounds>,
+    ) -> Result<Option<Vec<f64>>, Error> {
         match self {
             Self::Uncertainty => Ok(None),
             Self::Classification { classes } => match &cloud.classification {
-                Some(codes) => Ok(Some(codes.iter().map(|code| f32::from(classes.contains(code))).collect())),
+                Some(codes) => Ok(Some(codes.iter().map(|code| f64::from(u8::from(classes.contains(code)))).collect())),
                 None => Err(Error::NoClasses { there: there(cloud) }),
             },
             Self::Intensity => match &cloud.intensity {
-                Some(values) => Ok(Some(property(&doubles(values)))),
+                Some(values) => Ok(Some(doubles(values))),
                 None => Err(Error::NoIntensity { there: there(cloud) }),
             },
-            Self::DistanceToAxis { point, direction } => Ok(Some(to_axis(cloud, *point, *direction))),
+            Self::DistanceToAxis { point, direction } => Ok(Some(to_axis(cloud, bounds, *point, *direction))),
             Self::Property { name } => match column(cloud, name) {
-                Some(values) => Ok(Some(property(&values))),
+                Some(values) => Ok(Some(values)),
                 None => {
                     let names = names(cloud);
                     let names = names.iter().map(|name| &**name);
@@ -117,11 +130,24 @@ impl Field {
             },
         }
     }
+
+    /// F of what it is made of, given the [`range`] of the whole cloud.
+    pub(crate) fn scaled(&self, values: &[f64], range: [f64; 2]) -> Vec<f32> {
+        match self {
+            Self::Uncertainty | Self::DistanceToAxis { .. } => scaled_in(values, range),
+            Self::Classification { .. } => values.iter().map(|value| *value as f32).collect(),
+            Self::Intensity | Self::Property { .. } => property(values, range),
+        }
+    }
 }
 
 /// Values from the smallest to the largest as 0 to 1, all 0 if they differ by no more than rounding.
 pub fn scaled(values: &[f64]) -> Vec<f32> {
-    let [least, most] = range(values);
+    scaled_in(values, range(values))
+}
+
+/// The same of some values of a cloud with this range.
+fn scaled_in(values: &[f64], [least, most]: [f64; 2]) -> Vec<f32> {
     let range = most - least;
     if range <= LEAST_RANGE * most.abs().max(least.abs()) {
         return vec![0.0; values.len()];
@@ -135,30 +161,33 @@ fn share(value: f64) -> f32 {
 }
 
 /// The smallest and the largest finite value; in reverse order if no value is finite.
-fn range(values: &[f64]) -> [f64; 2] {
+pub(crate) fn range(values: &[f64]) -> [f64; 2] {
     let finite = values.iter().filter(|value| value.is_finite());
     finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| [least.min(*value), most.max(*value)])
 }
 
-fn property(values: &[f64]) -> Vec<f32> {
-    let [least, most] = range(values);
+fn property(values: &[f64], [least, most]: [f64; 2]) -> Vec<f32> {
     if least >= 0.0 && most <= 1.0 {
         values.iter().map(|value| share(*value)).collect()
     } else if least < most {
-        scaled(values)
+        scaled_in(values, [least, most])
     } else {
         // Constant, or nothing is finite.
         values.iter().map(|value| if *value == f64::INFINITY { 1.0 } else { 0.0 }).collect()
     }
 }
 
-fn to_axis(cloud: &Cloud, point: Option<[f64; 3]>, direction: Option<[f64; 3]>) -> Vec<f32> {
-    let center = || cloud.bounds().map_or(DVec3::ZERO, |bounds| bounds.center());
+fn to_axis(
+    cloud: &Cloud,
+    bounds: impl FnOnce() -> Option<Bounds>,
+    point: Option<[f64; 3]>,
+    direction: Option<[f64; 3]>,
+) -> Vec<f64> {
+    let center = || bounds().map_or(DVec3::ZERO, |bounds| bounds.center());
     let point = point.map_or_else(center, DVec3::from);
     let vertical = cloud.up.direction();
     let direction = direction.map_or(vertical, DVec3::from).normalize_or(vertical);
-    let distances: Vec<f64> = cloud.positions.iter().map(|p| (p - point).cross(direction).length()).collect();
-    scaled(&distances)
+    cloud.positions.iter().map(|p| (p - point).cross(direction).length()).collect()
 }
 
 fn doubles(values: &[f32]) -> Vec<f64> {
@@ -212,6 +241,10 @@ pub(crate) fn there(cloud: &Cloud) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn property(values: &[f64]) -> Vec<f32> {
+        super::property(values, range(values))
+    }
 
     #[test]
     fn properties_within_0_and_1_stay_as_they_are() {

@@ -13,6 +13,7 @@ pub mod order;
 pub mod outliers;
 pub mod radius;
 pub mod sampled;
+pub mod store;
 pub mod surface;
 pub(crate) mod ties;
 

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::cloud::Bounds;
 
 /// Bits per axis; three axes fill 63 bits.
-const BITS: u32 = 21;
+pub(super) const BITS: u32 = 21;
 
 /// The 63-bit Morton code of each position in its bounds.
 ///
@@ -27,6 +27,11 @@ pub(super) fn codes(positions: &[DVec3], bounds: &Bounds) -> Vec<u64> {
             spread(cell.x as u64) | spread(cell.y as u64) << 1 | spread(cell.z as u64) << 2
         })
         .collect()
+}
+
+/// The longest side of a cell whose positions have the same code in some bounds.
+pub(super) fn cell_side(bounds: &Bounds) -> f64 {
+    (bounds.max - bounds.min).max_element() / f64::from((1u32 << BITS) - 1)
 }
 
 /// The codes in ascending order, each with the index that it had; those of equal codes in the order of `by_content`.

@@ -11,7 +11,7 @@ use super::radius;
 use crate::cloud::field;
 
 /// The result of one pass over every point's neighbors, in the order of the cloud.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Surface {
     /// Eq. 20 with its cap, as [`radius::estimate`] finds them, to the bit.
     pub radii: Vec<f32>,
@@ -52,24 +52,56 @@ fn look(
     progress: &Progress,
 ) -> Surface {
     let count = positions.len();
-    let given = || normals.map_or_else(|| vec![Vec3::ZERO; count], <[Vec3]>::to_vec);
     let k = neighbors.min(count.saturating_sub(1));
     let Some(places) = Places::group(positions, normals).filter(|_| k > 0) else {
         let zeros = || vec![0.0; count];
         return Surface {
             radii: zeros(),
             uncapped: zeros(),
-            normals: given(),
+            normals: normals.map_or_else(|| vec![Vec3::ZERO; count], <[Vec3]>::to_vec),
             planar: vec![false; count],
             fields: if wants_fields { zeros() } else { Vec::new() },
         };
     };
-    let missing = normals.is_none_or(|normals| normals.contains(&Vec3::ZERO));
+    let seen = see(&places, normals, (k, cap), Wants { normals: true, fields: wants_fields }, progress);
+    Surface { fields: field::scaled(&seen.spreads), ..seen.surface }
+}
+
+/// What is seen of points before F is scaled, in their order.
+#[derive(Debug, Default)]
+pub(super) struct Seen {
+    /// Without F.
+    pub surface: Surface,
+    /// F before it is scaled; empty unless asked for.
+    pub spreads: Vec<f64>,
+    /// The distance of the last of K neighbors.
+    pub last: Vec<f64>,
+}
+
+/// What is to be seen beside radii.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Wants {
+    /// Normals in place of missing ones; F needs them, too.
+    pub normals: bool,
+    /// F.
+    pub fields: bool,
+}
+
+/// The same without scaling, of the points of some places, of which there are more than K.
+pub(super) fn see(
+    places: &Places,
+    given: Option<&[Vec3]>,
+    (k, cap): (usize, f32),
+    wants: Wants,
+    progress: &Progress,
+) -> Seen {
+    let lacks = wants.normals || wants.fields;
+    let missing = lacks && given.is_none_or(|normals| normals.contains(&Vec3::ZERO));
     let see = |place: usize, others: &[u32], distance: f64| {
-        let moments = if missing { moments(&places, place, others) } else { Moments::default() };
+        let moments = if missing { moments(places, place, others) } else { Moments::default() };
         (distance, moments)
     };
-    let again = if wants_fields { Again::All } else { radius::again(cap) };
+    let again = if wants.fields { Again::All } else { radius::again(cap) };
     let (seen, lists) = places.visit_blocks(k, again, progress, see, |seen| {
         let (distances, moments): (Vec<f64>, Vec<Moments>) = seen.into_iter().unzip();
         let axes = if missing { smallest_axes(&moments) } else { vec![SmallestAxis::default(); moments.len()] };
@@ -77,27 +109,27 @@ fn look(
     });
     let (distances, axes): (Vec<f64>, Vec<SmallestAxis>) = seen.into_par_iter().unzip();
     let ranks = places.ranks();
-    let uncapped = radius::of_distances(&places, &ranks, k, &distances);
-    let distances = radius::capped(&places, (k, cap), &lists, distances);
+    let last = ranks.par_iter().map(|&rank| distances[places.place_of(rank)] * places.unit()).collect();
+    let uncapped = radius::of_distances(places, &ranks, k, &distances);
+    let distances = radius::capped(places, (k, cap), &lists, distances);
 
-    let given = given();
-    let shape = |rank: u32| match given[places.order[rank as usize]] {
-        Vec3::ZERO => {
+    let shape = |rank: u32| match given.map_or(Vec3::ZERO, |normals| normals[places.order[rank as usize]]) {
+        Vec3::ZERO if lacks => {
             let estimated = axes[places.place_of(rank)];
             (estimated.direction, estimated.planar)
         }
         own => (own, false),
     };
-    let ranked: Vec<(Vec3, bool)> = (0..count as u32).into_par_iter().map(shape).collect();
-    let fields = if wants_fields {
-        let fields = field::scaled(&spreads(&places, &lists, k, &distances, &ranked));
-        ranks.par_iter().map(|&rank| fields[rank as usize]).collect()
+    let ranked: Vec<(Vec3, bool)> = (0..ranks.len() as u32).into_par_iter().map(shape).collect();
+    let spreads = if wants.fields {
+        let spreads = spreads(places, &lists, k, &distances, &ranked);
+        ranks.par_iter().map(|&rank| spreads[rank as usize]).collect()
     } else {
         Vec::new()
     };
-    let radii = radius::of_distances(&places, &ranks, k, &distances);
+    let radii = radius::of_distances(places, &ranks, k, &distances);
     let (normals, planar) = ranks.par_iter().map(|&rank| ranked[rank as usize]).unzip();
-    Surface { radii, uncapped, normals, planar, fields }
+    Seen { surface: Surface { radii, uncapped, normals, planar, fields: Vec::new() }, spreads, last }
 }
 
 /// Eq. 21 of all points by rank, without a factor common to all.

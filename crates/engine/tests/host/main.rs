@@ -13,6 +13,7 @@ mod metrics;
 mod output;
 mod photo;
 mod prepare;
+mod prepare_store;
 mod procedural;
 mod reference;
 mod rooms;

@@ -91,23 +91,28 @@ fn refine(cell: &mut [(u64, u32)], positions: &[DVec3], by_content: &(impl Fn(u3
 impl Places {
     /// From finite positions; `None` if there are none, or 2³² and more, of which no renderer takes as many, either.
     pub fn group(positions: &[DVec3], normals: Option<&[Vec3]>) -> Option<Self> {
+        Self::group_within(positions, normals, &Bounds::of(positions)?)
+    }
+
+    /// The same of some points of a cloud with these bounds. Their ranks are in the order of those of the whole cloud, as far as all
+    /// points are there that share a cell of [`morton::cell_side`] with one of them.
+    pub fn group_within(positions: &[DVec3], normals: Option<&[Vec3]>, bounds: &Bounds) -> Option<Self> {
         // Ranks have 32 bits.
-        u32::try_from(positions.len()).ok()?;
-        let bounds = Bounds::of(positions)?;
+        u32::try_from(positions.len()).ok().filter(|count| *count > 0)?;
         let normal = |i: usize| normals.map_or([0; 3], |normals| normal_key(normals[i]));
         let by_content = |a: u32, b: u32| {
             let [a, b] = [a as usize, b as usize];
             let by_position = position_key(positions[a]).cmp(&position_key(positions[b]));
             by_position.then_with(|| normal(a).cmp(&normal(b)))
         };
-        let mut keyed = morton::sorted(morton::codes(positions, &bounds), by_content);
+        let mut keyed = morton::sorted(morton::codes(positions, bounds), by_content);
         keyed.par_chunk_by_mut(|a, b| a.0 == b.0).for_each(|cell| refine(cell, positions, &by_content));
         let order: Vec<usize> = keyed.par_iter().map(|&(_, index)| index as usize).collect();
         let positions: Vec<DVec3> = order.par_iter().map(|&index| positions[index]).collect();
         let is_first = |rank: &u32| *rank == 0 || positions[*rank as usize] != positions[*rank as usize - 1];
         let mut starts: Vec<u32> = (0..positions.len() as u32).into_par_iter().filter(is_first).collect();
         let codes: Vec<u64> = starts.par_iter().map(|&rank| keyed[rank as usize].0).collect();
-        let unit = unit(&bounds);
+        let unit = unit(bounds);
         let columns = Columns::new(&positions, &starts, unit);
         let tree = Tree::new(&columns, &codes);
         starts.push(positions.len() as u32);

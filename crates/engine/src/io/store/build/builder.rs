@@ -4,18 +4,22 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
+
 use super::super::octree::metadata::METADATA;
 use super::super::octree::nodes::NODES;
-use super::super::octree::{HIERARCHY, POINTS, integers};
+use super::super::octree::{HIERARCHY, POINTS};
 use super::super::{Grid, Piece, Store};
 use super::assembler::{Assembler, NODE_POINTS, Told};
 use super::cube::{Cell, Cube};
 use super::encode::encode;
+use super::feeder::{Feeder, remove};
 use super::input::{Input, Outside};
 use super::plan::Plan;
 use super::scatter::{self, Scatter};
 use super::state::{self, Assembled, Scattered, State};
 use super::survey::{Counts, Memory, Survey, survey};
+use super::types::Types;
 use crate::atomic;
 use crate::io::Error;
 use crate::io::store::octree::attributes::Layout;
@@ -23,9 +27,6 @@ use crate::progress::Progress;
 
 /// Share of the smallest radius that a position may move by.
 const FINE: f64 = 1e-3;
-
-/// Bytes of a file that are read at once.
-const BLOCK_BYTES: usize = 4 << 20;
 
 /// How a store is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,7 +44,7 @@ impl Default for Settings {
 }
 
 /// What was made.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Built {
     /// Points of the store.
     pub points: u64,
@@ -76,23 +77,38 @@ pub fn build(
     let key = state::key(inputs, settings);
     let state = State::load(&work, key.clone())?;
     let is_begun = state.is_begun();
-    let made = Build::new(&input, &work, folder, settings, progress, state).and_then(Build::run);
+    let run = |state| Build::new(&input, &work, folder, settings, progress, state).and_then(Build::run);
+    let mut made = run(state);
     if made.is_err() && !State::is_there(&work) {
         state::clear(&work)?;
     }
-    match made {
-        // What was left of an earlier run is not whole: it is done anew.
-        Err(Error::Read { path, .. } | Error::Truncated { path, .. }) if is_begun && path.starts_with(&work) => {
-            state::clear(&work)?;
-            let state = State::load(&work, key)?;
-            Build::new(&input, &work, folder, settings, progress, state).and_then(Build::run)
+    // What was left of an earlier run is not whole: it is done anew.
+    if let Err(Error::Read { path, .. } | Error::Truncated { path, .. }) = &made
+        && is_begun
+        && path.starts_with(&work)
+    {
+        state::clear(&work)?;
+        made = run(State::load(&work, key)?);
+    }
+    made.map_err(|error| with_need(error, &input))
+}
+
+/// Says how much room is needed, if that is what lacks.
+fn with_need(error: Error, input: &Input) -> Error {
+    match error {
+        Error::Write { path, source } if source.kind() == ErrorKind::StorageFull => {
+            // Records in files by chunk and in nodes.
+            let stride = Types::default().layout(&input.like, input.points).stride as u64;
+            let need = bytesize::ByteSize(input.points.saturating_mul(2 * stride));
+            let source = std::io::Error::new(ErrorKind::StorageFull, format!("{source}, and about {need} are needed"));
+            Error::Write { path, source }
         }
-        made => made,
+        error => error,
     }
 }
 
 /// Refuses a folder with files of others, before the work.
-fn check_target(folder: &Path) -> Result<(), Error> {
+pub(crate) fn check_target(folder: &Path) -> Result<(), Error> {
     let failed = |source| Error::Write { path: folder.to_path_buf(), source };
     match fs::read_dir(folder) {
         Ok(mut entries) => {
@@ -267,62 +283,5 @@ impl<'a> Build<'a> {
         let path = self.target.join(METADATA);
         atomic::write(&path, |out| std::io::Write::write_all(out, metadata.as_bytes())).map_err(failed(path))?;
         state::clear(self.work)
-    }
-}
-
-/// Removes a file, if it is there.
-fn remove(path: &Path) -> Result<(), Error> {
-    match fs::remove_file(path) {
-        Err(source) if source.kind() != ErrorKind::NotFound => Err(Error::Write { path: path.to_path_buf(), source }),
-        _ => Ok(()),
-    }
-}
-
-/// Hands chunks to an assembler.
-struct Feeder<'a> {
-    assembler: &'a mut Assembler,
-    cube: Cube,
-    stride: usize,
-    memory: Memory,
-}
-
-impl Feeder<'_> {
-    /// Adds the points of a chunk's file. One with too many is divided once more, unless all are in one place.
-    fn chunk(&mut self, plan: &Plan, index: usize, stem: &Path) -> Result<(), Error> {
-        let chunk = &plan.chunks[index];
-        let path = scatter::file_of(stem, index);
-        match chunk.cells.as_slice() {
-            [(cell, _)] if chunk.points > self.memory.chunk_points && cell.level < self.cube.levels() => {
-                self.divide(*cell, &path)
-            }
-            cells => {
-                let records = fs::read(&path).map_err(|source| Error::Read { path, source })?;
-                let cells: Vec<Cell> = cells.iter().map(|(cell, _)| *cell).collect();
-                let parts = scatter::by_cell(plan.base, &cells, &self.cube, self.stride, records);
-                cells.iter().zip(parts).try_for_each(|(cell, records)| self.assembler.add(*cell, &records))
-            }
-        }
-    }
-
-    /// Distributes the points of a file to further files.
-    fn divide(&mut self, cell: Cell, path: &Path) -> Result<(), Error> {
-        let (cube, stride) = (self.cube, self.stride);
-        let block_bytes = (BLOCK_BYTES / stride).max(1) * stride;
-        let mut counts = Counts::new(&cube, cell.level);
-        let levels = counts.levels;
-        scatter::each_block(path, block_bytes, |records| {
-            let code = |record| cube.code(cube.steps_of(integers(record)), cell.level, levels);
-            counts.add(records.chunks_exact(stride).map(code).collect(), levels, self.memory.bytes / 8);
-            Ok(())
-        })?;
-        let plan = Plan::new(cell, &counts, self.memory.chunk_points);
-        let mut scatter = Scatter::new(path, &plan, self.memory.bytes / 8)?;
-        scatter::each_block(path, block_bytes, |records| scatter.add(scatter::parts(&plan, &cube, stride, records)))?;
-        scatter.finish(stride)?;
-        for index in 0..plan.chunks.len() {
-            self.chunk(&plan, index, path)?;
-            remove(&scatter::file_of(path, index))?;
-        }
-        Ok(())
     }
 }

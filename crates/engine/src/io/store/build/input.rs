@@ -27,12 +27,11 @@ impl<'a> Input<'a> {
     pub fn new(stores: &'a [Box<dyn Store>]) -> Option<Self> {
         let (like, notes) = columns::union(stores);
         let mut points = 0_u64;
-        let first = |store: &Box<dyn Store>| {
-            let first = points;
+        let mut firsts = Vec::with_capacity(stores.len());
+        for store in stores {
+            firsts.push(points);
             points = points.saturating_add(store.summary().points);
-            first
-        };
-        let firsts = stores.iter().map(first).collect();
+        }
         let bounds = stores.iter().map(|store| store.summary().bounds).reduce(Bounds::union)?;
         Some(Self { stores, firsts, like, notes, points, bounds })
     }

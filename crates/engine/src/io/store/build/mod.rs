@@ -6,9 +6,11 @@ mod checkpoint;
 mod columns;
 mod cube;
 mod encode;
+mod feeder;
 mod hierarchy;
 mod input;
 mod plan;
+mod ranges;
 mod scatter;
 mod sink;
 mod state;
@@ -18,9 +20,11 @@ mod types;
 
 pub use super::octree::attributes::Layout;
 pub use assembler::{Assembler, NODE_POINTS, Told};
+pub(crate) use builder::check_target;
 pub use builder::{Built, Settings, build};
 pub use cube::{Cell, Cube};
 pub use encode::{Encoded, encode};
+pub(crate) use state::key;
 pub use types::{Narrow, Types};
 
 #[cfg(test)]

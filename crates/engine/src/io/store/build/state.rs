@@ -98,7 +98,7 @@ pub(super) fn work_folder(target: &Path) -> PathBuf {
 }
 
 /// A hash of the inputs, by name, size and time, and of the settings.
-pub(super) fn key(inputs: &[Box<dyn Store>], settings: &Settings) -> String {
+pub(crate) fn key(inputs: &[Box<dyn Store>], settings: &Settings) -> String {
     let mut hasher = blake3::Hasher::new();
     let mut add = |text: String| {
         hasher.update(&(text.len() as u64).to_le_bytes()).update(text.as_bytes());

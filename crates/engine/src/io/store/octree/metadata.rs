@@ -5,18 +5,14 @@ use std::path::Path;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use super::about::{About, VERSION};
 use super::attributes::{AS_STORED, Attribute, Kind, Layout, Role};
-use crate::cloud::field::Field;
-use crate::cloud::shadow_texture::{CastingRecord, ShadowTexture};
-use crate::cloud::{Bounds, Prepared, UpAxis};
+use crate::cloud::Bounds;
 use crate::io::Error;
 use crate::io::store::Grid;
 
 /// The file of a folder that is an octree.
 pub const METADATA: &str = "metadata.json";
-
-/// Version of what is added.
-const VERSION: u64 = 1;
 
 /// Bytes of the file at most: it describes attributes, not points.
 const MAX_BYTES: u64 = 16 << 20;
@@ -107,101 +103,6 @@ impl Described {
         let first = |values: &Option<Vec<f64>>| values.as_ref().and_then(|values| values.first().copied());
         let [factor, summand] = [first(&self.scale).unwrap_or(1.0), first(&self.offset).unwrap_or(0.0)];
         if factor.is_finite() && factor != 0.0 && summand.is_finite() { [factor, summand] } else { AS_STORED }
-    }
-}
-
-/// What `pellucid prepare` adds: what a cloud has that Potree knows no word for.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct About {
-    pub version: u64,
-    pub up: Up,
-    /// For each attribute what it is.
-    pub roles: Vec<Role>,
-    /// The largest distance of a position from where it was in the source, in the file's units.
-    pub rounding: f64,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub prepared: Option<PreparedRecord>,
-    /// Points of the source that were dropped because a coordinate is not finite.
-    #[serde(default)]
-    pub non_finite: u64,
-}
-
-/// The vertical.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum Up {
-    Y,
-    Z,
-    #[serde(rename = "-y")]
-    NegativeY,
-}
-
-impl From<UpAxis> for Up {
-    fn from(up: UpAxis) -> Self {
-        match up {
-            UpAxis::Y => Self::Y,
-            UpAxis::Z => Self::Z,
-            UpAxis::NegativeY => Self::NegativeY,
-        }
-    }
-}
-
-impl From<Up> for UpAxis {
-    fn from(up: Up) -> Self {
-        match up {
-            Up::Y => Self::Y,
-            Up::Z => Self::Z,
-            Up::NegativeY => Self::NegativeY,
-        }
-    }
-}
-
-/// How a cloud was prepared.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct PreparedRecord {
-    neighbors: usize,
-    #[serde(default)]
-    radius_cap: f32,
-    estimated_radii: bool,
-    field: Field,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    shadows: Option<serde_json::Value>,
-}
-
-impl PreparedRecord {
-    pub fn of(prepared: &Prepared) -> Self {
-        let casting = |shadows: &ShadowTexture| serde_json::to_value(CastingRecord::from(&shadows.casting)).ok();
-        Self {
-            neighbors: prepared.neighbors,
-            radius_cap: prepared.radius_cap,
-            estimated_radii: prepared.estimated_radii,
-            field: prepared.field.clone(),
-            shadows: prepared.shadows.as_ref().and_then(casting),
-        }
-    }
-
-    /// The same without values; shadows only if there is an attribute for their light. The reason why it can't be.
-    pub fn prepared(&self, has_light: bool) -> Result<Prepared, String> {
-        let Self { neighbors, radius_cap, estimated_radii, .. } = *self;
-        if neighbors == 0 || neighbors > 65_535 {
-            return Err(format!("claims {neighbors} neighbors"));
-        }
-        if !(radius_cap >= 0.0 && radius_cap.is_finite()) {
-            return Err(format!("claims a radius cap of {radius_cap}"));
-        }
-        let casting = self.shadows.clone().filter(|_| has_light);
-        let casting: Option<CastingRecord> =
-            casting.map(serde_json::from_value).transpose().map_err(|error| error.to_string())?;
-        let shadows = casting.map(|casting| ShadowTexture { casting: (&casting).into(), lit: Vec::new() });
-        Ok(Prepared { neighbors, radius_cap, estimated_radii, field: self.field.clone(), values: Vec::new(), shadows })
-    }
-}
-
-impl About {
-    pub fn new(up: UpAxis, layout: &Layout, prepared: Option<&Prepared>, rounding: f64, non_finite: u64) -> Self {
-        let roles = layout.attributes.iter().map(|attribute| attribute.role.clone()).collect();
-        let prepared = prepared.map(PreparedRecord::of);
-        Self { version: VERSION, up: up.into(), roles, rounding, prepared, non_finite }
     }
 }
 

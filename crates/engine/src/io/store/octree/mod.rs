@@ -13,6 +13,7 @@
 //!
 //! What `pellucid prepare` adds stands in an object `pellucid` of metadata.json and in nodes.bin, which Potree ignores.
 
+pub(crate) mod about;
 pub(crate) mod attributes;
 mod decode;
 pub(crate) mod hierarchy;
@@ -27,11 +28,12 @@ use super::file::Shared;
 use super::{Node, Piece, Store, Summary};
 use crate::cloud::{Bounds, Cloud, GPS_TIME, UpAxis};
 use crate::io::Error;
+use about::About;
 use attributes::Role;
 pub(crate) use decode::integers;
 use decode::{Decoder, full_scale};
 use hierarchy::Listed;
-use metadata::{About, Checked, METADATA};
+use metadata::{Checked, METADATA};
 use nodes::{Extent, NODES};
 
 /// The file of the nodes' points.
@@ -100,6 +102,11 @@ impl Octree {
         path.join(METADATA).is_file() || path.file_name().is_some_and(|name| name == METADATA)
     }
 
+    /// How many points of the file are before those of a node.
+    pub(crate) fn first_point(&self, node: usize) -> u64 {
+        self.starts[node] / self.decoder.stride().max(1)
+    }
+
     fn damaged(&self, node: usize, cause: String) -> Error {
         malformed(&self.summary.path, POINTS, format!("node at byte {}: {cause}", self.starts[node]))
     }
@@ -128,7 +135,7 @@ impl Store for Octree {
         if let Some((radius, largest)) = about.largest_radius.and_then(|largest| Some((larger(largest)?, largest))) {
             return Err(self.damaged(node, format!("a radius of {radius}, but the largest should be {largest}")));
         }
-        let places = self.decoder.places(&records, self.starts[node] / self.decoder.stride().max(1));
+        let places = self.decoder.places(&records, self.first_point(node));
         Ok(Piece { cloud, places })
     }
 }

@@ -1,0 +1,129 @@
+//! The part of `pellucid prepare` that writes a store.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use bytesize::ByteSize;
+use pellucid_engine::io::store::build::{NODE_POINTS, Settings};
+use pellucid_engine::io::store::{Octree, Store, open_input};
+use pellucid_engine::prepare::{self, Request};
+use pellucid_engine::scene::{self, CloudSettings, Scene};
+use pellucid_engine::{Result, io};
+
+use super::bar::Bar;
+use super::console::Console;
+use super::limit::usage;
+use super::loaded::report_cloud;
+
+/// Memory where the system doesn't say how much is free.
+const HOST_MEMORY: u64 = 2 << 30;
+
+/// The least memory that is of use.
+const LEAST_MEMORY: u64 = 1 << 20;
+
+/// True if the output is to be a folder: it is one, ends in `/`, or has no extension.
+pub fn is_store(output: &Path) -> bool {
+    let is_written_as_one = output.to_string_lossy().ends_with(std::path::is_separator);
+    output.is_dir() || is_written_as_one || output.extension().is_none()
+}
+
+/// The memory to use: as asked for, else half of what is free.
+fn host_memory(asked: Option<ByteSize>) -> Result<u64> {
+    match asked.map(|size| size.as_u64()) {
+        Some(bytes) if bytes < LEAST_MEMORY => {
+            Err(usage(format!("--host-memory {}: at least 1 MiB is needed", ByteSize(bytes))))
+        }
+        Some(bytes) => Ok(bytes),
+        None => Ok(free_memory().map_or(HOST_MEMORY, |free| (free / 2).max(LEAST_MEMORY))),
+    }
+}
+
+/// What Linux says can be used without swapping.
+fn free_memory() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    kibibytes.checked_mul(1024)
+}
+
+/// How the store is made.
+pub fn settings(host_memory: Option<ByteSize>, node_points: Option<u32>) -> Result<Settings> {
+    let node_points = node_points.map_or(Ok(NODE_POINTS), |points| match usize::try_from(points) {
+        Ok(points) if points >= 100 => Ok(points),
+        _ => Err(usage(format!("--node-points {points}: expected 100 or more"))),
+    })?;
+    Ok(Settings { node_points, host_memory: self::host_memory(host_memory)? })
+}
+
+/// Opens the inputs. An octree is read in place, a file of another format into memory.
+fn open(inputs: &[PathBuf], scene: &Scene, progress: &Bar, console: Console) -> Result<Vec<Box<dyn Store>>> {
+    let open = |(path, settings): (&PathBuf, &CloudSettings)| {
+        progress.reset();
+        progress.set_message(format!("reading {}", path.display()));
+        let store = open_input(path, settings.hints(), progress)?;
+        let summary = store.summary();
+        console.detail(format_args!("{}: {} points", path.display(), summary.points));
+        report_cloud(path, &summary.like, console.without_details());
+        Ok(store)
+    };
+    inputs.iter().zip(&scene.clouds).map(open).collect()
+}
+
+/// Writes the store.
+pub fn run(
+    inputs: &[PathBuf],
+    output: &Path,
+    scene: &Scene,
+    normals: bool,
+    settings: &Settings,
+    console: Console,
+) -> Result<ExitCode> {
+    let progress = console.progress();
+    let stores = open(inputs, scene, &progress, console)?;
+    let cloud = scene.clouds.first();
+    let request = Request {
+        neighbors: cloud.and_then(|cloud| cloud.neighbors),
+        radius_cap: cloud.and_then(|cloud| cloud.strays.radius_cap),
+        field: cloud.and_then(|cloud| cloud.field.clone()),
+        normals,
+        ..Request::default()
+    };
+    let made = prepare::store::prepare(&stores, output, &request, settings, &progress);
+    let built = made.map_err(|error| match error {
+        prepare::store::Error::Io(error) => pellucid_engine::Error::from(error),
+        prepare::store::Error::Field { path, source } => scene::Error::Field { path, source }.into(),
+        error => io::Error::Write { path: output.to_path_buf(), source: std::io::Error::other(error) }.into(),
+    })?;
+    progress.finish_and_clear();
+    let shown = output.display();
+    built.notes.iter().for_each(|note| console.warn(format_args!("{shown}: {note}")));
+    let nodes = Octree::open(output)?.nodes().len();
+    console.detail(format_args!("{shown}: written, {} points in {nodes} nodes", built.points));
+    if built.rounding > 0.0 {
+        console
+            .detail(format_args!("{shown}: positions moved by up to {:.3e}, onto a grid of integers", built.rounding));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_are_stores() {
+        for store in ["a", "a/", "a.b/", "a/b", "."] {
+            assert!(is_store(Path::new(store)), "{store}");
+        }
+        for file in ["a.ply", "a/b.las", ".x/y.PLY"] {
+            assert!(!is_store(Path::new(file)), "{file}");
+        }
+    }
+
+    #[test]
+    fn a_part_of_the_memory_is_used() {
+        assert_eq!(host_memory(Some(ByteSize::mib(64))).unwrap(), 64 << 20);
+        assert!(host_memory(Some(ByteSize::kib(64))).is_err());
+        assert!(host_memory(None).unwrap() >= LEAST_MEMORY);
+    }
+}
