@@ -1,9 +1,11 @@
 //! From the rows of a table to the columns of a cloud, by the names of the table's columns (the table in `ply`).
 
+mod block;
 mod layout;
 mod rows;
 mod table;
 
+pub(super) use block::Block;
 pub(super) use layout::Layout;
 pub(super) use ply_rs_bw::ply::ScalarType;
 pub(super) use rows::Rows;
