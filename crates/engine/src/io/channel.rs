@@ -57,6 +57,7 @@ impl Channel {
     }
 
     /// The stored integer, clamped to its range.
+    #[inline]
     fn integer(value: f64, largest: u16, signed_byte: bool) -> u16 {
         let value = if signed_byte && value < 0.0 { value + 256.0 } else { value };
         // The conversion saturates, and turns NaN into 0.
@@ -64,6 +65,7 @@ impl Channel {
     }
 
     /// The linear value of an sRGB-encoded channel.
+    #[inline]
     pub fn linear(&self, value: f64) -> f32 {
         match self.scale {
             Scale::Integer { largest, signed_byte } => {
@@ -81,6 +83,7 @@ impl Channel {
     }
 
     /// The value clamped to [0, 1]; NaN counts as 1.
+    #[inline]
     pub fn unit(&self, value: f64) -> f32 {
         match self.scale {
             Scale::Integer { largest, signed_byte } => {

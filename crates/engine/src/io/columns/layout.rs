@@ -86,23 +86,28 @@ impl Layout {
     }
 
     /// The position, if it is finite.
+    #[inline]
     pub(super) fn position(&self, value: impl Fn(usize) -> f64) -> Option<DVec3> {
-        Some(DVec3::from(self.position.map(|at| value(at)))).filter(|position| position.is_finite())
+        let [x, y, z] = self.position;
+        Some(DVec3::new(value(x), value(y), value(z))).filter(|position| position.is_finite())
     }
 
+    #[inline]
     pub(super) fn normal(&self, value: impl Fn(usize) -> f64) -> Option<Vec3> {
-        self.normal.map(|at| unit_or_zero(Vec3::from(at.map(|at| value(at) as f32))))
+        self.normal.map(|[x, y, z]| unit_or_zero(Vec3::new(value(x) as f32, value(y) as f32, value(z) as f32)))
     }
 
     /// The linear color, or what is stored if the range is not known yet.
+    #[inline]
     pub(super) fn color(&self, value: impl Fn(usize) -> f64) -> Option<Vec3> {
-        Some(Vec3::from(match self.color.as_ref()? {
-            Rgb::Typed(channels) => channels.each_ref().map(|channel| channel.linear(value(channel.at))),
-            Rgb::Measured(at) => at.map(|at| value(at) as f32),
-        }))
+        Some(match self.color.as_ref()? {
+            Rgb::Typed([r, g, b]) => Vec3::new(r.linear(value(r.at)), g.linear(value(g.at)), b.linear(value(b.at))),
+            Rgb::Measured([r, g, b]) => Vec3::new(value(*r) as f32, value(*g) as f32, value(*b) as f32),
+        })
     }
 
     /// The alpha, or what is stored if the range is not known yet.
+    #[inline]
     pub(super) fn alpha(&self, value: impl Fn(usize) -> f64) -> Option<f32> {
         Some(match self.alpha.as_ref()? {
             Alpha::Typed(channel) => channel.unit(value(channel.at)),
@@ -110,16 +115,19 @@ impl Layout {
         })
     }
 
+    #[inline]
     pub(super) fn radius(&self, value: impl Fn(usize) -> f64) -> Option<f32> {
         let radius = value(self.radius?) as f32;
         Some(if radius.is_finite() { radius.max(0.0) } else { 0.0 })
     }
 
     /// The code of a class, or what stands in place of one.
+    #[inline]
     pub(super) fn code(&self, value: impl Fn(usize) -> f64) -> Option<f32> {
         self.classification.as_ref().map(|(at, _)| value(*at) as f32)
     }
 
+    #[inline]
     pub(super) fn intensity(&self, value: impl Fn(usize) -> f64) -> Option<f32> {
         self.intensity.map(|at| value(at) as f32)
     }
@@ -136,6 +144,7 @@ impl Layout {
 }
 
 /// The normal with length 1, or zero if it has no direction.
+#[inline]
 fn unit_or_zero(normal: Vec3) -> Vec3 {
     if (normal.length_squared() - 1.0).abs() <= UNIT_TOLERANCE {
         return normal;

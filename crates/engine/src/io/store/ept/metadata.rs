@@ -127,10 +127,12 @@ impl Metadata {
         };
         let scale = |name: &str| json.schema.iter().find(|d| d.name == name).and_then(|d| d.scale).unwrap_or(0.0);
         let step = DVec3::from(["X", "Y", "Z"].map(scale)).abs();
-        if !step.is_finite() {
+        let metadata = Self { points: json.points, cube, conforming, spacing, tiles, schema: json.schema, step };
+        let is_finite = |bounds: Bounds| (bounds.max - bounds.min).is_finite();
+        if !(is_finite(metadata.widened(cube)) && is_finite(metadata.widened(conforming))) {
             return Err(malformed("schema", format!("coordinates in steps of {step}")));
         }
-        Ok(Self { points: json.points, cube, conforming, spacing, tiles, schema: json.schema, step })
+        Ok(metadata)
     }
 
     /// A box with a step of the coordinates' grid around it, since points were put on the grid after they found their node.
