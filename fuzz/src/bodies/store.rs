@@ -20,7 +20,7 @@ pub fn copc(input: &[u8]) {
 }
 
 /// EPT folders: behind a line of the description, one of the root's hierarchy and one of that of node 1-0-0-0, the rest is the root's
-/// tile, in either format.
+/// tile, in any of the formats.
 pub fn ept(input: &[u8]) {
     let mut parts = input.splitn(4, |byte| *byte == b'\n');
     let mut part = || parts.next().unwrap_or_default();
@@ -34,7 +34,7 @@ pub fn ept(input: &[u8]) {
     write("ept.json", description);
     write("ept-hierarchy/0-0-0-0.json", root);
     write("ept-hierarchy/1-0-0-0.json", below);
-    for tile_name in ["0-0-0-0.bin", "0-0-0-0.laz", "1-0-0-0.bin"] {
+    for tile_name in ["0-0-0-0.bin", "0-0-0-0.laz", "0-0-0-0.zst", "1-0-0-0.bin"] {
         write(&format!("ept-data/{tile_name}"), tile);
     }
     read(folder.path(), Ept::open(folder.path(), ALL));

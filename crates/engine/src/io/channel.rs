@@ -12,7 +12,8 @@ const UNIT: f32 = 1.0 + 1e-3;
 /// A color or alpha channel.
 #[derive(Debug)]
 pub(super) struct Channel {
-    at: usize,
+    /// Its place in a row.
+    pub at: usize,
     scale: Scale,
     /// Linear values of the integers of that type; empty for floats.
     table: Vec<f32>,
@@ -56,36 +57,40 @@ impl Channel {
     }
 
     /// The stored integer, clamped to its range.
-    fn integer(&self, row: &[f64], largest: u16, signed_byte: bool) -> u16 {
-        let value = row[self.at];
+    #[inline]
+    fn integer(value: f64, largest: u16, signed_byte: bool) -> u16 {
         let value = if signed_byte && value < 0.0 { value + 256.0 } else { value };
         // The conversion saturates, and turns NaN into 0.
         (value as u16).min(largest)
     }
 
     /// The linear value of an sRGB-encoded channel.
-    pub fn linear(&self, row: &[f64]) -> f32 {
+    #[inline]
+    pub fn linear(&self, value: f64) -> f32 {
         match self.scale {
-            Scale::Integer { largest, signed_byte } => self.table[usize::from(self.integer(row, largest, signed_byte))],
+            Scale::Integer { largest, signed_byte } => {
+                self.table[usize::from(Self::integer(value, largest, signed_byte))]
+            }
             Scale::Float => {
-                let value = row[self.at] as f32;
+                let value = value as f32;
                 if value.is_nan() { 0.0 } else { decode_srgb(value.clamp(0.0, 1.0)) }
             }
             Scale::Linear => {
-                let value = row[self.at] as f32;
+                let value = value as f32;
                 if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) }
             }
         }
     }
 
     /// The value clamped to [0, 1]; NaN counts as 1.
-    pub fn unit(&self, row: &[f64]) -> f32 {
+    #[inline]
+    pub fn unit(&self, value: f64) -> f32 {
         match self.scale {
             Scale::Integer { largest, signed_byte } => {
-                f32::from(self.integer(row, largest, signed_byte)) / f32::from(largest)
+                f32::from(Self::integer(value, largest, signed_byte)) / f32::from(largest)
             }
             Scale::Float | Scale::Linear => {
-                let value = row[self.at] as f32;
+                let value = value as f32;
                 if value.is_nan() { 1.0 } else { value.clamp(0.0, 1.0) }
             }
         }

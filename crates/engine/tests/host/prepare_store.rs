@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::cloud::field::Field;
 use pellucid_engine::io::store::build::Settings;
-use pellucid_engine::io::store::{Held, Octree, Store, open_input};
+use pellucid_engine::io::store::{Held, Octree, Store, open};
 use pellucid_engine::io::{self, Hints};
 use pellucid_engine::prepare::{self, Request};
 use pellucid_engine::progress::Progress;
@@ -163,7 +163,7 @@ fn several_scans_have_neighbors_in_each_other() {
     // A prepared store is used as it is.
     let folder = tempfile::tempdir().unwrap();
     let [first, second] = ["first", "second"].map(|name| folder.path().join(name));
-    let input = open_input(&path, Hints::default(), &Progress::hidden()).unwrap();
+    let input = open(&path, Hints::default(), &Progress::hidden()).unwrap();
     prepared(&[input], &first, &Request::default(), &TIGHT, &Progress::hidden()).unwrap();
     let again = Octree::open(&first).unwrap();
     prepared(&[Box::new(again)], &second, &Request::default(), &TIGHT, &Progress::hidden()).unwrap();
@@ -176,7 +176,7 @@ fn several_scans_have_neighbors_in_each_other() {
 fn real_scans_change_no_bit() {
     let Some(data) = whole_clouds() else { return };
     for name in ["lidar/autzen_trim.laz", "models/bun_zipper.ply", "indoor/livingroom_fragment_double.ply"] {
-        let input = open_input(&data.join(name), Hints::default(), &Progress::hidden()).unwrap();
+        let input = open(&data.join(name), Hints::default(), &Progress::hidden()).unwrap();
         let request = Request { normals: true, ..Request::default() };
         let settings = Settings { node_points: 2000, host_memory: 8 << 20 };
         let given = whole(&*input).normals;

@@ -86,52 +86,70 @@ impl Layout {
     }
 
     /// The position, if it is finite.
-    pub(super) fn position(&self, row: &[f64]) -> Option<DVec3> {
-        Some(DVec3::from(self.position.map(|at| row[at]))).filter(|position| position.is_finite())
+    #[inline]
+    pub(super) fn position(&self, value: impl Fn(usize) -> f64) -> Option<DVec3> {
+        let [x, y, z] = self.position;
+        Some(DVec3::new(value(x), value(y), value(z))).filter(|position| position.is_finite())
     }
 
-    pub(super) fn normal(&self, row: &[f64]) -> Option<Vec3> {
-        self.normal.map(|at| unit_or_zero(Vec3::from(at.map(|at| row[at] as f32))))
+    #[inline]
+    pub(super) fn normal(&self, value: impl Fn(usize) -> f64) -> Option<Vec3> {
+        self.normal.map(|[x, y, z]| unit_or_zero(Vec3::new(value(x) as f32, value(y) as f32, value(z) as f32)))
     }
 
     /// The linear color, or what is stored if the range is not known yet.
-    pub(super) fn color(&self, row: &[f64]) -> Option<Vec3> {
-        Some(Vec3::from(match self.color.as_ref()? {
-            Rgb::Typed(channels) => channels.each_ref().map(|channel| channel.linear(row)),
-            Rgb::Measured(at) => at.map(|at| row[at] as f32),
-        }))
-    }
-
-    /// The alpha, or what is stored if the range is not known yet.
-    pub(super) fn alpha(&self, row: &[f64]) -> Option<f32> {
-        Some(match self.alpha.as_ref()? {
-            Alpha::Typed(channel) => channel.unit(row),
-            Alpha::Measured(at) => row[*at] as f32,
+    #[inline]
+    pub(super) fn color(&self, value: impl Fn(usize) -> f64) -> Option<Vec3> {
+        Some(match self.color.as_ref()? {
+            Rgb::Typed([r, g, b]) => Vec3::new(r.linear(value(r.at)), g.linear(value(g.at)), b.linear(value(b.at))),
+            Rgb::Measured([r, g, b]) => Vec3::new(value(*r) as f32, value(*g) as f32, value(*b) as f32),
         })
     }
 
-    pub(super) fn radius(&self, row: &[f64]) -> Option<f32> {
-        let radius = row[self.radius?] as f32;
+    /// The alpha, or what is stored if the range is not known yet.
+    #[inline]
+    pub(super) fn alpha(&self, value: impl Fn(usize) -> f64) -> Option<f32> {
+        Some(match self.alpha.as_ref()? {
+            Alpha::Typed(channel) => channel.unit(value(channel.at)),
+            Alpha::Measured(at) => value(*at) as f32,
+        })
+    }
+
+    #[inline]
+    pub(super) fn radius(&self, value: impl Fn(usize) -> f64) -> Option<f32> {
+        let radius = value(self.radius?) as f32;
         Some(if radius.is_finite() { radius.max(0.0) } else { 0.0 })
     }
 
     /// The code of a class, or what stands in place of one.
-    pub(super) fn code(&self, row: &[f64]) -> Option<f32> {
-        self.classification.as_ref().map(|(at, _)| row[*at] as f32)
+    #[inline]
+    pub(super) fn code(&self, value: impl Fn(usize) -> f64) -> Option<f32> {
+        self.classification.as_ref().map(|(at, _)| value(*at) as f32)
     }
 
-    pub(super) fn intensity(&self, row: &[f64]) -> Option<f32> {
-        self.intensity.map(|at| row[at] as f32)
+    #[inline]
+    pub(super) fn intensity(&self, value: impl Fn(usize) -> f64) -> Option<f32> {
+        self.intensity.map(|at| value(at) as f32)
+    }
+
+    /// The places of the other values, in the order of the cloud's scalars.
+    pub(super) fn scalar_places(&self) -> impl Iterator<Item = usize> {
+        self.scalars.iter().map(|(at, _)| *at)
     }
 
     /// The other values, in the order of the cloud's scalars.
-    pub(super) fn scalars(&self, row: &[f64]) -> impl Iterator<Item = f32> {
-        self.scalars.iter().map(|(at, _)| row[*at] as f32)
+    pub(super) fn scalars(&self, value: impl Fn(usize) -> f64) -> impl Iterator<Item = f32> {
+        self.scalar_places().map(move |at| value(at) as f32)
     }
 }
 
 /// The normal with length 1, or zero if it has no direction.
+<<<<<<< HEAD
 pub(in crate::io) fn unit_or_zero(normal: Vec3) -> Vec3 {
+=======
+#[inline]
+fn unit_or_zero(normal: Vec3) -> Vec3 {
+>>>>>>> h2
     if (normal.length_squared() - 1.0).abs() <= UNIT_TOLERANCE {
         return normal;
     }

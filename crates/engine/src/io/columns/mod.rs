@@ -1,10 +1,16 @@
 //! From the rows of a table to the columns of a cloud, by the names of the table's columns (the table in `ply`).
 
+mod block;
 mod layout;
 mod rows;
 mod table;
 
+<<<<<<< HEAD
 pub(super) use layout::{Layout, unit_or_zero};
+=======
+pub(super) use block::Block;
+pub(super) use layout::Layout;
+>>>>>>> h2
 pub(super) use ply_rs_bw::ply::ScalarType;
 pub(super) use rows::Rows;
 pub(super) use table::{Table, Whole};

@@ -1,8 +1,10 @@
 //! Runs of a table's rows that are written side by side.
 
+use std::ops::Range;
+
 use glam::{DVec3, Vec3};
 
-use super::{Layout, Table};
+use super::{Block, Layout, Table};
 
 /// A run of rows of a [`Table`], in all of its columns.
 pub(in crate::io) struct Rows<'a> {
@@ -50,24 +52,27 @@ impl<'a> Rows<'a> {
         self.positions.len()
     }
 
-    /// Writes a row to a place; false if its position is not finite, and the place is free for another.
-    pub fn put(&mut self, layout: &Layout, at: usize, row: &[f64]) -> bool {
-        fn set<T>(column: &mut Option<&mut [T]>, at: usize, value: Option<T>) {
-            if let (Some(column), Some(value)) = (column, value) {
-                column[at] = value;
+    /// Writes the rows of a block, whose positions are finite, to a place.
+    pub fn put(&mut self, layout: &Layout, at: usize, block: &Block) {
+        fn set<T>(column: &mut Option<&mut [T]>, places: Range<usize>, value: impl Fn(usize) -> Option<T>) {
+            let Some(column) = column else { return };
+            for (row, to) in column[places].iter_mut().enumerate() {
+                if let Some(value) = value(row) {
+                    *to = value;
+                }
             }
         }
-        let Some(position) = layout.position(row) else { return false };
-        self.positions[at] = position;
-        set(&mut self.colors, at, layout.color(row));
-        set(&mut self.alphas, at, layout.alpha(row));
-        set(&mut self.normals, at, layout.normal(row));
-        set(&mut self.radii, at, layout.radius(row));
-        set(&mut self.intensity, at, layout.intensity(row));
-        set(&mut self.codes, at, layout.code(row));
-        for (values, value) in self.scalars.iter_mut().zip(layout.scalars(row)) {
-            values[at] = value;
+        let places = at..at + block.len();
+        let value = |row: usize| move |at: usize| block.value(row, at);
+        set(&mut Some(&mut *self.positions), places.clone(), |row| layout.position(value(row)));
+        set(&mut self.colors, places.clone(), |row| layout.color(value(row)));
+        set(&mut self.alphas, places.clone(), |row| layout.alpha(value(row)));
+        set(&mut self.normals, places.clone(), |row| layout.normal(value(row)));
+        set(&mut self.radii, places.clone(), |row| layout.radius(value(row)));
+        set(&mut self.intensity, places.clone(), |row| layout.intensity(value(row)));
+        set(&mut self.codes, places.clone(), |row| layout.code(value(row)));
+        for (column, at) in self.scalars.iter_mut().zip(layout.scalar_places()) {
+            set(&mut Some(&mut **column), places.clone(), |row| Some(block.value(row, at) as f32));
         }
-        true
     }
 }

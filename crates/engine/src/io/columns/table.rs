@@ -68,18 +68,19 @@ impl Table {
             }
         }
         let cloud = &mut self.cloud;
-        let Some(position) = layout.position(row) else {
+        let value = |at: usize| row[at];
+        let Some(position) = layout.position(value) else {
             cloud.non_finite += 1;
             return;
         };
         cloud.positions.push(position);
-        add(&mut cloud.normals, layout.normal(row));
-        add(&mut cloud.colors, layout.color(row));
-        add(&mut cloud.alphas, layout.alpha(row));
-        add(&mut cloud.radii, layout.radius(row));
-        add(&mut cloud.intensity, layout.intensity(row));
-        add(&mut self.codes, layout.code(row));
-        for ((_, values), value) in cloud.scalars.iter_mut().zip(layout.scalars(row)) {
+        add(&mut cloud.normals, layout.normal(value));
+        add(&mut cloud.colors, layout.color(value));
+        add(&mut cloud.alphas, layout.alpha(value));
+        add(&mut cloud.radii, layout.radius(value));
+        add(&mut cloud.intensity, layout.intensity(value));
+        add(&mut self.codes, layout.code(value));
+        for ((_, values), value) in cloud.scalars.iter_mut().zip(layout.scalars(value)) {
             values.push(value);
         }
     }
@@ -172,7 +173,7 @@ fn compact<T: Copy>(column: &mut Vec<T>, run: usize, kept: &[usize]) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Column, FullScale, ScalarType};
+    use super::super::{Block, Column, FullScale, ScalarType};
     use super::*;
 
     fn layout(names: &[&str]) -> Layout {
@@ -196,12 +197,16 @@ mod tests {
         for run in [1, 10, 103, 200] {
             let mut filled = Table::new(&layout, rows.len());
             let left_out = filled.fill(run, |first, to| {
+                let mut block = Block::new(14);
                 let (mut kept, mut left_out) = (0, Vec::new());
-                for (at, row) in rows.iter().enumerate().skip(first).take(to.len()) {
-                    match to.put(&layout, kept, row) {
-                        true => kept += 1,
-                        false => left_out.push(at as u64),
-                    }
+                for (number, some) in rows[first..first + to.len()].chunks(7).enumerate() {
+                    block.set_len(some.len());
+                    (0..14)
+                        .for_each(|at| block.column(at).iter_mut().zip(some).for_each(|(value, row)| *value = row[at]));
+                    let gone = block.keep_finite(&layout);
+                    left_out.extend(gone.into_iter().map(|at| (first + number * 7 + at) as u64));
+                    to.put(&layout, kept, &block);
+                    kept += block.len();
                 }
                 Ok::<_, ()>(left_out)
             });

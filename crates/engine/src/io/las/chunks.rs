@@ -4,7 +4,7 @@ use std::io::{Cursor, Read, Seek, SeekFrom};
 
 use laz::laszip::{ChunkTable, CompressorType};
 use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
-use laz::{LazItemType, LazVlr};
+use laz::{DecompressionSelection, LazItemType, LazVlr};
 
 use super::header::Header;
 use crate::io::{Error, Source, decoder};
@@ -171,16 +171,18 @@ fn entry_count(source: &mut Source, place: u64) -> std::io::Result<u64> {
 }
 
 impl Chunk {
-    /// Passes the chunk's records on in blocks, or returns the defect.
+    /// Passes the chunk's records on in blocks, or returns the defect. Fields that aren't selected may have any value.
     pub(super) fn decode(
         &self,
         header: &Header,
         bytes: &[u8],
+        selection: DecompressionSelection,
         mut take: impl FnMut(&[u8]) -> Result<(), String>,
     ) -> Result<(), String> {
         let Some(laz) = &header.laz else { return take(bytes) };
         check_layers(header, laz, bytes)?;
         let mut decoder = record_decoder(laz, bytes)?;
+        decoder.set_selection(selection);
         let mut records = Vec::new();
         let mut done = 0;
         while done < self.points {

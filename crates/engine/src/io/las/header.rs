@@ -41,8 +41,9 @@ pub(in crate::io) struct Header {
 impl Header {
     /// The header's box with a step of the coordinates' grid around it, since many writers round it; `None` if it can be no box.
     pub fn claimed_bounds(&self) -> Option<Bounds> {
-        let Bounds { min, max } = self.bounds;
-        (min.is_finite() && max.is_finite() && min.cmple(max).all()).then(|| self.widened(self.bounds))
+        let Bounds { min, max } = self.widened(self.bounds);
+        (min.is_finite() && max.is_finite() && self.bounds.min.cmple(self.bounds.max).all())
+            .then_some(Bounds { min, max })
     }
 
     /// A box with a step of the coordinates' grid around it.

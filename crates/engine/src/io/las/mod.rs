@@ -9,12 +9,16 @@ mod extra;
 mod header;
 mod traits;
 
+<<<<<<< HEAD
 use glam::DVec3;
+=======
+use laz::DecompressionSelection;
+>>>>>>> h2
 use rayon::prelude::*;
 
 use super::store::Grid;
 use super::{Error, LasColumns, SharedFile, Source};
-use crate::cloud::Cloud;
+use crate::cloud::{Bounds, Cloud};
 use crate::progress::Progress;
 pub(super) use chunks::Chunk;
 pub(super) use columns::Columns;
@@ -55,9 +59,32 @@ impl LasFile {
 
     /// The columns of a chunk, as they are stored.
     pub fn decode(&self, chunk: &Chunk, progress: &Progress) -> Result<Columns, Error> {
+        self.decode_selected(chunk, DecompressionSelection::all(), progress)
+    }
+
+    /// What a chunk's points tell of the whole file, and their box if it is asked for. Only what that takes is decoded, where the
+    /// compression stores it apart from the rest (LAS 1.4, point formats 6 to 10).
+    pub fn traits(&self, chunk: &Chunk, boxes: bool) -> Result<(Traits, Option<Bounds>), Error> {
+        let mut selection = DecompressionSelection::base().decompress_rgb();
+        if self.asked.gps_time {
+            selection = selection.decompress_gps_time();
+        }
+        if boxes {
+            selection = selection.decompress_z();
+        }
+        let columns = self.decode_selected(chunk, selection, &Progress::hidden())?;
+        Ok((columns.traits(), boxes.then(|| columns.bounds()).flatten()))
+    }
+
+    fn decode_selected(
+        &self,
+        chunk: &Chunk,
+        selection: DecompressionSelection,
+        progress: &Progress,
+    ) -> Result<Columns, Error> {
         let bytes = self.file.read(chunk.start, chunk.bytes)?;
         let mut columns = Columns::new(&self.header, self.asked);
-        let decoded = chunk.decode(&self.header, &bytes, |records| {
+        let decoded = chunk.decode(&self.header, &bytes, selection, |records| {
             columns.push(&self.header, records)?;
             progress.inc((records.len() / self.header.record_len) as u64);
             Ok(())

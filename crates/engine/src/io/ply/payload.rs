@@ -39,7 +39,9 @@ impl Binary {
     fn scalar(&self, reader: &mut impl Read, scalar: &ScalarType) -> std::io::Result<f64> {
         let mut bytes = [0; 8];
         reader.read_exact(&mut bytes[..size(scalar) as usize])?;
-        Ok(value(&bytes, scalar, self.little_endian))
+        let mut value = [0.0];
+        column(&bytes, bytes.len(), 0, scalar, self.little_endian, &mut value);
+        Ok(value[0])
     }
 
     fn skip_list(&self, reader: &mut impl Read, count: &ScalarType, item: &ScalarType) -> std::io::Result<()> {
@@ -69,26 +71,39 @@ impl Binary {
     }
 }
 
-/// The scalar that some bytes begin with.
-#[inline]
-pub(super) fn value(bytes: &[u8], scalar: &ScalarType, little_endian: bool) -> f64 {
-    #[inline]
-    fn first<const N: usize>(bytes: &[u8], little_endian: bool) -> [u8; N] {
-        let mut first: [u8; N] = bytes.first_chunk().copied().unwrap_or([0; N]);
-        if !little_endian {
-            first.reverse();
-        }
-        first
-    }
+/// The scalars at a byte of each of some records of one size.
+pub(super) fn column(records: &[u8], len: usize, at: usize, scalar: &ScalarType, little_endian: bool, to: &mut [f64]) {
+    let each = Each { records, len, at, little_endian };
     match scalar {
-        ScalarType::Char => i8::from_le_bytes(first(bytes, little_endian)).into(),
-        ScalarType::UChar => u8::from_le_bytes(first(bytes, little_endian)).into(),
-        ScalarType::Short => i16::from_le_bytes(first(bytes, little_endian)).into(),
-        ScalarType::UShort => u16::from_le_bytes(first(bytes, little_endian)).into(),
-        ScalarType::Int => i32::from_le_bytes(first(bytes, little_endian)).into(),
-        ScalarType::UInt => u32::from_le_bytes(first(bytes, little_endian)).into(),
-        ScalarType::Float => f32::from_le_bytes(first(bytes, little_endian)).into(),
-        ScalarType::Double => f64::from_le_bytes(first(bytes, little_endian)),
+        ScalarType::Char => each.convert(to, |bytes| i8::from_le_bytes(bytes).into()),
+        ScalarType::UChar => each.convert(to, |bytes| u8::from_le_bytes(bytes).into()),
+        ScalarType::Short => each.convert(to, |bytes| i16::from_le_bytes(bytes).into()),
+        ScalarType::UShort => each.convert(to, |bytes| u16::from_le_bytes(bytes).into()),
+        ScalarType::Int => each.convert(to, |bytes| i32::from_le_bytes(bytes).into()),
+        ScalarType::UInt => each.convert(to, |bytes| u32::from_le_bytes(bytes).into()),
+        ScalarType::Float => each.convert(to, |bytes| f32::from_le_bytes(bytes).into()),
+        ScalarType::Double => each.convert(to, f64::from_le_bytes),
+    }
+}
+
+/// A place in each of some records.
+struct Each<'a> {
+    records: &'a [u8],
+    len: usize,
+    at: usize,
+    little_endian: bool,
+}
+
+impl Each<'_> {
+    fn convert<const N: usize>(&self, to: &mut [f64], value: impl Fn([u8; N]) -> f64) {
+        for (record, to) in self.records.chunks_exact(self.len).zip(to) {
+            if let Some(mut bytes) = record[self.at..].first_chunk().copied() {
+                if !self.little_endian {
+                    bytes.reverse();
+                }
+                *to = value(bytes);
+            }
+        }
     }
 }
 

@@ -6,13 +6,13 @@ use std::ops::Range;
 use ply_rs_bw::ply::Encoding;
 
 use super::header::{Element, Header, Kind, ScalarType, size};
-use super::payload::{self, value};
-use crate::io::columns::{Layout, Table};
+use super::payload::{self, column};
+use crate::io::columns::{Block, Layout, Table};
 use crate::io::{Error, SharedFile, Source};
 use crate::progress::Progress;
 
 /// Rows that a thread parses at a time.
-const RUN: usize = 1 << 16;
+const RUN: usize = 1 << 14;
 
 /// The vertices of a file.
 #[derive(Debug)]
@@ -65,17 +65,19 @@ impl VertexRows {
         let left_out = table.fill(RUN, |first, to| {
             let first = rows.start + first as u64;
             let bytes = self.file.read(self.start + first * self.row_len, to.len() as u64 * self.row_len)?;
-            let mut row = vec![0.0; self.values.len()];
-            let (mut kept, mut left_out) = (0, Vec::new());
-            for (at, record) in bytes.chunks_exact(self.row_len as usize).enumerate() {
-                for (number, (offset, scalar)) in row.iter_mut().zip(&self.values) {
-                    *number = value(&record[*offset..], scalar, self.little_endian);
+            let row_len = self.row_len as usize;
+            let mut block = Block::new(self.values.len());
+            let (mut done, mut left_out) = (0, Vec::new());
+            for records in bytes.chunks(Block::ROWS * row_len) {
+                block.set_len(records.len() / row_len);
+                let rows = block.len();
+                for (at, (offset, scalar)) in self.values.iter().enumerate() {
+                    column(records, row_len, *offset, scalar, self.little_endian, block.column(at));
                 }
-                if to.put(&self.layout, kept, &row) {
-                    kept += 1;
-                } else {
-                    left_out.push(first + at as u64);
-                }
+                let kept = done - left_out.len();
+                left_out.extend(block.keep_finite(&self.layout).into_iter().map(|at| first + (done + at) as u64));
+                to.put(&self.layout, kept, &block);
+                done += rows;
             }
             progress.inc(to.len() as u64);
             Ok::<_, Error>(left_out)

@@ -10,7 +10,7 @@ use crate::cloud::{Bounds, UpAxis};
 const SURVEY: f64 = 1e4;
 
 /// Points that the vertical is told from, at most twice as many: places of hundredths among them are those among all.
-const SAMPLE: u64 = 1 << 18;
+const SAMPLE: u64 = 1 << 17;
 
 /// Of a file with so many points every how many'th finite one tells the vertical.
 pub(in crate::io) fn step(points: u64) -> usize {

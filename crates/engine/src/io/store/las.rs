@@ -45,8 +45,8 @@ impl LasPieces {
         check_finite(&file)?;
         let pieces = pieces(&file.chunks);
         let claimed = file.header.claimed_bounds();
-        let survey =
-            Survey::of(&file, file.chunks.iter(), |bounds| claimed.is_some_and(|claimed| claimed.holds(bounds)))?;
+        let is_fine = |bounds: &Bounds| claimed.is_some_and(|claimed| claimed.holds(bounds));
+        let survey = Survey::of(&file, file.chunks.iter(), Some(&is_fine))?;
         let boxes = &survey.boxes;
         let whole = boxes.iter().copied().reduce(Bounds::union);
         let bounds = if boxes.len() == file.chunks.len() { whole } else { claimed };
@@ -151,34 +151,30 @@ const MOST_AT_A_TIME: usize = 64;
 /// What decides about the columns of a file, from as many of its chunks as that takes.
 pub(super) struct Survey {
     pub traits: Traits,
-    /// The boxes of the points of the chunks that were decoded for it, in their order.
+    /// The boxes of the points of the chunks that were decoded for it, in their order, if they are asked for.
     pub boxes: Vec<Bounds>,
 }
 
 impl Survey {
-    /// Decodes chunks in this order until nothing in the others can matter. `is_fine` says of the box of a chunk's points whether
-    /// it is what it should be; where it isn't, all chunks are decoded.
+    /// Decodes chunks in this order until nothing in the others can matter. `is_fine`, if it is there, says of the box of a chunk's
+    /// points whether it is what it should be; where it isn't, all chunks are decoded.
     pub fn of<'a>(
         file: &LasFile,
         chunks: impl Iterator<Item = &'a Chunk>,
-        is_fine: impl Fn(&Bounds) -> bool,
+        is_fine: Option<&dyn Fn(&Bounds) -> bool>,
     ) -> Result<Self, Error> {
         let mut survey = Self { traits: Traits::NONE, boxes: Vec::new() };
-        let mut fine = true;
+        let (boxes, mut fine, mut done) = (is_fine.is_some(), true, 0usize);
         let mut chunks = chunks.peekable();
         // One, then twice as many each time: most files need few, some all. Independent of the machine, as the nodes' boxes are.
         while chunks.peek().is_some() && !(fine && survey.traits.are_settled(&file.header, file.asked)) {
-            let batch: Vec<&Chunk> = chunks.by_ref().take(survey.boxes.len().clamp(1, MOST_AT_A_TIME)).collect();
-            let seen = batch.par_iter().map(|chunk| {
-                let columns = file.decode(chunk, &Progress::hidden())?;
-                Ok((columns.traits(), columns.bounds()))
-            });
+            let batch: Vec<&Chunk> = chunks.by_ref().take(done.clamp(1, MOST_AT_A_TIME)).collect();
+            done += batch.len();
+            let seen = batch.par_iter().map(|chunk| file.traits(chunk, boxes));
             for (traits, bounds) in seen.collect::<Result<Vec<_>, Error>>()? {
                 survey.traits = survey.traits.and(traits);
-                // Chunks have points, and these are finite.
-                let Some(bounds) = bounds else { continue };
-                fine &= is_fine(&bounds);
-                survey.boxes.push(bounds);
+                fine &= bounds.is_none_or(|bounds| is_fine.is_none_or(|is_fine| is_fine(&bounds)));
+                survey.boxes.extend(bounds);
             }
         }
         Ok(survey)

@@ -41,7 +41,13 @@ fn made(tiles: Tiles, statistics: bool) -> (TempDir, PathBuf) {
 
 #[test]
 fn the_nodes_of_a_folder_are_the_file_that_it_was_made_of() {
-    let kinds = [(Tiles::Laszip, true), (Tiles::Laszip, false), (Tiles::Binary, true), (Tiles::Binary, false)];
+    let kinds = [
+        (Tiles::Laszip, true),
+        (Tiles::Laszip, false),
+        (Tiles::Binary, true),
+        (Tiles::Binary, false),
+        (Tiles::Zstandard, true),
+    ];
     let real = files(&[".las", ".laz"]).into_iter().filter(|(name, _)| {
         ["lidar/sample_c", "formats/1.2-with-color", "lidar/autzen_trim"].iter().any(|wanted| name.starts_with(wanted))
     });
@@ -94,7 +100,7 @@ fn lying_descriptions_are_refused() {
         ("points", json!(u64::MAX), "the nodes of the hierarchy have 900"),
         ("points", json!(-3), "line 1"),
         ("span", json!(0), "`span`"),
-        ("dataType", json!("zstandard"), "known: laszip, binary"),
+        ("dataType", json!("zip"), "known: laszip, binary, zstandard"),
         ("dataType", json!("laszip"), "no such file"),
         ("hierarchyType", json!("gzip"), "known: json"),
         ("bounds", json!([0, 0, 0, -1, 1, 1]), "no box"),
@@ -151,10 +157,10 @@ fn lying_hierarchies_are_refused() {
 
 #[test]
 fn tiles_that_are_damaged_or_gone_are_refused() {
-    for tiles in [Tiles::Laszip, Tiles::Binary] {
+    for (tiles, ending) in [(Tiles::Laszip, "laz"), (Tiles::Binary, "bin"), (Tiles::Zstandard, "zst")] {
         let (folder, _) = made(tiles, true);
         let ept = folder.path().join("ept");
-        let path = ept.join(if tiles == Tiles::Laszip { "ept-data/0-0-0-0.laz" } else { "ept-data/0-0-0-0.bin" });
+        let path = ept.join(format!("ept-data/0-0-0-0.{ending}"));
         let store = Ept::open(&ept, LasColumns::default()).unwrap();
         let bytes = std::fs::read(&path).unwrap();
         std::fs::write(&path, &bytes[..bytes.len() / 2 + 1]).unwrap();

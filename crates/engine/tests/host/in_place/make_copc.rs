@@ -19,8 +19,6 @@ pub struct Made {
     pub bytes: Vec<u8>,
     /// Byte of the first entry of each page: that of the root, then the other one.
     pub pages: [usize; 2],
-    /// Entries of each page.
-    pub entries: [usize; 2],
 }
 
 /// Nodes of a cube with a side of 8. The second and the fourth stand on the second page.
@@ -72,7 +70,7 @@ pub fn make_of(format: u8, points: u16) -> Made {
     for (at, value) in [(40, pages[0] as u64), (48, 4 * ENTRY as u64)] {
         bytes[INFO + at..][..8].copy_from_slice(&value.to_le_bytes());
     }
-    Made { bytes, pages, entries: [4, 2] }
+    Made { bytes, pages }
 }
 
 /// Compression, uncompressed records, and everything before the points.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use las::{Builder, Header, Point, Reader, Writer};
+use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use serde_json::{Map, Value, json};
 
 type Key = [u32; 4];
@@ -13,6 +14,7 @@ type Key = [u32; 4];
 pub enum Tiles {
     Laszip,
     Binary,
+    Zstandard,
 }
 
 /// Makes a folder of the points of a file: a third of them in the root, another one level below, the rest two levels below. Nodes of the
@@ -39,13 +41,21 @@ pub fn make(folder: &Path, file: &Path, tiles: Tiles, statistics: bool) {
         match tiles {
             Tiles::Laszip => write_laz(&path.with_extension("laz"), &header, points),
             Tiles::Binary => std::fs::write(path.with_extension("bin"), rows(&header, points)).unwrap(),
+            Tiles::Zstandard => {
+                let compressed = compress_to_vec(&*rows(&header, points), CompressionLevel::Fastest);
+                std::fs::write(path.with_extension("zst"), compressed).unwrap();
+            }
         }
     }
     write_hierarchy(folder, &nodes);
     let description = json!({
         "bounds": [min[0], min[1], min[2], min[0] + side, min[1] + side, min[2] + side],
         "boundsConforming": [min[0], min[1], min[2], max[0], max[1], max[2]],
-        "dataType": if tiles == Tiles::Laszip { "laszip" } else { "binary" },
+        "dataType": match tiles {
+            Tiles::Laszip => "laszip",
+            Tiles::Binary => "binary",
+            Tiles::Zstandard => "zstandard",
+        },
         "hierarchyType": "json",
         "points": points.len(),
         "schema": schema(&header, &points, statistics),

@@ -278,3 +278,15 @@ fn random_damage_never_panics() {
     }
     assert!(refused > 300, "only {refused} damaged files were refused");
 }
+
+/// Files that are longer than what is parsed at a time: scans begin and errors stand where they would line by line.
+#[test]
+fn batches_of_lines_are_lines() {
+    let scan = |points: usize| format!("{points}\n{}", "1.5 2 3 -7\n".repeat(points));
+    let two = format!("{}# between\n{}", scan(900_000), scan(900_000));
+    let cloud = load_bytes("a.pts", &two).unwrap();
+    assert_eq!((cloud.len(), cloud.warnings.len()), (1_800_000, 0));
+    assert!(cloud.positions.iter().all(|position| *position == DVec3::new(1.5, 2.0, 3.0)));
+    assert_refused("a.pts", format!("{two}1 2\n"), &["line 1800004", "expected 4 values, found 2"]);
+    assert_refused("a.pts", format!("{two}1,5 2 3 -7\n"), &["line 1800004, column 1", "where numbers before it"]);
+}

@@ -32,7 +32,8 @@ impl Info {
         let whole = |at: usize| u64::from_le_bytes(fields[at]);
         let (center, half, spacing) = (DVec3::new(number(0), number(1), number(2)), number(3), number(4));
         let cube = Bounds { min: center - half, max: center + half };
-        if !(cube.min.is_finite() && cube.max.is_finite() && half > 0.0) {
+        let widened = file.header.widened(cube);
+        if !((widened.max - widened.min).is_finite() && half > 0.0) {
             return Err(malformed(format!("a cube around {center} with half a side of {half}")));
         }
         if !(spacing.is_finite() && spacing > 0.0) {

@@ -68,7 +68,7 @@ impl Copc {
             })
         });
         let nodes = nodes.collect::<Result<Vec<_>, Error>>()?;
-        let survey = Survey::of(&file, chunks.iter(), |_| true)?;
+        let survey = Survey::of(&file, chunks.iter(), None)?;
         let Some(bounds) = nodes.iter().map(|node| node.bounds).reduce(Bounds::union) else {
             return Err(no_points(&file));
         };

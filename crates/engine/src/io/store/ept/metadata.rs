@@ -71,6 +71,8 @@ pub(super) enum Tiles {
     Laszip,
     /// Rows of the schema's numbers.
     Rows(Rows),
+    /// The same, compressed.
+    Zstandard(Rows),
 }
 
 impl Tiles {
@@ -78,6 +80,7 @@ impl Tiles {
         match self {
             Self::Laszip => "laz",
             Self::Rows(_) => "bin",
+            Self::Zstandard(_) => "zst",
         }
     }
 }
@@ -117,17 +120,19 @@ impl Metadata {
         let tiles = match &*json.data_type {
             "laszip" => Tiles::Laszip,
             "binary" => Tiles::Rows(Rows::new(&json.schema).map_err(|cause| malformed("schema", cause))?),
+            "zstandard" => Tiles::Zstandard(Rows::new(&json.schema).map_err(|cause| malformed("schema", cause))?),
             other => {
-                let cause = format!("`{other}` (known: laszip, binary); `entwine` and `pdal` write these");
-                return Err(malformed("dataType", cause));
+                return Err(malformed("dataType", format!("`{other}` (known: laszip, binary, zstandard)")));
             }
         };
         let scale = |name: &str| json.schema.iter().find(|d| d.name == name).and_then(|d| d.scale).unwrap_or(0.0);
         let step = DVec3::from(["X", "Y", "Z"].map(scale)).abs();
-        if !step.is_finite() {
+        let metadata = Self { points: json.points, cube, conforming, spacing, tiles, schema: json.schema, step };
+        let is_finite = |bounds: Bounds| (bounds.max - bounds.min).is_finite();
+        if !(is_finite(metadata.widened(cube)) && is_finite(metadata.widened(conforming))) {
             return Err(malformed("schema", format!("coordinates in steps of {step}")));
         }
-        Ok(Self { points: json.points, cube, conforming, spacing, tiles, schema: json.schema, step })
+        Ok(metadata)
     }
 
     /// A box with a step of the coordinates' grid around it, since points were put on the grid after they found their node.

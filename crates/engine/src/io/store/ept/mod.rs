@@ -20,7 +20,7 @@ use metadata::{Metadata, Tiles};
 /// Tiles that are looked at side by side, if it takes any, to find what decides about whole columns.
 const AT_A_TIME: usize = 16;
 
-/// An EPT folder with tiles in LAZ files or in plain rows, read node by node.
+/// An EPT folder with tiles in LAZ files or in rows, plain or compressed by Zstandard, read node by node.
 ///
 /// It has the columns that LAS files have: positions, colors, intensity, classes, returns, the columns that are asked for, and dimensions
 /// that LAS doesn't know as scalars. What decides about whole columns is taken from the largest and smallest values in the description;
@@ -43,7 +43,7 @@ impl Ept {
     ///
     /// # Errors
     /// The description or the hierarchy is missing, damaged, has loops or doubts of how many points there are; tiles are missing, or in
-    /// a format that isn't known (`zstandard`).
+    /// a format that isn't known.
     pub fn open(path: &Path, asked: LasColumns) -> Result<Self, Error> {
         let folder = if path.is_dir() { path } else { path.parent().unwrap_or(path) };
         let metadata = Metadata::read(&folder.join("ept.json"))?;
@@ -106,7 +106,8 @@ impl Ept {
                 let columns = Columns::join(parts).unwrap_or_else(|| Columns::new(&file.header, self.asked));
                 Ok((columns, file.extra_names().map(str::to_owned).collect()))
             }
-            Tiles::Rows(rows) => rows.read(Source::open(&path)?, self.asked),
+            Tiles::Rows(rows) => rows.read(Source::open(&path)?, self.asked, false),
+            Tiles::Zstandard(rows) => rows.read(Source::open(&path)?, self.asked, true),
         }
     }
 
@@ -120,7 +121,7 @@ impl Ept {
         let cloud = columns.finish(names.iter().map(|name| &**name), self.asked, &self.traits);
         match &self.metadata.tiles {
             Tiles::Laszip => cloud,
-            Tiles::Rows(rows) => rows.without_missing(cloud),
+            Tiles::Rows(rows) | Tiles::Zstandard(rows) => rows.without_missing(cloud),
         }
     }
 

@@ -3,11 +3,12 @@
 use std::io::Read;
 
 use glam::DVec3;
+use ruzstd::decoding::StreamingDecoder;
 
 use super::metadata::{Dimension, Kind};
 use crate::cloud::Cloud;
 use crate::io::las::Columns;
-use crate::io::{Error, LasColumns, Source};
+use crate::io::{Error, LasColumns, Source, decoder};
 
 /// Dimensions of LAS points that clouds have no columns for.
 const UNUSED: [&str; 13] = [
@@ -25,6 +26,9 @@ const UNUSED: [&str; 13] = [
     "Overlap",
     "Infrared",
 ];
+
+/// Bytes of points that one compressed byte stands for, at most: coordinates don't repeat.
+const MOST_FOR_ONE: u64 = 1000;
 
 /// The numbers of a row, by what they are.
 #[derive(Debug)]
@@ -66,6 +70,21 @@ impl Number {
     }
 }
 
+/// The bytes that are compressed as these, or what is wrong with them.
+fn decompressed(bytes: &[u8]) -> Result<Vec<u8>, String> {
+    let most = bytes.len() as u64 * MOST_FOR_ONE;
+    let mut all = Vec::new();
+    let decode = || -> Result<usize, String> {
+        let decoder = StreamingDecoder::new(bytes).map_err(|e| e.to_string())?;
+        decoder.take(most + 1).read_to_end(&mut all).map_err(|e| e.to_string())
+    };
+    decoder::guard(decode)??;
+    if all.len() as u64 > most {
+        return Err(format!("more than {most} bytes come of {}", bytes.len()));
+    }
+    Ok(all)
+}
+
 impl Rows {
     /// The rows of a schema, or what is wrong with it.
     pub fn new(schema: &[Dimension]) -> Result<Self, String> {
@@ -103,10 +122,18 @@ impl Rows {
     }
 
     /// The columns of a tile, and the names of those that LAS doesn't know.
-    pub fn read(&self, mut source: Source, asked: LasColumns) -> Result<(Columns, Vec<String>), Error> {
+    pub fn read(
+        &self,
+        mut source: Source,
+        asked: LasColumns,
+        compressed: bool,
+    ) -> Result<(Columns, Vec<String>), Error> {
         let mut bytes = Vec::new();
         let read = source.reader.by_ref().take(source.len).read_to_end(&mut bytes);
         read.map_err(|e| source.read_error(e))?;
+        if compressed {
+            bytes = decompressed(&bytes).map_err(|cause| source.malformed("zstandard", cause))?;
+        }
         if bytes.len() % self.len != 0 {
             return Err(source.truncated(format!("{} bytes, but points have {} each", bytes.len(), self.len)));
         }
