@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use bytesize::ByteSize;
 use pellucid_engine::io::store::build::{NODE_POINTS, Settings};
-use pellucid_engine::io::store::{Octree, Store, open};
+use pellucid_engine::io::store::{self, Octree, Store};
 use pellucid_engine::prepare::{self, Request};
 use pellucid_engine::scene::{self, CloudSettings, Scene};
 use pellucid_engine::{Result, io};
@@ -60,7 +60,7 @@ fn open(inputs: &[PathBuf], scene: &Scene, progress: &Bar, console: Console) -> 
     let open = |(path, settings): (&PathBuf, &CloudSettings)| {
         progress.reset();
         progress.set_message(format!("reading {}", path.display()));
-        let store = open(path, settings.hints(), progress)?;
+        let store = store::open(path, settings.hints(), progress)?;
         let summary = store.summary();
         console.detail(format_args!("{}: {} points", path.display(), summary.points));
         report_cloud(path, &summary.like, console.without_details());

@@ -144,12 +144,8 @@ impl Layout {
 }
 
 /// The normal with length 1, or zero if it has no direction.
-<<<<<<< HEAD
-pub(in crate::io) fn unit_or_zero(normal: Vec3) -> Vec3 {
-=======
 #[inline]
-fn unit_or_zero(normal: Vec3) -> Vec3 {
->>>>>>> h2
+pub(in crate::io) fn unit_or_zero(normal: Vec3) -> Vec3 {
     if (normal.length_squared() - 1.0).abs() <= UNIT_TOLERANCE {
         return normal;
     }

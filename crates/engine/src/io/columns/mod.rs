@@ -5,12 +5,8 @@ mod layout;
 mod rows;
 mod table;
 
-<<<<<<< HEAD
-pub(super) use layout::{Layout, unit_or_zero};
-=======
 pub(super) use block::Block;
-pub(super) use layout::Layout;
->>>>>>> h2
+pub(super) use layout::{Layout, unit_or_zero};
 pub(super) use ply_rs_bw::ply::ScalarType;
 pub(super) use rows::Rows;
 pub(super) use table::{Table, Whole};

@@ -9,11 +9,8 @@ mod extra;
 mod header;
 mod traits;
 
-<<<<<<< HEAD
 use glam::DVec3;
-=======
 use laz::DecompressionSelection;
->>>>>>> h2
 use rayon::prelude::*;
 
 use super::store::Grid;

@@ -53,13 +53,13 @@ impl Renderer {
         let (frame, blocks, room) = (part.frame, supply.blocks(), room(&self.device, cloud, part.frame));
         let count = |picked: &[u32]| picked.iter().map(|i| blocks[*i as usize].points).sum::<u64>();
         let beam = Beam::new(&frame.camera, frame.size, part.window, part.engine.extent(frame, cloud));
-        let (mut wanted, mut picked) = (Present::Within(beam), Vec::new());
+        let (mut wanted, mut picked) = (Present { within: Some(beam) }, Vec::new());
         if cloud.has(&wanted) {
             return Ok(Outcome::Done);
         }
         if cloud.total() <= room {
             // They stay for the windows and frames to come.
-            (wanted, picked) = (Present::All, (0..blocks.len() as u32).collect());
+            (wanted, picked) = (Present::ALL, (0..blocks.len() as u32).collect());
         } else {
             picked.extend(beam.pick(blocks));
         }

@@ -20,20 +20,18 @@ pub(super) struct Supplied {
 
 /// Which points of a cloud are on the device.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Present {
-    /// All.
-    All,
-    /// Those of which anything may show there.
-    Within(Beam),
+pub struct Present {
+    /// Those of which anything may show there; `None` for all.
+    pub within: Option<Beam>,
 }
 
 impl Present {
+    /// All points.
+    pub const ALL: Self = Self { within: None };
+
     /// True if a point in a block of this radius is among them.
     fn keeps(&self, position: DVec3, radius: f32) -> bool {
-        match self {
-            Self::All => true,
-            Self::Within(beam) => beam.meets_point(position, radius),
-        }
+        self.within.is_none_or(|beam| beam.meets_point(position, radius))
     }
 }
 
@@ -62,7 +60,7 @@ impl DeviceCloud {
     /// True if these points are on the device.
     pub fn has(&self, wanted: &Present) -> bool {
         let present = self.supplied.as_ref().and_then(|supplied| supplied.present);
-        present.is_some_and(|present| present == Present::All || present == *wanted)
+        present.is_some_and(|present| present == Present::ALL || present == *wanted)
     }
 
     /// Brings points of these blocks to the device in place of those that are there: at most `room` of them, or false. Room for them is
