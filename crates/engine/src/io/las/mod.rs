@@ -56,19 +56,25 @@ impl LasFile {
 
     /// The columns of a chunk, as they are stored.
     pub fn decode(&self, chunk: &Chunk, progress: &Progress) -> Result<Columns, Error> {
-        self.decode_selected(chunk, DecompressionSelection::all(), progress)
+        let mut selection = self.decisive().decompress_z().decompress_intensity();
+        selection = selection.decompress_classification().decompress_flags().decompress_extra_bytes();
+        if self.asked.source {
+            selection = selection.decompress_point_source_id();
+        }
+        self.decode_selected(chunk, selection, progress)
+    }
+
+    /// The fields that decide about whole columns. Times are left out unless they are asked for: the library's
+    /// decoder of times calls itself as often as a damaged file says, until the stack is full.
+    fn decisive(&self) -> DecompressionSelection {
+        let selection = DecompressionSelection::base().decompress_rgb();
+        if self.asked.gps_time { selection.decompress_gps_time() } else { selection }
     }
 
     /// What a chunk's points tell of the whole file, and their box if it is asked for. Only what that takes is decoded, where the
     /// compression stores it apart from the rest (LAS 1.4, point formats 6 to 10).
     pub fn traits(&self, chunk: &Chunk, boxes: bool) -> Result<(Traits, Option<Bounds>), Error> {
-        let mut selection = DecompressionSelection::base().decompress_rgb();
-        if self.asked.gps_time {
-            selection = selection.decompress_gps_time();
-        }
-        if boxes {
-            selection = selection.decompress_z();
-        }
+        let selection = if boxes { self.decisive().decompress_z() } else { self.decisive() };
         let columns = self.decode_selected(chunk, selection, &Progress::hidden())?;
         Ok((columns.traits(), boxes.then(|| columns.bounds()).flatten()))
     }

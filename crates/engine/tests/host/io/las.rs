@@ -10,7 +10,7 @@ use pellucid_engine::color::decode_srgb;
 use pellucid_engine::io::{Hints, LasColumns, load_with};
 use pellucid_engine::progress::Progress;
 
-use super::{Folder, load_bytes};
+use super::{Folder, assert_refused, load_bytes};
 
 const OFFSET: DVec3 = DVec3::new(289_814.15, 4_320_978.61, 170.76);
 
@@ -170,4 +170,11 @@ fn sources_and_times_are_read_when_they_are_asked_for() {
         assert_eq!(cloud.scalar("GpsTime"), Some(&[0.25, 7.5, 0.0][..]));
         assert_eq!(cloud.scalar("return_number"), Some(&[1.0; 3][..]));
     }
+}
+
+/// Damaged times of layered points make their decoder call itself until the stack is full, so they aren't decoded for nothing.
+#[test]
+fn times_that_nobody_asked_for_do_no_harm() {
+    let path = pellucid_testing::root().join("fuzz/corpus/las/found-times-without-end");
+    assert_refused("a.laz", std::fs::read(path).unwrap(), &["end before 9 points are decoded"]);
 }
