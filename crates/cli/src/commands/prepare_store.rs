@@ -21,10 +21,11 @@ const HOST_MEMORY: u64 = 2 << 30;
 /// The least memory that is of use.
 const LEAST_MEMORY: u64 = 1 << 20;
 
-/// True if the output is to be a folder: it is one, ends in `/`, or has no extension.
+/// True if the output is to be a folder: it ends in `/`, has no extension, or is one, unless it is called like a file.
 pub fn is_store(output: &Path) -> bool {
     let is_written_as_one = output.to_string_lossy().ends_with(std::path::is_separator);
-    output.is_dir() || is_written_as_one || output.extension().is_none()
+    let is_called_file = output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ply"));
+    output.is_dir() && !is_called_file || is_written_as_one || output.extension().is_none()
 }
 
 /// The memory to use: as asked for, else half of what is free.

@@ -229,7 +229,8 @@ fn transformed(
     let rules = Rules::of(settings, &cloud)?;
     rules.paint(&mut colors);
     let visible = rules.visible_points(count);
-    let radii: Vec<f32> = match found.radii.as_deref().or(cloud.radii.as_deref()) {
+    // Estimated ones that are stored don't count where none were asked for: the camera would be another one.
+    let radii: Vec<f32> = match found.radii.as_deref().or(cloud.own_radii()) {
         Some(radii) => radii.iter().map(|own| radius(settings, Some(*own))).collect(),
         None => vec![radius(settings, None); count],
     };

@@ -196,7 +196,7 @@ fn views<'a>(
 ) -> Result<Vec<CloudView<'a>>, Error> {
     let each = scene.clouds.iter().zip(clouds).zip(derived).zip(column_keys);
     each.map(|(((settings, cloud), derived), column_key)| {
-        let own = if column_key.radius.2.is_some() { derived.radii() } else { cloud.radii.as_deref() };
+        let own = if column_key.radius.2.is_some() { derived.radii() } else { cloud.own_radii() };
         let radii = own.filter(|_| settings.radius.is_none());
         let colors = derived.colors();
         let fields = if column_key.field.is_some() { derived.fields() } else { None };
