@@ -104,11 +104,11 @@ fn only_columns_that_changed_are_uploaded() {
         let mut stage = stage(device, vec![cloud(1, 60)]);
         let n = 60;
         let vector = 16 * n;
-        // The upload of all points except for the normals' light terms: four vectors and F.
-        let first = 4 * vector + 4 * n;
+        // The upload of all points except for the normals' light terms: four vectors and F; at first also ids, which never change.
+        let all = 4 * vector + 4 * n;
         let height = words("cloud.0.field", "height");
         let steps = [
-            (number("cloud.0.opacity", 0.5), first, Changes::ALL),
+            (number("cloud.0.opacity", 0.5), all + 4 * n, Changes::ALL),
             (number("cloud.0.opacity", 0.25), vector, Changes { opacities: true, ..Changes::default() }),
             (number("cloud.0.radius_factor", 3.0), vector, Changes { radii: true, ..Changes::default() }),
             (number("method.threshold", 0.75), 0, Changes::default()),
@@ -119,7 +119,7 @@ fn only_columns_that_changed_are_uploaded() {
             // Without colors of their own F decides which of two points in the same place comes first.
             (
                 numbers("cloud.0.color", [1.0, 0.5, 0.0]),
-                first,
+                all,
                 Changes { colors: true, order: true, ..Changes::default() },
             ),
             (number("cloud.0.opacity", 1.0), vector, Changes { opacities: true, ..Changes::default() }),
