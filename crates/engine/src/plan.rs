@@ -28,12 +28,14 @@ fn resolve_factored(choice: MethodChoice, points: &Points, factor: f32) -> (Meth
         MethodChoice::Fixed(method) => return (method, format!("{} was asked for", method.name())),
     };
     let transparent = points.opacities.iter().filter(|a| **a * factor < 1.0).count();
+    // Of points that only stand for others.
+    let may_be = points.whole.as_ref().is_some_and(|whole| whole.is_transparent);
     // Estimated normals shade and tilt nothing.
     let is_tilted = |i: usize| points.own_normal(i).is_some();
     let oriented = discs.shape == DiscShape::Oriented && (0..points.len()).any(is_tilted);
     if oriented {
         (Method::ABuffer(discs), "oriented splats may cross: their fragments need an order".to_owned())
-    } else if transparent == 0 && discs.falloff == Falloff::Flat {
+    } else if transparent == 0 && !may_be && discs.falloff == Falloff::Flat {
         // Without the clamp of opaque splats, so that the image is the one that `abuffer` would give.
         let splats = ScreenSplats { max_pixel_radius: f32::MAX, ..Default::default() };
         (Method::Circles(splats), "every point is opaque: the nearest splat decides".to_owned())

@@ -7,6 +7,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::cloud::Bounds;
+use crate::cloud::sampling::Sampling;
 
 /// All points of a scene in one list. All columns have the same length.
 ///
@@ -36,6 +37,43 @@ pub struct Points {
     pub fields: Vec<f32>,
     /// Points that are not drawn but belong to the scene, for its bounds and its camera.
     pub unseen: Arc<Unseen>,
+    /// What is known of the scene, if these points only stand for more of them.
+    pub whole: Option<Arc<Whole>>,
+}
+
+/// What is known of all points of a scene that are not in one list.
+#[derive(Debug, Clone)]
+pub struct Whole {
+    /// Their number, with those that are not drawn.
+    pub count: u64,
+    /// The box around all of them, in world coordinates.
+    pub bounds: Bounds,
+    /// The largest radius, in world units.
+    pub largest_radius: f32,
+    /// The largest component that a color may have, linear.
+    pub brightest: f32,
+    /// True if some of them may be transparent.
+    pub is_transparent: bool,
+    /// What identifies them: the same text for the same points.
+    pub identity: String,
+    /// Where all of them are.
+    pub spheres: Arc<dyn Spheres>,
+}
+
+impl PartialEq for Whole {
+    fn eq(&self, other: &Self) -> bool {
+        self.identity == other.identity
+    }
+}
+
+/// Points with their radii in groups that are read one by one.
+pub trait Spheres: std::fmt::Debug + Send + Sync {
+    /// For each group a box around its positions and the largest radius, in world units.
+    fn groups(&self) -> Vec<(Bounds, f64)>;
+
+    /// Positions and radii of a group's points, also of those that are not drawn; nothing if they can't be read, which whoever reads
+    /// them again is told.
+    fn of_group(&self, group: usize) -> Vec<(DVec3, f64)>;
 }
 
 /// What the points of a scene are relative to on a device.
@@ -48,6 +86,14 @@ pub struct Anchor {
 }
 
 impl Anchor {
+    /// Of a scene within these bounds and points that stand for all of its points.
+    pub(crate) fn new(sampled: &[DVec3], bounds: Option<Bounds>) -> Self {
+        let side = bounds.map_or(0.0, |bounds| (0.5 * bounds.max - 0.5 * bounds.min).max_element());
+        // Of 0 and of denormal sides any will do.
+        let exponent = if side.is_normal() { side.log2().floor() as i32 } else { 0 };
+        Self { origin: middle(sampled), exponent }
+    }
+
     /// Bits of a position relative to the origin, in units of about the scene's size.
     fn relative(&self, position: DVec3) -> [u64; 3] {
         // In two steps, since 2^1074 is no float64.
@@ -56,15 +102,11 @@ impl Anchor {
     }
 }
 
-/// Most points whose median is taken for that of all.
-const SAMPLED_POINTS: usize = 4096;
-
-/// The median of each coordinate, of evenly spaced points if they are many. Points far off, however far, take no digits from the
-/// others, as they do from the middle of a box around all.
+/// The median of each coordinate. Points far off, however far, take no digits from the others, as they do from the middle of a box
+/// around all.
 fn middle(positions: &[DVec3]) -> DVec3 {
-    let step = positions.len().div_ceil(SAMPLED_POINTS).max(1);
     let median = |axis: usize| {
-        let mut all: Vec<f64> = positions.iter().step_by(step).map(|position| position[axis]).collect();
+        let mut all: Vec<f64> = positions.iter().map(|position| position[axis]).collect();
         let half = all.len() / 2;
         if all.is_empty() { 0.0 } else { *all.select_nth_unstable_by(half, f64::total_cmp).1 }
     };
@@ -120,22 +162,37 @@ impl Points {
         (normal != Vec3::ZERO && !is_estimated(normal)).then_some(normal)
     }
 
+    /// Number of points, those that these stand for included.
+    pub fn count(&self) -> u64 {
+        self.whole.as_ref().map_or(self.len() as u64, |whole| whole.count)
+    }
+
     /// The scene's box, around points that are not drawn, too; `None` without points.
     pub fn bounds(&self) -> Option<Bounds> {
+        if let Some(whole) = &self.whole {
+            return Some(whole.bounds);
+        }
         [&self.positions, &self.unseen.positions].into_iter().filter_map(|some| Bounds::of(some)).reduce(Bounds::union)
     }
 
-    /// What these points are relative to on a device.
+    /// What these points are relative to on a device. It follows from all points of the scene, also from those that are not drawn.
     pub fn anchor(&self) -> Anchor {
-        let side = self.bounds().map_or(0.0, |bounds| (0.5 * bounds.max - 0.5 * bounds.min).max_element());
-        // Of 0 and of denormal sides any will do.
-        let exponent = if side.is_normal() { side.log2().floor() as i32 } else { 0 };
-        Anchor { origin: middle(&self.positions), exponent }
+        let sampled: Vec<DVec3> = self.sampled().copied().collect();
+        // Points that stand for all may be none where nearly all are in one place.
+        let sampled = if sampled.is_empty() { &self.positions } else { &sampled };
+        Anchor::new(sampled, self.bounds())
+    }
+
+    /// Positions of points that stand for all, also for those that are not drawn, in any order.
+    pub fn sampled(&self) -> impl ParallelIterator<Item = &DVec3> {
+        let sampling = Sampling::of((self.len() + self.unseen.positions.len()) as u64);
+        let all = self.positions.par_iter().chain(&self.unseen.positions).with_min_len(1 << 14);
+        all.filter(move |position| sampling.takes(**position))
     }
 
     /// Ids of some points of the list: numbers that random words are made from. An id follows from a point's place and, of points in
     /// one place, from their canonical order; not from what else there is, so that any part of a scene has the ids of the whole.
-    /// A scene that is moved, or scaled by a power of two, without a rounding keeps its ids. Two of 2³² points in different
+    /// A scene of up to 2¹⁸ points that is moved, or scaled by a power of two, without a rounding keeps its ids. Two of 2³² points in different
     /// places share an id by chance.
     pub fn ids(&self, anchor: &Anchor, range: Range<usize>) -> Vec<u32> {
         if !self.dealt_ids.is_empty() {
@@ -174,6 +231,9 @@ impl Points {
 
     /// The largest radius of all points, also of those that are not drawn; 0 without points.
     pub fn largest_radius(&self) -> f64 {
+        if let Some(whole) = &self.whole {
+            return whole.largest_radius.into();
+        }
         self.spheres().map(|(_, radius)| radius).reduce(|| 0.0, f64::max)
     }
 
@@ -193,6 +253,7 @@ impl Points {
             dealt_ids: pick(self.dealt_ids, &from),
             fields: pick(self.fields, &from),
             unseen: self.unseen,
+            whole: self.whole,
         }
     }
 
@@ -212,6 +273,34 @@ impl Points {
             dealt_ids: pick(&self.dealt_ids, places),
             fields: pick(&self.fields, places),
             unseen: Arc::clone(&self.unseen),
+            whole: self.whole.clone(),
+        }
+    }
+
+    /// Some points of parts of a scene, which have the same columns: each by the number of its part and its place there.
+    pub(crate) fn gather(parts: &[Arc<Self>], picked: &[[u32; 2]]) -> Self {
+        fn pick<'a, T: Copy + Send + Sync + 'a>(
+            parts: &'a [Arc<Points>],
+            picked: &[[u32; 2]],
+            column: impl Fn(&'a Points) -> &'a [T],
+        ) -> Vec<T> {
+            let columns: Vec<&[T]> = parts.iter().map(|points| column(points)).collect();
+            if columns.iter().all(|column| column.is_empty()) {
+                return Vec::new();
+            }
+            picked.par_iter().with_min_len(1 << 12).map(|[part, at]| columns[*part as usize][*at as usize]).collect()
+        }
+        let has_normals = parts.iter().any(|points| points.normals.is_some());
+        Self {
+            positions: pick(parts, picked, |points| &points.positions),
+            colors: pick(parts, picked, |points| &points.colors),
+            opacities: pick(parts, picked, |points| &points.opacities),
+            radii: pick(parts, picked, |points| &points.radii),
+            normals: has_normals.then(|| pick(parts, picked, |points| points.normals.as_deref().unwrap_or_default())),
+            file_order: pick(parts, picked, |points| &points.file_order),
+            dealt_ids: pick(parts, picked, |points| &points.dealt_ids),
+            fields: pick(parts, picked, |points| &points.fields),
+            ..Self::default()
         }
     }
 

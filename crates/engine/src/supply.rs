@@ -24,6 +24,29 @@ pub trait Supply: Debug + Send + Sync {
     fn take(&self, blocks: &[u32], keep: Keep<'_>, progress: &Progress) -> Result<Points, Failure>;
 }
 
+/// Shows all points, about so many at a time.
+///
+/// # Errors
+/// They can't be read, or `progress` cancels it.
+pub fn each(
+    supply: &dyn Supply,
+    at_once: u64,
+    progress: &Progress,
+    mut see: impl FnMut(&Points),
+) -> Result<(), Failure> {
+    let (mut some, mut count) = (Vec::new(), 0);
+    let blocks = supply.blocks();
+    for (number, block) in blocks.iter().enumerate() {
+        some.push(number as u32);
+        count += block.points;
+        if count >= at_once || number + 1 == blocks.len() {
+            see(&supply.take(&some, &|_, _| true, progress)?);
+            (some, count) = (Vec::new(), 0);
+        }
+    }
+    Ok(())
+}
+
 /// Which points are taken, by their place and the radius of their block.
 pub type Keep<'a> = &'a (dyn Fn(DVec3, f32) -> bool + Sync);
 

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use bytesize::ByteSize;
 use clap::Args;
 use pellucid_engine::Result;
 use pellucid_engine::cloud::Cloud;
@@ -76,6 +77,10 @@ pub struct InputArgs {
     /// black.
     #[arg(long, value_name = "COLOR", allow_hyphen_values = true)]
     background: Option<String>,
+    /// Memory of the host for points, as in 4GiB; by default half of what is free. Clouds that would take more stay in their files,
+    /// of which a part of the picture reads what shows there: octrees of Potree, EPT, COPC, LAS, LAZ and PLY.
+    #[arg(long, value_name = "SIZE")]
+    pub host_memory: Option<ByteSize>,
     #[command(flatten)]
     pub view: ViewArgs,
     /// Seed of everything random: of the built-in scene, if it is rendered, and of stochastic methods.
@@ -217,9 +222,15 @@ impl InputArgs {
 
     /// The share of light that is to get through: that of the option, else of the preset.
     pub fn share(&self, scene: &Scene, clouds: &[Cloud]) -> Option<f64> {
-        let has_opacity = scene.method.fixed().is_none_or(|method| method.family().has_opacity());
         // LAS files always have a code for each point: 0 and 1 say that nothing was classified.
-        let without_classes = clouds.iter().all(|cloud| cloud.classification.iter().flatten().all(|code| *code <= 1));
+        let is_classified = |cloud: &Cloud| cloud.classification.iter().flatten().any(|code| *code > 1);
+        self.share_of(scene, clouds.iter().any(is_classified))
+    }
+
+    /// The same of a scene some points of which are classified, or none.
+    pub fn share_of(&self, scene: &Scene, is_classified: bool) -> Option<f64> {
+        let has_opacity = scene.method.fixed().is_none_or(|method| method.family().has_opacity());
+        let without_classes = !is_classified;
         let of_preset = self.preset().and_then(|preset| preset.see_through);
         let of_preset = of_preset.filter(|_| has_opacity && !self.gives("opacity") && !self.gives("surface_opacity"));
         let of_preset = of_preset.filter(|see_through| without_classes || !see_through.without_classes);

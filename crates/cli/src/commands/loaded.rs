@@ -2,19 +2,24 @@
 
 use std::path::Path;
 
+use bytesize::ByteSize;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::cloud::shadow_texture::ShadowTexture;
 use pellucid_engine::cloud::{Cloud, UpAxis};
 use pellucid_engine::methods::see_through::Found;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
+use pellucid_engine::progress::Phase;
 use pellucid_engine::scene::legend::Legend;
-use pellucid_engine::scene::{self, Method, Opened, Scene, ScreenSplats};
+use pellucid_engine::scene::stored::{Stored, open_stores};
+use pellucid_engine::scene::{self, Method, Named, Scene, ScreenSplats};
 use pellucid_engine::{Result, output};
 
 use super::bar::Bar;
 use super::console::Console;
 use super::input::InputArgs;
+use super::limit::usage;
+use super::prepare_store::host_memory;
 
 /// A frame before it meets a device.
 pub struct Resolved {
@@ -65,15 +70,15 @@ impl Resolved {
 }
 
 /// How clouds are colored and why, a phrase for each way.
-fn colorings(scene: &Scene, clouds: &[Cloud]) -> Vec<String> {
-    let mut ways: Vec<(String, Vec<&Path>)> = Vec::new();
-    for (settings, way) in scene.clouds.iter().zip(scene::colorings(scene, clouds)) {
-        match ways.iter_mut().find(|(known, _)| *known == way) {
+fn colorings(scene: &Scene, each: &[String]) -> Vec<String> {
+    let mut ways: Vec<(&str, Vec<&Path>)> = Vec::new();
+    for (settings, way) in scene.clouds.iter().zip(each) {
+        match ways.iter_mut().find(|(known, _)| known == way) {
             Some((_, paths)) => paths.push(&settings.path),
             None => ways.push((way, vec![&settings.path])),
         }
     }
-    let phrase = |(way, paths): &(String, Vec<&Path>)| match paths[..] {
+    let phrase = |(way, paths): &(&str, Vec<&Path>)| match paths[..] {
         [path] => format!("{} is colored by {way}", path.display()),
         _ => format!("{} clouds are colored by {way}", paths.len()),
     };
@@ -85,13 +90,23 @@ pub fn prepare(args: &InputArgs, console: Console, progress: &Bar) -> Result<Res
     read(args, None, console, progress)?.resolve(None, console, progress)
 }
 
+/// The clouds of a scene, in its order.
+#[derive(Clone)]
+enum Clouds {
+    Held(Vec<Cloud>),
+    /// They stay in their files.
+    Stored(Stored),
+}
+
+/// Bytes of memory for each point of a cloud that is read as a whole, at the most that are taken at once.
+const BYTES_OF_POINT: u64 = 90;
+
 /// A scene and its clouds as they were read.
 #[derive(Clone)]
 pub struct Loaded {
     name: String,
     scene: Scene,
-    /// The clouds of the scene, in its order.
-    clouds: Vec<Cloud>,
+    clouds: Clouds,
     /// True if the meaning of colors is asked for.
     legend: bool,
     see_through: Option<f64>,
@@ -105,21 +120,32 @@ impl Loaded {
         Self { legend: wanted, ..self }
     }
 
-    /// The number of clouds.
-    pub fn count(&self) -> usize {
-        self.clouds.len()
+    /// The number of clouds, which are all in memory.
+    ///
+    /// # Errors
+    /// They are not.
+    pub fn count(&self) -> Result<usize> {
+        match &self.clouds {
+            Clouds::Held(clouds) => Ok(clouds.len()),
+            Clouds::Stored(_) => Err(usage(
+                "this needs all clouds in memory, and these would take more than --host-memory allows".to_owned(),
+            )),
+        }
     }
 
     /// The scene with the first `count` of its clouds alone.
     pub fn first(&self, count: usize) -> Self {
         let (mut scene, mut clouds) = (self.scene.clone(), self.clouds.clone());
         scene.clouds.truncate(count);
-        clouds.truncate(count);
+        if let Clouds::Held(clouds) = &mut clouds {
+            clouds.truncate(count);
+        }
         Self { name: self.name.clone(), scene, clouds, ..*self }
     }
 
     /// Makes points of the clouds, with radii even if the scene's method does without; warnings go to standard error.
     pub fn resolve_with_radii(mut self, console: Console, progress: &Bar) -> Result<Resolved> {
+        self.count()?;
         let method = self.scene.method;
         if matches!(method.fixed(), Some(Method::Points | Method::ImageSpace(_))) {
             // Like these two it wants the points in canonical order, and nothing else of them.
@@ -150,18 +176,11 @@ impl Loaded {
         progress: &Bar,
     ) -> Result<Resolved> {
         let Self { name, scene, clouds, legend, see_through, opacity_given, seed } = self;
-        scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| console.note(note));
-        let (shadow_texture, note) = scene::shadow_texture(&scene, &clouds, seed);
-        note.iter().for_each(|note| console.note(note));
-        let up = scene::up_axis(&clouds);
-        let colorings = colorings(&scene, &clouds);
-        colorings.iter().for_each(|how| console.detail(how));
-        let (arranged, legend) = if legend {
-            let (arranged, legend) = scene::arrange_with_legend(&scene, clouds, seed, progress)?;
-            (arranged, Some(legend))
-        } else {
-            (scene::arrange(&scene, clouds, seed, progress)?, None)
+        let Made { scene, arranged, legend, colorings, up, shadow_texture } = match clouds {
+            Clouds::Held(clouds) => made(scene, clouds, legend, seed, console, progress)?,
+            Clouds::Stored(stored) => made_of_stores(&stored, legend, console),
         };
+        colorings.iter().for_each(|how| console.detail(how));
         scene::note_of_layers(&scene, arranged.points()).iter().for_each(|note| console.note(note));
         let (camera, warnings) = find(&scene, arranged.points(), up)?;
         console.detail(described(&camera, arranged.points()));
@@ -184,6 +203,45 @@ impl Loaded {
     }
 }
 
+/// The points of a scene, and what is known of them.
+struct Made {
+    scene: Scene,
+    arranged: Arranged,
+    legend: Option<Legend>,
+    colorings: Vec<String>,
+    up: UpAxis,
+    shadow_texture: Option<ShadowTexture>,
+}
+
+/// Makes points of clouds in memory.
+fn made(scene: Scene, clouds: Vec<Cloud>, legend: bool, seed: u64, console: Console, progress: &Bar) -> Result<Made> {
+    scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| console.note(note));
+    let (shadow_texture, note) = scene::shadow_texture(&scene, &clouds, seed);
+    note.iter().for_each(|note| console.note(note));
+    let up = scene::up_axis(&clouds);
+    let colorings = colorings(&scene, &scene::colorings(&scene, &clouds));
+    let (arranged, legend) = if legend {
+        let (arranged, legend) = scene::arrange_with_legend(&scene, clouds, seed, progress)?;
+        (arranged, Some(legend))
+    } else {
+        (scene::arrange(&scene, clouds, seed, progress)?, None)
+    };
+    Ok(Made { scene, arranged, legend, colorings, up, shadow_texture })
+}
+
+/// Points that stay where they are stored.
+fn made_of_stores(stored: &Stored, legend: bool, console: Console) -> Made {
+    stored.notes().iter().for_each(|note| console.note(note));
+    Made {
+        scene: stored.scene().clone(),
+        arranged: stored.arranged(),
+        legend: legend.then(|| stored.legend().clone()),
+        colorings: colorings(stored.scene(), &stored.colorings()),
+        up: stored.up(),
+        shadow_texture: None,
+    }
+}
+
 /// The camera that was found, as a scene file has it.
 fn described(camera: &Camera, points: &Points) -> String {
     let distance = points.bounds().map_or(1.0, |bounds| (bounds.center() - camera.eye).dot(camera.forward));
@@ -193,8 +251,9 @@ fn described(camera: &Camera, points: &Points) -> String {
 /// Reads the inputs and applies the options. `size` is the image size for when no option gives one.
 pub fn read(args: &InputArgs, size: Option<[u32; 2]>, console: Console, progress: &Bar) -> Result<Loaded> {
     let overrides = args.overrides(size)?;
-    let Opened { name, document, clouds, .. } = scene::open(&args.inputs, &overrides, args.seed, progress)?;
-    let mut scene = document.scene()?;
+    progress.begin(Phase::Read);
+    let named = scene::name(&args.inputs, &overrides, args.seed)?;
+    let mut scene = named.document.scene()?;
     args.preset().iter().for_each(|preset| console.note(preset.note()));
     scene.camera.view = args.view_of(&scene);
     if let (Some(share), Some(method)) = (args.see_through, scene.method.fixed())
@@ -205,14 +264,46 @@ pub fn read(args: &InputArgs, size: Option<[u32; 2]>, console: Console, progress
             "--see-through {share}: no opacity makes light pass through the pictures of method {name}; `auto`, abuffer, sorted, \
              spbr and others have one (--help lists them)"
         );
-        return Err(scene::Error::Usage(problem).into());
+        return Err(usage(problem));
     }
-    for (settings, cloud) in scene.clouds.iter().zip(&clouds) {
-        report_cloud(&settings.path, cloud, console);
-    }
-    let see_through = args.share(&scene, &clouds);
     let opacity_given = args.opacity.is_some() || args.surface_opacity.is_some();
+    let name = named.name.clone();
+    let (clouds, see_through) = match stored(args, &named, &scene, console, progress)? {
+        Some(stored) => {
+            let see_through = args.share_of(&scene, stored.is_classified());
+            (Clouds::Stored(stored), see_through)
+        }
+        None => {
+            let clouds = named.load(progress)?.clouds;
+            for (settings, cloud) in scene.clouds.iter().zip(&clouds) {
+                report_cloud(&settings.path, cloud, console);
+            }
+            let see_through = args.share(&scene, &clouds);
+            (Clouds::Held(clouds), see_through)
+        }
+    };
     Ok(Loaded { name, scene, clouds, legend: false, see_through, opacity_given, seed: args.seed })
+}
+
+/// The scene with its clouds where they are stored, if memory is too small for all of them.
+fn stored(args: &InputArgs, named: &Named, scene: &Scene, console: Console, progress: &Bar) -> Result<Option<Stored>> {
+    let memory = host_memory(args.host_memory)?;
+    let needed = named.announced()?.unwrap_or(0).saturating_mul(BYTES_OF_POINT);
+    if needed <= memory || scene.method.is_dealt() {
+        return Ok(None);
+    }
+    console.detail(format_args!(
+        "all points would take {} of memory, {} are allowed: they are read as the picture needs them",
+        ByteSize(needed),
+        ByteSize(memory)
+    ));
+    let stores = open_stores(scene, progress)?;
+    for store in &stores {
+        let summary = store.summary();
+        console.detail(format_args!("{}: {} points", summary.path.display(), summary.points));
+        report_cloud(&summary.path, &summary.like, console.without_details());
+    }
+    Ok(Some(Stored::new(scene, stores, memory, progress)?))
 }
 
 /// Says what was read and what was odd about it.

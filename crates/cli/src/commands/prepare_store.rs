@@ -29,7 +29,7 @@ pub fn is_store(output: &Path) -> bool {
 }
 
 /// The memory to use: as asked for, else half of what is free.
-fn host_memory(asked: Option<ByteSize>) -> Result<u64> {
+pub fn host_memory(asked: Option<ByteSize>) -> Result<u64> {
     match asked.map(|size| size.as_u64()) {
         Some(bytes) if bytes < LEAST_MEMORY => {
             Err(usage(format!("--host-memory {}: at least 1 MiB is needed", ByteSize(bytes))))

@@ -293,7 +293,7 @@ fn steps(
     progress: &Bar,
     console: Console,
 ) -> Result<()> {
-    let count = loaded.count();
+    let count = loaded.count()?;
     (1..=count).try_for_each(|step| output::check_target(&pattern.file(step)))?;
     let mut whole = loaded.clone().resolve(None, console, progress)?;
     legend::check(&whole, console)?;

@@ -1,13 +1,16 @@
 //! A point cloud as a file holds it: float64 positions and named columns, in the file's order.
 
 pub(crate) mod depth_camera;
+pub mod facts;
 pub mod field;
 mod parts;
+pub mod sampling;
 pub mod shadow_texture;
 pub(crate) mod upright;
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use field::Field;
 use shadow_texture::ShadowTexture;
@@ -138,12 +141,25 @@ impl Cloud {
 }
 
 /// An axis-aligned box in world units.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(from = "[[f64; 3]; 2]", into = "[[f64; 3]; 2]")]
 pub struct Bounds {
     /// Smallest corner.
     pub min: DVec3,
     /// Largest corner.
     pub max: DVec3,
+}
+
+impl From<[[f64; 3]; 2]> for Bounds {
+    fn from([min, max]: [[f64; 3]; 2]) -> Self {
+        Self { min: min.into(), max: max.into() }
+    }
+}
+
+impl From<Bounds> for [[f64; 3]; 2] {
+    fn from(bounds: Bounds) -> Self {
+        [bounds.min.to_array(), bounds.max.to_array()]
+    }
 }
 
 impl Bounds {

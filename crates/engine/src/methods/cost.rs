@@ -124,6 +124,9 @@ pub fn choose(
     if device.info().subgroup.is_none() {
         return Ok((Method::ABuffer(discs), format!("{why}; the device has no shuffles, which sorted needs")));
     }
+    if cloud.supply().is_some() {
+        return Ok((Method::Sorted(discs), format!("{why}; points come some at a time, which no lists of all need")));
+    }
     if !renderer.can_sort(cloud, frame) {
         return Ok((Method::ABuffer(discs), format!("{why}; memory does not allow to sort {} splats", cloud.len())));
     }

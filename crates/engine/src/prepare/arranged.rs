@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::ensembles::{Dealt, Surface};
 use crate::points::Points;
+use crate::supply::Supply;
 
 /// The points of a scene in the order that its method wants.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,21 +13,39 @@ pub enum Arranged {
     Canonical(Arc<Points>),
     /// Shuffled, cloud after cloud, for methods that deal points to ensembles.
     Dealt(Dealt),
+    /// Points that come some at a time, from where they are stored.
+    Supplied(Supplied),
+}
+
+/// The points of a scene, where they are stored.
+#[derive(Debug, Clone)]
+pub struct Supplied {
+    /// All of them, block by block.
+    pub supply: Arc<dyn Supply>,
+    /// Some that stand for all, with what is known of all ([`Points::whole`]).
+    pub sample: Arc<Points>,
+}
+
+impl PartialEq for Supplied {
+    fn eq(&self, other: &Self) -> bool {
+        self.sample == other.sample
+    }
 }
 
 impl Arranged {
-    /// All points, in either order.
+    /// All points, in either order; of those that come some at a time a few that stand for all.
     pub fn points(&self) -> &Points {
         match self {
             Self::Canonical(points) => points,
             Self::Dealt(dealt) => &dealt.points,
+            Self::Supplied(supplied) => &supplied.sample,
         }
     }
 
     /// The clouds, if they are kept apart.
     pub fn surfaces(&self) -> &[Surface] {
         match self {
-            Self::Canonical(_) => &[],
+            Self::Canonical(_) | Self::Supplied(_) => &[],
             Self::Dealt(dealt) => &dealt.surfaces,
         }
     }

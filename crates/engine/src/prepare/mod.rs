@@ -20,10 +20,10 @@ pub(crate) mod ties;
 use glam::Vec3;
 
 use crate::cloud::field::{self, Field};
-use crate::cloud::{Cloud, Prepared};
+use crate::cloud::{Bounds, Cloud, Prepared};
 use crate::points::as_estimated;
 use crate::progress::Progress;
-pub use arranged::Arranged;
+pub use arranged::{Arranged, Supplied};
 
 /// Default K of Eq. 20 and 21.
 pub const DEFAULT_NEIGHBORS: usize = 24;
@@ -153,6 +153,27 @@ impl Request {
         (prepared.field == self.field_of(cloud) && same_radii).then_some(&prepared.values)
     }
 
+    /// What has to be found from neighbors or from the whole cloud, in words: `like` has the columns of the cloud. Normals to shade by don't
+    /// count.
+    pub(crate) fn missing(&self, like: &Cloud) -> Option<&'static str> {
+        if self.uncapped {
+            Some("the distances to neighbors that `surface_opacity` follows from")
+        } else if self.soft_outliers.is_some() || self.dropped_outliers.is_some() {
+            Some("the outliers")
+        } else if self.radii && self.stored_radii(like).is_none() {
+            Some("radii")
+        } else if self.fields && self.stored_field(like).is_none() && self.field_of(like) == Field::Uncertainty {
+            Some("the field \"uncertainty\"")
+        } else {
+            None
+        }
+    }
+
+    /// The field of which the range must be known.
+    pub(crate) fn unscaled_field(&self, like: &Cloud) -> Option<Field> {
+        (self.fields && self.stored_field(like).is_none()).then(|| self.field_of(like))
+    }
+
     /// Warnings about prepared data that this request can't use, one sentence each.
     pub fn notes(&self, cloud: &Cloud) -> Vec<String> {
         let Some(prepared) = &cloud.prepared else { return Vec::new() };
@@ -217,6 +238,26 @@ pub fn find(cloud: &Cloud, request: &Request, progress: &Progress) -> Result<Poi
     }
     let dropped = request.dropped_outliers.map(|rule| outliers::find(&cloud.positions, rule, progress));
     Ok(PointData { radii, uncapped, fields, normals, shading, dropped })
+}
+
+/// What of the requested data the points of a part of a cloud have with them; nothing is found from neighbors. `bounds` and `range`
+/// are those of the whole cloud, the range that of what F is made of.
+///
+/// # Errors
+/// The cloud lacks the property of its field.
+pub(crate) fn of_part(
+    cloud: &Cloud,
+    request: &Request,
+    bounds: Bounds,
+    range: [f64; 2],
+) -> Result<PointData, field::Error> {
+    let radii = request.stored_radii(cloud).filter(|_| request.radii).map(<[f32]>::to_vec);
+    let mut fields = request.stored_field(cloud).filter(|_| request.fields).map(<[f32]>::to_vec);
+    if request.fields && fields.is_none() {
+        let field = request.field_of(cloud);
+        fields = field.unscaled(cloud, || Some(bounds))?.map(|values| field.scaled(&values, range));
+    }
+    Ok(PointData { radii, fields, ..PointData::default() })
 }
 
 /// The cloud's own normals, with those that are wanted in place of missing ones.

@@ -15,18 +15,31 @@ pub(super) const BITS: u32 = 21;
 /// The cells are cubes (the longest side of the box is cut into 2²¹), so a flat cloud is ordered as well as a round
 /// one. An empty box gives code 0 for all.
 pub(super) fn codes(positions: &[DVec3], bounds: &Bounds) -> Vec<u64> {
-    let cells = f64::from((1u32 << BITS) - 1);
-    // Halved before the subtraction: the side of a box of ±1e308 would overflow.
-    let half_side = (0.5 * bounds.max - 0.5 * bounds.min).max_element();
-    positions
-        .par_iter()
-        .map(|&p| {
-            // 0 / 0 is NaN, which the conversion to integers turns into 0.
-            let unit = (0.5 * p - 0.5 * bounds.min) / half_side;
-            let cell = unit * cells;
-            spread(cell.x as u64) | spread(cell.y as u64) << 1 | spread(cell.z as u64) << 2
-        })
-        .collect()
+    let cells = Cells::of(bounds);
+    positions.par_iter().map(|p| cells.code(*p)).collect()
+}
+
+/// The cells that a box is cut into.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cells {
+    half_min: DVec3,
+    half_side: f64,
+}
+
+impl Cells {
+    /// Those of a box.
+    pub fn of(bounds: &Bounds) -> Self {
+        // Halved before the subtraction: the side of a box of ±1e308 would overflow.
+        let half_side = (0.5 * bounds.max - 0.5 * bounds.min).max_element();
+        Self { half_min: 0.5 * bounds.min, half_side }
+    }
+
+    /// The code of a position in the box.
+    pub fn code(self, p: DVec3) -> u64 {
+        // 0 / 0 is NaN, which the conversion to integers turns into 0.
+        let cell = (0.5 * p - self.half_min) / self.half_side * f64::from((1u32 << BITS) - 1);
+        spread(cell.x as u64) | spread(cell.y as u64) << 1 | spread(cell.z as u64) << 2
+    }
 }
 
 /// The longest side of a cell whose positions have the same code in some bounds.

@@ -1,43 +1,64 @@
 //! The canonical order of points: by their values, not by their places in a file.
 
 use std::cmp::Ordering;
+use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use rayon::prelude::*;
 
-use super::morton;
+use super::morton::{self, Cells};
+use crate::cloud::Bounds;
 use crate::points::Points;
 
-/// Sorts the points that are drawn along the Morton curve of their bounds, equal cells by the bits of position, color,
+/// Sorts the points that are drawn along the Morton curve of the scene's bounds, equal cells by the bits of position, color,
 /// opacity, radius, field and normal. Points that tie in all of these are identical, so shuffled input gives the same list; they stay
 /// in the order in which they came.
 pub fn canonical(mut points: Points) -> Points {
-    let Some(bounds) = points.drawn_bounds() else { return points };
+    let Some(bounds) = points.bounds() else { return points };
     let codes = morton::codes(&points.positions, &bounds);
     // Points are counted in 32 bits from here on: more of them don't fit any device.
-    let order = morton::sorted(codes, |a, b| by_content(&points, a as usize, b as usize).then(a.cmp(&b)));
+    let order = morton::sorted(codes, |a, b| by_content((&points, a as usize), (&points, b as usize)).then(a.cmp(&b)));
     let before = std::mem::take(&mut points.file_order);
     let mut points = points.in_order(|place| order[place].1 as usize);
     points.file_order = order.par_iter().map(|&(_, i)| before.get(i as usize).copied().unwrap_or(i)).collect();
     points
 }
 
+/// Some points of parts of a scene with these bounds, in the order that the whole scene has: for each the part and the place there.
+/// `keep` says which, by part and position.
+pub(crate) fn picked(
+    parts: &[Arc<Points>],
+    bounds: &Bounds,
+    keep: impl Fn(usize, DVec3) -> bool + Sync,
+) -> Vec<[u32; 2]> {
+    let cells = Cells::of(bounds);
+    let of_part = |(part, points): (usize, &Arc<Points>)| {
+        let kept = points.positions.iter().enumerate().filter(|(_, position)| keep(part, **position));
+        kept.map(|(at, position)| (cells.code(*position), [part as u32, at as u32])).collect::<Vec<_>>()
+    };
+    let mut keyed: Vec<(u64, [u32; 2])> = parts.par_iter().enumerate().flat_map_iter(of_part).collect();
+    keyed.par_sort_unstable();
+    let at = |[part, at]: [u32; 2]| (&*parts[part as usize], at as usize);
+    let equal: Vec<_> = keyed.chunk_by_mut(|a, b| a.0 == b.0).filter(|equal| equal.len() > 1).collect();
+    equal
+        .into_par_iter()
+        .for_each(|equal| equal.sort_unstable_by(|a, b| by_content(at(a.1), at(b.1)).then(a.1.cmp(&b.1))));
+    keyed.into_par_iter().map(|(_, at)| at).collect()
+}
+
 /// Any fixed total order of the bits; only identical points are equal.
-fn by_content(points: &Points, a: usize, b: usize) -> Ordering {
-    let double = |v: DVec3| v.to_array().map(f64::to_bits);
-    double(points.positions[a]).cmp(&double(points.positions[b])).then_with(|| by_look(points, a, b))
+fn by_content(a: (&Points, usize), b: (&Points, usize)) -> Ordering {
+    let position = |(points, at): (&Points, usize)| points.positions[at].to_array().map(f64::to_bits);
+    position(a).cmp(&position(b)).then_with(|| by_look(a, b))
 }
 
 /// The part of it that decides between points of equal position.
-pub(super) fn by_look(points: &Points, a: usize, b: usize) -> Ordering {
-    let single = |v: Vec3| v.to_array().map(f32::to_bits);
-    single(points.colors[a])
-        .cmp(&single(points.colors[b]))
-        .then_with(|| points.opacities[a].to_bits().cmp(&points.opacities[b].to_bits()))
-        .then_with(|| points.radii[a].to_bits().cmp(&points.radii[b].to_bits()))
-        .then_with(|| points.fields.get(a).map(|f| f.to_bits()).cmp(&points.fields.get(b).map(|f| f.to_bits())))
-        .then_with(|| match &points.normals {
-            Some(normals) => single(normals[a]).cmp(&single(normals[b])),
-            None => Ordering::Equal,
-        })
+pub(super) fn by_look(a: (&Points, usize), b: (&Points, usize)) -> Ordering {
+    let color = |(points, at): (&Points, usize)| points.colors[at].to_array().map(f32::to_bits);
+    let others = |(points, at): (&Points, usize)| {
+        let field = points.fields.get(at).map(|field| field.to_bits());
+        let normal = points.normals.as_ref().map(|normals| normals[at].to_array().map(f32::to_bits));
+        (points.opacities[at].to_bits(), points.radii[at].to_bits(), field, normal)
+    };
+    color(a).cmp(&color(b)).then_with(|| others(a).cmp(&others(b)))
 }

@@ -69,7 +69,7 @@ impl Ties {
     pub fn settle(&self, points: &mut Points, origins: &mut [u32]) -> bool {
         let by_all = |points: &Points, origins: &[u32], a: u32, b: u32| {
             let [a, b] = [a as usize, b as usize];
-            order::by_look(points, a, b).then(origins[a].cmp(&origins[b]))
+            order::by_look((points, a), (points, b)).then(origins[a].cmp(&origins[b]))
         };
         let in_order = |a: &u32, b: &u32| by_all(points, origins, *a, *b) != Ordering::Greater;
         let unsettled: Vec<&[u32]> = self.groups().filter(|group| !group.is_sorted_by(in_order)).collect();

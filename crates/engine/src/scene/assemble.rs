@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::classes::{self, Rules};
 use super::clip::Clips;
-use super::coloring::{self, Coloring};
+use super::coloring::{self, Coloring, Scales};
 use super::error::Error;
 use super::legend::Legend;
 use super::procedural::Generated;
@@ -16,7 +16,7 @@ use super::seen::{leave_out, seen};
 use super::settings::{CloudSettings, Outliers, Scene};
 use super::surface_opacity::Opacity;
 use crate::cloud::shadow_texture::ShadowTexture;
-use crate::cloud::{Cloud, UpAxis};
+use crate::cloud::{Bounds, Cloud, UpAxis};
 use crate::points::Points;
 use crate::prepare::Arranged;
 use crate::prepare::ensembles;
@@ -51,10 +51,15 @@ pub fn take_generated(scene: &Scene, generated: &Generated) -> Result<Vec<Cloud>
 
 /// The vertical of most clouds; Z in a draw, since surveys are what other things are put into.
 pub fn up_axis(clouds: &[Cloud]) -> UpAxis {
-    let count = |up: UpAxis| clouds.iter().filter(|cloud| cloud.up == up).count();
+    most_frequent(clouds.iter().map(|cloud| cloud.up))
+}
+
+/// The most frequent one; Z in a draw.
+pub(super) fn most_frequent(ups: impl Iterator<Item = UpAxis> + Clone) -> UpAxis {
+    let count = |up: UpAxis| ups.clone().filter(|other| *other == up).count();
     // The last one of those that are most.
     let most = [UpAxis::NegativeY, UpAxis::Y, UpAxis::Z].into_iter().max_by_key(|up| count(*up));
-    most.filter(|_| !clouds.is_empty()).unwrap_or_default()
+    most.filter(|up| count(*up) > 0).unwrap_or_default()
 }
 
 /// Warnings about data of prepared clouds that the scene can't use, one sentence each.
@@ -139,7 +144,8 @@ fn merged(
 ) -> Result<Points, Error> {
     let (mut points, clips) = (Points::default(), Clips::load(&scene.clips)?);
     for (index, cloud) in clouds.into_iter().enumerate() {
-        points.append(transformed(scene, &clips, index, cloud, needs_radii, progress, legend.as_deref_mut())?);
+        let from = Source::Whole { needs_radii, progress, legend: legend.as_deref_mut() };
+        points.append(transformed(scene, &clips, index, cloud, from)?);
     }
     if points.is_empty() {
         return Err(no_points(scene, &points));
@@ -184,8 +190,10 @@ fn arrange_explained(
             .map(|points| Arranged::Canonical(Arc::new(points)));
     }
     let (each, clips) = (clouds.into_iter().enumerate(), Clips::load(&scene.clips)?);
-    let placed =
-        each.map(|(index, cloud)| transformed(scene, &clips, index, cloud, false, progress, legend.as_deref_mut()));
+    let placed = each.map(|(index, cloud)| {
+        let from = Source::Whole { needs_radii: false, progress, legend: legend.as_deref_mut() };
+        transformed(scene, &clips, index, cloud, from)
+    });
     let placed: Vec<Points> = placed.collect::<Result<_, _>>()?;
     progress.begin(Phase::Order);
     progress.reset();
@@ -199,32 +207,68 @@ pub(super) fn no_points(scene: &Scene, points: &Points) -> Error {
     Error::NoPoints { clouds: clouds.join(", "), hidden: points.unseen.positions.len() }
 }
 
-/// The cloud at a place in the scene, with its settings applied. F is there if the method needs it. What its colors mean goes
-/// to the legend.
-fn transformed(
+/// How much of a cloud is there.
+pub(super) enum Source<'a> {
+    /// All of it. What its colors mean goes to the legend.
+    Whole { needs_radii: bool, progress: &'a Progress, legend: Option<&'a mut Legend> },
+    /// A part, with what is known of the whole, and the places of its points among all of the scene.
+    Part(&'a Known, Vec<u32>),
+}
+
+/// What must be known of a cloud before some of its points can be made by themselves.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Known {
+    /// What follows from the points that stand for all.
+    pub scales: Scales,
+    /// What is wanted of each point; all of it is stored, or follows from its columns.
+    pub request: prepare::Request,
+    /// The box of the cloud, in the file's units.
+    pub bounds: Bounds,
+    /// The range of what F is made of.
+    pub range: [f64; 2],
+    /// True if any point has a normal.
+    pub has_normals: bool,
+}
+
+/// The cloud at a place in the scene, or a part of it, with its settings applied. F is there if the method needs it.
+pub(super) fn transformed(
     scene: &Scene,
     clips: &Clips,
     index: usize,
     mut cloud: Cloud,
-    needs_radii: bool,
-    progress: &Progress,
-    legend: Option<&mut Legend>,
+    from: Source<'_>,
 ) -> Result<Points, Error> {
-    progress.begin(Phase::Prepare);
     let (settings, needs_field) = (&scene.clouds[index], scene.method.needs_field());
-    let coloring = Coloring::of(scene, index, &cloud);
-    let request = request(scene, settings, needs_radii, needs_field || coloring.needs_field());
-    if request.needs_neighbors() {
-        progress.reset();
-        progress.set_message("finding neighbors");
-    }
-    let found = prepare::find(&cloud, &request, progress);
-    let found = found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
+    let field_error = |source| Error::Field { path: settings.path.clone(), source };
+    let (coloring, request, found, has_normals) = match &from {
+        Source::Part(known, _) => {
+            let found = prepare::of_part(&cloud, &known.request, known.bounds, known.range).map_err(field_error)?;
+            let coloring = Coloring::of_part(scene, index, &cloud, &known.scales);
+            (coloring, known.request.clone(), found, Some(known.has_normals))
+        }
+        Source::Whole { needs_radii, progress, .. } => {
+            progress.begin(Phase::Prepare);
+            let coloring = Coloring::of(scene, index, &cloud);
+            let request = request(scene, settings, *needs_radii, needs_field || coloring.needs_field());
+            if request.needs_neighbors() {
+                progress.reset();
+                progress.set_message("finding neighbors");
+            }
+            let found = prepare::find(&cloud, &request, progress).map_err(field_error)?;
+            (coloring, request, found, None)
+        }
+    };
     let count = cloud.len();
     let colors = coloring.colors(found.fields.as_deref())?;
-    if let Some(legend) = legend {
-        legend.add(&coloring, clips, found.fields.as_deref(), found.dropped.as_deref())?;
-    }
+    let file_order = match from {
+        Source::Whole { legend, .. } => {
+            if let Some(legend) = legend {
+                legend.add(&coloring, clips, found.fields.as_deref(), found.dropped.as_deref())?;
+            }
+            Vec::new()
+        }
+        Source::Part(_, file_order) => file_order,
+    };
     let mut colors = colors.into_list(cloud.colors.take(), count);
     let rules = Rules::of(settings, &cloud)?;
     rules.paint(&mut colors);
@@ -246,8 +290,12 @@ fn transformed(
         colors,
         opacities,
         radii,
-        normals: shown(found.shading.or(cloud.normals)),
+        normals: match has_normals {
+            Some(has_normals) => cloud.normals.filter(|_| has_normals),
+            None => shown(found.shading.or(cloud.normals)),
+        },
         fields: found.fields.filter(|_| needs_field).unwrap_or_default(),
+        file_order,
         ..Points::default()
     };
     leave_out(&mut points, seen.as_deref(), found.dropped.as_deref());

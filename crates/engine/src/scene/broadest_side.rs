@@ -24,7 +24,7 @@ const MORE: f64 = 1.25;
 /// others do, so that slices of a scene have one camera, and the order of points doesn't matter.
 pub(super) fn broadest_side(settings: &CameraSettings, points: &Points, vertical: Vertical) -> Option<CameraSettings> {
     let CameraSettings { eye, target, up, view, .. } = settings;
-    let count = points.len() + points.unseen.positions.len();
+    let count = points.sampled().count();
     // A view takes the vertical for the image's top, which a tilted `up` isn't.
     let is_tilted = up.is_some_and(|up| up.cross(vertical.up()).length() > 1e-9 * up.length());
     if eye.is_some() || target.is_some() || is_tilted || view.is_given() || count < FEWEST {
@@ -52,8 +52,7 @@ fn covered(points: &Points, count: usize, (forward, up): (DVec3, DVec3)) -> usiz
     };
     let both = |a: Vec<bool>, b: Vec<bool>| a.into_iter().zip(b).map(|(a, b)| a | b).collect();
     let nothing = || vec![false; side * side];
-    let all = points.positions.par_iter().chain(&points.unseen.positions).with_min_len(1 << 16);
-    all.fold(nothing, cover).reduce(nothing, both).into_iter().filter(|covered| *covered).count()
+    points.sampled().fold(nothing, cover).reduce(nothing, both).into_iter().filter(|covered| *covered).count()
 }
 
 #[cfg(test)]

@@ -9,7 +9,9 @@ use super::assemble::placed;
 use super::error::Error;
 use super::settings::{CloudSettings, ColorBy, ColorSettings, Scene};
 use super::view::Vertical;
+use crate::cloud::facts::Facts;
 use crate::cloud::field;
+use crate::cloud::sampling::Sampling;
 use crate::cloud::{Cloud, GPS_TIME, POINT_SOURCE, RETURN_NUMBER};
 use crate::color::classes;
 use crate::color::colormap::{Colormap, mid_grey};
@@ -38,23 +40,29 @@ pub(super) struct Choice {
 }
 
 impl Choice {
-    /// The choice for a cloud without a `color`.
-    pub fn of(by: &ColorBy, cloud: &Cloud) -> Self {
+    /// The choice for a cloud without a `color`, some or all of whose points are there.
+    pub fn of(by: &ColorBy, cloud: &Cloud, facts: Option<&Facts>) -> Self {
         let choice = |by, modulated, why: &str| Self { by, modulated, why: why.to_owned() };
         if *by != ColorBy::Auto {
             return choice(by.clone(), false, "it was asked for");
         }
         let lacks = match &cloud.colors {
-            Some(colors) if !is_blank(colors) => return choice(ColorBy::Rgb, false, "the file has colors"),
+            Some(colors) if !facts.map_or_else(|| is_blank(colors), Facts::is_blank) => {
+                return choice(ColorBy::Rgb, false, "the file has colors");
+            }
             Some(_) => "the file's colors are all black or all white",
             None => "the file has no colors",
         };
-        let classes = classes_beside_0_and_1(cloud);
+        let classes = classes_beside_0_and_1(cloud, facts);
         if classes >= ENOUGH_CLASSES {
             let why = format!("{lacks}, but {classes} classes besides 0 and 1");
             return Self { by: ColorBy::Classification, modulated: false, why };
         }
-        let modulated = cloud.intensity.as_ref().is_some_and(|values| values.iter().any(|value| *value != 0.0));
+        let any = |values: &Vec<f32>| values.iter().any(|value| *value != 0.0);
+        let modulated = cloud
+            .intensity
+            .as_ref()
+            .is_some_and(|values| facts.map_or_else(|| any(values), |facts| facts.has_intensity));
         choice(ColorBy::Height, modulated, &format!("{lacks} and fewer than {ENOUGH_CLASSES} classes besides 0 and 1"))
     }
 }
@@ -64,7 +72,10 @@ fn is_blank(colors: &[Vec3]) -> bool {
     colors.par_iter().all(|color| *color == Vec3::ZERO) || colors.par_iter().all(|color| *color == Vec3::ONE)
 }
 
-fn classes_beside_0_and_1(cloud: &Cloud) -> usize {
+fn classes_beside_0_and_1(cloud: &Cloud, facts: Option<&Facts>) -> usize {
+    if let Some(facts) = facts {
+        return (2..=u8::MAX).filter(|code| facts.has_class(*code)).count();
+    }
     let mut seen = [false; 256];
     cloud.classification.iter().flatten().for_each(|code| seen[usize::from(*code)] = true);
     seen.iter().skip(2).filter(|seen| **seen).count()
@@ -100,6 +111,18 @@ pub(super) struct Coloring<'a> {
     pub index: usize,
     choice: Choice,
     vertical: Vertical,
+    /// Those of the whole cloud, if this is a part of it.
+    scales: Option<&'a Scales>,
+}
+
+/// What the colors of a part of a cloud follow from, besides its points.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Scales {
+    choice: Choice,
+    /// That of the values that become colors.
+    values: Option<Scale>,
+    /// That of intensities.
+    light: Option<Scale>,
 }
 
 /// Says that keys about the color map have no effect on a cloud for which `auto` decides so.
@@ -108,7 +131,7 @@ pub(super) fn note(settings: &CloudSettings, cloud: &Cloud) -> Option<String> {
     if settings.color.is_some() || settings.coloring != asked || asked == ColorSettings::default() {
         return None;
     }
-    let Choice { by, why, .. } = Choice::of(&ColorBy::Auto, cloud);
+    let Choice { by, why, .. } = Choice::of(&ColorBy::Auto, cloud, None);
     (!by.is_mapped()).then(|| {
         format!(
             "`colormap`, `range`, `reverse` and `log` have no effect, since {why}; color_by (--color-by) height or another \
@@ -132,8 +155,32 @@ impl<'a> Coloring<'a> {
     /// The coloring of the cloud at a place in the scene.
     pub fn of(scene: &'a Scene, index: usize, cloud: &'a Cloud) -> Self {
         let settings = &scene.clouds[index];
-        let choice = Choice::of(&settings.coloring.color_by, cloud);
-        Self { settings, cloud, index, choice, vertical: vertical(scene, cloud) }
+        let choice = Choice::of(&settings.coloring.color_by, cloud, None);
+        Self { settings, cloud, index, choice, vertical: vertical(scene, cloud), scales: None }
+    }
+
+    /// The coloring of a cloud of which some points are there, given the facts of all of them.
+    pub fn of_sample(scene: &'a Scene, index: usize, sample: &'a Cloud, facts: &Facts) -> Self {
+        let settings = &scene.clouds[index];
+        let choice = Choice::of(&settings.coloring.color_by, sample, Some(facts));
+        Self { settings, cloud: sample, index, choice, vertical: vertical(scene, sample), scales: None }
+    }
+
+    /// The same of another part of the same cloud, with the scales of this one. `fields` as for [`Coloring::colors`].
+    ///
+    /// # Errors
+    /// The cloud lacks what `color_by` shows.
+    pub fn scales(&self, fields: Option<&[f32]>) -> Result<Scales, Error> {
+        let values = self.values(fields)?.map(|values| self.scale(&values));
+        let light =
+            self.cloud.intensity.as_ref().filter(|_| self.choice.modulated).map(|values| self.light(&doubles(values)));
+        Ok(Scales { choice: self.choice.clone(), values, light })
+    }
+
+    /// The coloring of a part of a cloud.
+    pub fn of_part(scene: &'a Scene, index: usize, part: &'a Cloud, scales: &'a Scales) -> Self {
+        let (settings, choice) = (&scene.clouds[index], scales.choice.clone());
+        Self { settings, cloud: part, index, choice, vertical: vertical(scene, part), scales: Some(scales) }
     }
 
     /// True if F of the points must be known.
@@ -257,16 +304,38 @@ impl<'a> Coloring<'a> {
         Error::NoScalar { path: self.settings.path.clone(), name: name.to_owned(), key: "color_by", hint }
     }
 
-    /// The scale of values.
+    /// The scale of the values of all points.
     pub fn scale(&self, values: &[f64]) -> Scale {
-        Scale::of(values, self.settings.coloring.range, self.settings.coloring.log)
+        if let Some(known) = self.scales.and_then(|scales| scales.values) {
+            return known;
+        }
+        Scale::of(&self.sampled(values), self.settings.coloring.range, self.settings.coloring.log)
+    }
+
+    /// The scale of the intensities of all points.
+    fn light(&self, values: &[f64]) -> Scale {
+        self.scales.and_then(|scales| scales.light).unwrap_or_else(|| Scale::of(&self.sampled(values), None, false))
+    }
+
+    /// The values of points that stand for all.
+    fn sampled<'v>(&self, values: &'v [f64]) -> Cow<'v, [f64]> {
+        let sampling = Sampling::of(values.len() as u64);
+        if sampling.takes_all() {
+            return values.into();
+        }
+        let placed = |position: &DVec3| placed(self.settings, *position);
+        let both = self.cloud.positions.par_iter().zip(values).with_min_len(1 << 14);
+        both.filter(|(position, _)| sampling.takes(placed(position)))
+            .map(|(_, value)| *value)
+            .collect::<Vec<_>>()
+            .into()
     }
 
     /// Colors of heights, darker where intensity is small.
     fn modulated(&self, colors: Vec<Vec3>) -> Vec<Vec3> {
         let Some(intensities) = &self.cloud.intensity else { return colors };
         let values = doubles(intensities);
-        let scale = Scale::of(&values, None, false);
+        let scale = self.light(&values);
         let light = |value: f64| scale.place(value).map_or(1.0, |t| DARKEST + (1.0 - DARKEST) * t);
         colors.into_par_iter().zip(values).map(|(color, value)| (color.as_dvec3() * light(value)).as_vec3()).collect()
     }

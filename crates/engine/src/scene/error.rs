@@ -43,6 +43,18 @@ pub enum Error {
         /// The system's reason.
         source: std::io::Error,
     },
+    /// A cloud that is read node by node lacks what follows from neighbors.
+    #[error(
+        "{path}: {what} would have to be found from the neighbors of all points, which are not in memory at once; `pellucid prepare \
+         {path} -o FOLDER` stores them, more --host-memory loads all points, or another method or setting does without",
+        path = path.display()
+    )]
+    Unprepared {
+        /// The file or folder.
+        path: PathBuf,
+        /// What it lacks.
+        what: &'static str,
+    },
     /// The scene file has no bytes.
     #[error("{path}: the scene file is empty; it needs at least one [[cloud]] with a path", path = path.display())]
     Empty {

@@ -19,6 +19,9 @@ pub const DEFAULT_FOV_Y: f64 = 45.0;
 /// The share of the half angle's tangent that an automatic camera fills; the rest is a margin.
 pub(super) const FILL: f64 = 0.95;
 
+/// Groups of spheres that are read at once.
+const GROUPS: usize = 16;
+
 /// The least distance of an automatic eye to the scene, as a share of the scene's diagonal.
 const CLEARANCE: f64 = 0.1;
 
@@ -281,11 +284,7 @@ pub(super) struct Spheres<'a> {
 impl Spheres<'_> {
     /// Offset, depth, radius.
     fn iter(&self) -> impl IndexedParallelIterator<Item = (DVec2, f64, f64)> {
-        let [right, up, forward] = self.axes;
-        self.points.spheres().map(move |(position, radius)| {
-            let p = position - self.center;
-            (DVec2::new(p.dot(right), p.dot(up)), p.dot(forward), radius)
-        })
+        self.points.spheres().map(|(position, radius)| self.relative(position, radius))
     }
 
     fn extent(&self, tangents: DVec2) -> Extent {
@@ -296,7 +295,49 @@ impl Spheres<'_> {
             lower: extent.lower.min(offset + tangents * depth - reach * radius),
             nearest: extent.nearest.min(depth - radius),
         };
-        self.iter().fold(|| Extent::NOTHING, with).reduce(|| Extent::NOTHING, Extent::union)
+        let known = self.iter().fold(|| Extent::NOTHING, with).reduce(|| Extent::NOTHING, Extent::union);
+        self.with_groups(known, with, |extent, more| {
+            let beyond = (more.upper - extent.upper).max(extent.lower - more.lower).max_element();
+            beyond.max(extent.nearest - more.nearest)
+        })
+    }
+
+    /// Adds those groups of spheres to a state that may change it, where only some points are in memory: what changes most goes first.
+    /// `with` adds a sphere, `gain` tells how much farther a state is than another one. What is farthest of a group is so at a corner of its
+    /// box.
+    fn with_groups<S: Copy + Send + Sync>(
+        &self,
+        mut state: S,
+        with: impl Fn(S, (DVec2, f64, f64)) -> S + Sync,
+        gain: impl Fn(S, S) -> f64 + Sync,
+    ) -> S {
+        let Some(whole) = &self.points.whole else { return state };
+        let (groups, rounding) = (whole.spheres.groups(), 1e-12 * whole.bounds.diagonal());
+        let mut left: Vec<usize> = (0..groups.len()).collect();
+        loop {
+            let gain_of = |group: &usize| {
+                let (Bounds { min, max }, radius) = groups[*group];
+                let around = Bounds { min: min - rounding, max: max + rounding };
+                let corners = around.corners().into_iter().map(|corner| self.relative(corner, radius));
+                (gain(state, corners.fold(state, &with)), *group)
+            };
+            let mut gains: Vec<(f64, usize)> = left.par_iter().map(gain_of).filter(|(gain, _)| *gain > 0.0).collect();
+            gains.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+            gains.truncate(GROUPS);
+            if gains.is_empty() {
+                return state;
+            }
+            let spheres: Vec<_> = gains.par_iter().map(|(_, group)| whole.spheres.of_group(*group)).collect();
+            let each = spheres.iter().flatten().map(|(position, radius)| self.relative(*position, *radius));
+            state = each.fold(state, &with);
+            left.retain(|group| gains.iter().all(|(_, done)| done != group));
+        }
+    }
+
+    fn relative(&self, position: DVec3, radius: f64) -> (DVec2, f64, f64) {
+        let [right, up, forward] = self.axes;
+        let p = position - self.center;
+        (DVec2::new(p.dot(right), p.dot(up)), p.dot(forward), radius)
     }
 
     /// The shift of an eye at this distance that puts the outermost discs equally far from the image's centre, along
@@ -318,6 +359,12 @@ impl Spheres<'_> {
             };
             let both = |a: [(f64, f64); 4], b: [(f64, f64); 4]| std::array::from_fn(|i| later(a[i], b[i]));
             let outermost = self.iter().fold(|| nothing, with).reduce(|| nothing, both);
+            let slopes = |state: [(f64, f64); 4]| state.map(|(slope, _)| slope);
+            let outermost = self.with_groups(outermost, with, |known, more| {
+                let farther = slopes(more).into_iter().zip(slopes(known)).map(|(more, known)| more - known);
+                // Slopes, not lengths.
+                farther.fold(0.0, f64::max) * distance
+            });
             let (most, least) = outermost.split_at(2);
             let step = |axis: usize| (most[axis].0 - least[axis].0) / (most[axis].1 + least[axis].1);
             let step = DVec2::new(step(0), step(1));
@@ -342,6 +389,7 @@ fn later(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
 /// so above the lower one. With upper = max(offset − tangent·depth + r/cos) and lower = min(offset + tangent·depth −
 /// r/cos) all fit with a shift between upper − tangent·distance and lower + tangent·distance; such a shift exists if
 /// upper − lower ≤ 2·tangent·distance.
+#[derive(Clone, Copy)]
 pub(super) struct Extent {
     pub upper: DVec2,
     pub lower: DVec2,
@@ -405,9 +453,11 @@ pub(super) fn depths(
 /// True if any point's disc reaches into the image between near and far.
 fn sees_anything(camera: &Camera, points: &Points, size: [u32; 2]) -> bool {
     let image = DVec2::new(f64::from(size[0]), f64::from(size[1]));
-    points.positions.iter().zip(&points.radii).any(|(position, radius)| {
-        let (pixel, z) = camera.project(*position, size);
-        let radius_px = f64::from(*radius) * camera.pixels_per_unit(z, size[1]);
-        z >= camera.near && z <= camera.far && (pixel - pixel.clamp(DVec2::ZERO, image)).length() <= radius_px
-    })
+    // Of points that only stand for others those may show.
+    points.whole.is_some()
+        || points.positions.iter().zip(&points.radii).any(|(position, radius)| {
+            let (pixel, z) = camera.project(*position, size);
+            let radius_px = f64::from(*radius) * camera.pixels_per_unit(z, size[1]);
+            z >= camera.near && z <= camera.far && (pixel - pixel.clamp(DVec2::ZERO, image)).length() <= radius_px
+        })
 }

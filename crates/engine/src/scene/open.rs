@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 use crate::progress::{Phase, Progress};
 
 use super::document::Document;
+use super::procedural::Generated;
 use super::{Error, Overrides, load_clouds, procedural, take_generated};
 use crate::cloud::Cloud;
+use crate::io::store;
 
 /// The built-in scene used without input.
 pub const DEFAULT_SCENE: &str = "garden";
@@ -24,6 +26,48 @@ pub struct Opened {
     pub generated: bool,
 }
 
+/// A scene, and where its clouds are.
+#[derive(Debug, Clone)]
+pub struct Named {
+    /// The inputs as they were named.
+    pub name: String,
+    /// The keys of the scene.
+    pub document: Document,
+    /// The clouds of the built-in scene, which no file contains.
+    generated: Option<Generated>,
+}
+
+impl Named {
+    /// Reads the clouds.
+    ///
+    /// # Errors
+    /// Files that can't be read.
+    pub fn load(self, progress: &Progress) -> crate::Result<Opened> {
+        let scene = self.document.scene()?;
+        let clouds = match &self.generated {
+            Some(generated) => take_generated(&scene, generated)?,
+            None => load_clouds(&scene, progress)?,
+        };
+        Ok(Opened { name: self.name, document: self.document, clouds, generated: self.generated.is_some() })
+    }
+
+    /// The points that the clouds announce, as far as their files say how many they have; `None` of the built-in scene.
+    ///
+    /// # Errors
+    /// Files that can't be opened.
+    pub fn announced(&self) -> crate::Result<Option<u64>> {
+        if self.generated.is_some() {
+            return Ok(None);
+        }
+        let scene = self.document.scene()?;
+        let mut all = 0_u64;
+        for cloud in &scene.clouds {
+            all = all.saturating_add(store::announced(&cloud.path, &cloud.hints())?.unwrap_or(0));
+        }
+        Ok(Some(all))
+    }
+}
+
 /// Reads one scene file, or point clouds; without any input generates the built-in scene by `seed`. Options override
 /// it.
 ///
@@ -31,13 +75,20 @@ pub struct Opened {
 /// A scene file among other inputs, an invalid scene, and unreadable files.
 pub fn open(inputs: &[PathBuf], overrides: &Overrides, seed: u64, progress: &Progress) -> crate::Result<Opened> {
     progress.begin(Phase::Read);
+    name(inputs, overrides, seed)?.load(progress)
+}
+
+/// Like [`open`], but reads no clouds.
+///
+/// # Errors
+/// A scene file among other inputs, and an invalid scene.
+pub fn name(inputs: &[PathBuf], overrides: &Overrides, seed: u64) -> crate::Result<Named> {
     let is_scene = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
     let document = match inputs {
         [] => {
             let generated = procedural::build(DEFAULT_SCENE, &[], seed).map_err(Error::from)?;
             let document = Document::from_toml(&generated.scene_toml, Path::new(DEFAULT_SCENE), overrides)?;
-            let clouds = take_generated(&document.scene()?, &generated)?;
-            return Ok(Opened { name: DEFAULT_SCENE.to_owned(), document, clouds, generated: true });
+            return Ok(Named { name: DEFAULT_SCENE.to_owned(), document, generated: Some(generated) });
         }
         [path] if is_scene(path) => Document::read(path, overrides)?,
         inputs if inputs.iter().any(is_scene) => {
@@ -46,7 +97,6 @@ pub fn open(inputs: &[PathBuf], overrides: &Overrides, seed: u64, progress: &Pro
         }
         inputs => Document::from_clouds(inputs, overrides)?,
     };
-    let clouds = load_clouds(&document.scene()?, progress)?;
     let names: Vec<_> = inputs.iter().map(|input| input.display().to_string()).collect();
-    Ok(Opened { name: names.join(" "), document, clouds, generated: false })
+    Ok(Named { name: names.join(" "), document, generated: None })
 }

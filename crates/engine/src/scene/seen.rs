@@ -37,6 +37,7 @@ pub(super) fn leave_out(points: &mut Points, seen: Option<&[bool]>, dropped: Opt
     retain(&mut points.opacities, &keep);
     retain(&mut points.radii, &keep);
     retain(&mut points.fields, &keep);
+    retain(&mut points.file_order, &keep);
     if let Some(normals) = &mut points.normals {
         retain(normals, &keep);
     }

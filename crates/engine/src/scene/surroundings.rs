@@ -52,15 +52,11 @@ struct Layout {
 impl Layout {
     /// Of all points, also of those that are clipped or hidden, so that slices of a scene have one camera. `None` of few.
     fn of(points: &Points, vertical: Vertical) -> Option<Self> {
-        let all = points.positions.par_iter().chain(&points.unseen.positions);
-        if all.len() < FEWEST {
+        if points.len() + points.unseen.positions.len() < FEWEST {
             return None;
         }
         let axes = [vertical.right(), vertical.front(), vertical.up()];
-        // By their coordinates, so that those picked depend neither on the file nor on the method, which orders them.
-        let every = all.len().div_ceil(SAMPLES) as u32;
-        let picked = all.filter(|p| every == 1 || scattered(**p).is_multiple_of(every));
-        let places: Vec<[f64; 3]> = picked.map(|p| axes.map(|axis| p.dot(axis))).collect();
+        let places: Vec<[f64; 3]> = points.sampled().map(|p| axes.map(|axis| p.dot(axis))).collect();
         if places.is_empty() {
             return None;
         }
@@ -99,17 +95,6 @@ impl Layout {
     fn flattest(&self) -> Option<usize> {
         (0..3).find(|axis| (0..3).all(|other| other == *axis || self.side(*axis) < FLAT * self.side(other)))
     }
-}
-
-/// A number that has nothing to do with where a position lies, the same for equal positions: each coordinate's bits are
-/// multiplied by 2⁶⁴ over the golden ratio, whose high half depends on all of them, and folded (Knuth, The Art of Computer
-/// Programming 3, 6.4).
-fn scattered(position: DVec3) -> u32 {
-    let mixed = position.to_array().into_iter().fold(0, |all: u64, x| {
-        let product = (all ^ x.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        product ^ product >> 32
-    });
-    mixed as u32
 }
 
 /// Which parts of the height have points in a cell of the plan.

@@ -30,5 +30,6 @@ mod splat;
 mod splats;
 mod stochastic;
 mod stochastic_hardware;
+mod stored;
 mod supplied;
 mod waits;

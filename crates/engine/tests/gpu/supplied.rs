@@ -26,7 +26,7 @@ fn every_method_renders_the_same_bytes_window_by_window() {
             let expected = renderer.render(&mut cloud, &whole).expect("a frame");
             // Room for some 30,000 points.
             let small = Frame { memory_budget: Some(9 << 20), ..whole };
-            let mut supplied = renderer.supply(&points).expect("small buffers");
+            let mut supplied = renderer.supply_held(&points).expect("small buffers");
             for pass in 0..2 {
                 match renderer.render(&mut supplied, &small) {
                     Ok(found) => {

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::{Copc, Ept, Held, LasPieces, Octree, PlyPieces, Store};
 use crate::io::las::LasFile;
+use crate::io::ply::{Vertices, is_prepared};
 use crate::io::{Error, Format, Hints, NAMES_WITHOUT_EFFECT, Source, load_with};
 use crate::progress::Progress;
 
@@ -51,6 +52,29 @@ pub fn open(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn St
             }
         }
         _ => whole(path, hints, progress),
+    }
+}
+
+/// The points that a cloud announces, without a look at them; `None` of files that say nothing of it, or that are read as a whole.
+///
+/// # Errors
+/// It can't be opened.
+pub fn announced(path: &Path, hints: &Hints) -> Result<Option<u64>, Error> {
+    if is_ept(path) {
+        return Ok(Some(Ept::open(path, hints.las)?.summary().points));
+    }
+    if Octree::is_one(path) {
+        return Ok(Some(Octree::open(path)?.summary().points));
+    }
+    let mut source = Source::open(path)?;
+    let start = source.peek()?;
+    match Format::detect(&source, &start) {
+        Ok(Format::Las) => Ok(Some(LasFile::open(source, hints.las)?.header.count)),
+        Ok(Format::Ply) => match Vertices::find(source)? {
+            (Vertices::Rows(rows), comments) if !is_prepared(&comments) => Ok(Some(rows.count)),
+            _ => Ok(None),
+        },
+        _ => Ok(None),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{Error, Renderer};
 use crate::cloud::shadow_texture::ShadowTexture;
+use crate::passes::compose::Cut;
 use crate::passes::project::DeviceCloud;
 use crate::prepare::Arranged;
 
@@ -12,8 +13,10 @@ impl Renderer {
     /// More points than the device can address, or no memory for them.
     pub fn upload_arranged(&self, arranged: &Arranged) -> Result<DeviceCloud, Error> {
         match arranged {
+            Arranged::Canonical(points) if points.len() as u64 > Cut::most(&self.device) => self.supply_held(points),
             Arranged::Canonical(points) => self.upload(points),
             Arranged::Dealt(dealt) => self.upload_dealt(dealt),
+            Arranged::Supplied(supplied) => self.supply(&supplied.sample, &supplied.supply),
         }
     }
 

@@ -236,8 +236,11 @@ impl Renderer {
     /// Brings to the device what frames need of a cloud, unless the frame is cancelled already.
     fn place(&self, engine: &dyn Engine, cloud: &mut DeviceCloud, frame: &Frame, survey: bool) -> Result<(), Error> {
         self.progress.check()?;
+        if cloud.supply().is_none() {
+            return engine.place(&self.device, cloud, frame, survey);
+        }
         // Those of which some come at a time come with each window.
-        if cloud.supply().is_some() { Ok(()) } else { engine.place(&self.device, cloud, frame, survey) }
+        frame.method.threshold().map_or(Ok(()), |threshold| Ok(cloud.find_parts(threshold, &self.progress)?))
     }
 
     /// Computes the light of each point for the shadows of a frame, unless it has none or the cloud has them already.

@@ -38,13 +38,20 @@ fn room(device: &Device, cloud: &DeviceCloud, frame: &Frame) -> u64 {
 
 impl Renderer {
     /// Takes points that come to the device window by window, for any method: more of them than the device has room for at once.
-    /// `points` are all of them, in canonical order; they stay in the host's memory.
+    /// `points` are all of them, or some that stand for all.
     ///
     /// # Errors
     /// No memory for small buffers.
-    pub fn supply(&self, points: &Arc<Points>) -> Result<DeviceCloud, Error> {
-        let held: Arc<dyn Supply> = Arc::new(Held::new(points.clone()));
-        Ok(DeviceCloud::of_supply(&self.device, points, held)?)
+    pub fn supply(&self, points: &Points, supply: &Arc<dyn Supply>) -> Result<DeviceCloud, Error> {
+        Ok(DeviceCloud::of_supply(&self.device, points, Arc::clone(supply))?)
+    }
+
+    /// The same of points in canonical order that stay in the host's memory.
+    ///
+    /// # Errors
+    /// No memory for small buffers.
+    pub fn supply_held(&self, points: &Arc<Points>) -> Result<DeviceCloud, Error> {
+        self.supply(points, &(Arc::new(Held::new(points.clone())) as Arc<dyn Supply>))
     }
 
     /// Brings the points that may show in a window to the device, unless they are there. A window that too many reach must be cut.

@@ -1,6 +1,8 @@
 //! The part of a cloud that is projected: a threshold on the field tells solid from soft points.
 
 use crate::points::Points;
+use crate::progress::Progress;
+use crate::supply::{self, Supply};
 
 /// Which points of a cloud are projected.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,6 +78,59 @@ impl Parts {
     }
 }
 
+/// Points that are looked at at once.
+const AT_ONCE: u64 = 1 << 22;
+
+impl Parts {
+    /// Counts points that come some at a time, twice.
+    pub(super) fn of_supply(supply: &dyn Supply, threshold: f32, progress: &Progress) -> Result<Self, supply::Failure> {
+        // Radii are not below 0, so that their bits have their order. First by the upper half of the bits, then by the lower one.
+        let (mut all, mut upper) = (0u64, vec![0u64; 1 << 16]);
+        let is_soft = |points: &Points, i: usize| points.fields.get(i).is_some_and(|field| *field > threshold);
+        let radii = |points: &Points| -> Vec<u32> {
+            let soft = (0..points.len()).filter(|i| is_soft(points, *i));
+            soft.map(|i| (points.radii[i] + 0.0).to_bits()).collect()
+        };
+        supply::each(supply, AT_ONCE, progress, |points| {
+            all += points.len() as u64;
+            radii(points).into_iter().for_each(|bits| upper[(bits >> 16) as usize] += 1);
+        })?;
+        let soft: u64 = upper.iter().sum();
+        if soft == 0 {
+            return Ok(Self { solid: all, soft, median_radius: 0.0 });
+        }
+        let ranks = [(soft - 1) / 2, soft / 2];
+        let halves = ranks.map(|rank| ranked(&upper, rank));
+        let mut lower = [vec![0u64; 1 << 16], vec![0u64; 1 << 16]];
+        supply::each(supply, AT_ONCE, progress, |points| {
+            for bits in radii(points) {
+                for (half, counts) in halves.iter().zip(&mut lower) {
+                    counts[(bits & 0xffff) as usize] += u64::from(half.0 == bits >> 16);
+                }
+            }
+        })?;
+        let value = |which: usize| {
+            let (half, before) = halves[which];
+            f32::from_bits(half << 16 | ranked(&lower[which], ranks[which] - before).0)
+        };
+        let (low, high) = (value(0), value(1));
+        let median_radius = if ranks[0] == ranks[1] { high } else { 0.5 * low + 0.5 * high };
+        Ok(Self { solid: all - soft, soft, median_radius })
+    }
+}
+
+/// The bin with the value of a rank, and how many are in the bins before.
+fn ranked(counts: &[u64], rank: u64) -> (u32, u64) {
+    let mut before = 0;
+    for (bin, count) in counts.iter().enumerate() {
+        if rank < before + count {
+            return (bin as u32, before);
+        }
+        before += count;
+    }
+    (0, 0)
+}
+
 /// Field and radius of each point; nothing without a field.
 pub(super) fn fields_and_radii(points: &Points) -> Vec<[f32; 2]> {
     points.fields.iter().zip(&points.radii).map(|(field, radius)| [*field, *radius]).collect()
@@ -100,6 +155,26 @@ fn median(values: &mut [f32]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn points_that_come_some_at_a_time_have_the_same_parts() {
+        for count in [1, 2, 9, 10, 40_000, 40_001] {
+            let spread = |i: usize, by: usize| ((i * by) % 65_537) as f32;
+            let points = Points {
+                positions: (0..count).map(|i| glam::DVec3::splat(i as f64)).collect(),
+                colors: vec![glam::Vec3::ONE; count],
+                opacities: vec![1.0; count],
+                radii: (0..count).map(|i| 0.001 * spread(i, 48_271)).collect(),
+                fields: (0..count).map(|i| spread(i, 16_807) / 65_537.0).collect(),
+                ..Points::default()
+            };
+            let held = supply::Held::new(std::sync::Arc::new(points.clone()));
+            for threshold in [0.0, 0.3, 0.9, 1.0] {
+                let found = Parts::of_supply(&held, threshold, &Progress::hidden()).unwrap();
+                assert_eq!(found, Parts::count(&points, threshold), "{count} {threshold}");
+            }
+        }
+    }
 
     #[test]
     fn a_threshold_parts_a_cloud() {

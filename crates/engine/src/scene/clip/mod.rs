@@ -18,13 +18,19 @@ enum Side {
 }
 
 /// Tells where points lie.
-type Shape = Box<dyn Fn(DVec3) -> Side + Sync>;
+type Shape = Box<dyn Fn(DVec3) -> Side + Send + Sync>;
 
 /// The clips of a scene, with the polygons of their files.
 #[derive(Default)]
 pub(super) struct Clips {
     /// Each with `invert`.
     clips: Vec<(Shape, bool)>,
+}
+
+impl std::fmt::Debug for Clips {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} clips", self.clips.len())
+    }
 }
 
 impl Clips {

@@ -300,6 +300,8 @@ impl Tracked {
         let points = match arranged {
             Arranged::Canonical(points) => Arc::make_mut(points),
             Arranged::Dealt(dealt) => Arc::make_mut(&mut dealt.points),
+            // Nobody tracks points that come some at a time.
+            Arranged::Supplied(_) => return Ok(None),
         };
         let mut order = std::mem::take(if self.placement.dealt { dealt } else { &mut points.file_order });
         let mut changes =

@@ -1,6 +1,6 @@
 //! Points on the device that change where they are: only columns that are others go there again, into the same buffers.
 
-use super::{Column, DeviceCloud, fields_and_radii, largest, largest_component};
+use super::{Column, DeviceCloud, fields_and_radii, largest_component, largest_opacity};
 use crate::gpu::{Device, Error};
 use crate::points::{Changes, Points};
 use crate::prepare::Arranged;
@@ -41,13 +41,13 @@ impl DeviceCloud {
     /// Recomputes the properties of all points, except those of their positions.
     fn measure(&mut self, points: &Points, changes: Changes) {
         if changes.opacities {
-            self.max_opacity = largest(&points.opacities);
+            self.max_opacity = largest_opacity(points);
         }
         if changes.colors {
-            self.max_color = largest_component(&points.colors);
+            self.max_color = largest_component(points);
         }
-        if changes.radii {
-            self.max_radius = largest(&points.radii);
+        if changes.radii || changes.unseen {
+            self.max_radius = points.largest_radius() as f32;
         }
         if changes.radii || changes.fields || changes.order {
             self.fields_and_radii = fields_and_radii(points);

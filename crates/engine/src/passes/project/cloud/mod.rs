@@ -14,7 +14,7 @@ pub use supplied::Present;
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use self::supplied::Supplied;
@@ -27,6 +27,7 @@ use crate::gpu::{Buffer, Device, Error, GpuType, Memory, Preferences, Slice};
 use crate::points::{Anchor, Points};
 use crate::prepare::axes;
 use crate::prepare::ensembles::Dealt;
+use crate::progress::Progress;
 use crate::scene::{ColorSpace, Formula, Shading};
 
 /// A cloud on the device, with room for its splats.
@@ -53,6 +54,8 @@ pub struct DeviceCloud {
     /// Field and radius of each point, if there is a field; and what was last found in them.
     fields_and_radii: Vec<[f32; 2]>,
     parts: Option<(f32, Parts)>,
+    /// True if the points that it was made from stand for more.
+    is_sample: bool,
     /// World positions, if there is a field: what orders along the axes are made from, and those that were asked for.
     positions: Vec<DVec3>,
     orders: [Option<Buffer<u32>>; 3],
@@ -202,7 +205,7 @@ impl DeviceCloud {
     fn without_columns(device: &Device, points: &Points) -> Result<Self, Error> {
         let anchor = points.anchor();
         let origin = anchor.origin;
-        let len = points.len() as u64;
+        let len = points.count();
         let has_normals = points.normals.as_ref().is_some_and(|normals| !normals.is_empty());
         // No element is wider than a splat; a chunk starts at a multiple of any device's offset alignment.
         let chunk_len = ((device.limits().binding_bytes / size_of::<Splat>() as u64) & !0xffff).max(0x1_0000);
@@ -219,11 +222,12 @@ impl DeviceCloud {
             opacity_factor: 1.0,
             prefers: device.info().prefers,
             depth_origin: 0.0,
-            max_opacity: largest(&points.opacities),
-            max_color: largest_component(&points.colors),
-            max_radius: largest(&points.radii),
+            max_opacity: largest_opacity(points),
+            max_color: largest_component(points),
+            max_radius: points.largest_radius() as f32,
             fields_and_radii: fields_and_radii(points),
             parts: None,
+            is_sample: points.whole.is_some(),
             positions: if points.fields.is_empty() { Vec::new() } else { points.positions.clone() },
             orders: [None, None, None],
             orders_made: 0,
@@ -322,7 +326,21 @@ impl DeviceCloud {
         self.max_radius
     }
 
-    /// How many points a threshold makes solid and soft.
+    /// Counts the points that a threshold makes solid and soft, where only some points are in memory.
+    ///
+    /// # Errors
+    /// Points can't be read, or `progress` cancels it.
+    pub fn find_parts(&mut self, threshold: f32, progress: &Progress) -> Result<(), crate::passes::Error> {
+        let is_known = self.parts.is_some_and(|(known, _)| known == threshold);
+        let Some(supply) = self.supply().filter(|_| self.is_sample && self.has_fields && !is_known) else {
+            return Ok(());
+        };
+        let parts = Parts::of_supply(&**supply, threshold, progress).map_err(supplied::failed)?;
+        self.parts = Some((threshold, parts));
+        Ok(())
+    }
+
+    /// How many points a threshold makes solid and soft ([`Self::find_parts`] where only some points are in memory).
     pub fn parts(&mut self, threshold: f32) -> Parts {
         match self.parts {
             Some((known, parts)) if known == threshold => parts,
@@ -404,6 +422,13 @@ fn largest(values: &[f32]) -> f32 {
     values.par_iter().copied().reduce(|| 0.0, f32::max)
 }
 
-fn largest_component(colors: &[Vec3]) -> f32 {
-    colors.par_iter().map(|c| c.max_element()).reduce(|| 0.0, f32::max)
+/// The largest opacity, or a bound on it.
+fn largest_opacity(points: &Points) -> f32 {
+    if points.whole.is_some() { 1.0 } else { largest(&points.opacities) }
+}
+
+/// The largest component of a color, at least 1, which scenes of which only a part is known have, too.
+fn largest_component(points: &Points) -> f32 {
+    let most = || points.colors.par_iter().map(|color| color.max_element()).reduce(|| 1.0, f32::max);
+    points.whole.as_ref().map_or_else(most, |whole| whole.brightest.max(1.0))
 }

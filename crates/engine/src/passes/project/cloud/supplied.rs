@@ -144,7 +144,7 @@ impl DeviceCloud {
     }
 }
 
-fn failed(failure: Failure) -> crate::passes::Error {
+pub(super) fn failed(failure: Failure) -> crate::passes::Error {
     match failure {
         Failure::Cancelled => crate::passes::Error::Cancelled,
         Failure::Store(error) => crate::passes::Error::Store(error),

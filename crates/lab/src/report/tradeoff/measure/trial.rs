@@ -185,7 +185,7 @@ impl Run<'_> {
                 let mut cloud = renderer.upload_dealt(&dealt.again(frame.seed))?;
                 renderer.render(&mut cloud, &frame)
             }
-            Arranged::Canonical(_) => self.render(renderer, setting, image),
+            Arranged::Canonical(_) | Arranged::Supplied(_) => self.render(renderer, setting, image),
         }
     }
 

@@ -1,0 +1,70 @@
+//! Some points of a cloud that stand for all of them: chosen by where they are, whatever their order and whichever part of the cloud
+//! is at hand.
+
+use glam::DVec3;
+
+/// Points up to which all of them are taken.
+const ALL: u64 = 1 << 18;
+/// Points that are taken of more of them, at most, on average.
+const MOST: u64 = 1 << 17;
+
+/// Which points of a cloud of some size are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sampling {
+    /// One of so many less one: a power of two.
+    mask: u32,
+}
+
+impl Sampling {
+    /// Of a cloud with so many points: all of up to 2¹⁸, of more of them about 2¹⁶ to 2¹⁷. Whoever is taken of a cloud is taken of any smaller
+    /// one, too.
+    pub fn of(points: u64) -> Self {
+        let every = if points <= ALL { 1 } else { points.div_ceil(MOST).next_power_of_two().min(1 << 31) };
+        Self { mask: every as u32 - 1 }
+    }
+
+    /// True if all points are taken.
+    pub fn takes_all(self) -> bool {
+        self.mask == 0
+    }
+
+    /// True if the points in a place are taken.
+    pub fn takes(self, position: DVec3) -> bool {
+        self.mask == 0 || scattered(position) & self.mask == 0
+    }
+}
+
+/// A number that has nothing to do with where a position lies, the same for equal positions: each coordinate's bits are
+/// multiplied by 2⁶⁴ over the golden ratio, whose high half depends on all of them, and folded (Knuth, The Art of Computer
+/// Programming 3, 6.4).
+fn scattered(position: DVec3) -> u32 {
+    let mixed = position.to_array().into_iter().fold(0, |all: u64, x| {
+        let product = (all ^ x.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        product ^ product >> 32
+    });
+    mixed as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_points_stand_for_many() {
+        assert!(Sampling::of(0).takes_all() && Sampling::of(ALL).takes_all());
+        let grid = |count: u32| (0..count).map(|i| DVec3::new(f64::from(i % 1000), 0.5, f64::from(i / 1000)));
+        // 2²⁰ of them: every eighth, to some standard errors of 2^8.5.
+        let sampling = Sampling::of(1 << 20);
+        let taken: Vec<DVec3> = grid(1 << 20).filter(|p| sampling.takes(*p)).collect();
+        assert!(taken.len().abs_diff(1 << 17) < 1500, "{}", taken.len());
+        // As many on the one side as on the other.
+        let left = taken.iter().filter(|p| p.x < 500.0).count();
+        assert!(left.abs_diff(taken.len() / 2) < 1500, "{left}");
+        // Their number lets all of them stand for themselves.
+        assert!(Sampling::of(taken.len() as u64).takes_all());
+        // Those of more points are among those of fewer.
+        let fewer = Sampling::of(1 << 30);
+        assert!(grid(1 << 22).filter(|p| fewer.takes(*p)).all(|p| sampling.takes(p)));
+        assert_eq!(Sampling::of(u64::MAX).mask, (1 << 31) - 1);
+    }
+}

@@ -1,0 +1,250 @@
+//! Scenes whose clouds stay where they are stored: nodes are read when a part of the picture needs them, and are points as those of a
+//! scene in memory are.
+//!
+//! What follows from all points of a cloud together, such as the range of a color map, is found once, in a survey: from facts about
+//! all points, and from some points that stand for all ([`Sampling`](crate::cloud::sampling::Sampling)), which a scene in memory takes, too.
+
+mod cache;
+mod cloud;
+mod survey;
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use self::cache::Cache;
+use self::cloud::StoredCloud;
+use super::assemble::{most_frequent, no_points};
+use super::clip::Clips;
+use super::error::Error;
+use super::legend::Legend;
+use super::settings::{CloudSettings, Scene, ShadingModel};
+use crate::cloud::sampling::Sampling;
+use crate::cloud::{Bounds, UpAxis};
+use crate::io;
+use crate::io::store::{self, Store};
+use crate::points::{Points, Spheres, Unseen, Whole};
+use crate::prepare::{Arranged, Supplied, order};
+use crate::progress::{Phase, Progress};
+use crate::supply::{Block, Failure, Keep, Supply};
+
+/// Stores of a scene, in the order of its clouds.
+pub type Stores = Vec<Arc<dyn Store>>;
+
+/// Opens the scene's clouds without reading their points, as far as their formats allow.
+///
+/// # Errors
+/// The first cloud that can't be opened.
+pub fn open_stores(scene: &Scene, progress: &Progress) -> Result<Stores, io::Error> {
+    let open = |cloud: &CloudSettings| {
+        progress.reset();
+        progress.set_message(format!("opening {}", cloud.path.display()));
+        store::open(&cloud.path, cloud.hints(), progress).map(Arc::from)
+    };
+    scene.clouds.iter().map(open).collect()
+}
+
+/// A scene whose clouds are stores.
+#[derive(Debug, Clone)]
+pub struct Stored {
+    nodes: Arc<Nodes>,
+    /// Points of the scene that stand for all.
+    sample: Arc<Points>,
+    /// What the colors of the points mean, by those that stand for all.
+    legend: Legend,
+    notes: Vec<String>,
+}
+
+/// The nodes of all clouds.
+#[derive(Debug)]
+struct Nodes {
+    scene: Scene,
+    clips: Clips,
+    clouds: Vec<StoredCloud>,
+    /// The box of all points.
+    bounds: Bounds,
+    blocks: Vec<Block>,
+    /// Cloud and node of each block.
+    places: Vec<[u32; 2]>,
+    cache: Cache,
+}
+
+impl Stored {
+    /// A scene with its stores, whose nodes are kept in at most so many bytes of memory once they are read. Unless the
+    /// stores know what is known of all their points, all are read once.
+    ///
+    /// # Errors
+    /// A store can't be read; a cloud lacks what the scene asks for, or it would have to be found from neighbors; no point is left.
+    pub fn new(scene: &Scene, stores: Stores, memory: u64, progress: &Progress) -> Result<Self, crate::Error> {
+        progress.begin(Phase::Prepare);
+        let (mut scene, clips) = (scene.clone(), Clips::load(&scene.clips)?);
+        let mut notes = Vec::new();
+        if is_unlit(&scene, &stores) && scene.shading.model != ShadingModel::None {
+            if scene.shading.model != ShadingModel::Auto {
+                return Err(Error::Unprepared { path: scene.clouds[0].path.clone(), what: "normals" }.into());
+            }
+            scene.shading.model = ShadingModel::None;
+            notes.push(
+                "points that have no normals are not shaded; `pellucid prepare --normals` stores some".to_owned(),
+            );
+        }
+        let count = stores.iter().map(|store| store.summary().points).sum();
+        let mut clouds = Vec::with_capacity(stores.len());
+        let (mut sample, mut first, mut legend) = (Points::default(), 0, Legend::default());
+        for (index, store) in stores.into_iter().enumerate() {
+            let at = cloud::Place { scene: &scene, clips: &clips, index, first };
+            let (cloud, own) = StoredCloud::new(&at, store, &mut legend, progress)?;
+            first += cloud.facts.points;
+            clouds.push(cloud);
+            sample.append(own);
+        }
+        let bounds = clouds.iter().filter_map(StoredCloud::bounds).reduce(Bounds::union);
+        let bounds = bounds.filter(|bounds| bounds.min.is_finite() && bounds.max.is_finite());
+        let bounds = bounds.ok_or_else(|| no_points(&scene, &sample))?;
+        let (blocks, places) = blocks(&scene, &clouds);
+        let nodes = Arc::new(Nodes { scene, clips, clouds, bounds, blocks, places, cache: Cache::new(memory) });
+        let clouds = &nodes.clouds;
+        let whole = Whole {
+            count,
+            bounds,
+            largest_radius: clouds.iter().map(|cloud| cloud.largest_radius).fold(0.0, f32::max),
+            brightest: clouds.iter().map(|cloud| cloud.brightest).fold(1.0, f32::max),
+            is_transparent: clouds.iter().any(|cloud| cloud.is_transparent),
+            identity: clouds.iter().map(StoredCloud::identity).collect::<Vec<_>>().join("\n"),
+            spheres: Arc::clone(&nodes) as Arc<dyn Spheres>,
+        };
+        let sample = Arc::new(stand_ins(sample, Sampling::of(count), whole));
+        Ok(Self { nodes, sample, legend, notes })
+    }
+
+    /// The scene, without shading where points have no normals to shade by.
+    pub fn scene(&self) -> &Scene {
+        &self.nodes.scene
+    }
+
+    /// Some points that stand for all, with what is known of all ([`Points::whole`]).
+    pub fn sample(&self) -> &Points {
+        &self.sample
+    }
+
+    /// All points, block by block.
+    pub fn arranged(&self) -> Arranged {
+        Arranged::Supplied(Supplied {
+            supply: Arc::clone(&self.nodes) as Arc<dyn Supply>,
+            sample: Arc::clone(&self.sample),
+        })
+    }
+
+    /// The vertical of most clouds.
+    pub fn up(&self) -> UpAxis {
+        most_frequent(self.nodes.clouds.iter().map(|cloud| cloud.store.summary().up))
+    }
+
+    /// What the colors of the points mean.
+    pub fn legend(&self) -> &Legend {
+        &self.legend
+    }
+
+    /// True if points have other classes than 0 and 1, which say that nothing was classified.
+    pub fn is_classified(&self) -> bool {
+        self.nodes.clouds.iter().any(|cloud| (2..=u8::MAX).any(|code| cloud.facts.has_class(code)))
+    }
+
+    /// What else should be known, one sentence each.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// How clouds are colored and why, a phrase for each.
+    pub fn colorings(&self) -> Vec<String> {
+        self.nodes.clouds.iter().map(|cloud| cloud.coloring.clone()).collect()
+    }
+
+    /// Bytes that were read of nodes so far, and those of all nodes.
+    pub fn bytes_read(&self) -> [u64; 2] {
+        let nodes = self.nodes.clouds.iter().flat_map(|cloud| cloud.store.nodes());
+        [self.nodes.cache.bytes_read(), nodes.map(|node| node.bytes).sum()]
+    }
+}
+
+impl Nodes {
+    /// The points of a block, with those that are not drawn set apart.
+    fn part(&self, block: usize) -> Result<Arc<Points>, Failure> {
+        let [cloud, node] = self.places[block].map(|number| number as usize);
+        self.cache.get(block as u32, || {
+            let cloud = &self.clouds[cloud];
+            let points =
+                cloud.points(&self.scene, &self.clips, node).map_err(|error| Failure::Store(Arc::new(error)))?;
+            Ok((points, cloud.store.nodes()[node].bytes))
+        })
+    }
+}
+
+impl Supply for Nodes {
+    fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+
+    fn take(&self, blocks: &[u32], keep: Keep<'_>, progress: &Progress) -> Result<Points, Failure> {
+        let read = |block: &u32| {
+            progress.check()?;
+            self.part(*block as usize)
+        };
+        let parts = blocks.par_iter().map(read).collect::<Result<Vec<_>, Failure>>()?;
+        let radii: Vec<f32> = blocks.iter().map(|block| self.blocks[*block as usize].radius).collect();
+        let picked = order::picked(&parts, &self.bounds, |part, position| keep(position, radii[part]));
+        Ok(Points::gather(&parts, &picked))
+    }
+}
+
+impl Spheres for Nodes {
+    fn groups(&self) -> Vec<(Bounds, f64)> {
+        self.blocks.iter().map(|block| (block.bounds, block.radius.into())).collect()
+    }
+
+    fn of_group(&self, group: usize) -> Vec<(DVec3, f64)> {
+        let Ok(points) = self.part(group) else { return Vec::new() };
+        let unseen = points.unseen.positions.iter().zip(&points.unseen.radii);
+        let all = points.positions.iter().zip(&points.radii).chain(unseen);
+        all.map(|(position, radius)| (*position, f64::from(*radius))).collect()
+    }
+}
+
+/// True if a cloud has no normals where the scene shades by them.
+fn is_unlit(scene: &Scene, stores: &Stores) -> bool {
+    scene.shading_normals().is_some() && stores.iter().any(|store| store.summary().like.normals.is_none())
+}
+
+/// Those of some points that stand for all of the whole scene. They are none of those that are not drawn, which count all the same.
+fn stand_ins(points: Points, sampling: Sampling, whole: Whole) -> Points {
+    let takes = |positions: &[DVec3]| -> Vec<u32> {
+        let taken = positions.iter().enumerate().filter(|(_, position)| sampling.takes(**position));
+        taken.map(|(at, _)| at as u32).collect()
+    };
+    let unseen = takes(&points.unseen.positions);
+    let pick = |at: &u32| (points.unseen.positions[*at as usize], points.unseen.radii[*at as usize]);
+    let (positions, radii) = unseen.iter().map(pick).unzip();
+    let seen = points.subset(&takes(&points.positions), 1.0);
+    Points { unseen: Arc::new(Unseen { positions, radii }), whole: Some(Arc::new(whole)), ..seen }
+}
+
+/// The blocks of clouds, with cloud and node of each.
+fn blocks(scene: &Scene, clouds: &[StoredCloud]) -> (Vec<Block>, Vec<[u32; 2]>) {
+    let (mut blocks, mut nodes) = (Vec::new(), Vec::new());
+    for (index, cloud) in clouds.iter().enumerate() {
+        let others = clouds.iter().enumerate().filter(|(other, _)| *other != index);
+        let others: Vec<(Bounds, f32)> =
+            others.filter_map(|(_, other)| Some((other.bounds()?, other.largest_radius))).collect();
+        for (node, mut block) in cloud.blocks(scene) {
+            // Points of another cloud may be in the same places.
+            let meets =
+                |bounds: &Bounds| bounds.min.cmple(block.bounds.max).all() && block.bounds.min.cmple(bounds.max).all();
+            let there = others.iter().filter(|(bounds, _)| meets(bounds)).map(|(_, radius)| *radius);
+            block.radius = there.fold(block.radius, f32::max);
+            blocks.push(block);
+            nodes.push([index as u32, node as u32]);
+        }
+    }
+    (blocks, nodes)
+}

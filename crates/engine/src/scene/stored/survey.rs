@@ -1,0 +1,69 @@
+//! What follows from all points of a store: facts, and some points that stand for all.
+
+use rayon::prelude::*;
+
+use super::super::assemble::placed;
+use super::super::settings::CloudSettings;
+use crate::cloud::Cloud;
+use crate::cloud::facts::Facts;
+use crate::cloud::field::{self, Field};
+use crate::cloud::sampling::Sampling;
+use crate::io::store::Store;
+use crate::progress::Progress;
+
+/// Nodes that are read at once.
+const BATCH: usize = 64;
+
+/// What was found.
+pub(super) struct Survey {
+    pub facts: Facts,
+    /// Points that stand for all.
+    pub sample: Cloud,
+    /// The range of what the field is made of; in reverse order if none was asked for.
+    pub range: [f64; 2],
+}
+
+/// Looks at a store's points where a scene places them, unless the store knows; and at what a field is made of.
+///
+/// # Errors
+/// The store can't be read, lacks what the field is made of, or the survey was cancelled.
+pub(super) fn survey(
+    store: &dyn Store,
+    settings: &CloudSettings,
+    field: Option<&Field>,
+    progress: &Progress,
+) -> Result<Survey, crate::Error> {
+    let summary = store.summary();
+    let sampling = Sampling::of(summary.points);
+    progress.reset();
+    progress.set_message(format!("looking at {}", summary.path.display()));
+    progress.set_length(summary.points);
+    let look = |node: usize| -> Result<(Facts, Cloud, [f64; 2]), crate::Error> {
+        let cloud = store.read(node)?.cloud;
+        progress.inc(cloud.len() as u64);
+        let positions = cloud.positions.iter().enumerate();
+        let taken = positions.filter(|(_, position)| sampling.takes(placed(settings, **position)));
+        let taken: Vec<u32> = taken.map(|(at, _)| at as u32).collect();
+        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+        if let Some(field) = field {
+            let values = field.unscaled(&cloud, || Some(summary.bounds));
+            let failed = |source| super::super::error::Error::Field { path: settings.path.clone(), source };
+            range = field::range(&values.map_err(failed)?.unwrap_or_default());
+        }
+        Ok((Facts::of(&cloud), cloud.subset(&taken), range))
+    };
+    let mut found =
+        Survey { facts: Facts::default(), sample: summary.like.clone(), range: [f64::INFINITY, f64::NEG_INFINITY] };
+    let nodes: Vec<usize> = (0..store.nodes().len()).filter(|node| store.nodes()[*node].points > 0).collect();
+    for batch in nodes.chunks(BATCH) {
+        let cancelled = |_| crate::io::Error::Cancelled { path: summary.path.clone() };
+        progress.check().map_err(cancelled)?;
+        let parts = batch.par_iter().map(|node| look(*node)).collect::<Result<Vec<_>, crate::Error>>()?;
+        for (facts, sample, [least, most]) in parts {
+            found.facts = found.facts.and(&facts);
+            found.sample.append(sample);
+            found.range = [found.range[0].min(least), found.range[1].max(most)];
+        }
+    }
+    Ok(found)
+}
