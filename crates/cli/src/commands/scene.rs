@@ -4,12 +4,15 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use bytesize::ByteSize;
 use clap::Args;
 use pellucid_engine::io::volume::{Dims, Scalar};
-use pellucid_engine::scene::procedural::{self, BUILTINS, Generated, iso};
+use pellucid_engine::scene::procedural::{self, BUILTINS, Generated, iso, terrain};
 use pellucid_engine::{Result, io, output, scene};
 
 use super::console::{Console, print};
+use super::limit::usage;
+use super::prepare_store;
 
 #[derive(Debug, Args)]
 pub struct SceneArgs {
@@ -30,6 +33,44 @@ pub struct SceneArgs {
     /// Seed of everything random in the scene.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
+    #[command(flatten)]
+    store: StoreArgs,
+}
+
+/// How a landscape is written.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Landscapes of any size (terrain)")]
+struct StoreArgs {
+    /// Write a store, an octree of Potree 2.0, instead of a PLY file. From more than 10000000 points on it is always one. A run that was
+    /// cut short goes on where it was.
+    #[arg(long)]
+    store: bool,
+    /// Memory to use for the store, as in 4GiB; by default half of what is free, but it seldom takes more than 1 GiB.
+    #[arg(long, value_name = "SIZE")]
+    host_memory: Option<ByteSize>,
+}
+
+impl StoreArgs {
+    /// The landscape, if it is asked for and becomes a store.
+    fn terrain(&self, name: &str, parameters: &[(String, f64)], seed: u64) -> Result<Option<terrain::Terrain>> {
+        if name != terrain::NAME {
+            if self.store || self.host_memory.is_some() {
+                return Err(usage(format!(
+                    "--store and --host-memory belong to the scene {}, not to {name}",
+                    terrain::NAME
+                )));
+            }
+            return Ok(None);
+        }
+        let points = terrain::points(parameters).map_err(scene::Error::from)?;
+        if !self.store && points <= terrain::FILE_POINTS {
+            if self.host_memory.is_some() {
+                return Err(usage("--host-memory is for stores; give --store too".to_owned()));
+            }
+            return Ok(None);
+        }
+        Ok(Some(terrain::Terrain::new(points, seed).map_err(scene::Error::from)?))
+    }
 }
 
 /// The source of the surfaces of `iso`.
@@ -77,11 +118,13 @@ pub fn run(args: SceneArgs, console: Console) -> Result<ExitCode> {
     }
     if let (Some(name), Some(folder)) = (&args.name, &args.output) {
         let parameters = args.set.iter().map(|pair| parameter(pair)).collect::<Result<Vec<_>, _>>()?;
-        let generated = match args.volume.build(name, &parameters, args.seed)? {
-            Some(generated) => generated,
-            None => procedural::build(name, &parameters, args.seed).map_err(scene::Error::from)?,
-        };
-        write(folder, &generated)?;
+        let volume = args.volume.build(name, &parameters, args.seed)?;
+        if let Some(terrain) = args.store.terrain(name, &parameters, args.seed)? {
+            write_store(folder, &terrain, args.store.host_memory, console)?;
+        } else {
+            let build = || procedural::build(name, &parameters, args.seed).map_err(scene::Error::from);
+            write(folder, &volume.map_or_else(build, Ok)?)?;
+        }
         console.detail(format_args!("{}: written", folder.join("scene.toml").display()));
     }
     Ok(ExitCode::SUCCESS)
@@ -107,6 +150,27 @@ fn parameter(pair: &str) -> Result<(String, f64), scene::Error> {
     let (key, value) = pair.split_once('=').ok_or_else(problem)?;
     let value = value.trim().parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(problem)?;
     Ok((key.trim().to_owned(), value))
+}
+
+/// Writes a landscape as a store, and the scene file when that is complete.
+fn write_store(
+    folder: &Path,
+    terrain: &terrain::Terrain,
+    host_memory: Option<ByteSize>,
+    console: Console,
+) -> Result<()> {
+    let settings = prepare_store::settings(host_memory, None)?;
+    output::check_report_folder(folder)?;
+    let _new = output::make_folder(folder)?;
+    let progress = console.progress();
+    let store = folder.join(terrain::NAME);
+    let built = terrain.write(&store, &settings, &progress)?;
+    progress.finish_and_clear();
+    console.detail(format_args!("{}: written, {} points", store.display(), built.points));
+    let mut files = output::Files::default();
+    let text = terrain.scene_toml(terrain::NAME);
+    files.add(&folder.join("scene.toml"), |out| out.write_all(text.as_bytes()))?;
+    Ok(files.publish()?)
 }
 
 /// Writes clouds and scene file. None has its name before all are complete, the scene file last.

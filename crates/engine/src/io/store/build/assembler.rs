@@ -81,6 +81,11 @@ impl Assembler {
         Ok(Self { folder, layout, rules, points, written, open, ranges, total, kept })
     }
 
+    /// Points so far.
+    pub fn points(&self) -> u64 {
+        self.total
+    }
+
     /// Writes down what is needed to go on from here, should this process end.
     ///
     /// # Errors

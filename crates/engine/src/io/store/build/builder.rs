@@ -1,14 +1,9 @@
 //! Clouds of any size as a store: three passes, of which each can be taken up again.
 
-use std::fs;
-use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::super::octree::metadata::METADATA;
-use super::super::octree::nodes::NODES;
-use super::super::octree::{HIERARCHY, POINTS};
 use super::super::{Grid, Piece, Store};
 use super::assembler::{Assembler, NODE_POINTS, Told};
 use super::cube::{Cell, Cube};
@@ -19,8 +14,8 @@ use super::plan::Plan;
 use super::scatter::{self, Scatter};
 use super::state::{self, Assembled, Scattered, State};
 use super::survey::{Counts, Memory, Survey, survey};
+use super::target;
 use super::types::Types;
-use crate::atomic;
 use crate::io::Error;
 use crate::io::store::octree::attributes::Layout;
 use crate::progress::Progress;
@@ -72,55 +67,12 @@ pub fn build(
 ) -> Result<Built, Error> {
     let none = || Error::NoPoints { path: folder.to_path_buf(), non_finite: 0 };
     let input = Input::new(inputs).ok_or_else(none)?;
-    check_target(folder)?;
-    let work = state::work_folder(folder);
-    let key = state::key(inputs, settings);
-    let state = State::load(&work, key.clone())?;
-    let is_begun = state.is_begun();
-    let run = |state| Build::new(&input, &work, folder, settings, progress, state).and_then(Build::run);
-    let mut made = run(state);
-    if made.is_err() && !State::is_there(&work) {
-        state::clear(&work)?;
-    }
-    // What was left of an earlier run is not whole: it is done anew.
-    if let Err(Error::Read { path, .. } | Error::Truncated { path, .. }) = &made
-        && is_begun
-        && path.starts_with(&work)
-    {
-        state::clear(&work)?;
-        made = run(State::load(&work, key)?);
-    }
-    made.map_err(|error| with_need(error, &input))
-}
-
-/// Says how much room is needed, if that is what lacks.
-fn with_need(error: Error, input: &Input) -> Error {
-    match error {
-        Error::Write { path, source } if source.kind() == ErrorKind::StorageFull => {
-            // Records in files by chunk and in nodes.
-            let stride = Types::default().layout(&input.like, input.points).stride as u64;
-            let need = bytesize::ByteSize(input.points.saturating_mul(2 * stride));
-            let source = std::io::Error::new(ErrorKind::StorageFull, format!("{source}, and about {need} are needed"));
-            Error::Write { path, source }
-        }
-        error => error,
-    }
-}
-
-/// Refuses a folder with files of others, before the work.
-pub(crate) fn check_target(folder: &Path) -> Result<(), Error> {
-    let failed = |source| Error::Write { path: folder.to_path_buf(), source };
-    match fs::read_dir(folder) {
-        Ok(mut entries) => {
-            let is_ours = [METADATA, POINTS].iter().any(|file| folder.join(file).exists());
-            if !is_ours && entries.next().is_some() {
-                return Err(Error::Occupied { path: folder.to_path_buf() });
-            }
-            Ok(())
-        }
-        Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
-        Err(error) => Err(failed(error)),
-    }
+    // Records in files by chunk and in nodes.
+    let stride = Types::default().layout(&input.like, input.points).stride as u64;
+    let bytes = input.points.saturating_mul(2 * stride);
+    target::make(folder, &state::key(inputs, settings), bytes, |work, state| {
+        Build::new(&input, work, folder, settings, progress, state).and_then(Build::run)
+    })
 }
 
 /// A build.
@@ -164,10 +116,9 @@ impl<'a> Build<'a> {
         } else {
             self.through_files(&layout, memory, survey.counts.clone())?
         };
-        let name = self.target.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let like = &self.input.like;
-        let metadata = assembler.finish(&Told { name: &name, like, rounding })?;
-        self.publish(&metadata)?;
+        let metadata = assembler.finish(&Told { name: &target::name(self.target), like, rounding })?;
+        target::publish(self.work, self.target, &metadata)?;
         let coarse = survey.least_radius.map(f64::from).filter(|radius| rounding > FINE * radius);
         if let Some(radius) = coarse {
             let note = format!(
@@ -269,19 +220,5 @@ impl<'a> Build<'a> {
         })?;
         scatter.finish(stride)?;
         Ok(rounding)
-    }
-
-    /// Gives the files their names, metadata.json last. A store that was there is none from the first of them on.
-    fn publish(&self, metadata: &str) -> Result<(), Error> {
-        let failed = |path: PathBuf| move |source| Error::Write { path, source };
-        fs::create_dir_all(self.target).map_err(failed(self.target.to_path_buf()))?;
-        remove(&self.target.join(METADATA))?;
-        for file in [POINTS, HIERARCHY, NODES] {
-            let to = self.target.join(file);
-            fs::rename(self.work.join(file), &to).map_err(failed(to))?;
-        }
-        let path = self.target.join(METADATA);
-        atomic::write(&path, |out| std::io::Write::write_all(out, metadata.as_bytes())).map_err(failed(path))?;
-        state::clear(self.work)
     }
 }

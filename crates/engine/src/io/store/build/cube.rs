@@ -75,7 +75,6 @@ impl Cube {
     }
 
     /// The cell of a level that holds a position.
-    #[cfg(test)]
     pub(super) fn cell(&self, steps: [u32; 3], level: u32) -> Cell {
         Cell { level, at: std::array::from_fn(|axis| (u64::from(steps[axis]) >> (self.bits[axis] - level)) as u32) }
     }

@@ -14,17 +14,20 @@ mod ranges;
 mod scatter;
 mod sink;
 mod state;
+mod stream;
 mod survey;
+mod target;
 mod tree;
 mod types;
 
 pub use super::octree::attributes::Layout;
 pub use assembler::{Assembler, NODE_POINTS, Told};
-pub(crate) use builder::check_target;
 pub use builder::{Built, Settings, build};
 pub use cube::{Cell, Cube};
 pub use encode::{Encoded, encode};
 pub(crate) use state::key;
+pub use stream::{Streamed, stream};
+pub(crate) use target::check_target;
 pub use types::{Narrow, Types};
 
 #[cfg(test)]

@@ -61,9 +61,9 @@ impl State {
         folder.join(STATE).exists()
     }
 
-    /// True if a pass is done.
+    /// True if a pass or a part of one is done.
     pub fn is_begun(&self) -> bool {
-        self.survey.is_some()
+        self.survey.is_some() || self.assembled.is_some()
     }
 
     /// Writes it down.

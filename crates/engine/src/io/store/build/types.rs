@@ -81,6 +81,14 @@ impl Types {
 
     /// The record of a cloud with these columns and so many points in its source.
     pub fn layout(&self, like: &Cloud, points: u64) -> Layout {
+        let mut layout = self.columns(like);
+        // Potree's viewer reads no 64-bit integers; float64 counts to 2⁵³.
+        layout.add(Role::Place, if u32::try_from(points).is_ok() { Kind::Uint32 } else { Kind::Double });
+        layout
+    }
+
+    /// The same without the place in the source, for points whose source has no order.
+    pub fn columns(&self, like: &Cloud) -> Layout {
         let mut layout = Layout::default();
         layout.add(Role::Position, Kind::Int32);
         if like.colors.is_some() {
@@ -114,8 +122,6 @@ impl Types {
         if like.colors.is_some() && self.linear_colors {
             (0..3).for_each(|axis| layout.add(Role::Linear(axis), Kind::Float));
         }
-        // Potree's viewer reads no 64-bit integers; float64 counts to 2⁵³.
-        layout.add(Role::Place, if u32::try_from(points).is_ok() { Kind::Uint32 } else { Kind::Double });
         layout
     }
 }

@@ -1,6 +1,6 @@
 //! A landscape in tiles that are made when they are read.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -11,25 +11,33 @@ use super::scan::{columns, scan, weight};
 use super::site::Site;
 use super::{BUILTIN, Error, RANGE};
 use crate::cloud::{Bounds, Cloud, UpAxis};
+use crate::io::store::build::{Built, Cube, Settings, Streamed, Types, stream};
 use crate::io::store::{Grid, Node, Piece, Store, Summary};
+use crate::progress::Progress;
 
-/// Metres of side for a single point; those of n are ∛n times as many.
+/// Metres of side for a single point; those of n are ∛n times as many, nearly: sides are whole tiles.
 const SIDE: f64 = 4.472;
 /// Most points of a tile, on average.
-const TILE_POINTS: f64 = 65_536.0;
-/// Lowest height of the cube around a landscape, metres.
-const FLOOR: f64 = -8.0;
+const TILE_POINTS: f64 = 131_072.0;
+/// Fewest tiles along a side, so that rounding to whole ones changes a side by less than a twentieth.
+const LEAST_COLUMNS: f64 = 12.0;
+/// Lowest height of the cube around a landscape, millimetres.
+const FLOOR: i64 = -8000;
 
 /// A landscape of a given number of points. Tiles are squares of the same size in Morton order, whose points have
-/// coordinates of whole millimetres; z is up.
+/// coordinates of whole millimetres; z is up. A tile's side is a power of two of millimetres, so that tiles are columns of cells of
+/// an octree on that grid.
 #[derive(Debug, Clone)]
 pub struct Terrain {
     land: Land,
     seed: u64,
     /// Tiles along a side.
     columns: i64,
-    /// Side of a tile, millimetres.
+    /// Side of a tile, millimetres, and its binary logarithm.
     tile: i64,
+    tile_bits: u32,
+    /// Each tile's column and row.
+    places: Vec<[i64; 2]>,
     /// Pulses per square metre.
     density: f64,
     summary: Summary,
@@ -49,19 +57,24 @@ impl Terrain {
         if !(min..=max).contains(&count) {
             return Err(Error::OutOfRange { scene: BUILTIN.name, name: "points", value: count, min, max });
         }
-        let mut levels = 0;
-        while count / f64::from(1u32 << (2 * levels)) > TILE_POINTS {
-            levels += 1;
-        }
-        let columns = 1i64 << levels;
-        // Even, so that a half of it is whole too.
-        let tile = 2 * (500.0 * SIDE * cube_root(count) / columns as f64).round() as i64;
+        let wanted = 1000.0 * SIDE * cube_root(count);
+        let fits = |bits: &u32| {
+            let share = f64::from(1u32 << bits) / wanted;
+            share * LEAST_COLUMNS <= 1.0 && count * share * share <= TILE_POINTS
+        };
+        let tile_bits = (1..31).rev().find(fits).unwrap_or(1);
+        let tile = 1i64 << tile_bits;
+        let columns = (wanted / tile as f64).round() as i64;
+        let levels = (columns as u64).next_power_of_two().ilog2();
+        let all = (0..1u64 << (2 * levels)).map(|code| [code, code >> 1].map(|bits| even_bits(bits) as i64));
         let side = 0.001 * (tile * columns) as f64;
         let mut terrain = Self {
             land: Land::new(side, seed),
             seed,
             columns,
             tile,
+            tile_bits,
+            places: all.filter(|[x, y]| *x.max(y) < columns).collect(),
             density: 1.0,
             summary: summary(points, side),
             nodes: Vec::new(),
@@ -71,11 +84,30 @@ impl Terrain {
         Ok(terrain)
     }
 
-    /// The cube whose cells of octrees have the tiles as columns: of some level, in metres.
-    pub fn cube(&self) -> Bounds {
-        let side = self.land.side;
-        let min = DVec3::new(-0.5 * side, -0.5 * side, FLOOR);
-        Bounds { min, max: min + side }
+    /// Metres of side.
+    pub fn side(&self) -> f64 {
+        self.land.side
+    }
+
+    /// The root of the octree whose cells of some level have the tiles as columns.
+    pub fn cube(&self) -> Cube {
+        let levels = (self.columns as u64).next_power_of_two().ilog2();
+        // Half a landscape of 10¹⁰ points is 5·10⁶ mm.
+        let low = (-self.columns * self.tile / 2) as i32;
+        Cube { grid: grid(), least: [low, low, FLOOR as i32], bits: [self.tile_bits + levels; 3] }
+    }
+
+    /// Writes the landscape as an octree of Potree 2.0 in a folder, as [`stream`] does: with positions, colors, classes and radii,
+    /// 23 bytes a point. Normals are left out: they would take half as many bytes again, and the light is in the colors.
+    ///
+    /// # Errors
+    /// Those of [`stream`].
+    pub fn write(&self, folder: &Path, settings: &Settings, progress: &Progress) -> Result<Built, crate::io::Error> {
+        // Colors have 8 bits.
+        let layout = Types::default().columns(&Cloud { normals: None, ..self.summary.like.clone() });
+        let key = format!("{} of {} points, seed {}", BUILTIN.name, self.summary.points, self.seed);
+        let streamed = Streamed { store: self, cube: self.cube(), layout: &layout, key: &key };
+        stream(&streamed, folder, settings, progress)
     }
 
     /// The scene file that shows the landscape, whose points are in the file or folder of this name.
@@ -118,7 +150,7 @@ name = "auto"
     /// The lowest corner of a tile, millimetres.
     fn corner(&self, index: usize) -> [i64; 2] {
         let half = self.columns * self.tile / 2;
-        [index, index >> 1].map(|bits| even_bits(bits as u64) as i64 * self.tile - half)
+        self.places[index].map(|place| place * self.tile - half)
     }
 
     /// What stands in a tile.
@@ -129,7 +161,7 @@ name = "auto"
 
     /// Deals the points to the tiles by what stands there.
     fn plan(&mut self) {
-        let tiles = (self.columns * self.columns) as usize;
+        let tiles = self.places.len();
         let estimate = |index: usize| {
             let site = self.site(index);
             (weight(&site), site.heights())
@@ -194,9 +226,14 @@ fn summary(points: u64, side: f64) -> Summary {
         bounds: Bounds { min: -corner, max: corner },
         up: UpAxis::Z,
         ranges: Vec::new(),
-        grid: Some(Grid { scale: DVec3::splat(0.001), offset: DVec3::ZERO }),
+        grid: Some(grid()),
         like: columns(0),
     }
+}
+
+/// Millimetres.
+fn grid() -> Grid {
+    Grid { scale: DVec3::splat(0.001), offset: DVec3::ZERO }
 }
 
 /// By Newton's method: the standard library's differs between platforms.
