@@ -21,6 +21,7 @@ use super::state::{self, Assembled, Scattered, State};
 use super::survey::{Counts, Memory, Survey, survey};
 use super::types::Types;
 use crate::atomic;
+use crate::gpu::fault;
 use crate::io::Error;
 use crate::io::store::octree::attributes::Layout;
 use crate::progress::Progress;
@@ -278,7 +279,8 @@ impl<'a> Build<'a> {
         remove(&self.target.join(METADATA))?;
         for file in [POINTS, HIERARCHY, NODES] {
             let to = self.target.join(file);
-            fs::rename(self.work.join(file), &to).map_err(failed(to))?;
+            let renamed = fault::file("output/rename").and_then(|()| fs::rename(self.work.join(file), &to));
+            renamed.map_err(failed(to))?;
         }
         let path = self.target.join(METADATA);
         atomic::write(&path, |out| std::io::Write::write_all(out, metadata.as_bytes())).map_err(failed(path))?;
