@@ -81,6 +81,7 @@ pub mod io;
 pub mod light;
 pub mod methods;
 pub mod metrics;
+mod morton;
 pub mod output;
 pub mod passes;
 #[cfg(test)]

@@ -16,10 +16,24 @@
 //! Actions: `device-lost` and `out-of-memory` are what Vulkan answers; `disk-full` is what the system answers; `kill` is
 //! SIGKILL; `hang` says so on standard error and waits two minutes for a signal.
 
+use std::io::{self, Write};
+
 #[cfg(debug_assertions)]
 pub use armed::{bytes, file, strike, vulkan};
 #[cfg(not(debug_assertions))]
 pub use disarmed::{bytes, file, strike, vulkan};
+
+/// Writes bytes of an output file, up to the fault that is due among them.
+///
+/// # Errors
+/// The system's, and the fault.
+pub fn write_all(out: &mut impl Write, bytes: &[u8]) -> io::Result<()> {
+    if let Some(before) = self::bytes("output/byte", bytes.len()) {
+        out.write_all(&bytes[..before])?;
+        strike()?;
+    }
+    out.write_all(bytes)
+}
 
 /// Release builds contain no faults.
 #[cfg(not(debug_assertions))]

@@ -8,19 +8,26 @@ use pellucid_engine::io::{self, ColumnNames, Hints};
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{Overrides, Scene};
 
+use super::store::{las_pieces, ply_pieces};
 use super::{pages, scene::arrange, with_file};
 
 /// Points of clouds that are taken further than reading, so that an input takes no longer than a few milliseconds.
 const MOST_POINTS: usize = 200;
 
-/// PLY, Gaussian splats too.
+/// PLY, Gaussian splats too, as a whole and in pieces.
 pub fn ply(input: &[u8]) {
-    with_file("input.ply", input, |path| read(path, None));
+    with_file("input.ply", input, |path| {
+        read(path, None);
+        ply_pieces(path);
+    });
 }
 
-/// LAS and LAZ.
+/// LAS and LAZ, as a whole and in pieces.
 pub fn las(input: &[u8]) {
-    with_file("input.laz", input, |path| read(path, None));
+    with_file("input.laz", input, |path| {
+        read(path, None);
+        las_pieces(path);
+    });
 }
 
 /// E57, as it is and with checksums that are right.

@@ -21,15 +21,16 @@ pub use pictures::{compare, photo};
 pub use prepared::prepared;
 pub use profile::profile;
 pub use scene::{polygon, scene};
-pub use store::{copc, ept};
+pub use store::{copc, ept, octree};
 pub use volume::volume;
 
 /// All of them by name, which is that of the target and of its corpus.
-pub const TARGETS: [(&str, Body); 15] = [
+pub const TARGETS: [(&str, Body); 16] = [
     ("ply", ply),
     ("las", las),
     ("copc", copc),
     ("ept", ept),
+    ("octree", octree),
     ("e57", e57),
     ("pcd", pcd),
     ("text", text),

@@ -2,22 +2,64 @@
 
 use std::path::Path;
 
-use pellucid_engine::io::store::{Copc, Ept, LasPieces, Store};
+use pellucid_engine::io::store::{Copc, Ept, LasPieces, Octree, PlyPieces, Store};
 use pellucid_engine::io::{Error, LasColumns};
 
 use super::cloud::check;
 use super::with_file;
 
-/// What is read only where it is asked for, but for times: laz 0.13 decodes them by a function that calls itself as often as the file
-/// says, and a stack that is full ends the process. It is the library's to mend.
-const ASKED: LasColumns = LasColumns { returns: true, source: true, gps_time: false };
+/// All that is read only where it is asked for.
+const ASKED: LasColumns = LasColumns { returns: true, source: true, gps_time: true };
 
 /// COPC files by their hierarchy, and as the LAZ files that they are.
 pub fn copc(input: &[u8]) {
     with_file("input.copc.laz", input, |path| {
         read(path, Copc::open(path, ASKED));
-        read(path, LasPieces::open(path, LasColumns::default()));
+        read(path, LasPieces::open(path, ASKED));
     });
+}
+
+/// LAS and LAZ files in pieces, with and without what is read only where it is asked for.
+pub fn las_pieces(path: &Path) {
+    read(path, LasPieces::open(path, LasColumns::default()));
+    read(path, LasPieces::open(path, ASKED));
+}
+
+/// PLY files in pieces.
+pub fn ply_pieces(path: &Path) {
+    read(path, PlyPieces::open(path));
+}
+
+/// Octrees of Potree: behind a line of metadata.json and a line of four numbers, the bytes of hierarchy.bin, of nodes.bin (none if it
+/// has 0) and of octree.bin, and how many of the latter are gone once the folder is open.
+pub fn octree(input: &[u8]) {
+    let mut parts = input.splitn(3, |byte| *byte == b'\n');
+    let mut part = || parts.next().unwrap_or_default();
+    let (metadata, lengths, mut rest) = (part(), part(), part());
+    let lengths = String::from_utf8_lossy(lengths);
+    let mut lengths = lengths.split(' ').map(|length| length.parse::<usize>().unwrap_or(0));
+    let mut take = || {
+        let (own, others) = rest.split_at(lengths.next().unwrap_or(0).min(rest.len()));
+        rest = others;
+        own
+    };
+    let (hierarchy, nodes, points) = (take(), take(), take());
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let write = |name: &str, content: &[u8]| {
+        std::fs::write(folder.path().join(name), content).expect("room for a temporary file");
+    };
+    write("metadata.json", metadata);
+    write("hierarchy.bin", hierarchy);
+    write("octree.bin", points);
+    if !nodes.is_empty() {
+        write("nodes.bin", nodes);
+    }
+    let octree = Octree::open(folder.path());
+    let gone = lengths.next().unwrap_or(0).min(points.len());
+    if gone > 0 {
+        write("octree.bin", &points[..points.len() - gone]);
+    }
+    read(folder.path(), octree);
 }
 
 /// EPT folders: behind a line of the description, one of the root's hierarchy and one of that of node 1-0-0-0, the rest is the root's
@@ -57,11 +99,15 @@ fn read<S: Store>(path: &Path, store: Result<S, Error>) {
         match store.read(at) {
             Err(error) => refused(error),
             Ok(piece) => {
-                check(&piece.cloud);
                 assert_eq!((piece.cloud.len() as u64, piece.places.len() as u64), (node.points, node.points));
+                if node.points > 0 {
+                    check(&piece.cloud);
+                }
+                let within = |bounds| node.bounds.holds(&bounds);
+                assert!(piece.cloud.bounds().is_none_or(within), "points beyond their box");
+                let radii = piece.cloud.radii.iter().flatten();
                 assert!(
-                    piece.cloud.bounds().is_some_and(|bounds| node.bounds.holds(&bounds)),
-                    "points beyond their box"
+                    node.largest_radius.is_none_or(|largest| radii.max_by(|a, b| a.total_cmp(b)) <= Some(&largest))
                 );
                 let mut all = store.summary().like.clone();
                 all.append(piece.cloud);

@@ -16,6 +16,11 @@ pub(super) struct SharedFile {
 }
 
 impl SharedFile {
+    /// Opens a file that isn't empty.
+    pub fn open(path: &Path) -> Result<Self, Error> {
+        Source::open(path).map(Self::from)
+    }
+
     pub fn path(&self) -> &Path {
         &self.path
     }

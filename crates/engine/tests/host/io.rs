@@ -5,6 +5,7 @@ mod docs;
 mod e57;
 pub mod las;
 mod octree;
+mod octree_bad;
 mod pcd;
 pub mod ply;
 pub mod real;

@@ -2,11 +2,13 @@
 
 use std::io::{Cursor, Read, Seek, SeekFrom};
 
+use laz::las::{v3, v4};
 use laz::laszip::{ChunkTable, CompressorType};
 use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
 use laz::{DecompressionSelection, LazItemType, LazVlr};
 
 use super::header::Header;
+use super::times::{GpsTime, Timed};
 use crate::io::{Error, Source, decoder};
 
 /// Points decoded at a time. Memory is allocated block by block, so that a false count costs nothing.
@@ -107,7 +109,7 @@ fn check_items(source: &Source, header: &Header, laz: &LazVlr) -> Result<(), Err
         let cause = format!("point records of {} bytes (at most {MAX_COMPRESSED_RECORD})", header.record_len);
         return Err(source.malformed(place, cause));
     }
-    let items = decoder::guard(|| record_decoder(laz, &[]).map(|decoder| decoder.record_size()));
+    let items = decoder::guard(|| record_decoder(laz, &[], false).map(|decoder| decoder.record_size()));
     match items {
         Ok(Ok(size)) if size == header.record_len => Ok(()),
         Ok(Ok(size)) => {
@@ -181,7 +183,7 @@ impl Chunk {
     ) -> Result<(), String> {
         let Some(laz) = &header.laz else { return take(bytes) };
         check_layers(header, laz, bytes)?;
-        let mut decoder = record_decoder(laz, bytes)?;
+        let mut decoder = record_decoder(laz, bytes, selection.should_decompress_gps_time())?;
         decoder.set_selection(selection);
         let mut records = Vec::new();
         let mut done = 0;
@@ -205,17 +207,39 @@ impl Chunk {
 
 type Decoder<'a> = Box<dyn RecordDecompressor<Cursor<&'a [u8]>> + 'a>;
 
-/// A decoder of one chunk, in its initial state.
-fn record_decoder<'a>(laz: &LazVlr, bytes: &'a [u8]) -> Result<Decoder<'a>, String> {
+/// A decoder of one chunk, in its initial state. Layers of times are decoded only by one that is made for it.
+fn record_decoder<'a>(laz: &LazVlr, bytes: &'a [u8], times: bool) -> Result<Decoder<'a>, String> {
     let input = Cursor::new(bytes);
-    let mut decoder: Decoder<'a> = match laz.items().first().map(|item| item.version()) {
-        Some(1 | 2) => Box::new(SequentialPointRecordDecompressor::new(input)),
-        Some(3 | 4) => Box::new(LayeredPointRecordDecompressor::new(input)),
-        Some(version) => return Err(format!("fields compressed by version {version} (known: 1 to 4)")),
-        None => return Err("no fields".to_owned()),
-    };
-    decoder.set_fields_from(laz.items()).map_err(|e| e.to_string())?;
-    Ok(decoder)
+    let failed = |error: laz::LasZipError| error.to_string();
+    match laz.items().first().map(|item| item.version()) {
+        Some(1 | 2) => {
+            let mut decoder = SequentialPointRecordDecompressor::new(input);
+            for item in laz.items() {
+                match (item.item_type(), item.version()) {
+                    (LazItemType::GpsTime, 2) => decoder.add_field_decompressor(GpsTime::default()),
+                    _ => decoder.set_fields_from(&vec![*item]).map_err(failed)?,
+                }
+            }
+            Ok(Box::new(decoder))
+        }
+        Some(3 | 4) => {
+            let mut decoder = LayeredPointRecordDecompressor::new(input);
+            for item in laz.items() {
+                match (item.item_type(), item.version()) {
+                    (LazItemType::Point14, 3) if times => {
+                        decoder.add_field_decompressor(Timed::<v3::LasPoint6Decompressor>::default());
+                    }
+                    (LazItemType::Point14, 4) if times => {
+                        decoder.add_field_decompressor(Timed::<v4::LasPoint6Decompressor>::default());
+                    }
+                    _ => decoder.set_fields_from(&vec![*item]).map_err(failed)?,
+                }
+            }
+            Ok(Box::new(decoder))
+        }
+        Some(version) => Err(format!("fields compressed by version {version} (known: 1 to 4)")),
+        None => Err("no fields".to_owned()),
+    }
 }
 
 /// The layers of a chunk (LAS 1.4 compression) are allocated as their sizes say, so these must fit into the chunk.

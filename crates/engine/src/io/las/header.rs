@@ -17,7 +17,7 @@ const VLR_HEADER: u64 = 54;
 
 /// Upper bound on the points in one compressed byte. The probabilities of the arithmetic coder's models are limited to
 /// 1 : 2¹⁵, so even equal points take about 0.01 bits each: 830 points per byte were measured. A larger claim is false.
-const MAX_POINTS_PER_BYTE: u64 = 4096;
+pub(in crate::io) const MAX_POINTS_PER_BYTE: u64 = 4096;
 
 /// The storage and the number of the points.
 #[derive(Debug)]

@@ -7,6 +7,7 @@ mod chunks;
 mod columns;
 mod extra;
 mod header;
+mod times;
 mod traits;
 
 use glam::DVec3;
@@ -19,7 +20,7 @@ use crate::cloud::{Bounds, Cloud};
 use crate::progress::Progress;
 pub(super) use chunks::Chunk;
 pub(super) use columns::Columns;
-pub(super) use header::Header;
+pub(super) use header::{Header, MAX_POINTS_PER_BYTE};
 pub(super) use traits::Traits;
 
 /// Reads the points of a LAS or LAZ file.
@@ -64,8 +65,7 @@ impl LasFile {
         self.decode_selected(chunk, selection, progress)
     }
 
-    /// The fields that decide about whole columns. Times are left out unless they are asked for: the library's
-    /// decoder of times calls itself as often as a damaged file says, until the stack is full.
+    /// The fields that decide about whole columns.
     fn decisive(&self) -> DecompressionSelection {
         let selection = DecompressionSelection::base().decompress_rgb();
         if self.asked.gps_time { selection.decompress_gps_time() } else { selection }

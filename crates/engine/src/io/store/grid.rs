@@ -49,9 +49,10 @@ impl Grid {
         steps.iter().all(fits).then(|| steps.map(|step| step as i32))
     }
 
-    /// True if scales are finite and above 0, and offsets finite.
+    /// True if scales are above 0, and the positions of all integers finite.
     pub fn is_valid(&self) -> bool {
-        self.scale.is_finite() && self.scale.min_element() > 0.0 && self.offset.is_finite()
+        let ends = [i32::MIN, i32::MAX].map(|end| self.position([end; 3]));
+        self.scale.min_element() > 0.0 && ends.iter().all(|end| end.is_finite())
     }
 
     /// A grid of steps of a power of two, the finest that 30 bits span; `None` if the box is too large for float64. Positions

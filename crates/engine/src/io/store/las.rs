@@ -5,14 +5,11 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::{Node, Piece, Store, Summary};
+use super::{Node, PIECE, Piece, Store, Summary};
 use crate::cloud::Bounds;
 use crate::io::las::{Chunk, Columns, LasFile, Traits};
 use crate::io::{Error, LasColumns, Source};
 use crate::progress::Progress;
-
-/// Points of a node, at least, if the file has so many. A chunk of a LAZ file is never cut.
-const PIECE: u64 = 500_000;
 
 /// A LAS or LAZ file, in pieces of about half a million consecutive points each.
 ///
@@ -85,7 +82,7 @@ impl Store for LasPieces {
     }
 }
 
-/// Runs of chunks with about [`PIECE`] points each.
+/// Runs of chunks with about [`PIECE`] points each: a chunk of a LAZ file is never cut.
 fn pieces(chunks: &[Chunk]) -> Vec<Range<usize>> {
     let mut pieces = Vec::new();
     let (mut start, mut points) = (0, 0);

@@ -3,7 +3,6 @@
 pub mod build;
 mod copc;
 mod ept;
-mod file;
 mod grid;
 mod held;
 mod keys;
@@ -29,6 +28,9 @@ pub use open::{announced, is_folder, open};
 pub use ply::PlyPieces;
 pub use tiles::Tiles;
 pub use whole::whole;
+
+/// Points of a node of a file in pieces, if the file has so many.
+const PIECE: u64 = 500_000;
 
 /// A cloud whose nodes are read one by one, by any number of threads at once.
 pub trait Store: Debug + Send + Sync {

@@ -5,15 +5,12 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::{Node, Piece, Store, Summary};
+use super::{Node, PIECE, Piece, Store, Summary};
 use crate::cloud::{Bounds, Cloud};
 use crate::io::columns::{Table, Whole};
 use crate::io::ply::{VertexRows, Vertices, is_prepared, step, vertical};
 use crate::io::{Error, Source};
 use crate::progress::Progress;
-
-/// Rows of a node.
-const PIECE: u64 = 500_000;
 
 /// A binary PLY file whose vertices have no lists, in pieces of half a million consecutive points each.
 ///

@@ -45,7 +45,7 @@ impl Tiles {
         let like = like(&summaries);
         let summary = Summary {
             path: path.to_path_buf(),
-            points: summaries.iter().map(|summary| summary.points).sum(),
+            points: summaries.iter().fold(0, |points, summary| points.saturating_add(summary.points)),
             bounds,
             up: like.up,
             ranges: ranges(&summaries, &like),
@@ -59,9 +59,9 @@ impl Tiles {
             let parent = |node: &Node| node.parent.map(|parent| parent + first_node as u32);
             tiles.nodes.extend(store.nodes().iter().map(|node| Node { parent: parent(node), ..node.clone() }));
             // Points that are left out have places too.
-            let places = store.summary().points + store.summary().like.non_finite as u64;
+            let places = store.summary().points.saturating_add(store.summary().like.non_finite as u64);
             tiles.stores.push(Tile { store, first_node, first_place });
-            first_place += places;
+            first_place = first_place.saturating_add(places);
         }
         Ok(tiles)
     }
@@ -80,7 +80,8 @@ impl Store for Tiles {
         let at = self.stores.partition_point(|tile| tile.first_node <= node) - 1;
         let Tile { store, first_node, first_place } = &self.stores[at];
         let Piece { cloud, mut places } = store.read(node - first_node)?;
-        places.iter_mut().for_each(|place| *place += first_place);
+        // A store may claim any place.
+        places.iter_mut().for_each(|place| *place = place.saturating_add(*first_place));
         Ok(Piece { cloud: fitted(cloud, &self.summary.like), places })
     }
 }

@@ -10,6 +10,7 @@ use super::source::Source;
 use crate::cloud::{Bounds, Cloud};
 use crate::io::Error;
 use crate::io::store::Store;
+use crate::morton::BITS;
 use crate::progress::Progress;
 
 /// Levels of the cells whose points are counted.
@@ -30,7 +31,7 @@ impl Region {
     /// For each of some positions if it is in the region.
     pub fn holds(self, positions: &[DVec3], bounds: &Bounds) -> Vec<bool> {
         let codes = morton::codes(positions, bounds);
-        codes.into_par_iter().map(|code| code >> (3 * (morton::BITS - self.level)) == self.code).collect()
+        codes.into_par_iter().map(|code| code >> (3 * (BITS - self.level)) == self.code).collect()
     }
 
     /// Its box, to rounding.
@@ -40,7 +41,7 @@ impl Region {
         };
         let at = UVec3::new(digits(0), digits(1), digits(2));
         // As codes are made: the longest side has one cell less than there are numbers.
-        let side = morton::cell_side(bounds) * f64::from(1_u32 << (morton::BITS - self.level));
+        let side = morton::cell_side(bounds) * f64::from(1_u32 << (BITS - self.level));
         let min = bounds.min + at.as_dvec3() * side;
         Bounds { min, max: min + side }
     }
@@ -66,7 +67,7 @@ pub(super) fn regions<T: Send>(
             Ok((morton::codes(&cloud.positions, &source.bounds), see(&cloud)))
         });
         for (codes, seen) in read.collect::<Result<Vec<_>, Error>>()? {
-            codes.into_iter().for_each(|code| *counts.entry(code >> (3 * (morton::BITS - LEVELS))).or_default() += 1);
+            codes.into_iter().for_each(|code| *counts.entry(code >> (3 * (BITS - LEVELS))).or_default() += 1);
             take(seen);
         }
     }

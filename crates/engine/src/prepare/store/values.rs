@@ -1,7 +1,7 @@
 //! Values of points in a temporary file, in the order of the store's file.
 
 use std::fs::File;
-use std::io::{Seek, SeekFrom, Write};
+use std::io::{Seek, SeekFrom};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
@@ -9,6 +9,7 @@ use glam::Vec3;
 
 use super::Plan;
 use crate::cloud::field;
+use crate::gpu::fault;
 use crate::io::Error;
 
 /// The values of a point, of which only those of the plan are kept.
@@ -54,8 +55,9 @@ impl Values {
         // Points in a row are written at once.
         for run in found.chunk_by(|a, b| a.0 + 1 == b.0) {
             let bytes: Vec<u8> = run.iter().flat_map(|(_, value)| self.bytes(value)).collect();
-            let written =
-                file.seek(SeekFrom::Start(run[0].0 * self.stride() as u64)).and_then(|_| file.write_all(&bytes));
+            let written = file
+                .seek(SeekFrom::Start(run[0].0 * self.stride() as u64))
+                .and_then(|_| fault::write_all(file, &bytes));
             written.map_err(|source| Error::Write { path: self.folder.clone(), source })?;
         }
         Ok(())

@@ -146,6 +146,21 @@ fn lying_hierarchies_are_refused() {
         let error = read(&ept).expect_err(name).to_string();
         assert!(error.starts_with(&*ept.to_string_lossy()) && error.contains(says), "{name} {count}: {error}");
     }
+    // More points than numbers count, and more than their tiles can hold.
+    let mut many = root.clone();
+    many.as_object_mut()
+        .unwrap()
+        .values_mut()
+        .filter(|count| **count != json!(-1))
+        .for_each(|count| *count = json!(i64::MAX));
+    std::fs::write(ept.join("ept-hierarchy/0-0-0-0.json"), many.to_string()).unwrap();
+    let description = std::fs::read(ept.join("ept.json")).unwrap();
+    let mut json: Value = serde_json::from_slice(&description).unwrap();
+    json["points"] = json!(u64::MAX);
+    std::fs::write(ept.join("ept.json"), json.to_string()).unwrap();
+    let error = read(&ept).expect_err("many").to_string();
+    assert!(error.contains("ept-data/0-0-0-0.bin: ") && error.contains("bytes hold at most 300"), "{error}");
+    std::fs::write(ept.join("ept.json"), description).unwrap();
     std::fs::write(ept.join("ept-hierarchy/0-0-0-0.json"), root.to_string()).unwrap();
     // A file below that leads to itself, and one with a node that another file has.
     for (own, says) in [(json!({ below.clone(): -1 }), "read before"), (json!({ "0-0-0-0": 1 }), "another count")] {

@@ -9,6 +9,8 @@ use pellucid_engine::cloud::UpAxis;
 use pellucid_engine::color::decode_srgb;
 use pellucid_engine::io::{Hints, LasColumns, load_with};
 use pellucid_engine::progress::Progress;
+use pellucid_testing::{random, root};
+use rand::RngExt;
 
 use super::{Folder, assert_refused, load_bytes};
 
@@ -85,6 +87,72 @@ fn versions_and_point_formats() {
         assert_eq!(cloud.scalars[0], ("return_number".to_owned(), vec![1.0; count.into()]));
         assert_eq!(cloud.scalars[1], ("number_of_returns".to_owned(), vec![2.0; count.into()]));
     }
+}
+
+const TIMES: LasColumns = LasColumns { returns: false, source: false, gps_time: true };
+
+/// Times of a file that is read as a whole.
+fn times(name: &str, bytes: &[u8]) -> Result<Vec<f32>, String> {
+    let folder = Folder::new();
+    let hints = Hints { las: TIMES, ..Hints::default() };
+    let cloud = load_with(&folder.file(name, bytes), hints, &Progress::hidden()).map_err(|error| error.to_string())?;
+    Ok(cloud.scalar("gps_time").map(<[f32]>::to_vec).unwrap_or_default())
+}
+
+#[test]
+fn compressed_times_are_those_of_the_plain_file() {
+    // Two scanners with clocks of their own, then jumps, repeated times and rising steps, in channels where there are any.
+    let time = |index: u16| match index % 11 {
+        0 => 5e5 + f64::from(index) * 1e-3,
+        1..4 => f64::from(index) * 2.5e-4,
+        4 => f64::from(index - 1) * 2.5e-4,
+        5 => 1e7 * f64::from(index % 3),
+        6 => f64::from(index) * f64::from(index) * 1e-5,
+        7 => 12.0 + f64::from(index / 500),
+        _ => 5e5 + f64::from(index / 4) * 1e-3,
+    };
+    for (minor, format) in [(2, 1), (2, 3), (4, 6), (4, 7)] {
+        let file = |compressed: bool| {
+            let builder = builder(minor, format, compressed);
+            let format = builder.point_format;
+            let point = |index: u16| Point {
+                gps_time: Some(time(index)),
+                scanner_channel: if format.is_extended { (index / 7 % 4) as u8 } else { 0 },
+                ..point(&format, index)
+            };
+            write(builder, (0..60_000).map(point))
+        };
+        let (plain, compressed) = (times("a.las", &file(false)).unwrap(), times("a.laz", &file(true)).unwrap());
+        assert_eq!(plain.len(), 60_000);
+        assert!(plain == compressed, "format {format}");
+    }
+}
+
+#[test]
+fn damaged_times_end_in_errors_at_most() {
+    let mut random = random(23);
+    let found = root().join("fuzz/corpus/copc/found-times-without-end");
+    let error = times("a.laz", &std::fs::read(found).unwrap()).unwrap_err();
+    assert!(
+        error.contains("a.laz: points ") && error.contains("GPS times that change their sequence without end"),
+        "{error}"
+    );
+    let mut refused = 0;
+    for whole in [sample(2, 1, true, 900), sample(4, 6, true, 900)] {
+        for _ in 0..300 {
+            let mut bytes = whole.clone();
+            // Times come last in what is compressed by layers.
+            for _ in 0..random.random_range(1..20) {
+                let at = random.random_range(bytes.len() / 2..bytes.len());
+                bytes[at] = if random.random() { 0xff } else { random.random() };
+            }
+            match times("a.laz", &bytes) {
+                Ok(times) => assert_eq!(times.len(), 900),
+                Err(error) => refused += usize::from(error.contains("a.laz: ")),
+            }
+        }
+    }
+    assert!(refused > 20, "{refused}");
 }
 
 #[test]
@@ -175,6 +243,6 @@ fn sources_and_times_are_read_when_they_are_asked_for() {
 /// Damaged times of layered points make their decoder call itself until the stack is full, so they aren't decoded for nothing.
 #[test]
 fn times_that_nobody_asked_for_do_no_harm() {
-    let path = pellucid_testing::root().join("fuzz/corpus/las/found-times-without-end");
+    let path = root().join("fuzz/corpus/las/found-times-without-end");
     assert_refused("a.laz", std::fs::read(path).unwrap(), &["end before 9 points are decoded"]);
 }

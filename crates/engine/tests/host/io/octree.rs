@@ -1,7 +1,7 @@
-//! Clouds written as Potree 2.0 octrees and read back, whatever memory there is; octrees of others, and damaged ones.
+//! Clouds written as Potree 2.0 octrees and read back, whatever memory there is; octrees of others.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -16,7 +16,8 @@ use pellucid_engine::progress::{Observer, Progress};
 use pellucid_testing::{root, whole_clouds};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use tempfile::TempDir;
+
+use super::octree_bad::foreign;
 
 const FILES: [&str; 4] = ["octree.bin", "hierarchy.bin", "nodes.bin", "metadata.json"];
 
@@ -25,11 +26,11 @@ fn settings(host_memory: u64) -> Settings {
     Settings { node_points: 1000, host_memory }
 }
 
-const ROOMY: u64 = 1 << 30;
+pub const ROOMY: u64 = 1 << 30;
 const TIGHT: u64 = 1 << 16;
 
 /// Waves, a cluster far off, and many points in one place, with all columns that a prepared cloud has.
-fn cloud(count: usize, seed: u64) -> Cloud {
+pub fn cloud(count: usize, seed: u64) -> Cloud {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let position = |i: usize| {
         let [u, v, w]: [f64; 3] = [(); 3].map(|()| random.random());
@@ -63,11 +64,11 @@ fn cloud(count: usize, seed: u64) -> Cloud {
     }
 }
 
-fn held(cloud: Cloud) -> Box<dyn Store> {
+pub fn held(cloud: Cloud) -> Box<dyn Store> {
     Box::new(Held::new(Path::new("memory"), cloud).unwrap())
 }
 
-fn write(inputs: &[Box<dyn Store>], folder: &Path, host_memory: u64) -> Built {
+pub fn write(inputs: &[Box<dyn Store>], folder: &Path, host_memory: u64) -> Built {
     build(inputs, folder, &settings(host_memory), &Progress::hidden()).unwrap()
 }
 
@@ -361,54 +362,6 @@ fn points_outside_of_the_announced_box_are_refused() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is left");
 }
 
-/// An octree of 7 points as PotreeConverter writes it: a root and one child, in a chunk of its own.
-fn foreign(change: impl Fn(&mut serde_json::Value)) -> (TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
-    let attribute = |name: &str, kind: &str, elements: usize, size: usize, range: [f64; 2]| {
-        serde_json::json!({
-            "name": name, "description": "", "size": elements * size, "numElements": elements, "elementSize": size,
-            "type": kind, "min": vec![range[0]; elements], "max": vec![range[1]; elements],
-        })
-    };
-    let mut metadata = serde_json::json!({
-        "version": "2.0", "name": "seven", "description": "", "points": 7, "projection": "",
-        "hierarchy": { "firstChunkSize": 44, "stepSize": 4, "depth": 1 },
-        "offset": [100.0, 0.0, 0.0], "scale": [0.5, 0.5, 0.5], "spacing": 0.25,
-        "boundingBox": { "min": [100.0, 0.0, 0.0], "max": [108.0, 8.0, 8.0] },
-        "encoding": "DEFAULT",
-        "attributes": [
-            attribute("position", "int32", 3, 4, [0.0, 108.0]),
-            attribute("intensity", "uint16", 1, 2, [0.0, 6.0]),
-            attribute("return number", "uint8", 1, 1, [1.0, 1.0]),
-            attribute("classification", "uint8", 1, 1, [0.0, 6.0]),
-            attribute("gps-time", "double", 1, 8, [1e9, 1e9 + 6.0]),
-            attribute("waveform", "undefined", 1, 3, [0.0, 0.0]),
-            attribute("rgb", "uint16", 3, 2, [0.0, 255.0]),
-        ],
-    });
-    change(&mut metadata);
-    let record = |i: u8, x: i32| {
-        let mut record: Vec<u8> = [x, i.into(), 3].into_iter().flat_map(i32::to_le_bytes).collect();
-        record.extend(u16::from(i).to_le_bytes());
-        record.extend([1, i]);
-        record.extend((1e9 + f64::from(i)).to_le_bytes());
-        record.extend([9, 9, 9]);
-        record.extend([255, u16::from(i), 0].into_iter().flat_map(u16::to_le_bytes));
-        record
-    };
-    let points = (0..7).flat_map(|i| record(i, if i < 4 { 1 } else { 9 })).collect::<Vec<u8>>();
-    let node = |kind: u8, children: u8, points: u32, offset: u64, bytes: u64| {
-        [&[kind, children][..], &points.to_le_bytes(), &offset.to_le_bytes(), &bytes.to_le_bytes()].concat()
-    };
-    // The child's number 4: high x.
-    let hierarchy = [node(0, 16, 4, 0, 4 * 33), node(2, 0, 3, 44, 22), node(1, 0, 3, 4 * 33, 3 * 33)].concat();
-    fs::write(folder.path().join("metadata.json"), metadata.to_string()).unwrap();
-    fs::write(folder.path().join("octree.bin"), points).unwrap();
-    fs::write(folder.path().join("hierarchy.bin"), hierarchy).unwrap();
-    let path = folder.path().to_path_buf();
-    (folder, path)
-}
-
 #[test]
 fn octrees_of_potree_are_read() {
     let (_folder, path) = foreign(|_| ());
@@ -434,86 +387,4 @@ fn octrees_of_potree_are_read() {
     assert_eq!(file.summary().points, 7);
     let input = open(&path, Hints::default(), &Progress::hidden()).unwrap();
     assert_eq!(input.summary().points, 7);
-}
-
-#[track_caller]
-fn assert_bad(path: &Path, says: &str) {
-    let error =
-        Octree::open(path).and_then(|octree| (0..octree.nodes().len()).try_for_each(|i| octree.read(i).map(drop)));
-    let message = error.expect_err(says).to_string();
-    assert!(
-        message.starts_with(&path.display().to_string()) && message.contains(says),
-        "`{says}` is not in: {message}"
-    );
-}
-
-#[test]
-fn octrees_that_lie_are_refused() {
-    type Change = fn(&mut serde_json::Value);
-    let changes: [(Change, &str); 13] = [
-        (|m| m["encoding"] = "BROTLI".into(), "a compression that is not read; convert it anew with"),
-        (|m| m["version"] = "1.8".into(), "only Potree 2 is known"),
-        (|m| m["scale"][1] = 0.into(), "scales must be finite and above 0"),
-        (|m| m["boundingBox"]["min"][2] = 9.into(), "no box"),
-        (|m| m["hierarchy"]["firstChunkSize"] = 66.into(), "no node before it"),
-        (|m| m["hierarchy"]["firstChunkSize"] = u64::MAX.into(), "but the file ends after 66"),
-        (|m| m["attributes"][0]["size"] = 16.into(), "attribute \"position\": 16 bytes for 3 elements of 4"),
-        (|m| m["attributes"][0]["name"] = "place".into(), "no position of three int32, only [place, intensity"),
-        (|m| m["attributes"][1]["elementSize"] = 4.into(), "elements of 4 bytes, but Uint16 has other ones"),
-        (|m| m["attributes"][5]["size"] = 4.into(), "4 bytes for 1 elements of 3"),
-        (|m| m["attributes"] = serde_json::json!([m["attributes"][0]]), "132 bytes for 4 points of 12 bytes"),
-        (|m| m["boundingBox"]["max"][0] = 102.into(), "outside of its box"),
-        (|m| m["points"] = "many".into(), "a Potree 2.0 octree was expected"),
-    ];
-    for (change, says) in changes {
-        let (_folder, path) = foreign(change);
-        assert_bad(&path, says);
-    }
-    let (_folder, path) = foreign(|_| ());
-    for (file, says) in
-        [("octree.bin", "the file has 230"), ("hierarchy.bin", "ends after 65"), ("metadata.json", "JSON")]
-    {
-        let whole = fs::read(path.join(file)).unwrap();
-        fs::write(path.join(file), &whole[..whole.len() - 1]).unwrap();
-        assert_bad(&path, says);
-        fs::remove_file(path.join(file)).unwrap();
-        assert_bad(&path, if file == "metadata.json" { "no metadata.json" } else { "no such file" });
-        fs::write(path.join(file), whole).unwrap();
-    }
-    assert_eq!(Octree::open(&path).unwrap().summary().points, 7);
-    fs::remove_file(path.join("metadata.json")).unwrap();
-    fs::write(path.join("cloud.js"), "{}").unwrap();
-    assert_bad(&path, "an octree of Potree 1");
-    assert!(matches!(Octree::open(&path.join("none")), Err(Error::Missing { .. } | Error::Malformed { .. })));
-}
-
-#[test]
-fn no_damage_goes_beyond_an_error() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut random = Pcg64Mcg::seed_from_u64(3);
-    write(&[held(cloud(300, 1))], folder.path(), ROOMY);
-    let read_all = || -> Result<(), Error> {
-        let octree = Octree::open(folder.path())?;
-        (0..octree.nodes().len()).try_for_each(|node| octree.read(node).map(drop))
-    };
-    let mut refused = 0;
-    for file in ["hierarchy.bin", "nodes.bin", "metadata.json", "octree.bin"] {
-        let path = folder.path().join(file);
-        let whole = fs::read(&path).unwrap();
-        for _ in 0..200 {
-            let mut damaged = whole.clone();
-            let at = random.random_range(0..whole.len());
-            match random.random_range(0..3) {
-                0 => damaged.truncate(at),
-                1 => damaged[at] ^= 1 << random.random_range(0..8),
-                _ => damaged[at] = random.random(),
-            }
-            fs::write(&path, damaged).unwrap();
-            refused += usize::from(read_all().is_err());
-        }
-        fs::write(&path, whole).unwrap();
-    }
-    read_all().unwrap();
-    // Many bits of points and names may be others.
-    assert!(refused > 300, "{refused}");
 }

@@ -27,7 +27,7 @@ pub(super) fn union(inputs: &[Box<dyn Store>]) -> (Cloud, Vec<String>) {
                 like.scalars.push((name.clone(), Vec::new()));
             }
         }
-        like.non_finite += other.non_finite;
+        like.non_finite = like.non_finite.saturating_add(other.non_finite);
         like.warnings.extend(other.warnings.iter().cloned());
     }
     if inputs.len() > 1 {

@@ -5,9 +5,10 @@ use serde::{Deserialize, Serialize};
 
 use super::super::Grid;
 use crate::cloud::Bounds;
+use crate::morton::{self, spread};
 
 /// Levels whose digits fit a code.
-pub(super) const CODE_LEVELS: u32 = 21;
+pub(super) const CODE_LEVELS: u32 = morton::BITS;
 
 /// Bits of coordinates along an axis.
 const MAX_BITS: u32 = 32;
@@ -139,15 +140,6 @@ impl Cell {
         });
         [code, u128::from(self.level)]
     }
-}
-
-/// Moves the lowest 21 bits three places apart.
-fn spread(x: u64) -> u64 {
-    let x = (x | x << 32) & 0x001f_0000_0000_ffff;
-    let x = (x | x << 16) & 0x001f_0000_ff00_00ff;
-    let x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
-    let x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
-    (x | x << 2) & 0x1249_2492_4924_9249
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The second pass: records to files by chunk.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{ErrorKind, Read, Write};
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -91,12 +91,7 @@ impl<'a> Scatter<'a> {
 }
 
 fn append(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let mut file = OpenOptions::new().append(true).open(path)?;
-    if let Some(before) = fault::bytes("output/byte", bytes.len()) {
-        file.write_all(&bytes[..before])?;
-        fault::strike()?;
-    }
-    file.write_all(bytes)
+    fault::write_all(&mut OpenOptions::new().append(true).open(path)?, bytes)
 }
 
 /// Reads a file of records a block at a time.

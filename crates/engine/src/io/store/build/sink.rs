@@ -1,7 +1,7 @@
 //! Files of a build, which grow at their ends and are only part of a store when it is whole.
 
 use std::fs::{File, OpenOptions};
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::gpu::fault;
@@ -21,8 +21,10 @@ impl Sink {
         let failed = |source| Error::Write { path: path.to_path_buf(), source };
         fault::file("output/create").map_err(failed)?;
         let mut file = OpenOptions::new().create(true).truncate(false).write(true).open(path).map_err(failed)?;
-        if file.metadata().map_err(failed)?.len() < len {
-            return Err(failed(io::Error::new(io::ErrorKind::UnexpectedEof, "it became shorter while it was written")));
+        let found = file.metadata().map_err(failed)?.len();
+        if found < len {
+            let what = format!("{len} bytes of an earlier run are needed, the file has {found}");
+            return Err(Error::Truncated { path: path.to_path_buf(), what });
         }
         file.set_len(len).map_err(failed)?;
         io::Seek::seek(&mut file, io::SeekFrom::Start(len)).map_err(failed)?;
@@ -41,17 +43,9 @@ impl Sink {
 
     /// Puts bytes behind the others.
     pub fn write(&mut self, bytes: &[u8]) -> Result<(), Error> {
-        self.write_all(bytes).map_err(|source| Error::Write { path: self.path.clone(), source })?;
+        fault::write_all(&mut self.file, bytes).map_err(|source| Error::Write { path: self.path.clone(), source })?;
         self.len += bytes.len() as u64;
         Ok(())
-    }
-
-    fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
-        if let Some(before) = fault::bytes("output/byte", bytes.len()) {
-            self.file.write_all(&bytes[..before])?;
-            fault::strike()?;
-        }
-        self.file.write_all(bytes)
     }
 
     /// Flushes to the disk: some file systems report only then that they are full.

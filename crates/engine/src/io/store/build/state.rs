@@ -112,11 +112,18 @@ pub(crate) fn key(inputs: &[Box<dyn Store>], settings: &Settings) -> String {
     hasher.finalize().to_hex().to_string()
 }
 
-/// A file, or the files in a folder.
+/// A file, or the files in a folder and in those below: the tiles of EPT are in one.
 fn files(path: &Path) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
-    let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
-    files.push(path.to_path_buf());
+    let mut files = Vec::new();
+    let mut folders = vec![path.to_path_buf()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
+            // Links may lead back.
+            let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+            if is_folder { &mut folders } else { &mut files }.push(entry.path());
+        }
+        files.push(folder);
+    }
     files.sort_unstable();
     files
 }

@@ -11,6 +11,7 @@ use super::Built;
 use super::feeder::remove;
 use super::state::{self, State};
 use crate::atomic;
+use crate::gpu::fault;
 use crate::io::Error;
 
 /// Refuses a folder with files of others, before the work.
@@ -77,7 +78,8 @@ pub(super) fn publish(work: &Path, target: &Path, metadata: &str) -> Result<(), 
     remove(&target.join(METADATA))?;
     for file in [POINTS, HIERARCHY, NODES] {
         let to = target.join(file);
-        fs::rename(work.join(file), &to).map_err(failed(to))?;
+        let renamed = fault::file("output/rename").and_then(|()| fs::rename(work.join(file), &to));
+        renamed.map_err(failed(to))?;
     }
     let path = target.join(METADATA);
     atomic::write(&path, |out| std::io::Write::write_all(out, metadata.as_bytes())).map_err(failed(path))?;

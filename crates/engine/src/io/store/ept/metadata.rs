@@ -7,9 +7,9 @@ use glam::DVec3;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-use super::rows::Rows;
+use super::rows::{MOST_FOR_ONE, Rows};
 use crate::cloud::{Bounds, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER};
-use crate::io::las::Traits;
+use crate::io::las::{MAX_POINTS_PER_BYTE, Traits};
 use crate::io::{Error, LasColumns, Source};
 
 /// What is read of the file.
@@ -81,6 +81,15 @@ impl Tiles {
             Self::Laszip => "laz",
             Self::Rows(_) => "bin",
             Self::Zstandard(_) => "zst",
+        }
+    }
+
+    /// Points of a tile of so many bytes, at most.
+    pub fn most_points(&self, bytes: u64) -> u64 {
+        match self {
+            Self::Laszip => bytes.saturating_mul(MAX_POINTS_PER_BYTE),
+            Self::Rows(rows) => bytes / rows.len() as u64,
+            Self::Zstandard(rows) => bytes.saturating_mul(MOST_FOR_ONE) / rows.len() as u64,
         }
     }
 }
@@ -176,6 +185,9 @@ impl Metadata {
     pub fn ranges(&self, asked: LasColumns) -> Vec<(String, [f64; 2])> {
         let range = |dimension: &Dimension| {
             let limits = [dimension.minimum?, dimension.maximum?];
+            if !(limits[0] <= limits[1] && (limits[1] - limits[0]).is_finite()) {
+                return None;
+            }
             let (name, shift) = match &*dimension.name {
                 "ReturnNumber" => (RETURN_NUMBER, 0.0),
                 "NumberOfReturns" => (NUMBER_OF_RETURNS, 0.0),

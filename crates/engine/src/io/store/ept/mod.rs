@@ -42,8 +42,8 @@ impl Ept {
     /// Opens a folder that has an `ept.json`, or that file. Of the columns that are read only where they are asked for, it has these.
     ///
     /// # Errors
-    /// The description or the hierarchy is missing, damaged, has loops or doubts of how many points there are; tiles are missing, or in
-    /// a format that isn't known.
+    /// The description or the hierarchy is missing, damaged, has loops or doubts of how many points there are; tiles are missing, too
+    /// small for their points, or in a format that isn't known.
     pub fn open(path: &Path, asked: LasColumns) -> Result<Self, Error> {
         let folder = if path.is_dir() { path } else { path.parent().unwrap_or(path) };
         let metadata = Metadata::read(&folder.join("ept.json"))?;
@@ -56,7 +56,7 @@ impl Ept {
         for ((key, points), parent) in counts.into_iter().zip(parents(&keys)) {
             nodes.push(node(folder, &metadata, key, points, parent)?);
             first_places.push(places);
-            places += points;
+            places = u64::saturating_add(places, points);
         }
         let Some(bounds) = nodes.iter().map(|node| node.bounds).reduce(Bounds::union) else {
             return Err(Error::NoPoints { path: folder.to_path_buf(), non_finite: 0 });
@@ -84,8 +84,9 @@ impl Ept {
             return Ok(traits);
         }
         let mut traits = Traits::NONE;
-        for tiles in self.keys.chunks(AT_A_TIME) {
-            let of = |key: &Key| Ok(self.tile(*key)?.0.traits());
+        let nodes: Vec<usize> = (0..self.keys.len()).collect();
+        for tiles in nodes.chunks(AT_A_TIME) {
+            let of = |node: &usize| Ok(self.tile(*node)?.0.traits());
             let some = tiles.par_iter().map(of).collect::<Result<Vec<_>, Error>>()?;
             traits = some.into_iter().fold(traits, Traits::and);
             if self.metadata.settles(self.asked, &traits) {
@@ -96,24 +97,29 @@ impl Ept {
     }
 
     /// The columns of a tile, as they are stored, and the names of those that LAS doesn't know.
-    fn tile(&self, key: Key) -> Result<(Columns, Vec<String>), Error> {
-        let path = tile_path(&self.folder, &self.metadata, key);
+    fn tile(&self, node: usize) -> Result<(Columns, Vec<String>), Error> {
+        let path = tile_path(&self.folder, &self.metadata, self.keys[node]);
+        let points = self.nodes[node].points;
         match &self.metadata.tiles {
             Tiles::Laszip => {
                 let file = LasFile::open(Source::open(&path)?, self.asked)?;
+                if file.header.count != points {
+                    let cause = format!("{} points, the hierarchy says {points}", file.header.count);
+                    return Err(file.file.malformed("LAS header", cause));
+                }
                 let decode = |chunk| file.decode(chunk, &Progress::hidden());
                 let parts = file.chunks.par_iter().map(decode).collect::<Result<Vec<_>, Error>>()?;
                 let columns = Columns::join(parts).unwrap_or_else(|| Columns::new(&file.header, self.asked));
                 Ok((columns, file.extra_names().map(str::to_owned).collect()))
             }
-            Tiles::Rows(rows) => rows.read(Source::open(&path)?, self.asked, false),
-            Tiles::Zstandard(rows) => rows.read(Source::open(&path)?, self.asked, true),
+            Tiles::Rows(rows) => rows.read(Source::open(&path)?, points, self.asked, false),
+            Tiles::Zstandard(rows) => rows.read(Source::open(&path)?, points, self.asked, true),
         }
     }
 
     /// A cloud of no points with the columns of all tiles, which are those of the first.
     fn empty(&self) -> Result<Cloud, Error> {
-        let (columns, names) = self.tile(self.keys[0])?;
+        let (columns, names) = self.tile(0)?;
         Ok(self.finish(columns, &names).subset(&[]))
     }
 
@@ -158,7 +164,7 @@ impl Store for Ept {
     }
 
     fn read(&self, node: usize) -> Result<Piece, Error> {
-        let (columns, names) = self.tile(self.keys[node])?;
+        let (columns, names) = self.tile(node)?;
         let cloud = self.finish(columns, &names);
         self.check(node, &cloud)?;
         let first = self.first_places[node];
@@ -177,6 +183,11 @@ fn node(folder: &Path, metadata: &Metadata, key: Key, points: u64, parent: Optio
         Err(e) if e.kind() == ErrorKind::NotFound => return Err(Error::Missing { path }),
         Err(source) => return Err(Error::Read { path, source }),
     };
+    let most = metadata.tiles.most_points(bytes);
+    if points > most {
+        let what = format!("the hierarchy says {points} points, {bytes} bytes hold at most {most}");
+        return Err(Error::Truncated { path, what });
+    }
     let Some(bounds) = cut(metadata.widened(key.cube(&metadata.cube)), metadata.widened(metadata.conforming)) else {
         let cause = format!("node {key} lies outside of `boundsConforming`");
         return Err(Error::Malformed { path: folder.join("ept.json"), place: "hierarchy".to_owned(), cause });

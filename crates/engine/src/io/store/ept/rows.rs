@@ -28,7 +28,7 @@ const UNUSED: [&str; 13] = [
 ];
 
 /// Bytes of points that one compressed byte stands for, at most: coordinates don't repeat.
-const MOST_FOR_ONE: u64 = 1000;
+pub(super) const MOST_FOR_ONE: u64 = 1000;
 
 /// The numbers of a row, by what they are.
 #[derive(Debug)]
@@ -70,13 +70,12 @@ impl Number {
     }
 }
 
-/// The bytes that are compressed as these, or what is wrong with them.
-fn decompressed(bytes: &[u8]) -> Result<Vec<u8>, String> {
-    let most = bytes.len() as u64 * MOST_FOR_ONE;
+/// The bytes that are compressed as these, at most so many, or what is wrong with them.
+fn decompressed(bytes: &[u8], most: u64) -> Result<Vec<u8>, String> {
     let mut all = Vec::new();
     let decode = || -> Result<usize, String> {
         let decoder = StreamingDecoder::new(bytes).map_err(|e| e.to_string())?;
-        decoder.take(most + 1).read_to_end(&mut all).map_err(|e| e.to_string())
+        decoder.take(most.saturating_add(1)).read_to_end(&mut all).map_err(|e| e.to_string())
     };
     decoder::guard(decode)??;
     if all.len() as u64 > most {
@@ -121,10 +120,16 @@ impl Rows {
         Ok(Self { len, position, color, intensity, classification, returns, source, gps_time, extra })
     }
 
-    /// The columns of a tile, and the names of those that LAS doesn't know.
+    /// Bytes of a point.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// The columns of a tile with so many points, and the names of those that LAS doesn't know.
     pub fn read(
         &self,
         mut source: Source,
+        points: u64,
         asked: LasColumns,
         compressed: bool,
     ) -> Result<(Columns, Vec<String>), Error> {
@@ -132,7 +137,9 @@ impl Rows {
         let read = source.reader.by_ref().take(source.len).read_to_end(&mut bytes);
         read.map_err(|e| source.read_error(e))?;
         if compressed {
-            bytes = decompressed(&bytes).map_err(|cause| source.malformed("zstandard", cause))?;
+            let most = points.saturating_mul(self.len as u64);
+            let fail = |cause| source.malformed("zstandard", format!("{cause}; the hierarchy says {points} points"));
+            bytes = decompressed(&bytes, most).map_err(fail)?;
         }
         if bytes.len() % self.len != 0 {
             return Err(source.truncated(format!("{} bytes, but points have {} each", bytes.len(), self.len)));

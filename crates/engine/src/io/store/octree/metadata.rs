@@ -17,6 +17,9 @@ pub const METADATA: &str = "metadata.json";
 /// Bytes of the file at most: it describes attributes, not points.
 const MAX_BYTES: u64 = 16 << 20;
 
+/// Coordinates of a box are below: what is rounded is added to them, and they to each other.
+const MOST: f64 = 0.25 * f64::MAX;
+
 /// metadata.json.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
@@ -87,10 +90,11 @@ pub(crate) struct Described {
 }
 
 impl Described {
-    /// Least and largest value, if both are there.
+    /// Least and largest value, if both are there and a range.
     pub fn range(&self) -> Option<[f64; 2]> {
-        let finite = |values: &[Option<f64>]| values.first().copied().flatten().filter(|value| value.is_finite());
-        Some([finite(&self.min)?, finite(&self.max)?])
+        let first = |values: &[Option<f64>]| values.first().copied().flatten();
+        let [least, most] = [first(&self.min)?, first(&self.max)?];
+        (least <= most && (most - least).is_finite()).then_some([least, most])
     }
 
     /// The largest value of all elements.
@@ -141,7 +145,11 @@ pub(crate) fn read(path: &Path) -> Result<Checked, Error> {
     }
     let grid = Grid { scale: metadata.scale.into(), offset: metadata.offset.into() };
     if !grid.is_valid() {
-        return Err(malformed("scale", "scales must be finite and above 0, offsets finite".to_owned()));
+        let cause = "scales must be above 0, and no coordinate beyond the range of float64";
+        return Err(malformed("scale", cause.to_owned()));
+    }
+    if metadata.spacing < 0.0 {
+        return Err(malformed("spacing", format!("{}, no distance", metadata.spacing)));
     }
     let bounds = bounds(&metadata.bounding_box).map_err(|cause| malformed("boundingBox", cause))?;
     let mut warnings = Vec::new();
@@ -153,7 +161,8 @@ pub(crate) fn read(path: &Path) -> Result<Checked, Error> {
 fn bounds(corners: &Corners) -> Result<Bounds, String> {
     let bounds = Bounds { min: corners.min.into(), max: corners.max.into() };
     let sides = bounds.max - bounds.min;
-    if bounds.min.is_finite() && bounds.max.is_finite() && sides.is_finite() && sides.min_element() >= 0.0 {
+    let far = bounds.min.abs().max(bounds.max.abs()).max_element();
+    if far < MOST && sides.min_element() >= 0.0 {
         return Ok(bounds);
     }
     Err(format!("no box: from {} to {}", bounds.min, bounds.max))

@@ -24,10 +24,10 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use super::file::Shared;
+use super::keys::cut;
 use super::{Node, Piece, Store, Summary};
 use crate::cloud::{Bounds, Cloud, GPS_TIME, UpAxis};
-use crate::io::Error;
+use crate::io::{Error, SharedFile};
 use about::About;
 use attributes::Role;
 pub(crate) use decode::integers;
@@ -41,6 +41,9 @@ pub(crate) const POINTS: &str = "octree.bin";
 /// The file of the nodes.
 pub(crate) const HIERARCHY: &str = "hierarchy.bin";
 
+/// Points that are said to be dropped, at most.
+const MOST_DROPPED: u64 = 1 << 40;
+
 /// Share of a coordinate by which a node's box may be off.
 const ROUNDING: f64 = 1e-14;
 
@@ -52,7 +55,7 @@ pub struct Octree {
     /// The first byte of each node in the file of points.
     starts: Vec<u64>,
     decoder: Decoder,
-    file: Shared,
+    file: SharedFile,
 }
 
 impl Octree {
@@ -60,7 +63,7 @@ impl Octree {
     ///
     /// # Errors
     /// A file is missing or can't be read; the octree is compressed or of Potree 1; what the files say contradicts itself or their
-    /// sizes; there are no points. Memory use follows the files' sizes, not their claims.
+    /// sizes; nodes overlap; there are no points. Memory use follows the files' sizes, not their claims.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let folder = if path.is_dir() { path } else { crate::atomic::folder(path) };
         if !folder.join(METADATA).exists() && folder.join("cloud.js").exists() {
@@ -74,7 +77,7 @@ impl Octree {
             });
         }
         let checked = metadata::read(&folder.join(METADATA)).map_err(|error| missing(error, folder))?;
-        let file = Shared::open(&folder.join(POINTS))?;
+        let file = SharedFile::open(&folder.join(POINTS))?;
         let listed = list(folder, &checked)?;
         check_bytes(folder, &listed, checked.layout.stride as u64, file.len())?;
         let extents = extents(folder, checked.about.is_some())?;
@@ -158,7 +161,7 @@ fn missing(error: Error, folder: &Path) -> Error {
 
 /// All bytes of a file beside the points, of which there are few for each node.
 fn whole(path: PathBuf) -> Result<Vec<u8>, Error> {
-    let file = Shared::open(&path)?;
+    let file = SharedFile::open(&path)?;
     file.read(0, file.len())
 }
 
@@ -169,9 +172,8 @@ fn list(folder: &Path, checked: &Checked) -> Result<Vec<Listed>, Error> {
     read.map_err(|(place, cause)| malformed(folder, &place, cause))
 }
 
-/// Compares the nodes' bytes with their points and with the file.
+/// Compares the nodes' bytes with their points, with the file, and with each other.
 fn check_bytes(folder: &Path, nodes: &[Listed], stride: u64, len: u64) -> Result<(), Error> {
-    let mut all = 0_u64;
     for node in nodes {
         let refused = |cause: String| malformed(folder, &format!("{HIERARCHY}: node of level {}", node.level), cause);
         if node.points.checked_mul(stride) != Some(node.bytes) {
@@ -185,12 +187,20 @@ fn check_bytes(folder: &Path, nodes: &[Listed], stride: u64, len: u64) -> Result
                 what: format!("a node has {bytes} bytes from byte {offset}, the file has {len}"),
             });
         }
-        all = all.saturating_add(node.bytes);
     }
-    if all > len {
-        return Err(malformed(folder, HIERARCHY, format!("nodes have {all} bytes, {POINTS} only {len}: they overlap")));
+    let mut runs: Vec<(u64, u64)> =
+        nodes.iter().filter(|node| node.bytes > 0).map(|node| (node.offset, node.offset + node.bytes)).collect();
+    runs.sort_unstable();
+    match runs.windows(2).find(|pair| pair[0].1 > pair[1].0) {
+        None => Ok(()),
+        Some(pair) => {
+            let (end, start) = (pair[0].1, pair[1].0);
+            let cause = format!(
+                "two nodes overlap in {POINTS}: one ends before byte {end}, the next one begins at byte {start}"
+            );
+            Err(malformed(folder, HIERARCHY, cause))
+        }
     }
-    Ok(())
 }
 
 /// nodes.bin, if it is there.
@@ -237,7 +247,8 @@ fn nodes_of(
     Ok(around_children(nodes))
 }
 
-/// Lets boxes of points grow around those of the nodes below.
+/// Lets boxes of points grow around those of the nodes below. Nodes without points there and below keep what the one above has of
+/// their part.
 fn around_children(mut nodes: Vec<(Node, Option<Bounds>)>) -> Vec<Node> {
     for index in (0..nodes.len()).rev() {
         let (Node { parent, .. }, bounds) = nodes[index];
@@ -246,7 +257,13 @@ fn around_children(mut nodes: Vec<(Node, Option<Bounds>)>) -> Vec<Node> {
             *above = Some(above.map_or(bounds, |above| above.union(bounds)));
         }
     }
-    nodes.into_iter().map(|(node, bounds)| Node { bounds: bounds.unwrap_or(node.bounds), ..node }).collect()
+    let mut done: Vec<Node> = Vec::with_capacity(nodes.len());
+    for (node, bounds) in nodes {
+        let above = node.parent.and_then(|parent| done.get(parent as usize)).map(|parent| parent.bounds);
+        let of_above = above.map_or(node.bounds, |above| cut(node.bounds, above).unwrap_or(above));
+        done.push(Node { bounds: bounds.unwrap_or(of_above), ..node });
+    }
+    done
 }
 
 /// What decodes points, and a cloud without points but with all that they have in common.
@@ -267,7 +284,8 @@ fn decoder(checked: &Checked, points: u64) -> Result<(Decoder, Cloud), String> {
     let decoder = Decoder::new(layout.clone(), *grid, full, first_time, prepared);
     let mut like = decoder.cloud(&[]);
     like.up = about.as_ref().map_or(UpAxis::Z, |About { up, .. }| (*up).into());
-    like.non_finite = about.as_ref().map_or(0, |about| usize::try_from(about.non_finite).unwrap_or(usize::MAX));
+    // A file may claim any number, and those of several files are added.
+    like.non_finite = about.as_ref().map_or(0, |about| about.non_finite.min(MOST_DROPPED) as usize);
     like.warnings.clone_from(&checked.warnings);
     if metadata.points != points {
         like.warnings.push(format!("{METADATA} announces {} points, the nodes have {points}", metadata.points));
@@ -284,7 +302,8 @@ fn ranges(checked: &Checked) -> Vec<(String, [f64; 2])> {
         match &attribute.role {
             Role::Scalar(name) => {
                 let ends = [least * factor + summand, most * factor + summand];
-                Some((name.clone(), [ends[0].min(ends[1]), ends[0].max(ends[1])]))
+                let is_range = ends.iter().all(|end| end.is_finite());
+                is_range.then(|| (name.clone(), [ends[0].min(ends[1]), ends[0].max(ends[1])]))
             }
             Role::Time => Some((GPS_TIME.to_owned(), [0.0, most - least])),
             _ => None,
