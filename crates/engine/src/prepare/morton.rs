@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::keyed::{self, Keyed};
 use crate::cloud::Bounds;
 
 /// Bits per axis; three axes fill 63 bits.
@@ -15,18 +16,31 @@ pub(super) const BITS: u32 = 21;
 /// The cells are cubes (the longest side of the box is cut into 2²¹), so a flat cloud is ordered as well as a round
 /// one. An empty box gives code 0 for all.
 pub(super) fn codes(positions: &[DVec3], bounds: &Bounds) -> Vec<u64> {
-    let cells = f64::from((1u32 << BITS) - 1);
-    // Halved before the subtraction: the side of a box of ±1e308 would overflow.
-    let half_side = (0.5 * bounds.max - 0.5 * bounds.min).max_element();
-    positions
-        .par_iter()
-        .map(|&p| {
-            // 0 / 0 is NaN, which the conversion to integers turns into 0.
-            let unit = (0.5 * p - 0.5 * bounds.min) / half_side;
-            let cell = unit * cells;
-            spread(cell.x as u64) | spread(cell.y as u64) << 1 | spread(cell.z as u64) << 2
-        })
-        .collect()
+    let cells = Cells::of(bounds);
+    positions.par_iter().map(|&position| cells.code(position)).collect()
+}
+
+/// The cells of a box.
+struct Cells {
+    /// Half of the smallest corner.
+    half_min: DVec3,
+    half_side: f64,
+}
+
+impl Cells {
+    fn of(bounds: &Bounds) -> Self {
+        // Halved before the subtraction: the side of a box of ±1e308 would overflow.
+        let half_side = (0.5 * bounds.max - 0.5 * bounds.min).max_element();
+        Self { half_min: 0.5 * bounds.min, half_side }
+    }
+
+    #[inline]
+    fn code(&self, position: DVec3) -> u64 {
+        // 0 / 0 is NaN, which the conversion to integers turns into 0.
+        let unit = (0.5 * position - self.half_min) / self.half_side;
+        let cell = unit * f64::from((1u32 << BITS) - 1);
+        spread(cell.x as u64) | spread(cell.y as u64) << 1 | spread(cell.z as u64) << 2
+    }
 }
 
 /// The longest side of a cell whose positions have the same code in some bounds.
@@ -34,16 +48,16 @@ pub(super) fn cell_side(bounds: &Bounds) -> f64 {
     (bounds.max - bounds.min).max_element() / f64::from((1u32 << BITS) - 1)
 }
 
-/// The codes in ascending order, each with the index that it had; those of equal codes in the order of `by_content`.
-///
-/// Integers alone are compared first, since a comparison that looks at the points takes two to three times as long.
-pub(super) fn sorted(codes: Vec<u64>, by_content: impl Fn(u32, u32) -> Ordering + Sync) -> Vec<(u64, u32)> {
-    let count = codes.len() as u32;
-    let mut keyed: Vec<(u64, u32)> = codes.into_par_iter().zip(0..count).collect();
-    keyed.par_sort_unstable();
-    let equal: Vec<_> = keyed.chunk_by_mut(|a, b| a.0 == b.0).filter(|equal| equal.len() > 1).collect();
-    equal.into_par_iter().for_each(|equal| equal.par_sort_unstable_by(|a, b| by_content(a.1, b.1)));
-    keyed
+/// The codes of positions in their bounds in ascending order, each with the index of its position; those of equal codes in the order of
+/// `by_content`, and of equal content in that of their indices. Positions whose indices have more than 32 bits are left out: so many
+/// fit no device.
+pub(super) fn sorted(
+    positions: &[DVec3],
+    bounds: &Bounds,
+    by_content: impl Fn(u32, u32) -> Ordering + Sync,
+) -> Vec<Keyed> {
+    let cells = Cells::of(bounds);
+    keyed::sorted(positions.len() as u32, |i| cells.code(positions[i as usize]), &by_content)
 }
 
 /// Moves the lowest 21 bits three places apart.

@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use super::keyed::Keyed;
 use super::morton;
 use crate::points::Points;
 
@@ -13,13 +14,23 @@ use crate::points::Points;
 /// in the order in which they came.
 pub fn canonical(mut points: Points) -> Points {
     let Some(bounds) = points.drawn_bounds() else { return points };
-    let codes = morton::codes(&points.positions, &bounds);
     // Points are counted in 32 bits from here on: more of them don't fit any device.
-    let order = morton::sorted(codes, |a, b| by_content(&points, a as usize, b as usize).then(a.cmp(&b)));
+    let keyed = morton::sorted(&points.positions, &bounds, |a, b| by_content(&points, a as usize, b as usize));
+    let order = indices(keyed);
     let before = std::mem::take(&mut points.file_order);
-    let mut points = points.in_order(|place| order[place].1 as usize);
-    points.file_order = order.par_iter().map(|&(_, i)| before.get(i as usize).copied().unwrap_or(i)).collect();
+    let mut points = points.in_order(|place| order[place] as usize);
+    points.file_order = match before.is_empty() {
+        true => order,
+        false => order.par_iter().map(|&i| before.get(i as usize).copied().unwrap_or(i)).collect(),
+    };
     points
+}
+
+/// The indices alone. They take the memory of what they stood in, of which the rest is given back.
+fn indices(keyed: Vec<Keyed>) -> Vec<u32> {
+    let mut indices: Vec<u32> = keyed.into_iter().map(|keyed| keyed.index).collect();
+    indices.shrink_to_fit();
+    indices
 }
 
 /// Any fixed total order of the bits; only identical points are equal.
