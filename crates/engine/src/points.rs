@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use bytemuck::{NoUninit, bytes_of};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -132,6 +133,12 @@ pub(crate) fn as_estimated(normal: Vec3) -> Vec3 {
     2.0 * normal
 }
 
+/// True if all values of a column have the same bits, so that they have no order.
+fn is_uniform<T: NoUninit + Sync>(column: &[T]) -> bool {
+    let Some(first) = column.first().map(bytes_of) else { return true };
+    column.par_chunks(1 << 14).all(|some| some.iter().all(|value| bytes_of(value) == first))
+}
+
 fn is_estimated(normal: Vec3) -> bool {
     normal.length_squared() > 2.0
 }
@@ -238,9 +245,12 @@ impl Points {
     }
 
     /// The same points in another order: place i gets point `from(i)`. Works column by column and frees each once it is
-    /// copied, since memory can't hold a hundred million points twice.
+    /// copied, since memory can't hold a hundred million points twice. Columns of a single value stay as they are.
     pub fn in_order(self, from: impl Fn(usize) -> usize + Sync) -> Self {
-        fn pick<T: Copy + Send + Sync>(column: Vec<T>, from: &(impl Fn(usize) -> usize + Sync)) -> Vec<T> {
+        fn pick<T: NoUninit + Send + Sync>(column: Vec<T>, from: &(impl Fn(usize) -> usize + Sync)) -> Vec<T> {
+            if is_uniform(&column) {
+                return column;
+            }
             (0..column.len()).into_par_iter().map(|i| column[from(i)]).collect()
         }
         Self {
@@ -378,6 +388,30 @@ impl Changes {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn another_order_moves_every_column() {
+        let count = 40_000;
+        let each = |i: usize| i as f32;
+        let points = Points {
+            positions: (0..count).map(|i| DVec3::splat(i as f64)).collect(),
+            colors: (0..count).map(|i| Vec3::splat(each(i))).collect(),
+            opacities: vec![0.5; count],
+            // Equal as numbers, but not in their bits.
+            radii: (0..count).map(|i| if i == 0 { -0.0 } else { 0.0 }).collect(),
+            normals: Some(vec![Vec3::Z; count]),
+            file_order: (0..count as u32).collect(),
+            fields: (0..count).map(each).collect(),
+            ..Points::default()
+        };
+        let turned = points.clone().in_order(|i| count - 1 - i);
+        assert_eq!(turned.positions[1], DVec3::splat((count - 2) as f64));
+        assert_eq!((turned.colors[1], turned.fields[1]), (Vec3::splat(each(count - 2)), each(count - 2)));
+        assert_eq!(turned.file_order[count - 1], 0);
+        assert!(turned.radii[count - 1].is_sign_negative() && turned.radii[0].is_sign_positive());
+        assert_eq!((&turned.opacities, &turned.normals), (&points.opacities, &points.normals));
+        assert!(turned.dealt_ids.is_empty());
+    }
 
     #[test]
     fn ids_follow_from_places_and_tell_equal_ones_apart() {

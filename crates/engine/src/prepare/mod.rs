@@ -5,6 +5,7 @@ mod arranged;
 pub mod axes;
 mod density;
 pub mod ensembles;
+mod keyed;
 pub mod layer_distance;
 mod morton;
 mod neighbors;

@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::keyed::{self, Keyed};
 use crate::cloud::Bounds;
 use crate::morton::{BITS, spread};
 
@@ -20,6 +21,7 @@ pub(super) fn codes(positions: &[DVec3], bounds: &Bounds) -> Vec<u64> {
 /// The cells that a box is cut into.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cells {
+    /// Half of the smallest corner.
     half_min: DVec3,
     half_side: f64,
 }
@@ -33,6 +35,7 @@ impl Cells {
     }
 
     /// The code of a position in the box.
+    #[inline]
     pub fn code(self, p: DVec3) -> u64 {
         // 0 / 0 is NaN, which the conversion to integers turns into 0.
         let cell = (0.5 * p - self.half_min) / self.half_side * f64::from((1u32 << BITS) - 1);
@@ -45,16 +48,16 @@ pub(super) fn cell_side(bounds: &Bounds) -> f64 {
     (bounds.max - bounds.min).max_element() / f64::from((1u32 << BITS) - 1)
 }
 
-/// The codes in ascending order, each with the index that it had; those of equal codes in the order of `by_content`.
-///
-/// Integers alone are compared first, since a comparison that looks at the points takes two to three times as long.
-pub(super) fn sorted(codes: Vec<u64>, by_content: impl Fn(u32, u32) -> Ordering + Sync) -> Vec<(u64, u32)> {
-    let count = codes.len() as u32;
-    let mut keyed: Vec<(u64, u32)> = codes.into_par_iter().zip(0..count).collect();
-    keyed.par_sort_unstable();
-    let equal: Vec<_> = keyed.chunk_by_mut(|a, b| a.0 == b.0).filter(|equal| equal.len() > 1).collect();
-    equal.into_par_iter().for_each(|equal| equal.par_sort_unstable_by(|a, b| by_content(a.1, b.1)));
-    keyed
+/// The codes of positions in their bounds in ascending order, each with the index of its position; those of equal codes in the order of
+/// `by_content`, and of equal content in that of their indices. Positions whose indices have more than 32 bits are left out: so many
+/// fit no device.
+pub(super) fn sorted(
+    positions: &[DVec3],
+    bounds: &Bounds,
+    by_content: impl Fn(u32, u32) -> Ordering + Sync,
+) -> Vec<Keyed> {
+    let cells = Cells::of(bounds);
+    keyed::sorted(positions.len() as u32, |i| cells.code(positions[i as usize]), &by_content)
 }
 
 #[cfg(test)]

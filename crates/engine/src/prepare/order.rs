@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::keyed::{self, Keyed};
 use super::morton::{self, Cells};
 use crate::cloud::Bounds;
 use crate::points::Points;
@@ -15,12 +16,15 @@ use crate::points::Points;
 /// in the order in which they came.
 pub fn canonical(mut points: Points) -> Points {
     let Some(bounds) = points.bounds() else { return points };
-    let codes = morton::codes(&points.positions, &bounds);
     // Points are counted in 32 bits from here on: more of them don't fit any device.
-    let order = morton::sorted(codes, |a, b| by_content((&points, a as usize), (&points, b as usize)).then(a.cmp(&b)));
+    let at = |i: u32| (&points, i as usize);
+    let order = indices(morton::sorted(&points.positions, &bounds, |a, b| by_content(at(a), at(b))));
     let before = std::mem::take(&mut points.file_order);
-    let mut points = points.in_order(|place| order[place].1 as usize);
-    points.file_order = order.par_iter().map(|&(_, i)| before.get(i as usize).copied().unwrap_or(i)).collect();
+    let mut points = points.in_order(|place| order[place] as usize);
+    points.file_order = match before.is_empty() {
+        true => order,
+        false => order.par_iter().map(|&i| before.get(i as usize).copied().unwrap_or(i)).collect(),
+    };
     points
 }
 
@@ -34,16 +38,26 @@ pub(crate) fn picked(
     let cells = Cells::of(bounds);
     let of_part = |(part, points): (usize, &Arc<Points>)| {
         let kept = points.positions.iter().enumerate().filter(|(_, position)| keep(part, **position));
-        kept.map(|(at, position)| (cells.code(*position), [part as u32, at as u32])).collect::<Vec<_>>()
+        kept.map(|(at, _)| [part as u32, at as u32]).collect::<Vec<_>>()
     };
-    let mut keyed: Vec<(u64, [u32; 2])> = parts.par_iter().enumerate().flat_map_iter(of_part).collect();
-    keyed.par_sort_unstable();
-    let at = |[part, at]: [u32; 2]| (&*parts[part as usize], at as usize);
-    let equal: Vec<_> = keyed.chunk_by_mut(|a, b| a.0 == b.0).filter(|equal| equal.len() > 1).collect();
-    equal
-        .into_par_iter()
-        .for_each(|equal| equal.sort_unstable_by(|a, b| by_content(at(a.1), at(b.1)).then(a.1.cmp(&b.1))));
-    keyed.into_par_iter().map(|(_, at)| at).collect()
+    let kept: Vec<[u32; 2]> = parts.par_iter().enumerate().flat_map_iter(of_part).collect();
+    let at = |i: u32| {
+        let [part, at] = kept[i as usize];
+        (&*parts[part as usize], at as usize)
+    };
+    let code = |i: u32| {
+        let (points, at) = at(i);
+        cells.code(points.positions[at])
+    };
+    let order = keyed::sorted(kept.len() as u32, code, &|a, b| by_content(at(a), at(b)));
+    order.into_par_iter().map(|keyed| kept[keyed.index as usize]).collect()
+}
+
+/// The indices alone. They take the memory of what they stood in, of which the rest is given back.
+fn indices(keyed: Vec<Keyed>) -> Vec<u32> {
+    let mut indices: Vec<u32> = keyed.into_iter().map(|keyed| keyed.index).collect();
+    indices.shrink_to_fit();
+    indices
 }
 
 /// Any fixed total order of the bits; only identical points are equal.

@@ -275,15 +275,13 @@ pub(super) fn transformed(
     let visible = rules.visible_points(count);
     // Estimated ones that are stored don't count where none were asked for: the camera would be another one.
     let radii: Vec<f32> = match found.radii.as_deref().or(cloud.own_radii()) {
-        Some(radii) => radii.iter().map(|own| radius(settings, Some(*own))).collect(),
+        Some(radii) => radii.par_iter().map(|own| radius(settings, Some(*own))).collect(),
         None => vec![radius(settings, None); count],
     };
     let base = Opacity { settings, estimated: found.uncapped.as_deref(), neighbors: request.neighbors_of(&cloud) };
     let one = |i: usize| opacity(base, &rules, &cloud, i, radii[i]);
     let opacities = (0..count).into_par_iter().map(one).collect();
-    for position in &mut cloud.positions {
-        *position = placed(settings, *position);
-    }
+    cloud.positions.par_iter_mut().for_each(|position| *position = placed(settings, *position));
     let seen = seen(visible, clips, &cloud.positions);
     let mut points = Points {
         positions: cloud.positions,

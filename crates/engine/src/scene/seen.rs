@@ -21,6 +21,9 @@ pub(super) fn seen(visible: Option<Vec<bool>>, clips: &Clips, positions: &[DVec3
 /// Drops points that are marked, and those that a huge `scale` or `translate` moved out of float64; sets those apart that are
 /// not `seen`. Returns marks on the remaining ones, or `None` if all remain.
 pub(super) fn leave_out(points: &mut Points, seen: Option<&[bool]>, dropped: Option<&[bool]>) -> Option<Vec<bool>> {
+    if seen.is_none() && dropped.is_none() && points.positions.par_iter().all(|position| position.is_finite()) {
+        return None;
+    }
     let is_seen = |i: usize| seen.is_none_or(|seen| seen[i]);
     let is_there = |i: usize| dropped.is_none_or(|dropped| !dropped[i]);
     let each = points.positions.iter().enumerate();

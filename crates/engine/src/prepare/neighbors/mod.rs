@@ -16,6 +16,7 @@ use rayon::prelude::*;
 
 use self::search::{Columns, Found, Search};
 use self::tree::{LEAF, Tree};
+use super::keyed::Keyed;
 use super::morton;
 use crate::cloud::Bounds;
 
@@ -70,22 +71,22 @@ fn normal_key(normal: Vec3) -> [i32; 3] {
 
 /// Puts many points of one Morton code into the order of codes within their own bounds, and so on: a stray a thousand
 /// kilometres away has all others in a few cells.
-fn refine(cell: &mut [(u64, u32)], positions: &[DVec3], by_content: &(impl Fn(u32, u32) -> Ordering + Sync)) {
+fn refine(cell: &mut [Keyed], positions: &[DVec3], by_content: &(impl Fn(u32, u32) -> Ordering + Sync)) {
     if cell.len() <= LEAF {
         return;
     }
-    let members: Vec<DVec3> = cell.iter().map(|(_, index)| positions[*index as usize]).collect();
+    let members: Vec<DVec3> = cell.iter().map(|keyed| positions[keyed.index as usize]).collect();
     let Some(bounds) = Bounds::of(&members).filter(|bounds| bounds.min != bounds.max) else { return };
-    let indices: Vec<u32> = cell.iter().map(|(_, index)| *index).collect();
+    let indices: Vec<u32> = cell.iter().map(|keyed| keyed.index).collect();
     let content = |a: u32, b: u32| by_content(indices[a as usize], indices[b as usize]);
-    let mut order = morton::sorted(morton::codes(&members, &bounds), content);
-    if order[0].0 == order[order.len() - 1].0 {
+    let mut order = morton::sorted(&members, &bounds, content);
+    if order[0].code() == order[order.len() - 1].code() {
         // Too small for halves of it.
         return;
     }
-    order.iter_mut().for_each(|(_, place)| *place = indices[*place as usize]);
-    order.par_chunk_by_mut(|a, b| a.0 == b.0).for_each(|cell| refine(cell, positions, by_content));
-    cell.iter_mut().zip(order).for_each(|((_, index), (_, sorted))| *index = sorted);
+    order.iter_mut().for_each(|keyed| keyed.index = indices[keyed.index as usize]);
+    order.par_chunk_by_mut(|a, b| a.code() == b.code()).for_each(|cell| refine(cell, positions, by_content));
+    cell.iter_mut().zip(order).for_each(|(keyed, sorted)| keyed.index = sorted.index);
 }
 
 impl Places {
@@ -105,13 +106,13 @@ impl Places {
             let by_position = position_key(positions[a]).cmp(&position_key(positions[b]));
             by_position.then_with(|| normal(a).cmp(&normal(b)))
         };
-        let mut keyed = morton::sorted(morton::codes(positions, bounds), by_content);
-        keyed.par_chunk_by_mut(|a, b| a.0 == b.0).for_each(|cell| refine(cell, positions, &by_content));
-        let order: Vec<usize> = keyed.par_iter().map(|&(_, index)| index as usize).collect();
+        let mut keyed = morton::sorted(positions, bounds, by_content);
+        keyed.par_chunk_by_mut(|a, b| a.code() == b.code()).for_each(|cell| refine(cell, positions, &by_content));
+        let order: Vec<usize> = keyed.par_iter().map(|keyed| keyed.index as usize).collect();
         let positions: Vec<DVec3> = order.par_iter().map(|&index| positions[index]).collect();
         let is_first = |rank: &u32| *rank == 0 || positions[*rank as usize] != positions[*rank as usize - 1];
         let mut starts: Vec<u32> = (0..positions.len() as u32).into_par_iter().filter(is_first).collect();
-        let codes: Vec<u64> = starts.par_iter().map(|&rank| keyed[rank as usize].0).collect();
+        let codes: Vec<u64> = starts.par_iter().map(|&rank| keyed[rank as usize].code()).collect();
         let unit = unit(bounds);
         let columns = Columns::new(&positions, &starts, unit);
         let tree = Tree::new(&columns, &codes);
