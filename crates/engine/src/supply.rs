@@ -16,6 +16,16 @@ pub trait Supply: Debug + Send + Sync {
     /// The blocks.
     fn blocks(&self) -> &[Block];
 
+    /// Points that may be taken at a time, those that are not kept included: as many as memory is given for.
+    fn most(&self) -> u64 {
+        u64::MAX
+    }
+
+    /// About how many points `keep` keeps by their place, those with a radius of 0; `None` if nothing is known of it.
+    fn estimate(&self, _keep: Keep<'_>) -> Option<u64> {
+        None
+    }
+
     /// Those points of some blocks, in ascending order, that `keep` keeps by their place and the radius of their block, in canonical
     /// order. They have the columns of all points, even if they are empty.
     ///

@@ -45,9 +45,18 @@ pub struct Resolved {
     pub opacity_given: bool,
     /// `--seed`.
     pub seed: u64,
+    /// Where the clouds are stored, if they are not in memory.
+    pub stored: Option<Stored>,
 }
 
 impl Resolved {
+    /// How much was read of clouds that stay where they are stored.
+    pub fn described_reads(&self) -> Option<String> {
+        let [read, all] = self.stored.as_ref()?.bytes_read();
+        let share = 100.0 * read as f64 / all.max(1) as f64;
+        Some(format!("{} of {} were read for the picture ({share:.1} %)", ByteSize(read), ByteSize(all)))
+    }
+
     /// All points.
     pub fn points(&self) -> &Points {
         self.arranged.points()
@@ -176,6 +185,10 @@ impl Loaded {
         progress: &Bar,
     ) -> Result<Resolved> {
         let Self { name, scene, clouds, legend, see_through, opacity_given, seed } = self;
+        let stored = match &clouds {
+            Clouds::Stored(stored) => Some(stored.clone()),
+            Clouds::Held(_) => None,
+        };
         let Made { scene, arranged, legend, colorings, up, shadow_texture } = match clouds {
             Clouds::Held(clouds) => made(scene, clouds, legend, seed, console, progress)?,
             Clouds::Stored(stored) => made_of_stores(&stored, legend, console),
@@ -199,6 +212,7 @@ impl Loaded {
             opacity_found: None,
             opacity_given,
             seed,
+            stored,
         })
     }
 }

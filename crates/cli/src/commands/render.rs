@@ -384,6 +384,7 @@ pub fn finish(
 ) -> Result<()> {
     let brightness = session.brighten(&mut rendered.image)?;
     Session::describe_frame(rendered, console);
+    resolved.described_reads().iter().for_each(|reads| console.detail(reads));
     let mut metadata = resolved.metadata(session.frame.method.name(), &session.device.info().name);
     if let Some(applied) = brightness {
         if applied.found.is_some() {

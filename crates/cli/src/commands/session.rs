@@ -101,7 +101,7 @@ impl Session {
         console.detail(format_args!("device {} ({})", info.name, info.driver));
         console.detail(format_args!("method {}: {}", self.frame.method.name(), self.why));
         let [width, height] = self.frame.size;
-        console.detail(format_args!("{} points, {width} × {height} pixels", self.cloud.len()));
+        console.detail(format_args!("{} points, {width} × {height} pixels", self.cloud.total()));
     }
 
     /// Says which opacity was found, and warns of clouds that don't come out as asked.

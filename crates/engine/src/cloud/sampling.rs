@@ -23,6 +23,11 @@ impl Sampling {
         Self { mask: every as u32 - 1 }
     }
 
+    /// The number of points that each stands for, on average.
+    pub fn every(self) -> u64 {
+        u64::from(self.mask) + 1
+    }
+
     /// True if all points are taken.
     pub fn takes_all(self) -> bool {
         self.mask == 0

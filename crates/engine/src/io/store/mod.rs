@@ -17,6 +17,7 @@ use std::fmt::Debug;
 use std::path::PathBuf;
 
 use super::Error;
+use crate::cloud::facts::Facts;
 use crate::cloud::{Bounds, Cloud, UpAxis};
 pub use copc::Copc;
 pub use ept::Ept;
@@ -45,6 +46,23 @@ pub trait Store: Debug + Send + Sync {
     /// # Errors
     /// The node can't be read, is damaged, or isn't as [`Self::nodes`] describes it.
     fn read(&self, node: usize) -> Result<Piece, Error>;
+
+    /// What follows from all points, if the store has it.
+    ///
+    /// # Errors
+    /// It can't be read, or is that of another store.
+    fn survey(&self) -> Result<Option<Survey>, Error> {
+        Ok(None)
+    }
+}
+
+/// What follows from all points of a cloud.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Survey {
+    /// Facts about all points.
+    pub facts: Facts,
+    /// The points that stand for all ([`Sampling`](crate::cloud::sampling::Sampling)), in any order.
+    pub sample: Cloud,
 }
 
 /// What is known of a cloud in nodes before any of them is read.

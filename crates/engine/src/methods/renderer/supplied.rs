@@ -76,7 +76,11 @@ impl Renderer {
         // can hold them, a tile's points come together.
         let room = if is_tile { Cut::most(&self.device) } else { room };
         let points = count(&picked);
-        let few = points <= READ * room || alone;
+        // Nodes are not read in vain where so many points are expected that they won't fit; some more than that are.
+        let expected = || supply.estimate(&|position, radius| beam.meets_point(position, radius));
+        let fits = || expected().is_none_or(|expected| expected <= room - room / 10);
+        let most = if is_tile { READ * room } else { supply.most().min(READ * room) };
+        let few = alone || (points <= most && fits());
         if few && cloud.bring(&self.device, (&picked, wanted, room), &self.progress)? {
             part.engine.prepare(&self.device, cloud, frame)?;
             return Ok(Outcome::Done);

@@ -8,11 +8,11 @@ use super::super::coloring::Coloring;
 use super::super::error::Error;
 use super::super::legend::Legend;
 use super::super::settings::Scene;
-use super::survey::{Survey, survey};
+use super::survey::survey;
 use crate::cloud::facts::Facts;
 use crate::cloud::{Bounds, Cloud};
 use crate::io;
-use crate::io::store::{Node, Piece, Store};
+use crate::io::store::{Node, Piece, Store, Survey};
 use crate::points::Points;
 use crate::prepare;
 use crate::progress::Progress;
@@ -63,7 +63,7 @@ impl StoredCloud {
             return Err(Error::Unprepared { path: settings.path.clone(), what }.into());
         }
         let field = request.unscaled_field(like);
-        let Survey { facts, sample, range } = survey(&*store, settings, field.as_ref(), progress)?;
+        let (Survey { facts, sample }, range) = survey(&*store, settings, field.as_ref(), progress)?;
         let bounds = facts.bounds.unwrap_or(store.summary().bounds);
         let field_error = |source| Error::Field { path: settings.path.clone(), source };
         let found = prepare::of_part(&sample, &request, bounds, range).map_err(field_error)?;

@@ -45,6 +45,9 @@ pub fn open_stores(scene: &Scene, progress: &Progress) -> Result<Stores, io::Err
     scene.clouds.iter().map(open).collect()
 }
 
+/// Bytes of memory for each point that is read at a time: as it is read, and as it is taken. Half of the memory keeps nodes.
+const READ_BYTES: u64 = 2 * 160;
+
 /// A scene whose clouds are stores.
 #[derive(Debug, Clone)]
 pub struct Stored {
@@ -68,6 +71,10 @@ struct Nodes {
     /// Cloud and node of each block.
     places: Vec<[u32; 2]>,
     cache: Cache,
+    /// Places of points that stand for all, and how many each stands for.
+    sampled: (Vec<DVec3>, u64),
+    /// Points that are read at a time.
+    most: u64,
 }
 
 impl Stored {
@@ -103,7 +110,11 @@ impl Stored {
         let bounds = bounds.filter(|bounds| bounds.min.is_finite() && bounds.max.is_finite());
         let bounds = bounds.ok_or_else(|| no_points(&scene, &sample))?;
         let (blocks, places) = blocks(&scene, &clouds);
-        let nodes = Arc::new(Nodes { scene, clips, clouds, bounds, blocks, places, cache: Cache::new(memory) });
+        let sampling = Sampling::of(count);
+        let (seen, unseen) = within(&sample, sampling);
+        let sampled = (seen.iter().map(|at| sample.positions[*at as usize]).collect(), sampling.every());
+        let (cache, most) = (Cache::new(memory / 2), (memory / READ_BYTES).max(1));
+        let nodes = Arc::new(Nodes { scene, clips, clouds, bounds, blocks, places, cache, sampled, most });
         let clouds = &nodes.clouds;
         let whole = Whole {
             count,
@@ -114,7 +125,7 @@ impl Stored {
             identity: clouds.iter().map(StoredCloud::identity).collect::<Vec<_>>().join("\n"),
             spheres: Arc::clone(&nodes) as Arc<dyn Spheres>,
         };
-        let sample = Arc::new(stand_ins(sample, Sampling::of(count), whole));
+        let sample = Arc::new(stand_ins(&sample, &seen, &unseen, whole));
         Ok(Self { nodes, sample, legend, notes })
     }
 
@@ -186,6 +197,16 @@ impl Supply for Nodes {
         &self.blocks
     }
 
+    fn most(&self) -> u64 {
+        self.most
+    }
+
+    fn estimate(&self, keep: Keep<'_>) -> Option<u64> {
+        let (places, each) = &self.sampled;
+        let kept = places.par_iter().with_min_len(1 << 12).filter(|place| keep(**place, 0.0)).count();
+        Some(kept as u64 * each)
+    }
+
     fn take(&self, blocks: &[u32], keep: Keep<'_>, progress: &Progress) -> Result<Points, Failure> {
         let read = |block: &u32| {
             progress.check()?;
@@ -216,16 +237,20 @@ fn is_unlit(scene: &Scene, stores: &Stores) -> bool {
     scene.shading_normals().is_some() && stores.iter().any(|store| store.summary().like.normals.is_none())
 }
 
-/// Those of some points that stand for all of the whole scene. They are none of those that are not drawn, which count all the same.
-fn stand_ins(points: Points, sampling: Sampling, whole: Whole) -> Points {
-    let takes = |positions: &[DVec3]| -> Vec<u32> {
+/// The places in a list of the points that stand for all of the scene: those that are drawn, and the others.
+fn within(points: &Points, sampling: Sampling) -> (Vec<u32>, Vec<u32>) {
+    let takes = |positions: &[DVec3]| {
         let taken = positions.iter().enumerate().filter(|(_, position)| sampling.takes(**position));
         taken.map(|(at, _)| at as u32).collect()
     };
-    let unseen = takes(&points.unseen.positions);
+    (takes(&points.positions), takes(&points.unseen.positions))
+}
+
+/// These points as ones that stand for all.
+fn stand_ins(points: &Points, seen: &[u32], unseen: &[u32], whole: Whole) -> Points {
     let pick = |at: &u32| (points.unseen.positions[*at as usize], points.unseen.radii[*at as usize]);
     let (positions, radii) = unseen.iter().map(pick).unzip();
-    let seen = points.subset(&takes(&points.positions), 1.0);
+    let seen = points.subset(seen, 1.0);
     Points { unseen: Arc::new(Unseen { positions, radii }), whole: Some(Arc::new(whole)), ..seen }
 }
 

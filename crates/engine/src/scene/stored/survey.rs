@@ -1,5 +1,6 @@
 //! What follows from all points of a store: facts, and some points that stand for all.
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::super::assemble::placed;
@@ -8,22 +9,17 @@ use crate::cloud::Cloud;
 use crate::cloud::facts::Facts;
 use crate::cloud::field::{self, Field};
 use crate::cloud::sampling::Sampling;
-use crate::io::store::Store;
+use crate::io::store::{Store, Survey};
 use crate::progress::Progress;
 
 /// Nodes that are read at once.
 const BATCH: usize = 64;
 
-/// What was found.
-pub(super) struct Survey {
-    pub facts: Facts,
-    /// Points that stand for all.
-    pub sample: Cloud,
-    /// The range of what the field is made of; in reverse order if none was asked for.
-    pub range: [f64; 2],
-}
+/// Nothing of a range is known.
+const NONE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
-/// Looks at a store's points where a scene places them, unless the store knows; and at what a field is made of.
+/// Looks at a store's points where a scene places them, unless the store knows; and at the range of what a field is made of, if one is
+/// given.
 ///
 /// # Errors
 /// The store can't be read, lacks what the field is made of, or the survey was cancelled.
@@ -32,8 +28,15 @@ pub(super) fn survey(
     settings: &CloudSettings,
     field: Option<&Field>,
     progress: &Progress,
-) -> Result<Survey, crate::Error> {
+) -> Result<(Survey, [f64; 2]), crate::Error> {
     let summary = store.summary();
+    let is_in_place = settings.scale == 1.0 && settings.translate == DVec3::ZERO;
+    if field.is_none()
+        && is_in_place
+        && let Some(survey) = store.survey()?
+    {
+        return Ok((survey, NONE));
+    }
     let sampling = Sampling::of(summary.points);
     progress.reset();
     progress.set_message(format!("looking at {}", summary.path.display()));
@@ -44,7 +47,7 @@ pub(super) fn survey(
         let positions = cloud.positions.iter().enumerate();
         let taken = positions.filter(|(_, position)| sampling.takes(placed(settings, **position)));
         let taken: Vec<u32> = taken.map(|(at, _)| at as u32).collect();
-        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut range = NONE;
         if let Some(field) = field {
             let values = field.unscaled(&cloud, || Some(summary.bounds));
             let failed = |source| super::super::error::Error::Field { path: settings.path.clone(), source };
@@ -52,8 +55,8 @@ pub(super) fn survey(
         }
         Ok((Facts::of(&cloud), cloud.subset(&taken), range))
     };
-    let mut found =
-        Survey { facts: Facts::default(), sample: summary.like.clone(), range: [f64::INFINITY, f64::NEG_INFINITY] };
+    let mut found = Survey { facts: Facts::default(), sample: summary.like.clone() };
+    let mut range = NONE;
     let nodes: Vec<usize> = (0..store.nodes().len()).filter(|node| store.nodes()[*node].points > 0).collect();
     for batch in nodes.chunks(BATCH) {
         let cancelled = |_| crate::io::Error::Cancelled { path: summary.path.clone() };
@@ -62,8 +65,8 @@ pub(super) fn survey(
         for (facts, sample, [least, most]) in parts {
             found.facts = found.facts.and(&facts);
             found.sample.append(sample);
-            found.range = [found.range[0].min(least), found.range[1].max(most)];
+            range = [range[0].min(least), range[1].max(most)];
         }
     }
-    Ok(found)
+    Ok((found, range))
 }

@@ -118,7 +118,7 @@ impl<'a> Build<'a> {
         };
         let like = &self.input.like;
         let metadata = assembler.finish(&Told { name: &target::name(self.target), like, rounding })?;
-        target::publish(self.work, self.target, &metadata)?;
+        target::publish(self.work, self.target, &metadata, self.progress)?;
         let coarse = survey.least_radius.map(f64::from).filter(|radius| rounding > FINE * radius);
         if let Some(radius) = coarse {
             let note = format!(

@@ -148,7 +148,7 @@ impl Run<'_> {
             return Err(malformed(self.streamed, "points", cause));
         }
         let metadata = assembler.finish(&Told { name: &target::name(folder), like: &summary.like, rounding: 0.0 })?;
-        target::publish(self.work, folder, &metadata)?;
+        target::publish(self.work, folder, &metadata, self.progress)?;
         Ok(Built { points: summary.points, rounding: 0.0, notes: Vec::new() })
     }
 

@@ -19,13 +19,14 @@ mod decode;
 pub(crate) mod hierarchy;
 pub(crate) mod metadata;
 pub(crate) mod nodes;
+pub(crate) mod survey;
 
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
 use super::keys::cut;
-use super::{Node, Piece, Store, Summary};
+use super::{Node, Piece, Store, Summary, Survey};
 use crate::cloud::{Bounds, Cloud, GPS_TIME, UpAxis};
 use crate::io::{Error, SharedFile};
 use about::About;
@@ -56,6 +57,8 @@ pub struct Octree {
     starts: Vec<u64>,
     decoder: Decoder,
     file: SharedFile,
+    /// True if this program wrote it.
+    is_ours: bool,
 }
 
 impl Octree {
@@ -97,7 +100,7 @@ impl Octree {
             like,
         };
         let starts = listed.iter().map(|listed| listed.offset).collect();
-        Ok(Self { summary, nodes, starts, decoder, file })
+        Ok(Self { summary, nodes, starts, decoder, file, is_ours: checked.about.is_some() })
     }
 
     /// True if a path is a folder with an octree, or its metadata.json.
@@ -108,6 +111,28 @@ impl Octree {
     /// How many points of the file are before those of a node.
     pub(crate) fn first_point(&self, node: usize) -> u64 {
         self.starts[node] / self.decoder.stride().max(1)
+    }
+
+    /// The bytes of a node's points.
+    fn records(&self, node: usize) -> Result<Vec<u8>, Error> {
+        self.file.read(self.starts[node], self.nodes[node].bytes)
+    }
+
+    /// The points of a node from their bytes.
+    fn decode(&self, node: usize, records: &[u8]) -> Result<Cloud, Error> {
+        let about = &self.nodes[node];
+        let mut cloud = self.decoder.cloud(records);
+        cloud.up = self.summary.up;
+        let Bounds { min, max } = about.bounds;
+        let is_outside = |p: &&DVec3| !(p.cmpge(min) & p.cmple(max)).all();
+        if let Some(outside) = cloud.positions.iter().find(is_outside) {
+            return Err(self.damaged(node, format!("a point at {outside}, outside of its box from {min} to {max}")));
+        }
+        let larger = |largest: f32| cloud.radii.iter().flatten().copied().find(|radius| *radius > largest);
+        if let Some((radius, largest)) = about.largest_radius.and_then(|largest| Some((larger(largest)?, largest))) {
+            return Err(self.damaged(node, format!("a radius of {radius}, but the largest should be {largest}")));
+        }
+        Ok(cloud)
     }
 
     fn damaged(&self, node: usize, cause: String) -> Error {
@@ -125,21 +150,14 @@ impl Store for Octree {
     }
 
     fn read(&self, node: usize) -> Result<Piece, Error> {
-        let about = &self.nodes[node];
-        let records = self.file.read(self.starts[node], about.bytes)?;
-        let mut cloud = self.decoder.cloud(&records);
-        cloud.up = self.summary.up;
-        let Bounds { min, max } = about.bounds;
-        let is_outside = |p: &&DVec3| !(p.cmpge(min) & p.cmple(max)).all();
-        if let Some(outside) = cloud.positions.iter().find(is_outside) {
-            return Err(self.damaged(node, format!("a point at {outside}, outside of its box from {min} to {max}")));
-        }
-        let larger = |largest: f32| cloud.radii.iter().flatten().copied().find(|radius| *radius > largest);
-        if let Some((radius, largest)) = about.largest_radius.and_then(|largest| Some((larger(largest)?, largest))) {
-            return Err(self.damaged(node, format!("a radius of {radius}, but the largest should be {largest}")));
-        }
+        let records = self.records(node)?;
+        let cloud = self.decode(node, &records)?;
         let places = self.decoder.places(&records, self.first_point(node));
         Ok(Piece { cloud, places })
+    }
+
+    fn survey(&self) -> Result<Option<Survey>, Error> {
+        survey::read(self)
     }
 }
 
