@@ -16,7 +16,7 @@ pub trait Supply: Debug + Send + Sync {
     /// The blocks.
     fn blocks(&self) -> &[Block];
 
-    /// Points that may be taken at a time, those that are not kept included: as many as memory is given for.
+    /// Points that may be taken at a time: as many as memory is given for.
     fn most(&self) -> u64 {
         u64::MAX
     }
@@ -57,7 +57,8 @@ pub fn each(
     Ok(())
 }
 
-/// Which points are taken, by their place and the radius of their block.
+/// Which points are taken, by their place and the radius of their block: those in a convex part of space. Points that don't show may be
+/// taken as well.
 pub type Keep<'a> = &'a (dyn Fn(DVec3, f32) -> bool + Sync);
 
 /// Why points can't be taken.

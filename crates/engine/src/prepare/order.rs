@@ -3,7 +3,6 @@
 use std::cmp::Ordering;
 use std::sync::Arc;
 
-use glam::DVec3;
 use rayon::prelude::*;
 
 use super::keyed::{self, Keyed};
@@ -28,29 +27,21 @@ pub fn canonical(mut points: Points) -> Points {
     points
 }
 
-/// Some points of parts of a scene with these bounds, in the order that the whole scene has: for each the part and the place there.
-/// `keep` says which, by part and position.
-pub(crate) fn picked(
-    parts: &[Arc<Points>],
-    bounds: &Bounds,
-    keep: impl Fn(usize, DVec3) -> bool + Sync,
-) -> Vec<[u32; 2]> {
+/// The points of parts of a scene with these bounds, in the order that the whole scene has: for each the part and the place there.
+pub(crate) fn merged(parts: &[Arc<Points>], bounds: &Bounds) -> Vec<[u32; 2]> {
     let cells = Cells::of(bounds);
-    let of_part = |(part, points): (usize, &Arc<Points>)| {
-        let kept = points.positions.iter().enumerate().filter(|(_, position)| keep(part, **position));
-        kept.map(|(at, _)| [part as u32, at as u32]).collect::<Vec<_>>()
-    };
-    let kept: Vec<[u32; 2]> = parts.par_iter().enumerate().flat_map_iter(of_part).collect();
+    let of_part = |(part, points): (usize, &Arc<Points>)| (0..points.len() as u32).map(move |at| [part as u32, at]);
+    let all: Vec<[u32; 2]> = parts.par_iter().enumerate().flat_map_iter(of_part).collect();
     let at = |i: u32| {
-        let [part, at] = kept[i as usize];
+        let [part, at] = all[i as usize];
         (&*parts[part as usize], at as usize)
     };
     let code = |i: u32| {
         let (points, at) = at(i);
         cells.code(points.positions[at])
     };
-    let order = keyed::sorted(kept.len() as u32, code, &|a, b| by_content(at(a), at(b)));
-    order.into_par_iter().map(|keyed| kept[keyed.index as usize]).collect()
+    let order = keyed::sorted(all.len() as u32, code, &|a, b| by_content(at(a), at(b)));
+    order.into_par_iter().map(|keyed| all[keyed.index as usize]).collect()
 }
 
 /// The indices alone. They take the memory of what they stood in, of which the rest is given back.

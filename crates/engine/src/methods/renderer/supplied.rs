@@ -74,13 +74,12 @@ impl Renderer {
         let (alone, is_tile) = (x1 - x == 1 && y1 - y == 1, x1 - x <= TILE && y1 - y <= TILE);
         // Runs over a tile's splats are composed by themselves, so a window within a tile may have other bytes: as long as the device
         // can hold them, a tile's points come together.
-        let room = if is_tile { Cut::most(&self.device) } else { room };
+        let room = if is_tile { Cut::most(&self.device) } else { room.min(supply.most()) };
         let points = count(&picked);
         // Nodes are not read in vain where so many points are expected that they won't fit; some more than that are.
         let expected = || supply.estimate(&|position, radius| beam.meets_point(position, radius));
         let fits = || expected().is_none_or(|expected| expected <= room - room / 10);
-        let most = if is_tile { READ * room } else { supply.most().min(READ * room) };
-        let few = alone || (points <= most && fits());
+        let few = alone || (points <= READ * room && fits());
         if few && cloud.bring(&self.device, (&picked, wanted, room), &self.progress)? {
             part.engine.prepare(&self.device, cloud, frame)?;
             return Ok(Outcome::Done);

@@ -45,8 +45,8 @@ pub fn open_stores(scene: &Scene, progress: &Progress) -> Result<Stores, io::Err
     scene.clouds.iter().map(open).collect()
 }
 
-/// Bytes of memory for each point that is read at a time: as it is read, and as it is taken. Half of the memory keeps nodes.
-const READ_BYTES: u64 = 2 * 160;
+/// Bytes of memory for each point that is taken at a time: as it is read, put into order, and taken. Half of the memory keeps nodes.
+const TAKEN_BYTES: u64 = 2 * 150;
 
 /// A scene whose clouds are stores.
 #[derive(Debug, Clone)]
@@ -73,7 +73,7 @@ struct Nodes {
     cache: Cache,
     /// Places of points that stand for all, and how many each stands for.
     sampled: (Vec<DVec3>, u64),
-    /// Points that are read at a time.
+    /// Points that are taken at a time.
     most: u64,
 }
 
@@ -113,7 +113,7 @@ impl Stored {
         let sampling = Sampling::of(count);
         let (seen, unseen) = within(&sample, sampling);
         let sampled = (seen.iter().map(|at| sample.positions[*at as usize]).collect(), sampling.every());
-        let (cache, most) = (Cache::new(memory / 2), (memory / READ_BYTES).max(1));
+        let (cache, most) = (Cache::new(memory / 2), (memory / TAKEN_BYTES).max(1));
         let nodes = Arc::new(Nodes { scene, clips, clouds, bounds, blocks, places, cache, sampled, most });
         let clouds = &nodes.clouds;
         let whole = Whole {
@@ -210,12 +210,18 @@ impl Supply for Nodes {
     fn take(&self, blocks: &[u32], keep: Keep<'_>, progress: &Progress) -> Result<Points, Failure> {
         let read = |block: &u32| {
             progress.check()?;
-            self.part(*block as usize)
+            let Block { bounds, radius, .. } = self.blocks[*block as usize];
+            let points = self.part(*block as usize)?;
+            // What is kept is convex.
+            if bounds.corners().into_iter().all(|corner| keep(corner, radius)) {
+                return Ok(points);
+            }
+            let each = points.positions.iter().enumerate();
+            let kept: Vec<u32> = each.filter(|(_, p)| keep(**p, radius)).map(|(at, _)| at as u32).collect();
+            Ok(Arc::new(Points { unseen: Arc::default(), ..points.subset(&kept, 1.0) }))
         };
         let parts = blocks.par_iter().map(read).collect::<Result<Vec<_>, Failure>>()?;
-        let radii: Vec<f32> = blocks.iter().map(|block| self.blocks[*block as usize].radius).collect();
-        let picked = order::picked(&parts, &self.bounds, |part, position| keep(position, radii[part]));
-        Ok(Points::gather(&parts, &picked))
+        Ok(Points::gather(&parts, &order::merged(&parts, &self.bounds)))
     }
 }
 
