@@ -3,6 +3,7 @@
 pub mod build;
 mod copc;
 mod ept;
+mod fitted;
 mod grid;
 mod held;
 mod keys;

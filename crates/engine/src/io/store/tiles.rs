@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use glam::Vec3;
-
+use super::fitted::fitted;
 use super::{Grid, Node, Piece, Store, Summary};
 use crate::cloud::{Bounds, Cloud, GPS_TIME};
 use crate::io::Error;
@@ -159,36 +158,9 @@ fn ranges(all: &[&Summary], like: &Cloud) -> Vec<(String, [f64; 2])> {
     like.scalars.iter().filter_map(|(name, _)| of(name)).collect()
 }
 
-/// The points of a cloud with other columns.
-fn fitted(cloud: Cloud, like: &Cloud) -> Cloud {
-    fn column<T: Clone>(own: Option<Vec<T>>, like: &Option<Vec<T>>, missing: T, len: usize) -> Option<Vec<T>> {
-        like.as_ref().map(|_| own.unwrap_or_else(|| vec![missing; len]))
-    }
-    let len = cloud.len();
-    let mut own = cloud.scalars;
-    let scalar = |(name, _): &(String, Vec<f32>)| {
-        let found = own.iter().position(|(known, _)| known == name).map(|at| own.swap_remove(at).1);
-        (name.clone(), found.unwrap_or_else(|| vec![f32::NAN; len]))
-    };
-    Cloud {
-        positions: cloud.positions,
-        colors: column(cloud.colors, &like.colors, Vec3::ONE, len),
-        alphas: column(cloud.alphas, &like.alphas, 1.0, len),
-        normals: column(cloud.normals, &like.normals, Vec3::ZERO, len),
-        radii: like.radii.as_ref().and(cloud.radii),
-        classification: column(cloud.classification, &like.classification, 0, len),
-        intensity: column(cloud.intensity, &like.intensity, f32::NAN, len),
-        scalars: like.scalars.iter().map(scalar).collect(),
-        prepared: like.prepared.as_ref().and(cloud.prepared),
-        up: like.up,
-        up_reason: like.up_reason,
-        ..Cloud::default()
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
+    use glam::{DVec3, Vec3};
 
     use super::*;
     use crate::cloud::UpAxis;

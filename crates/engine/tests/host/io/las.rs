@@ -240,7 +240,7 @@ fn sources_and_times_are_read_when_they_are_asked_for() {
     }
 }
 
-/// Damaged times of layered points make their decoder call itself until the stack is full, so they aren't decoded for nothing.
+/// Damaged times of points in layers are no matter where nobody asks for them; these points have other defects.
 #[test]
 fn times_that_nobody_asked_for_do_no_harm() {
     let path = root().join("fuzz/corpus/las/found-times-without-end");

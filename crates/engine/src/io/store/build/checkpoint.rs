@@ -113,7 +113,9 @@ pub(super) fn read_open(folder: &Path, checkpoint: &Checkpoint) -> Result<Vec<Op
         while reader.read_line(&mut line)? > 0 {
             let Head { cell, total, is_inner, bytes } = serde_json::from_str(&line)?;
             let mut records = Vec::new();
-            reader.by_ref().take(bytes).read_to_end(&mut records)?;
+            if (reader.by_ref().take(bytes).read_to_end(&mut records)? as u64) < bytes {
+                return Err(std::io::ErrorKind::UnexpectedEof.into());
+            }
             open.push(Open { cell, total, is_inner, records });
             line.clear();
         }

@@ -1,17 +1,11 @@
 //! The columns that several clouds have as one.
 
-use glam::Vec3;
-
 use super::super::Store;
 use crate::cloud::Cloud;
 
-/// What stands for a scalar that a cloud doesn't have.
-const NO_VALUE: f32 = f32::NAN;
-
 /// A cloud without points that has the columns of all stores, and notes on what can't be kept, one sentence each.
 ///
-/// A cloud without colors or alphas is white and opaque, one without classes or intensity has 0, without a scalar what isn't a
-/// number. Radii are kept if all have them. What was prepared for one cloud says nothing of several.
+/// Radii are kept if all have them. What was prepared for one cloud says nothing of several.
 pub(super) fn union(inputs: &[Box<dyn Store>]) -> (Cloud, Vec<String>) {
     let likes = || inputs.iter().map(|input| &input.summary().like);
     let mut notes = Vec::new();
@@ -42,29 +36,4 @@ pub(super) fn union(inputs: &[Box<dyn Store>]) -> (Cloud, Vec<String>) {
         like.prepared = None;
     }
     (like, notes)
-}
-
-/// A cloud with the columns of another one.
-pub(super) fn conform(cloud: Cloud, like: &Cloud) -> Cloud {
-    fn fill<T: Copy>(own: Option<Vec<T>>, like: Option<&Vec<T>>, count: usize, value: T) -> Option<Vec<T>> {
-        like.map(|_| own.unwrap_or_else(|| vec![value; count]))
-    }
-    let count = cloud.len();
-    let mut own = cloud.scalars;
-    let mut scalar = |name: &str| {
-        let at = own.iter().position(|(known, _)| known == name);
-        at.map_or_else(|| vec![NO_VALUE; count], |at| own.swap_remove(at).1)
-    };
-    Cloud {
-        colors: fill(cloud.colors, like.colors.as_ref(), count, Vec3::ONE),
-        alphas: fill(cloud.alphas, like.alphas.as_ref(), count, 1.0),
-        normals: fill(cloud.normals, like.normals.as_ref(), count, Vec3::ZERO),
-        radii: fill(cloud.radii, like.radii.as_ref(), count, 0.0),
-        classification: fill(cloud.classification, like.classification.as_ref(), count, 0),
-        intensity: fill(cloud.intensity, like.intensity.as_ref(), count, 0.0),
-        scalars: like.scalars.iter().map(|(name, _)| (name.clone(), scalar(name))).collect(),
-        prepared: cloud.prepared.filter(|_| like.prepared.is_some()),
-        positions: cloud.positions,
-        ..like.subset(&[])
-    }
 }

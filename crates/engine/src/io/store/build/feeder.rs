@@ -36,6 +36,7 @@ impl Feeder<'_> {
     pub fn chunk(&mut self, plan: &Plan, index: usize, stem: &Path) -> Result<(), Error> {
         let chunk = &plan.chunks[index];
         let path = scatter::file_of(stem, index);
+        scatter::check(&path, chunk.points, self.stride)?;
         match chunk.cells.as_slice() {
             [(cell, _)] if chunk.points > self.memory.chunk_points && cell.level < self.cube.levels() => {
                 self.divide(*cell, &path)

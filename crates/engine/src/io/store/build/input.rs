@@ -3,6 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::super::fitted::fitted;
 use super::super::{Grid, Piece, Store};
 use super::columns;
 use crate::cloud::{Bounds, Cloud};
@@ -84,7 +85,7 @@ impl<'a> Input<'a> {
     fn read(&self, store: usize, node: usize) -> Result<Piece, Error> {
         let Piece { cloud, mut places } = self.stores[store].read(node)?;
         places.iter_mut().for_each(|place| *place = place.saturating_add(self.firsts[store]));
-        Ok(Piece { cloud: columns::conform(cloud, &self.like), places })
+        Ok(Piece { cloud: fitted(cloud, &self.like), places })
     }
 
     fn error(&self, store: usize, outside: Outside) -> Error {

@@ -78,16 +78,19 @@ impl<'a> Scatter<'a> {
     /// Writes the rest, and compares the files with the plan.
     pub fn finish(mut self, stride: usize) -> Result<(), Error> {
         self.flush()?;
-        for (chunk, planned) in self.plan.chunks.iter().enumerate() {
-            let path = file_of(&self.stem, chunk);
-            let bytes = fs::metadata(&path).map_err(|source| Error::Read { path: path.clone(), source })?.len();
-            if planned.points.checked_mul(stride as u64) != Some(bytes) {
-                let what = format!("{bytes} bytes for {} points; an input changed while it was read", planned.points);
-                return Err(Error::Truncated { path, what });
-            }
-        }
-        Ok(())
+        let mut chunks = self.plan.chunks.iter().enumerate();
+        chunks.try_for_each(|(chunk, planned)| check(&file_of(&self.stem, chunk), planned.points, stride))
     }
+}
+
+/// Compares the size of a chunk's file with its points.
+pub(super) fn check(path: &Path, points: u64, stride: usize) -> Result<(), Error> {
+    let bytes = fs::metadata(path).map_err(|source| Error::Read { path: path.to_path_buf(), source })?.len();
+    if points.checked_mul(stride as u64) == Some(bytes) {
+        return Ok(());
+    }
+    let what = format!("{bytes} bytes for {points} points; an input changed while it was read, or this file after it");
+    Err(Error::Truncated { path: path.to_path_buf(), what })
 }
 
 fn append(path: &Path, bytes: &[u8]) -> std::io::Result<()> {

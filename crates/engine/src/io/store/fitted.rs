@@ -1,0 +1,33 @@
+//! Clouds with the columns that several have together.
+
+use glam::Vec3;
+
+use crate::cloud::Cloud;
+
+/// The points of a cloud with the columns of another one. Where it lacks one, they are white, opaque, without normal, of class 0, and have
+/// no number (NaN) as intensity and scalars. There is no such value for radii and what was prepared.
+pub(super) fn fitted(cloud: Cloud, like: &Cloud) -> Cloud {
+    fn column<T: Clone>(own: Option<Vec<T>>, like: &Option<Vec<T>>, missing: T, len: usize) -> Option<Vec<T>> {
+        like.as_ref().map(|_| own.unwrap_or_else(|| vec![missing; len]))
+    }
+    let len = cloud.len();
+    let mut own = cloud.scalars;
+    let scalar = |(name, _): &(String, Vec<f32>)| {
+        let found = own.iter().position(|(known, _)| known == name).map(|at| own.swap_remove(at).1);
+        (name.clone(), found.unwrap_or_else(|| vec![f32::NAN; len]))
+    };
+    Cloud {
+        positions: cloud.positions,
+        colors: column(cloud.colors, &like.colors, Vec3::ONE, len),
+        alphas: column(cloud.alphas, &like.alphas, 1.0, len),
+        normals: column(cloud.normals, &like.normals, Vec3::ZERO, len),
+        radii: like.radii.as_ref().and(cloud.radii),
+        classification: column(cloud.classification, &like.classification, 0, len),
+        intensity: column(cloud.intensity, &like.intensity, f32::NAN, len),
+        scalars: like.scalars.iter().map(scalar).collect(),
+        prepared: like.prepared.as_ref().and(cloud.prepared),
+        up: like.up,
+        up_reason: like.up_reason,
+        ..Cloud::default()
+    }
+}
