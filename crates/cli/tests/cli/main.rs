@@ -29,6 +29,7 @@ mod prepare_store;
 mod presets;
 mod readme;
 mod render;
+mod scene_store;
 mod sequence;
 mod shadows;
 mod stress;

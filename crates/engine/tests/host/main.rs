@@ -24,4 +24,5 @@ mod shading_normals;
 mod strays;
 mod surface_opacity;
 mod terrain;
+mod terrain_store;
 mod tracked;

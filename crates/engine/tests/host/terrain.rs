@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, HashSet};
 
 use glam::DVec3;
-use pellucid_engine::cloud::Cloud;
+use pellucid_engine::cloud::{Bounds, Cloud};
+use pellucid_engine::io::store::build::Cell;
 use pellucid_engine::io::store::{Piece, Store};
 use pellucid_engine::scene::procedural::{Error, build, terrain::Terrain};
 use rayon::prelude::*;
@@ -44,9 +45,8 @@ fn tiles_hold_what_is_promised() {
 #[test]
 fn a_tile_needs_no_other() {
     let terrain = Terrain::new(150_000, 5).unwrap();
-    assert_eq!(terrain.nodes().len(), 4);
     let forward = tiles(&terrain);
-    for tile in [3, 1, 2, 0] {
+    for tile in [forward.len() - 1, 1, 2, 0] {
         assert!(terrain.read(tile).unwrap() == forward[tile]);
         assert!(Terrain::new(150_000, 5).unwrap().read(tile).unwrap() == forward[tile]);
         assert!(Terrain::new(150_000, 6).unwrap().read(tile).unwrap() != forward[tile]);
@@ -62,10 +62,16 @@ fn a_tile_needs_no_other() {
 fn tiles_are_columns_of_an_octree_and_share_no_point() {
     for points in [150_000, 2_000_000] {
         let terrain = Terrain::new(points, 3).unwrap();
-        let cube = terrain.cube();
+        let cube = terrain.cube().bounds(Cell::ROOT);
         let columns = (terrain.nodes().len() as f64).sqrt();
-        let side = (cube.max.x - cube.min.x) / columns;
+        let side = terrain.side() / columns;
+        // A cell of some level is as large.
+        let levels = ((cube.max.x - cube.min.x) / side).log2();
+        assert!((levels - levels.round()).abs() < 1e-9, "{levels}");
+        // 4.472 ∛n, rounded to whole tiles of at most a twelfth.
+        assert!((terrain.side() / (4.472 * (points as f64).cbrt()) - 1.0).abs() < 1.0 / 24.0 + 1e-9);
         let mut seen = HashSet::new();
+        let mut last = 0;
         for piece in tiles(&terrain) {
             let cells: HashSet<[i64; 2]> = piece
                 .cloud
@@ -73,13 +79,18 @@ fn tiles_are_columns_of_an_octree_and_share_no_point() {
                 .iter()
                 .map(|p| ((*p + 0.0005 - cube.min) / side).floor().truncate().to_array().map(|x| x as i64))
                 .collect();
-            assert_eq!(cells.len(), 1);
-            assert!(
-                cells.into_iter().all(|cell| cell.iter().all(|x| (0..columns as i64).contains(x)) && seen.insert(cell))
-            );
+            assert!(cells.len() <= 1);
+            for cell in cells {
+                assert!(cell.iter().all(|x| (0..columns as i64).contains(x)) && seen.insert(cell));
+                // Along the Morton curve.
+                let code = (0..16).map(|bit| (cell[0] >> bit & 1) << (2 * bit) | (cell[1] >> bit & 1) << (2 * bit + 1));
+                let code = 1 + code.sum::<i64>();
+                assert!(code > last, "{cell:?}");
+                last = code;
+            }
             assert!(piece.cloud.positions.iter().all(|p| p.z > cube.min.z && p.z < cube.max.z));
         }
-        assert_eq!(seen.len(), terrain.nodes().len());
+        assert_eq!(seen.len(), terrain.nodes().iter().filter(|node| node.points > 0).count());
     }
     let terrain = Terrain::new(150_000, 3).unwrap();
     let mut seen: HashSet<[i64; 3]> = HashSet::new();
@@ -124,9 +135,10 @@ fn a_landscape_has_what_surveys_have() {
 #[test]
 fn the_ground_is_closed() {
     let terrain = Terrain::new(1_000_000, 0).unwrap();
-    // The second tile lies at the edge; most of it is open land.
-    let cloud = terrain.read(1).unwrap().cloud;
-    let bounds = terrain.nodes()[1].bounds;
+    // The first sixteen tiles are a square at the edge; most of it is open land.
+    let mut cloud = terrain.summary().like.clone();
+    (0..16).for_each(|tile| cloud.append(terrain.read(tile).unwrap().cloud));
+    let bounds = terrain.nodes()[..16].iter().map(|node| node.bounds).reduce(Bounds::union).unwrap();
     let radii = cloud.radii.as_ref().unwrap();
     let cell = 4.0;
     let key = |p: DVec3| [(p.x / cell).floor() as i64, (p.y / cell).floor() as i64];
@@ -152,6 +164,9 @@ fn sizes_out_of_range_are_refused() {
         let error = Terrain::new(points, 0).unwrap_err();
         assert!(matches!(error, Error::OutOfRange { name: "points", .. }), "{error}");
     }
+    // In memory there is less room.
+    let error = build("terrain", &[("points".to_owned(), 1e9)], 0).unwrap_err();
+    assert!(matches!(error, Error::OutOfRange { name: "points", max: 200e6, .. }), "{error}");
 }
 
 /// Prints how fast tiles of a landscape of 10⁹ points are made, on all cores.
