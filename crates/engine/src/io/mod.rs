@@ -6,6 +6,7 @@ mod columns;
 pub(crate) mod decoder;
 mod e57;
 mod las;
+mod memory;
 mod number;
 mod pcd;
 pub mod photo;
@@ -19,6 +20,8 @@ pub mod volume;
 use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read, Seek};
 use std::path::{Path, PathBuf};
+
+use bytesize::ByteSize;
 
 use crate::progress::Progress;
 
@@ -116,6 +119,22 @@ pub enum Error {
         missing: &'static str,
         /// The existing properties.
         found: String,
+    },
+    /// The points that the header announces, and that the file may well have, are more than memory can hold.
+    #[error(
+        "{}: {points} points take at least {} of memory, of which {} are free; `pellucid prepare {} -o DIR` makes a store of them, \
+         within --host-memory",
+        path.display(), ByteSize(*needed), ByteSize(*free), path.display()
+    )]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Its points.
+        points: u64,
+        /// The bytes of their columns.
+        needed: u64,
+        /// Bytes that the system can give.
+        free: u64,
     },
     /// Somebody who watches wanted the work to end.
     #[error("{}: stopped; the same command goes on from there", path.display())]

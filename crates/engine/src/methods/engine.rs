@@ -42,7 +42,15 @@ pub(crate) trait Engine {
     fn place(&self, device: &Device, cloud: &mut DeviceCloud, _frame: &Frame, _survey: bool) -> Result<(), Error> {
         Cut::new(device, cloud.len())?;
         cloud.make_resident(device)?;
-        Ok(cloud.make_room(device)?)
+        if self.projects() {
+            cloud.make_room(device)?;
+        }
+        Ok(())
+    }
+
+    /// False of engines that take points as they are, without splats.
+    fn projects(&self) -> bool {
+        true
     }
 
     /// Finds what is found once for a cloud, before the first frame that needs it.
@@ -276,6 +284,7 @@ pub(crate) fn project(
     how: &Projecting,
     timeline: &mut Timeline,
 ) -> Result<Projected, Error> {
+    cloud.make_room(device)?;
     cloud.reserve_tilts(device, how.footprint)?;
     cloud.set_view(&frame.camera, frame.size, window, how);
     let mut recorder = timeline.recorder(device)?;

@@ -80,6 +80,15 @@ impl Layout {
         }
     }
 
+    /// Bytes of a row in the columns of a cloud.
+    pub fn bytes(&self) -> u64 {
+        let threes = u64::from(self.color.is_some()) + u64::from(self.normal.is_some());
+        let single =
+            [self.alpha.is_some(), self.radius.is_some(), self.classification.is_some(), self.intensity.is_some()];
+        let ones = single.into_iter().filter(|is_there| *is_there).count() + self.scalars.len();
+        size_of::<DVec3>() as u64 + threes * size_of::<Vec3>() as u64 + ones as u64 * size_of::<f32>() as u64
+    }
+
     /// True if the range of colors and the range of alphas is that of all values.
     pub(super) fn measures(&self) -> [bool; 2] {
         [matches!(self.color, Some(Rgb::Measured(_))), matches!(self.alpha, Some(Alpha::Measured(_)))]

@@ -1,11 +1,13 @@
 //! From the rows of a table to the columns of a cloud, by the names of the table's columns (the table in `ply`).
 
 mod block;
+mod join;
 mod layout;
 mod rows;
 mod table;
 
 pub(super) use block::Block;
+pub(super) use join::joined;
 pub(super) use layout::{Layout, unit_or_zero};
 pub(super) use ply_rs_bw::ply::ScalarType;
 pub(super) use rows::Rows;

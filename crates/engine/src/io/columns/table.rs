@@ -5,7 +5,7 @@ use bytemuck::allocation::zeroed_vec;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{Layout, Rows};
+use super::{Layout, Rows, joined};
 use crate::cloud::Cloud;
 use crate::io::channel;
 
@@ -58,6 +58,43 @@ impl Table {
         let single = [&mut cloud.alphas, &mut cloud.radii, &mut cloud.intensity].into_iter().flatten();
         single.chain(cloud.scalars.iter_mut().map(|(_, column)| column)).for_each(|column| sized(column, rows));
         Self { cloud, codes: layout.classification.as_ref().map(|_| zeroed_vec(rows)) }
+    }
+
+    /// Makes room for this many more rows.
+    pub fn reserve(&mut self, rows: usize) {
+        let cloud = &mut self.cloud;
+        cloud.positions.reserve_exact(rows);
+        cloud.colors.iter_mut().chain(&mut cloud.normals).for_each(|column| column.reserve_exact(rows));
+        let single = [&mut cloud.alphas, &mut cloud.radii, &mut cloud.intensity, &mut self.codes].into_iter().flatten();
+        single.chain(cloud.scalars.iter_mut().map(|(_, column)| column)).for_each(|column| column.reserve_exact(rows));
+    }
+
+    /// The rows of parts that have the columns of this layout, one part behind the other. Each column of the parts is gone once it is
+    /// joined.
+    pub fn join(layout: &Layout, mut parts: Vec<Self>) -> Self {
+        fn join_optional<T: Zeroable + Copy + Send + Sync>(
+            column: &mut Option<Vec<T>>,
+            parts: &mut [Table],
+            of: impl Fn(&mut Table) -> &mut Option<Vec<T>>,
+        ) {
+            if let Some(column) = column {
+                *column = joined(parts.iter_mut().filter_map(|part| of(part).take()).collect());
+            }
+        }
+        let (mut all, parts) = (Self::new(layout, 0), parts.as_mut_slice());
+        let cloud = &mut all.cloud;
+        cloud.positions = joined(parts.iter_mut().map(|part| std::mem::take(&mut part.cloud.positions)).collect());
+        join_optional(&mut cloud.colors, parts, |part| &mut part.cloud.colors);
+        join_optional(&mut cloud.normals, parts, |part| &mut part.cloud.normals);
+        join_optional(&mut cloud.alphas, parts, |part| &mut part.cloud.alphas);
+        join_optional(&mut cloud.radii, parts, |part| &mut part.cloud.radii);
+        join_optional(&mut cloud.intensity, parts, |part| &mut part.cloud.intensity);
+        join_optional(&mut all.codes, parts, |part| &mut part.codes);
+        for (at, (_, column)) in cloud.scalars.iter_mut().enumerate() {
+            *column = joined(parts.iter_mut().map(|part| std::mem::take(&mut part.cloud.scalars[at].1)).collect());
+        }
+        cloud.non_finite = parts.iter().map(|part| part.cloud.non_finite).sum();
+        all
     }
 
     /// Adds a row, or counts it if its position is not finite.
@@ -192,6 +229,7 @@ mod tests {
             _ => (row * 14 + at) as f64 * 0.5 - 3.0,
         };
         let rows: Vec<[f64; 14]> = (0..103).map(|row| std::array::from_fn(|at| number(row, at))).collect();
+        assert_eq!(layout.bytes(), 24 + 2 * 12 + 5 * 4);
         let mut pushed = Table::new(&layout, 0);
         rows.iter().for_each(|row| pushed.push(&layout, row));
         for run in [1, 10, 103, 200] {
@@ -214,6 +252,14 @@ mod tests {
             assert_eq!((&filled.cloud, &filled.codes), (&pushed.cloud, &pushed.codes), "runs of {run}");
             assert_eq!(filled.cloud.non_finite, 19);
         }
+        let parts = rows.chunks(40).map(|rows| {
+            let mut part = Table::new(&layout, 0);
+            part.reserve(rows.len());
+            rows.iter().for_each(|row| part.push(&layout, row));
+            part
+        });
+        let joined = Table::join(&layout, parts.collect());
+        assert_eq!((&joined.cloud, &joined.codes), (&pushed.cloud, &pushed.codes));
         let whole = pushed.whole(&layout);
         assert!(whole.directed && whole.codes);
         let cloud = pushed.finish(&layout, &whole);

@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 
+use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 use las::PointDataBuilder;
 use rayon::prelude::*;
@@ -11,6 +12,7 @@ use super::traits::Traits;
 use crate::cloud::{Bounds, Cloud, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER, UpAxis};
 use crate::color::decode_srgb;
 use crate::io::LasColumns;
+use crate::io::columns::joined;
 
 /// Columns of a part of the file, as they are stored: before what only the whole file tells ([`Traits`]) is known.
 pub(in crate::io) struct Columns {
@@ -43,6 +45,12 @@ impl Columns {
             extra: header.extra.iter().map(|_| Vec::new()).collect(),
             non_finite: 0,
         }
+    }
+
+    /// Bytes of a point in the columns of a cloud, without those that depend on values and wishes.
+    pub(super) fn least_bytes(header: &Header) -> u64 {
+        let (intensity, classification) = (size_of::<f32>(), size_of::<u8>());
+        (size_of::<DVec3>() + intensity + classification + header.extra.len() * size_of::<f32>()) as u64
     }
 
     /// Adds whole point records.
@@ -78,27 +86,27 @@ impl Columns {
         Ok(())
     }
 
-    /// The columns of the parts of a file, one behind the other. Each column of the parts is gone once it is joined.
+    /// The columns of the parts of a file, one behind the other; `None` of no parts. Each column of the parts is gone once it is joined.
     pub fn join(mut parts: Vec<Self>) -> Option<Self> {
-        let mut all = parts.pop()?;
-        all.positions = joined(&mut parts, all.positions, |part| &mut part.positions);
-        all.intensity = joined(&mut parts, all.intensity, |part| &mut part.intensity);
-        all.classification = joined(&mut parts, all.classification, |part| &mut part.classification);
-        all.return_number = joined(&mut parts, all.return_number, |part| &mut part.return_number);
-        all.number_of_returns = joined(&mut parts, all.number_of_returns, |part| &mut part.number_of_returns);
-        all.source = all.source.map(|last| joined_optional(&mut parts, last, |part| &mut part.source));
-        all.gps_time = all.gps_time.map(|last| joined_optional(&mut parts, last, |part| &mut part.gps_time));
-        all.rgb = all.rgb.map(|last| joined_optional(&mut parts, last, |part| &mut part.rgb));
-        for (at, values) in all.extra.iter_mut().enumerate() {
-            *values = joined(&mut parts, std::mem::take(values), |part| &mut part.extra[at]);
-        }
-        all.non_finite += parts.iter().map(|part| part.non_finite).sum::<usize>();
-        Some(all)
+        let extra = parts.first()?.extra.len();
+        let parts = parts.as_mut_slice();
+        Some(Self {
+            positions: taken(parts, |part| &mut part.positions),
+            rgb: taken_optional(parts, |part| &mut part.rgb),
+            intensity: taken(parts, |part| &mut part.intensity),
+            classification: taken(parts, |part| &mut part.classification),
+            return_number: taken(parts, |part| &mut part.return_number),
+            number_of_returns: taken(parts, |part| &mut part.number_of_returns),
+            source: taken_optional(parts, |part| &mut part.source),
+            gps_time: taken_optional(parts, |part| &mut part.gps_time),
+            extra: (0..extra).map(|at| taken(parts, |part| &mut part.extra[at])).collect(),
+            non_finite: parts.iter().map(|part| part.non_finite).sum(),
+        })
     }
 
     /// The box of the points; `None` if there are none.
     pub fn bounds(&self) -> Option<Bounds> {
-        Bounds::enclosing(self.positions.iter().copied())
+        Bounds::of(&self.positions)
     }
 
     /// What these points tell of the whole file.
@@ -117,7 +125,7 @@ impl Columns {
     pub fn finish<'a>(self, extra: impl Iterator<Item = &'a str>, asked: LasColumns, traits: &Traits) -> Cloud {
         let mut scalars = Vec::new();
         if asked.returns || traits.most_returns > 1 {
-            let column = |bytes: &[u8]| bytes.iter().map(|&byte| byte.into()).collect();
+            let column = |bytes: &[u8]| bytes.par_iter().map(|&byte| byte.into()).collect();
             scalars.push((RETURN_NUMBER.to_owned(), column(&self.return_number)));
             scalars.push((NUMBER_OF_RETURNS.to_owned(), column(&self.number_of_returns)));
         }
@@ -141,27 +149,21 @@ impl Columns {
     }
 }
 
-/// Takes a column of each part, and of the last one.
-fn joined<T: Copy>(parts: &mut [Columns], mut last: Vec<T>, column: impl Fn(&mut Columns) -> &mut Vec<T>) -> Vec<T> {
-    if parts.is_empty() {
-        return last;
-    }
-    let len = parts.iter_mut().map(|part| column(part).len()).sum::<usize>() + last.len();
-    let mut all = Vec::with_capacity(len);
-    for part in parts {
-        all.append(&mut std::mem::take(column(part)));
-    }
-    all.append(&mut last);
-    all
+/// Takes a column of each part.
+fn taken<T: Zeroable + Copy + Send + Sync>(
+    parts: &mut [Columns],
+    column: impl Fn(&mut Columns) -> &mut Vec<T>,
+) -> Vec<T> {
+    joined(parts.iter_mut().map(|part| std::mem::take(column(part))).collect())
 }
 
-/// As [`joined`], of a column that all parts have if the last one has it.
-fn joined_optional<T: Copy>(
+/// As [`taken`], of a column that all parts have if the first one has it.
+fn taken_optional<T: Zeroable + Copy + Send + Sync>(
     parts: &mut [Columns],
-    last: Vec<T>,
     column: impl Fn(&mut Columns) -> &mut Option<Vec<T>>,
-) -> Vec<T> {
-    joined(parts, last, |part| column(part).get_or_insert_default())
+) -> Option<Vec<T>> {
+    column(parts.first_mut()?).as_ref()?;
+    Some(taken(parts, |part| column(part).get_or_insert_default()))
 }
 
 /// Times in seconds since the first; those that are not finite stay as they are.

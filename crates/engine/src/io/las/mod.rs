@@ -15,7 +15,7 @@ use laz::DecompressionSelection;
 use rayon::prelude::*;
 
 use super::store::Grid;
-use super::{Error, LasColumns, SharedFile, Source};
+use super::{Error, LasColumns, SharedFile, Source, memory};
 use crate::cloud::{Bounds, Cloud};
 use crate::progress::Progress;
 pub(super) use chunks::Chunk;
@@ -26,6 +26,7 @@ pub(super) use traits::Traits;
 /// Reads the points of a LAS or LAZ file.
 pub(super) fn read(source: Source, asked: LasColumns, progress: &Progress) -> Result<Cloud, Error> {
     let file = LasFile::open(source, asked)?;
+    memory::check(file.file.path(), file.header.count, Columns::least_bytes(&file.header))?;
     progress.set_length(file.header.count);
     let parts = file.chunks.par_iter().map(|chunk| file.decode(chunk, progress)).collect::<Result<Vec<_>, _>>()?;
     let Some(columns) = Columns::join(parts) else { return Ok(Cloud::default()) };

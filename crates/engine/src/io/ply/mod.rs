@@ -29,7 +29,7 @@ use crate::progress::Progress;
 use ply_rs_bw::ply::Encoding;
 
 use super::columns::{Column, FullScale, Layout, Table};
-use super::{Error, PROGRESS_STEP, Source};
+use super::{Error, PROGRESS_STEP, Source, memory};
 use crate::cloud::Cloud;
 use header::{Element, Header, Kind};
 pub(super) use prepared::is_prepared;
@@ -43,6 +43,7 @@ pub(super) fn read(source: Source, progress: &Progress) -> Result<Cloud, Error> 
     let (vertices, comments) = Vertices::find(source)?;
     let mut cloud = match vertices {
         Vertices::Rows(rows) => {
+            memory::check(rows.file.path(), rows.count, rows.layout.bytes())?;
             progress.set_length(rows.count);
             let (table, _) = rows.parse(0..rows.count, progress)?;
             let whole = table.whole(&rows.layout);
@@ -109,6 +110,7 @@ impl Records {
         let Self { mut source, header, at, splats, layout } = self;
         let source = &mut source;
         let vertex = &header.elements[at];
+        memory::check(&source.path, vertex.count, layout.bytes())?;
         progress.set_length(vertex.count);
         let mut table = Table::new(&layout, 0);
         let mut row = Vec::with_capacity(vertex.properties.len());

@@ -18,9 +18,10 @@ pub(super) struct Batch {
 }
 
 /// The rows of a batch.
-pub(super) struct Parsed {
-    /// One behind the other.
-    pub values: Vec<f64>,
+pub(super) struct Parsed<P> {
+    /// What was made of the rows of each part.
+    pub parts: Vec<P>,
+    pub rows: u64,
     fields: Fields,
     lines: u64,
 }
@@ -36,16 +37,27 @@ impl Batch {
         Ok((!bytes.is_empty()).then_some(Self { bytes }))
     }
 
-    /// The rows of all lines; `None` if a line is no row of so many numbers, or if decimal marks differ.
-    pub fn parse(&self, fields: &Fields, columns: usize) -> Option<Parsed> {
-        let parts = self.parts().into_par_iter().map(|part| parse(part, fields.clone(), columns));
-        let parts = parts.collect::<Option<Vec<_>>>()?;
-        let mut all = Parsed { values: Vec::new(), fields: fields.clone(), lines: 0 };
-        for Parsed { values, fields, lines } in parts {
+    /// The rows of all lines, of which each thread makes something; `None` if a line is no row of so many numbers, or if decimal
+    /// marks differ.
+    pub fn parse<P: Send>(
+        &self,
+        fields: &Fields,
+        columns: usize,
+        make: impl Fn(Vec<f64>) -> P + Sync,
+    ) -> Option<Parsed<P>> {
+        let parse = |part| {
+            let part = parse(part, fields.clone(), columns)?;
+            let rows = (part.values.len() / columns) as u64;
+            Some((make(part.values), rows, part.fields, part.lines))
+        };
+        let parts = self.parts().into_par_iter().map(parse).collect::<Option<Vec<_>>>()?;
+        let mut all = Parsed { parts: Vec::with_capacity(parts.len()), rows: 0, fields: fields.clone(), lines: 0 };
+        for (part, rows, fields, lines) in parts {
             if !all.fields.agree(&fields) {
                 return None;
             }
-            all.values.extend(values);
+            all.parts.push(part);
+            all.rows += rows;
             all.lines += lines;
         }
         Some(all)
@@ -66,7 +78,7 @@ impl Batch {
     }
 
     /// Counts the lines as read, whose rows and fields these are.
-    pub fn pass(self, lines: &mut Lines, parsed: &Parsed, fields: &mut Fields) {
+    pub fn pass<P>(self, lines: &mut Lines, parsed: &Parsed<P>, fields: &mut Fields) {
         fields.clone_from(&parsed.fields);
         lines.number += parsed.lines;
         lines.read += self.bytes.len() as u64;
@@ -80,8 +92,18 @@ impl Batch {
     }
 }
 
-fn parse(part: &[u8], mut fields: Fields, columns: usize) -> Option<Parsed> {
-    let (mut values, mut row, mut lines) = (Vec::new(), Vec::new(), 0);
+/// The lines of a part of a batch.
+struct Part {
+    /// Those of all rows, one behind the other.
+    values: Vec<f64>,
+    fields: Fields,
+    lines: u64,
+}
+
+fn parse(part: &[u8], mut fields: Fields, columns: usize) -> Option<Part> {
+    // A row for each line at most; the last one needs no end. Its shortest value takes two bytes.
+    let most = (part.iter().filter(|&&byte| byte == b'\n').count() + 1).saturating_mul(columns).min(part.len());
+    let (mut values, mut row, mut lines) = (Vec::with_capacity(most), Vec::new(), 0);
     for line in part.split_inclusive(|&byte| byte == b'\n') {
         lines += 1;
         if line.len() as u64 > MAX_LINE {
@@ -94,7 +116,7 @@ fn parse(part: &[u8], mut fields: Fields, columns: usize) -> Option<Parsed> {
             values.extend_from_slice(&row);
         }
     }
-    Some(Parsed { values, fields, lines })
+    Some(Part { values, fields, lines })
 }
 
 #[cfg(test)]
@@ -106,8 +128,10 @@ mod tests {
     fn odd_lines_are_left_to_others() {
         let rows = |text: &str| {
             let batch = Batch { bytes: text.as_bytes().to_vec() };
-            let parsed = batch.parse(&Fields::detect("1;2;3", vec![]), 3)?;
-            Some((parsed.values, parsed.lines))
+            let parsed = batch.parse(&Fields::detect("1;2;3", vec![]), 3, |values| values)?;
+            let values = parsed.parts.concat();
+            assert_eq!(parsed.rows, values.len() as u64 / 3);
+            Some((values, parsed.lines))
         };
         assert_eq!(rows("1;2;3\n\n# 4\n 4;5;6"), Some((vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0], 4)));
         for odd in ["1;2;3\n4;5\n", "1;2;3\n4\n", "1;x;3\n", "1,5;2;3\n1.5;2;3\n"] {

@@ -2,6 +2,8 @@
 
 use std::collections::{HashMap, HashSet};
 
+use rayon::prelude::*;
+
 use crate::io::columns::{Column, ScalarType};
 
 /// Names of the columns of a text file, from the first one on: `--columns` and `columns` of a `[[cloud]]`.
@@ -87,8 +89,9 @@ pub(super) fn of_scanners(columns: usize) -> Option<Vec<String>> {
 
 /// Infers the columns of a table without names from their number and values (docs/formats.md): x, y, z first. From the
 /// left, three that are unit vectors are a normal, three that are colors a color, and one before the color, or a single
-/// one, is the intensity. The others become `column_N`. `rows` has `columns` values for each point.
-pub(super) fn by_values(columns: usize, rows: &[f64]) -> Vec<String> {
+/// one, is the intensity. The others become `column_N`. `parts` have `columns` values for
+/// each point.
+pub(super) fn by_values(columns: usize, parts: &[Vec<f64>]) -> Vec<String> {
     let mut names: Vec<String> = (1..=columns).map(|number| format!("column_{number}")).collect();
     let set = |names: &mut [String], at: usize, new: &[&str]| {
         names.iter_mut().skip(at).zip(new).for_each(|(name, new)| *name = (*new).to_owned());
@@ -98,11 +101,11 @@ pub(super) fn by_values(columns: usize, rows: &[f64]) -> Vec<String> {
     let mut at = 3;
     while at < columns {
         let three = at + 3 <= columns;
-        if three && normal.is_none() && is_normal(rows, columns, at) {
+        if three && normal.is_none() && is_normal(parts, columns, at) {
             normal = Some(at);
             set(&mut names, at, &["nx", "ny", "nz"]);
             at += 3;
-        } else if three && color.is_none() && is_color(rows, columns, at) {
+        } else if three && color.is_none() && is_color(parts, columns, at) {
             color = Some(at);
             set(&mut names, at, &["red", "green", "blue"]);
             at += 3;
@@ -120,32 +123,43 @@ pub(super) fn by_values(columns: usize, rows: &[f64]) -> Vec<String> {
 const UNIT_TOLERANCE: f64 = 0.02;
 
 /// True if all three numbers are unit vectors or zero, and not all zero.
-fn is_normal(rows: &[f64], columns: usize, at: usize) -> bool {
-    let length = |row: &[f64]| row[at..at + 3].iter().map(|value| value * value).sum::<f64>().sqrt();
-    let mut units = 0;
-    let fits = rows.chunks_exact(columns).map(length).all(|length| {
-        units += usize::from(length > 0.0);
-        length == 0.0 || (length - 1.0).abs() <= UNIT_TOLERANCE || length.is_nan()
-    });
-    fits && units > 0
+fn is_normal(parts: &[Vec<f64>], columns: usize, at: usize) -> bool {
+    // Whether a part has unit vectors; `None` if it has others.
+    let has_units = |part: &Vec<f64>| {
+        part.chunks_exact(columns).try_fold(false, |has_units, row| {
+            let length = row[at..at + 3].iter().map(|value| value * value).sum::<f64>().sqrt();
+            let fits = length == 0.0 || (length - 1.0).abs() <= UNIT_TOLERANCE || length.is_nan();
+            fits.then_some(has_units || length > 0.0)
+        })
+    };
+    parts.par_iter().map(has_units).try_reduce(|| false, |a, b| Some(a || b)) == Some(true)
 }
 
 /// True if three columns are color channels of one range: fractions of 1, or integers of 255 or 65535.
-fn is_color(rows: &[f64], columns: usize, at: usize) -> bool {
-    let mut largest = [0f64; 3];
-    let mut integers = true;
-    for row in rows.chunks_exact(columns) {
-        for (value, largest) in row[at..at + 3].iter().zip(&mut largest) {
-            if value.is_nan() {
-                continue;
+fn is_color(parts: &[Vec<f64>], columns: usize, at: usize) -> bool {
+    // The largest values of a part and whether all are integers; `None` if some are out of any range.
+    let range = |part: &Vec<f64>| {
+        let (mut largest, mut integers) = ([0f64; 3], true);
+        for row in part.chunks_exact(columns) {
+            for (value, largest) in row[at..at + 3].iter().zip(&mut largest) {
+                if value.is_nan() {
+                    continue;
+                }
+                if !(0.0..=65535.0).contains(value) {
+                    return None;
+                }
+                integers &= value.fract() == 0.0;
+                *largest = largest.max(*value);
             }
-            if !(0.0..=65535.0).contains(value) {
-                return false;
-            }
-            integers &= value.fract() == 0.0;
-            *largest = largest.max(*value);
         }
-    }
+        Some((largest, integers))
+    };
+    let both = |a: ([f64; 3], bool), b: ([f64; 3], bool)| {
+        Some(([0, 1, 2].map(|channel| a.0[channel].max(b.0[channel])), a.1 && b.1))
+    };
+    let Some((largest, integers)) = parts.par_iter().map(range).try_reduce(|| ([0.0; 3], true), both) else {
+        return false;
+    };
     let most = largest.into_iter().fold(0.0, f64::max);
     if !integers {
         return most <= 1.0;
@@ -160,7 +174,10 @@ mod tests {
     use super::*;
 
     fn names(columns: usize, rows: &[f64]) -> String {
-        by_values(columns, rows)[3..].join(" ")
+        let whole = by_values(columns, &[rows.to_vec()]);
+        let parts: Vec<Vec<f64>> = rows.chunks(columns).map(<[f64]>::to_vec).collect();
+        assert_eq!(by_values(columns, &parts), whole, "in parts");
+        whole[3..].join(" ")
     }
 
     #[test]

@@ -1,12 +1,14 @@
 //! Tables of numbers: XYZ, CSV, TXT and their like, and PTS, which announces how many points follow.
 
+use rayon::prelude::*;
+
 use crate::progress::Progress;
 
 use super::batch::Batch;
 use super::lines::{Delimiter, Fields, Lines, any_number, comment};
 use super::names::{ColumnNames, Layout, by_values, of_scanners};
 use crate::cloud::Cloud;
-use crate::io::columns::{Columns, FullScale};
+use crate::io::columns::{self, FullScale};
 use crate::io::{Error, Source};
 
 /// Bytes of the shortest line of a point: three digits, each with something behind it.
@@ -28,10 +30,11 @@ pub(super) fn read(
     table.take(&lines, &mut head, &line)?;
     while let Some(batch) = Batch::read(&mut lines)? {
         let before = table.points;
-        if let Some(parsed) = batch.parse(&head.fields, head.columns) {
-            parsed.values.chunks_exact(head.columns).for_each(|row| table.rows.push(row));
-            table.points += (parsed.values.len() / head.columns) as u64;
+        let parsed = batch.parse(&head.fields, head.columns, |values| table.rows.part(values, head.columns));
+        if let Some(parsed) = parsed {
             batch.pass(&mut lines, &parsed, &mut head.fields);
+            table.points += parsed.rows;
+            table.rows.extend(parsed.parts);
         } else {
             let end = batch.put_back(&mut lines)?;
             while lines.read < end && lines.next(&mut line)? {
@@ -205,42 +208,107 @@ impl Table {
     }
 }
 
-/// Rows as they come: to columns if these are known, else kept until all values are.
+/// Rows as they come, in parts: in columns if these are known, else kept until all values are.
 enum Rows {
-    Ready { columns: Box<Columns>, at: Vec<usize>, row: Vec<f64> },
+    Ready { places: Box<Places>, parts: Vec<columns::Table>, row: Vec<f64> },
+    Kept(Vec<Vec<f64>>),
+}
+
+/// Some of the rows.
+enum Part {
+    Ready(Box<columns::Table>),
     Kept(Vec<f64>),
+}
+
+/// What the values of a line are.
+struct Places {
+    layout: columns::Layout,
+    /// The value of a line that each column of the layout takes.
+    at: Vec<usize>,
+}
+
+impl Places {
+    fn new(lines: &Lines, names: &[String]) -> Result<Self, Error> {
+        let Layout { columns, at } = Layout::from_names(names);
+        let layout = columns::Layout::new(&columns, FullScale::Measured)
+            .map_err(|missing| lines.malformed(format!("no column `{missing}`, only [{}]", names.join(", "))))?;
+        Ok(Self { layout, at })
+    }
+
+    fn push(&self, table: &mut columns::Table, values: &[f64], row: &mut Vec<f64>) {
+        row.clear();
+        row.extend(self.at.iter().map(|&at| values[at]));
+        table.push(&self.layout, row);
+    }
+
+    /// The columns of rows of so many values.
+    fn table(&self, values: &[f64], columns: usize) -> columns::Table {
+        let mut table = columns::Table::new(&self.layout, 0);
+        table.reserve(values.len() / columns);
+        let mut row = Vec::with_capacity(self.at.len());
+        values.chunks_exact(columns).for_each(|values| self.push(&mut table, values, &mut row));
+        table
+    }
+
+    fn finish(&self, parts: Vec<columns::Table>) -> Cloud {
+        let table = columns::Table::join(&self.layout, parts);
+        let whole = table.whole(&self.layout);
+        table.finish(&self.layout, &whole)
+    }
 }
 
 impl Rows {
     fn new(lines: &Lines, names: Option<&[String]>) -> Result<Self, Error> {
-        let Some(names) = names else { return Ok(Self::Kept(Vec::new())) };
-        let Layout { columns, at } = Layout::from_names(names);
-        let columns = Columns::new(&columns, FullScale::Measured)
-            .map_err(|missing| lines.malformed(format!("no column `{missing}`, only [{}]", names.join(", "))))?;
-        Ok(Self::Ready { columns: Box::new(columns), at, row: Vec::new() })
+        Ok(match names {
+            Some(names) => {
+                let places = Box::new(Places::new(lines, names)?);
+                let parts = vec![columns::Table::new(&places.layout, 0)];
+                Self::Ready { places, parts, row: Vec::new() }
+            }
+            None => Self::Kept(vec![Vec::new()]),
+        })
     }
 
+    /// Adds a row to the last part.
     fn push(&mut self, values: &[f64]) {
         match self {
-            Self::Ready { columns, at, row } => {
-                row.clear();
-                row.extend(at.iter().map(|&at| values[at]));
-                columns.push(row);
+            Self::Ready { places, parts, row } => {
+                parts.last_mut().into_iter().for_each(|last| places.push(last, values, row));
             }
-            Self::Kept(kept) => kept.extend_from_slice(values),
+            Self::Kept(parts) => parts.last_mut().into_iter().for_each(|last| last.extend_from_slice(values)),
+        }
+    }
+
+    /// A part of rows of so many values.
+    fn part(&self, values: Vec<f64>, columns: usize) -> Part {
+        match self {
+            Self::Ready { places, .. } => Part::Ready(Box::new(places.table(&values, columns))),
+            Self::Kept(_) => Part::Kept(values),
+        }
+    }
+
+    /// Adds parts that [`Self::part`] made.
+    fn extend(&mut self, more: Vec<Part>) {
+        for part in more {
+            match (&mut *self, part) {
+                (Self::Ready { parts, .. }, Part::Ready(part)) => parts.push(*part),
+                (Self::Kept(parts), Part::Kept(part)) => parts.push(part),
+                // Each kind of rows makes parts of its kind.
+                _ => {}
+            }
         }
     }
 
     fn finish(self, lines: &Lines, columns: usize, pts: bool) -> Result<Cloud, Error> {
         match self {
-            Self::Ready { columns, .. } => Ok(columns.finish()),
+            Self::Ready { places, parts, .. } => Ok(places.finish(parts)),
             Self::Kept(kept) => {
                 let names = if pts { of_scanners(columns) } else { None };
                 let names = names.unwrap_or_else(|| by_values(columns, &kept));
-                let mut rows = Self::new(lines, Some(&names))?;
-                kept.chunks_exact(columns).for_each(|row| rows.push(row));
-                drop(kept);
-                rows.finish(lines, columns, pts)
+                let places = Places::new(lines, &names)?;
+                // The values of each part are gone once they are in columns.
+                let parts = kept.into_par_iter().map(|values| places.table(&values, columns));
+                Ok(places.finish(parts.collect()))
             }
         }
     }

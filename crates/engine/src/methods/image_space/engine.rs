@@ -32,6 +32,10 @@ impl Engine for ImageSpaceEngine {
         Extent::pixels(self.filtering().halo().into())
     }
 
+    fn projects(&self) -> bool {
+        false
+    }
+
     fn channels(&self) -> Channels {
         Channels::NONE
     }

@@ -35,6 +35,10 @@ impl Engine for PeelLayersEngine {
         Extent::pixels(self.filtering().halo().into())
     }
 
+    fn projects(&self) -> bool {
+        false
+    }
+
     fn channels(&self) -> Channels {
         Channels { layers: true, ..Channels::NONE }
     }

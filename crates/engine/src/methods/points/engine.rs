@@ -21,6 +21,10 @@ impl Engine for PointsEngine {
         Extent::pixels(0.0)
     }
 
+    fn projects(&self) -> bool {
+        false
+    }
+
     fn channels(&self) -> Channels {
         Channels::NONE
     }

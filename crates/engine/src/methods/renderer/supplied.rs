@@ -81,6 +81,9 @@ impl Renderer {
         let fits = || expected().is_none_or(|expected| expected <= room - room / 10);
         let few = alone || (points <= READ * room && fits());
         if few && cloud.bring(&self.device, (&picked, wanted, room), &self.progress)? {
+            if part.engine.projects() {
+                cloud.make_room(&self.device)?;
+            }
             part.engine.prepare(&self.device, cloud, frame)?;
             return Ok(Outcome::Done);
         }

@@ -25,6 +25,26 @@ fn ply(format: &str, count: &str, rows: &[u8]) -> Vec<u8> {
     [header.as_bytes(), rows].concat()
 }
 
+/// The file is as long as its header says, but takes no room on the disk.
+#[cfg(target_os = "linux")]
+#[test]
+fn more_points_than_memory_holds_are_refused_before_they_are_read() {
+    let folder = Folder::new();
+    let path = folder.0.path().join("huge.ply");
+    let count = 100_000_000_000u64;
+    let header = ply("binary_little_endian", &count.to_string(), b"");
+    std::fs::write(&path, &header).unwrap();
+    let file = std::fs::File::options().write(true).open(&path).unwrap();
+    file.set_len(header.len() as u64 + 12 * count).unwrap();
+    let error = load(&path).unwrap_err();
+    // Three float64 for each.
+    assert!(
+        matches!(error, Error::TooLarge { points, needed, .. } if (points, needed) == (count, 24 * count)),
+        "{error}"
+    );
+    assert!(error.to_string().contains("pellucid prepare"), "{error}");
+}
+
 #[test]
 fn clouds_without_points() {
     assert_refused("a.ply", ply("ascii", "0", b""), &["cloud without points"]);

@@ -102,11 +102,10 @@ pub struct DeviceCloud {
 }
 
 impl DeviceCloud {
-    /// Uploads a scene's points.
+    /// Uploads a scene's points. Room for splats is made when a method asks for it.
     pub fn new(device: &Device, points: &Points) -> Result<Self, Error> {
         let mut cloud = Self::without_columns(device, points)?;
         cloud.upload_columns(device, points)?;
-        cloud.make_room(device)?;
         Ok(cloud)
     }
 

@@ -87,7 +87,6 @@ impl DeviceCloud {
         supplied.present = None;
         self.len = points.len() as u64;
         self.make_columns(device)?;
-        self.make_room(device)?;
         self.put_columns(device, &points)?;
         if let Some(supplied) = &mut self.supplied {
             supplied.present = Some(wanted);

@@ -122,6 +122,10 @@ impl Terrain {
 size = [1600, 900]
 background = [0.62, 0.74, 0.86]
 
+# The colors have light in them.
+[shading]
+model = "none"
+
 [camera]
 eye = {eye:?}
 target = {target:?}

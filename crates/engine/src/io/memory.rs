@@ -1,0 +1,60 @@
+//! Clouds that can't fit into memory, refused before any of their points is read.
+
+use std::path::Path;
+
+use super::Error;
+
+/// Checks that memory can hold so many points of at least so many bytes each, where the system says how much is free.
+pub(super) fn check(path: &Path, points: u64, bytes_each: u64) -> Result<(), Error> {
+    check_within(free(), path, points, bytes_each)
+}
+
+fn check_within(free: Option<u64>, path: &Path, points: u64, bytes_each: u64) -> Result<(), Error> {
+    let needed = points.saturating_mul(bytes_each);
+    match free {
+        Some(free) if needed > free => Err(Error::TooLarge { path: path.to_path_buf(), points, needed, free }),
+        _ => Ok(()),
+    }
+}
+
+/// Bytes that Linux says can be used, swap included.
+fn free() -> Option<u64> {
+    parse(&std::fs::read_to_string("/proc/meminfo").ok()?)
+}
+
+fn parse(text: &str) -> Option<u64> {
+    let bytes = |name: &str| {
+        let line = text.lines().find_map(|line| line.strip_prefix(name))?;
+        let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+        kibibytes.checked_mul(1024)
+    };
+    bytes("MemAvailable:")?.checked_add(bytes("SwapFree:").unwrap_or(0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_system_says() {
+        let text = "MemTotal:       24000 kB\nMemAvailable:   1000 kB\nSwapTotal: 9 kB\nSwapFree:       24 kB\n";
+        assert_eq!(parse(text), Some(1 << 20));
+        assert_eq!(parse("MemAvailable: 2 kB\n"), Some(2048));
+        for other in ["", "MemTotal: 1 kB\n", "MemAvailable: many kB\n", "MemAvailable: 99999999999999999999 kB\n"] {
+            assert_eq!(parse(other), None, "{other}");
+        }
+    }
+
+    #[test]
+    fn more_than_is_free_is_refused() {
+        let check = |free, points| check_within(free, Path::new("a.ply"), points, 24);
+        assert!(check(Some(2400), 100).is_ok() && check(None, u64::MAX).is_ok());
+        let error = check(Some(2399), 100).unwrap_err().to_string();
+        assert!(
+            error.starts_with("a.ply: 100 points take at least 2.3 KiB of memory, of which 2.3 KiB are free"),
+            "{error}"
+        );
+        assert!(error.contains("pellucid prepare") && error.contains("--host-memory"), "{error}");
+        assert!(check(Some(u64::MAX - 1), u64::MAX).is_err());
+    }
+}
