@@ -23,6 +23,7 @@ mod soft;
 mod spbr;
 mod stage;
 mod stochastic;
+mod stored;
 mod subjects;
 mod surfaces;
 mod table;
@@ -69,6 +70,7 @@ pub fn cases() -> Vec<Case> {
         colored::cases(),
         clipped::cases(),
         cuts::cases(),
+        stored::cases(),
         machinery::cases(),
     ];
     families.into_iter().flatten().collect()

@@ -1,0 +1,187 @@
+//! Clouds that stay where they are stored: whatever nodes a store has, the picture has the bytes of the cloud in memory.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+use pellucid_engine::camera::Projection;
+use pellucid_engine::cloud::{Bounds, Cloud, UpAxis};
+use pellucid_engine::image::Image;
+use pellucid_engine::io;
+use pellucid_engine::io::store::{Node, Piece, Store, Summary};
+use pellucid_engine::methods::Frame;
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::Arranged;
+use pellucid_engine::progress::Progress;
+use pellucid_engine::scene::stored::Stored;
+use pellucid_engine::scene::{self, Method, Scene};
+
+use super::stage::{frame, looking};
+use super::verdict::Naive::Computed;
+use super::verdict::Trouble;
+use super::{Case, Finding, Stage, each};
+
+type CaseResult = Result<Finding, Trouble>;
+
+/// Points of each cloud.
+const POINTS: u32 = 3000;
+/// Bytes on the device: some hundreds of points at a time, so that there are many windows.
+const DEVICE: u64 = 1 << 20;
+
+pub(super) fn cases() -> Vec<Case> {
+    let methods: Vec<Method> = ["abuffer", "circles", "stochastic", "unsorted"].into_iter().filter_map(named).collect();
+    let borders = "points on the borders of nodes, in either of them, at equal depths: values unlike those of memory";
+    let wide = "a disc over all nodes, whose own is seen by few windows: values unlike those of memory";
+    let empty = "nodes without points around nodes without points: values unlike those of memory";
+    let place = "points of other looks in one place, in nodes of four levels: values unlike those of memory";
+    [
+        each(&methods, "store-borders", borders, |stage, method| {
+            compared(stage, method, |cloud, i| (cloud.positions[i].x + f64::from(i as u32 % 2)).floor() as i64)
+        }),
+        each(&methods, "store-wide-disc", wide, |stage, method| {
+            compared_with(
+                stage,
+                method,
+                |cloud| cloud.radii.iter_mut().for_each(|radii| radii[7] = 8.0),
+                |_, i| i as i64 % 9,
+            )
+        }),
+        each(&methods, "store-empty-nodes", empty, |stage, method| {
+            compared(stage, method, |cloud, i| 5 * (cloud.positions[i].y.floor() as i64) + 2)
+        }),
+        each(&methods, "store-one-place", place, |stage, method| {
+            let in_one_place = |cloud: &mut Cloud| {
+                for i in (0..cloud.positions.len()).step_by(3) {
+                    cloud.positions[i] = cloud.positions[i / 3];
+                }
+            };
+            compared_with(stage, method, in_one_place, |_, i| i as i64 % 4)
+        }),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+fn named(name: &str) -> Option<Method> {
+    Method::all().into_iter().find(|method| method.name() == name)
+}
+
+/// Points of a cube of side 4 on a grid of eighths, so that many are on planes between nodes, and at one depth.
+fn cloud() -> Cloud {
+    let part = |i: u32, factor: u32| f64::from((i.wrapping_mul(factor) >> 7) % 32) / 8.0 - 2.0;
+    let position = |i: u32| DVec3::new(part(i, 2_654_435_761), part(i, 2_246_822_519), part(i, 3_266_489_917));
+    let shade = |i: u32| ((i * 37) % 16) as f32 / 16.0;
+    Cloud {
+        positions: (1..=POINTS).map(position).collect(),
+        colors: Some((1..=POINTS).map(|i| Vec3::new(shade(i), shade(i + 5), shade(3 * i))).collect()),
+        alphas: Some((1..=POINTS).map(|i| 0.25 + 0.5 * shade(7 * i)).collect()),
+        radii: Some((1..=POINTS).map(|i| 0.0625 + 0.125 * shade(11 * i)).collect()),
+        up: UpAxis::Z,
+        ..Cloud::default()
+    }
+}
+
+/// A cloud in nodes one below the other, as they are told.
+#[derive(Debug)]
+struct Chain {
+    summary: Summary,
+    nodes: Vec<Node>,
+    pieces: Vec<Piece>,
+}
+
+impl Chain {
+    /// The nodes from the least number to the greatest, those without points among them.
+    fn new(cloud: &Cloud, bounds: Bounds, node_of: impl Fn(&Cloud, usize) -> i64) -> Self {
+        let numbers: Vec<i64> = (0..cloud.len()).map(|i| node_of(cloud, i)).collect();
+        let least = numbers.iter().copied().min().unwrap_or(0);
+        let most = numbers.iter().copied().max().unwrap_or(0);
+        let piece = |number: i64| {
+            let own = (0..cloud.len() as u32).filter(|i| numbers[*i as usize] == number);
+            let own: Vec<u32> = own.collect();
+            Piece { cloud: cloud.subset(&own), places: own.iter().map(|i| u64::from(*i)).collect() }
+        };
+        let pieces: Vec<Piece> = (least..=most).map(piece).collect();
+        let node = |(level, piece): (u32, &Piece)| Node {
+            level,
+            parent: level.checked_sub(1),
+            bounds,
+            points: piece.cloud.len() as u64,
+            bytes: 0,
+            spacing: 0.0,
+            largest_radius: piece.cloud.radii.as_ref().map(|radii| radii.iter().copied().fold(0.0, f32::max)),
+        };
+        let nodes = (0..).zip(&pieces).map(node).collect();
+        let (points, like) = (cloud.len() as u64, cloud.subset(&[]));
+        let path = PathBuf::from("store");
+        let summary = Summary { path, points, bounds, up: cloud.up, ranges: Vec::new(), grid: None, like };
+        Self { summary, nodes, pieces }
+    }
+}
+
+impl Store for Chain {
+    fn summary(&self) -> &Summary {
+        &self.summary
+    }
+
+    fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    fn read(&self, node: usize) -> Result<Piece, io::Error> {
+        Ok(self.pieces[node].clone())
+    }
+}
+
+fn compared(stage: &mut Stage, method: Method, node_of: impl Fn(&Cloud, usize) -> i64) -> CaseResult {
+    compared_with(stage, method, |_| {}, node_of)
+}
+
+/// Values of the picture of a store unlike those of memory. The naive way takes points in the order of their nodes.
+fn compared_with(
+    stage: &mut Stage,
+    method: Method,
+    change: impl Fn(&mut Cloud),
+    node_of: impl Fn(&Cloud, usize) -> i64,
+) -> CaseResult {
+    let mut cloud = cloud();
+    change(&mut cloud);
+    let scene = Scene::from_toml("[shading]\nmodel = 'none'\n[[cloud]]\npath = 'store'\n", "check".as_ref())?;
+    let scene = Scene { method: method.into(), ..scene };
+    let hidden = Progress::hidden();
+    let Some(bounds) = cloud.bounds() else { return Ok(Finding { error: 1.0, bound: 0.0, naive: Computed(1.0) }) };
+    let store = Chain::new(&cloud, bounds, node_of);
+    let by_nodes: Vec<u32> = store.pieces.iter().flat_map(|piece| &piece.places).map(|place| *place as u32).collect();
+    let in_memory = scene::arrange(&scene, vec![cloud], 1, &hidden)?;
+    let stored = Stored::new(&scene, vec![Arc::new(store) as Arc<dyn Store>], DEVICE, &hidden);
+    let stored = stored.map_err(Trouble::Failed)?;
+    let camera = looking(DVec3::new(0.0, 0.0, 8.0), DVec3::ZERO, Projection::Orthographic { height: 4.5 }, 1.0, 16.0);
+    let whole = frame(camera, [48, 48], method);
+    let small = Frame { memory_budget: Some(DEVICE), ..whole };
+    let expected = rendered(stage, &in_memory, &whole)?;
+    let found = rendered(stage, &stored.arranged(), &small)?;
+    // The place of each point among those by nodes, for those in canonical order.
+    let points = in_memory.points();
+    let mut rank = vec![0u32; by_nodes.len()];
+    by_nodes.iter().zip(0..).for_each(|(place, at)| rank[*place as usize] = at);
+    let mut order: Vec<u32> = (0..points.len() as u32).collect();
+    order.sort_by_key(|at| rank[points.file_order[*at as usize] as usize]);
+    let file_order = order.iter().map(|at| rank[points.file_order[*at as usize] as usize]).collect();
+    let naive = Points { file_order, ..points.subset(&order, 1.0) };
+    let naive = rendered(stage, &Arranged::Canonical(Arc::new(naive)), &whole)?;
+    Ok(Finding { error: differing(&found, &expected), bound: 0.0, naive: Computed(differing(&naive, &expected)) })
+}
+
+fn rendered(stage: &mut Stage, arranged: &Arranged, frame: &Frame) -> Result<Image, Trouble> {
+    let mut cloud = stage.renderer.upload_arranged(arranged)?;
+    Ok(stage.renderer.render(&mut cloud, frame)?.image)
+}
+
+/// How many values of two images have other bits.
+fn differing(a: &Image, b: &Image) -> f64 {
+    let bits = |image: &Image| -> Vec<u32> {
+        let colors = image.rgba.iter().flatten().map(|value| value.to_bits());
+        colors.chain(image.depth.iter().map(|depth| depth.to_bits())).collect()
+    };
+    bits(a).into_iter().zip(bits(b)).filter(|(a, b)| a != b).count() as f64
+}
