@@ -51,9 +51,14 @@ fn cloud(seed: u64, count: usize) -> Cloud {
 
 /// A store of a cloud, in a folder.
 fn store(folder: &Path, name: &str, cloud: Cloud) -> PathBuf {
+    store_of(folder, name, cloud, &TIGHT)
+}
+
+/// The same with other settings.
+fn store_of(folder: &Path, name: &str, cloud: Cloud, settings: &Settings) -> PathBuf {
     let target = folder.join(name);
     let input = [Box::new(Held::new(Path::new("memory"), cloud).unwrap()) as Box<dyn Store>];
-    prepare::store::prepare(&input, &target, &Request::default(), &TIGHT, &Progress::hidden()).unwrap();
+    prepare::store::prepare(&input, &target, &Request::default(), settings, &Progress::hidden()).unwrap();
     target
 }
 
@@ -175,13 +180,16 @@ fn assert_same_dealt(text: &str, about: &str, settings: &[(&str, f64)]) {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "files without names");
 }
 
-/// Bytes on the device that points are fewer than: some of the list at a time.
+/// Nodes of stores that are made in less time.
+const LOOSE: Settings = Settings { node_points: 10_000, host_memory: 32 << 20 };
+
+/// Bytes on the device that points take more than: some of the list come at a time.
 const SOME: u64 = 3 << 20;
 
 #[test]
 fn stores_are_dealt_to_ensembles_as_in_memory() {
     let folder = tempfile::tempdir().unwrap();
-    let path = store(folder.path(), "one", cloud(1, 90_000));
+    let path = store_of(folder.path(), "one", cloud(1, 90_000), &LOOSE);
     let text = format!("[image]\nsize = [160, 120]\n[[cloud]]\npath = '{}'\nopacity = 0.4\n", path.display());
     // k below and above 1, and all points once.
     let settings = [
@@ -196,7 +204,7 @@ fn stores_are_dealt_to_ensembles_as_in_memory() {
 fn several_stores_are_dealt_each_by_its_opacity() {
     let folder = tempfile::tempdir().unwrap();
     let [one, two, three] = [(1, 100_000), (2, 12_000), (3, 30_000)]
-        .map(|(seed, count)| store(folder.path(), &format!("store{seed}"), cloud(seed, count)));
+        .map(|(seed, count)| store_of(folder.path(), &format!("store{seed}"), cloud(seed, count), &LOOSE));
     // None of the second one's points is drawn.
     let text = format!(
         "[image]\nsize = [120, 90]\n[shading]\nmodel = 'lambert'\n\
@@ -217,11 +225,11 @@ fn many_points_in_one_place_are_told_apart_or_refused() {
     let folder = tempfile::tempdir().unwrap();
     let mut cloud = cloud(5, 90_000);
     cloud.positions[..3000].fill(DVec3::new(0.25, 0.5, 0.125));
-    let path = store(folder.path(), "heap", cloud.clone());
+    let path = store_of(folder.path(), "heap", cloud.clone(), &LOOSE);
     let text = format!("[image]\nsize = [80, 60]\n[[cloud]]\npath = '{}'\nopacity = 0.4\n", path.display());
     assert_same_dealt(&text, "a heap", &[("method.name=spbr method.ensembles=10", 1.0)]);
     cloud.positions[..20_000].fill(DVec3::new(0.25, 0.5, 0.125));
-    let path = store(folder.path(), "heaps", cloud);
+    let path = store_of(folder.path(), "heaps", cloud, &LOOSE);
     let text = format!("[method]\nname = 'spbr'\n[[cloud]]\npath = '{}'\n", path.display());
     let scene = Scene::from_toml_with(&text, Path::new("scene.toml"), &Overrides::default()).unwrap();
     let hidden = Progress::hidden();

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::{Error, Outcome, Part, Renderer};
-use crate::gpu::Device;
 use crate::cloud::shadow_texture::Casting;
+use crate::gpu::Device;
 use crate::methods::{Frame, Timeline, shadows};
 use crate::passes::compose::Cut;
 use crate::passes::project::{Beam, DeviceCloud, Footprint, Present};

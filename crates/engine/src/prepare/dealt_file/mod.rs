@@ -91,7 +91,9 @@ impl DealtFile {
         let mut file = Self { pile, layout, clouds: vec![], surfaces: vec![], pieces: vec![], len: 0 };
         for cloud in clouds {
             let place = file.clouds.len() as u32;
-            let Some((facts, buckets)) = sorted::sorted(cloud, place, &file.pile, settings, progress)? else { continue };
+            let Some((facts, buckets)) = sorted::sorted(cloud, place, &file.pile, settings, progress)? else {
+                continue;
+            };
             let first = file.len;
             for extent in buckets.into_iter().flatten() {
                 file.pieces.push((file.len, extent));
@@ -201,7 +203,8 @@ impl Seen {
     fn of(points: &Points) -> Option<Self> {
         let bounds = Bounds::enclosing(points.positions.iter().copied())?;
         let opacities = points.opacities.par_iter().map(|opacity| [*opacity; 2]);
-        let opacities = opacities.reduce(|| [f32::INFINITY, f32::NEG_INFINITY], |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+        let opacities =
+            opacities.reduce(|| [f32::INFINITY, f32::NEG_INFINITY], |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
         let brightest = points.colors.par_iter().map(|color| color.max_element()).reduce(|| 0.0, f32::max);
         Some(Self { bounds, opacities, brightest })
     }

@@ -108,7 +108,8 @@ impl Stored {
         let bounds = bounds.filter(|bounds| bounds.min.is_finite() && bounds.max.is_finite());
         let bounds = bounds.ok_or_else(|| no_points(&scene, &sample))?;
         let (blocks, places) = blocks(&scene, &clouds);
-        let nodes = Arc::new(Nodes { scene, clips, clouds, anchors, bounds, blocks, places, cache: Cache::new(memory) });
+        let nodes =
+            Arc::new(Nodes { scene, clips, clouds, anchors, bounds, blocks, places, cache: Cache::new(memory) });
         let clouds = &nodes.clouds;
         let whole = Whole {
             count,
