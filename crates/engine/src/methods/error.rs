@@ -176,7 +176,7 @@ pub enum Error {
     },
     /// The images of all lights don't fit the budget together, where points come to the device some at a time.
     #[error(
-        "shadows of points that don't all fit the device take {count} images of {resolution} × {resolution} pixels, which need {} together; a quarter of the budget is {}: --memory-budget {} would do, or smaller shadows.samples or shadows.resolution{}",
+        "shadows of points that don't all fit the device take images of {resolution} × {resolution} pixels, {count} in all, which need {} together; a quarter of the budget is {}: --memory-budget {} would do, or smaller shadows.samples or shadows.resolution{}",
         ByteSize(*.needed), ByteSize(*.budget), printed(needed.saturating_mul(4)),
         if *.largest > 0 { format!(" (up to {largest})") } else { String::new() }
     )]

@@ -288,6 +288,6 @@ fn shadows_are_cast_by_all_points_of_stores() {
         let mut large = Frame { memory_budget: Some(DEVICE), ..lit };
         large.shadows.as_mut().unwrap().resolution = 1024;
         let error = renderer.render(&mut cloud, &large).unwrap_err().to_string();
-        assert!(error.contains("1 images of 1024 × 1024") && error.contains("--memory-budget"), "{error}");
+        assert!(error.contains("1024 × 1024 pixels, 1 in all") && error.contains("--memory-budget"), "{error}");
     });
 }

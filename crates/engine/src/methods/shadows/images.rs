@@ -40,7 +40,7 @@ pub(crate) fn see(
 ) -> Result<(), Error> {
     let resolution = casting.resolution;
     let views: Vec<LightView> = views(casting, cloud).flatten().collect();
-    check(resolution, device.limits().binding_bytes, budget)?;
+    check(resolution, device.limits().binding_bytes, u64::MAX)?;
     check_all(views.len() as u64, resolution, budget)?;
     cloud.set_light_images(None);
     let images = views.iter().map(|_| nearest_image(device, resolution)).collect::<Result<Vec<_>, Error>>()?;
