@@ -101,6 +101,11 @@ impl Anchor {
         let [half, rest] = [self.exponent / 2, self.exponent - self.exponent / 2].map(|part| 2f64.powi(-part));
         (((position - self.origin) * half * rest) + DVec3::ZERO).to_array().map(f64::to_bits)
     }
+
+    /// The id of the `nth` point in a place, counted from 0 in canonical order ([`Points::ids`]).
+    pub(crate) fn id(&self, position: DVec3, nth: u64) -> u32 {
+        id(self.relative(position), nth)
+    }
 }
 
 /// The median of each coordinate. Points far off, however far, take no digits from the others, as they do from the middle of a box
@@ -216,7 +221,7 @@ impl Points {
                 if bits(i) != bits(first) {
                     first = i;
                 }
-                found.push(id(anchor.relative(self.positions[i]), (i - first) as u64));
+                found.push(anchor.id(self.positions[i], (i - first) as u64));
             }
             found
         };

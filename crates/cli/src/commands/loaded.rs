@@ -191,7 +191,7 @@ impl Loaded {
         };
         let Made { scene, arranged, legend, colorings, up, shadow_texture } = match clouds {
             Clouds::Held(clouds) => made(scene, clouds, legend, seed, console, progress)?,
-            Clouds::Stored(stored) => made_of_stores(&stored, legend, console),
+            Clouds::Stored(stored) => made_of_stores(&stored, legend, seed, console, progress)?,
         };
         colorings.iter().for_each(|how| console.detail(how));
         scene::note_of_layers(&scene, arranged.points()).iter().for_each(|note| console.note(note));
@@ -243,17 +243,24 @@ fn made(scene: Scene, clouds: Vec<Cloud>, legend: bool, seed: u64, console: Cons
     Ok(Made { scene, arranged, legend, colorings, up, shadow_texture })
 }
 
-/// Points that stay where they are stored.
-fn made_of_stores(stored: &Stored, legend: bool, console: Console) -> Made {
+/// Points that stay where they are stored, or, if they are dealt to ensembles, in a temporary file.
+fn made_of_stores(stored: &Stored, legend: bool, seed: u64, console: Console, progress: &Bar) -> Result<Made> {
     stored.notes().iter().for_each(|note| console.note(note));
-    Made {
+    let arranged = if stored.scene().method.is_dealt() {
+        let folder = std::env::temp_dir();
+        console.detail(format_args!("points are dealt to ensembles in a temporary file in {}", folder.display()));
+        stored.dealt(seed, &folder, progress)?
+    } else {
+        stored.arranged()
+    };
+    Ok(Made {
         scene: stored.scene().clone(),
-        arranged: stored.arranged(),
+        arranged,
         legend: legend.then(|| stored.legend().clone()),
         colorings: colorings(stored.scene(), &stored.colorings()),
         up: stored.up(),
         shadow_texture: None,
-    }
+    })
 }
 
 /// The camera that was found, as a scene file has it.
@@ -303,7 +310,7 @@ pub fn read(args: &InputArgs, size: Option<[u32; 2]>, console: Console, progress
 fn stored(args: &InputArgs, named: &Named, scene: &Scene, console: Console, progress: &Bar) -> Result<Option<Stored>> {
     let memory = host_memory(args.host_memory)?;
     let needed = named.announced()?.unwrap_or(0).saturating_mul(BYTES_OF_POINT);
-    if needed <= memory || scene.method.is_dealt() {
+    if needed <= memory {
         return Ok(None);
     }
     console.detail(format_args!(

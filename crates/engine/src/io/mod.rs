@@ -156,6 +156,24 @@ pub enum Error {
         /// The system's reason.
         source: std::io::Error,
     },
+    /// Points could not be put into a temporary file.
+    #[error("{}: no room for points that are dealt to ensembles: {source}; TMPDIR names another folder", folder.display())]
+    Temporary {
+        /// The folder of the file.
+        folder: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// Points that have to be put into order together take more memory than is allowed.
+    #[error("{points} points must be put into order together, as points in one place must, which takes {} of memory: --host-memory {} would do", ByteSize(*.needed), ByteSize(needed.next_multiple_of(1 << 20)))]
+    Crowded {
+        /// Where they wait.
+        folder: PathBuf,
+        /// How many.
+        points: u64,
+        /// Bytes that they take.
+        needed: u64,
+    },
 }
 
 fn non_finite_note(count: usize) -> String {

@@ -65,6 +65,8 @@ impl PassRuns<'_> {
             "image/clear" => Some(self.pixels() * 20),
             "image/read-back" => Some(self.pixels() * if self.image.has_colors() { 20 * 2 } else { 4 * 2 }),
             name if name.starts_with("shading/") => edl::least_bytes(name, self.pixels()),
+            // Runs have some of the points then, and how many is not known.
+            name if name.starts_with("shadows/") && self.cloud.supply().is_some() => None,
             name if name.starts_with("shadows/") => {
                 let resolution = self.frame.shadows.map_or(0, |shadows| shadows.resolution);
                 let chunks = self.cloud.chunks().count() as u64;

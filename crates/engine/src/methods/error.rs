@@ -174,6 +174,24 @@ pub enum Error {
         /// The largest resolution that would work; 0 if none would.
         largest: u32,
     },
+    /// The images of all lights don't fit the budget together, where points come to the device some at a time.
+    #[error(
+        "shadows of points that don't all fit the device take images of {resolution} × {resolution} pixels, {count} in all, which need {} together; a quarter of the budget is {}: --memory-budget {} would do, or smaller shadows.samples or shadows.resolution{}",
+        ByteSize(*.needed), ByteSize(*.budget), printed(needed.saturating_mul(4)),
+        if *.largest > 0 { format!(" (up to {largest})") } else { String::new() }
+    )]
+    ShadowImages {
+        /// Images, six of a light that has points all around it.
+        count: u64,
+        /// Columns and rows of an image.
+        resolution: u32,
+        /// Bytes that they need.
+        needed: u64,
+        /// Bytes that there are for them.
+        budget: u64,
+        /// The largest resolution that would work; 0 if none would.
+        largest: u32,
+    },
     /// Eye-dome lighting of a picture that has no single surface.
     #[error(
         "shading.edl shades by the depth of a surface, and method {method} has none: {}",

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::dealt_file::DealtFile;
 use super::ensembles::{Dealt, Surface};
 use crate::points::Points;
 use crate::supply::Supply;
@@ -24,6 +25,8 @@ pub struct Supplied {
     pub supply: Arc<dyn Supply>,
     /// Some that stand for all, with what is known of all ([`Points::whole`]).
     pub sample: Arc<Points>,
+    /// All of them shuffled, cloud after cloud, for methods that deal points to ensembles.
+    pub dealt: Option<Arc<DealtFile>>,
 }
 
 impl PartialEq for Supplied {
@@ -45,8 +48,9 @@ impl Arranged {
     /// The clouds, if they are kept apart.
     pub fn surfaces(&self) -> &[Surface] {
         match self {
-            Self::Canonical(_) | Self::Supplied(_) => &[],
+            Self::Canonical(_) => &[],
             Self::Dealt(dealt) => &dealt.surfaces,
+            Self::Supplied(supplied) => supplied.dealt.as_ref().map_or(&[], |file| file.surfaces()),
         }
     }
 }

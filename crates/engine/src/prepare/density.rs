@@ -20,6 +20,7 @@
 //!
 //! Where points are few, R is doubled up to three times, and more than 1000 centres are used where that is cheap.
 
+use std::convert::Infallible;
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -44,7 +45,9 @@ const MAX_DOUBLINGS: u32 = 3;
 /// Radii that are looked at, each half of the one before.
 const RADII: usize = 16;
 /// Points that one thread counts at a time.
-const BLOCK: usize = 1 << 14;
+pub(super) const BLOCK: usize = 1 << 14;
+/// Blocks of points in memory that are shown at a time, so that progress is seen.
+const SHOWN: usize = 64;
 
 /// Points per unit of area (world units squared) of the surface that contains them; 0 if fewer than two of them differ
 /// or no two are close to each other. Finite.
@@ -52,16 +55,72 @@ const BLOCK: usize = 1 << 14;
 /// `shuffled` are finite positions in random order: the first ones serve as centres, and if counting all would take
 /// long, only the first ones are counted.
 pub fn estimate(shuffled: &[DVec3], progress: &Progress) -> f64 {
-    let Some(frame) = Frame::enclosing(shuffled) else { return 0.0 };
-    let centers = CENTERS.max(CHEAP_PAIRS / shuffled.len()).min(shuffled.len());
-    let grid = Grid::fill(&frame, &shuffled[..centers]);
-    let counted = grid.affordable(&frame, shuffled).max(centers);
-    let bands = grid.count(&frame, &shuffled[..counted], progress);
-    progress.inc((shuffled.len() - counted) as u64);
+    let Ok(density) = estimate_of(shuffled, progress);
+    density
+}
+
+/// Finite positions in random order, which may be somewhere else than in memory.
+pub(super) trait Shuffled {
+    /// Why they can't be read.
+    type Error;
+
+    /// How many there are.
+    fn count(&self) -> usize;
+
+    /// The box around all of them; `None` without any.
+    fn bounds(&self) -> Option<Bounds>;
+
+    /// Shows the first `count` of them, some after others, whose number is a multiple of [`BLOCK`] except for the last ones.
+    fn show(&self, count: usize, see: &mut dyn FnMut(&[DVec3])) -> Result<(), Self::Error>;
+}
+
+impl Shuffled for [DVec3] {
+    type Error = Infallible;
+
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn bounds(&self) -> Option<Bounds> {
+        Bounds::of(self)
+    }
+
+    fn show(&self, count: usize, see: &mut dyn FnMut(&[DVec3])) -> Result<(), Infallible> {
+        self[..count].chunks(SHOWN * BLOCK).for_each(see);
+        Ok(())
+    }
+}
+
+/// Like [`estimate`], of positions that may be somewhere else.
+pub(super) fn estimate_of<S: Shuffled + ?Sized>(shuffled: &S, progress: &Progress) -> Result<f64, S::Error> {
+    let count = shuffled.count();
+    let Some(frame) = Frame::enclosing(shuffled.bounds(), count) else { return Ok(0.0) };
+    let centers = CENTERS.max(CHEAP_PAIRS / count).min(count);
+    let mut first = Vec::with_capacity(centers);
+    shuffled.show(centers, &mut |some| first.extend_from_slice(some))?;
+    let grid = Grid::fill(&frame, &first);
+    let mut pairs = 0;
+    shuffled.show(count, &mut |some| pairs += grid.pairs(&frame, some))?;
+    let counted = affordable(pairs, count).max(centers);
+    let (mut bands, mut seen) = ([Band::default(); RADII], 0);
+    shuffled.show(counted, &mut |some| {
+        grid.count(&frame, seen, some, &mut bands);
+        seen += some.len();
+        progress.inc(some.len() as u64);
+    })?;
+    progress.inc((count - counted) as u64);
     // For one centre, as if all points were counted.
-    let weight = (shuffled.len() - 1) as f64 / ((counted - 1) as f64 * centers as f64);
+    let weight = (count - 1) as f64 / ((counted - 1) as f64 * centers as f64);
     let density = extrapolate(&bands, centers, weight) / frame.radius / frame.radius;
-    density.min(f64::MAX)
+    Ok(density.min(f64::MAX))
+}
+
+/// Of so many points, of which all together are in `pairs`, those that can be counted within [`MAX_PAIRS`].
+fn affordable(pairs: u64, points: usize) -> usize {
+    match pairs {
+        0..=MAX_PAIRS => points,
+        _ => (points as u128 * u128::from(MAX_PAIRS) / u128::from(pairs)) as usize,
+    }
 }
 
 /// Coordinates in which the largest sphere has radius 1 and all are at least 0.
@@ -75,9 +134,9 @@ struct Frame {
 
 impl Frame {
     /// `None` if no two points differ.
-    fn enclosing(points: &[DVec3]) -> Option<Self> {
-        let bounds = Bounds::of(points)?;
-        let doublings = (0..MAX_DOUBLINGS).find(|&d| points.len() << (2 * d) >= MANY).unwrap_or(MAX_DOUBLINGS);
+    fn enclosing(bounds: Option<Bounds>, points: usize) -> Option<Self> {
+        let bounds = bounds?;
+        let doublings = (0..MAX_DOUBLINGS).find(|&d| points << (2 * d) >= MANY).unwrap_or(MAX_DOUBLINGS);
         // Divided before anything is squared: the diagonal of a box of ±1e308 would overflow, and its sides too.
         let part = f64::from(1 << doublings) / DIAGONAL;
         let sides = bounds.max * part - bounds.min * part;
@@ -160,43 +219,36 @@ impl Grid {
         self.starts[cell] as usize..self.starts[cell + 1] as usize
     }
 
-    /// The number of points that can be counted within [`MAX_PAIRS`].
-    fn affordable(&self, frame: &Frame, points: &[DVec3]) -> usize {
-        let pairs: u64 = points.par_iter().map(|&p| self.members(frame.cell(frame.local(p))).len() as u64).sum();
-        match pairs {
-            0..=MAX_PAIRS => points.len(),
-            _ => (points.len() as u128 * u128::from(MAX_PAIRS) / u128::from(pairs)) as usize,
-        }
+    /// The pairs of a centre and one of some points that may be near to it.
+    fn pairs(&self, frame: &Frame, points: &[DVec3]) -> u64 {
+        points.par_iter().map(|&p| self.members(frame.cell(frame.local(p))).len() as u64).sum()
     }
 
-    /// Band b holds the pairs of a centre and another point whose distance d has 2⁻ᵇ⁻¹ ≤ d < 2⁻ᵇ; the last one all
-    /// nearer ones too. The sums don't depend on the number of cores.
-    fn count(&self, frame: &Frame, points: &[DVec3], progress: &Progress) -> [Band; RADII] {
+    /// Adds to the bands. Band b holds the pairs of a centre and another point whose distance d has 2⁻ᵇ⁻¹ ≤ d < 2⁻ᵇ; the last one all
+    /// nearer ones too. `first` points were counted before, a multiple of [`BLOCK`]. The sums don't depend on the number of cores.
+    fn count(&self, frame: &Frame, first: usize, points: &[DVec3], all: &mut [Band; RADII]) {
         let count = |(block, points): (usize, &[DVec3])| {
             let mut bands = [Band::default(); RADII];
             for (i, &point) in points.iter().enumerate() {
                 let local = frame.local(point);
                 for &center in &self.members[self.members(frame.cell(local))] {
                     let squared = self.centers[center as usize].distance_squared(local);
-                    if squared < 1.0 && center as usize != block * BLOCK + i {
+                    if squared < 1.0 && center as usize != first + block * BLOCK + i {
                         let band = &mut bands[band_of(squared)];
                         band.pairs += 1;
                         band.squares += squared;
                     }
                 }
             }
-            progress.inc(points.len() as u64);
             bands
         };
         let blocks: Vec<[Band; RADII]> = points.par_chunks(BLOCK).enumerate().map(count).collect();
-        let mut all = [Band::default(); RADII];
         for bands in blocks {
             for (sum, band) in all.iter_mut().zip(bands) {
                 sum.pairs += band.pairs;
                 sum.squares += band.squares;
             }
         }
-        all
     }
 }
 

@@ -257,15 +257,32 @@ fn shuffled(mut cloud: Points, ids: Vec<u32>, order: &[u32]) -> Points {
     cloud.in_order(|i| order[i] as usize)
 }
 
+/// The words by which a cloud's points are shuffled.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shuffle {
+    place: u32,
+    key: [u32; 2],
+}
+
+impl Shuffle {
+    /// Those of the cloud at a place among the others.
+    pub fn new(place: u32, seed: u64) -> Self {
+        let [low, high] = key(seed);
+        Self { place, key: [low, high ^ SHUFFLE] }
+    }
+
+    /// The word of a point, by its id: another one for each.
+    pub fn word(self, id: u32) -> u64 {
+        let [first, second] = threefry2x32([id, self.place], self.key);
+        u64::from(first) << 32 | u64::from(second)
+    }
+}
+
 /// For each place of a cloud the point to put there, from the points' ids.
 fn shuffle(ids: &[u32], place: u32, seed: u64) -> Vec<u32> {
-    let [low, high] = key(seed);
-    let words = |id: u32| {
-        let [first, second] = threefry2x32([id, place], [low, high ^ SHUFFLE]);
-        u64::from(first) << 32 | u64::from(second)
-    };
+    let shuffle = Shuffle::new(place, seed);
     // Points are counted in 32 bits: more of them don't fit any device.
-    let mut order: Vec<(u64, u32)> = ids.par_iter().enumerate().map(|(i, id)| (words(*id), i as u32)).collect();
+    let mut order: Vec<(u64, u32)> = ids.par_iter().enumerate().map(|(i, id)| (shuffle.word(*id), i as u32)).collect();
     order.par_sort_unstable();
     order.into_iter().map(|(_, index)| index).collect()
 }

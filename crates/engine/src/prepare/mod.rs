@@ -3,6 +3,7 @@
 
 mod arranged;
 pub mod axes;
+pub mod dealt_file;
 mod density;
 pub mod ensembles;
 mod keyed;

@@ -52,7 +52,7 @@ fn indices(keyed: Vec<Keyed>) -> Vec<u32> {
 }
 
 /// Any fixed total order of the bits; only identical points are equal.
-fn by_content(a: (&Points, usize), b: (&Points, usize)) -> Ordering {
+pub(super) fn by_content(a: (&Points, usize), b: (&Points, usize)) -> Ordering {
     let position = |(points, at): (&Points, usize)| points.positions[at].to_array().map(f64::to_bits);
     position(a).cmp(&position(b)).then_with(|| by_look(a, b))
 }

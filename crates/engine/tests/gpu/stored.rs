@@ -51,9 +51,14 @@ fn cloud(seed: u64, count: usize) -> Cloud {
 
 /// A store of a cloud, in a folder.
 fn store(folder: &Path, name: &str, cloud: Cloud) -> PathBuf {
+    store_of(folder, name, cloud, &TIGHT)
+}
+
+/// The same with other settings.
+fn store_of(folder: &Path, name: &str, cloud: Cloud, settings: &Settings) -> PathBuf {
     let target = folder.join(name);
     let input = [Box::new(Held::new(Path::new("memory"), cloud).unwrap()) as Box<dyn Store>];
-    prepare::store::prepare(&input, &target, &Request::default(), &TIGHT, &Progress::hidden()).unwrap();
+    prepare::store::prepare(&input, &target, &Request::default(), settings, &Progress::hidden()).unwrap();
     target
 }
 
@@ -77,9 +82,14 @@ fn rendered(device: &Device, arranged: &Arranged, frame: &Frame) -> Result<Rende
 
 /// Every method that is not dealt, with the camera that is found.
 fn assert_same(text: &str, about: &str) {
+    assert_same_of(text, about, Method::all().into_iter().filter(|method| !method.is_dealt()));
+}
+
+/// The same of some methods.
+fn assert_same_of(text: &str, about: &str, methods: impl Iterator<Item = Method>) {
     with_device(|device| {
         let mut differ = Vec::new();
-        for method in Method::all().into_iter().filter(|method| !method.is_dealt()) {
+        for method in methods {
             let (scene, whole, stored) = both(text, &method);
             assert!(stored.notes().is_empty(), "{:?}", stored.notes());
             let (camera, _) = scene::camera(&scene, whole.points(), UpAxis::Z).unwrap();
@@ -127,4 +137,157 @@ fn several_stores_with_clips_classes_and_color_maps_have_the_bytes_of_memory() {
         two.display()
     );
     assert_same(&text, "two stores");
+}
+
+/// The methods that deal points to ensembles: less of them than there are, and each several times; with the lists of both ways, and
+/// with all points on the device and some at a time.
+fn assert_same_dealt(text: &str, about: &str, settings: &[(&str, f64)]) {
+    let folder = tempfile::tempdir().unwrap();
+    with_device(|device| {
+        for (setting, opacity_factor) in settings {
+            let hidden = Progress::hidden();
+            let mut overrides = Overrides::default();
+            setting.split(' ').for_each(|pair| overrides.set_pair(pair).unwrap());
+            let scene = Scene::from_toml_with(text, Path::new("scene.toml"), &overrides).unwrap();
+            let clouds = scene::load_clouds(&scene, &hidden).unwrap();
+            let whole = scene::arrange(&scene, clouds, 3, &hidden).unwrap();
+            let stored = Stored::new(&scene, open_stores(&scene, &hidden).unwrap(), HOST, &hidden).unwrap();
+            let filed = stored.dealt(3, folder.path(), &hidden).unwrap();
+            assert_eq!(filed.surfaces(), whole.surfaces(), "{about}, {setting}");
+            let (Arranged::Dealt(dealt), Arranged::Supplied(supplied)) = (&whole, &filed) else {
+                panic!("{about}: dealt")
+            };
+            let file = supplied.dealt.as_ref().expect("a file");
+            let found = file.read(0..file.len()).unwrap();
+            assert!(found.positions == dealt.points.positions, "{about}: the order of the list");
+            assert!(found.dealt_ids == dealt.points.dealt_ids, "{about}: ids");
+            assert!(found.colors == dealt.points.colors && found.normals == dealt.points.normals, "{about}: columns");
+
+            let (camera, _) = scene::camera(&scene, whole.points(), UpAxis::Z).unwrap();
+            let mut frame = Frame { spread: true, ..Frame::of_scene(&scene, camera, 3) };
+            frame.factors.opacity = *opacity_factor as f32;
+            let expected = rendered(device, &whole, &frame).expect("a frame");
+            for memory_budget in [None, Some(SOME)] {
+                let image = rendered(device, &filed, &Frame { memory_budget, ..frame }).expect("a frame of the file");
+                assert_eq!(image.facts.streamed.is_some(), memory_budget.is_some(), "{about}, {setting}");
+                assert_eq!(image.facts.slots, expected.facts.slots, "{about}, {setting}");
+                assert!(bits(&image.image) == bits(&expected.image), "{about}, {setting}, {memory_budget:?}");
+                assert_eq!(image.image.stderr, expected.image.stderr, "{about}, {setting}");
+            }
+            eprintln!("{about}, {setting}: {} slots of {} points", expected.facts.slots, file.len());
+        }
+    });
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "files without names");
+}
+
+/// Nodes of stores that are made in less time.
+const LOOSE: Settings = Settings { node_points: 10_000, host_memory: 32 << 20 };
+
+/// Bytes on the device that points take more than: some of the list come at a time.
+const SOME: u64 = 3 << 20;
+
+#[test]
+fn stores_are_dealt_to_ensembles_as_in_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = store_of(folder.path(), "one", cloud(1, 90_000), &LOOSE);
+    let text = format!("[image]\nsize = [160, 120]\n[[cloud]]\npath = '{}'\nopacity = 0.4\n", path.display());
+    // k below and above 1, and all points once.
+    let settings = [
+        ("method.name=spbr method.ensembles=5", 0.1),
+        ("method.name=spbr method.ensembles=40", 1.0),
+        ("method.name=spbr-simplified method.ensembles=7 method.brightness=1", 1.0),
+    ];
+    assert_same_dealt(&text, "one store", &settings);
+}
+
+#[test]
+fn several_stores_are_dealt_each_by_its_opacity() {
+    let folder = tempfile::tempdir().unwrap();
+    let [one, two, three] = [(1, 100_000), (2, 12_000), (3, 30_000)]
+        .map(|(seed, count)| store_of(folder.path(), &format!("store{seed}"), cloud(seed, count), &LOOSE));
+    // None of the second one's points is drawn.
+    let text = format!(
+        "[image]\nsize = [120, 90]\n[shading]\nmodel = 'lambert'\n\
+         [[clip]]\nslab = {{ axis = 'z', min = -0.15, max = 0.8 }}\n\
+         [[cloud]]\npath = '{}'\ncolor_by = 'height'\nopacity = 0.5\n\
+         [[cloud.class]]\nid = 5\nvisible = false\n[[cloud.class]]\nid = 6\nopacity = 0.9\ncolor = [1, 0, 0]\n\
+         [[cloud]]\npath = '{}'\ntranslate = [0, 0, 50]\n\
+         [[cloud]]\npath = '{}'\nscale = 0.7\ntranslate = [0.3, 0.1, -0.05]\ncolor_by = 'intensity'\nopacity = 0.02\n",
+        one.display(),
+        two.display(),
+        three.display()
+    );
+    assert_same_dealt(&text, "three stores", &[("method.name=spbr method.ensembles=30", 1.0)]);
+}
+
+#[test]
+fn many_points_in_one_place_are_told_apart_or_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut cloud = cloud(5, 90_000);
+    cloud.positions[..3000].fill(DVec3::new(0.25, 0.5, 0.125));
+    let path = store_of(folder.path(), "heap", cloud.clone(), &LOOSE);
+    let text = format!("[image]\nsize = [80, 60]\n[[cloud]]\npath = '{}'\nopacity = 0.4\n", path.display());
+    assert_same_dealt(&text, "a heap", &[("method.name=spbr method.ensembles=10", 1.0)]);
+    cloud.positions[..20_000].fill(DVec3::new(0.25, 0.5, 0.125));
+    let path = store_of(folder.path(), "heaps", cloud, &LOOSE);
+    let text = format!("[method]\nname = 'spbr'\n[[cloud]]\npath = '{}'\n", path.display());
+    let scene = Scene::from_toml_with(&text, Path::new("scene.toml"), &Overrides::default()).unwrap();
+    let hidden = Progress::hidden();
+    let stored = Stored::new(&scene, open_stores(&scene, &hidden).unwrap(), HOST, &hidden).unwrap();
+    let error = stored.dealt(3, folder.path(), &hidden).unwrap_err().to_string();
+    assert!(error.contains("in one place") && error.contains("--host-memory"), "{error}");
+    let missing = stored.dealt(3, &folder.path().join("missing"), &hidden).unwrap_err().to_string();
+    assert!(missing.contains("missing"), "{missing}");
+}
+
+#[test]
+fn shadows_are_cast_by_all_points_of_stores() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = store(folder.path(), "lit", cloud(1, 40_000));
+    // Hard and soft ones of the sun, and those of a lamp among the points, which takes six images.
+    let lights = [
+        ("light = [0.3, 0.2, -0.9]", "samples = 1"),
+        ("light = [0.3, 0.2, -0.9]", "samples = 3\nlight_radius = 4.0"),
+        ("light = { position = [0.1, 0.2, 0.6] }", "samples = 2\nlight_radius = 0.05"),
+    ];
+    for (light, shadows) in lights {
+        let text = format!(
+            "[image]\nsize = [120, 90]\n[shading]\nmodel = 'lambert'\nambient = 0.1\ndiffuse = 0.9\n{light}\n\
+             [shadows]\nresolution = 96\n{shadows}\n[[cloud]]\npath = '{}'\n",
+            path.display()
+        );
+        let methods = Method::all().into_iter().filter(Method::takes_shadows);
+        let methods = methods.filter(|method| ["circles", "image-space", "peel-layers"].contains(&method.name()));
+        assert_same_of(&text, &format!("{light}, {shadows}"), methods);
+    }
+    // Frames of other lights, and of none, one after the other; and images that don't fit.
+    let (light, shadows) = lights[0];
+    let text = format!(
+        "[image]\nsize = [120, 90]\n[shading]\nmodel = 'lambert'\n{light}\n[shadows]\nresolution = 96\n{shadows}\n\
+         [[cloud]]\npath = '{}'\n",
+        path.display()
+    );
+    let circles = Method::all().into_iter().find(|method| method.name() == "circles").unwrap();
+    let (scene, whole, stored) = both(&text, &circles);
+    let (camera, _) = scene::camera(&scene, whole.points(), UpAxis::Z).unwrap();
+    let lit = Frame::of_scene(&scene, camera, 3);
+    let mut other = lit;
+    other.shadows.as_mut().unwrap().light_radius = 9.0;
+    let dark = Frame { shadows: None, ..lit };
+    with_device(|device| {
+        let mut renderer = Renderer::new(device).expect("a renderer");
+        let mut cloud = renderer.upload_arranged(&stored.arranged()).expect("small buffers");
+        let images = [lit, other, dark, lit].map(|frame| {
+            let expected = rendered(device, &whole, &frame).expect("a frame");
+            let small = Frame { memory_budget: Some(DEVICE), ..frame };
+            let found = renderer.render(&mut cloud, &small).expect("a frame");
+            assert!(bits(&found.image) == bits(&expected.image), "{:?}", frame.shadows);
+            bits(&found.image)
+        });
+        assert!(images[0] != images[1] && images[1] != images[2] && images[0] != images[2]);
+        let mut large = Frame { memory_budget: Some(DEVICE), ..lit };
+        large.shadows.as_mut().unwrap().resolution = 1024;
+        let error = renderer.render(&mut cloud, &large).unwrap_err().to_string();
+        assert!(error.contains("1024 × 1024 pixels, 1 in all") && error.contains("--memory-budget"), "{error}");
+    });
 }

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::points::Points;
-use pellucid_engine::scene::Method;
+use pellucid_engine::scene::{Light, Method, Shading, ShadingModel, Shadows};
 use pellucid_testing::{bits, frame, perspective, scene, soup, with_device};
 
 /// Points with normals and fields: many times as many as come at a time.
@@ -61,5 +62,28 @@ fn every_method_renders_the_same_bytes_window_by_window() {
             }
         }
         assert!(differ.is_empty(), "{}", differ.join("\n"));
+    });
+}
+
+#[test]
+fn points_without_normals_find_their_shares_of_light_window_by_window() {
+    let points = Arc::new(scene(&soup(43, 60_000, 0.002..0.02, 0.9..1.0, false)));
+    assert!(points.normals.is_none());
+    let lamp = Light::Direction(DVec3::new(0.3, -0.8, 0.1).normalize());
+    let shading = Shading { model: ShadingModel::Lambert, light: lamp, ..Shading::default() };
+    let shadows = Some(Shadows { samples: 2, light_radius: 3.0, resolution: 64, min_layer_distance: None });
+    with_device(|device| {
+        let mut renderer = Renderer::new(device).expect("a renderer");
+        for method in Method::all().into_iter().filter(|method| method.name() == "circles") {
+            let whole = Frame { shading, shadows, ..frame(perspective(), [160, 120], method) };
+            let mut cloud = renderer.upload(&points).expect("room for the points");
+            let expected = renderer.render(&mut cloud, &whole).expect("a frame");
+            let unlit = renderer.render(&mut cloud, &Frame { shadows: None, ..whole }).expect("a frame");
+            assert!(bits(&expected.image) != bits(&unlit.image), "there are shadows");
+            let mut supplied = renderer.supply_held(&points).expect("small buffers");
+            let small = Frame { memory_budget: Some(9 << 20), ..whole };
+            let found = renderer.render(&mut supplied, &small).expect("a frame");
+            assert!(found.facts.windows > 1 && bits(&found.image) == bits(&expected.image));
+        }
     });
 }

@@ -4,7 +4,7 @@ use super::{Error, Renderer};
 use crate::cloud::shadow_texture::ShadowTexture;
 use crate::passes::compose::Cut;
 use crate::passes::project::DeviceCloud;
-use crate::prepare::Arranged;
+use crate::prepare::{Arranged, Supplied};
 
 impl Renderer {
     /// Uploads points as [`Renderer::upload`] does, or, if they were dealt, with their clouds.
@@ -16,7 +16,8 @@ impl Renderer {
             Arranged::Canonical(points) if points.len() as u64 > Cut::most(&self.device) => self.supply_held(points),
             Arranged::Canonical(points) => self.upload(points),
             Arranged::Dealt(dealt) => self.upload_dealt(dealt),
-            Arranged::Supplied(supplied) => self.supply(&supplied.sample, &supplied.supply),
+            Arranged::Supplied(Supplied { sample, dealt: Some(file), .. }) => self.upload_dealt_file(sample, file),
+            Arranged::Supplied(Supplied { sample, supply, .. }) => self.supply(sample, supply),
         }
     }
 

@@ -3,6 +3,7 @@
 mod arranged;
 mod supplied;
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::progress::Progress;
@@ -25,6 +26,7 @@ use crate::passes::compose::Cut;
 use crate::passes::foresight::{Foresight, Knowledge};
 use crate::passes::project::{DeviceCloud, Stats};
 use crate::points::Points;
+use crate::prepare::dealt_file::DealtFile;
 use crate::prepare::ensembles::Dealt;
 use crate::scene::{Discs, MAX_LAYERS, Method};
 
@@ -115,12 +117,17 @@ impl Renderer {
     /// with the first frame; points that don't fit [`Frame::memory_budget`] go through it while a frame of these methods is
     /// rendered. The list stays in the host's memory.
     pub fn upload_dealt(&self, dealt: &Dealt) -> Result<DeviceCloud, Error> {
-        // Point indices have 32 bits, and all ones marks none of them.
-        let (points, limit) = (dealt.points.len() as u64, u64::from(u32::MAX));
-        if points > limit {
-            return Err(Error::TooManyPoints { points, limit });
-        }
+        check_dealt(dealt.points.len() as u64)?;
         Ok(DeviceCloud::of_dealt(&self.device, dealt)?)
+    }
+
+    /// The same of points in a file, where they stay; `sample` stands for them, with what is known of all.
+    ///
+    /// # Errors
+    /// More points than an index tells apart, or no memory for small buffers.
+    pub fn upload_dealt_file(&self, sample: &Points, file: &Arc<DealtFile>) -> Result<DeviceCloud, Error> {
+        check_dealt(file.len())?;
+        Ok(DeviceCloud::of_dealt_file(&self.device, sample, file)?)
     }
 
     /// Takes an image back, whose memory the next frame of its size uses again: memory fresh from the system costs more time
@@ -252,9 +259,12 @@ impl Renderer {
         frame: &Frame,
         timeline: &mut Timeline,
     ) -> Result<(), Error> {
-        let Some(casting) = shadows::casting(frame, cloud).filter(|casting| cloud.casting() != Some(casting)) else {
+        let Some(casting) = shadows::casting(frame, cloud).filter(|casting| !cloud.has_cast(casting)) else {
             return Ok(());
         };
+        if cloud.supply().is_some() {
+            return self.see_by_lights(cloud, frame, &casting, timeline);
+        }
         let how = frame.projecting_points(cloud);
         let budget = self.budget(engine, cloud, frame).bytes;
         shadows::cast(&self.device, cloud, (&casting, &how), budget, &self.progress, timeline)
@@ -356,7 +366,7 @@ impl Renderer {
         timeline: &mut Timeline,
         facts: &mut Facts,
     ) -> Result<Outcome, Error> {
-        if self.bring(cloud, part)? == Outcome::Overflow {
+        if self.bring(cloud, part, timeline)? == Outcome::Overflow {
             return Ok(Outcome::Overflow);
         }
         let mut work = Work {
@@ -473,7 +483,8 @@ impl Renderer {
     fn budget(&self, engine: &dyn Engine, cloud: &DeviceCloud, frame: &Frame) -> Budget {
         let limits = self.device.limits();
         if cloud.supply().is_some() {
-            return Budget { bytes: supplied::rest(&self.device, frame), tiles: 0, binding: limits.binding_bytes };
+            let bytes = supplied::rest(&self.device, frame).saturating_sub(cloud.light_bytes());
+            return Budget { bytes, tiles: 0, binding: limits.binding_bytes };
         }
         let streamed = engine.streamed(&self.device, cloud, frame);
         let bytes = frame.memory_budget.unwrap_or_else(|| {
@@ -485,6 +496,12 @@ impl Renderer {
         let bytes = streamed.map_or(bytes, |points| spbr::stream::rest(bytes, cloud, points));
         Budget { bytes, tiles: 0, binding: limits.binding_bytes }
     }
+}
+
+/// Refuses more points than an index tells apart: it has 32 bits, and all ones marks none of them.
+fn check_dealt(points: u64) -> Result<(), Error> {
+    let limit = u64::from(u32::MAX);
+    if points > limit { Err(Error::TooManyPoints { points, limit }) } else { Ok(()) }
 }
 
 /// A drawing, perhaps repeated with ever more samples.
@@ -519,7 +536,7 @@ struct Kind {
 
 /// Images through the eyes of a light that a frame of a cloud needs.
 fn light_views(cloud: &DeviceCloud, frame: &Frame) -> u64 {
-    let casting = shadows::casting(frame, cloud).filter(|casting| cloud.casting() != Some(casting));
+    let casting = shadows::casting(frame, cloud).filter(|casting| !cloud.has_cast(casting));
     casting.map_or(0, |casting| shadows::image_count(&casting, cloud))
 }
 

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use super::{Error, Outcome, Part, Renderer};
+use crate::cloud::shadow_texture::Casting;
 use crate::gpu::Device;
-use crate::methods::Frame;
+use crate::methods::{Frame, Timeline, shadows};
 use crate::passes::compose::Cut;
 use crate::passes::project::{Beam, DeviceCloud, Footprint, Present};
 use crate::passes::tiles::TILE;
@@ -55,13 +56,19 @@ impl Renderer {
     }
 
     /// Brings the points that may show in a window to the device, unless they are there. A window that too many reach must be cut.
-    pub(super) fn bring(&self, cloud: &mut DeviceCloud, part: &Part<'_>) -> Result<Outcome, Error> {
+    pub(super) fn bring(
+        &self,
+        cloud: &mut DeviceCloud,
+        part: &Part<'_>,
+        timeline: &mut Timeline,
+    ) -> Result<Outcome, Error> {
         let Some(supply) = cloud.supply().cloned() else { return Ok(Outcome::Done) };
         let (frame, blocks, room) = (part.frame, supply.blocks(), room(&self.device, cloud, part.frame));
         let count = |picked: &[u32]| picked.iter().map(|i| blocks[*i as usize].points).sum::<u64>();
         let beam = Beam::new(&frame.camera, frame.size, part.window, part.engine.extent(frame, cloud));
         let (mut wanted, mut picked) = (Present { within: Some(beam) }, Vec::new());
         if cloud.has(&wanted) {
+            self.share_light(cloud, frame, timeline)?;
             return Ok(Outcome::Done);
         }
         if cloud.total() <= room {
@@ -84,9 +91,32 @@ impl Renderer {
             if part.engine.projects() {
                 cloud.make_room(&self.device)?;
             }
+            self.share_light(cloud, frame, timeline)?;
             part.engine.prepare(&self.device, cloud, frame)?;
             return Ok(Outcome::Done);
         }
         if alone { Err(Error::PointsOfPixel { x, y, points, limit: room }) } else { Ok(Outcome::Overflow) }
+    }
+
+    /// Makes the images of the lights of a frame from all points.
+    pub(super) fn see_by_lights(
+        &self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        casting: &Casting,
+        timeline: &mut Timeline,
+    ) -> Result<(), Error> {
+        let how = frame.projecting_points(cloud);
+        let limits = (rest(&self.device, frame) / PART, room(&self.device, cloud, frame));
+        shadows::see(&self.device, cloud, (casting, &how), limits, &self.progress, timeline)
+    }
+
+    /// Gives the points on the device their shares of light, if the images are those of the frame.
+    fn share_light(&self, cloud: &mut DeviceCloud, frame: &Frame, timeline: &mut Timeline) -> Result<(), Error> {
+        if shadows::casting(frame, cloud).is_some_and(|casting| cloud.has_cast(&casting)) {
+            let how = frame.projecting_points(cloud);
+            shadows::share(&self.device, cloud, &how, timeline)?;
+        }
+        Ok(())
     }
 }

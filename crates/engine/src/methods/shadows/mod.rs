@@ -5,7 +5,10 @@
 //! surfaces filled, and all points compared with it: whoever lies more than d̃ / |n_z| behind loses that light. Counts are
 //! whole numbers, so that neither chunks nor the order of lights show.
 
+mod images;
 pub mod lights;
+
+pub(crate) use images::{see, share};
 
 use crate::progress::Progress;
 
@@ -135,7 +138,7 @@ pub fn refusal(frame: &Frame) -> Option<String> {
 
 /// Describes the shadows of a cloud in a frame; `None` if the frame has none.
 pub fn casting(frame: &Frame, cloud: &DeviceCloud) -> Option<Casting> {
-    let shadows = frame.shadows.filter(|_| refusal(frame).is_none() && !cloud.is_empty())?;
+    let shadows = frame.shadows.filter(|_| refusal(frame).is_none() && cloud.total() > 0)?;
     shadows.casting(frame.shading.light, frame.seed, cloud.diagonal())
 }
 
@@ -183,40 +186,64 @@ pub fn cast(
     let resolution = casting.resolution;
     check(resolution, device.limits().binding_bytes, budget)?;
     cloud.reserve_shares(device)?;
-    let pixels = pitch(resolution) * u64::from(resolution);
-    let image = LightImage {
-        nearest: device.buffer("nearest to a light", pixels, Memory::Device)?,
-        depths: device.buffer("depths from a light", pixels, Memory::Device)?,
-        resolution,
-    };
+    let (nearest, depths) = (nearest_image(device, resolution)?, depth_image(device, resolution)?);
     let mut frame = device.buffer("light", 1, Memory::Upload)?;
-    let push = |count: u64| SharePush { count: count as u32, lights: casting.samples };
-    let mut recorder = device.recorder()?;
-    for (first, count) in cloud.chunks() {
-        let start = Start { normals: cloud.normals.slice(first, count) };
-        let run = Run::new(Dispatch::Invocations(count));
-        recorder.run(&start, push(count), &run.variant(start_variant(cloud.has_normals())))?;
-    }
-    timeline.submit(recorder, "shadows/start")?;
+    start(device, cloud, casting, timeline)?;
     progress.set_length(u64::from(casting.samples));
     progress.set_position(0);
     for views in views(casting, cloud) {
         for view in views {
             frame.write(&[LightFrame { apart: casting.min_layer_distance, face: view.face.unwrap_or(0) }]);
-            let window = [0, 0, pitch(resolution) as u32, resolution];
-            cloud.set_view(&view.camera, [resolution; 2], window, how);
+            look(cloud, &view, resolution, how);
             let mut recorder = device.recorder()?;
             cloud.record_view(&mut recorder);
-            image.record(&mut recorder, cloud, casting, &frame, view.face.is_some())?;
+            recorder.fill("shadows/clear", nearest.all(), u32::MAX)?;
+            record_nearest(&mut recorder, cloud, &nearest)?;
+            record_fill(&mut recorder, (&nearest, &depths), casting)?;
+            record_lit(&mut recorder, cloud, &depths, (&frame, view.face.is_some()))?;
             timeline.submit(recorder, "shadows/lit")?;
         }
         progress.inc(1);
     }
+    finish(device, cloud, casting, timeline)
+}
+
+/// The image of the nearest depths, as keys.
+fn nearest_image(device: &Device, resolution: u32) -> Result<Buffer<u32>, Error> {
+    Ok(device.buffer("nearest to a light", pitch(resolution) * u64::from(resolution), Memory::Device)?)
+}
+
+/// The image of the depths of surfaces.
+fn depth_image(device: &Device, resolution: u32) -> Result<Buffer<f32>, Error> {
+    Ok(device.buffer("depths from a light", pitch(resolution) * u64::from(resolution), Memory::Device)?)
+}
+
+/// Sets the cloud's view to that of a light.
+fn look(cloud: &mut DeviceCloud, view: &LightView, resolution: u32, how: &Projecting) {
+    let window = [0, 0, pitch(resolution) as u32, resolution];
+    cloud.set_view(&view.camera, [resolution; 2], window, how);
+}
+
+/// All lights reach each point of the cloud that is on the device.
+fn start(device: &Device, cloud: &DeviceCloud, casting: &Casting, timeline: &mut Timeline) -> Result<(), Error> {
+    let mut recorder = device.recorder()?;
+    for (first, count) in cloud.chunks() {
+        let start = Start { normals: cloud.normals.slice(first, count) };
+        let push = SharePush { count: count as u32, lights: casting.samples };
+        let run = Run::new(Dispatch::Invocations(count));
+        recorder.run(&start, push, &run.variant(start_variant(cloud.has_normals())))?;
+    }
+    Ok(timeline.submit(recorder, "shadows/start")?)
+}
+
+/// Makes shares of the numbers of lights.
+fn finish(device: &Device, cloud: &mut DeviceCloud, casting: &Casting, timeline: &mut Timeline) -> Result<(), Error> {
     if casting.samples > 1 {
         let mut recorder = device.recorder()?;
         for (first, count) in cloud.chunks() {
             let share = Share { normals: cloud.normals.slice(first, count) };
-            recorder.run(&share, push(count), &Run::new(Dispatch::Invocations(count)))?;
+            let push = SharePush { count: count as u32, lights: casting.samples };
+            recorder.run(&share, push, &Run::new(Dispatch::Invocations(count)))?;
         }
         timeline.submit(recorder, "shadows/share")?;
     }
@@ -224,50 +251,60 @@ pub fn cast(
     Ok(())
 }
 
-/// A light's image.
-struct LightImage {
-    nearest: Buffer<u32>,
-    depths: Buffer<f32>,
-    resolution: u32,
+/// The push constants of the passes over points of a chunk.
+fn push(chunk: usize, (first, count): (u64, u64)) -> points::PointsPush {
+    points::PointsPush { count: count as u32, chunk: chunk as u32, first: first as u32 }
 }
 
-impl LightImage {
-    /// Records the image through the cloud's view, and what it keeps from the points.
-    fn record<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        cloud: &'a DeviceCloud,
-        casting: &Casting,
-        light: &'a Buffer<LightFrame>,
-        cube: bool,
-    ) -> Result<(), Error> {
-        let push = |chunk: usize, (first, count): (u64, u64)| points::PointsPush {
-            count: count as u32,
-            chunk: chunk as u32,
-            first: first as u32,
-        };
-        let walk = |(_, count): (u64, u64)| Run::new(points::nearest_dispatch(count));
-        recorder.fill("shadows/clear", self.nearest.all(), u32::MAX)?;
-        for (chunk, range) in cloud.chunks().enumerate() {
-            let nearest = Nearest { places: cloud.places(range.0, range.1), nearest: self.nearest.all() };
-            recorder.run(&nearest, push(chunk, range), &walk(range).variant(walk_variant()))?;
-        }
-        let fill = Fill { nearest: self.nearest.all().cast(), depths: self.depths.all().cast() };
-        let (columns, rows) = (pitch(self.resolution) / 4, u64::from(self.resolution));
-        let filled = FillPush { columns: columns as u32, rows: self.resolution, apart: casting.min_layer_distance };
-        let invocations = columns * rows.div_ceil(FILL_ROWS);
-        recorder.run(&fill, filled, &Run::new(Dispatch::Invocations(invocations)).variant(fill_variant()))?;
-        for (chunk, range) in cloud.chunks().enumerate() {
-            let lit = Lit {
-                places: cloud.places(range.0, range.1),
-                normals: cloud.normals.slice(range.0, range.1),
-                depths: self.depths.all(),
-                light: light.all(),
-            };
-            recorder.run(&lit, push(chunk, range), &walk(range).variant(lit_variant(cube)))?;
-        }
-        Ok(())
+/// A run of the passes over points.
+fn walk<'a>((_, count): (u64, u64)) -> Run<'a> {
+    Run::new(points::nearest_dispatch(count))
+}
+
+/// Records what an image has of the points on the device, through the cloud's view.
+fn record_nearest<'a>(
+    recorder: &mut Recorder<'a>,
+    cloud: &'a DeviceCloud,
+    image: &'a Buffer<u32>,
+) -> Result<(), Error> {
+    for (chunk, range) in cloud.chunks().enumerate() {
+        let nearest = Nearest { places: cloud.places(range.0, range.1), nearest: image.all() };
+        recorder.run(&nearest, push(chunk, range), &walk(range).variant(walk_variant()))?;
     }
+    Ok(())
+}
+
+/// Records the surfaces of an image.
+fn record_fill<'a>(
+    recorder: &mut Recorder<'a>,
+    (nearest, depths): (&'a Buffer<u32>, &'a Buffer<f32>),
+    casting: &Casting,
+) -> Result<(), Error> {
+    let fill = Fill { nearest: nearest.all().cast(), depths: depths.all().cast() };
+    let (columns, rows) = (pitch(casting.resolution) / 4, u64::from(casting.resolution));
+    let filled = FillPush { columns: columns as u32, rows: casting.resolution, apart: casting.min_layer_distance };
+    let invocations = columns * rows.div_ceil(FILL_ROWS);
+    recorder.run(&fill, filled, &Run::new(Dispatch::Invocations(invocations)).variant(fill_variant()))?;
+    Ok(())
+}
+
+/// Records what an image keeps from the points on the device, through the cloud's view.
+fn record_lit<'a>(
+    recorder: &mut Recorder<'a>,
+    cloud: &'a DeviceCloud,
+    depths: &'a Buffer<f32>,
+    (light, cube): (&'a Buffer<LightFrame>, bool),
+) -> Result<(), Error> {
+    for (chunk, range) in cloud.chunks().enumerate() {
+        let lit = Lit {
+            places: cloud.places(range.0, range.1),
+            normals: cloud.normals.slice(range.0, range.1),
+            depths: depths.all(),
+            light: light.all(),
+        };
+        recorder.run(&lit, push(chunk, range), &walk(range).variant(lit_variant(cube)))?;
+    }
+    Ok(())
 }
 
 /// Bytes that one of the passes must at least read and write in its `runs`, for `points` points and a light's image of

@@ -73,7 +73,7 @@ impl Ensembles {
         let mut tasks = Tasks::new(job).peekable();
         let (mut submissions, streamed) = (0, job.streamed.is_some());
         loop {
-            let submission = self.next_submission(job, &mut tasks);
+            let submission = self.next_submission(job, &mut tasks)?;
             let mut recorder = work.timeline.recorder(device)?;
             if submissions == 0 {
                 job.cloud.record_view(&mut recorder);
@@ -107,7 +107,7 @@ impl Ensembles {
 
     /// Returns the dispatches of the next submission: so few that it takes no seconds and that all of their points fit,
     /// which are packed.
-    fn next_submission(&mut self, job: &WindowJob<'_>, tasks: &mut Peekable<Tasks<'_>>) -> Vec<Task> {
+    fn next_submission(&mut self, job: &WindowJob<'_>, tasks: &mut Peekable<Tasks<'_>>) -> Result<Vec<Task>, Error> {
         let (mut found, mut slots, mut passes) = (Vec::new(), 0, 0);
         let streamed = job.streamed.is_some();
         if let Some(first) = tasks.peek()
@@ -125,9 +125,9 @@ impl Ensembles {
             found.push(task);
         }
         if streamed {
-            self.stream.pack(job.cloud);
+            self.stream.pack(job.cloud)?;
         }
-        found
+        Ok(found)
     }
 
     /// The standard error of every pixel of the window, in its order, from the last window rendered with it.

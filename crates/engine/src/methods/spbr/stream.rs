@@ -1,6 +1,6 @@
 //! Points that pass through the device while a window is rendered, for clouds that don't fit.
 //!
-//! The host keeps all points, the device some of them at a time, column behind column in one buffer. The order of the
+//! The host keeps all points, in memory or in a file, the device some of them at a time, column behind column in one buffer. The order of the
 //! dispatches determines which ones: a submission contains as many dispatches as can have all of their points on the
 //! device.
 
@@ -169,18 +169,16 @@ impl Stream {
     }
 
     /// Packs the new points, for [`Self::record`].
-    pub fn pack(&mut self, cloud: &DeviceCloud) {
+    pub fn pack(&mut self, cloud: &DeviceCloud) -> Result<(), crate::passes::Error> {
         self.packed.clear();
         self.packed_ids.clear();
         for resident in &self.shelf.fresh {
-            for column in cloud.columns() {
-                cloud.pack(*column, resident.points.clone(), &mut self.packed);
-            }
-            cloud.pack_ids(resident.points.clone(), &mut self.packed_ids);
+            cloud.pack(resident.points.clone(), &mut self.packed, &mut self.packed_ids)?;
         }
         self.staging.get_mut().write(&self.packed);
         self.staging_ids.get_mut().write(&self.packed_ids);
         self.uploaded += self.packed.len() as u64 * COLUMN_BYTES + 4 * self.packed_ids.len() as u64;
+        Ok(())
     }
 
     /// Records the copies of the new points.

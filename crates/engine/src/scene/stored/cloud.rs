@@ -99,6 +99,11 @@ impl StoredCloud {
         Ok((cloud, points))
     }
 
+    /// True if any point has a normal.
+    pub fn has_normals(&self) -> bool {
+        self.known.has_normals
+    }
+
     /// The box of its points in the scene.
     pub fn bounds(&self) -> Option<Bounds> {
         (self.facts.points > 0).then_some(self.bounds)

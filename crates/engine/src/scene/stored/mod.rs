@@ -8,6 +8,7 @@ mod cache;
 mod cloud;
 mod survey;
 
+use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -24,7 +25,8 @@ use crate::cloud::sampling::Sampling;
 use crate::cloud::{Bounds, UpAxis};
 use crate::io;
 use crate::io::store::{self, Store};
-use crate::points::{Points, Spheres, Unseen, Whole};
+use crate::points::{Anchor, Points, Spheres, Unseen, Whole};
+use crate::prepare::dealt_file::{self, DealtFile};
 use crate::prepare::{Arranged, Supplied, order};
 use crate::progress::{Phase, Progress};
 use crate::supply::{Block, Failure, Keep, Supply};
@@ -65,6 +67,8 @@ struct Nodes {
     scene: Scene,
     clips: Clips,
     clouds: Vec<StoredCloud>,
+    /// What ids follow from where clouds are kept apart.
+    anchors: Vec<Anchor>,
     /// The box of all points.
     bounds: Bounds,
     blocks: Vec<Block>,
@@ -97,12 +101,13 @@ impl Stored {
             );
         }
         let count = stores.iter().map(|store| store.summary().points).sum();
-        let mut clouds = Vec::with_capacity(stores.len());
+        let (mut clouds, mut anchors) = (Vec::with_capacity(stores.len()), Vec::new());
         let (mut sample, mut first, mut legend) = (Points::default(), 0, Legend::default());
         for (index, store) in stores.into_iter().enumerate() {
             let at = cloud::Place { scene: &scene, clips: &clips, index, first };
             let (cloud, own) = StoredCloud::new(&at, store, &mut legend, progress)?;
             first += cloud.facts.points;
+            anchors.push(Anchor::new(&own.sampled().copied().collect::<Vec<_>>(), cloud.bounds()));
             clouds.push(cloud);
             sample.append(own);
         }
@@ -114,7 +119,7 @@ impl Stored {
         let (seen, unseen) = within(&sample, sampling);
         let sampled = (seen.iter().map(|at| sample.positions[*at as usize]).collect(), sampling.every());
         let (cache, most) = (Cache::new(memory / 2), (memory / TAKEN_BYTES).max(1));
-        let nodes = Arc::new(Nodes { scene, clips, clouds, bounds, blocks, places, cache, sampled, most });
+        let nodes = Arc::new(Nodes { scene, clips, clouds, anchors, bounds, blocks, places, cache, sampled, most });
         let clouds = &nodes.clouds;
         let whole = Whole {
             count,
@@ -144,7 +149,38 @@ impl Stored {
         Arranged::Supplied(Supplied {
             supply: Arc::clone(&self.nodes) as Arc<dyn Supply>,
             sample: Arc::clone(&self.sample),
+            dealt: None,
         })
+    }
+
+    /// All points, dealt to ensembles by `seed` into a temporary file in `folder`: for methods that want that
+    /// ([`Method::is_dealt`](super::Method::is_dealt)), which want no radii.
+    ///
+    /// # Errors
+    /// A node can't be read, there is no room in the folder, memory is too small, or `progress` cancels it; no point is left.
+    pub fn dealt(&self, seed: u64, folder: &Path, progress: &Progress) -> Result<Arranged, crate::Error> {
+        progress.begin(Phase::Order);
+        progress.reset();
+        progress.set_message("dealing points to ensembles");
+        let nodes = &self.nodes;
+        let reads: Vec<_> = (0..nodes.clouds.len()).map(|cloud| nodes.reader(cloud)).collect();
+        let own = nodes.clouds.iter().zip(&nodes.anchors).zip(&reads);
+        let sources = own.filter_map(|((cloud, anchor), read)| {
+            let blocks = cloud.store.nodes().iter().map(|node| node.points).collect();
+            Some(dealt_file::Source { blocks, read, bounds: cloud.bounds()?, anchor: *anchor })
+        });
+        let settings = dealt_file::Settings {
+            has_normals: nodes.clouds.iter().any(StoredCloud::has_normals),
+            seed,
+            memory: nodes.cache.most(),
+            folder: folder.to_path_buf(),
+        };
+        let file = DealtFile::deal(&sources.collect::<Vec<_>>(), &settings, progress)?;
+        if file.is_empty() {
+            return Err(no_points(&nodes.scene, &self.sample).into());
+        }
+        let supply = Arc::clone(nodes) as Arc<dyn Supply>;
+        Ok(Arranged::Supplied(Supplied { supply, sample: Arc::clone(&self.sample), dealt: Some(Arc::new(file)) }))
     }
 
     /// The vertical of most clouds.
@@ -180,6 +216,14 @@ impl Stored {
 }
 
 impl Nodes {
+    /// Reads nodes of a cloud, which are not kept.
+    fn reader(&self, cloud: usize) -> impl Fn(usize) -> Result<Points, io::Error> + Sync + '_ {
+        move |node| match self.clouds[cloud].store.nodes()[node].points {
+            0 => Ok(Points::default()),
+            _ => self.clouds[cloud].points(&self.scene, &self.clips, node),
+        }
+    }
+
     /// The points of a block, with those that are not drawn set apart.
     fn part(&self, block: usize) -> Result<Arc<Points>, Failure> {
         let [cloud, node] = self.places[block].map(|number| number as usize);

@@ -1,6 +1,6 @@
 //! Points on the device that change where they are: only columns that are others go there again, into the same buffers.
 
-use super::{Column, DeviceCloud, fields_and_radii, largest_component, largest_opacity};
+use super::{Column, DeviceCloud, List, fields_and_radii, largest_component, largest_opacity};
 use crate::gpu::{Device, Error};
 use crate::points::{Changes, Points};
 use crate::prepare::Arranged;
@@ -20,7 +20,7 @@ impl DeviceCloud {
     pub fn follow(&mut self, device: &Device, arranged: &Arranged, changes: Changes) -> Result<(), Error> {
         let points = arranged.points();
         if let Arranged::Dealt(dealt) = arranged {
-            self.host = Some(dealt.points.clone());
+            self.host = Some(List::Held(dealt.points.clone()));
             for (placed, surface) in
                 self.surfaces.iter_mut().flatten().zip(&dealt.surfaces).filter(|_| changes.opacities)
             {

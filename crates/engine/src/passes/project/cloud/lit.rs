@@ -1,13 +1,46 @@
 //! Shares of light of the points on the device, which stand beside their normals.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::{Column, DeviceCloud};
 use crate::cloud::shadow_texture::Casting;
-use crate::gpu::{Device, Error, Memory};
+use crate::gpu::{Buffer, Device, Error, Memory};
 use crate::points::Points;
 
+/// What lights see of all points of a cloud whose points come some at a time.
+pub struct LightImages {
+    /// The lights.
+    pub casting: Casting,
+    /// The depths of the surfaces in each image, image after image of each light.
+    pub depths: Vec<Buffer<f32>>,
+}
+
 impl DeviceCloud {
+    /// Keeps the images of lights for points to come, or frees them.
+    pub fn set_light_images(&mut self, images: Option<Arc<LightImages>>) {
+        self.light_images = images;
+    }
+
+    /// The images of lights.
+    pub fn light_images(&self) -> Option<&Arc<LightImages>> {
+        self.light_images.as_ref()
+    }
+
+    /// Device bytes of the images of lights.
+    pub fn light_bytes(&self) -> u64 {
+        self.light_images.iter().flat_map(|images| &images.depths).map(Buffer::bytes).sum()
+    }
+
+    /// True if shadows are cast already: points have their shares of light, or, if they come some at a time, images to find them in.
+    pub fn has_cast(&self, casting: &Casting) -> bool {
+        match &self.supplied {
+            Some(_) => self.light_images.as_ref().is_some_and(|images| images.casting == *casting),
+            None => self.casting.as_ref() == Some(casting),
+        }
+    }
+
     /// Room for shares of light, which clouds without normals have none for yet. What was there belongs to no light from here on.
     pub fn reserve_shares(&mut self, device: &Device) -> Result<(), Error> {
         self.casting = None;

@@ -2,21 +2,23 @@
 
 mod change;
 mod column;
+mod dealt;
 mod lit;
 mod placed;
 mod supplied;
 
 pub(super) use column::split;
 pub use column::{COLUMN_BYTES, Column};
+pub use lit::LightImages;
 pub use placed::Placed;
 pub use supplied::Present;
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
+use self::dealt::List;
 use self::supplied::Supplied;
 use super::part::{Parts, fields_and_radii};
 use super::view::View;
@@ -26,7 +28,6 @@ use crate::cloud::shadow_texture::Casting;
 use crate::gpu::{Buffer, Device, Error, GpuType, Memory, Preferences, Slice};
 use crate::points::{Anchor, Points};
 use crate::prepare::axes;
-use crate::prepare::ensembles::Dealt;
 use crate::progress::Progress;
 use crate::scene::{ColorSpace, Formula, Shading};
 
@@ -64,8 +65,10 @@ pub struct DeviceCloud {
     surfaces: Option<Vec<Placed>>,
     /// The shadows that the shares of light beside the normals belong to.
     casting: Option<Casting>,
+    /// What lights see, if points come some at a time.
+    light_images: Option<Arc<LightImages>>,
     /// The points of a dealt list: whether they fit the device, the frame decides.
-    host: Option<Arc<Points>>,
+    host: Option<List>,
     /// Where the points come from, if they come some at a time.
     supplied: Option<Supplied>,
     /// Positions relative to the cloud's origin, rounded, with radii.
@@ -107,64 +110,6 @@ impl DeviceCloud {
         let mut cloud = Self::without_columns(device, points)?;
         cloud.upload_columns(device, points)?;
         Ok(cloud)
-    }
-
-    /// Takes points that were dealt. They come to the device when a frame asks for them: all by [`Self::make_resident`], or
-    /// some after others by [`Self::pack`]. Room for splats is made when a method asks for it.
-    pub fn of_dealt(device: &Device, dealt: &Dealt) -> Result<Self, Error> {
-        let mut cloud = Self::without_columns(device, &dealt.points)?;
-        cloud.surfaces = Some(Placed::all(&dealt.points, &dealt.surfaces));
-        cloud.host = Some(dealt.points.clone());
-        Ok(cloud)
-    }
-
-    /// Uploads all points of a cloud that was dealt, unless they are there.
-    pub fn make_resident(&mut self, device: &Device) -> Result<(), Error> {
-        match self.host.clone() {
-            Some(points) if self.points_hi.len() < self.len => self.upload_columns(device, &points),
-            _ => Ok(()),
-        }
-    }
-
-    /// Frees the buffers of a cloud that was dealt; the host keeps its points.
-    pub fn release(&mut self, device: &Device) -> Result<(), Error> {
-        if self.host.is_some() && !self.points_hi.is_empty() {
-            let (points_hi, points_lo) = (empty(device, "points, hi")?, empty(device, "points, lo")?);
-            (self.points_hi, self.points_lo) = (points_hi, points_lo);
-            (self.point_colors, self.normals) = (empty(device, "point colors")?, empty(device, "normals")?);
-            self.ids = empty(device, "point ids")?;
-            (self.fields, self.orders) = (empty(device, "fields")?, [None, None, None]);
-            self.casting = None;
-            (self.splats, self.tilts) = (empty(device, "splats")?, empty(device, "tilts")?);
-            self.splat_depths = empty(device, "splat depths")?;
-            (self.bounds, self.colors) = (empty(device, "splat bounds")?, empty(device, "splat colors")?);
-            (self.large, self.tile_counts) = (empty(device, "large splats")?, empty(device, "tile counts")?);
-        }
-        Ok(())
-    }
-
-    /// The columns that the device holds.
-    pub fn columns(&self) -> &'static [Column] {
-        if self.has_normals { &Column::ALL } else { &Column::ALL[..3] }
-    }
-
-    /// Device bytes of all columns.
-    pub fn column_bytes(&self) -> u64 {
-        self.len * self.columns().len() as u64 * COLUMN_BYTES
-    }
-
-    /// Puts a column of some points of a cloud that was dealt behind what is there.
-    pub fn pack(&self, column: Column, range: Range<u64>, into: &mut Vec<[f32; 4]>) {
-        if let Some(points) = &self.host {
-            into.par_extend(column.values(points, self.origin, range.start as usize..range.end as usize));
-        }
-    }
-
-    /// The same of their ids.
-    pub fn pack_ids(&self, range: Range<u64>, into: &mut Vec<u32>) {
-        if let Some(points) = &self.host {
-            into.extend(points.ids(&self.anchor, range.start as usize..range.end as usize));
-        }
     }
 
     /// Makes room for splats, unless there is.
@@ -232,6 +177,7 @@ impl DeviceCloud {
             orders_made: 0,
             surfaces: None,
             casting: None,
+            light_images: None,
             host: None,
             supplied: None,
             points_hi: empty(device, "points, hi")?,

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::points::Points;
+use crate::prepare::dealt_file::Facts;
 use crate::prepare::ensembles::Surface;
 
 /// A cloud of a dealt list, with the corners of its box.
@@ -26,6 +27,11 @@ impl Placed {
             Self { surface: surface.clone(), corners, uniform: is_uniform(points, surface) }
         };
         surfaces.iter().map(placed).collect()
+    }
+
+    /// A cloud of a list in a file.
+    pub fn of_facts(facts: &Facts) -> Self {
+        Self { surface: facts.surface.clone(), corners: facts.bounds.corners(), uniform: facts.uniform }
     }
 
     /// Takes over opacities that are others: of its points, and of the surface that they are of.

@@ -9,7 +9,7 @@ use super::{COLUMN_BYTES, Column, DeviceCloud, empty, upload_ids};
 use crate::gpu::{Device, Error, Memory};
 use crate::points::Points;
 use crate::progress::Progress;
-use crate::supply::{Failure, Supply};
+use crate::supply::{Failure, Supply, each};
 
 /// Where the points of a cloud come from, and which of them are on the device.
 pub(super) struct Supplied {
@@ -84,14 +84,47 @@ impl DeviceCloud {
             // Passes want one. It shows nowhere.
             points = supplied.supply.take(&[0], &|_, _| true, progress).map_err(failed)?.subset(&[0], 1.0);
         }
-        supplied.present = None;
-        self.len = points.len() as u64;
-        self.make_columns(device)?;
-        self.put_columns(device, &points)?;
+        self.put(device, &points)?;
         if let Some(supplied) = &mut self.supplied {
             supplied.present = Some(wanted);
         }
         Ok(true)
+    }
+
+    /// Brings all points to the device, at most `room` at a time in place of those that are there, and has them seen each time.
+    ///
+    /// # Errors
+    /// The points can't be taken, or there is no memory for them; those of `see`.
+    pub fn show_all<E: From<crate::passes::Error>>(
+        &mut self,
+        device: &Device,
+        room: u64,
+        progress: &Progress,
+        mut see: impl FnMut(&mut Self) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let Some(supply) = self.supply().cloned() else { return Ok(()) };
+        let mut seen = Ok(());
+        let show = |points: &Points| {
+            let places: Vec<u32> = (0..points.len() as u32).collect();
+            for some in places.chunks(usize::try_from(room).unwrap_or(usize::MAX).max(1)) {
+                if seen.is_ok() {
+                    let put = self.put(device, &points.subset(some, 1.0));
+                    seen = put.map_err(|error| E::from(error.into())).and_then(|()| see(self));
+                }
+            }
+        };
+        each(&*supply, room, progress, show).map_err(failed)?;
+        seen
+    }
+
+    /// Puts points on the device in place of those that are there.
+    fn put(&mut self, device: &Device, points: &Points) -> Result<(), Error> {
+        if let Some(supplied) = &mut self.supplied {
+            supplied.present = None;
+        }
+        self.len = points.len() as u64;
+        self.make_columns(device)?;
+        self.put_columns(device, points)
     }
 
     /// Makes room for the columns of points, unless there is.
