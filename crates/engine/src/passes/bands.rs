@@ -59,6 +59,15 @@ pub fn tile_halves([x0, y0, x1, y1]: Window) -> Option<[Window; 2]> {
     }
 }
 
+/// Like [`tile_halves`], but cuts the longer side as long as that has two tiles: few points are in both halves then.
+pub fn square_halves([x0, y0, x1, y1]: Window) -> Option<[Window; 2]> {
+    if x1 - x0 > (y1 - y0).max(TILE) {
+        let x = x0 + (x1 - x0).div_ceil(TILE) / 2 * TILE;
+        return Some([[x0, y0, x, y1], [x, y0, x1, y1]]);
+    }
+    tile_halves([x0, y0, x1, y1])
+}
+
 /// Halves a window by rows, or by columns if it has one row; `None` for a single pixel.
 pub fn halves([x0, y0, x1, y1]: Window) -> Option<[Window; 2]> {
     if y1 - y0 > 1 {
@@ -168,6 +177,16 @@ pub fn place(window: Window, pixel: u32) -> [u32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn square_halves_cut_the_longer_side_between_tiles() {
+        assert_eq!(square_halves([0, 0, 100, 40]), Some([[0, 0, 48, 40], [48, 0, 100, 40]]));
+        assert_eq!(square_halves([16, 32, 48, 96]), Some([[16, 32, 48, 64], [16, 64, 48, 96]]));
+        assert_eq!(square_halves([0, 0, 17, 16]), Some([[0, 0, 16, 16], [16, 0, 17, 16]]));
+        // Within a tile, and of a single pixel, as others.
+        assert_eq!(square_halves([0, 0, 16, 8]), halves([0, 0, 16, 8]));
+        assert_eq!(square_halves([3, 4, 4, 5]), None);
+    }
 
     #[test]
     fn windows_cover_every_pixel_once() {

@@ -308,7 +308,7 @@ impl Renderer {
                     self.target.deliver(window, image);
                     place(frame, window, engine.counts(&self.buffers, frame, window)?, image);
                 }
-                Outcome::Overflow => split(engine, window, &mut windows)?,
+                Outcome::Overflow => split(engine, cloud, window, &mut windows)?,
             }
         }
         Ok(facts)
@@ -457,7 +457,7 @@ impl Renderer {
         while let Some(window) = windows.pop() {
             let part = Part { engine, frame, window, budget, samples, survey: true, learns: false };
             if let Outcome::Overflow = self.window(cloud, &part, &mut timeline, &mut facts)? {
-                split(engine, window, &mut windows)?;
+                split(engine, cloud, window, &mut windows)?;
             }
         }
         Ok(facts)
@@ -550,8 +550,10 @@ fn last_first(windows: &[Window]) -> Vec<Window> {
 }
 
 /// Puts the halves of a window that overflowed back on the list.
-fn split(engine: &dyn Engine, window: Window, windows: &mut Vec<Window>) -> Result<(), Error> {
-    let [a, b] = engine.halves(window).ok_or(Error::PixelOverflow { x: window[0], y: window[1] })?;
+fn split(engine: &dyn Engine, cloud: &DeviceCloud, window: Window, windows: &mut Vec<Window>) -> Result<(), Error> {
+    // Points at the border of two windows come with both.
+    let halves = if cloud.supply().is_some() { bands::square_halves(window) } else { engine.halves(window) };
+    let [a, b] = halves.ok_or(Error::PixelOverflow { x: window[0], y: window[1] })?;
     windows.extend([b, a]);
     Ok(())
 }
