@@ -165,10 +165,10 @@ pub enum Error {
         source: std::io::Error,
     },
     /// Points that have to be put into order together take more memory than is allowed.
-    #[error("{points} points must be put into order together, as points in one place must, which takes {} of memory: --host-memory {} would do", ByteSize(*.needed), ByteSize(needed.next_multiple_of(1 << 20)))]
+    #[error("{}: {points} points must be put into order together, as points in one place must, which takes {} of memory: --host-memory {} would do", path.display(), ByteSize(*.needed), ByteSize(needed.next_multiple_of(1 << 20)))]
     Crowded {
-        /// Where they wait.
-        folder: PathBuf,
+        /// Their file.
+        path: PathBuf,
         /// How many.
         points: u64,
         /// Bytes that they take.

@@ -1,5 +1,7 @@
 //! Points by the words that shuffle them, in the pieces of a file: a bucket holds those between two words.
 
+use std::path::Path;
+
 use super::pile::{Extent, Pile, words_of};
 use super::records::Layout;
 use crate::io::Error;
@@ -39,13 +41,13 @@ impl Plan {
         ((u128::from(word) * u128::from(self.buckets)) >> 64) as usize
     }
 
-    /// Refuses to put more points into order at a time than memory is there for.
-    pub fn check(&self, points: u64, pile: &Pile) -> Result<(), Error> {
+    /// Refuses to put more points of a cloud into order at a time than memory is there for.
+    pub fn check(&self, points: u64, path: &Path) -> Result<(), Error> {
         let needed = points * POINT_BYTES;
         if points <= LEAST_POINTS * 2 || needed <= self.memory {
             return Ok(());
         }
-        Err(Error::Crowded { folder: pile.folder().to_path_buf(), points, needed })
+        Err(Error::Crowded { path: path.to_path_buf(), points, needed })
     }
 }
 
@@ -104,10 +106,9 @@ mod tests {
         assert_eq!(plan.buckets, 8);
         assert_eq!([0, 1 << 61, (1 << 61) - 1, u64::MAX].map(|word| plan.bucket(word)), [0, 1, 0, 7]);
         assert_eq!(Plan::new(3, layout, 0).buckets, 1);
-        let folder = tempfile::tempdir().unwrap();
-        let pile = Pile::new(folder.path()).unwrap();
-        assert!(plan.check(262_144, &pile).is_ok());
-        let error = plan.check(262_145, &pile).unwrap_err().to_string();
-        assert!(error.contains("262145 points") && error.contains("--host-memory"), "{error}");
+        let path = Path::new("scan.laz");
+        assert!(plan.check(262_144, path).is_ok());
+        let error = plan.check(262_145, path).unwrap_err().to_string();
+        assert!(error.starts_with("scan.laz: 262145 points") && error.contains("--host-memory"), "{error}");
     }
 }

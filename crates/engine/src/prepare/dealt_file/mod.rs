@@ -11,7 +11,7 @@ mod records;
 mod sorted;
 
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -31,6 +31,8 @@ const AT_ONCE: usize = 4 * density::BLOCK;
 
 /// A cloud that is read block by block.
 pub struct Source<'a> {
+    /// Where it is stored, for errors.
+    pub path: &'a Path,
     /// Points of each block.
     pub blocks: Vec<u64>,
     /// The points of a block, with those that are not drawn set apart.

@@ -31,14 +31,9 @@ pub(super) fn words_of(extents: &[Extent]) -> u64 {
 impl Pile {
     /// An empty one in a folder.
     pub fn new(folder: &Path) -> Result<Self, Error> {
-        let file =
-            tempfile::tempfile_in(folder).map_err(|source| Error::Write { path: folder.to_path_buf(), source })?;
+        let file = tempfile::tempfile_in(folder)
+            .map_err(|source| Error::Temporary { folder: folder.to_path_buf(), source })?;
         Ok(Self { file: Mutex::new((file, 0)), folder: folder.to_path_buf() })
-    }
-
-    /// Where it is.
-    pub fn folder(&self) -> &Path {
-        &self.folder
     }
 
     /// Adds words.

@@ -2,6 +2,7 @@
 
 use std::cmp::Ordering;
 use std::ops::Range;
+use std::path::Path;
 
 use rayon::prelude::*;
 
@@ -19,8 +20,12 @@ use crate::progress::Progress;
 /// Bytes of memory for each point of a block while it is read.
 const READ_BYTES: u64 = 512;
 
+/// What is known of a cloud's points, and where those of each bucket are.
+pub(super) type Sorted = (Seen, Vec<Vec<Extent>>);
+
 /// What puts a cloud's points into order.
 struct Sorting<'a> {
+    path: &'a Path,
     pile: &'a Pile,
     layout: Layout,
     plan: Plan,
@@ -37,9 +42,10 @@ pub(super) fn sorted(
     pile: &Pile,
     settings: &Settings,
     progress: &Progress,
-) -> Result<Option<(Seen, Vec<Vec<Extent>>)>, Error> {
+) -> Result<Option<Sorted>, Error> {
     let layout = Layout { has_normals: settings.has_normals };
     let sorting = Sorting {
+        path: source.path,
         pile,
         layout,
         plan: Plan::new(source.blocks.iter().sum(), layout, settings.memory),
@@ -61,7 +67,7 @@ pub(super) fn sorted(
 
 impl Sorting<'_> {
     fn check(&self) -> Result<(), Error> {
-        self.progress.check().map_err(|_| Error::Cancelled { path: self.pile.folder().to_path_buf() })
+        self.progress.check().map_err(|_| Error::Cancelled { path: self.path.to_path_buf() })
     }
 
     /// All points by the words that they have if they are the first in their places.
@@ -120,7 +126,7 @@ impl Sorting<'_> {
     }
 
     fn read(&self, bucket: &[Extent]) -> Result<Points, Error> {
-        self.plan.check(points_of(self.layout, bucket), self.pile)?;
+        self.plan.check(points_of(self.layout, bucket), self.path)?;
         let mut words = Vec::new();
         bucket.iter().try_for_each(|extent| self.pile.read(*extent, &mut words))?;
         Ok(self.layout.points(&words))

@@ -167,7 +167,8 @@ impl Stored {
         let own = nodes.clouds.iter().zip(&nodes.anchors).zip(&reads);
         let sources = own.filter_map(|((cloud, anchor), read)| {
             let blocks = cloud.store.nodes().iter().map(|node| node.points).collect();
-            Some(dealt_file::Source { blocks, read, bounds: cloud.bounds()?, anchor: *anchor })
+            let path = &cloud.store.summary().path;
+            Some(dealt_file::Source { path, blocks, read, bounds: cloud.bounds()?, anchor: *anchor })
         });
         let settings = dealt_file::Settings {
             has_normals: nodes.clouds.iter().any(StoredCloud::has_normals),
