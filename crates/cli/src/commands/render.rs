@@ -384,6 +384,7 @@ pub fn finish(
 ) -> Result<()> {
     let brightness = session.brighten(&mut rendered.image)?;
     Session::describe_frame(rendered, console);
+    session.describe_detail(console);
     let mut metadata = resolved.metadata(session.frame.method.name(), &session.device.info().name);
     if let Some(applied) = brightness {
         if applied.found.is_some() {
@@ -394,6 +395,7 @@ pub fn finish(
     }
     let found = session.see_through.map(|found| opacity_notes::json(&found, resolved));
     metadata.extend(found.map(|json| ("pellucid:see-through".to_owned(), json.to_string())));
+    metadata.extend(session.detail_json().map(|json| ("pellucid:detail".to_owned(), json.to_string())));
     metadata.extend(own);
     let options = WriteOptions {
         background: resolved.scene.image.background,

@@ -153,6 +153,7 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
         shading,
         color: resolved.scene.image.color,
         method: resolved.scene.method.representative(),
+        detail: Default::default(),
         memory_budget: args.device.memory_budget.map(|b| b.as_u64()),
         fragments: false,
         stop: Stop::Exact,

@@ -6,10 +6,10 @@ use super::{Error, Outcome, Part, Renderer};
 use crate::gpu::Device;
 use crate::methods::Frame;
 use crate::passes::compose::Cut;
-use crate::passes::project::{Beam, DeviceCloud, Footprint, Present};
+use crate::passes::project::{Beam, CutFor, DeviceCloud, Footprint, Present};
 use crate::passes::tiles::TILE;
 use crate::points::Points;
-use crate::supply::{Held, Supply};
+use crate::supply::{Held, Limits, Supply};
 
 /// The part of a memory budget that is for points; the rest is the engine's.
 const PART: u64 = 2;
@@ -54,22 +54,36 @@ impl Renderer {
         self.supply(points, &(Arc::new(Held::new(points.clone())) as Arc<dyn Supply>))
     }
 
+    /// Has the points drawn that a frame's detail asks for, of clouds whose points come some at a time.
+    pub(super) fn cut(&self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<(), Error> {
+        let Frame { detail, camera, size, seed, .. } = *frame;
+        let limits = Limits { spacing_px: detail.spacing_px.into(), max_points: detail.max_points.map(u64::from) };
+        let wanted = (!detail.is_whole()).then_some(CutFor { limits, camera, size, seed });
+        if wanted.is_some() && cloud.supply().is_none() && !cloud.is_dealt() {
+            return Err(Error::NoLevels);
+        }
+        Ok(cloud.cut(wanted.as_ref(), &self.progress)?)
+    }
+
     /// Brings the points that may show in a window to the device, unless they are there. A window that too many reach must be cut.
     pub(super) fn bring(&self, cloud: &mut DeviceCloud, part: &Part<'_>) -> Result<Outcome, Error> {
-        let Some(supply) = cloud.supply().cloned() else { return Ok(Outcome::Done) };
+        let Some(supply) = cloud.supply() else { return Ok(Outcome::Done) };
         let (frame, blocks, room) = (part.frame, supply.blocks(), room(&self.device, cloud, part.frame));
         let count = |picked: &[u32]| picked.iter().map(|i| blocks[*i as usize].points).sum::<u64>();
         let beam = Beam::new(&frame.camera, frame.size, part.window, part.engine.extent(frame, cloud));
-        let (mut wanted, mut picked) = (Present { within: Some(beam) }, Vec::new());
+        let wanted = Present { within: Some(beam) };
         if cloud.has(&wanted) {
             return Ok(Outcome::Done);
         }
-        if cloud.total() <= room {
-            // They stay for the windows and frames to come.
-            (wanted, picked) = (Present::ALL, (0..blocks.len() as u32).collect());
-        } else {
-            picked.extend(beam.pick(blocks));
+        if cloud.drawn() <= room {
+            // They stay for the windows and frames to come. A count of points without levels may be a little too low.
+            let all: Vec<u32> = (0..blocks.len() as u32).collect();
+            if cloud.bring(&self.device, (&all, Present::ALL, room), &self.progress)? {
+                part.engine.prepare(&self.device, cloud, frame)?;
+                return Ok(Outcome::Done);
+            }
         }
+        let picked = beam.pick(blocks);
         let [x, y, x1, y1] = part.window;
         let (alone, is_tile) = (x1 - x == 1 && y1 - y == 1, x1 - x <= TILE && y1 - y <= TILE);
         // Runs over a tile's splats are composed by themselves, so a window within a tile may have other bytes: as long as the device

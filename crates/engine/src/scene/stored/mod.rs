@@ -6,6 +6,7 @@
 
 mod cache;
 mod cloud;
+mod levels;
 mod survey;
 
 use std::sync::Arc;
@@ -27,7 +28,7 @@ use crate::io::store::{self, Store};
 use crate::points::{Points, Spheres, Unseen, Whole};
 use crate::prepare::{Arranged, Supplied, order};
 use crate::progress::{Phase, Progress};
-use crate::supply::{Block, Failure, Keep, Supply};
+use crate::supply::{Block, Branch, Failure, Keep, Supply, grown};
 
 /// Stores of a scene, in the order of its clouds.
 pub type Stores = Vec<Arc<dyn Store>>;
@@ -43,6 +44,25 @@ pub fn open_stores(scene: &Scene, progress: &Progress) -> Result<Stores, io::Err
         store::open(&cloud.path, cloud.hints(), progress).map(Arc::from)
     };
     scene.clouds.iter().map(open).collect()
+}
+
+/// True if a cloud of the scene has levels of detail where it is stored.
+///
+/// # Errors
+/// A cloud that can't be opened.
+pub fn have_levels(scene: &Scene) -> Result<bool, io::Error> {
+    let levels = scene.clouds.iter().map(|cloud| store::has_levels(&cloud.path, &cloud.hints()));
+    Ok(levels.collect::<Result<Vec<_>, _>>()?.contains(&true))
+}
+
+/// True if the picture of the stores is that of all points in memory: if they have the data that the scene needs.
+///
+/// # Errors
+/// A scene that asks for what no cloud has.
+pub fn are_complete(scene: &Scene, stores: &Stores) -> Result<bool, Error> {
+    let complete = stores.iter().enumerate().map(|(index, store)| cloud::has_all(scene, index, &**store));
+    let complete = !complete.collect::<Result<Vec<_>, _>>()?.contains(&false);
+    Ok(complete && (scene.shading.model == ShadingModel::None || !is_unlit(scene, stores)))
 }
 
 /// A scene whose clouds are stores.
@@ -192,9 +212,16 @@ impl Supply for Nodes {
             self.part(*block as usize)
         };
         let parts = blocks.par_iter().map(read).collect::<Result<Vec<_>, Failure>>()?;
-        let radii: Vec<f32> = blocks.iter().map(|block| self.blocks[*block as usize].radius).collect();
-        let picked = order::picked(&parts, &self.bounds, |part, position| keep(position, radii[part]));
-        Ok(Points::gather(&parts, &picked))
+        let picked = order::picked(&parts, &self.bounds, |part, position| (keep.keeps)(position, blocks[part]));
+        let mut points = Points::gather(&parts, &picked);
+        if let Some(grows) = keep.grows {
+            let Points { positions, radii, .. } = &mut points;
+            let all = radii.par_iter_mut().zip(&*positions).zip(&picked).with_min_len(1 << 12);
+            all.for_each(|((radius, position), [part, _])| {
+                *radius = grown(*radius, grows(*position, blocks[*part as usize]));
+            });
+        }
+        Ok(points)
     }
 }
 
@@ -236,7 +263,10 @@ fn blocks(scene: &Scene, clouds: &[StoredCloud]) -> (Vec<Block>, Vec<[u32; 2]>) 
         let others = clouds.iter().enumerate().filter(|(other, _)| *other != index);
         let others: Vec<(Bounds, f32)> =
             others.filter_map(|(_, other)| Some((other.bounds()?, other.largest_radius))).collect();
+        let before = blocks.len() as u32;
         for (node, mut block) in cloud.blocks(scene) {
+            let of_scene = |branch: Branch| Branch { parent: branch.parent.map(|parent| before + parent), ..branch };
+            block.branch = block.branch.map(of_scene);
             // Points of another cloud may be in the same places.
             let meets =
                 |bounds: &Bounds| bounds.min.cmple(block.bounds.max).all() && block.bounds.min.cmple(bounds.max).all();
