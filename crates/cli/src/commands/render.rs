@@ -160,6 +160,7 @@ fn choose(
     }
     console.note(candidates(&choice.best));
     session.frame.method = choice.method;
+    session.take_detail(choice.detail, resolved)?;
     session.why = "chosen by what was measured on this scene".to_owned();
     Ok(choice)
 }

@@ -15,6 +15,7 @@ use pellucid_engine::methods::{Frame, PassProfile, Rendered, Renderer, Stop};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::profile::Profile;
 use pellucid_engine::progress::{Phase, Progress};
+use pellucid_engine::scene::Detail;
 use pellucid_engine::{Result, output, plan};
 
 use super::console::Console;
@@ -156,6 +157,15 @@ impl Session {
         let pass = |pass: &PassProfile| format!("{} {:.1} ms", pass.name, pass.gpu.as_secs_f64() * 1e3);
         let passes: Vec<String> = profile.passes.iter().map(pass).collect();
         console.detail(format_args!("passes: {}", passes.join(", ")));
+    }
+
+    /// Has frames leave points out, or none.
+    pub fn take_detail(&mut self, detail: Detail, resolved: &Resolved) -> Result<()> {
+        if !detail.is_whole() && self.cloud.supply().is_none() {
+            self.cloud = self.renderer.upload_for(&detail, &resolved.arranged, None)?;
+        }
+        self.frame.detail = detail;
+        Ok(())
     }
 
     /// What was left out of the last frame as one JSON object: the image's `pellucid:detail`; `None` if nothing was.
