@@ -80,6 +80,7 @@ impl Stage {
             ensembles: None,
             shadows: None,
             factors: Factors::default(),
+            detail: Default::default(),
         }
     }
 }

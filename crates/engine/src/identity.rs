@@ -19,6 +19,7 @@ pub fn hash(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &st
         shading,
         color,
         method: _,
+        detail,
         memory_budget,
         fragments: _,
         stop,
@@ -57,6 +58,8 @@ pub fn hash(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &st
         "{camera:?} {size:?} {shading:?} {color:?} {memory_budget:?} {stop:?} {seed} {shadows:?} {factors:?} {background:?} {surfaces:?}"
     );
     let program = format!("{} {} {}", env!("CARGO_PKG_VERSION"), device.name, device.driver);
+    // Measurements of all points are those of earlier versions.
+    let settings = if detail.is_whole() { settings } else { format!("{settings} {detail:?}") };
     for text in [&settings, formation, &program] {
         add(text.as_bytes());
     }

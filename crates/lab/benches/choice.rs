@@ -70,6 +70,7 @@ fn compare(device: &Device, name: &str, keys: &[(&str, &str)]) -> Result<()> {
         shading: scene.shading,
         color: scene.image.color,
         method: scene.method.representative(),
+        detail: Default::default(),
         memory_budget: None,
         fragments: false,
         stop: Stop::Exact,

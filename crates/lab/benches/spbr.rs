@@ -211,6 +211,7 @@ fn frame(method: Method, perspective: bool) -> Frame {
         shading: Shading::NONE,
         color: ColorSpace::Linear,
         method,
+        detail: Default::default(),
         memory_budget: None,
         fragments: false,
         stop: Stop::Exact,

@@ -89,7 +89,7 @@ impl Renderer {
         let (camera, _) = engine::camera(&settings, arranged.points(), up)?;
         let mut renderer = methods::Renderer::new(&self.device)?;
         renderer.progress = self.progress.clone();
-        let mut cloud = renderer.upload_lit(&arranged, texture.as_ref())?;
+        let mut cloud = renderer.upload_for(&settings.detail, &arranged, texture.as_ref())?;
         let mut frame = Frame::of_scene(&settings, camera, scene.seed);
         let (method, reason) = plan::choose(&mut renderer, &mut cloud, arranged.points(), settings.method, &frame)?;
         frame.method = method;
@@ -132,7 +132,7 @@ impl Loaded {
 
     /// Number of points, those without finite coordinates left out.
     pub fn len(&self) -> u64 {
-        self.cloud.len()
+        self.cloud.total()
     }
 
     /// True without points.

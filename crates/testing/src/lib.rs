@@ -133,6 +133,7 @@ pub fn frame(camera: Camera, size: [u32; 2], method: Method) -> Frame {
         shading: Shading::NONE,
         color: ColorSpace::Linear,
         method,
+        detail: Default::default(),
         memory_budget: None,
         fragments: true,
         stop: Stop::Exact,

@@ -18,7 +18,7 @@ use pellucid_engine::methods::{Frame, Rendered, Renderer, Stop, shadows};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::points::Changes;
 use pellucid_engine::scene::legend::Legend;
-use pellucid_engine::scene::{self, CameraSettings, Method, MethodChoice, Scene, View};
+use pellucid_engine::scene::{self, CameraSettings, Detail, Method, MethodChoice, Scene, View};
 use pellucid_engine::{Result, plan};
 
 /// Share of the whole picture's work from which a picture at rest is the whole one.
@@ -140,7 +140,9 @@ impl Stage {
         let Some(placed) = &mut self.placed else { return Err(no_points()) };
         let camera = camera(scene, pose, placed)?;
         let stop = Stop::EightBit { transparent: false };
-        let mut frame = Frame { memory_budget, stop, spread: true, ..Frame::of_scene(scene, camera, seed) };
+        // The window has drafts of its own, and draws all points at rest.
+        let detail = Detail::default();
+        let mut frame = Frame { memory_budget, stop, spread: true, detail, ..Frame::of_scene(scene, camera, seed) };
         let (method, why) = match known {
             Some((_, method, why)) => (method, why),
             None => {

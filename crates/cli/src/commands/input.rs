@@ -77,6 +77,14 @@ pub struct InputArgs {
     /// black.
     #[arg(long, value_name = "COLOR", allow_hyphen_values = true)]
     background: Option<String>,
+    /// Leaves out points where others are as near as PX pixels to one another, and has the radii of those grow to cover; by default the
+    /// scene file's, else 0, which leaves none out.
+    #[arg(long, value_name = "PX", allow_hyphen_values = true)]
+    detail: Option<String>,
+    /// Draws at most N points of those in the picture, the coarsest levels first, and has their radii grow to cover; by default the
+    /// scene file's, else all.
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    max_points: Option<String>,
     /// Memory of the host for points, as in 4GiB; by default half of what is free. Clouds that would take more stay in their files,
     /// of which a part of the picture reads what shows there: octrees of Potree, EPT, COPC, LAS, LAZ and PLY.
     #[arg(long, value_name = "SIZE")]
@@ -179,6 +187,8 @@ impl InputArgs {
             ("surface-opacity", "cloud.*.surface_opacity", &self.surface_opacity),
             ("radius", "cloud.*.radius", &self.radius),
             ("colormap", "cloud.*.colormap", &self.colormap),
+            ("detail", "detail.spacing_px", &self.detail),
+            ("max-points", "detail.max_points", &self.max_points),
         ];
         if let Some(name) = &self.color_by {
             // The name of a scalar may look like a number.

@@ -11,9 +11,9 @@ use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::progress::Phase;
 use pellucid_engine::scene::legend::Legend;
-use pellucid_engine::scene::stored::{Stored, open_stores};
+use pellucid_engine::scene::stored::{Stored, are_complete, have_levels, open_stores};
 use pellucid_engine::scene::{self, Method, Named, Scene, ScreenSplats};
-use pellucid_engine::{Result, output};
+use pellucid_engine::{Error, Result, output};
 
 use super::bar::Bar;
 use super::console::Console;
@@ -306,19 +306,32 @@ pub fn read(args: &InputArgs, size: Option<[u32; 2]>, console: Console, progress
     Ok(Loaded { name, scene, clouds, legend: false, see_through, opacity_given, seed: args.seed })
 }
 
-/// The scene with its clouds where they are stored, if memory is too small for all of them.
+/// The scene with its clouds where they are stored, if memory is too small for all of them, or if they have levels of detail there that
+/// the picture does without.
 fn stored(args: &InputArgs, named: &Named, scene: &Scene, console: Console, progress: &Bar) -> Result<Option<Stored>> {
     let memory = host_memory(args.host_memory)?;
-    let needed = named.announced()?.unwrap_or(0).saturating_mul(BYTES_OF_POINT);
-    if needed <= memory {
+    let announced = named.announced()?;
+    let needed = announced.unwrap_or(0).saturating_mul(BYTES_OF_POINT);
+    let fits = needed <= memory;
+    let by_levels = || Ok::<_, Error>(announced.is_some() && !scene.detail.is_whole() && have_levels(scene)?);
+    if fits && (scene.method.is_dealt() || !by_levels()?) {
         return Ok(None);
     }
-    console.detail(format_args!(
-        "all points would take {} of memory, {} are allowed: they are read as the picture needs them",
-        ByteSize(needed),
-        ByteSize(memory)
-    ));
+    if !fits {
+        console.detail(format_args!(
+            "all points would take {} of memory, {} are allowed: they are read as the picture needs them",
+            ByteSize(needed),
+            ByteSize(memory)
+        ));
+    }
     let stores = open_stores(scene, progress)?;
+    if fits && !are_complete(scene, &stores)? {
+        console.note(
+            "the levels of stores have neither the radii nor the normals that the scene needs: points are left out at random instead; \
+             `pellucid prepare` stores both",
+        );
+        return Ok(None);
+    }
     for store in &stores {
         let summary = store.summary();
         console.detail(format_args!("{}: {} points", summary.path.display(), summary.points));

@@ -164,6 +164,7 @@ impl PrepareArgs {
             shadows: scene.shadows,
             color: scene.image.color,
             method: scene.method.representative(),
+            detail: Default::default(),
             memory_budget: self.device.memory_budget.map(|budget| budget.as_u64()),
             fragments: false,
             stop: Stop::Exact,

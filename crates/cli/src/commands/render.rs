@@ -160,6 +160,7 @@ fn choose(
     }
     console.note(candidates(&choice.best));
     session.frame.method = choice.method;
+    session.take_detail(choice.detail, resolved)?;
     session.why = "chosen by what was measured on this scene".to_owned();
     Ok(choice)
 }
@@ -385,6 +386,7 @@ pub fn finish(
     let brightness = session.brighten(&mut rendered.image)?;
     Session::describe_frame(rendered, console);
     resolved.described_reads().iter().for_each(|reads| console.detail(reads));
+    session.describe_detail(console);
     let mut metadata = resolved.metadata(session.frame.method.name(), &session.device.info().name);
     if let Some(applied) = brightness {
         if applied.found.is_some() {
@@ -395,6 +397,7 @@ pub fn finish(
     }
     let found = session.see_through.map(|found| opacity_notes::json(&found, resolved));
     metadata.extend(found.map(|json| ("pellucid:see-through".to_owned(), json.to_string())));
+    metadata.extend(session.detail_json().map(|json| ("pellucid:detail".to_owned(), json.to_string())));
     metadata.extend(own);
     let options = WriteOptions {
         background: resolved.scene.image.background,

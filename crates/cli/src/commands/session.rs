@@ -3,6 +3,8 @@
 use std::io::Write;
 use std::path::Path;
 
+use serde_json::{Value, json};
+
 use super::bar::Bar;
 use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::image::Image;
@@ -13,6 +15,7 @@ use pellucid_engine::methods::{Frame, PassProfile, Rendered, Renderer, Stop};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::profile::Profile;
 use pellucid_engine::progress::{Phase, Progress};
+use pellucid_engine::scene::Detail;
 use pellucid_engine::{Result, output, plan};
 
 use super::console::Console;
@@ -83,7 +86,7 @@ impl Session {
             frame.factors.opacity = 0.5;
         }
         let renderer = Renderer::new(&device)?;
-        let cloud = renderer.upload_lit(&resolved.arranged, resolved.shadow_texture.as_ref())?;
+        let cloud = renderer.upload_for(&frame.detail, &resolved.arranged, resolved.shadow_texture.as_ref())?;
         Ok(Self {
             device,
             renderer,
@@ -114,6 +117,16 @@ impl Session {
         let surfaces = resolved.arranged.surfaces();
         let warnings = ensemble_warnings::warnings(&resolved.cloud_names(), surfaces, &shares, &self.frame);
         warnings.iter().for_each(|warning| console.warn(warning));
+        let detail = &self.frame.detail;
+        if !detail.is_whole() && self.frame.method.is_dealt() {
+            let method = self.frame.method.name();
+            console.warn(format_args!("[detail] has no effect: method {method} deals all points to ensembles"));
+        } else if !detail.is_whole() && !self.frame.method.needs_radii() {
+            let method = self.frame.method.name();
+            console.warn(format_args!(
+                "method {method} draws points of one size, which don't grow to cover what [detail] leaves out"
+            ));
+        }
         if self.frame.shadows.is_some() && !self.frame.method.takes_shadows() {
             let method = self.frame.method.name();
             console.warn(format_args!("[shadows] has no effect: method {method} takes no shadows ({})", self.why));
@@ -144,6 +157,36 @@ impl Session {
         let pass = |pass: &PassProfile| format!("{} {:.1} ms", pass.name, pass.gpu.as_secs_f64() * 1e3);
         let passes: Vec<String> = profile.passes.iter().map(pass).collect();
         console.detail(format_args!("passes: {}", passes.join(", ")));
+    }
+
+    /// Has frames leave points out, or none.
+    pub fn take_detail(&mut self, detail: Detail, resolved: &Resolved) -> Result<()> {
+        if !detail.is_whole() && self.cloud.supply().is_none() {
+            self.cloud = self.renderer.upload_for(&detail, &resolved.arranged, None)?;
+        }
+        self.frame.detail = detail;
+        Ok(())
+    }
+
+    /// What was left out of the last frame as one JSON object: the image's `pellucid:detail`; `None` if nothing was.
+    pub fn detail_json(&self) -> Option<Value> {
+        let cut = self.cloud.cut_in_force()?;
+        let detail = &self.frame.detail;
+        Some(json!({
+            "spacing_px": detail.spacing_px,
+            "max_points": detail.max_points,
+            "cut_px": cut.px(),
+            "points": cut.points(),
+            "of": self.cloud.total(),
+        }))
+    }
+
+    /// Reports what was left out of the last frame.
+    pub fn describe_detail(&self, console: Console) {
+        if let Some(cut) = self.cloud.cut_in_force() {
+            let (points, all, px) = (cut.points(), self.cloud.total(), cut.px());
+            console.detail(format_args!("levels of detail: {points} of {all} points, at most {px:.2} pixels apart"));
+        }
     }
 
     /// Renders one frame; validation messages are an error.
@@ -185,7 +228,7 @@ impl MeasureArgs {
     }
 
     /// Writes the profile, if it was asked for.
-    pub fn write_profile(&self, profile: &serde_json::Value) -> Result<()> {
+    pub fn write_profile(&self, profile: &Value) -> Result<()> {
         match &self.profile {
             Some(path) => write_json(path, profile),
             None => Ok(()),
@@ -201,7 +244,7 @@ impl MeasureArgs {
     }
 }
 
-fn write_json(path: &Path, value: &serde_json::Value) -> Result<()> {
+fn write_json(path: &Path, value: &Value) -> Result<()> {
     output::write_atomically(path, |file| writeln!(file, "{value:#}"))?;
     Ok(())
 }

@@ -97,7 +97,7 @@ fn method_names() -> PossibleValuesParser {
         opaque.iter().filter_map(|method| Surfaces::for_method(method, &with_normals)).map(Formation::Surfaces);
     let others = [Formation::Discs(Discs::default()), soft, Formation::Ensembles(Spbr::default())];
     for formation in others.into_iter().chain(opaque) {
-        let occasion = Occasion { formation, opaque: true, oriented: false, max_list: u32::MAX };
+        let occasion = Occasion { formation, opaque: true, oriented: false, max_list: u32::MAX, points: u64::MAX };
         let (settings, _) = settings::settings(&occasion, &Ladders::QUICK);
         for name in settings.iter().map(|setting| setting.method.name()) {
             if !names.contains(&name) {
@@ -153,6 +153,7 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
         shading,
         color: resolved.scene.image.color,
         method: resolved.scene.method.representative(),
+        detail: Default::default(),
         memory_budget: args.device.memory_budget.map(|b| b.as_u64()),
         fragments: false,
         stop: Stop::Exact,

@@ -172,6 +172,7 @@ fn frame(side: u32, method: Method) -> Frame {
         shading: Shading::NONE,
         color: ColorSpace::Linear,
         method,
+        detail: Default::default(),
         memory_budget: None,
         fragments: false,
         stop: Stop::Exact,

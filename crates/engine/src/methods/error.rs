@@ -60,6 +60,19 @@ pub enum Error {
     /// Points that come from a file while a frame is rendered can't be read.
     #[error("{0}")]
     Store(Arc<crate::io::Error>),
+    /// The coarsest level of detail has more points than are allowed.
+    #[error(
+        "detail.max_points = {allowed}, but the coarsest level alone has {points} points in the picture; {points} or more would do"
+    )]
+    Coarsest {
+        /// Points that are allowed.
+        allowed: u64,
+        /// Points of that level in the picture.
+        points: u64,
+    },
+    /// Levels of detail of points that are all on the device.
+    #[error("levels of detail need points that come some at a time (`Renderer::upload_for`)")]
+    NoLevels,
     /// More points show in a single pixel than fit.
     #[error(
         "{points} points may show in pixel ({x}, {y}), but the device holds {limit} at a time; a larger --memory-budget or smaller radii would help"
@@ -227,6 +240,7 @@ impl From<passes::Error> for Error {
                 Self::SortOverBudget { points, needed, available, budget }
             }
             passes::Error::Store(error) => Self::Store(error),
+            passes::Error::Coarsest { allowed, points } => Self::Coarsest { allowed, points },
             passes::Error::Unforeseen => Self::Unforeseen,
             passes::Error::Cancelled => Self::Cancelled,
         }
@@ -264,7 +278,7 @@ impl Error {
         use crate::gpu::Error::{OutOfMemory, TooLarge};
         match self {
             Self::Gpu(error) => matches!(error, OutOfMemory { .. } | TooLarge { .. }),
-            Self::ImageSize { .. } | Self::Cancelled | Self::Store(_) => false,
+            Self::ImageSize { .. } | Self::Cancelled | Self::Store(_) | Self::NoLevels => false,
             _ => true,
         }
     }

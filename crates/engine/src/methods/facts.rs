@@ -9,7 +9,7 @@ use crate::passes::raster::Walker;
 /// The counts of a frame.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Facts {
-    /// Points of the scene.
+    /// Points of the scene, without those that [`Frame::detail`](super::Frame::detail) leaves out.
     pub points: u64,
     /// Splats whose rectangle touches the image (summed over windows; solid plus soft points, if a method separates
     /// them).

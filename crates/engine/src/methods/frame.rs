@@ -4,7 +4,7 @@ use super::engine::Fragments;
 use super::{Error, Stop, engine_of};
 use crate::camera::Camera;
 use crate::image::MAX_SIDE;
-use crate::scene::{ColorSpace, Method, Scene, Shading, Shadows};
+use crate::scene::{ColorSpace, Detail, Method, Scene, Shading, Shadows};
 
 /// The settings for rendering an uploaded cloud.
 #[derive(Debug, Clone, Copy)]
@@ -21,6 +21,8 @@ pub struct Frame {
     pub color: ColorSpace,
     /// The method.
     pub method: Method,
+    /// Which points are drawn, of clouds whose points come some at a time; dealt ones are all drawn.
+    pub detail: Detail,
     /// Limit on device bytes beside cloud and image; `None` allows the device's memory minus a reserve. A dealt cloud
     /// that exceeds the limit is streamed: only the part on the device at a time counts.
     pub memory_budget: Option<u64>,
@@ -68,6 +70,7 @@ impl Frame {
             shadows: scene.shadows,
             color: scene.image.color,
             method: scene.method.representative(),
+            detail: scene.detail,
             memory_budget: None,
             fragments: false,
             stop: Stop::Exact,

@@ -36,6 +36,13 @@ pub enum Error {
     },
     /// Points can't be read.
     Store(Arc<io::Error>),
+    /// The coarsest level of detail has more points than are allowed.
+    Coarsest {
+        /// Points that are allowed.
+        allowed: u64,
+        /// Points of that level in the picture.
+        points: u64,
+    },
     /// A count was larger than taken for granted, or not asked for before.
     Unforeseen,
     /// Somebody who watches the progress wanted the work to end.

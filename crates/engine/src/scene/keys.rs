@@ -3,7 +3,7 @@
 use super::choice::MethodChoice;
 use super::methods::METHODS;
 use super::schema::{Key, Value};
-use super::settings::{CameraSettings, Clip, CloudSettings, ImageSettings, Shading, ShadowMethod, Shadows};
+use super::settings::{CameraSettings, Clip, CloudSettings, Detail, ImageSettings, Shading, ShadowMethod, Shadows};
 
 /// A table of the scene file.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,7 +17,7 @@ pub struct KeyTable {
 }
 
 /// The tables of a scene file with their keys; those of `[method]` follow from the method ([`MethodChoice::keys`]).
-pub fn tables() -> [KeyTable; 6] {
+pub fn tables() -> [KeyTable; 7] {
     let table = |title, path, keys| KeyTable { title, path, keys };
     let texture = Key {
         kind: ShadowMethod::kind(()),
@@ -32,6 +32,7 @@ pub fn tables() -> [KeyTable; 6] {
         table("[[clip]]", "clip.*", Clip::keys()),
         table("[shading]", "shading", Shading::default().keys()),
         table("[shadows]", "shadows", shadows),
+        table("[detail]", "detail", Detail::default().keys()),
     ]
 }
 

@@ -80,7 +80,7 @@ pub(super) fn read_text(path: &Path) -> Result<String, Error> {
 pub(super) fn read_scene(root: &Node, folder: Option<&Path>) -> Result<Scene, Error> {
     let context = Context { folder, ..Context::default() };
     let table = Table::root(root, &context)?;
-    table.refuse_unknown(&["image", "camera", "shading", "cloud", "clip", "method", "shadows"])?;
+    table.refuse_unknown(&["image", "camera", "shading", "cloud", "clip", "method", "shadows", "detail"])?;
     let image = read(&table.table("image")?)?;
     let camera = read(&table.table("camera")?)?;
     let shading: Shading = read(&table.table("shading")?)?;
@@ -92,6 +92,7 @@ pub(super) fn read_scene(root: &Node, folder: Option<&Path>) -> Result<Scene, Er
         clouds.iter().for_each(|cloud| warn_of_fields(cloud, &method));
     }
     let shadows = shadows(&table, &shading, &method)?;
+    let detail = read(&table.table("detail")?)?;
     check_edl(&table, &shading, &method)?;
     if settings.is_empty() {
         let problem = "there is no cloud: add [[cloud]] with path = \"FILE\"".into();
@@ -99,7 +100,7 @@ pub(super) fn read_scene(root: &Node, folder: Option<&Path>) -> Result<Scene, Er
     }
     let warnings = context.warnings.take();
     let json = root.value.to_json().to_string();
-    Ok(Scene { image, camera, shading, clouds: settings, clips, method, shadows, warnings, settings: json })
+    Ok(Scene { image, camera, shading, clouds: settings, clips, method, detail, shadows, warnings, settings: json })
 }
 
 /// Settings with what a table gives.

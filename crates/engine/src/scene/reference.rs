@@ -51,6 +51,9 @@ fn scene_file() -> String {
                  count for bounds, percentiles, radii and normals."
             }
             "shading" => "Points without normals are not shaded.",
+            "detail" => {
+                "Levels of detail: a picture without the points that are finer than it can show ([large-clouds.md](large-clouds.md))."
+            }
             _ => "Opaque points and surfaces take shadows of a light with a direction or a position.",
         };
         let rows: Vec<_> = table.keys.into_iter().map(|key| (key, String::new())).collect();

@@ -5,6 +5,7 @@ mod classes;
 mod clip;
 mod cloud;
 mod coloring;
+mod detail;
 mod discs;
 mod ensembles;
 mod image;
@@ -21,6 +22,7 @@ pub use clip::{Clip, ClipShape};
 pub use cloud::CloudSettings;
 pub(super) use cloud::FIELD_KEYS;
 pub use coloring::{ColorBy, ColorSettings, ColormapName};
+pub use detail::Detail;
 pub use discs::{
     DiscShape, Discs, Falloff, Hybrid, LongLists, MAX_K, MAX_LAYERS, MAX_SAMPLES, Peel, Raster, Stochastic,
 };
@@ -51,6 +53,8 @@ pub struct Scene {
     pub clips: Vec<Clip>,
     /// `[method]`.
     pub method: MethodChoice,
+    /// `[detail]`.
+    pub detail: Detail,
     /// `[shadows]`, if they were asked for and can be: with a light of its own place or direction, shading and an opaque method.
     pub shadows: Option<Shadows>,
     /// Warnings about keys without effect, one sentence each.

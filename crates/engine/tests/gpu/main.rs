@@ -5,6 +5,7 @@ mod approximate;
 mod brightness;
 mod cancelled;
 mod colors;
+mod detail;
 mod edl;
 mod elementary;
 mod gpu;

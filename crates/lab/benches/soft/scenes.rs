@@ -50,6 +50,7 @@ impl Subject {
             shading: scene.shading,
             color: scene.image.color,
             method: Method::SoftExpress(soft),
+            detail: Default::default(),
             memory_budget: None,
             fragments: false,
             stop: Stop::Exact,

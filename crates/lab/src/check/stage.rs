@@ -120,6 +120,7 @@ pub fn frame(camera: Camera, size: [u32; 2], method: Method) -> Frame {
         shadows: None,
         color: ColorSpace::Linear,
         method,
+        detail: Default::default(),
         memory_budget: None,
         fragments: false,
         stop: Stop::Exact,

@@ -26,7 +26,7 @@ use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{self, Frame};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::prepare::Arranged;
-use pellucid_engine::scene::{self, Method};
+use pellucid_engine::scene::{self, Detail, Method};
 pub use table::Row;
 use trials::Trials;
 
@@ -76,6 +76,8 @@ pub struct Figures {
 pub struct Choice {
     /// The method with its setting.
     pub method: Method,
+    /// The points that it leaves out; those that the frame leaves out anyway if there are none.
+    pub detail: Detail,
     /// The setting as options of the command line would give it; empty for the defaults.
     pub setting: String,
     /// Its measurements.
@@ -122,6 +124,8 @@ pub fn choose(
     let mut trials = Trials::open(device, cloud, subject, recalibrate, progress)?;
     let occasion = trials.occasion();
     let (mut all, _) = settings(&occasion, &Ladders::FINE);
+    // Who asks for a detail has the choice of methods for that.
+    all.retain(|setting| setting.detail.is_whole() || subject.frame.detail.is_whole());
     all.retain(|setting| subject.only.is_none_or(|only| only == setting.method.name()));
     // If both limits are given, the error decides.
     let asked =
@@ -138,9 +142,10 @@ pub fn choose(
     let (setting, figures) = found.ok_or_else(|| none(subject.only, trials.refusal.take()))?;
     let warning = unfulfilled(wish, figures, subject.frame.size);
     let best = table::best(trials.rows(&all), wish);
-    let Setting { method, text, .. } = setting;
+    let Setting { method, text, detail, .. } = setting;
+    let detail = if detail.is_whole() { subject.frame.detail } else { detail };
     let (known, frames) = (trials.known(), trials.frames);
-    Ok(Choice { method, setting: text, figures, wish, warning, best, known, frames })
+    Ok(Choice { method, detail, setting: text, figures, wish, warning, best, known, frames })
 }
 
 /// Why nothing could be chosen.

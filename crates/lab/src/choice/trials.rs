@@ -16,7 +16,7 @@ use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop};
 use pellucid_engine::output::linear;
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::profile::median;
-use pellucid_engine::scene::Method;
+use pellucid_engine::scene::{Detail, Method};
 use pellucid_engine::{Result, gpu, identity, metrics};
 
 /// Frames behind a median where two settings are close.
@@ -105,6 +105,8 @@ pub(super) struct Trials<'a> {
     refused: BTreeSet<String>,
     pub refusal: Option<methods::Error>,
     renderer: Renderer,
+    /// The points for frames that leave some out, if `cloud` has all of them on the device.
+    levels: Option<DeviceCloud>,
     /// Rendered once anything has to be compared with it.
     reference: Option<LinearImage>,
     /// Rendered so far.
@@ -140,6 +142,7 @@ impl<'a> Trials<'a> {
             refused: BTreeSet::new(),
             refusal: None,
             renderer,
+            levels: None,
             reference: None,
             frames: 0,
         };
@@ -215,7 +218,7 @@ impl<'a> Trials<'a> {
     }
 
     fn first_frames(&mut self, setting: &Setting, best: Option<f64>) -> Result<Record> {
-        let first = self.render(setting.method)?;
+        let first = self.render(setting.method, setting.detail)?;
         let image = linear(&first.image, self.subject.background, self.frame.color);
         self.renderer.recycle(first.image);
         self.reference()?;
@@ -224,7 +227,7 @@ impl<'a> Trials<'a> {
         let peak_device_bytes = first.facts.peak_device_bytes;
         let mut gpu_ms = Vec::new();
         while gpu_ms.len() < 2 {
-            let rendered = self.render(setting.method)?;
+            let rendered = self.render(setting.method, setting.detail)?;
             let ms = gpu(&rendered);
             self.renderer.recycle(rendered.image);
             gpu_ms.push(ms);
@@ -235,8 +238,14 @@ impl<'a> Trials<'a> {
         Ok(Record { rmse, gpu_ms, peak_device_bytes })
     }
 
-    fn render(&mut self, method: Method) -> Result<Rendered> {
-        let rendered = self.renderer.render(self.cloud, &Frame { method, ..self.frame })?;
+    /// A frame; of a detail that leaves nothing out with that of the scene.
+    fn render(&mut self, method: Method, detail: Detail) -> Result<Rendered> {
+        let rendered = if detail.is_whole() {
+            self.renderer.render(self.cloud, &Frame { method, ..self.frame })?
+        } else {
+            let cloud = leveled(self.cloud, &mut self.levels, &self.renderer, self.subject, &detail)?;
+            self.renderer.render(cloud, &Frame { method, detail, ..self.frame })?
+        };
         self.frames += 1;
         Ok(rendered)
     }
@@ -247,7 +256,7 @@ impl<'a> Trials<'a> {
                 self.reference = Some(linear(&image, self.subject.background, self.frame.color));
                 return Ok(());
             }
-            let rendered = self.render(self.frame.method)?;
+            let rendered = self.render(self.frame.method, Detail::default())?;
             self.known.max_list = rendered.facts.max_list;
             self.reference = Some(linear(&rendered.image, self.subject.background, self.frame.color));
         }
@@ -282,7 +291,15 @@ impl<'a> Trials<'a> {
                 self.progress.set_message(format!("choosing the method: {} again", setting.key()));
                 let renderer = renderers.for_method(setting.method.name())?;
                 self.frames += 1;
-                let rendered = renderer.render(self.cloud, &Frame { method: setting.method, ..self.frame })?;
+                let (method, detail) = (setting.method, setting.detail);
+                let rendered = if detail.is_whole() {
+                    renderer.render(self.cloud, &Frame { method, ..self.frame })?
+                } else {
+                    let cloud = leveled(self.cloud, &mut self.levels, renderer, self.subject, &detail)?;
+                    // Which points it has is found once.
+                    renderer.render(cloud, &Frame { method, detail, ..self.frame })?;
+                    renderer.render(cloud, &Frame { method, detail, ..self.frame })?
+                };
                 let ms = gpu(&rendered);
                 renderer.recycle(rendered.image);
                 if let (true, Some(record)) = (is_warm, self.known.records.get_mut(&setting.key())) {
@@ -293,6 +310,23 @@ impl<'a> Trials<'a> {
             left.retain(|setting| open(self, setting));
         }
         Ok(self.device.check_validation()?)
+    }
+}
+
+/// The points for frames that leave some out.
+fn leveled<'a>(
+    cloud: &'a mut DeviceCloud,
+    levels: &'a mut Option<DeviceCloud>,
+    renderer: &Renderer,
+    subject: &Subject<'_>,
+    detail: &Detail,
+) -> Result<&'a mut DeviceCloud, methods::Error> {
+    if cloud.supply().is_some() {
+        return Ok(cloud);
+    }
+    match levels {
+        Some(levels) => Ok(levels),
+        None => Ok(levels.insert(renderer.upload_for(detail, subject.arranged, None)?)),
     }
 }
 

@@ -26,7 +26,7 @@ pub use grid::Grid;
 pub use held::Held;
 pub use las::LasPieces;
 pub use octree::Octree;
-pub use open::{announced, is_folder, open};
+pub use open::{announced, has_levels, is_folder, open};
 pub use ply::PlyPieces;
 pub use tiles::Tiles;
 pub use whole::whole;

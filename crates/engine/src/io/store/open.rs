@@ -83,6 +83,20 @@ pub fn is_folder(path: &Path) -> bool {
     is_ept(path) || Octree::is_one(path)
 }
 
+/// True if a cloud has levels of detail: a folder that is a store, or COPC.
+///
+/// # Errors
+/// It can't be opened.
+pub fn has_levels(path: &Path, hints: &Hints) -> Result<bool, Error> {
+    if is_folder(path) {
+        return Ok(true);
+    }
+    let mut source = Source::open(path)?;
+    let start = source.peek()?;
+    let is_las = matches!(Format::detect(&source, &start), Ok(Format::Las));
+    Ok(is_las && LasFile::open(source, hints.las)?.header.copc.is_some())
+}
+
 fn is_ept(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name == "ept.json") || path.join("ept.json").is_file()
 }

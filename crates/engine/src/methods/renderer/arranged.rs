@@ -5,6 +5,7 @@ use crate::cloud::shadow_texture::ShadowTexture;
 use crate::passes::compose::Cut;
 use crate::passes::project::DeviceCloud;
 use crate::prepare::{Arranged, Supplied};
+use crate::scene::Detail;
 
 impl Renderer {
     /// Uploads points as [`Renderer::upload`] does, or, if they were dealt, with their clouds.
@@ -32,6 +33,22 @@ impl Renderer {
             self.put_lit(&mut cloud, arranged, texture)?;
         }
         Ok(cloud)
+    }
+
+    /// Like [`Renderer::upload_lit`], for frames with this detail: where they leave points out, those in memory come some at a time.
+    ///
+    /// # Errors
+    /// No memory for them.
+    pub fn upload_for(
+        &self,
+        detail: &Detail,
+        arranged: &Arranged,
+        texture: Option<&ShadowTexture>,
+    ) -> Result<DeviceCloud, Error> {
+        match arranged {
+            Arranged::Canonical(points) if !detail.is_whole() => self.supply_held(points),
+            _ => self.upload_lit(arranged, texture),
+        }
     }
 
     /// Gives a cloud, uploaded from `arranged`, the shadows that were stored with its points, in the order of their

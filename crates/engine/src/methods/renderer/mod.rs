@@ -243,6 +243,7 @@ impl Renderer {
     /// Brings to the device what frames need of a cloud, unless the frame is cancelled already.
     fn place(&self, engine: &dyn Engine, cloud: &mut DeviceCloud, frame: &Frame, survey: bool) -> Result<(), Error> {
         self.progress.check()?;
+        self.cut(cloud, frame)?;
         if cloud.supply().is_none() {
             return engine.place(&self.device, cloud, frame, survey);
         }
@@ -294,7 +295,7 @@ impl Renderer {
         let Drawing { engine, frame, windows, budget, learns } = *drawing;
         self.progress.set_length(u64::from(frame.size[0]) * u64::from(frame.size[1]));
         self.progress.set_position(0);
-        let mut facts = Facts { points: cloud.total(), ..Default::default() };
+        let mut facts = Facts { points: cloud.drawn(), ..Default::default() };
         self.whole = None;
         let mut windows = last_first(windows);
         while let Some(window) = windows.pop() {
@@ -452,7 +453,7 @@ impl Renderer {
             self.target.reserve(&self.device, largest(&windows))?;
         }
         let (light_views, samples) = (light_views(cloud, frame), engine.samples(frame).unwrap_or(0));
-        let mut facts = Facts { points: cloud.total(), light_views, ..Default::default() };
+        let mut facts = Facts { points: cloud.drawn(), light_views, ..Default::default() };
         let (mut windows, mut timeline) = (last_first(&windows), Timeline::new(&self.progress));
         while let Some(window) = windows.pop() {
             let part = Part { engine, frame, window, budget, samples, survey: true, learns: false };

@@ -7,10 +7,10 @@ use crate::cloud::shadow_texture::Casting;
 use crate::gpu::Device;
 use crate::methods::{Frame, Timeline, shadows};
 use crate::passes::compose::Cut;
-use crate::passes::project::{Beam, DeviceCloud, Footprint, Present};
+use crate::passes::project::{Beam, CutFor, DeviceCloud, Footprint, Present};
 use crate::passes::tiles::TILE;
 use crate::points::Points;
-use crate::supply::{Held, Supply};
+use crate::supply::{Held, Limits, Supply};
 
 /// The part of a memory budget that is for points; the rest is the engine's.
 const PART: u64 = 2;
@@ -55,6 +55,17 @@ impl Renderer {
         self.supply(points, &(Arc::new(Held::new(points.clone())) as Arc<dyn Supply>))
     }
 
+    /// Has the points drawn that a frame's detail asks for, of clouds whose points come some at a time.
+    pub(super) fn cut(&self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<(), Error> {
+        let Frame { detail, camera, size, seed, .. } = *frame;
+        let limits = Limits { spacing_px: detail.spacing_px.into(), max_points: detail.max_points.map(u64::from) };
+        let wanted = (!detail.is_whole()).then_some(CutFor { limits, camera, size, seed });
+        if wanted.is_some() && cloud.supply().is_none() && !cloud.is_dealt() {
+            return Err(Error::NoLevels);
+        }
+        Ok(cloud.cut(wanted.as_ref(), &self.progress)?)
+    }
+
     /// Brings the points that may show in a window to the device, unless they are there. A window that too many reach must be cut.
     pub(super) fn bring(
         &self,
@@ -62,21 +73,23 @@ impl Renderer {
         part: &Part<'_>,
         timeline: &mut Timeline,
     ) -> Result<Outcome, Error> {
-        let Some(supply) = cloud.supply().cloned() else { return Ok(Outcome::Done) };
+        let Some(supply) = cloud.supply() else { return Ok(Outcome::Done) };
         let (frame, blocks, room) = (part.frame, supply.blocks(), room(&self.device, cloud, part.frame));
         let count = |picked: &[u32]| picked.iter().map(|i| blocks[*i as usize].points).sum::<u64>();
         let beam = Beam::new(&frame.camera, frame.size, part.window, part.engine.extent(frame, cloud));
-        let (mut wanted, mut picked) = (Present { within: Some(beam) }, Vec::new());
+        let wanted = Present { within: Some(beam) };
         if cloud.has(&wanted) {
             self.share_light(cloud, frame, timeline)?;
             return Ok(Outcome::Done);
         }
-        if cloud.total() <= room {
-            // They stay for the windows and frames to come.
-            (wanted, picked) = (Present::ALL, (0..blocks.len() as u32).collect());
-        } else {
-            picked.extend(beam.pick(blocks));
+        if cloud.drawn() <= room {
+            // They stay for the windows and frames to come. A count of points without levels may be a little too low.
+            let all: Vec<u32> = (0..blocks.len() as u32).collect();
+            if cloud.bring(&self.device, (&all, Present::ALL, room), &self.progress)? {
+                return self.ready(cloud, part, timeline);
+            }
         }
+        let picked = beam.pick(blocks);
         let [x, y, x1, y1] = part.window;
         let (alone, is_tile) = (x1 - x == 1 && y1 - y == 1, x1 - x <= TILE && y1 - y <= TILE);
         // Runs over a tile's splats are composed by themselves, so a window within a tile may have other bytes: as long as the device
@@ -84,18 +97,23 @@ impl Renderer {
         let room = if is_tile { Cut::most(&self.device) } else { room.min(supply.most()) };
         let points = count(&picked);
         // Nodes are not read in vain where so many points are expected that they won't fit; some more than that are.
-        let expected = || supply.estimate(&|position, radius| beam.meets_point(position, radius));
+        let expected = || supply.estimate(&|position| beam.meets_point(position, 0.0));
         let fits = || expected().is_none_or(|expected| expected <= room - room / 10);
         let few = alone || (points <= READ * room && fits());
         if few && cloud.bring(&self.device, (&picked, wanted, room), &self.progress)? {
-            if part.engine.projects() {
-                cloud.make_room(&self.device)?;
-            }
-            self.share_light(cloud, frame, timeline)?;
-            part.engine.prepare(&self.device, cloud, frame)?;
-            return Ok(Outcome::Done);
+            return self.ready(cloud, part, timeline);
         }
         if alone { Err(Error::PointsOfPixel { x, y, points, limit: room }) } else { Ok(Outcome::Overflow) }
+    }
+
+    /// Finds what a window needs of the points that were brought.
+    fn ready(&self, cloud: &mut DeviceCloud, part: &Part<'_>, timeline: &mut Timeline) -> Result<Outcome, Error> {
+        if part.engine.projects() {
+            cloud.make_room(&self.device)?;
+        }
+        self.share_light(cloud, part.frame, timeline)?;
+        part.engine.prepare(&self.device, cloud, part.frame)?;
+        Ok(Outcome::Done)
     }
 
     /// Makes the images of the lights of a frame from all points.

@@ -143,7 +143,7 @@ mod tests {
                 let min = place(&mut random);
                 let max = min + DVec3::from([(); 3].map(|()| random.random_range(0.0..0.3)));
                 let radius = random.random_range(0.0..0.2f32);
-                let block = Block { bounds: Bounds { min, max }, radius, points: 1 };
+                let block = Block { bounds: Bounds { min, max }, radius, points: 1, branch: None };
                 let is_picked = beam.meets(&block);
                 picked += u32::from(is_picked);
                 // Discs at places of the block that face the viewer.

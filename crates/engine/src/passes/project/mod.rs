@@ -8,7 +8,7 @@ mod shade;
 mod view;
 
 pub use beam::{Beam, Extent};
-pub use cloud::{COLUMN_BYTES, Column, DeviceCloud, LightImages, Placed, Present};
+pub use cloud::{COLUMN_BYTES, Column, CutFor, DeviceCloud, LightImages, Placed, Present};
 pub use footprint::{DISCS, Footprint, TILED};
 pub use part::{Part, Parts};
 pub(crate) use shade::Shaded;

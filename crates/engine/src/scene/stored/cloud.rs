@@ -8,6 +8,7 @@ use super::super::coloring::Coloring;
 use super::super::error::Error;
 use super::super::legend::Legend;
 use super::super::settings::Scene;
+use super::levels::branches;
 use super::survey::survey;
 use crate::cloud::facts::Facts;
 use crate::cloud::{Bounds, Cloud};
@@ -112,11 +113,11 @@ impl StoredCloud {
     /// Its nodes as blocks.
     pub fn blocks(&self, scene: &Scene) -> Vec<(usize, Block)> {
         let nodes = self.store.nodes();
-        let radii = self.radii(nodes, scene);
+        let (radii, branches) = (self.radii(nodes, scene), branches(nodes, scene.clouds[self.index].scale));
         let with_points = nodes.iter().enumerate().filter(|(_, node)| node.points > 0);
         let block = |(at, node): (usize, &Node)| {
             let bounds = in_scene(scene, self.index, &node.bounds);
-            (at, Block { bounds, radius: radii[at], points: node.points })
+            (at, Block { bounds, radius: radii[at], points: node.points, branch: branches[at] })
         };
         with_points.map(block).collect()
     }
@@ -167,6 +168,12 @@ impl StoredCloud {
         let file_order = places.iter().map(|place| (self.first + place) as u32).collect();
         transformed(scene, clips, self.index, cloud, Source::Part(&self.known, file_order))
     }
+}
+
+/// True if a store has what its scene needs of it.
+pub(super) fn has_all(scene: &Scene, index: usize, store: &dyn Store) -> Result<bool, Error> {
+    let like = &store.summary().like;
+    Ok(request(scene, index, like)?.missing(like).is_none())
 }
 
 /// The data that a scene needs of a cloud's points; normals to shade by are those that points have.

@@ -6,6 +6,7 @@
 
 mod cache;
 mod cloud;
+mod levels;
 mod survey;
 
 use std::path::Path;
@@ -29,7 +30,7 @@ use crate::points::{Anchor, Points, Spheres, Unseen, Whole};
 use crate::prepare::dealt_file::{self, DealtFile};
 use crate::prepare::{Arranged, Supplied, order};
 use crate::progress::{Phase, Progress};
-use crate::supply::{Block, Failure, Keep, Supply};
+use crate::supply::{Block, Branch, Failure, Keep, Supply, grown};
 
 /// Stores of a scene, in the order of its clouds.
 pub type Stores = Vec<Arc<dyn Store>>;
@@ -49,6 +50,25 @@ pub fn open_stores(scene: &Scene, progress: &Progress) -> Result<Stores, io::Err
 
 /// Bytes of memory for each point that is taken at a time: as it is read, put into order, and taken. Half of the memory keeps nodes.
 const TAKEN_BYTES: u64 = 2 * 150;
+
+/// True if a cloud of the scene has levels of detail where it is stored.
+///
+/// # Errors
+/// A cloud that can't be opened.
+pub fn have_levels(scene: &Scene) -> Result<bool, io::Error> {
+    let levels = scene.clouds.iter().map(|cloud| store::has_levels(&cloud.path, &cloud.hints()));
+    Ok(levels.collect::<Result<Vec<_>, _>>()?.contains(&true))
+}
+
+/// True if the picture of the stores is that of all points in memory: if they have the data that the scene needs.
+///
+/// # Errors
+/// A scene that asks for what no cloud has.
+pub fn are_complete(scene: &Scene, stores: &Stores) -> Result<bool, Error> {
+    let complete = stores.iter().enumerate().map(|(index, store)| cloud::has_all(scene, index, &**store));
+    let complete = !complete.collect::<Result<Vec<_>, _>>()?.contains(&false);
+    Ok(complete && (scene.shading.model == ShadingModel::None || !is_unlit(scene, stores)))
+}
 
 /// A scene whose clouds are stores.
 #[derive(Debug, Clone)]
@@ -246,27 +266,35 @@ impl Supply for Nodes {
         self.most
     }
 
-    fn estimate(&self, keep: Keep<'_>) -> Option<u64> {
+    fn estimate(&self, shows: &(dyn Fn(DVec3) -> bool + Sync)) -> Option<u64> {
         let (places, each) = &self.sampled;
-        let kept = places.par_iter().with_min_len(1 << 12).filter(|place| keep(**place, 0.0)).count();
+        let kept = places.par_iter().with_min_len(1 << 12).filter(|place| shows(**place)).count();
         Some(kept as u64 * each)
     }
 
     fn take(&self, blocks: &[u32], keep: Keep<'_>, progress: &Progress) -> Result<Points, Failure> {
         let read = |block: &u32| {
             progress.check()?;
-            let Block { bounds, radius, .. } = self.blocks[*block as usize];
             let points = self.part(*block as usize)?;
-            // What is kept is convex.
-            if bounds.corners().into_iter().all(|corner| keep(corner, radius)) {
+            let corners = self.blocks[*block as usize].bounds.corners();
+            if keep.convex && corners.into_iter().all(|corner| (keep.keeps)(corner, *block)) {
                 return Ok(points);
             }
             let each = points.positions.iter().enumerate();
-            let kept: Vec<u32> = each.filter(|(_, p)| keep(**p, radius)).map(|(at, _)| at as u32).collect();
+            let kept: Vec<u32> = each.filter(|(_, p)| (keep.keeps)(**p, *block)).map(|(at, _)| at as u32).collect();
             Ok(Arc::new(Points { unseen: Arc::default(), ..points.subset(&kept, 1.0) }))
         };
         let parts = blocks.par_iter().map(read).collect::<Result<Vec<_>, Failure>>()?;
-        Ok(Points::gather(&parts, &order::merged(&parts, &self.bounds)))
+        let picked = order::merged(&parts, &self.bounds);
+        let mut points = Points::gather(&parts, &picked);
+        if let Some(grows) = keep.grows {
+            let Points { positions, radii, .. } = &mut points;
+            let all = radii.par_iter_mut().zip(&*positions).zip(&picked).with_min_len(1 << 12);
+            all.for_each(|((radius, position), [part, _])| {
+                *radius = grown(*radius, grows(*position, blocks[*part as usize]));
+            });
+        }
+        Ok(points)
     }
 }
 
@@ -312,7 +340,10 @@ fn blocks(scene: &Scene, clouds: &[StoredCloud]) -> (Vec<Block>, Vec<[u32; 2]>) 
         let others = clouds.iter().enumerate().filter(|(other, _)| *other != index);
         let others: Vec<(Bounds, f32)> =
             others.filter_map(|(_, other)| Some((other.bounds()?, other.largest_radius))).collect();
+        let before = blocks.len() as u32;
         for (node, mut block) in cloud.blocks(scene) {
+            let of_scene = |branch: Branch| Branch { parent: branch.parent.map(|parent| before + parent), ..branch };
+            block.branch = block.branch.map(of_scene);
             // Points of another cloud may be in the same places.
             let meets =
                 |bounds: &Bounds| bounds.min.cmple(block.bounds.max).all() && block.bounds.min.cmple(bounds.max).all();

@@ -78,6 +78,7 @@ impl Place {
             ensembles: None,
             shadows: None,
             factors: Factors::default(),
+            detail: Default::default(),
             memory_budget: settings.memory_budget,
             fragments: false,
         };

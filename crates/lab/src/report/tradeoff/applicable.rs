@@ -6,6 +6,17 @@ use super::surfaces::ladder;
 use pellucid_engine::methods::abuffer::LOCAL_LENGTH;
 use pellucid_engine::scene::{self, Density, Family, Key, Kind, Ladder, Method, ScreenSplats, Soft, SoftLayout};
 
+/// Points from which levels of detail are compared: fewer are drawn in no time.
+const LEAST_FOR_LEVELS: u64 = 1 << 18;
+
+/// The softness as an option, where it is not as the scene has it.
+fn softness(soft: &Soft, from_lambda: bool) -> String {
+    match soft.density {
+        Density::Softness(peak) if from_lambda => format!("method.softness={peak}"),
+        _ => String::new(),
+    }
+}
+
 /// Settings that apply, and those that don't, with the reason.
 #[derive(Default)]
 struct ApplicableSettings {
@@ -30,16 +41,14 @@ pub fn settings(occasion: &Occasion, ladders: &Ladders) -> (Vec<Setting>, Vec<Sk
             found.skip(Method::SpbrSimplified(Default::default()), reason);
         }
         Formation::Soft { soft, from_lambda } => {
-            let rest = match soft.density {
-                Density::Softness(peak) if from_lambda => format!("method.softness={peak}"),
-                _ => String::new(),
-            };
+            let rest = softness(&soft, from_lambda);
             for method in Family::Soft.methods() {
                 found.try_all(occasion, ladders, method.with_keys(&soft.keys()), &rest);
             }
         }
         Formation::Surfaces(surfaces) => (found.settings, found.skipped) = ladder::settings(&surfaces, ladders),
     }
+    found.levels(occasion, ladders);
     found.skip_the_others(&occasion.formation);
     (found.settings, found.skipped)
 }
@@ -102,6 +111,25 @@ impl ApplicableSettings {
             // Before the ladders, with the other exact ones.
             let at = self.settings.iter().position(|setting| setting.step.is_some()).unwrap_or(self.settings.len());
             self.settings.insert(at, circles);
+        }
+    }
+
+    /// Levels of detail of the methods that draw all points exactly, or of opaque points of their own size: of clouds that are large
+    /// enough for it to matter.
+    fn levels(&mut self, occasion: &Occasion, ladders: &Ladders) {
+        let (methods, rest) = match occasion.formation {
+            Formation::Discs(discs) => (vec![Method::ABuffer(discs), Method::Sorted(discs)], String::new()),
+            Formation::Soft { soft, from_lambda } => (vec![Method::SoftBase(soft)], softness(&soft, from_lambda)),
+            Formation::Surfaces(surfaces) => (vec![Method::Circles(surfaces.sized(1.0))], "method.size=1".to_owned()),
+            Formation::Ensembles(_) => return,
+        };
+        if occasion.points < LEAST_FOR_LEVELS {
+            return;
+        }
+        for method in methods {
+            self.settings.extend(ladders.spacings.iter().map(|px| Setting::spaced(method, *px, &rest)));
+            let some = |one_of: &u32| u32::try_from(occasion.points / u64::from(*one_of)).unwrap_or(u32::MAX);
+            self.settings.extend(ladders.one_of.iter().map(|one_of| Setting::limited(method, some(one_of), &rest)));
         }
     }
 

@@ -61,6 +61,10 @@ pub struct Ladders {
     pub iterations: &'static [u32],
     /// Opaque points are drawn completely and thinned to every n-th point; the first entry is 1.
     pub thinning: &'static [u32],
+    /// `spacing_px` of `[detail]`, the coarsest first.
+    pub spacings: &'static [f32],
+    /// `max_points` of `[detail]` as one of so many of all points, the fewest first.
+    pub one_of: &'static [u32],
     /// `samples` of `[shadows]`.
     pub shadow_samples: &'static [u32],
 }
@@ -72,6 +76,8 @@ impl Ladders {
         sizes: &[0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0],
         iterations: &[0, 1, 2, 4, 8],
         thinning: &[1, 4, 16],
+        spacings: &[16.0, 8.0, 4.0, 2.0, 1.0, 0.5],
+        one_of: &[64, 16, 4],
         shadow_samples: &[1, 5, 10, 30],
     };
     /// The settings for a first look and for CI.
@@ -80,6 +86,8 @@ impl Ladders {
         sizes: &[0.0, 1.0, 2.0],
         iterations: &[0, 1, 4],
         thinning: &[1, 16],
+        spacings: &[8.0, 2.0],
+        one_of: &[16],
         shadow_samples: &[1, 5],
     };
     /// The settings that a choice considers.
@@ -106,6 +114,8 @@ pub struct Occasion {
     pub oriented: bool,
     /// Longest list of fragments.
     pub max_list: u32,
+    /// Points of the scene.
+    pub points: u64,
 }
 
 impl Occasion {
@@ -118,7 +128,7 @@ impl Occasion {
             ),
             Formation::Soft { .. } | Formation::Ensembles(_) | Formation::Surfaces(_) => (false, false),
         };
-        Self { formation, opaque, oriented, max_list }
+        Self { formation, opaque, oriented, max_list, points: points.count() }
     }
 }
 
@@ -137,12 +147,15 @@ pub struct Setting {
     pub effort: Option<f64>,
     /// For opaque points, draw every n-th; 1 means all.
     pub thinning: u32,
+    /// Which points are left out by how fine they are.
+    pub detail: scene::Detail,
 }
 
 impl Setting {
     pub(super) fn single(method: Method, text: &str) -> Self {
         let series = format!("{} {text}", method.name());
-        Self { method, text: text.to_owned(), step: None, series, effort: None, thinning: 1 }
+        let detail = scene::Detail::default();
+        Self { method, text: text.to_owned(), step: None, series, effort: None, thinning: 1, detail }
     }
 
     /// The varied key may stand for several keys, as in `fill+occlusion`.
@@ -151,7 +164,28 @@ impl Setting {
         let turned: String = key.split('+').map(|key| format!("method.{key}={value} ")).collect();
         let text = format!("{turned}{rest}").trim_end().to_owned();
         let series = format!("{} {rest}", method.name());
-        Self { method, text, step: Some((key, value)), series, effort: Some(value), thinning: 1 }
+        let detail = scene::Detail::default();
+        Self { method, text, step: Some((key, value)), series, effort: Some(value), thinning: 1, detail }
+    }
+
+    /// Points at most so many pixels apart, which take the longer the nearer they are.
+    pub(super) fn spaced(method: Method, spacing_px: f32, rest: &str) -> Self {
+        let detail = scene::Detail { spacing_px, ..Default::default() };
+        let effort = 1.0 / f64::from(spacing_px * spacing_px);
+        Self::level(method, ("detail.spacing_px", spacing_px.into()), effort, detail, rest)
+    }
+
+    /// At most so many points.
+    pub(super) fn limited(method: Method, max_points: u32, rest: &str) -> Self {
+        let detail = scene::Detail { max_points: Some(max_points), ..Default::default() };
+        Self::level(method, ("detail.max_points", max_points.into()), max_points.into(), detail, rest)
+    }
+
+    fn level(method: Method, step: (&'static str, f64), effort: f64, detail: scene::Detail, rest: &str) -> Self {
+        let (key, value) = step;
+        let text = format!("{key}={value} {rest}").trim_end().to_owned();
+        let series = format!("{} {key} {rest}", method.name());
+        Self { method, text, step: Some(step), series, effort: Some(effort), thinning: 1, detail }
     }
 
     /// Method and setting: no two have the same.
@@ -171,7 +205,8 @@ impl Setting {
 
     /// True if the image is exact except for rounding.
     pub fn is_exact(&self, occasion: &Occasion) -> bool {
-        matches!(self.method, Method::Circles(_)) || self.method.is_exact(occasion.oriented)
+        let draws_this = matches!(self.method, Method::Circles(_)) || self.method.is_exact(occasion.oriented);
+        draws_this && self.detail.is_whole()
     }
 
     /// The setting of a ladder.
@@ -224,7 +259,7 @@ mod tests {
 
     fn occasion(max_list: u32) -> Occasion {
         let formation = Formation::Discs(Discs::default());
-        Occasion { formation, opaque: false, oriented: false, max_list }
+        Occasion { formation, opaque: false, oriented: false, max_list, points: 1000 }
     }
 
     fn keys(occasion: &Occasion) -> Vec<String> {
@@ -267,6 +302,44 @@ mod tests {
         assert!(!keys(&occasion(1)).iter().any(is_circles));
         assert!(keys(&Occasion { opaque: true, ..occasion(1) }).iter().any(is_circles));
         assert!(!keys(&Occasion { opaque: true, oriented: true, ..occasion(1) }).iter().any(is_circles));
+    }
+
+    #[test]
+    fn levels_of_detail_are_ladders_of_large_clouds() {
+        let large = Occasion { points: 1 << 20, ..occasion(5) };
+        let (all, _) = settings(&large, &Ladders::FULL);
+        let levels: Vec<&Setting> = all.iter().filter(|setting| !setting.detail.is_whole()).collect();
+        // Of two methods, six distances and three numbers.
+        assert_eq!(levels.len(), 2 * (6 + 3));
+        assert!(levels.iter().all(|setting| !setting.is_exact(&large)));
+        let keys: Vec<String> = levels.iter().map(|setting| setting.key()).collect();
+        assert_eq!(keys[0], "abuffer detail.spacing_px=16");
+        assert_eq!(keys[5], "abuffer detail.spacing_px=0.5");
+        // 2^20 over 64, 16 and 4.
+        assert_eq!(keys[6..9], ["16384", "65536", "262144"].map(|n| format!("abuffer detail.max_points={n}")));
+        for pair in levels.windows(2).filter(|pair| pair[0].series == pair[1].series) {
+            assert!(pair[0].effort < pair[1].effort, "{pair:?}");
+        }
+        let mut names = keys.clone();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), keys.len());
+        let (few, _) = settings(&occasion(5), &Ladders::FULL);
+        assert!(few.iter().all(|setting| setting.detail.is_whole()));
+        let ensembles = Occasion { formation: Formation::Ensembles(Spbr::default()), ..large };
+        assert!(settings(&ensembles, &Ladders::FULL).0.iter().all(|setting| setting.detail.is_whole()));
+        let surfaces = Surfaces::for_method(&Method::Points, &Points::default()).unwrap();
+        let surfaces = Occasion { formation: Formation::Surfaces(surfaces), ..large };
+        let (all, _) = settings(&surfaces, &Ladders::QUICK);
+        let keys: Vec<String> = all.iter().filter(|s| !s.detail.is_whole()).map(Setting::key).collect();
+        assert_eq!(
+            keys,
+            [
+                "circles detail.spacing_px=8 method.size=1",
+                "circles detail.spacing_px=2 method.size=1",
+                "circles detail.max_points=65536 method.size=1"
+            ]
+        );
     }
 
     #[test]

@@ -125,7 +125,7 @@ mod tests {
 
     fn all() -> Vec<Setting> {
         let formation = Formation::Discs(Discs::default());
-        let occasion = Occasion { formation, opaque: false, oriented: false, max_list: 1000 };
+        let occasion = Occasion { formation, opaque: false, oriented: false, max_list: 1000, points: 1000 };
         settings(&occasion, &Ladders::FULL).0
     }
 

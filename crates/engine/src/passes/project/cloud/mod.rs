@@ -11,7 +11,7 @@ pub(super) use column::split;
 pub use column::{COLUMN_BYTES, Column};
 pub use lit::LightImages;
 pub use placed::Placed;
-pub use supplied::Present;
+pub use supplied::{CutFor, Present};
 
 use std::sync::Arc;
 
@@ -30,6 +30,7 @@ use crate::points::{Anchor, Points};
 use crate::prepare::axes;
 use crate::progress::Progress;
 use crate::scene::{ColorSpace, Formula, Shading};
+use crate::supply::Cut;
 
 /// A cloud on the device, with room for its splats.
 ///
@@ -218,6 +219,16 @@ impl DeviceCloud {
         self.total
     }
 
+    /// Number of points that are drawn; where those without levels are left out, about so many.
+    pub fn drawn(&self) -> u64 {
+        self.cut_in_force().map_or(self.total, Cut::points)
+    }
+
+    /// True of points that were dealt.
+    pub fn is_dealt(&self) -> bool {
+        self.host.is_some()
+    }
+
     /// True without points on the device.
     pub fn is_empty(&self) -> bool {
         self.len == 0
@@ -277,10 +288,9 @@ impl DeviceCloud {
     /// Points can't be read, or `progress` cancels it.
     pub fn find_parts(&mut self, threshold: f32, progress: &Progress) -> Result<(), crate::passes::Error> {
         let is_known = self.parts.is_some_and(|(known, _)| known == threshold);
-        let Some(supply) = self.supply().filter(|_| self.is_sample && self.has_fields && !is_known) else {
-            return Ok(());
-        };
-        let parts = Parts::of_supply(&**supply, threshold, progress).map_err(supplied::failed)?;
+        let supplied = self.supplied.as_ref().filter(|_| self.is_sample && self.has_fields && !is_known);
+        let Some(supplied) = supplied else { return Ok(()) };
+        let parts = Parts::of_supply(&*supplied.whole, threshold, progress).map_err(supplied::failed)?;
         self.parts = Some((threshold, parts));
         Ok(())
     }

@@ -3,19 +3,40 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use rayon::iter::ParallelIterator;
 
-use super::super::{Beam, Bounds, Footprint, Splat, Tilt};
+use super::super::{Beam, Bounds, Extent, Footprint, Splat, Tilt};
 use super::{COLUMN_BYTES, Column, DeviceCloud, empty, upload_ids};
+use crate::camera::Camera;
 use crate::gpu::{Device, Error, Memory};
 use crate::points::Points;
 use crate::progress::Progress;
-use crate::supply::{Failure, Supply, each};
+use crate::supply::{self, Cut, Failure, Keep, Limits, Picture, Scale, Supply, each};
 
 /// Where the points of a cloud come from, and which of them are on the device.
 pub(super) struct Supplied {
-    supply: Arc<dyn Supply>,
+    pub(super) whole: Arc<dyn Supply>,
+    /// What is drawn of it, if that is not all.
+    cut: Option<(CutFor, Arc<Cut>)>,
+    /// The distance between points of clouds without levels, in world units.
+    spacing: f64,
+    /// The largest radius of all points.
+    max_radius: f32,
     /// Which points are on the device.
     present: Option<Present>,
+}
+
+/// What a cut is for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CutFor {
+    /// What limits it.
+    pub limits: Limits,
+    /// The picture's camera.
+    pub camera: Camera,
+    /// Its size in pixels.
+    pub size: [u32; 2],
+    /// The seed of the order of points without levels.
+    pub seed: u64,
 }
 
 /// Which points of a cloud are on the device.
@@ -23,6 +44,15 @@ pub(super) struct Supplied {
 pub struct Present {
     /// Those of which anything may show there; `None` for all.
     pub within: Option<Beam>,
+}
+
+impl Supplied {
+    fn drawn(&self) -> Arc<dyn Supply> {
+        match &self.cut {
+            Some((_, cut)) => Arc::clone(cut) as Arc<dyn Supply>,
+            None => Arc::clone(&self.whole),
+        }
+    }
 }
 
 impl Present {
@@ -40,13 +70,49 @@ impl DeviceCloud {
     pub fn of_supply(device: &Device, points: &Points, supply: Arc<dyn Supply>) -> Result<Self, Error> {
         let mut cloud = Self::without_columns(device, points)?;
         cloud.len = 0;
-        cloud.supplied = Some(Supplied { supply, present: None });
+        let sampled: Vec<DVec3> = points.sampled().copied().collect();
+        let spacing = supply::spacing(&sampled, points.count());
+        let max_radius = cloud.max_radius;
+        cloud.supplied = Some(Supplied { whole: supply, cut: None, spacing, max_radius, present: None });
         Ok(cloud)
     }
 
-    /// Where the points come from, of clouds whose points come some at a time.
-    pub fn supply(&self) -> Option<&Arc<dyn Supply>> {
-        self.supplied.as_ref().map(|supplied| &supplied.supply)
+    /// Where the points that are drawn come from, of clouds whose points come some at a time.
+    pub fn supply(&self) -> Option<Arc<dyn Supply>> {
+        self.supplied.as_ref().map(Supplied::drawn)
+    }
+
+    /// The points that are drawn, if they are not all ([`Self::cut`]).
+    pub fn cut_in_force(&self) -> Option<&Cut> {
+        self.supplied.as_ref()?.cut.as_ref().map(|(_, cut)| &**cut)
+    }
+
+    /// Has some of the points drawn of a cloud whose points come some at a time; `None` for all.
+    ///
+    /// # Errors
+    /// Points can't be read, the coarsest level has more than are allowed, or `progress` cancels it: then all are drawn.
+    pub fn cut(&mut self, wanted: Option<&CutFor>, progress: &Progress) -> Result<(), crate::passes::Error> {
+        let Some(supplied) = &mut self.supplied else { return Ok(()) };
+        if supplied.cut.as_ref().map(|(known, _)| known) == wanted {
+            return Ok(());
+        }
+        (supplied.present, supplied.cut, self.max_radius) = (None, None, supplied.max_radius);
+        let Some(wanted) = wanted else { return Ok(()) };
+        let CutFor { limits, camera, size, seed } = *wanted;
+        let beam = Beam::new(&camera, size, [0, 0, size[0], size[1]], Extent::pixels(0.0));
+        let behind = camera.near - camera.near.abs().max(camera.far - camera.near);
+        let picture = Picture {
+            scale: Scale::new(&camera, size[1]),
+            blocks: &beam.pick(supplied.whole.blocks()),
+            shows: &|position| beam.meets_point(position, 0.0),
+            nowhere: camera.eye + behind * camera.forward,
+            seed,
+        };
+        let cut = Cut::new(Arc::clone(&supplied.whole), supplied.spacing, &limits, &picture, progress);
+        let cut = cut.map_err(failed)?;
+        self.max_radius = supply::grown(self.max_radius, cut.most_growth());
+        supplied.cut = Some((*wanted, Arc::new(cut)));
+        Ok(())
     }
 
     /// Device bytes of a point with its splat.
@@ -75,14 +141,19 @@ impl DeviceCloud {
         progress: &Progress,
     ) -> Result<bool, crate::passes::Error> {
         let Some(supplied) = &mut self.supplied else { return Ok(true) };
-        let points = supplied.supply.take(blocks, &|position, radius| wanted.keeps(position, radius), progress);
-        let mut points = points.map_err(failed)?;
+        let supply = supplied.drawn();
+        let all = supply.blocks();
+        let keeps = |position, block: u32| wanted.keeps(position, all[block as usize].radius);
+        let mut points = supply.take(blocks, Keep::those(&keeps), progress).map_err(failed)?;
         if points.len() as u64 > room {
             return Ok(false);
         }
         if points.is_empty() {
             // Passes want one. It shows nowhere.
-            points = supplied.supply.take(&[0], &|_, _| true, progress).map_err(failed)?.subset(&[0], 1.0);
+            points = supplied.whole.take(&[0], Keep::ALL, progress).map_err(failed)?.subset(&[0], 1.0);
+            if let Some((_, cut)) = &supplied.cut {
+                points.positions.fill(cut.nowhere());
+            }
         }
         self.put(device, &points)?;
         if let Some(supplied) = &mut self.supplied {
@@ -102,7 +173,7 @@ impl DeviceCloud {
         progress: &Progress,
         mut see: impl FnMut(&mut Self) -> Result<(), E>,
     ) -> Result<(), E> {
-        let Some(supply) = self.supply().cloned() else { return Ok(()) };
+        let Some(supply) = self.supply() else { return Ok(()) };
         let mut seen = Ok(());
         let show = |points: &Points| {
             let places: Vec<u32> = (0..points.len() as u32).collect();
@@ -178,6 +249,7 @@ impl DeviceCloud {
 
 pub(super) fn failed(failure: Failure) -> crate::passes::Error {
     match failure {
+        Failure::Coarsest { allowed, points } => crate::passes::Error::Coarsest { allowed, points },
         Failure::Cancelled => crate::passes::Error::Cancelled,
         Failure::Store(error) => crate::passes::Error::Store(error),
     }

@@ -15,6 +15,7 @@ use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop};
 use pellucid_engine::output::{self, linear, write_rgb_png};
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::progress::Progress;
+use pellucid_engine::scene::Detail;
 use pellucid_engine::{Result, identity};
 
 use self::limit::Spent;
@@ -84,7 +85,9 @@ pub fn run(
     let formation = compared(&subject.frame.method, subject.arranged.points())?;
     // Goes again if the first frame fails already.
     let _new = output::make_folder(folder)?;
-    let frame = Frame { method: formation.exact(), stop: Stop::Exact, fragments: false, ..subject.frame };
+    // Errors are those against all points.
+    let (method, detail) = (formation.exact(), Detail::default());
+    let frame = Frame { method, detail, stop: Stop::Exact, fragments: false, ..subject.frame };
     // Shadows are measured with the scene's own method.
     let own = frame.shadows.map(|_| subject.frame.method);
     let formed = format!("{formation:?} {own:?}");
@@ -183,12 +186,12 @@ impl Run<'_> {
     fn frame_of(&self, setting: &Setting, image: u32) -> Frame {
         // Wraps around like any seed would.
         let seed = self.subject.frame.seed.wrapping_add(image.into());
-        Frame { method: setting.method, seed, ..self.frame }
+        Frame { method: setting.method, detail: setting.detail, seed, ..self.frame }
     }
 
     fn render(&mut self, renderer: &mut Renderer, setting: &Setting, image: u32) -> Result<Rendered, methods::Error> {
         let frame = self.frame_of(setting, image);
-        renderer.render(self.clouds.on_device(renderer, setting.thinning)?, &frame)
+        renderer.render(self.clouds.on_device(renderer, setting.thinning, &setting.detail)?, &frame)
     }
 
     /// Shadows of more and fewer samples, unless an earlier run has them.

@@ -35,7 +35,7 @@ impl Made {
     ) -> Result<Self> {
         let (name, background) = (frame.method.name(), subject.background);
         let mut renderer = Renderer::new(device)?;
-        let cloud = clouds.on_device(&renderer, 1)?;
+        let cloud = clouds.on_device(&renderer, 1, &frame.detail)?;
         if let Formation::Surfaces(_) = formation {
             let made = supersampled(&mut renderer, cloud, frame, background)?;
             let across = made.samples_across;

@@ -58,7 +58,7 @@ impl Run<'_> {
     }
 
     fn time(&mut self, renderer: &mut Renderer, setting: &Setting, round: usize) -> Result<()> {
-        if !self.clouds.are_on_device(setting.thinning) {
+        if !self.clouds.are_on_device(setting.thinning, &setting.detail) {
             // Work done once per cloud is not part of a frame's time.
             let rendered = self.render(renderer, setting, round as u32)?;
             renderer.recycle(rendered.image);

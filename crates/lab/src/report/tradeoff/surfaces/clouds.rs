@@ -10,12 +10,13 @@ use pellucid_engine::methods::{Error, Renderer};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
+use pellucid_engine::scene::Detail;
 
 /// A scene's points on the device, all or some of them; one cloud at a time, so that a frame's memory is its own.
 pub(in super::super) struct Clouds<'a> {
     arranged: &'a Arranged,
     thinned: BTreeMap<u32, Points>,
-    on_device: Option<(u32, DeviceCloud)>,
+    on_device: Option<(u32, Detail, DeviceCloud)>,
 }
 
 impl<'a> Clouds<'a> {
@@ -34,9 +35,9 @@ impl<'a> Clouds<'a> {
         self.thinned.get(&thinning).unwrap_or(self.arranged.points()).len() as u64
     }
 
-    /// True if those points are on the device.
-    pub fn are_on_device(&self, thinning: u32) -> bool {
-        self.on_device.as_ref().is_some_and(|(there, _)| *there == thinning)
+    /// True if those points are on the device, and were drawn with this detail.
+    pub fn are_on_device(&self, thinning: u32, detail: &Detail) -> bool {
+        self.on_device.as_ref().is_some_and(|(there, drawn, _)| (*there, drawn) == (thinning, detail))
     }
 
     /// Takes everything off the device, what was found for the points included.
@@ -44,21 +45,30 @@ impl<'a> Clouds<'a> {
         self.on_device = None;
     }
 
-    /// Returns those points on the device and uploads them if needed.
+    /// Returns those points on the device, for frames with this detail, and uploads them if needed.
     ///
     /// # Errors
     /// Uploading fails.
-    pub fn on_device(&mut self, renderer: &Renderer, thinning: u32) -> Result<&mut DeviceCloud, Error> {
-        if !self.are_on_device(thinning) {
+    pub fn on_device(
+        &mut self,
+        renderer: &Renderer,
+        thinning: u32,
+        detail: &Detail,
+    ) -> Result<&mut DeviceCloud, Error> {
+        // Points that come some at a time serve every detail, but for all of them.
+        let serves = |there: u32, drawn: &Detail| there == thinning && drawn.is_whole() == detail.is_whole();
+        if !self.on_device.as_ref().is_some_and(|(there, drawn, _)| serves(*there, drawn)) {
             // The memory of the others first.
             self.on_device = None;
             let cloud = match self.thinned.get(&thinning) {
                 Some(points) => renderer.upload(points)?,
-                None => renderer.upload_arranged(self.arranged)?,
+                None => renderer.upload_for(detail, self.arranged, None)?,
             };
-            self.on_device = Some((thinning, cloud));
+            self.on_device = Some((thinning, *detail, cloud));
         }
-        Ok(self.on_device.as_mut().map(|(_, cloud)| cloud).expect("uploaded above"))
+        let (_, drawn, cloud) = self.on_device.as_mut().expect("uploaded above");
+        *drawn = *detail;
+        Ok(cloud)
     }
 }
 

@@ -68,7 +68,7 @@ impl Surfaces {
         if self.normals { Method::Splats(settings) } else { Method::Hqs(settings) }
     }
 
-    fn sized(&self, size: f64) -> ScreenSplats {
+    pub(in crate::report::tradeoff) fn sized(&self, size: f64) -> ScreenSplats {
         ScreenSplats { size: size as f32, ..self.splats }
     }
 

@@ -12,7 +12,7 @@ use pellucid_engine::image::LinearImage;
 use pellucid_engine::methods::{Error, Frame, Renderer};
 use pellucid_engine::metrics::rmse;
 use pellucid_engine::output::linear;
-use pellucid_engine::scene::{Light, ShadingModel, Shadows};
+use pellucid_engine::scene::{Detail, Light, ShadingModel, Shadows};
 
 /// Prefix of the labels of shadow passes.
 const PASSES: &str = "shadows/";
@@ -95,7 +95,7 @@ fn shaded(
 ) -> Result<(LinearImage, Duration), Error> {
     // A cloud keeps the shadows that were found for it.
     clouds.forget();
-    let rendered = renderer.render(clouds.on_device(renderer, 1)?, frame)?;
+    let rendered = renderer.render(clouds.on_device(renderer, 1, &Detail::default())?, frame)?;
     let passes = rendered.profile.passes.iter().filter(|pass| pass.name.starts_with(PASSES));
     let time = passes.map(|pass| pass.gpu).sum();
     Ok((linear(&rendered.image, background, frame.color), time))

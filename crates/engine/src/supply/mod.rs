@@ -1,5 +1,10 @@
 //! Points in blocks, of which some are taken at a time: clouds that don't fit the device, or the host's memory.
 
+mod cut;
+mod scale;
+mod spacing;
+mod tree;
+
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -9,6 +14,9 @@ use rayon::prelude::*;
 use crate::cloud::Bounds;
 use crate::points::{Points, Unseen};
 use crate::progress::{Cancelled, Progress};
+pub use cut::{Cut, Limits, Picture};
+pub use scale::Scale;
+pub(crate) use spacing::spacing;
 
 /// A scene's points in blocks. Points in one place are either in one block, or in blocks of which each holds the largest radius
 /// there: who takes all blocks that reach a part of the image has all points in a place, or none of those that show.
@@ -21,13 +29,13 @@ pub trait Supply: Debug + Send + Sync {
         u64::MAX
     }
 
-    /// About how many points `keep` keeps by their place, those with a radius of 0; `None` if nothing is known of it.
-    fn estimate(&self, _keep: Keep<'_>) -> Option<u64> {
+    /// About how many points are in places that show; `None` if nothing is known of it.
+    fn estimate(&self, _shows: &(dyn Fn(DVec3) -> bool + Sync)) -> Option<u64> {
         None
     }
 
-    /// Those points of some blocks, in ascending order, that `keep` keeps by their place and the radius of their block, in canonical
-    /// order. They have the columns of all points, even if they are empty.
+    /// Those points of some blocks, in ascending order, that `keep` keeps, in canonical order. They have the columns of all points,
+    /// even if they are empty.
     ///
     /// # Errors
     /// They can't be read, or `progress` cancels it.
@@ -50,16 +58,39 @@ pub fn each(
         some.push(number as u32);
         count += block.points;
         if count >= at_once || number + 1 == blocks.len() {
-            see(&supply.take(&some, &|_, _| true, progress)?);
+            see(&supply.take(&some, Keep::ALL, progress)?);
             (some, count) = (Vec::new(), 0);
         }
     }
     Ok(())
 }
 
-/// Which points are taken, by their place and the radius of their block: those in a convex part of space. Points that don't show may be
-/// taken as well.
-pub type Keep<'a> = &'a (dyn Fn(DVec3, f32) -> bool + Sync);
+/// Which points are taken, and how much larger than they are: by their place and the number of their block. Points in one place of a
+/// block are taken together.
+#[derive(Clone, Copy)]
+pub struct Keep<'a> {
+    /// True of those that are.
+    pub keeps: &'a (dyn Fn(DVec3, u32) -> bool + Sync),
+    /// True if all points of a block are taken whose box has corners that would be: no part of space is left out between them.
+    pub convex: bool,
+    /// The factor on their radius, if any has one.
+    pub grows: Option<&'a (dyn Fn(DVec3, u32) -> f32 + Sync)>,
+}
+
+impl<'a> Keep<'a> {
+    /// All of them.
+    pub const ALL: Keep<'static> = Keep { keeps: &|_, _| true, convex: true, grows: None };
+
+    /// Those in a convex part of space, as they are. Points may be taken as well that don't show.
+    pub fn those(keeps: &'a (dyn Fn(DVec3, u32) -> bool + Sync)) -> Self {
+        Self { keeps, convex: true, grows: None }
+    }
+}
+
+/// A radius times a factor, finite.
+pub(crate) fn grown(radius: f32, factor: f32) -> f32 {
+    (radius * factor).min(f32::MAX)
+}
 
 /// Why points can't be taken.
 #[derive(Debug, thiserror::Error)]
@@ -67,6 +98,14 @@ pub enum Failure {
     /// The store failed.
     #[error("{0}")]
     Store(#[from] Arc<crate::io::Error>),
+    /// The coarsest level has more points than are allowed.
+    #[error("{points} points of the coarsest level are in the picture, {allowed} are allowed")]
+    Coarsest {
+        /// Points that are allowed.
+        allowed: u64,
+        /// Points in the picture.
+        points: u64,
+    },
     /// Somebody who watches the progress wanted the work to end.
     #[error("cancelled")]
     Cancelled,
@@ -87,6 +126,20 @@ pub struct Block {
     pub radius: f32,
     /// Number of points.
     pub points: u64,
+    /// Its place among the levels of its cloud; `None` if that has no levels.
+    pub branch: Option<Branch>,
+}
+
+/// Where a block is in a tree of levels, each of which makes those above it finer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Branch {
+    /// The block above, whose number is smaller; `None` of a root.
+    pub parent: Option<u32>,
+    /// The distance between points of the levels above, in world units; infinite where there are none.
+    pub spacing: f64,
+    /// The factor on radii above it that makes up for leaving out this block and all below it: the discs of a place together keep
+    /// their area. At least 1.
+    pub growth: f32,
 }
 
 /// Points of a block of those in memory; more if that many are in one place.
@@ -115,7 +168,7 @@ impl Held {
             let range = range[0]..range[1];
             let positions = points.positions[range.clone()].iter().copied();
             let radius = points.radii[range.clone()].iter().copied().fold(0.0, f32::max);
-            Some(Block { bounds: Bounds::enclosing(positions)?, radius, points: range.len() as u64 })
+            Some(Block { bounds: Bounds::enclosing(positions)?, radius, points: range.len() as u64, branch: None })
         };
         let blocks = starts.par_windows(2).filter_map(block).collect();
         Self { points, blocks, starts }
@@ -146,13 +199,20 @@ impl Supply for Held {
     fn take(&self, blocks: &[u32], keep: Keep<'_>, _progress: &Progress) -> Result<Points, Failure> {
         let positions = &self.points.positions;
         let places = |block: &u32| -> Vec<u32> {
-            let (block, radius) = (*block as usize, self.blocks[*block as usize].radius);
-            let all = self.starts[block]..self.starts[block + 1];
-            all.filter(|place| keep(positions[*place], radius)).map(|place| place as u32).collect()
+            let all = self.starts[*block as usize]..self.starts[*block as usize + 1];
+            all.filter(|place| (keep.keeps)(positions[*place], *block)).map(|place| place as u32).collect()
         };
         let places: Vec<Vec<u32>> = blocks.par_iter().map(places).collect();
-        let places = places.concat();
-        let taken = self.points.subset(&places, 1.0);
+        let factors: Option<Vec<f32>> = keep.grows.map(|grows| {
+            let of_block = |(block, places): (&u32, &Vec<u32>)| -> Vec<f32> {
+                places.iter().map(|place| grows(positions[*place as usize], *block)).collect()
+            };
+            blocks.par_iter().zip(&places).flat_map_iter(of_block).collect()
+        });
+        let mut taken = self.points.subset(&places.concat(), 1.0);
+        for (radius, factor) in taken.radii.iter_mut().zip(factors.iter().flatten()) {
+            *radius = grown(*radius, *factor);
+        }
         Ok(Points { unseen: Arc::<Unseen>::default(), ..taken })
     }
 }
@@ -179,13 +239,14 @@ mod tests {
         let [first, second, _] = held.blocks() else { panic!("{held:?}") };
         assert_eq!((first.points, first.radius), (BLOCK as u64 + 5, BLOCK as f32 + 4.0));
         assert_eq!(second.bounds.min, DVec3::splat(BLOCK as f64 + 5.0));
-        let taken = held.take(&[0, 2], &|_, _| true, &Progress::hidden()).unwrap();
+        let taken = held.take(&[0, 2], Keep::ALL, &Progress::hidden()).unwrap();
         assert_eq!(taken.len(), BLOCK + 5 + BLOCK - 5);
         assert_eq!(taken.radii[BLOCK + 4..BLOCK + 6], [BLOCK as f32 + 4.0, 2.0 * BLOCK as f32 + 5.0]);
-        let few =
-            held.take(&[0, 1], &|p, radius| p.x < 2.0 && radius < 2.0 * BLOCK as f32, &Progress::hidden()).unwrap();
+        let few = held.take(&[0, 1], Keep::those(&|p, block| p.x < 2.0 && block == 0), &Progress::hidden()).unwrap();
         assert_eq!(few.radii, [0.0, 1.0]);
-        let none = held.take(&[0, 1], &|_, _| false, &Progress::hidden()).unwrap();
+        let keep = Keep { keeps: &|p, _| p.x < 2.0, grows: Some(&|p, _| 2.0 + p.x as f32) };
+        assert_eq!(held.take(&[0, 1], keep, &Progress::hidden()).unwrap().radii, [0.0, 3.0]);
+        let none = held.take(&[0, 1], Keep::those(&|_, _| false), &Progress::hidden()).unwrap();
         assert!(none.is_empty());
     }
 }

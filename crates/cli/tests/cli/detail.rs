@@ -1,0 +1,88 @@
+//! `--detail` and `--max-points`: what they draw, what the picture says of it, and what they refuse.
+
+use std::fs;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::{assert_refused, done, folder, has_device, inside, run, write_cloud};
+
+/// A sphere's points in a store whose nodes have a thousand of them, with radii.
+fn store(folder: &TempDir) {
+    let mut text = String::new();
+    for i in 0..20_000 {
+        // Evenly by the golden angle.
+        let (z, angle) = (1.0 - 2.0 * (f64::from(i) + 0.5) / 20_000.0, 2.399_963_229_728_653 * f64::from(i));
+        let across = (1.0 - z * z).sqrt();
+        text.push_str(&format!("{} {} {z} 200 100 50\n", across * angle.cos(), across * angle.sin()));
+    }
+    fs::write(inside(folder, "sphere.xyz"), text).unwrap();
+    done(folder, &["prepare", "sphere.xyz", "-o", "sphere/", "--node-points", "1000"]);
+}
+
+fn about(folder: &TempDir, file: &str) -> Option<Value> {
+    let text = pellucid_engine::output::metadata(&inside(folder, file), "pellucid:detail")?;
+    Some(serde_json::from_str(&text).unwrap())
+}
+
+#[test]
+fn pictures_do_with_fewer_points_and_say_so() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    store(&folder);
+    let render = |input: &str, output: &str, options: &[&str]| {
+        let fixed =
+            ["render", input, "-o", output, "--size", "64x64", "--set", "shading.model=none", "--method", "circles"];
+        let args = [&fixed[..], options].concat();
+        done(&folder, &args);
+    };
+    render("sphere/", "all.exr", &[]);
+    assert!(about(&folder, "all.exr").is_none());
+    render("sphere.xyz", "coarse.exr", &["--detail", "3"]);
+    let coarse = about(&folder, "coarse.exr").unwrap();
+    assert_eq!(
+        (coarse["spacing_px"].as_f64(), coarse["cut_px"].as_f64(), coarse["of"].as_u64()),
+        (Some(3.0), Some(3.0), Some(20_000))
+    );
+    assert!(coarse["points"].as_u64().unwrap() < 10_000, "{coarse}");
+    let settings = pellucid_engine::output::metadata(&inside(&folder, "coarse.exr"), "pellucid:settings").unwrap();
+    assert!(settings.contains("spacing_px"), "{settings}");
+    render("sphere/", "few.exr", &["--max-points", "9000"]);
+    let few = about(&folder, "few.exr").unwrap();
+    assert!(few["points"].as_u64().unwrap() <= 9000 && few["cut_px"].as_f64().unwrap() > 0.0, "{few}");
+    // Whatever the memory of the host, levels are those of the store.
+    render("sphere/", "tight.exr", &["--max-points", "9000", "--host-memory", "1MiB"]);
+    let bytes = |name: &str| pellucid_engine::output::read_image(&inside(&folder, name)).unwrap().pixels;
+    assert_eq!(bytes("tight.exr"), bytes("few.exr"));
+    // The sphere covers as much as it did.
+    let covered = |name: &str| bytes(name).iter().filter(|pixel| pixel[0] > 0.0).count() as f64;
+    for name in ["coarse.exr", "few.exr"] {
+        let share = covered(name) / covered("all.exr");
+        assert!((0.95..1.2).contains(&share), "{name}: {share}");
+    }
+}
+
+#[test]
+fn what_leaves_nothing_out_or_too_much_is_said() {
+    let folder = folder();
+    write_cloud(&inside(&folder, "a.ply"));
+    let refuse = |options: &[&str], parts: &[&str]| {
+        assert_refused(&folder, &[&["render", "a.ply", "-o", "a.png"], options].concat(), 2, parts);
+    };
+    refuse(&["--detail", "-1"], &["--detail -1", "spacing_px", "at least 0"]);
+    refuse(&["--detail", "fine"], &["--detail fine", "spacing_px"]);
+    refuse(&["--max-points", "0"], &["--max-points 0", "max_points", "from 1"]);
+    refuse(&["--max-points", "1e6"], &["--max-points 1e6"]);
+    refuse(&["--set", "detail.pixels=2"], &["detail", "pixels"]);
+    if has_device() {
+        let (code, _, stderr) =
+            run(&folder, &["render", "a.ply", "-o", "a.png", "--detail", "2", "--method", "points"]);
+        assert_eq!(code, 0, "{stderr}");
+        assert!(stderr.contains("points of one size, which don't grow"), "{stderr}");
+        let (code, _, stderr) = run(&folder, &["render", "a.ply", "-o", "a.png", "--detail", "2", "--method", "spbr"]);
+        assert_eq!(code, 0, "{stderr}");
+        assert!(stderr.contains("[detail] has no effect: method spbr"), "{stderr}");
+    }
+}
