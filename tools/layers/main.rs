@@ -145,6 +145,7 @@ impl Stage {
                 ensembles: None,
                 shadows,
                 factors: Factors::default(),
+                detail: Default::default(),
             };
             let rendered = self.renderer.render(cloud, &frame)?;
             self.renderer.recycle(rendered.image);
