@@ -244,7 +244,7 @@ mod tests {
         assert_eq!(taken.radii[BLOCK + 4..BLOCK + 6], [BLOCK as f32 + 4.0, 2.0 * BLOCK as f32 + 5.0]);
         let few = held.take(&[0, 1], Keep::those(&|p, block| p.x < 2.0 && block == 0), &Progress::hidden()).unwrap();
         assert_eq!(few.radii, [0.0, 1.0]);
-        let keep = Keep { keeps: &|p, _| p.x < 2.0, grows: Some(&|p, _| 2.0 + p.x as f32) };
+        let keep = Keep { keeps: &|p, _| p.x < 2.0, convex: true, grows: Some(&|p, _| 2.0 + p.x as f32) };
         assert_eq!(held.take(&[0, 1], keep, &Progress::hidden()).unwrap().radii, [0.0, 3.0]);
         let none = held.take(&[0, 1], Keep::those(&|_, _| false), &Progress::hidden()).unwrap();
         assert!(none.is_empty());
