@@ -31,7 +31,7 @@ pub fn ply_pieces(path: &Path) {
 }
 
 /// Octrees of Potree: behind a line of metadata.json and a line of four numbers, the bytes of hierarchy.bin, of nodes.bin (none if it
-/// has 0) and of octree.bin, and how many of the latter are gone once the folder is open.
+/// has 0) and of octree.bin, and how many of the latter are gone once the folder is open. What is left is survey.bin.
 pub fn octree(input: &[u8]) {
     let mut parts = input.splitn(3, |byte| *byte == b'\n');
     let mut part = || parts.next().unwrap_or_default();
@@ -55,6 +55,11 @@ pub fn octree(input: &[u8]) {
         write("nodes.bin", nodes);
     }
     let octree = Octree::open(folder.path());
+    if let Ok(octree) = &octree {
+        // The rest of the input is a survey.
+        write("survey.bin", rest);
+        let _ = octree.survey();
+    }
     let gone = lengths.next().unwrap_or(0).min(points.len());
     if gone > 0 {
         write("octree.bin", &points[..points.len() - gone]);

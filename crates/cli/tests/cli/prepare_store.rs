@@ -11,7 +11,7 @@ use tempfile::TempDir;
 
 use crate::{assert_refused, folder, inside, pellucid, run, write_cloud};
 
-const FILES: [&str; 4] = ["hierarchy.bin", "metadata.json", "nodes.bin", "octree.bin"];
+const FILES: [&str; 5] = ["hierarchy.bin", "metadata.json", "nodes.bin", "octree.bin", "survey.bin"];
 
 /// A folder with a scan of 2059 points.
 fn scan() -> TempDir {
@@ -177,5 +177,5 @@ fn a_folder_without_its_description_is_no_store() {
     assert_refused(&folder, &["prepare", "store", "-o", "again"], 1, &["store: a folder, not a point cloud"]);
     // It is taken for what is left of one, and replaced.
     assert!(prepare(&folder, "store", "100", None).status.success());
-    assert_eq!(bytes(&inside(&folder, "store")).len(), 4);
+    assert_eq!(bytes(&inside(&folder, "store")).len(), 5);
 }

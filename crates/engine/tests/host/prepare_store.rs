@@ -167,7 +167,7 @@ fn several_scans_have_neighbors_in_each_other() {
     prepared(&[input], &first, &Request::default(), &TIGHT, &Progress::hidden()).unwrap();
     let again = Octree::open(&first).unwrap();
     prepared(&[Box::new(again)], &second, &Request::default(), &TIGHT, &Progress::hidden()).unwrap();
-    for file in ["octree.bin", "hierarchy.bin", "nodes.bin"] {
+    for file in ["octree.bin", "hierarchy.bin", "nodes.bin", "survey.bin"] {
         assert!(std::fs::read(first.join(file)).unwrap() == std::fs::read(second.join(file)).unwrap(), "{file}");
     }
 }

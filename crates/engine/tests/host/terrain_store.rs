@@ -16,7 +16,7 @@ use pellucid_engine::progress::{Observer, Progress};
 use pellucid_engine::scene::procedural::terrain::Terrain;
 use pellucid_engine::scene::{self, Scene};
 
-const FILES: [&str; 4] = ["hierarchy.bin", "metadata.json", "nodes.bin", "octree.bin"];
+const FILES: [&str; 5] = ["hierarchy.bin", "metadata.json", "nodes.bin", "octree.bin", "survey.bin"];
 
 /// Memory for a cell of some 6000 points, and for all.
 const TIGHT: u64 = 1 << 20;

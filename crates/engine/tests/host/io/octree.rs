@@ -19,7 +19,7 @@ use rand_pcg::Pcg64Mcg;
 
 use super::octree_bad::foreign;
 
-const FILES: [&str; 4] = ["octree.bin", "hierarchy.bin", "nodes.bin", "metadata.json"];
+const FILES: [&str; 5] = ["octree.bin", "hierarchy.bin", "nodes.bin", "survey.bin", "metadata.json"];
 
 /// Settings that make many nodes and, if asked for, many files.
 fn settings(host_memory: u64) -> Settings {

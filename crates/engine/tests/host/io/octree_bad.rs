@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use pellucid_engine::cloud::facts::Facts;
 use pellucid_engine::io::Error;
 use pellucid_engine::io::store::{Octree, Store};
 use rand::{RngExt, SeedableRng};
@@ -123,10 +124,11 @@ fn no_damage_goes_beyond_an_error() {
     write(&[held(cloud(300, 1))], folder.path(), ROOMY);
     let read_all = || -> Result<(), Error> {
         let octree = Octree::open(folder.path())?;
+        octree.survey()?;
         (0..octree.nodes().len()).try_for_each(|node| octree.read(node).map(drop))
     };
     let mut refused = 0;
-    for file in ["hierarchy.bin", "nodes.bin", "metadata.json", "octree.bin"] {
+    for file in ["hierarchy.bin", "nodes.bin", "metadata.json", "octree.bin", "survey.bin"] {
         let path = folder.path().join(file);
         let whole = fs::read(&path).unwrap();
         for _ in 0..200 {
@@ -259,4 +261,41 @@ fn boxes_and_radii_that_lie_are_found_where_points_are_read() {
         fs::write(&file, bytes).unwrap();
         assert_bad(folder.path(), says);
     }
+}
+
+#[test]
+fn surveys_that_lie_are_refused_and_others_are_those_of_all_points() {
+    let folder = tempfile::tempdir().unwrap();
+    let all = cloud(3000, 1);
+    write(&[held(all.clone())], folder.path(), ROOMY);
+    let survey = || Octree::open(folder.path()).unwrap().survey();
+    let known = survey().unwrap().expect("a survey");
+    // Few points all stand for themselves; positions are on the store's grid.
+    assert_eq!((known.facts.points, known.sample.len()), (3000, 3000));
+    assert_eq!(known.facts, Facts::of(&known.sample));
+    let file = folder.path().join("survey.bin");
+    let whole = fs::read(&file).unwrap();
+    let facts = 12 + u32::from_le_bytes(whole[8..12].try_into().unwrap()) as usize;
+    let text = |from: &str, to: &str| {
+        let text = String::from_utf8(whole[12..facts].to_vec()).unwrap();
+        assert!(text.contains(from), "{text}");
+        let text = text.replace(from, to);
+        [&whole[..8], &(text.len() as u32).to_le_bytes(), text.as_bytes(), &whole[facts..]].concat()
+    };
+    let cases: [(Vec<u8>, &str); 7] = [
+        (whole[..5].to_vec(), "starts like no file"),
+        (whole[..10].to_vec(), "ends within its facts"),
+        (whole[..facts - 1].to_vec(), "ends within its facts"),
+        (whole[..whole.len() - 1].to_vec(), "ends within a point"),
+        (text("\"points\":3000", "\"points\":3001"), "other points than octree.bin"),
+        (text("\"points\"", "\"joints\""), "missing field"),
+        ([&whole[..facts], &[0x7f; 12], &whole[facts + 12..]].concat(), "points outside of the octree"),
+    ];
+    for (bytes, says) in cases {
+        fs::write(&file, bytes).unwrap();
+        let error = survey().unwrap_err().to_string();
+        assert!(error.contains("survey.bin") && error.contains(says), "{error}");
+    }
+    fs::remove_file(&file).unwrap();
+    assert_eq!(survey().unwrap(), None);
 }
