@@ -314,6 +314,7 @@ fn what_is_not_drawn_is_not_read() {
             assert_eq!(points.positions[0], aside.position);
             let mut renderer = Renderer::new(device).expect("a renderer");
             let mut cloud = renderer.upload(&points).expect("fits");
+            cloud.make_room(device).expect("room for splats");
             cloud.colors.upload(&vec![[f32::NAN; 4]; points.len()]).expect("uploads");
             let found = renderer.render(&mut cloud, &frame(pixel_camera([7, 7]), [7, 7], flat())).expect("renders");
             assert!(found.image.rgba.iter().flatten().all(|value| value.is_finite()), "{count}");

@@ -2,7 +2,7 @@
 //! scene in memory are.
 //!
 //! What follows from all points of a cloud together, such as the range of a color map, is found once, in a survey: from facts about
-//! all points, and from some points that stand for all ([`Sampling`](crate::cloud::sampling::Sampling)), which a scene in memory takes, too.
+//! all points, and from some points that stand for all ([`Sampling`]), which a scene in memory takes, too.
 
 mod cache;
 mod cloud;

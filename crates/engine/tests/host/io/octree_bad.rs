@@ -248,7 +248,7 @@ fn boxes_and_radii_that_lie_are_found_where_points_are_read() {
     let least = whole[last + LEAST..last + MOST].to_vec();
     let cases: [(Vec<u8>, &str); 8] = [
         // The box ends where it begins.
-        (changed(HEAD + MOST, &whole[HEAD + LEAST..HEAD + MOST].to_vec()), "outside of its box from"),
+        (changed(HEAD + MOST, &whole[HEAD + LEAST..HEAD + MOST]), "outside of its box from"),
         (changed(HEAD + RADIUS, &0_f32.to_le_bytes()), "but the largest should be 0"),
         (changed(last + LEAST, &i32::MIN.to_le_bytes()), "its box is outside of its part"),
         (changed(last + MOST, &i32::MAX.to_le_bytes()), "its box is outside of its part"),

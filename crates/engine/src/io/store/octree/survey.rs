@@ -92,7 +92,7 @@ pub(super) fn read(octree: &Octree) -> Result<Option<Survey>, Error> {
     if facts.points != octree.summary.points || !facts.bounds.as_ref().is_some_and(holds) {
         return Err(refused("it is of other points than octree.bin"));
     }
-    if records.len() as u64 % stride != 0 {
+    if !(records.len() as u64).is_multiple_of(stride) {
         return Err(refused("it ends within a point"));
     }
     let sample = Cloud { up: octree.summary.up, ..octree.decoder.cloud(records) };
