@@ -368,6 +368,7 @@ fn an_order_is_made_once() {
         let mut cloud = renderer.upload(&points).expect("fits");
         assert_eq!(cloud.orders_made(), 0);
         let [x, _, y, _, z, back] = axis_views(2.2);
+        cloud.make_room(device).expect("room for splats");
         let before = cloud.bytes();
         for (threshold, softness, camera, made) in [
             (0.1, 0.5, z, 1),

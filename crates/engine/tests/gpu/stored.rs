@@ -18,7 +18,9 @@ use rand::RngExt;
 /// Nodes of few points, and less memory than a cloud takes.
 const TIGHT: Settings = Settings { node_points: 1000, host_memory: 1 << 20 };
 /// Bytes on the device: some thousands of points at a time.
-const DEVICE: u64 = 8 << 20;
+const DEVICE: u64 = 5 << 20;
+/// The same with room for images of lights.
+const ROOMY: u64 = 8 << 20;
 /// Bytes of nodes that are kept.
 const HOST: u64 = 2 << 20;
 
@@ -117,15 +119,15 @@ fn assert_same_of(text: &str, about: &str, methods: impl Iterator<Item = Method>
 #[test]
 fn every_method_renders_a_store_with_the_bytes_of_memory() {
     let folder = tempfile::tempdir().unwrap();
-    let path = store(folder.path(), "one", cloud(1, 40_000));
-    let text = format!("[image]\nsize = [160, 120]\n[[cloud]]\npath = '{}'\nopacity = 0.4\n", path.display());
+    let path = store(folder.path(), "one", cloud(1, 20_000));
+    let text = format!("[image]\nsize = [96, 72]\n[[cloud]]\npath = '{}'\nopacity = 0.4\n", path.display());
     assert_same(&text, "one store");
 }
 
 #[test]
 fn several_stores_with_clips_classes_and_color_maps_have_the_bytes_of_memory() {
     let folder = tempfile::tempdir().unwrap();
-    let [one, two] = [(1, 30_000), (2, 12_000)]
+    let [one, two] = [(1, 15_000), (2, 6_000)]
         .map(|(seed, count)| store(folder.path(), &format!("store{seed}"), cloud(seed, count)));
     let text = format!(
         "[image]\nsize = [120, 90]\n[shading]\nmodel = 'lambert'\n\
@@ -279,13 +281,13 @@ fn shadows_are_cast_by_all_points_of_stores() {
         let mut cloud = renderer.upload_arranged(&stored.arranged()).expect("small buffers");
         let images = [lit, other, dark, lit].map(|frame| {
             let expected = rendered(device, &whole, &frame).expect("a frame");
-            let small = Frame { memory_budget: Some(DEVICE), ..frame };
+            let small = Frame { memory_budget: Some(ROOMY), ..frame };
             let found = renderer.render(&mut cloud, &small).expect("a frame");
             assert!(bits(&found.image) == bits(&expected.image), "{:?}", frame.shadows);
             bits(&found.image)
         });
         assert!(images[0] != images[1] && images[1] != images[2] && images[0] != images[2]);
-        let mut large = Frame { memory_budget: Some(DEVICE), ..lit };
+        let mut large = Frame { memory_budget: Some(ROOMY), ..lit };
         large.shadows.as_mut().unwrap().resolution = 1024;
         let error = renderer.render(&mut cloud, &large).unwrap_err().to_string();
         assert!(error.contains("1024 × 1024 pixels, 1 in all") && error.contains("--memory-budget"), "{error}");
