@@ -13,12 +13,12 @@ const NAMED: [&str; 4] =
 const PICTURES: [(&str, &str, &str, &str); 10] = [
     ("garden", "points=20000", "abuffer", "adc3965191b06eae"),
     ("garden", "points=20000", "sorted", "d2faeb0d5f061309"),
-    ("garden", "points=20000", "stochastic", "9bad933b7629fb12"),
+    ("garden", "points=20000", "stochastic", "dc8a1786047f867a"),
     ("garden", "points=20000", "hybrid", "939e1109219f9584"),
     ("garden", "points=20000", "circles", "4cb8c7edbe869659"),
     ("tori", "points=20000", "linked-list", "610d1dae8f225a42"),
     ("tori", "points=20000", "peel", "610d1dae8f225a42"),
-    ("planes", "points=20000", "spbr", "e96259cd55a2577e"),
+    ("planes", "points=20000", "spbr", "005176e2e069b2d2"),
     ("spheres", "count=40", "soft-concentric", "a100f6b46707d9ac"),
     ("sign", "points=5000", "image-space", "1d413ca6acd1d031"),
 ];

@@ -20,12 +20,18 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 fn bytes(scene: &Path) -> Vec<Vec<u8>> {
-    let files =
-        ["scene.toml", "terrain/hierarchy.bin", "terrain/metadata.json", "terrain/nodes.bin", "terrain/octree.bin"];
+    let files = [
+        "scene.toml",
+        "terrain/hierarchy.bin",
+        "terrain/metadata.json",
+        "terrain/nodes.bin",
+        "terrain/octree.bin",
+        "terrain/survey.bin",
+    ];
     // SIGKILL may leave a temporary file.
     let clean = |folder: &Path| names(folder).into_iter().filter(|name| !name.ends_with(".tmp")).collect::<Vec<_>>();
     assert_eq!(clean(scene), ["scene.toml", "terrain"]);
-    assert_eq!(clean(&scene.join("terrain")).len(), 4);
+    assert_eq!(clean(&scene.join("terrain")).len(), 5);
     files.map(|file| fs::read(scene.join(file)).unwrap()).to_vec()
 }
 
