@@ -47,6 +47,7 @@
 //!     size: scene.image.size,
 //!     shading: scene.shading,
 //!     color: scene.image.color,
+//!     detail: scene.detail,
 //!     method,
 //!     memory_budget: None,
 //!     fragments: true,

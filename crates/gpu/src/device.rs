@@ -365,6 +365,11 @@ impl Device {
         self.0.allowed.store(count.unwrap_or(u64::MAX), Ordering::Relaxed);
     }
 
+    /// True if no further submission is allowed: work for the next one is in vain.
+    pub fn is_stopped(&self) -> bool {
+        self.0.allowed.load(Ordering::Relaxed) == 0
+    }
+
     /// Bytes uploaded so far, without the view that every frame writes. Changing the threshold, softness or radius
     /// factor adds nothing.
     pub fn uploaded_bytes(&self) -> u64 {

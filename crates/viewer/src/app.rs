@@ -16,6 +16,7 @@ use winit::window::{Fullscreen, Window, WindowId};
 use super::graphics::{Graphics, Opening};
 use super::loss::{self, Losses, Lost};
 use super::model::Model;
+use super::sources::Opened;
 use super::status_log::StatusLog;
 use super::visibility::Visibility;
 use super::worker::{News, Setup, Task, Workload};
@@ -23,7 +24,6 @@ use super::{Options, ui};
 use crate::Result;
 use pellucid_engine::gpu::ValidationLog;
 use pellucid_engine::gpu::window::{Drawing, Picture, Shown, Textures};
-use pellucid_engine::scene::Opened;
 
 /// How long files that are dropped one after the other may take to count as one drop.
 const DROP: Duration = Duration::from_millis(100);
@@ -87,7 +87,8 @@ pub struct App {
 
 impl App {
     pub fn new(options: Options, proxy: EventLoopProxy<Wake>, say: Box<dyn Fn(&str)>) -> Self {
-        let setup = Setup { seed: options.seed, memory_budget: options.memory_budget };
+        let Options { seed, memory_budget, host_memory, .. } = options;
+        let setup = Setup { seed, memory_budget, host_memory };
         let opening = Opening { options: options.device.clone(), setup, proxy };
         Self { options: Some(options), opening, say, running: None, logs: Vec::new(), outcome: Ok(()) }
     }

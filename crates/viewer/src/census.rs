@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::cloud::field::{self, Field};
 use pellucid_engine::passes::project::Parts;
+use pellucid_engine::scene::stored::OpenStore;
 use pellucid_engine::scene::{CloudSettings, ColorBy, Document, Overrides, Scene, Strays, colorings};
 
 /// Bins of a histogram of F, equally wide.
@@ -60,6 +61,17 @@ impl Census {
             scalars,
             prepared: cloud.prepared.as_ref().map(|prepared| (prepared.neighbors, prepared.field.clone())),
         }
+    }
+
+    /// Statistics of a cloud that stays in its store: those of points that stand for all, once they are known.
+    pub fn from_store(store: &OpenStore) -> Self {
+        let summary = store.summary();
+        let known = store.surveyed();
+        let sample = known.as_ref().map_or(&summary.like, |survey| &survey.sample);
+        let census = Self::from_cloud(sample);
+        let times = summary.points as f64 / sample.len().max(1) as f64;
+        let classes = census.classes.iter().map(|(code, count)| (*code, (*count as f64 * times).round() as usize));
+        Self { points: summary.points as usize, classes: classes.collect(), ..census }
     }
 
     /// The field in force, by the scene's settings for this cloud.

@@ -7,12 +7,22 @@
 
 use pellucid_engine::scene::{Method, Setting};
 
+use super::counts::abbreviated;
+
 /// Samples, ensembles or layers of a frame of unknown cost, and the minimum for any frame: below it, larger pixels show
 /// more.
 const FEWEST: u32 = 4;
 
 /// Columns and rows of the screen for one that is rendered.
 const COARSE: [u32; 6] = [1, 2, 3, 4, 6, 8];
+
+/// Share of all points from which a picture at rest has them all.
+const NEARLY_ALL: f64 = 0.5;
+
+/// Points of clouds that stay in their files: in a frame of unknown cost, and the minimum for any frame.
+const FIRST_POINTS: u32 = 1 << 17;
+/// See [`FIRST_POINTS`].
+const FEWEST_POINTS: u32 = 1 << 15;
 
 /// The effort that a picture is worth.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,6 +52,8 @@ pub struct Draft {
     pub steps: Option<u32>,
     /// Columns and rows of the screen for one that is rendered.
     pub coarse: u32,
+    /// Points in the picture at most, of clouds that stay in their files; `None` for all.
+    pub points: Option<u32>,
 }
 
 /// The time of a frame, and the work it covers.
@@ -117,32 +129,59 @@ fn steps(method: &Method) -> Option<u32> {
 impl Draft {
     /// The whole picture.
     pub fn whole(method: &Method) -> Self {
-        Self { steps: steps(method), coarse: 1 }
+        Self { steps: steps(method), coarse: 1, points: None }
+    }
+
+    /// Like [`Self::within`], of clouds of `all` points that stay in their files. While things move, one pixel is rendered for
+    /// several of the screen if points are fewer than pixels: `size` has their columns and rows.
+    pub fn of_stored(method: &Method, costs: Option<Costs>, effort: Effort, all: u64, size: [u32; 2]) -> Self {
+        let Some(budget_ms) = effort.budget_ms() else { return Self::whole(method) };
+        let whole = Self::whole(method);
+        let fewest = whole.steps.map(|most| most.min(FEWEST));
+        let (points, steps) = match costs.map(|costs| costs.share(budget_ms) * all as f64) {
+            None if all <= FIRST_POINTS.into() => return whole,
+            None => (FIRST_POINTS, fewest),
+            // The casts saturate.
+            Some(points) if points >= all as f64 * NEARLY_ALL => return whole,
+            Some(points) if matches!(effort, Effort::Refining(_)) && points >= f64::from(FIRST_POINTS) => {
+                (points as u32, whole.steps)
+            }
+            Some(points) => {
+                let times = whole.steps.zip(fewest).map_or(1.0, |(most, fewest)| f64::from(most) / f64::from(fewest));
+                ((points * times) as u32, fewest)
+            }
+        };
+        let points = points.max(FEWEST_POINTS);
+        let pixels = f64::from(size[0]) * f64::from(size[1]);
+        let coarse = if matches!(effort, Effort::Moving(_)) { coarse(f64::from(points) / pixels) } else { 1 };
+        Self { steps, coarse, points: Some(points) }
     }
 
     /// The most accurate draft expected to take at most `budget_ms`, judged by earlier frames of the method; the
     /// coarsest one if none fits. Methods without steps are rendered whole at first.
     pub fn within(method: &Method, costs: Option<Costs>, budget_ms: f64) -> Self {
         let Some(share) = costs.map(|costs| costs.share(budget_ms)) else {
-            return Self { steps: steps(method).map(|most| most.min(FEWEST)), coarse: 1 };
+            return Self { steps: steps(method).map(|most| most.min(FEWEST)), ..Self::whole(method) };
         };
-        let Some(most) = steps(method) else { return Self { steps: None, coarse: coarse(share) } };
+        let Some(most) = steps(method) else { return Self { coarse: coarse(share), ..Self::whole(method) } };
         let fewest = most.min(FEWEST);
         // The cast saturates.
         let fitting = (share * f64::from(most)) as u32;
         if fitting >= fewest {
-            return Self { steps: Some(fitting.min(most)), coarse: 1 };
+            return Self { steps: Some(fitting.min(most)), ..Self::whole(method) };
         }
-        Self { steps: Some(fewest), coarse: coarse(share * f64::from(most) / f64::from(fewest)) }
+        let coarse = coarse(share * f64::from(most) / f64::from(fewest));
+        Self { steps: Some(fewest), coarse, points: None }
     }
 
-    /// Its share of the whole picture's work.
+    /// Its share of the whole picture's work, with all of its points.
     pub fn work(&self, method: &Method) -> f64 {
         let of_steps = match (self.steps, steps(method)) {
             (Some(taken), Some(most)) => f64::from(taken) / f64::from(most.max(1)),
             _ => 1.0,
         };
-        of_steps / f64::from(self.coarse * self.coarse)
+        let of_pixels = if self.points.is_some() { 1 } else { self.coarse * self.coarse };
+        of_steps / f64::from(of_pixels)
     }
 
     /// The method with this number of samples or layers. Ensembles stay those of the L into which the points are dealt;
@@ -171,7 +210,8 @@ impl Draft {
         let key = refined(method).map_or("", |(key, _)| key);
         let steps = self.steps.map(|steps| format!("{steps} {key}"));
         let coarse = (self.coarse > 1).then(|| format!("{0} × {0} pixels as one", self.coarse));
-        let parts: Vec<_> = [steps, coarse].into_iter().flatten().collect();
+        let points = self.points.map(|points| format!("{} points", abbreviated(points.into())));
+        let parts: Vec<_> = [points, steps, coarse].into_iter().flatten().collect();
         if parts.is_empty() { "whole".to_owned() } else { parts.join(", ") }
     }
 }
@@ -194,7 +234,7 @@ mod tests {
     #[test]
     fn samples_go_first() {
         let taken = |ms, work, budget| Draft::within(&stochastic(), Some(Costs::new(Cost { ms, work })), budget);
-        let draft = |steps, coarse| Draft { steps: Some(steps), coarse };
+        let draft = |steps, coarse| Draft { steps: Some(steps), coarse, points: None };
         assert_eq!(Draft::within(&stochastic(), None, 33.0), draft(4, 1));
         assert_eq!(taken(128.0, 1.0, 33.0), draft(16, 1));
         assert_eq!(taken(8.0, 0.25, 33.0), draft(64, 1));
@@ -212,9 +252,36 @@ mod tests {
         let (few, many) = (Method::Stochastic(Stochastic { samples: 4, ..Default::default() }), stochastic());
         let costs = Costs::new(Cost { ms: 33.0, work: Draft::whole(&few).work(&few) });
         let rescaled = costs.rescaled(Draft::whole(&few).steps, Draft::whole(&many).steps);
-        assert_eq!(Draft::within(&many, Some(rescaled), 33.0), Draft { steps: Some(4), coarse: 1 });
+        assert_eq!(Draft::within(&many, Some(rescaled), 33.0), Draft { steps: Some(4), coarse: 1, points: None });
         assert_eq!(rescaled.rescaled(Some(64), Some(4)), costs);
         assert_eq!(costs.rescaled(None, None), costs);
+    }
+
+    #[test]
+    fn points_of_stores_are_as_many_as_fit_the_time() {
+        let (all, size) = (1_000_000_000, [1280, 720]);
+        let of = |method: &Method, costs, effort| Draft::of_stored(method, costs, effort, all, size);
+        let circles = Method::Circles(Default::default());
+        let first = of(&circles, None, Effort::Moving(33.0));
+        assert_eq!(first, Draft { steps: None, coarse: 3, points: Some(1 << 17) });
+        // A million points in 100 ms.
+        let costs = Some(Costs::new(Cost { ms: 100.0, work: 1e-3 }));
+        let next = of(&circles, costs, Effort::Moving(33.0));
+        assert_eq!((next.points, next.coarse), (Some(330_000), 2));
+        assert_eq!(of(&circles, costs, Effort::Moving(0.0)).points, Some(1 << 15));
+        assert_eq!(
+            of(&circles, costs, Effort::Refining(1000.0)),
+            Draft { steps: None, coarse: 1, points: Some(10_000_000) }
+        );
+        assert_eq!(of(&circles, costs, Effort::Refining(60_000.0)), Draft::whole(&circles));
+        assert_eq!(of(&circles, costs, Effort::Whole), Draft::whole(&circles));
+        assert_eq!(Draft::of_stored(&circles, None, Effort::Moving(33.0), 1000, size), Draft::whole(&circles));
+        // Few samples while something moves, all of them at rest, if points are left.
+        let moving = of(&stochastic(), costs, Effort::Moving(33.0));
+        assert_eq!((moving.steps, moving.points), (Some(4), Some(330_000 * 16)));
+        let resting = of(&stochastic(), costs, Effort::Refining(1000.0));
+        assert_eq!((resting.steps, resting.points), (Some(64), Some(10_000_000)));
+        assert_eq!(first.name(&circles), "131k points, 3 × 3 pixels as one");
     }
 
     #[test]
@@ -269,7 +336,7 @@ mod tests {
             assert_eq!((whole.work(&method), whole.method(method)), (1.0, method));
             assert_eq!(Draft::within(&method, Some(Costs::new(Cost { ms: 1.0, work: 1.0 })), 1.0), whole);
         }
-        let half = Draft { steps: Some(8), coarse: 2 };
+        let half = Draft { steps: Some(8), coarse: 2, points: None };
         assert_eq!(half.ensembles(&Method::Spbr(Spbr::default())), Some(8));
         assert_eq!(half.method(Method::Spbr(Spbr::default())), Method::Spbr(Spbr::default()), "the same deal");
         assert_eq!(half.size([641, 480]), [321, 240]);

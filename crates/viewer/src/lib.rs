@@ -4,7 +4,7 @@
 //! - `model`: the scene being edited ([`Document`](pellucid_engine::scene::Document)), the last picture, and when the next one is
 //!   due.
 //! - `route`: key frames and the motion through them; `dialog`: chooses files to open or to save to.
-//! - `worker`, a thread, owns a `stage`: the points on the device (`placed`) and the renderer that `render` uses, too. `draft`
+//! - `worker`, a thread, owns a `stage`: the clouds in memory or in stores (`sources`), the points on the device (`placed`) and the renderer that `render` uses, too. `draft`
 //!   decides what is left out while things move: samples, pixels and points (`thinned`). `accuracy` measures the error of
 //!   drafts and approximations, `times` keeps frame times, `save` writes scene and picture, `display` converts pixels to bytes.
 //! - `graphics`: the worker and the screen of one device; `loss`: decides if a lost device is opened again.
@@ -16,6 +16,7 @@ mod accuracy;
 mod app;
 mod census;
 mod controls;
+mod counts;
 mod dialog;
 mod display;
 mod draft;
@@ -33,6 +34,7 @@ mod placed;
 mod pointer;
 mod route;
 mod save;
+mod sources;
 mod stage;
 mod status_log;
 mod thinned;
@@ -43,13 +45,14 @@ mod worker;
 
 pub use error::{Error, Result};
 pub use loss::Lost;
+pub use sources::{Clouds, Opened};
 use std::path::PathBuf;
 
 use winit::event_loop::EventLoop;
 
 use pellucid_engine::camera::import::Source;
 use pellucid_engine::gpu::DeviceOptions;
-use pellucid_engine::scene::{Opened, View};
+use pellucid_engine::scene::View;
 
 /// The scene to show, and the settings of the window.
 pub struct Options {
@@ -63,6 +66,8 @@ pub struct Options {
     pub device: DeviceOptions,
     /// Device bytes for a frame's fragments.
     pub memory_budget: Option<u64>,
+    /// Bytes of memory for points: clouds that take more stay in their files.
+    pub host_memory: u64,
     /// Columns and rows of the window, in pixels of a display of ordinary density.
     pub size: [u32; 2],
     /// Milliseconds that a frame should take while things move.

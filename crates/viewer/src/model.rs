@@ -10,6 +10,7 @@ use glam::DVec2;
 use pellucid_engine::progress::Progress;
 
 use super::census::Census;
+use super::counts::abbreviated;
 use super::dialog::Dialog;
 use super::loss::Lost;
 use super::navigate::{self, Navigator};
@@ -142,6 +143,8 @@ pub struct Model {
     pub progress: Progress,
     /// The last frames.
     pub times: Times,
+    /// True if clouds that stay in their files are drawn at rest with all of their points.
+    everything: bool,
     /// Visible parts.
     pub shows: Shows,
     /// Position of the pointer, in points, when it last turned or moved the picture in a drag.
@@ -184,6 +187,7 @@ impl Model {
             pending: VecDeque::new(),
             progress: Progress::hidden(),
             times: Times::default(),
+            everything: false,
             shows: Shows { panel: true, ..Shows::default() },
             grabbed: None,
             controls: BTreeMap::new(),
@@ -219,6 +223,28 @@ impl Model {
 
     fn rest_at(&self) -> Instant {
         self.changed_at + REST
+    }
+
+    /// True if clouds that stay in their files are drawn at rest with all of their points, however near to one another.
+    pub fn draws_everything(&self) -> bool {
+        self.everything
+    }
+
+    /// Has all points of clouds that stay in their files drawn at rest, or no more than are seen.
+    pub fn draw_everything(&mut self, everything: bool) {
+        let is_missing = self.picture.as_ref().is_some_and(|picture| !picture.whole);
+        if everything && is_missing && self.picture_state == PictureState::Current {
+            self.picture_state = PictureState::Draft(due::MOST_REFINED);
+        }
+        self.everything = everything;
+    }
+
+    /// How much of clouds that stay in their files the picture holds, unless it holds all.
+    pub fn held_line(&self) -> Option<String> {
+        let held = self.picture.as_ref()?.held.filter(|held| held.points < held.all)?;
+        let [points, all] = [held.points, held.all].map(abbreviated);
+        let rest = if held.is_fine { "; the others are less than a pixel from these" } else { "" };
+        Some(format!("{points} of {all} points{rest}"))
     }
 
     /// True if the projection is orthographic.
@@ -397,7 +423,8 @@ impl Model {
         if let PictureState::Requested(serial, refined) = self.picture_state
             && serial == picture.serial
         {
-            self.picture_state = if picture.whole { PictureState::Current } else { PictureState::Draft(refined) };
+            let is_enough = picture.whole || !self.everything && picture.held.is_some_and(|held| held.is_fine);
+            self.picture_state = if is_enough { PictureState::Current } else { PictureState::Draft(refined) };
         }
         // The error of the previous picture no longer applies.
         let failed = self.failed.take();

@@ -63,13 +63,13 @@ pub fn show(ctx: &Context, model: &mut Model) {
     model.shows.help = help;
 }
 
-/// The work on points that precedes the next picture, shown if it takes long enough to be read.
+/// The work on points that precedes the next picture, shown if it takes long enough to be read; else how much of its clouds the
+/// picture holds, if not all.
 fn waiting(ctx: &Context, model: &Model) {
-    if !model.is_waiting() {
-        return;
+    if model.is_waiting() {
+        ctx.request_repaint_after(GLANCE);
     }
-    ctx.request_repaint_after(GLANCE);
-    if let Some(line) = model.progress_line() {
+    if let Some(line) = model.progress_line().or_else(|| model.held_line()) {
         let at = Area::new(Id::new("progress")).anchor(Align2::LEFT_BOTTOM, [8.0, -8.0]).interactable(false);
         at.show(ctx, |ui| frame().show(ui, |ui| ui.add(Label::new(line).extend())));
     }

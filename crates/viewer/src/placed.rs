@@ -3,32 +3,39 @@
 use pellucid_engine::progress::Progress;
 
 use super::navigate::Subject;
+use super::sources::{self, Clouds};
 use super::stage::no_points;
 use super::thinned::ThinnedCloud;
 use pellucid_engine::Result;
-use pellucid_engine::cloud::Cloud;
+use pellucid_engine::cloud::UpAxis;
 use pellucid_engine::io::{self, LasColumns};
 use pellucid_engine::methods::Renderer;
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::points::Changes;
+use pellucid_engine::points::{Changes, Points};
 use pellucid_engine::scene::legend::Legend;
+use pellucid_engine::scene::stored::Stored;
 use pellucid_engine::scene::tracked::{self, DerivedColumns, Tracked};
-use pellucid_engine::scene::{self, Light, Scene, Shadows};
+use pellucid_engine::scene::{self, Clip, CloudSettings, Light, Scene, ShadingModel, Shadows};
 
-/// The clouds as they were read, and data derived from them.
+/// The clouds of a scene, and data derived from them.
 pub struct Sources {
-    clouds: Vec<Cloud>,
+    clouds: Clouds,
+    /// Of each cloud in memory.
     derived: Vec<DerivedColumns>,
     /// Columns of each cloud's file that were asked for once it had been read.
     asked: Vec<LasColumns>,
     seed: u64,
+    /// Bytes that may keep nodes of clouds that are not in memory.
+    memory: u64,
 }
 
 impl Sources {
-    pub fn new(clouds: Vec<Cloud>, seed: u64) -> Self {
-        let derived = clouds.iter().map(|_| DerivedColumns::default()).collect();
-        let asked = vec![LasColumns::default(); clouds.len()];
-        Self { clouds, derived, asked, seed }
+    pub fn new(clouds: Clouds, seed: u64, memory: u64) -> Self {
+        let (count, derived) = match &clouds {
+            Clouds::Held(clouds) => (clouds.len(), clouds.iter().map(|_| DerivedColumns::default()).collect()),
+            Clouds::Stored(stores) => (stores.len(), Vec::new()),
+        };
+        Self { clouds, derived, asked: vec![LasColumns::default(); count], seed, memory }
     }
 
     /// Reads files again that may have columns which the scene needs and which were not asked for before.
@@ -36,7 +43,11 @@ impl Sources {
     /// # Errors
     /// A file that can't be read any more.
     pub fn complete(&mut self, scene: &Scene, progress: &Progress) -> Result<()> {
-        for ((settings, cloud), asked) in scene.clouds.iter().zip(&mut self.clouds).zip(&mut self.asked) {
+        let clouds = match &mut self.clouds {
+            Clouds::Held(clouds) => clouds,
+            Clouds::Stored(stores) => return sources::complete(stores, &mut self.asked, scene),
+        };
+        for ((settings, cloud), asked) in scene.clouds.iter().zip(clouds).zip(&mut self.asked) {
             let all = settings.hints().las.and(*asked);
             if all == *asked || all.lacking(cloud) == LasColumns::default() {
                 continue;
@@ -55,26 +66,48 @@ impl Sources {
     }
 
     /// The clouds.
-    pub fn clouds(&self) -> &[Cloud] {
+    pub fn clouds(&self) -> &Clouds {
         &self.clouds
     }
 
     /// The clouds, when everything else goes.
-    pub fn into_clouds(self) -> Vec<Cloud> {
+    pub fn into_clouds(self) -> Clouds {
         self.clouds
-    }
-
-    /// What the colors of the scene mean whose points were last asked for.
-    ///
-    /// # Errors
-    /// A cloud lacks what its colors are to show.
-    pub fn legend(&self, scene: &Scene) -> Result<Legend> {
-        Ok(tracked::legend(scene, &self.clouds, &self.derived)?)
     }
 
     /// The seed of stochastic methods.
     pub fn seed(&self) -> u64 {
         self.seed
+    }
+}
+
+/// Where the points on the device come from.
+pub enum Origin {
+    /// Memory, where they follow the scene.
+    Held(Box<Tracked>),
+    /// Stores, some at a time.
+    Stored(Box<Stored>),
+}
+
+/// The settings that the points of stores depend on.
+#[derive(PartialEq)]
+struct Wanted {
+    clouds: Vec<CloudSettings>,
+    clips: Vec<Clip>,
+    shading: ShadingModel,
+    /// Radii, fields, and the order of ensembles.
+    method: [bool; 3],
+}
+
+impl Wanted {
+    fn by(scene: &Scene) -> Self {
+        let method = scene.method;
+        Self {
+            clouds: scene.clouds.clone(),
+            clips: scene.clips.clone(),
+            shading: scene.shading.model,
+            method: [method.needs_radii(), method.needs_field(), method.is_dealt()],
+        }
     }
 }
 
@@ -87,8 +120,10 @@ fn lighting(scene: &Scene) -> Lighting {
 
 /// Points on the device.
 pub struct Placed {
-    /// The same on the host.
-    pub arranged: Tracked,
+    /// Where they come from.
+    pub origin: Origin,
+    /// What the points of stores were made for.
+    wanted: Wanted,
     /// The device's.
     pub cloud: DeviceCloud,
     /// Fewer of them, for coarser pictures.
@@ -101,27 +136,79 @@ pub struct Placed {
     lighting: Option<Lighting>,
 }
 
+impl Origin {
+    /// The points, or some that stand for all.
+    pub fn points(&self) -> &Points {
+        match self {
+            Self::Held(tracked) => tracked.points(),
+            Self::Stored(stored) => stored.sample(),
+        }
+    }
+}
+
 impl Placed {
     /// Brings the points of a scene to the device.
     ///
     /// # Errors
     /// No point is left, a cloud lacks what its field is made of, or the device has no room.
     pub fn new(renderer: &Renderer, sources: &mut Sources, scene: &Scene, progress: &Progress) -> Result<Self> {
-        let Sources { clouds, derived, seed, .. } = sources;
-        let arranged = Tracked::new(scene, clouds, derived, *seed, progress)?;
-        let (texture, _) = scene::shadow_texture(scene, clouds, *seed);
-        let Some(bounds) = arranged.points().bounds() else { return Err(no_points()) };
-        let subject = Subject { bounds, radius: arranged.points().largest_radius(), up: scene::up_axis(clouds) };
-        progress.set_message("uploading points");
-        let cloud = renderer.upload_lit(arranged.arranged(), texture.as_ref())?;
+        let Sources { clouds, derived, seed, memory, .. } = sources;
+        let stores = match clouds {
+            Clouds::Held(clouds) => {
+                let tracked = Tracked::new(scene, clouds, derived, *seed, progress)?;
+                let (texture, _) = scene::shadow_texture(scene, clouds, *seed);
+                progress.set_message("uploading points");
+                let cloud = renderer.upload_lit(tracked.arranged(), texture.as_ref())?;
+                return Self::with(Origin::Held(Box::new(tracked)), cloud, scene::up_axis(clouds), scene);
+            }
+            Clouds::Stored(stores) => stores,
+        };
+        let stored = Stored::new(scene, stores, *memory, progress)?;
+        let arranged = match scene.method.is_dealt() {
+            true => stored.dealt(*seed, &std::env::temp_dir(), progress)?,
+            false => stored.arranged(),
+        };
+        let (cloud, up) = (renderer.upload_arranged(&arranged)?, stored.up());
+        Self::with(Origin::Stored(Box::new(stored)), cloud, up, scene)
+    }
+
+    fn with(origin: Origin, cloud: DeviceCloud, up: UpAxis, scene: &Scene) -> Result<Self> {
+        let Some(bounds) = origin.points().bounds() else { return Err(no_points()) };
+        let subject = Subject { bounds, radius: origin.points().largest_radius(), up };
         Ok(Self {
-            arranged,
+            origin,
+            wanted: Wanted::by(scene),
             cloud,
             thinned: None,
             subject,
             pending: Changes::default(),
             lighting: Some(lighting(scene)),
         })
+    }
+
+    /// The points, or some that stand for all.
+    pub fn points(&self) -> &Points {
+        self.origin.points()
+    }
+
+    /// What the colors of the points mean, and how they are shaded, if they are stored.
+    pub fn stored(&self) -> Option<&Stored> {
+        match &self.origin {
+            Origin::Held(_) => None,
+            Origin::Stored(stored) => Some(stored),
+        }
+    }
+
+    /// What the colors of the scene mean that the points were last made for.
+    ///
+    /// # Errors
+    /// A cloud lacks what its colors are to show.
+    pub fn legend(&self, scene: &Scene, sources: &Sources) -> Result<Legend> {
+        match (&self.origin, &sources.clouds) {
+            (Origin::Held(_), Clouds::Held(clouds)) => Ok(tracked::legend(scene, clouds, &sources.derived)?),
+            (Origin::Stored(stored), _) => Ok(stored.legend().clone()),
+            (Origin::Held(_), Clouds::Stored(_)) => Ok(Legend::default()),
+        }
     }
 
     /// Turns these points into those of another scene of the same clouds. Returns the changes since the last success,
@@ -138,12 +225,16 @@ impl Placed {
         progress: &Progress,
     ) -> Result<Option<Changes>> {
         let Sources { clouds, derived, seed, .. } = sources;
+        let (Origin::Held(tracked), Clouds::Held(clouds)) = (&mut self.origin, clouds) else {
+            return Ok((self.wanted == Wanted::by(scene)).then(Changes::default));
+        };
         self.cloud.let_go();
-        let followed = self.arranged.follow(scene, clouds, derived, progress);
+        let followed = tracked.follow(scene, clouds, derived, progress);
         if let Ok(Some(changes)) = followed {
             self.note(changes);
         }
-        let arranged = self.arranged.arranged();
+        let Origin::Held(tracked) = &self.origin else { return Ok(None) };
+        let arranged = tracked.arranged();
         self.cloud.follow(renderer.device(), arranged, self.pending).map_err(pellucid_engine::methods::Error::from)?;
         if followed?.is_none() {
             return Ok(None);
@@ -166,7 +257,7 @@ impl Placed {
             self.thinned = None;
         }
         if changes.radii || changes.unseen {
-            self.subject.radius = self.arranged.points().largest_radius();
+            self.subject.radius = self.points().largest_radius();
         }
         if changes.order {
             self.lighting = None;

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::draft::Effort;
+use super::sources::Clouds;
 use super::stage::{Pose, Stage, TakenPicture};
 use pellucid_engine::camera::path::CameraPath;
 use pellucid_engine::output::{self, WriteOptions};
@@ -91,7 +92,9 @@ fn write_clouds(stage: &Stage, document: &mut Document, stem: &str) -> Result<()
     let failed = |source| output::Error::Write { path: folder.clone(), source };
     std::fs::create_dir_all(&folder).map_err(failed)?;
     let settings = document.scene()?.clouds;
-    for (i, (settings, cloud)) in settings.iter().zip(stage.clouds()).enumerate() {
+    // Clouds that stay in their files are not generated.
+    let Clouds::Held(clouds) = stage.clouds() else { return Ok(()) };
+    for (i, (settings, cloud)) in settings.iter().zip(clouds).enumerate() {
         let name = settings.path.file_name().map_or_else(|| PathBuf::from(format!("{i}")), PathBuf::from);
         let path = folder.join(name).with_extension("ply");
         io::ply::write(&path, cloud)?;

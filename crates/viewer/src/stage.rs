@@ -2,24 +2,29 @@
 
 use std::time::Instant;
 
-use pellucid_engine::progress::Progress;
+use pellucid_engine::progress::{Observer, Progress};
 
 use super::accuracy::Standing;
 use super::census::{FieldFacts, Histograms};
 use super::draft::{Cost, Costs, Draft, Effort};
 use super::navigate::Subject;
 use super::placed::{Placed, Sources};
+use super::sources::Clouds;
 use super::thinned::{self, ThinnedCloud};
+use super::worker::Setup;
 use pellucid_engine::camera::Camera;
-use pellucid_engine::cloud::Cloud;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::brightness::{self, Applied};
-use pellucid_engine::methods::{Frame, Rendered, Renderer, Stop, shadows};
+use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop, shadows};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::points::Changes;
 use pellucid_engine::scene::legend::Legend;
 use pellucid_engine::scene::{self, CameraSettings, Detail, Method, MethodChoice, Scene, View};
+use pellucid_engine::supply::Cut;
 use pellucid_engine::{Result, plan};
+
+/// Points that are this near to others add nothing that is seen, in pixels.
+const FINE_PX: f32 = 1.0;
 
 /// Share of the whole picture's work from which a picture at rest is the whole one.
 const NEARLY_WHOLE: f64 = 0.5;
@@ -33,6 +38,15 @@ pub enum Pose {
     View(View),
     /// From here: eye, target and up are given.
     At(CameraSettings),
+}
+
+/// Tells work apart that was told to end.
+struct Wanted(Device);
+
+impl Observer for Wanted {
+    fn is_cancelled(&self) -> bool {
+        self.0.is_stopped()
+    }
 }
 
 /// A picture and how it came about.
@@ -55,6 +69,19 @@ pub struct TakenPicture {
     pub standing: Option<Standing>,
     /// The distribution of F over the points, if the method uses it.
     pub field: Option<FieldFacts>,
+    /// How much of clouds that stay in their files the picture holds.
+    pub held: Option<Held>,
+}
+
+/// How much of a cloud that stays in its file a picture holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Held {
+    /// Points in the picture.
+    pub points: u64,
+    /// All points.
+    pub all: u64,
+    /// True if those left out are less than a pixel from one that is there.
+    pub is_fine: bool,
 }
 
 impl TakenPicture {
@@ -89,9 +116,16 @@ pub struct Stage {
 }
 
 impl Stage {
-    pub fn new(device: &Device, clouds: Vec<Cloud>, seed: u64, memory_budget: Option<u64>) -> Result<Self> {
-        let renderer = Renderer::new(device)?;
-        let (sources, progress, histograms) = (Sources::new(clouds, seed), Progress::hidden(), Histograms::default());
+    /// A stage for the clouds of a scene. Work that nobody waits for any more ends when the device is told to do none.
+    ///
+    /// # Errors
+    /// The device failed.
+    pub fn new(device: &Device, clouds: Clouds, setup: &Setup) -> Result<Self> {
+        let Setup { seed, memory_budget, host_memory } = *setup;
+        let mut renderer = Renderer::new(device)?;
+        renderer.progress = Progress::observed(Wanted(device.clone()));
+        let (sources, progress, histograms) =
+            (Sources::new(clouds, seed, host_memory), Progress::hidden(), Histograms::default());
         let (placed, costs, chosen) = (None, None, None);
         Ok(Self { renderer, sources, progress, memory_budget, placed, costs, chosen, histograms })
     }
@@ -102,12 +136,12 @@ impl Stage {
     }
 
     /// The clouds as they were read.
-    pub fn clouds(&self) -> &[Cloud] {
+    pub fn clouds(&self) -> &Clouds {
         self.sources.clouds()
     }
 
     /// The clouds, when everything else goes.
-    pub fn into_clouds(self) -> Vec<Cloud> {
+    pub fn into_clouds(self) -> Clouds {
         self.sources.into_clouds()
     }
 
@@ -116,7 +150,8 @@ impl Stage {
     /// # Errors
     /// A cloud lacks what its colors are to show.
     pub fn legend(&self, scene: &Scene) -> Result<Legend> {
-        self.sources.legend(scene)
+        let placed = self.placed.as_ref().ok_or_else(no_points)?;
+        placed.legend(scene, &self.sources)
     }
 
     /// Takes an image back whose memory the next one may have.
@@ -135,7 +170,7 @@ impl Stage {
         }
         let (seed, memory_budget) = (self.sources.seed(), self.memory_budget);
         let known = self.chosen.clone().filter(|(requested, method, _)| {
-            *requested == scene.method && self.draft(method, effort) != Draft::whole(method)
+            *requested == scene.method && self.draft(method, effort, scene.image.size) != Draft::whole(method)
         });
         let Some(placed) = &mut self.placed else { return Err(no_points()) };
         let camera = camera(scene, pose, placed)?;
@@ -145,14 +180,16 @@ impl Stage {
         let mut frame = Frame { memory_budget, stop, spread: true, detail, ..Frame::of_scene(scene, camera, seed) };
         let (method, why) = match known {
             Some((_, method, why)) => (method, why),
-            None => {
-                plan::choose(&mut self.renderer, &mut placed.cloud, placed.arranged.points(), scene.method, &frame)?
-            }
+            None => plan::choose(&mut self.renderer, &mut placed.cloud, placed.origin.points(), scene.method, &frame)?,
         };
         self.chosen = Some((scene.method, method, why.clone()));
         frame.method = method;
         let lights = lights(&mut frame, &placed.cloud, effort);
-        let draft = self.draft(&method, effort);
+        if let Some(stored) = placed.stored() {
+            // Points without normals to shade by have none here.
+            frame.shading.model = stored.scene().shading.model;
+        }
+        let draft = self.draft(&method, effort, scene.image.size);
         let started = Instant::now();
         // Nobody but the screen needs the colors of a moving picture, unless one at rest follows.
         self.renderer.host_colors = !matches!(effort, Effort::Moving(_));
@@ -161,19 +198,28 @@ impl Stage {
         let (rendered, brightness) = drawn?;
         // Shadows that were cast are there for the next one.
         if rendered.facts.light_views == 0 {
-            let cost = Cost { ms: started.elapsed().as_secs_f64() * 1e3, work: draft.work(&method) };
+            let ms = started.elapsed().as_secs_f64() * 1e3;
+            let cost = Cost { ms, work: draft.work(&method) * self.share(draft, rendered.facts.points) };
             let costs = self.costs_of(&method).map_or_else(|| Costs::new(cost), |costs| costs.with(cost));
             self.costs = Some((method.name(), Draft::whole(&method).steps, costs));
         }
         let Some(placed) = &mut self.placed else { return Err(no_points()) };
         // Medians of radii may be asked for, which drafts have no time for.
         let whole = effort == Effort::Whole || draft == Draft::whole(&method);
-        let standing = whole.then(|| Standing::for_method(&method, placed.arranged.points()));
+        let standing = whole.then(|| Standing::for_method(&method, placed.points()));
         let field = method.threshold().map(|threshold| FieldFacts {
-            histogram: self.histograms.for_scene(scene, &placed.arranged.points().fields),
+            histogram: self.histograms.for_scene(scene, &placed.points().fields),
             parts: placed.cloud.parts(threshold),
         });
-        Ok(TakenPicture { rendered, frame, why, brightness, subject: placed.subject, draft, lights, standing, field })
+        let all = self.sources.clouds().points();
+        let held = placed.stored().is_some().then(|| {
+            let points = if draft.points.is_some() { rendered.facts.points.min(all) } else { all };
+            let px = placed.cloud.cut_in_force().map_or(f64::INFINITY, Cut::px);
+            let is_fine = draft.points.is_none() || draft.coarse == 1 && px <= FINE_PX.into();
+            Held { points, all, is_fine: is_fine && draft.steps == Draft::whole(&method).steps }
+        });
+        let subject = placed.subject;
+        Ok(TakenPicture { rendered, frame, why, brightness, subject, draft, lights, standing, field, held })
     }
 
     /// The picture of the exact method that this one approximates, from the same scene.
@@ -193,9 +239,18 @@ impl Stage {
         Some(costs.rescaled(steps, Draft::whole(method).steps))
     }
 
-    /// The draft of a method that this effort allows.
-    fn draft(&self, method: &Method, effort: Effort) -> Draft {
+    /// The share of the points that a draft draws, of which so many are there.
+    fn share(&self, draft: Draft, points: u64) -> f64 {
+        let Some(most) = draft.points else { return 1.0 };
+        points.min(most.into()) as f64 / self.sources.clouds().points().max(1) as f64
+    }
+
+    /// The draft of a method that this effort allows in a picture of so many pixels.
+    fn draft(&self, method: &Method, effort: Effort, size: [u32; 2]) -> Draft {
         let Some(budget) = effort.budget_ms() else { return Draft::whole(method) };
+        if let (Clouds::Stored(_), false) = (self.sources.clouds(), method.is_dealt()) {
+            return Draft::of_stored(method, self.costs_of(method), effort, self.sources.clouds().points(), size);
+        }
         let draft = Draft::within(method, self.costs_of(method), budget);
         // At rest the whole picture is worth twice the wait for most of it.
         let nearly = matches!(effort, Effort::Refining(_)) && draft.work(method) >= NEARLY_WHOLE;
@@ -207,6 +262,9 @@ impl Stage {
         let Some(placed) = &mut self.placed else { return Err(no_points()) };
         let (renderer, method) = (&mut self.renderer, draft.method(whole.method));
         let mut frame = Frame { method, ensembles: draft.ensembles(&method), size: draft.size(whole.size), ..*whole };
+        if let Some(points) = draft.points {
+            return Ok((draw_some(renderer, placed, frame, points)?, None));
+        }
         // Points of ensembles are fewer on fewer pixels by themselves; shadows are those of all points.
         let thinned = draft.coarse > 1 && !method.is_dealt() && shadows::casting(whole, &placed.cloud).is_none();
         if !thinned {
@@ -219,7 +277,7 @@ impl Stage {
             frame.method = thinned::as_dense(method, placed.cloud.parts(soft.threshold).median_radius);
         }
         frame.factors.radius *= draft.coarse as f32;
-        let cloud = ThinnedCloud::reuse_or_upload(&mut placed.thinned, renderer, placed.arranged.points(), one_of)?;
+        let cloud = ThinnedCloud::reuse_or_upload(&mut placed.thinned, renderer, placed.origin.points(), one_of)?;
         Ok((renderer.render(cloud, &frame)?, None))
     }
 
@@ -248,7 +306,7 @@ impl Stage {
     fn reconsider(&mut self, scene: &Scene) {
         let Some(placed) = &self.placed else { return };
         let needs_order = |method: &Method| !matches!(method, Method::Circles(_));
-        let (resolved, _why) = plan::resolve(scene.method, placed.arranged.points());
+        let (resolved, _why) = plan::resolve(scene.method, placed.points());
         self.chosen.take_if(|(_, method, _)| needs_order(method) != needs_order(&resolved));
     }
 
@@ -256,6 +314,31 @@ impl Stage {
     pub fn plan(&self, picture: &TakenPicture) -> Vec<plan::Step> {
         let TakenPicture { rendered, frame, why, .. } = picture;
         plan::plan(self.renderer.device(), frame, &rendered.facts, self.renderer.wide_atomics, why)
+    }
+}
+
+/// Renders about so many points of a cloud that stays in its file: its levels, or, if it has none, those that stand for all.
+fn draw_some(renderer: &mut Renderer, placed: &mut Placed, mut frame: Frame, points: u32) -> Result<Rendered> {
+    let has_levels = |cloud: &DeviceCloud| {
+        cloud.supply().is_some_and(|supply| supply.blocks().iter().all(|block| block.branch.is_some()))
+    };
+    if !has_levels(&placed.cloud) {
+        let (some, all) = (placed.points().len(), placed.points().count());
+        if let Some(soft) = frame.method.soft() {
+            frame.method = thinned::as_dense(frame.method, placed.cloud.parts(soft.threshold).median_radius);
+        }
+        // The discs of a place together keep their area.
+        frame.factors.radius *= (all as f32 / some.max(1) as f32).sqrt();
+        let cloud = ThinnedCloud::reuse_or_upload(&mut placed.thinned, renderer, placed.origin.points(), 1)?;
+        return Ok(renderer.render(cloud, &frame)?);
+    }
+    frame.detail = Detail { spacing_px: FINE_PX, max_points: Some(points) };
+    match renderer.render(&mut placed.cloud, &frame) {
+        Err(methods::Error::Coarsest { points, .. }) => {
+            frame.detail.max_points = Some(u32::try_from(points).unwrap_or(u32::MAX));
+            Ok(renderer.render(&mut placed.cloud, &frame)?)
+        }
+        rendered => Ok(rendered?),
     }
 }
 
@@ -271,6 +354,8 @@ fn lights(frame: &mut Frame, cloud: &DeviceCloud, effort: Effort) -> Option<[u32
         (Some(existing), Effort::Refining(_)) if *existing != wanted => {
             existing.samples.saturating_mul(4).min(wanted.samples)
         }
+        // Shadows of stores are cast anew for each level of detail.
+        (None, Effort::Refining(_)) if cloud.supply().is_some() => wanted.samples,
         (None, Effort::Moving(_) | Effort::Refining(_)) => 1,
         _ => wanted.samples,
     };
@@ -283,7 +368,7 @@ pub(super) fn no_points() -> pellucid_engine::Error {
 }
 
 fn camera(scene: &Scene, pose: Pose, placed: &Placed) -> Result<Camera> {
-    let Placed { subject: Subject { bounds, radius, up }, arranged, .. } = placed;
+    let Subject { bounds, radius, up } = &placed.subject;
     let settings = match pose {
         Pose::At(settings) => {
             let found = scene::camera_at(&settings, bounds, *radius);
@@ -293,7 +378,7 @@ fn camera(scene: &Scene, pose: Pose, placed: &Placed) -> Result<Camera> {
         Pose::View(view) => CameraSettings { view, eye: None, target: None, up: None, height: None, ..scene.camera },
     };
     let framed = Scene { camera: settings, clouds: Vec::new(), ..scene.clone() };
-    let (camera, _warnings) = scene::camera(&framed, arranged.points(), *up)?;
+    let (camera, _warnings) = scene::camera(&framed, placed.points(), *up)?;
     Ok(camera)
 }
 

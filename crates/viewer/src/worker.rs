@@ -9,17 +9,16 @@ use std::thread::JoinHandle;
 use pellucid_engine::progress::Progress;
 
 use super::accuracy::{History, Rung, Standing};
-use super::census::Census;
 use super::display::{self, SceneImage, ScreenEncoder};
 use super::legend::Legends;
 use super::loss;
 use super::save::{self, Saving};
+use super::sources::{Clouds, Opened};
 use super::stage::{Pose, Stage, TakenPicture};
 use pellucid_engine::camera::import::Source;
 use pellucid_engine::camera::path;
-use pellucid_engine::cloud::Cloud;
 use pellucid_engine::gpu::{self, Device};
-use pellucid_engine::methods::Frame;
+use pellucid_engine::methods::{self, Frame};
 use pellucid_engine::scene::{self, Overrides, Scene};
 use pellucid_engine::{Error, Result};
 
@@ -75,8 +74,8 @@ impl<F: Fn()> Teller<F> {
 
 /// The worker's state that outlives a device: handed over at start, returned at the end.
 pub struct Workload {
-    /// The clouds as they were read.
-    pub clouds: Vec<Cloud>,
+    /// The clouds.
+    pub clouds: Clouds,
     /// True if no file contains them.
     pub generated: bool,
     /// Requests that are still open, except pictures.
@@ -107,7 +106,7 @@ impl Worker {
     ) -> Result<Self> {
         let (tasks, waiting) = mpsc::channel();
         let (teller, news) = mpsc::channel();
-        let stage = Stage::new(device, workload.clouds, setup.seed, setup.memory_budget)?;
+        let stage = Stage::new(device, workload.clouds, &setup)?;
         let progress = stage.progress.clone();
         let (encoder, history) = (ScreenEncoder::new(device, blue_first)?, History::default());
         let work = Work {
@@ -118,6 +117,7 @@ impl Worker {
             history,
             unread: None,
             whole: None,
+            surveyed: false,
             legends: Legends::default(),
         };
         let teller = Teller { news: teller, bell: Bell(wake) };
@@ -190,6 +190,8 @@ pub struct Setup {
     pub seed: u64,
     /// Device bytes for a frame's fragments.
     pub memory_budget: Option<u64>,
+    /// Bytes of memory for points: clouds that take more stay in their files.
+    pub host_memory: u64,
 }
 
 struct Work {
@@ -204,6 +206,8 @@ struct Work {
     unread: Option<[u32; 2]>,
     /// The last whole picture.
     whole: Option<Whole>,
+    /// True once there was a picture of clouds that stay in their files.
+    surveyed: bool,
     legends: Legends,
 }
 
@@ -251,7 +255,8 @@ impl Work {
                 if lost || stops.is_ending() && matches!(news, News::Stopped(_)) {
                     left.push(task);
                 }
-                let others = matches!(news, News::Opened(..));
+                // Points of stores were looked at for the first picture.
+                let others = matches!(news, News::Opened(..)) || self.is_news(&news);
                 teller.tell(news);
                 if others {
                     teller.tell(self.census());
@@ -289,7 +294,9 @@ impl Work {
         done.unwrap_or_else(|error| match error {
             error if loss::during(&error).is_some() => News::Lost(error),
             Error::Gpu(gpu::Error::Stopped { .. }) => News::Stopped(serial),
-            Error::Render(pellucid_engine::methods::Error::Gpu(gpu::Error::Stopped { .. })) => News::Stopped(serial),
+            Error::Render(methods::Error::Gpu(gpu::Error::Stopped { .. }) | methods::Error::Cancelled) => {
+                News::Stopped(serial)
+            }
             error if matches!(task, Task::Measure(_)) => {
                 News::Failed(serial, format!("how accurate the picture is can't be found: {error}"))
             }
@@ -297,8 +304,15 @@ impl Work {
         })
     }
 
+    /// True of the first picture of clouds that stay in their files.
+    fn is_news(&mut self, news: &News) -> bool {
+        let is_first = matches!(news, News::Picture(picture) if picture.held.is_some()) && !self.surveyed;
+        self.surveyed |= is_first;
+        is_first
+    }
+
     fn census(&self) -> News {
-        News::Clouds(self.stage.clouds().iter().map(Census::from_cloud).collect())
+        News::Clouds(self.stage.clouds().census().into())
     }
 
     fn show(&mut self, request: &Request) -> Result<News> {
@@ -329,7 +343,7 @@ impl Work {
             depths = display::enlarge_depths(&depths, shown.size, scene.image.size);
         }
         self.history.add(scene, *pose, rung, composed, whole);
-        let TakenPicture { rendered, frame, subject, standing, field, .. } = taken;
+        let TakenPicture { rendered, frame, subject, standing, field, held, .. } = taken;
         if let (true, Some(standing)) = (whole, standing) {
             self.whole = Some(Whole { serial: *serial, scene: scene.clone(), pose: *pose, frame, standing });
         }
@@ -350,6 +364,7 @@ impl Work {
             plan,
             field,
             legend,
+            held,
         };
         Ok(News::Picture(Box::new(picture)))
     }
@@ -380,15 +395,16 @@ impl Work {
 
     fn open(&mut self, files: &[PathBuf]) -> Result<News> {
         let progress = self.stage.progress.clone();
-        let opened = scene::open(files, &Overrides::default(), self.setup.seed, &progress);
+        let named = scene::name(files, &Overrides::default(), self.setup.seed)?;
+        let opened = Opened::open(named, self.setup.host_memory, &progress);
         progress.set_message("");
         let opened = opened?;
         let device = self.stage.renderer().device().clone();
-        self.stage = Stage::new(&device, opened.clouds, self.setup.seed, self.setup.memory_budget)?;
+        self.stage = Stage::new(&device, opened.clouds, &self.setup)?;
         self.stage.progress = progress;
         // A file of the same name may have other contents now.
         (self.history, self.unread, self.whole) = (History::default(), None, None);
-        self.legends = Legends::default();
+        (self.legends, self.surveyed) = (Legends::default(), false);
         self.generated = opened.generated;
         Ok(News::Opened(opened.name, Box::new(opened.document)))
     }

@@ -6,6 +6,7 @@ use bytesize::ByteSize;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::cloud::shadow_texture::ShadowTexture;
 use pellucid_engine::cloud::{Cloud, UpAxis};
+use pellucid_engine::io::store::Summary;
 use pellucid_engine::methods::see_through::Found;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
@@ -106,9 +107,6 @@ enum Clouds {
     /// They stay in their files.
     Stored(Stored),
 }
-
-/// Bytes of memory for each point of a cloud that is read as a whole, at the most that are taken at once.
-const BYTES_OF_POINT: u64 = 90;
 
 /// A scene and its clouds as they were read.
 #[derive(Clone)]
@@ -310,8 +308,8 @@ pub fn read(args: &InputArgs, size: Option<[u32; 2]>, console: Console, progress
 /// the picture does without.
 fn stored(args: &InputArgs, named: &Named, scene: &Scene, console: Console, progress: &Bar) -> Result<Option<Stored>> {
     let memory = host_memory(args.host_memory)?;
-    let announced = named.announced()?;
-    let needed = announced.unwrap_or(0).saturating_mul(BYTES_OF_POINT);
+    let announced = named.needed_memory()?;
+    let needed = announced.unwrap_or(0);
     let fits = needed <= memory;
     let by_levels = || Ok::<_, Error>(announced.is_some() && !scene.detail.is_whole() && have_levels(scene)?);
     if fits && (scene.method.is_dealt() || !by_levels()?) {
@@ -332,12 +330,14 @@ fn stored(args: &InputArgs, named: &Named, scene: &Scene, console: Console, prog
         );
         return Ok(None);
     }
-    for store in &stores {
-        let summary = store.summary();
-        console.detail(format_args!("{}: {} points", summary.path.display(), summary.points));
-        report_cloud(&summary.path, &summary.like, console.without_details());
-    }
-    Ok(Some(Stored::new(scene, stores, memory, progress)?))
+    stores.iter().for_each(|store| report_store(store.summary(), console));
+    Ok(Some(Stored::new(scene, &stores, memory, progress)?))
+}
+
+/// Says how large a cloud is that stays where it is stored, and what is odd about it.
+pub fn report_store(summary: &Summary, console: Console) {
+    console.detail(format_args!("{}: {} points", summary.path.display(), summary.points));
+    report_cloud(&summary.path, &summary.like, console.without_details());
 }
 
 /// Says what was read and what was odd about it.

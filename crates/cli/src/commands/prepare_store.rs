@@ -13,7 +13,7 @@ use pellucid_engine::{Result, io};
 use super::bar::Bar;
 use super::console::Console;
 use super::limit::usage;
-use super::loaded::report_cloud;
+use super::loaded::report_store;
 
 /// Memory where the system doesn't say how much is free.
 const HOST_MEMORY: u64 = 2 << 30;
@@ -62,9 +62,7 @@ fn open(inputs: &[PathBuf], scene: &Scene, progress: &Bar, console: Console) -> 
         progress.reset();
         progress.set_message(format!("reading {}", path.display()));
         let store = store::open(path, settings.hints(), progress)?;
-        let summary = store.summary();
-        console.detail(format_args!("{}: {} points", path.display(), summary.points));
-        report_cloud(path, &summary.like, console.without_details());
+        report_store(store.summary(), console);
         Ok(store)
     };
     inputs.iter().zip(&scene.clouds).map(open).collect()

@@ -7,12 +7,13 @@ use clap::Args;
 use pellucid_engine::camera::import::Source;
 use pellucid_engine::gpu::DeviceOptions;
 use pellucid_engine::scene;
-use pellucid_viewer::{Display, Options};
+use pellucid_viewer::{Clouds, Display, Opened, Options};
 
 use super::DeviceArgs;
 use super::console::Console;
 use super::input::InputArgs;
-use super::loaded::report_cloud;
+use super::loaded::{report_cloud, report_store};
+use super::prepare_store::host_memory;
 use crate::error::Error;
 
 /// Default size of the window, in columns and rows.
@@ -47,17 +48,29 @@ pub fn run(args: ViewArgs, console: Console) -> Result<ExitCode, Error> {
     let ViewArgs { input, device, path, budget } = args;
     let cameras = path.as_deref().map(Source::read).transpose().map_err(pellucid_engine::Error::from)?;
     let progress = console.progress();
-    let opened = scene::open(&input.inputs, &input.overrides(None)?, input.seed, &progress)?;
+    let host_memory = host_memory(input.host_memory)?;
+    let named = scene::name(&input.inputs, &input.overrides(None)?, input.seed)?;
+    let opened = Opened::open(named, host_memory, &progress)?;
     progress.finish_and_clear();
     let scene = opened.document.scene().map_err(pellucid_engine::Error::from)?;
     input.preset().iter().for_each(|preset| console.note(preset.note()));
-    if let Some(share) = input.share(&scene, &opened.clouds) {
+    let share = match &opened.clouds {
+        Clouds::Held(clouds) => input.share(&scene, clouds),
+        // Nobody has looked at their classes yet.
+        Clouds::Stored(_) => input.share_of(&scene, false),
+    };
+    if let Some(share) = share {
         console.note(format_args!(
             "the window doesn't look for the opacity of --see-through {share}, its slider sets one; `render` finds and prints it"
         ));
     }
-    for (settings, cloud) in scene.clouds.iter().zip(&opened.clouds) {
-        report_cloud(&settings.path, cloud, console);
+    match &opened.clouds {
+        Clouds::Held(clouds) => {
+            for (settings, cloud) in scene.clouds.iter().zip(clouds) {
+                report_cloud(&settings.path, cloud, console);
+            }
+        }
+        Clouds::Stored(stores) => stores.iter().for_each(|store| report_store(store.summary(), console)),
     }
     let options = Options {
         opened,
@@ -65,6 +78,7 @@ pub fn run(args: ViewArgs, console: Console) -> Result<ExitCode, Error> {
         seed: input.seed,
         device: DeviceOptions { device: device.device, ..DeviceOptions::from_env() },
         memory_budget: device.memory_budget.map(|budget| budget.as_u64()),
+        host_memory,
         size: if input.size.is_some() { scene.image.size } else { SIZE },
         budget_ms: budget,
         path: path.zip(cameras),

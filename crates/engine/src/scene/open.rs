@@ -13,6 +13,9 @@ use crate::io::store;
 /// The built-in scene used without input.
 pub const DEFAULT_SCENE: &str = "garden";
 
+/// Bytes of memory for each point of a cloud that is read as a whole, at the most that are taken at once.
+const BYTES_OF_POINT: u64 = 90;
+
 /// A scene and its clouds as they were read.
 #[derive(Debug, Clone)]
 pub struct Opened {
@@ -65,6 +68,14 @@ impl Named {
             all = all.saturating_add(store::announced(&cloud.path, &cloud.hints())?.unwrap_or(0));
         }
         Ok(Some(all))
+    }
+
+    /// Bytes of memory for all points that the clouds announce; `None` of the built-in scene.
+    ///
+    /// # Errors
+    /// Files that can't be opened.
+    pub fn needed_memory(&self) -> crate::Result<Option<u64>> {
+        Ok(self.announced()?.map(|points| points.saturating_mul(BYTES_OF_POINT)))
     }
 }
 

@@ -29,7 +29,7 @@ fn both(folder: &Path) -> (Scene, Arranged, Stored) {
     scene.method = Method::Circles(ScreenSplats::default()).into();
     let clouds = scene::load_clouds(&scene, &hidden).unwrap();
     let whole = scene::arrange(&scene, clouds, 3, &hidden).unwrap();
-    let stored = Stored::new(&scene, open_stores(&scene, &hidden).unwrap(), 64 << 20, &hidden).unwrap();
+    let stored = Stored::new(&scene, &open_stores(&scene, &hidden).unwrap(), 64 << 20, &hidden).unwrap();
     (scene, whole, stored)
 }
 

@@ -72,7 +72,7 @@ fn both(text: &str, method: &Method) -> (Scene, Arranged, Stored) {
     let hidden = Progress::hidden();
     let clouds = scene::load_clouds(&scene, &hidden).unwrap();
     let whole = scene::arrange(&scene, clouds, 3, &hidden).unwrap();
-    let stored = Stored::new(&scene, open_stores(&scene, &hidden).unwrap(), HOST, &hidden).unwrap();
+    let stored = Stored::new(&scene, &open_stores(&scene, &hidden).unwrap(), HOST, &hidden).unwrap();
     (scene, whole, stored)
 }
 
@@ -153,7 +153,7 @@ fn assert_same_dealt(text: &str, about: &str, settings: &[(&str, f64)]) {
             let scene = Scene::from_toml_with(text, Path::new("scene.toml"), &overrides).unwrap();
             let clouds = scene::load_clouds(&scene, &hidden).unwrap();
             let whole = scene::arrange(&scene, clouds, 3, &hidden).unwrap();
-            let stored = Stored::new(&scene, open_stores(&scene, &hidden).unwrap(), HOST, &hidden).unwrap();
+            let stored = Stored::new(&scene, &open_stores(&scene, &hidden).unwrap(), HOST, &hidden).unwrap();
             let filed = stored.dealt(3, folder.path(), &hidden).unwrap();
             assert_eq!(filed.surfaces(), whole.surfaces(), "{about}, {setting}");
             let (Arranged::Dealt(dealt), Arranged::Supplied(supplied)) = (&whole, &filed) else {
@@ -235,7 +235,7 @@ fn many_points_in_one_place_are_told_apart_or_refused() {
     let text = format!("[method]\nname = 'spbr'\n[[cloud]]\npath = '{}'\n", path.display());
     let scene = Scene::from_toml_with(&text, Path::new("scene.toml"), &Overrides::default()).unwrap();
     let hidden = Progress::hidden();
-    let stored = Stored::new(&scene, open_stores(&scene, &hidden).unwrap(), HOST, &hidden).unwrap();
+    let stored = Stored::new(&scene, &open_stores(&scene, &hidden).unwrap(), HOST, &hidden).unwrap();
     let error = stored.dealt(3, folder.path(), &hidden).unwrap_err().to_string();
     assert!(error.contains("in one place") && error.contains("--host-memory"), "{error}");
     let missing = stored.dealt(3, &folder.path().join("missing"), &hidden).unwrap_err().to_string();

@@ -13,7 +13,7 @@ use pellucid_engine::methods::Frame;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::stored::Stored;
+use pellucid_engine::scene::stored::{OpenStore, Stored};
 use pellucid_engine::scene::{self, Method, Scene};
 
 use super::stage::{frame, looking};
@@ -153,7 +153,7 @@ fn compared_with(
     let store = Chain::new(&cloud, bounds, node_of);
     let by_nodes: Vec<u32> = store.pieces.iter().flat_map(|piece| &piece.places).map(|place| *place as u32).collect();
     let in_memory = scene::arrange(&scene, vec![cloud], 1, &hidden)?;
-    let stored = Stored::new(&scene, vec![Arc::new(store) as Arc<dyn Store>], DEVICE, &hidden);
+    let stored = Stored::new(&scene, &[OpenStore::new(Box::new(store))], DEVICE, &hidden);
     let stored = stored.map_err(Trouble::Failed)?;
     let camera = looking(DVec3::new(0.0, 0.0, 8.0), DVec3::ZERO, Projection::Orthographic { height: 4.5 }, 1.0, 16.0);
     let whole = frame(camera, [48, 48], method);

@@ -18,7 +18,7 @@ const REFINING: f64 = 4.0;
 const FIRST_AT_REST_MS: f64 = 250.0;
 
 /// Pictures at rest after which nothing is left out any more.
-const MOST_REFINED: u32 = 6;
+pub(super) const MOST_REFINED: u32 = 6;
 
 /// How long nothing may move before the picture is compared with the exact one.
 pub(super) const STILL: Duration = Duration::from_millis(500);

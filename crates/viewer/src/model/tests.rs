@@ -9,6 +9,7 @@ use super::*;
 use crate::accuracy::{Accuracy, History, Reference, Standing};
 use crate::draft::Effort;
 use crate::navigate::Subject;
+use crate::stage::Held;
 use crate::worker::Request;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::cloud::{Bounds, UpAxis};
@@ -68,6 +69,7 @@ fn picture(request: &Request, whole: bool) -> News {
         facts: Facts::default(),
         plan: Vec::new(),
         field: None,
+        held: None,
         legend: None,
     }))
 }
@@ -119,6 +121,33 @@ fn at_rest_nothing_is_left_out() {
     }
     assert!(model.is_at_rest(now + REST) && model.due_at(now + REST).is_none());
     assert!(asked(&mut model, now + REST).is_none());
+}
+
+#[test]
+fn every_point_of_a_store_is_drawn_only_if_that_is_asked_for() {
+    let (mut model, _) = settled();
+    let held = |news: News, is_fine: bool| match news {
+        News::Picture(picture) => {
+            let held =
+                Held { points: if picture.whole { 1_000_000_000 } else { 2_340_000 }, all: 1_000_000_000, is_fine };
+            News::Picture(Box::new(Picture { held: Some(held), ..*picture }))
+        }
+        _ => unreachable!(),
+    };
+    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
+    let now = Instant::now();
+    let draft = asked(&mut model, now).unwrap();
+    model.take_in(held(picture(&draft, false), false)).unwrap();
+    assert_eq!(model.held_line().as_deref(), Some("2.3M of 1000M points"));
+    let finer = asked(&mut model, now + REST).unwrap();
+    model.take_in(held(picture(&finer, false), true)).unwrap();
+    assert_eq!(model.held_line().as_deref(), Some("2.3M of 1000M points; the others are less than a pixel from these"));
+    assert!(model.is_at_rest(now + REST) && asked(&mut model, now + REST).is_none());
+    model.draw_everything(true);
+    let whole = asked(&mut model, now + REST).unwrap();
+    assert_eq!(whole.effort, Effort::Whole);
+    model.take_in(held(picture(&whole, true), true)).unwrap();
+    assert!(model.is_at_rest(now + REST) && model.held_line().is_none());
 }
 
 #[test]

@@ -6,6 +6,7 @@ use super::clouds;
 use super::row::{note, opacity_slider, takes_out, three_digits};
 use crate::census::Census;
 use crate::controls::{ClassKey, ClassLook, class_changes, class_defaults, class_look, opacity};
+use crate::counts::{abbreviated, grouped};
 use crate::model::Model;
 use pellucid_engine::color::{classes, decode_srgb_f64};
 use pellucid_engine::scene::{Change, CloudSettings, ColorBy, rounded};
@@ -80,7 +81,7 @@ fn row(
     changes = color(ui, code, look).map(change).or(changes);
     let [narrow, wide] = NAMES;
     let name = classes::label(code);
-    let exactly = format!("{name}, class {code}, {} points", super::grouped(count));
+    let exactly = format!("{name}, class {code}, {} points", grouped(count));
     let text = RichText::new(name).size(11.5);
     let text = if look.visible { text } else { text.weak() };
     column(ui, if blended { narrow } else { wide }, &text, &exactly);
@@ -140,18 +141,6 @@ fn column(ui: &mut Ui, width: f32, text: &RichText, hint: &str) {
         ui.add(Label::new(text.clone()).truncate().selectable(false))
     });
     response.inner.on_hover_text(hint);
-}
-
-/// A count in a few characters.
-fn abbreviated(count: u64) -> String {
-    let [thousands, millions] = [1e3, 1e6].map(|unit| count as f64 / unit);
-    match count {
-        0..1_000 => count.to_string(),
-        1_000..10_000 => format!("{thousands:.1}k"),
-        10_000..1_000_000 => format!("{thousands:.0}k"),
-        1_000_000..10_000_000 => format!("{millions:.1}M"),
-        _ => format!("{millions:.0}M"),
-    }
 }
 
 #[cfg(test)]

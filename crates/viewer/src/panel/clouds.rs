@@ -7,6 +7,7 @@ use super::row::{name as row_name, note, row};
 use super::{field, opacity};
 use crate::census::Census;
 use crate::controls;
+use crate::counts::grouped;
 use crate::model::Model;
 use pellucid_engine::cloud::field::Field;
 use pellucid_engine::scene::{CloudSettings, Method, Scene};
@@ -110,6 +111,6 @@ fn facts(census: &Census) -> String {
     let scalars =
         census.scalars.iter().map(|(name, _)| name.as_str()).filter(|name| !["x", "y", "z", "radius"].contains(name));
     let has: Vec<_> = has.chain(scalars).collect();
-    let points = super::grouped(census.points as u64);
+    let points = grouped(census.points as u64);
     if has.is_empty() { format!("{points} points") } else { format!("{points} points; {}", has.join(", ")) }
 }

@@ -7,6 +7,7 @@ use egui_plot::{Bar, BarChart, Plot, VLine};
 
 use super::row::{choice, name, note, takes_out, vector};
 use crate::census::{BINS, FieldFacts};
+use crate::counts::grouped;
 use crate::hints::hint;
 use crate::model::Model;
 use pellucid_engine::cloud::UpAxis;
@@ -103,7 +104,7 @@ fn classes(ui: &mut Ui, model: &mut Model, target: &str, fields: &[Field], count
             ui.horizontal(|ui| {
                 let response = ui.checkbox(&mut on, name).on_hover_text(hint(&key));
                 note(ui, model, &format!("{key}.{code}"), &response);
-                ui.weak(super::grouped(*count as u64));
+                ui.weak(grouped(*count as u64));
             });
             if on {
                 chosen.insert(*code)
@@ -187,7 +188,7 @@ fn histogram(ui: &mut Ui, facts: &FieldFacts, threshold: f64) {
     let says = move |bar: &Bar, _: &BarChart| {
         let bin = ((bar.argument / width) as usize).min(BINS - 1);
         let [from, to] = [bin, bin + 1].map(|bin| bin as f64 * width);
-        format!("F from {from:.3} to {to:.3}\n{} points", super::grouped(counts.get(bin).copied().unwrap_or_default()))
+        format!("F from {from:.3} to {to:.3}\n{} points", grouped(counts.get(bin).copied().unwrap_or_default()))
     };
     let bars = facts.histogram.iter().enumerate().map(bar).collect();
     let chart = BarChart::new("points", bars).element_formatter(Box::new(says));
@@ -208,7 +209,7 @@ fn histogram(ui: &mut Ui, facts: &FieldFacts, threshold: f64) {
     let parts = facts.parts;
     let all = (parts.solid + parts.soft).max(1);
     let share = 100.0 * parts.soft as f64 / all as f64;
-    ui.weak(format!("{share:.1}% soft: {} of {} points", super::grouped(parts.soft), super::grouped(all)));
+    ui.weak(format!("{share:.1}% soft: {} of {} points", grouped(parts.soft), grouped(all)));
 }
 
 #[cfg(test)]

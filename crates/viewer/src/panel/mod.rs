@@ -80,19 +80,6 @@ fn section(ui: &mut Ui, model: &mut Model, title: &str, open: bool, content: fn(
     shown.body_returned.is_some()
 }
 
-/// A count in groups of three digits.
-fn grouped(count: u64) -> String {
-    let digits = count.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push('\u{2009}');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 fn message(ui: &mut Ui, model: &Model) {
     let told = |(text, _): &&(String, bool)| model.saved.as_ref().is_none_or(|saved| !saved.says(text));
     match model.message.as_ref().filter(told) {
@@ -121,16 +108,5 @@ fn saved(ui: &mut Ui, model: &mut Model) {
     });
     if dismissed.inner {
         model.dismiss_saved();
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::grouped;
-
-    #[test]
-    fn digits_go_in_threes() {
-        let spaced = |count| grouped(count).replace('\u{2009}', " ");
-        assert_eq!([0, 999, 1000, 1_234_567].map(spaced), ["0", "999", "1 000", "1 234 567"]);
     }
 }

@@ -22,6 +22,13 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     });
     let hint = "what the colors mean, and a scale bar where the camera is orthographic; `render --legend` draws it into a picture";
     ui.checkbox(&mut model.shows.legend, "legend").on_hover_text(hint);
+    if model.picture().is_some_and(|picture| picture.held.is_some()) {
+        let mut everything = model.draws_everything();
+        let hint = "also points that are less than a pixel from others: a large cloud takes minutes";
+        if ui.checkbox(&mut everything, "every point at rest").on_hover_text(hint).changed() {
+            model.draw_everything(everything);
+        }
+    }
     if let Some(picture) = model.picture() {
         let [width, height] = picture.size;
         let points = picture.facts.points;

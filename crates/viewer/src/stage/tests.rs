@@ -3,6 +3,7 @@
 
 mod common;
 mod drafts;
+mod stored;
 
 use std::path::Path;
 
@@ -10,14 +11,17 @@ use glam::DVec3;
 
 use super::*;
 use common::{assert_same, assert_same_clouds, cloud, clouds, document, number, numbers, with_device, words};
+use pellucid_engine::cloud::Cloud;
 use pellucid_engine::cloud::shadow_texture::ShadowTexture;
 use pellucid_engine::prepare::{self, Request};
 use pellucid_engine::scene::{Document, METHODS, Overrides, Setting};
 
 const SEED: u64 = 5;
 
+const SETUP: Setup = Setup { seed: SEED, memory_budget: None, host_memory: u64::MAX };
+
 fn stage(device: &Device, clouds: Vec<Cloud>) -> Stage {
-    Stage::new(device, clouds, SEED, None).unwrap()
+    Stage::new(device, Clouds::Held(clouds), &SETUP).unwrap()
 }
 
 /// The picture of a stage and a renderer that know nothing yet, which take the place of `other`.
@@ -70,9 +74,9 @@ fn each_setting_of(methods: &[&str]) {
             all.extend([words("method.name", there), words("method.name", method), number("cloud.0.opacity", 0.2)]);
             for (key, value) in all {
                 let scene = document.set(&key, value.clone()).unwrap();
-                let before = live.placed.as_ref().map(|placed| placed.arranged.points().positions.as_ptr());
+                let before = live.placed.as_ref().map(|placed| placed.points().positions.as_ptr());
                 let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
-                let after = live.placed.as_ref().map(|placed| placed.arranged.points().positions.as_ptr());
+                let after = live.placed.as_ref().map(|placed| placed.points().positions.as_ptr());
                 following += usize::from(before == after);
                 let what = format!("{method} (by way of {there}), {key} = {value:?}");
                 assert_same(&taken, &fresh(&mut other, device, &clouds, &scene), &what);

@@ -8,7 +8,7 @@ use crate::census::{Census, FieldFacts};
 use crate::draft::Effort;
 use crate::navigate::Subject;
 use crate::save::Saving;
-use crate::stage::Pose;
+use crate::stage::{Held, Pose};
 use pellucid_engine::Error;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::camera::import::Source;
@@ -82,6 +82,8 @@ pub struct Picture {
     pub field: Option<FieldFacts>,
     /// The meaning of its colors, if that was asked for.
     pub legend: Option<Arc<Legend>>,
+    /// How much of clouds that stay in their files it holds.
+    pub held: Option<Held>,
 }
 
 /// News from the thread.

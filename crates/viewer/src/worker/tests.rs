@@ -69,8 +69,10 @@ fn work(device: &Device, test: impl FnOnce(&Device, &Worker, Document, &Path)) {
         ("cloud.0.radius", Setting::Number(1.5)),
     ];
     keys.into_iter().for_each(|(key, value)| document.put(key, value).unwrap());
-    let workload = Workload { clouds: opened.clouds, generated: false, tasks: Vec::new() };
-    let worker = Worker::start(device, workload, Setup { seed: 0, memory_budget: None }, false, || {}).unwrap();
+    let workload = Workload { clouds: Clouds::Held(opened.clouds), generated: false, tasks: Vec::new() };
+    let worker =
+        Worker::start(device, workload, Setup { seed: 0, memory_budget: None, host_memory: u64::MAX }, false, || {})
+            .unwrap();
     test(device, &worker, document, folder.path());
 }
 

@@ -9,11 +9,11 @@ use super::super::error::Error;
 use super::super::legend::Legend;
 use super::super::settings::Scene;
 use super::levels::branches;
-use super::survey::survey;
+use super::survey::OpenStore;
 use crate::cloud::facts::Facts;
 use crate::cloud::{Bounds, Cloud};
 use crate::io;
-use crate::io::store::{Node, Piece, Store, Survey};
+use crate::io::store::{Node, Piece, Store, Summary, Survey};
 use crate::points::Points;
 use crate::prepare;
 use crate::progress::Progress;
@@ -54,17 +54,18 @@ impl StoredCloud {
     /// The cloud at a place in the scene, in a store; and some of its points, which stand for all. What its colors mean goes to the legend.
     pub fn new(
         &Place { scene, clips, index, first }: &Place<'_>,
-        store: Arc<dyn Store>,
+        opened: &OpenStore,
         legend: &mut Legend,
         progress: &Progress,
     ) -> Result<(Self, Points), crate::Error> {
-        let (settings, like) = (&scene.clouds[index], &store.summary().like);
+        let (settings, store) = (&scene.clouds[index], Arc::clone(opened.store()));
+        let like = &store.summary().like;
         let request = request(scene, index, like)?;
         if let Some(what) = request.missing(like) {
             return Err(Error::Unprepared { path: settings.path.clone(), what }.into());
         }
         let field = request.unscaled_field(like);
-        let (Survey { facts, sample }, range) = survey(&*store, settings, field.as_ref(), progress)?;
+        let (Survey { facts, sample }, range) = opened.survey(settings, field.as_ref(), progress)?;
         let bounds = facts.bounds.unwrap_or(store.summary().bounds);
         let field_error = |source| Error::Field { path: settings.path.clone(), source };
         let found = prepare::of_part(&sample, &request, bounds, range).map_err(field_error)?;
@@ -171,8 +172,8 @@ impl StoredCloud {
 }
 
 /// True if a store has what its scene needs of it.
-pub(super) fn has_all(scene: &Scene, index: usize, store: &dyn Store) -> Result<bool, Error> {
-    let like = &store.summary().like;
+pub(super) fn has_all(scene: &Scene, index: usize, summary: &Summary) -> Result<bool, Error> {
+    let like = &summary.like;
     Ok(request(scene, index, like)?.missing(like).is_none())
 }
 

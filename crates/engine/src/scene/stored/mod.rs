@@ -17,6 +17,7 @@ use rayon::prelude::*;
 
 use self::cache::Cache;
 use self::cloud::StoredCloud;
+pub use self::survey::OpenStore;
 use super::assemble::{most_frequent, no_points};
 use super::clip::Clips;
 use super::error::Error;
@@ -25,7 +26,7 @@ use super::settings::{CloudSettings, Scene, ShadingModel};
 use crate::cloud::sampling::Sampling;
 use crate::cloud::{Bounds, UpAxis};
 use crate::io;
-use crate::io::store::{self, Store};
+use crate::io::store;
 use crate::points::{Anchor, Points, Spheres, Unseen, Whole};
 use crate::prepare::dealt_file::{self, DealtFile};
 use crate::prepare::{Arranged, Supplied, order};
@@ -33,7 +34,7 @@ use crate::progress::{Phase, Progress};
 use crate::supply::{Block, Branch, Failure, Keep, Supply, grown};
 
 /// Stores of a scene, in the order of its clouds.
-pub type Stores = Vec<Arc<dyn Store>>;
+pub type Stores = Vec<OpenStore>;
 
 /// Opens the scene's clouds without reading their points, as far as their formats allow.
 ///
@@ -43,7 +44,7 @@ pub fn open_stores(scene: &Scene, progress: &Progress) -> Result<Stores, io::Err
     let open = |cloud: &CloudSettings| {
         progress.reset();
         progress.set_message(format!("opening {}", cloud.path.display()));
-        store::open(&cloud.path, cloud.hints(), progress).map(Arc::from)
+        store::open(&cloud.path, cloud.hints(), progress).map(OpenStore::new)
     };
     scene.clouds.iter().map(open).collect()
 }
@@ -64,8 +65,8 @@ pub fn have_levels(scene: &Scene) -> Result<bool, io::Error> {
 ///
 /// # Errors
 /// A scene that asks for what no cloud has.
-pub fn are_complete(scene: &Scene, stores: &Stores) -> Result<bool, Error> {
-    let complete = stores.iter().enumerate().map(|(index, store)| cloud::has_all(scene, index, &**store));
+pub fn are_complete(scene: &Scene, stores: &[OpenStore]) -> Result<bool, Error> {
+    let complete = stores.iter().enumerate().map(|(index, store)| cloud::has_all(scene, index, store.summary()));
     let complete = !complete.collect::<Result<Vec<_>, _>>()?.contains(&false);
     Ok(complete && (scene.shading.model == ShadingModel::None || !is_unlit(scene, stores)))
 }
@@ -107,11 +108,11 @@ impl Stored {
     ///
     /// # Errors
     /// A store can't be read; a cloud lacks what the scene asks for, or it would have to be found from neighbors; no point is left.
-    pub fn new(scene: &Scene, stores: Stores, memory: u64, progress: &Progress) -> Result<Self, crate::Error> {
+    pub fn new(scene: &Scene, stores: &[OpenStore], memory: u64, progress: &Progress) -> Result<Self, crate::Error> {
         progress.begin(Phase::Prepare);
         let (mut scene, clips) = (scene.clone(), Clips::load(&scene.clips)?);
         let mut notes = Vec::new();
-        if is_unlit(&scene, &stores) && scene.shading.model != ShadingModel::None {
+        if is_unlit(&scene, stores) && scene.shading.model != ShadingModel::None {
             if scene.shading.model != ShadingModel::Auto {
                 return Err(Error::Unprepared { path: scene.clouds[0].path.clone(), what: "normals" }.into());
             }
@@ -123,7 +124,7 @@ impl Stored {
         let count = stores.iter().map(|store| store.summary().points).sum();
         let (mut clouds, mut anchors) = (Vec::with_capacity(stores.len()), Vec::new());
         let (mut sample, mut first, mut legend) = (Points::default(), 0, Legend::default());
-        for (index, store) in stores.into_iter().enumerate() {
+        for (index, store) in stores.iter().enumerate() {
             let at = cloud::Place { scene: &scene, clips: &clips, index, first };
             let (cloud, own) = StoredCloud::new(&at, store, &mut legend, progress)?;
             first += cloud.facts.points;
@@ -312,7 +313,7 @@ impl Spheres for Nodes {
 }
 
 /// True if a cloud has no normals where the scene shades by them.
-fn is_unlit(scene: &Scene, stores: &Stores) -> bool {
+fn is_unlit(scene: &Scene, stores: &[OpenStore]) -> bool {
     scene.shading_normals().is_some() && stores.iter().any(|store| store.summary().like.normals.is_none())
 }
 

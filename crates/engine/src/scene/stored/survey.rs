@@ -1,5 +1,7 @@
 //! What follows from all points of a store: facts, and some points that stand for all.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -9,7 +11,7 @@ use crate::cloud::Cloud;
 use crate::cloud::facts::Facts;
 use crate::cloud::field::{self, Field};
 use crate::cloud::sampling::Sampling;
-use crate::io::store::{Store, Survey};
+use crate::io::store::{Store, Summary, Survey};
 use crate::progress::Progress;
 
 /// Nodes that are read at once.
@@ -18,12 +20,65 @@ const BATCH: usize = 64;
 /// Nothing of a range is known.
 const NONE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
+/// A store, and what was found when its points were looked at last.
+#[derive(Debug, Clone)]
+pub struct OpenStore {
+    store: Arc<dyn Store>,
+    found: Arc<Mutex<Option<Found>>>,
+}
+
+/// What was found, and what it depends on: scale, translation, and what a field is made of.
+#[derive(Debug, Clone)]
+struct Found {
+    by: (f64, DVec3, Option<Field>),
+    survey: Survey,
+    range: [f64; 2],
+}
+
+impl OpenStore {
+    /// One whose points nobody has looked at.
+    pub fn new(store: Box<dyn Store>) -> Self {
+        Self { store: Arc::from(store), found: Arc::default() }
+    }
+
+    /// What is known of the whole cloud.
+    pub fn summary(&self) -> &Summary {
+        self.store.summary()
+    }
+
+    /// What follows from all points, once a scene of this store was made.
+    pub fn surveyed(&self) -> Option<Survey> {
+        self.found.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map(|found| found.survey.clone())
+    }
+
+    pub(super) fn store(&self) -> &Arc<dyn Store> {
+        &self.store
+    }
+
+    /// Like [`survey`]; points are looked at once for all scenes that want the same of them.
+    pub(super) fn survey(
+        &self,
+        settings: &CloudSettings,
+        field: Option<&Field>,
+        progress: &Progress,
+    ) -> Result<(Survey, [f64; 2]), crate::Error> {
+        let by = (settings.scale, settings.translate, field.cloned());
+        let mut known = self.found.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(found) = known.as_ref().filter(|found| found.by == by) {
+            return Ok((found.survey.clone(), found.range));
+        }
+        let (survey, range) = survey(&*self.store, settings, field, progress)?;
+        *known = Some(Found { by, survey: survey.clone(), range });
+        Ok((survey, range))
+    }
+}
+
 /// Looks at a store's points where a scene places them, unless the store knows; and at the range of what a field is made of, if one is
 /// given.
 ///
 /// # Errors
 /// The store can't be read, lacks what the field is made of, or the survey was cancelled.
-pub(super) fn survey(
+fn survey(
     store: &dyn Store,
     settings: &CloudSettings,
     field: Option<&Field>,

@@ -3,6 +3,7 @@
 use pellucid_testing::with_device;
 
 use super::*;
+use crate::sources::Clouds;
 use crate::worker::{Setup, Worker, Workload};
 use pellucid_engine::gpu::Device;
 use pellucid_engine::scene::{self, Opened};
@@ -55,8 +56,10 @@ fn reopen(device: &Device) {
     let Opened { name, document, clouds, generated } = opened;
     let mut model = Model::new(name, document, View::default(), 33.0).unwrap();
     model.set_viewport(Viewport { at: [0, 0], size: SIZE });
-    let workload = Workload { clouds, generated, tasks: Vec::new() };
-    let worker = Worker::start(device, workload, Setup { seed: 7, memory_budget: None }, false, || {}).unwrap();
+    let workload = Workload { clouds: Clouds::Held(clouds), generated, tasks: Vec::new() };
+    let worker =
+        Worker::start(device, workload, Setup { seed: 7, memory_budget: None, host_memory: u64::MAX }, false, || {})
+            .unwrap();
     let first = settle(&mut model, &worker);
     let settings = [
         ("method.name", Setting::Word("sorted".into())),

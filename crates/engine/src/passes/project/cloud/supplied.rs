@@ -97,6 +97,8 @@ impl DeviceCloud {
             return Ok(());
         }
         (supplied.present, supplied.cut, self.max_radius) = (None, None, supplied.max_radius);
+        // Lights saw the points that were drawn before.
+        self.light_images = None;
         let Some(wanted) = wanted else { return Ok(()) };
         let CutFor { limits, camera, size, seed } = *wanted;
         let beam = Beam::new(&camera, size, [0, 0, size[0], size[1]], Extent::pixels(0.0));
