@@ -122,7 +122,7 @@ fn lighting(scene: &Scene) -> Lighting {
 pub struct Placed {
     /// Where they come from.
     pub origin: Origin,
-    /// What the points of stores were made for.
+    /// The settings that the points of stores were made for.
     wanted: Wanted,
     /// The device's.
     pub cloud: DeviceCloud,
@@ -191,7 +191,7 @@ impl Placed {
         self.origin.points()
     }
 
-    /// What the colors of the points mean, and how they are shaded, if they are stored.
+    /// The stored scene, if the points come from stores.
     pub fn stored(&self) -> Option<&Stored> {
         match &self.origin {
             Origin::Held(_) => None,
@@ -199,7 +199,7 @@ impl Placed {
         }
     }
 
-    /// What the colors of the scene mean that the points were last made for.
+    /// The legend of the scene that the points were last made for.
     ///
     /// # Errors
     /// A cloud lacks what its colors are to show.

@@ -2,6 +2,7 @@
 
 use pellucid_engine::Result;
 use pellucid_engine::cloud::Cloud;
+use pellucid_engine::io::LasColumns;
 use pellucid_engine::progress::{Phase, Progress};
 use pellucid_engine::scene::stored::{Stores, open_stores};
 use pellucid_engine::scene::{Document, Named, Scene};
@@ -67,10 +68,10 @@ impl Opened {
 ///
 /// # Errors
 /// A store that can't be opened any more.
-pub fn complete(stores: &mut Stores, asked: &mut [pellucid_engine::io::LasColumns], scene: &Scene) -> Result<()> {
+pub fn complete(stores: &mut Stores, asked: &mut [LasColumns], scene: &Scene) -> Result<()> {
     for ((settings, store), asked) in scene.clouds.iter().zip(stores).zip(asked) {
         let all = settings.hints().las.and(*asked);
-        if all == *asked || all.lacking(&store.summary().like) == Default::default() {
+        if all == *asked || all.lacking(&store.summary().like) == LasColumns::default() {
             continue;
         }
         let only = Scene { clouds: vec![settings.clone()], ..scene.clone() };

@@ -40,10 +40,10 @@ pub enum Pose {
     At(CameraSettings),
 }
 
-/// Tells work apart that was told to end.
-struct Wanted(Device);
+/// Cancels work while the device is stopped.
+struct WhileAllowed(Device);
 
-impl Observer for Wanted {
+impl Observer for WhileAllowed {
     fn is_cancelled(&self) -> bool {
         self.0.is_stopped()
     }
@@ -123,7 +123,7 @@ impl Stage {
     pub fn new(device: &Device, clouds: Clouds, setup: &Setup) -> Result<Self> {
         let Setup { seed, memory_budget, host_memory } = *setup;
         let mut renderer = Renderer::new(device)?;
-        renderer.progress = Progress::observed(Wanted(device.clone()));
+        renderer.progress = Progress::observed(WhileAllowed(device.clone()));
         let (sources, progress, histograms) =
             (Sources::new(clouds, seed, host_memory), Progress::hidden(), Histograms::default());
         let (placed, costs, chosen) = (None, None, None);

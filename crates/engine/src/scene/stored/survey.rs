@@ -20,14 +20,14 @@ const BATCH: usize = 64;
 /// Nothing of a range is known.
 const NONE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
-/// A store, and what was found when its points were looked at last.
+/// A store, with its last survey.
 #[derive(Debug, Clone)]
 pub struct OpenStore {
     store: Arc<dyn Store>,
     found: Arc<Mutex<Option<Found>>>,
 }
 
-/// What was found, and what it depends on: scale, translation, and what a field is made of.
+/// A survey, and the settings that it depends on: scale, translation and field.
 #[derive(Debug, Clone)]
 struct Found {
     by: (f64, DVec3, Option<Field>),
@@ -41,12 +41,12 @@ impl OpenStore {
         Self { store: Arc::from(store), found: Arc::default() }
     }
 
-    /// What is known of the whole cloud.
+    /// The summary of the whole cloud.
     pub fn summary(&self) -> &Summary {
         self.store.summary()
     }
 
-    /// What follows from all points, once a scene of this store was made.
+    /// The last survey; `None` before a scene was made of this store.
     pub fn surveyed(&self) -> Option<Survey> {
         self.found.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map(|found| found.survey.clone())
     }

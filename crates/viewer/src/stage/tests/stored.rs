@@ -67,7 +67,7 @@ impl Case {
         Self { _folder: folder, document, stage, clouds }
     }
 
-    /// What a picture holds if the whole one is known to take a second, and this one may take a share of it.
+    /// A picture that may take a share of a second, which the whole one is said to take.
     fn draft(&mut self, scene: &Scene, effort: impl Fn(f64) -> Effort, share: f64) -> TakenPicture {
         self.stage.costs = Some((scene.method.name(), None, Costs::new(Cost { ms: 1000.0, work: 1.0 })));
         self.stage.take(scene, Pose::Scene, effort(1000.0 * share)).unwrap()
