@@ -11,7 +11,7 @@ use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_engine::prepare::{self, Arranged, Request};
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::stored::{Stored, open_stores};
-use pellucid_engine::scene::{self, Detail, Discs, Method, Scene, ScreenSplats};
+use pellucid_engine::scene::{self, Detail, Discs, Light, Method, Scene, ScreenSplats, Shading, ShadingModel, Shadows};
 use pellucid_testing::{bits, frame, perspective, scene as points_of, soup, with_device};
 
 /// Points of a cloud of the tests with radii, as a store whose nodes have few points; and the same in memory.
@@ -157,5 +157,31 @@ fn other_cameras_have_other_cuts_and_points_on_the_device_have_none() {
         assert!(matches!(renderer.render(&mut resident, &of(near)), Err(Error::NoLevels)));
         let nothing = Frame { detail: spacing(1e9), ..of(near) };
         assert!(renderer.render(&mut cloud, &nothing).expect("a frame").image.rgba.iter().all(|[.., a]| *a == 0.0));
+    });
+}
+
+#[test]
+fn shadows_are_cast_by_the_points_of_the_level() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, whole, stored) = both(folder.path());
+    let camera = scene::camera(&scene, whole.points(), UpAxis::Z).unwrap().0;
+    let light = Light::Direction(glam::DVec3::new(0.3, 0.2, -0.9));
+    let lit = Frame {
+        shading: Shading { model: ShadingModel::Lambert, light, ..Shading::default() },
+        shadows: Some(Shadows { samples: 1, light_radius: 0.0, resolution: 96, min_layer_distance: None }),
+        ..Frame::of_scene(&scene, camera, 3)
+    };
+    with_device(|device| {
+        let mut renderer = Renderer::new(device).expect("a renderer");
+        let mut cloud = renderer.upload_arranged(&stored.arranged()).expect("small buffers");
+        // The images of the light are those of the level before, until they are made anew.
+        for detail in [spacing(12.0), Detail::default(), spacing(12.0), spacing(3.0)] {
+            let frame = Frame { detail, ..lit };
+            let found = renderer.render(&mut cloud, &frame).expect("a frame").image;
+            let fresh = rendered(device, &stored.arranged(), &frame).expect("a frame").image;
+            assert!(bits(&found) == bits(&fresh), "{detail:?}");
+            let dark = rendered(device, &stored.arranged(), &Frame { shadows: None, ..frame }).expect("a frame").image;
+            assert!(bits(&found) != bits(&dark), "{detail:?}: no shadows");
+        }
     });
 }

@@ -243,6 +243,36 @@ fn many_points_in_one_place_are_told_apart_or_refused() {
 }
 
 #[test]
+fn points_without_normals_are_told_of_where_they_would_count() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut cloud = cloud(7, 3000);
+    cloud.normals.as_mut().unwrap()[5] = Vec3::ZERO;
+    let some = store(folder.path(), "some", cloud.clone());
+    let none = store(folder.path(), "none", Cloud { normals: None, ..cloud });
+    let hidden = Progress::hidden();
+    let opened = |path: &Path, settings: &str| {
+        let text = format!("{settings}\n[[cloud]]\npath = '{}'\n", path.display());
+        let scene = Scene::from_toml_with(&text, Path::new("scene.toml"), &Overrides::default()).unwrap();
+        let stores = open_stores(&scene, &hidden).unwrap();
+        Stored::new(&scene, &stores, HOST, &hidden).map(|stored| stored.notes().to_vec())
+    };
+    let unlit = "[shading]\nmodel = 'none'\n[method]\nname";
+    for path in [&some, &none] {
+        for (settings, is_told) in [
+            ("[shading]\nmodel = 'auto'", true),
+            (&format!("{unlit} = 'circles'"), false),
+            // Its opacity depends on how points lie.
+            (&format!("{unlit} = 'spbr'\ncos_theta = false"), true),
+        ] {
+            let notes = opened(path, settings).unwrap();
+            assert_eq!(notes.iter().any(|note| note.contains("prepare --normals")), is_told, "{settings}: {notes:?}");
+        }
+    }
+    assert_eq!(opened(&some, "[shading]\nmodel = 'phong'").unwrap().len(), 1);
+    assert!(opened(&none, "[shading]\nmodel = 'phong'").unwrap_err().to_string().contains("normals"));
+}
+
+#[test]
 fn shadows_are_cast_by_all_points_of_stores() {
     let folder = tempfile::tempdir().unwrap();
     let path = store(folder.path(), "lit", cloud(1, 40_000));

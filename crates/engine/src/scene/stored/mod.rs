@@ -68,7 +68,7 @@ pub fn have_levels(scene: &Scene) -> Result<bool, io::Error> {
 pub fn are_complete(scene: &Scene, stores: &[OpenStore]) -> Result<bool, Error> {
     let complete = stores.iter().enumerate().map(|(index, store)| cloud::has_all(scene, index, store.summary()));
     let complete = !complete.collect::<Result<Vec<_>, _>>()?.contains(&false);
-    Ok(complete && (scene.shading.model == ShadingModel::None || !is_unlit(scene, stores)))
+    Ok(complete && !is_unlit(scene, stores))
 }
 
 /// A scene whose clouds are stores.
@@ -112,14 +112,12 @@ impl Stored {
         progress.begin(Phase::Prepare);
         let (mut scene, clips) = (scene.clone(), Clips::load(&scene.clips)?);
         let mut notes = Vec::new();
-        if is_unlit(&scene, stores) && scene.shading.model != ShadingModel::None {
-            if scene.shading.model != ShadingModel::Auto {
-                return Err(Error::Unprepared { path: scene.clouds[0].path.clone(), what: "normals" }.into());
-            }
-            scene.shading.model = ShadingModel::None;
-            notes.push(
-                "points that have no normals are not shaded; `pellucid prepare --normals` stores some".to_owned(),
-            );
+        let is_unlit = is_unlit(&scene, stores);
+        if is_unlit {
+            scene.shading.model = match scene.shading.model {
+                ShadingModel::Auto | ShadingModel::None => ShadingModel::None,
+                _ => return Err(Error::Unprepared { path: scene.clouds[0].path.clone(), what: "normals" }.into()),
+            };
         }
         let count = stores.iter().map(|store| store.summary().points).sum();
         let (mut clouds, mut anchors) = (Vec::with_capacity(stores.len()), Vec::new());
@@ -131,6 +129,12 @@ impl Stored {
             anchors.push(Anchor::new(&own.sampled().copied().collect::<Vec<_>>(), cloud.bounds()));
             clouds.push(cloud);
             sample.append(own);
+        }
+        let lacks_some = scene.shading_normals().is_some() && clouds.iter().any(|cloud| cloud.facts.lacks_normals);
+        if is_unlit || lacks_some {
+            let note = "points that have no normals are not shaded, and `cos_theta = false` has no effect on them; `pellucid prepare \
+                        --normals` stores some";
+            notes.push(note.to_owned());
         }
         let bounds = clouds.iter().filter_map(StoredCloud::bounds).reduce(Bounds::union);
         let bounds = bounds.filter(|bounds| bounds.min.is_finite() && bounds.max.is_finite());

@@ -1,5 +1,6 @@
 //! Puts an octree together from cells that come along the Morton curve.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -8,15 +9,21 @@ use super::super::octree::about::About;
 use super::super::octree::attributes::{Layout, Role};
 use super::super::octree::metadata::{self, Metadata};
 use super::super::octree::nodes::{self, Extent, NODES};
+use super::super::octree::survey::{self, SURVEY, Surveyor};
 use super::super::octree::{HIERARCHY, POINTS};
 use super::checkpoint::{self, Checkpoint, Kept};
 use super::cube::{Cell, Cube};
+use super::feeder::remove;
 use super::hierarchy::{self, Written};
 use super::ranges::Ranges;
 use super::sink::Sink;
 use super::tree::{Done, Open, Rules};
 use crate::cloud::Cloud;
+use crate::cloud::facts::Facts;
 use crate::io::Error;
+
+/// The file of the points that stand for all, while there are more to come.
+const SAMPLE: &str = "sample";
 
 /// Points of a node by default.
 pub const NODE_POINTS: usize = 20_000;
@@ -33,6 +40,10 @@ pub struct Assembler {
     /// Nodes whose parents are not complete, along the Morton curve.
     open: Vec<Open>,
     ranges: Ranges,
+    surveyor: Surveyor,
+    facts: Facts,
+    /// The records of the points that stand for all.
+    sample: Sink,
     total: u64,
     /// Nodes that a checkpoint has, and their file.
     kept: Kept,
@@ -50,15 +61,15 @@ pub struct Told<'a> {
 }
 
 impl Assembler {
-    /// Begins an octree in a folder that is there; files of its own are replaced.
+    /// Begins an octree of so many points in a folder that is there; files of its own are replaced.
     ///
     /// # Errors
     /// A file can't be written.
-    pub fn new(folder: &Path, layout: Layout, cube: Cube, node_points: usize) -> Result<Self, Error> {
-        Self::resume(folder, layout, cube, node_points, None)
+    pub fn new(folder: &Path, layout: Layout, cube: Cube, node_points: usize, points: u64) -> Result<Self, Error> {
+        Self::resume(folder, layout, cube, node_points, points, None)
     }
 
-    /// Goes on after a checkpoint in the same folder, with the same layout, cube and number of points.
+    /// Goes on after a checkpoint in the same folder, with the same layout, cube and numbers of points.
     ///
     /// # Errors
     /// A file can't be read or written, or isn't what the checkpoint says.
@@ -67,18 +78,21 @@ impl Assembler {
         layout: Layout,
         cube: Cube,
         node_points: usize,
+        points: u64,
         checkpoint: Option<&Checkpoint>,
     ) -> Result<Self, Error> {
         let none = Checkpoint::default();
         let checkpoint = checkpoint.unwrap_or(&none);
+        let surveyor = Surveyor::new(layout.clone(), cube.grid, points);
         let points = Sink::keep(&folder.join(POINTS), checkpoint.bytes)?;
+        let sample = Sink::keep(&folder.join(SAMPLE), checkpoint.sample)?;
         let (kept, written) = Kept::resume(folder, checkpoint)?;
         let open = checkpoint::read_open(folder, checkpoint)?;
         let rules = Rules::new(&layout, cube, node_points.max(1));
         let mut ranges = Ranges::new(&layout);
         ranges.0.iter_mut().zip(&checkpoint.ranges).for_each(|(range, bits)| *range = bits.map(f64::from_bits));
-        let (folder, total) = (folder.to_path_buf(), checkpoint.total);
-        Ok(Self { folder, layout, rules, points, written, open, ranges, total, kept })
+        let (folder, total, facts) = (folder.to_path_buf(), checkpoint.total, checkpoint.facts.clone());
+        Ok(Self { folder, layout, rules, points, written, open, ranges, surveyor, facts, sample, total, kept })
     }
 
     /// Points so far.
@@ -94,7 +108,8 @@ impl Assembler {
         let nodes = self.kept.add(&self.written)?;
         let open = self.kept.write_open(&self.folder, &self.open)?;
         let ranges = self.ranges.0.iter().map(|range| range.map(f64::to_bits)).collect();
-        Ok(Checkpoint { bytes: self.points.len(), nodes, open, ranges, total: self.total })
+        let (bytes, sample, facts) = (self.points.len(), self.sample.len(), self.facts.clone());
+        Ok(Checkpoint { bytes, nodes, open, ranges, facts, sample, total: self.total })
     }
 
     /// Adds all points of a cell, as [`encode`](super::encode) gives them, in any order: fewer than 2³².
@@ -134,12 +149,16 @@ impl Assembler {
 
     /// Writes nodes in their order.
     fn write(&mut self, done: Vec<Done>) -> Result<(), Error> {
-        let look = |done: &Done| Ranges::of(&self.layout, &done.records);
-        let seen: Vec<(Ranges, Option<Extent>)> = done.par_iter().map(look).collect();
-        for (node, (ranges, extent)) in done.into_iter().zip(seen) {
+        let look = |done: &Done| (Ranges::of(&self.layout, &done.records), self.surveyor.look(&done.records));
+        let seen: Vec<_> = done.par_iter().map(look).collect();
+        for (node, ((ranges, extent), (facts, sample))) in done.into_iter().zip(seen) {
             let offset = self.points.len();
             self.points.write(&node.records)?;
             self.ranges.add(&ranges);
+            self.facts = std::mem::take(&mut self.facts).and(&facts);
+            if self.sample.len() <= self.surveyor.most_bytes() {
+                self.sample.write(&sample)?;
+            }
             let points = (node.records.len() / self.rules.stride) as u32;
             let extent = extent.map(|extent| Extent { offset, ..extent });
             self.written.push(Written { cell: node.cell, offset, bytes: node.records.len() as u64, points, extent });
@@ -161,6 +180,7 @@ impl Assembler {
         };
         self.write(vec![Done { cell: root.cell, records: root.records }])?;
         self.points.sync()?;
+        self.write_survey()?;
         self.kept.remove(&self.folder);
         let extents: Vec<Extent> = self.written.iter().filter_map(|node| node.extent).collect();
         let mut file = Sink::new(&self.folder.join(NODES))?;
@@ -173,6 +193,20 @@ impl Assembler {
         let metadata = self.metadata(told, &hierarchy);
         let text = serde_json::to_string_pretty(&metadata);
         text.map_err(|error| Error::Write { path: self.folder.join(metadata::METADATA), source: error.into() })
+    }
+
+    /// Writes what follows from all points.
+    fn write_survey(&mut self) -> Result<(), Error> {
+        let (path, sample) = (self.folder.join(SURVEY), self.folder.join(SAMPLE));
+        if self.sample.len() <= self.surveyor.most_bytes() {
+            let head = survey::head(&self.facts);
+            let head = head.map_err(|error| Error::Write { path: path.clone(), source: error.into() })?;
+            let mut file = Sink::new(&path)?;
+            file.write(&head)?;
+            file.write(&fs::read(&sample).map_err(|source| Error::Read { path: sample.clone(), source })?)?;
+            file.sync()?;
+        }
+        remove(&sample)
     }
 
     fn metadata(&self, told: &Told, hierarchy: &hierarchy::Bytes) -> Metadata {

@@ -118,7 +118,7 @@ impl<'a> Build<'a> {
         };
         let like = &self.input.like;
         let metadata = assembler.finish(&Told { name: &target::name(self.target), like, rounding })?;
-        target::publish(self.work, self.target, &metadata, self.progress)?;
+        target::publish(self.work, self.target, &metadata)?;
         let coarse = survey.least_radius.map(f64::from).filter(|radius| rounding > FINE * radius);
         if let Some(radius) = coarse {
             let note = format!(
@@ -147,7 +147,8 @@ impl<'a> Build<'a> {
     /// Everything at once.
     fn in_memory(&self, layout: &Layout, memory: Memory) -> Result<(Assembler, f64), Error> {
         self.progress.set_message("reading");
-        let mut assembler = Assembler::new(self.work, layout.clone(), self.cube, self.settings.node_points)?;
+        let (node_points, points) = (self.settings.node_points, self.input.points);
+        let mut assembler = Assembler::new(self.work, layout.clone(), self.cube, node_points, points)?;
         let mut records = Vec::new();
         let mut rounding = 0.0_f64;
         self.input.each(memory.batch_points, self.progress, self.encode(layout), |(encoded, moved)| {
@@ -185,8 +186,8 @@ impl<'a> Build<'a> {
         };
         let before = self.state.assembled.take();
         let checkpoint = before.as_ref().map(|before| &before.checkpoint);
-        let node_points = self.settings.node_points;
-        let mut assembler = Assembler::resume(self.work, layout.clone(), self.cube, node_points, checkpoint)?;
+        let (node_points, points) = (self.settings.node_points, self.input.points);
+        let mut assembler = Assembler::resume(self.work, layout.clone(), self.cube, node_points, points, checkpoint)?;
         let done = before.map_or(0, |before| before.chunks);
         self.progress.set_message("writing nodes");
         self.progress.set_length(self.input.points);

@@ -10,6 +10,7 @@ use super::cube::Cell;
 use super::hierarchy::Written;
 use super::sink::Sink;
 use super::tree::Open;
+use crate::cloud::facts::Facts;
 use crate::io::Error;
 
 /// The file of the nodes that are written, a line each.
@@ -26,6 +27,10 @@ pub(super) struct Checkpoint {
     pub open: Option<u8>,
     /// Bits of the ranges.
     pub ranges: Vec<[u64; 2]>,
+    /// Of the points so far.
+    pub facts: Facts,
+    /// Bytes of the file of points that stand for all.
+    pub sample: u64,
     /// Points so far.
     pub total: u64,
 }

@@ -119,7 +119,7 @@ impl Run<'_> {
         let before = state.assembled.take();
         let (cube, layout) = (self.streamed.cube, self.streamed.layout.clone());
         let checkpoint = before.as_ref().map(|before| &before.checkpoint);
-        let mut assembler = Assembler::resume(self.work, layout, cube, self.node_points, checkpoint)?;
+        let mut assembler = Assembler::resume(self.work, layout, cube, self.node_points, summary.points, checkpoint)?;
         let first = before.map_or(0, |before| before.chunks);
         self.progress.reset();
         self.progress.set_message("writing nodes");
@@ -148,7 +148,7 @@ impl Run<'_> {
             return Err(malformed(self.streamed, "points", cause));
         }
         let metadata = assembler.finish(&Told { name: &target::name(folder), like: &summary.like, rounding: 0.0 })?;
-        target::publish(self.work, folder, &metadata, self.progress)?;
+        target::publish(self.work, folder, &metadata)?;
         Ok(Built { points: summary.points, rounding: 0.0, notes: Vec::new() })
     }
 

@@ -6,16 +6,14 @@ use std::path::{Path, PathBuf};
 
 use super::super::octree::metadata::METADATA;
 use super::super::octree::nodes::NODES;
-use super::super::octree::survey::{self, SURVEY};
-use super::super::octree::{HIERARCHY, Octree, POINTS};
+use super::super::octree::survey::SURVEY;
+use super::super::octree::{HIERARCHY, POINTS};
 use super::Built;
 use super::feeder::remove;
-use super::sink::Sink;
 use super::state::{self, State};
 use crate::atomic;
 use crate::gpu::fault;
 use crate::io::Error;
-use crate::progress::Progress;
 
 /// Refuses a folder with files of others, before the work.
 pub(crate) fn check_target(folder: &Path) -> Result<(), Error> {
@@ -75,24 +73,14 @@ fn with_need(error: Error, bytes: u64) -> Error {
 }
 
 /// Gives the files their names, metadata.json last. A store that was there is none from the first of them on.
-pub(super) fn publish(work: &Path, target: &Path, metadata: &str, progress: &Progress) -> Result<(), Error> {
+pub(super) fn publish(work: &Path, target: &Path, metadata: &str) -> Result<(), Error> {
     let failed = |path: PathBuf| move |source| Error::Write { path, source };
     write(&work.join(METADATA), metadata)?;
-    let files = match survey::of_store(&Octree::open(work)?, progress)? {
-        Some(survey) => {
-            let mut file = Sink::new(&work.join(SURVEY))?;
-            file.write(&survey)?;
-            file.sync()?;
-            [POINTS, HIERARCHY, NODES, SURVEY].as_slice()
-        }
-        None => {
-            remove(&target.join(SURVEY))?;
-            &[POINTS, HIERARCHY, NODES]
-        }
-    };
     fs::create_dir_all(target).map_err(failed(target.to_path_buf()))?;
     remove(&target.join(METADATA))?;
-    for file in files {
+    // Not every store has one.
+    remove(&target.join(SURVEY))?;
+    for file in [POINTS, HIERARCHY, NODES, SURVEY].into_iter().filter(|file| work.join(file).exists()) {
         let to = target.join(file);
         let renamed = fault::file("output/rename").and_then(|()| fs::rename(work.join(file), &to));
         renamed.map_err(failed(to))?;

@@ -10,12 +10,13 @@ use rand_pcg::Pcg64Mcg;
 
 use super::super::octree::metadata::METADATA;
 use super::super::octree::nodes::NODES;
+use super::super::octree::survey::SURVEY;
 use super::super::octree::{HIERARCHY, POINTS};
 use super::super::{Grid, Octree, Store};
 use super::*;
 use crate::cloud::{Cloud, UpAxis};
 
-const FILES: [&str; 4] = [POINTS, HIERARCHY, NODES, METADATA];
+const FILES: [&str; 5] = [POINTS, HIERARCHY, NODES, SURVEY, METADATA];
 
 /// A surface, a dense cluster far below it, and many points in one place; with all columns.
 fn cloud(count: usize) -> Cloud {
@@ -67,7 +68,8 @@ impl Source {
 
     /// Makes a store of cells that `cut` divides a cell into.
     fn write(&self, folder: &Path, cut: &dyn Fn(Cell) -> bool) {
-        let mut assembler = Assembler::new(folder, self.layout.clone(), self.cube, 100).unwrap();
+        let mut assembler =
+            Assembler::new(folder, self.layout.clone(), self.cube, 100, self.records.len() as u64).unwrap();
         let mut cells: BTreeMap<[u128; 2], (Cell, Vec<u8>)> = BTreeMap::new();
         for record in &self.records {
             let steps = self.cube.steps_of(crate::io::store::octree::integers(record));

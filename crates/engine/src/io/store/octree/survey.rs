@@ -3,16 +3,15 @@
 
 use std::path::Path;
 
-use rayon::prelude::*;
-
+use super::attributes::{Layout, Role};
+use super::decode::{Decoder, full_scale};
 use super::{Octree, malformed};
 use crate::cloud::facts::Facts;
 use crate::cloud::sampling::Sampling;
 use crate::cloud::{Bounds, Cloud};
 use crate::io::Error;
 use crate::io::shared::SharedFile;
-use crate::io::store::Survey;
-use crate::progress::Progress;
+use crate::io::store::{Grid, Survey};
 
 /// The file's name.
 pub(crate) const SURVEY: &str = "survey.bin";
@@ -24,43 +23,44 @@ const MAGIC: [u8; 8] = *b"pellucs\x01";
 const MAX_FACTS: usize = 1 << 16;
 /// Points that stand for all, at most; more than [`Sampling`] takes unless very many are in one place.
 const MAX_POINTS: usize = 1 << 20;
-/// Nodes that are read at once.
-const BATCH: usize = 64;
+/// Looks at the points of a store while they are written.
+#[derive(Debug)]
+pub(crate) struct Surveyor {
+    decoder: Decoder,
+    sampling: Sampling,
+}
 
-/// The bytes of the file for a store, all of whose points are read. `None` if too many points stand for all.
+impl Surveyor {
+    /// For a store of this program with so many points in all.
+    pub fn new(mut layout: Layout, grid: Grid, points: u64) -> Self {
+        let full = layout.find(&Role::Rgb).and_then(|rgb| full_scale(rgb.kind, None));
+        // Facts know nothing of the others.
+        let is_plain = |role: &Role| !matches!(role, Role::Scalar(_) | Role::Place | Role::Field | Role::Lit);
+        layout.attributes.retain(|attribute| is_plain(&attribute.role));
+        Self { decoder: Decoder::new(layout, grid, full, 0.0, None), sampling: Sampling::of(points) }
+    }
+
+    /// Facts about the points of some records, and the records of those that stand for all.
+    pub fn look(&self, records: &[u8]) -> (Facts, Vec<u8>) {
+        let cloud = self.decoder.cloud(records);
+        let each = records.chunks_exact(self.decoder.stride().max(1) as usize).zip(&cloud.positions);
+        let taken = each.filter(|(_, position)| self.sampling.takes(**position));
+        (Facts::of(&cloud), taken.flat_map(|(record, _)| record).copied().collect())
+    }
+
+    /// Bytes of the points that stand for all, at most: with more of them a store has no survey.
+    pub fn most_bytes(&self) -> u64 {
+        MAX_POINTS as u64 * self.decoder.stride()
+    }
+}
+
+/// The bytes of the file before the records of the points that stand for all.
 ///
 /// # Errors
-/// The store can't be read, or `progress` cancels it.
-pub(crate) fn of_store(octree: &Octree, progress: &Progress) -> Result<Option<Vec<u8>>, Error> {
-    let sampling = Sampling::of(octree.summary.points);
-    progress.reset();
-    progress.set_message("looking at the points");
-    progress.set_length(octree.summary.points);
-    let look = |node: &usize| {
-        let (records, stride) = (octree.records(*node)?, octree.decoder.stride());
-        let cloud = octree.decode(*node, &records)?;
-        progress.inc(cloud.len() as u64);
-        let each = records.chunks_exact(stride.max(1) as usize).zip(&cloud.positions);
-        let taken = each.filter(|(_, position)| sampling.takes(**position));
-        let taken: Vec<u8> = taken.flat_map(|(record, _)| record).copied().collect();
-        Ok((Facts::of(&cloud), taken))
-    };
-    let (mut facts, mut records) = (Facts::default(), Vec::new());
-    let nodes: Vec<usize> = (0..octree.nodes.len()).filter(|node| octree.nodes[*node].points > 0).collect();
-    for batch in nodes.chunks(BATCH) {
-        progress.check().map_err(|_| Error::Cancelled { path: octree.summary.path.clone() })?;
-        for (more, taken) in batch.par_iter().map(look).collect::<Result<Vec<_>, Error>>()? {
-            facts = facts.and(&more);
-            records.extend(taken);
-        }
-        if records.len() > MAX_POINTS * octree.decoder.stride() as usize {
-            return Ok(None);
-        }
-    }
-    let json = serde_json::to_vec(&facts);
-    let json = json.map_err(|source| Error::Write { path: octree.summary.path.join(SURVEY), source: source.into() })?;
-    let length = (json.len() as u32).to_le_bytes();
-    Ok(Some([&MAGIC[..], &length, &json, &records].concat()))
+/// The facts are no JSON.
+pub(crate) fn head(facts: &Facts) -> Result<Vec<u8>, serde_json::Error> {
+    let json = serde_json::to_vec(facts)?;
+    Ok([&MAGIC[..], &(json.len() as u32).to_le_bytes(), &json].concat())
 }
 
 /// Reads the file of a store, if it is there.
