@@ -4,4 +4,5 @@ mod check;
 mod determinism;
 mod profiler;
 mod stopped;
+mod stores;
 mod tradeoff_page;
