@@ -11,17 +11,19 @@ use super::child::Cost;
 /// Width and height in pixels.
 const SIZE: [u32; 2] = [520, 340];
 
+/// What is shown of a cost.
+type Value = fn(&Cost) -> f64;
+
 /// Writes `time.svg` and `memory.svg`.
 ///
 /// # Errors
 /// They can't be drawn or written.
 pub fn write(folder: &Path, lines: &[Line]) -> Result<(), String> {
     std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    let figures: [(&str, &'static str, fn(&Cost) -> f64); 2] = [
-        ("time.svg", "seconds", |cost| cost.seconds),
+    for (name, label, value) in [
+        ("time.svg", "seconds", (|cost| cost.seconds) as Value),
         ("memory.svg", "resident, GiB", |cost| cost.bytes as f64 / f64::from(1 << 30)),
-    ];
-    for (name, label, value) in figures {
+    ] {
         let series = |(name, line): (usize, &Line)| Series {
             name,
             points: line.costs.iter().map(|(points, cost)| Point::new(*points, value(cost))).collect(),

@@ -131,8 +131,8 @@ fn the_garden_in_stores_has_the_bytes_of_memory() {
     with_device(|device| {
         let (mut wrong, mut windows) = (Vec::new(), Vec::new());
         for method in Method::all() {
-            let mut overrides = Overrides::default();
-            for pair in [&format!("method.name={}", method.name()), "image.size=[320,180]"] {
+            let (name, mut overrides) = (method.name(), Overrides::default());
+            for pair in [&format!("method.name={name}"), "image.size=[320,180]"] {
                 overrides.set_pair(pair).expect("a setting");
             }
             let scene = folder.path().join("scene.toml");
@@ -141,14 +141,10 @@ fn the_garden_in_stores_has_the_bytes_of_memory() {
             let camera = scene::camera(&both.scene, both.whole.points(), UpAxis::Y).expect("a camera").0;
             let frame = Frame { fragments: true, ..Frame::of_scene(&both.scene, camera, 1) };
             match both.compare(device, &frame) {
-                Ok((None, count)) => windows.push((method.name(), count)),
-                Ok((Some(difference), count)) => {
-                    wrong.push(format!("{}, {count} windows: {difference}", method.name()))
-                }
-                Err(error) if Lack::in_error(&error).is_some() => {
-                    println!("not applicable: {}: {error}", method.name())
-                }
-                Err(error) => wrong.push(format!("{}: {error}", method.name())),
+                Ok((None, count)) => windows.push((name, count)),
+                Ok((Some(difference), count)) => wrong.push(format!("{name}, {count} windows: {difference}")),
+                Err(error) if Lack::in_error(&error).is_some() => println!("not applicable: {name}: {error}"),
+                Err(error) => wrong.push(format!("{name}: {error}")),
             }
         }
         println!("windows: {windows:?}");
