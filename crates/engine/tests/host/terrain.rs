@@ -168,18 +168,3 @@ fn sizes_out_of_range_are_refused() {
     let error = build("terrain", &[("points".to_owned(), 1e9)], 0).unwrap_err();
     assert!(matches!(error, Error::OutOfRange { name: "points", max: 200e6, .. }), "{error}");
 }
-
-/// Prints how fast tiles of a landscape of 10⁹ points are made, on all cores.
-#[test]
-#[ignore = "a measurement of release builds"]
-fn speed() {
-    let start = std::time::Instant::now();
-    let terrain = Terrain::new(1_000_000_000, 0).unwrap();
-    println!("planned {} tiles in {:.2} s", terrain.nodes().len(), start.elapsed().as_secs_f64());
-    let start = std::time::Instant::now();
-    // Every 16th tile: of all parts of the landscape.
-    let some: Vec<usize> = (0..terrain.nodes().len()).step_by(16).collect();
-    let made: usize = some.par_iter().map(|tile| terrain.read(*tile).unwrap().cloud.len()).sum();
-    let seconds = start.elapsed().as_secs_f64();
-    println!("{made} points in {seconds:.2} s: {:.2} million a second", made as f64 / seconds / 1e6);
-}
