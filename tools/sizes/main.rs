@@ -5,7 +5,7 @@
 //! cargo build --release && cargo run --release --example sizes -- --folder /tmp/sizes
 //! ```
 //!
-//! A billion points take 23 GB of disk, `spbr` 48 GB more. Commands run in processes of their own, one after the other: time is theirs
+//! A billion points take 23 GB of disk. Commands run in processes of their own, one after the other: time is theirs
 //! from start to end, memory the most that they had resident, with what a driver without a GPU takes of it for the device. Standard output
 //! is Markdown; `time.svg` and `memory.svg` go to `--output`. Stores are kept for the next run unless `--remove` is given.
 

@@ -38,6 +38,8 @@ const CENTERS: usize = 1000;
 const CHEAP_PAIRS: usize = 2_000_000_000;
 /// Pairs that are measured at most: beyond, only some of the points are counted.
 const MAX_PAIRS: u64 = 400_000_000;
+/// Points that are counted at most: the first ones.
+pub(super) const COUNTED: usize = 1 << 23;
 /// Points that a radius of a fiftieth is meant for; with a quarter of that it is doubled, up to [`MAX_DOUBLINGS`] times.
 const MANY: usize = 40_000;
 /// See [`MANY`].
@@ -99,9 +101,9 @@ pub(super) fn estimate_of<S: Shuffled + ?Sized>(shuffled: &S, progress: &Progres
     let mut first = Vec::with_capacity(centers);
     shuffled.show(centers, &mut |some| first.extend_from_slice(some))?;
     let grid = Grid::fill(&frame, &first);
-    let mut pairs = 0;
-    shuffled.show(count, &mut |some| pairs += grid.pairs(&frame, some))?;
-    let counted = affordable(pairs, count).max(centers);
+    let (mut pairs, most) = (0, count.min(COUNTED));
+    shuffled.show(most, &mut |some| pairs += grid.pairs(&frame, some))?;
+    let counted = affordable(pairs, most).max(centers);
     let (mut bands, mut seen) = ([Band::default(); RADII], 0);
     shuffled.show(counted, &mut |some| {
         grid.count(&frame, seen, some, &mut bands);

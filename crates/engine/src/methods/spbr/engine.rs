@@ -69,6 +69,7 @@ impl Engine for EnsembleEngine {
         facts.listed = is_listed(&shares);
         facts.streamed = streamed;
         if !work.survey {
+            cloud.reach(shares.iter().map(|s| slots_of(s, self.ensembles, drawn)), work.progress)?;
             cloud.set_view(&frame.camera, frame.size, window, &how);
         }
         let job = WindowJob {

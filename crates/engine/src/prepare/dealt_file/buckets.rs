@@ -1,4 +1,4 @@
-//! Points by the words that shuffle them, in the pieces of a file: a bucket holds those between two words.
+//! Points by words, in the pieces of a file: a bucket holds those between two words.
 
 use std::path::Path;
 
@@ -12,39 +12,65 @@ const MOST: u64 = 1 << 10;
 const LEAST_POINTS: u64 = 1 << 12;
 /// Bytes of memory that the points of a bucket take for each of them while they are put into order.
 const POINT_BYTES: u64 = 256;
-/// Words of a piece of a bucket, at the most and at the least.
-const MOST_WORDS: u64 = 1 << 14;
-const LEAST_WORDS: u64 = 1 << 8;
+/// Numbers of 32 bits of a piece of a bucket, at the most and at the least.
+const MOST_NUMBERS: u64 = 1 << 14;
+const LEAST_NUMBERS: u64 = 1 << 8;
+
+/// Words from one on up to another, which is not among them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Words {
+    pub start: u128,
+    pub end: u128,
+}
+
+impl Words {
+    /// Behind all words.
+    pub const END: u128 = 1 << 64;
+    /// All words.
+    pub const ALL: Self = Self { start: 0, end: Self::END };
+
+    /// Those among points of all words that are to be expected.
+    pub fn of(self, points: u64) -> u64 {
+        ((u128::from(points) * (self.end - self.start)) >> 64) as u64
+    }
+}
 
 /// How many buckets there are, and what they may take.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plan {
+    words: Words,
     pub buckets: u64,
-    /// Points that are added to a bucket before they are written.
-    points_at_once: u64,
-    memory: u64,
+    /// Numbers of 32 bits that are added to a bucket before they are written.
+    numbers_at_once: usize,
     layout: Layout,
 }
 
 impl Plan {
-    /// For so many points, within so much memory.
-    pub fn new(points: u64, layout: Layout, memory: u64) -> Self {
+    /// For about so many points of some words, within so much memory.
+    pub fn new(points: u64, words: Words, layout: Layout, memory: u64) -> Self {
         let fit = (memory / 2 / POINT_BYTES).max(LEAST_POINTS);
         // A hundredth more is a matter of chance.
         let buckets = (points + points / 64).div_ceil(fit).clamp(1, MOST);
-        let words = (memory / 8 / 4 / buckets).clamp(LEAST_WORDS, MOST_WORDS);
-        Self { buckets, points_at_once: (words / layout.words() as u64).max(1), memory, layout }
+        let numbers = (memory / 8 / 4 / buckets).clamp(LEAST_NUMBERS, MOST_NUMBERS) as usize;
+        let numbers_at_once = numbers / layout.words() * layout.words();
+        Self { words, buckets, numbers_at_once, layout }
     }
 
-    /// The bucket of a word.
-    pub fn bucket(&self, word: u64) -> usize {
-        ((u128::from(word) * u128::from(self.buckets)) >> 64) as usize
+    /// True if a word belongs to one of the buckets.
+    pub fn has(&self, word: u64) -> bool {
+        (self.words.start..self.words.end).contains(&u128::from(word))
+    }
+
+    /// The bucket of a word, if it is [there](Self::has).
+    fn bucket(&self, word: u64) -> usize {
+        let Words { start, end } = self.words;
+        ((u128::from(word) - start) * u128::from(self.buckets) / (end - start)) as usize
     }
 
     /// Refuses to put more points of a cloud into order at a time than memory is there for.
-    pub fn check(&self, points: u64, path: &Path) -> Result<(), Error> {
+    pub fn check(points: u64, memory: u64, path: &Path) -> Result<(), Error> {
         let needed = points * POINT_BYTES;
-        if points <= LEAST_POINTS * 2 || needed <= self.memory {
+        if points <= LEAST_POINTS * 2 || needed <= memory {
             return Ok(());
         }
         Err(Error::Crowded { path: path.to_path_buf(), points, needed })
@@ -65,15 +91,29 @@ impl<'a> Buckets<'a> {
         Self { plan, pile, all: vec![(Vec::new(), Vec::new()); plan.buckets as usize] }
     }
 
-    /// Adds a point to a bucket.
-    pub fn add(&mut self, bucket: usize, record: &[u32]) -> Result<(), Error> {
-        let (written, waiting) = &mut self.all[bucket];
+    /// How they are laid out.
+    pub fn plan(&self) -> Plan {
+        self.plan
+    }
+
+    /// Adds a point to the bucket of its word, if there is one.
+    pub fn add(&mut self, word: u64, record: &[u32]) -> Result<(), Error> {
+        if !self.plan.has(word) {
+            return Ok(());
+        }
+        let (written, waiting) = &mut self.all[self.plan.bucket(word)];
         waiting.extend_from_slice(record);
-        if waiting.len() >= self.plan.points_at_once as usize * self.plan.layout.words() {
+        if waiting.len() >= self.plan.numbers_at_once {
             written.push(self.pile.add(waiting)?);
             waiting.clear();
         }
         Ok(())
+    }
+
+    /// Adds points, each by its word.
+    pub fn add_all(&mut self, words: &[u64], records: &[u32]) -> Result<(), Error> {
+        let mut each = words.iter().zip(records.chunks_exact(self.plan.layout.words()));
+        each.try_for_each(|(word, record)| self.add(*word, record))
     }
 
     /// Where the points of each are, all written.
@@ -101,14 +141,31 @@ mod tests {
     #[test]
     fn buckets_follow_the_words() {
         let layout = Layout { has_normals: false };
-        let plan = Plan::new(1_000_000, layout, 64 << 20);
+        let plan = Plan::new(1_000_000, Words::ALL, layout, 64 << 20);
         // 32 MiB hold 131,072 points.
         assert_eq!(plan.buckets, 8);
         assert_eq!([0, 1 << 61, (1 << 61) - 1, u64::MAX].map(|word| plan.bucket(word)), [0, 1, 0, 7]);
-        assert_eq!(Plan::new(3, layout, 0).buckets, 1);
+        assert!([0, u64::MAX].into_iter().all(|word| plan.has(word)));
+        assert_eq!(Plan::new(3, Words::ALL, layout, 0).buckets, 1);
+    }
+
+    #[test]
+    fn buckets_of_some_words_hold_no_others() {
+        let layout = Layout { has_normals: false };
+        let words = Words { start: 1 << 60, end: 1 << 62 };
+        assert_eq!(words.of(1600), 300);
+        let plan = Plan::new(words.of(4_000_000), words, layout, 64 << 20);
+        assert_eq!(plan.buckets, 6);
+        let [first, last] = [1 << 60, (1 << 62) - 1];
+        assert_eq!([first, last].map(|word| plan.bucket(word)), [0, 5]);
+        assert_eq!([first - 1, first, last, last + 1].map(|word| plan.has(word)), [false, true, true, false]);
+    }
+
+    #[test]
+    fn more_points_than_memory_holds_are_refused() {
         let path = Path::new("scan.laz");
-        assert!(plan.check(262_144, path).is_ok());
-        let error = plan.check(262_145, path).unwrap_err().to_string();
+        assert!(Plan::check(262_144, 64 << 20, path).is_ok());
+        let error = Plan::check(262_145, 64 << 20, path).unwrap_err().to_string();
         assert!(error.starts_with("scan.laz: 262145 points") && error.contains("--host-memory"), "{error}");
     }
 }

@@ -46,21 +46,15 @@ impl Pile {
         Ok(extent)
     }
 
-    /// Puts words in place of others, and what is too much behind all. Returns where they are now.
-    pub fn replace(&self, extents: &[Extent], words: &[u32]) -> Result<Vec<Extent>, Error> {
-        let (mut rest, mut used) = (words, Vec::with_capacity(extents.len()));
+    /// Puts as many words in place of others.
+    pub fn overwrite(&self, extents: &[Extent], words: &[u32]) -> Result<(), Error> {
+        let mut rest = words;
         for extent in extents {
-            let (here, others) = rest.split_at(rest.len().min(usize::try_from(extent.words).unwrap_or(usize::MAX)));
-            if !here.is_empty() {
-                self.write(&mut self.file.lock().unwrap_or_else(PoisonError::into_inner).0, extent.start, here)?;
-                used.push(Extent { words: here.len() as u64, ..*extent });
-            }
+            let (here, others) = rest.split_at(usize::try_from(extent.words).unwrap_or(usize::MAX));
+            self.write(&mut self.file.lock().unwrap_or_else(PoisonError::into_inner).0, extent.start, here)?;
             rest = others;
         }
-        if !rest.is_empty() {
-            used.push(self.add(rest)?);
-        }
-        Ok(used)
+        Ok(())
     }
 
     fn write(&self, file: &mut File, start: u64, words: &[u32]) -> Result<(), Error> {
@@ -87,7 +81,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pieces_are_replaced_by_fewer_and_by_more() {
+    fn pieces_are_read_and_overwritten_in_any_order() {
         let folder = tempfile::tempdir().unwrap();
         let pile = Pile::new(folder.path()).unwrap();
         let [a, b, c] = [&[1, 2, 3][..], &[4], &[5, 6]].map(|words| pile.add(words).unwrap());
@@ -98,11 +92,8 @@ mod tests {
             words
         };
         assert_eq!(all(&[c, a]), [5, 6, 1, 2, 3]);
-        let fewer = pile.replace(&[a, c], &[7, 8, 9, 10]).unwrap();
-        assert_eq!((all(&fewer), words_of(&fewer)), (vec![7, 8, 9, 10], 4));
-        let more = pile.replace(&fewer, &[1, 1, 2, 3, 5, 8]).unwrap();
-        assert_eq!((all(&more), all(&[b])), (vec![1, 1, 2, 3, 5, 8], vec![4]));
-        assert_eq!(more.len(), 3);
+        pile.overwrite(&[c, a], &[7, 8, 9, 10, 11]).unwrap();
+        assert_eq!(all(&[a, b, c]), [9, 10, 11, 4, 7, 8]);
         // Nothing in the folder that anybody else could see.
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }

@@ -35,6 +35,11 @@ impl Layout {
         }
     }
 
+    /// The id of a point.
+    pub fn id(record: &[u32]) -> u32 {
+        record[11]
+    }
+
     /// The points that stand in some words, with their ids.
     pub fn points(self, words: &[u32]) -> Points {
         let records = || words.par_chunks_exact(self.words()).with_min_len(1 << 10);
@@ -45,7 +50,7 @@ impl Layout {
             colors: records().map(|record| vector(&record[6..])).collect(),
             opacities: records().map(|record| f32::from_bits(record[9])).collect(),
             radii: records().map(|record| f32::from_bits(record[10])).collect(),
-            dealt_ids: records().map(|record| record[11]).collect(),
+            dealt_ids: records().map(Self::id).collect(),
             normals,
             ..Points::default()
         }

@@ -188,11 +188,10 @@ impl Stored {
         progress.reset();
         progress.set_message("dealing points to ensembles");
         let nodes = &self.nodes;
-        let reads: Vec<_> = (0..nodes.clouds.len()).map(|cloud| nodes.reader(cloud)).collect();
-        let own = nodes.clouds.iter().zip(&nodes.anchors).zip(&reads);
-        let sources = own.filter_map(|((cloud, anchor), read)| {
+        let own = nodes.clouds.iter().zip(&nodes.anchors).enumerate();
+        let sources = own.filter_map(|(place, (cloud, anchor))| {
             let blocks = cloud.store.nodes().iter().map(|node| node.points).collect();
-            let path = &cloud.store.summary().path;
+            let (path, read) = (cloud.store.summary().path.clone(), nodes.reader(place));
             Some(dealt_file::Source { path, blocks, read, bounds: cloud.bounds()?, anchor: *anchor })
         });
         let settings = dealt_file::Settings {
@@ -201,7 +200,7 @@ impl Stored {
             memory: nodes.cache.most(),
             folder: folder.to_path_buf(),
         };
-        let file = DealtFile::deal(&sources.collect::<Vec<_>>(), &settings, progress)?;
+        let file = DealtFile::deal(sources.collect(), &settings, progress)?;
         if file.is_empty() {
             return Err(no_points(&nodes.scene, &self.sample).into());
         }
@@ -243,11 +242,12 @@ impl Stored {
 
 impl Nodes {
     /// Reads nodes of a cloud, which are not kept.
-    fn reader(&self, cloud: usize) -> impl Fn(usize) -> Result<Points, io::Error> + Sync + '_ {
-        move |node| match self.clouds[cloud].store.nodes()[node].points {
+    fn reader(self: &Arc<Self>, cloud: usize) -> dealt_file::Read {
+        let nodes = Arc::clone(self);
+        Arc::new(move |node| match nodes.clouds[cloud].store.nodes()[node].points {
             0 => Ok(Points::default()),
-            _ => self.clouds[cloud].points(&self.scene, &self.clips, node),
-        }
+            _ => nodes.clouds[cloud].points(&nodes.scene, &nodes.clips, node),
+        })
     }
 
     /// The points of a block, with those that are not drawn set apart.

@@ -12,6 +12,7 @@ use crate::passes::Error;
 use crate::points::Points;
 use crate::prepare::dealt_file::DealtFile;
 use crate::prepare::ensembles::Dealt;
+use crate::progress::Progress;
 
 /// The points of a dealt list.
 #[derive(Debug, Clone)]
@@ -63,7 +64,19 @@ impl DeviceCloud {
         }
     }
 
+    /// Brings the first points of each cloud of a list into the file, as many as `counts` says, if that is where the list is.
+    ///
+    /// # Errors
+    /// They can't be read or written.
+    pub fn reach(&self, counts: impl IntoIterator<Item = u64>, progress: &Progress) -> Result<(), Error> {
+        match &self.host {
+            Some(List::Filed(file)) => file.reach(counts, progress).map_err(unread),
+            _ => Ok(()),
+        }
+    }
+
     fn upload_file(&mut self, device: &Device, file: &DealtFile) -> Result<(), Error> {
+        file.reach(std::iter::repeat(file.len()), &Progress::hidden()).map_err(unread)?;
         let (origin, len) = (self.origin, self.len.max(1));
         let column = |name, column: Column| {
             uploaded(device, (name, len), file, |points, to: &mut [[f32; 4]]| {
