@@ -125,6 +125,24 @@ fn every_method_renders_a_store_with_the_bytes_of_memory() {
 }
 
 #[test]
+fn windows_are_as_large_as_their_points_let_them_be_however_large_nodes_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = store_of(folder.path(), "one", cloud(4, 60_000), &LOOSE);
+    let text = format!("[image]\nsize = [320, 240]\n[[cloud]]\npath = '{}'\n", path.display());
+    let (scene, whole, stored) = both(&text, &Method::Points);
+    with_device(|device| {
+        let (camera, _) = scene::camera(&scene, whole.points(), UpAxis::Z).unwrap();
+        let frame = Frame { memory_budget: Some(DEVICE), ..Frame::of_scene(&scene, camera, 3) };
+        let image = rendered(device, &stored.arranged(), &frame).expect("a frame");
+        assert!(bits(&image.image) == bits(&rendered(device, &whole, &frame).expect("a frame").image));
+        // Memory has room for 7000 points of a window, and the image has 300 tiles.
+        assert!((9..60).contains(&image.facts.windows), "{} windows", image.facts.windows);
+        let [read, all] = stored.bytes_read();
+        assert!(read <= image.facts.windows * all, "{read} bytes of {all} were read");
+    });
+}
+
+#[test]
 fn several_stores_with_clips_classes_and_color_maps_have_the_bytes_of_memory() {
     let folder = tempfile::tempdir().unwrap();
     let [one, two] = [(1, 15_000), (2, 6_000)]

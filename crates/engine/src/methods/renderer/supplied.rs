@@ -14,8 +14,8 @@ use crate::supply::{Held, Limits, Supply};
 
 /// The part of a memory budget that is for points; the rest is the engine's.
 const PART: u64 = 2;
-/// How many times as many points as fit are read in the hope that so many of them lie outside of the window: blocks are larger than
-/// the parts of them that a window shows.
+/// How many times as many points as fit are read, where nobody knows how many to expect, in the hope that so many of them lie outside of
+/// the window: blocks are larger than the parts of them that a window shows.
 const READ: u64 = 3;
 /// Bytes of an element of the sort of splats, for each point.
 const SORT_BYTES: u64 = 16;
@@ -96,10 +96,14 @@ impl Renderer {
         // can hold them, a tile's points come together.
         let room = if is_tile { Cut::most(&self.device) } else { room.min(supply.most()) };
         let points = count(&picked);
-        // Nodes are not read in vain where so many points are expected that they won't fit; some more than that are.
-        let expected = || supply.estimate(&|position| beam.meets_point(position, 0.0));
-        let fits = || expected().is_none_or(|expected| expected <= room - room / 10);
-        let few = alone || (points <= READ * room && fits());
+        // Nodes are not read in vain where so many points are expected that they won't fit; some more than that are. However many points
+        // the nodes have besides, halves of the window would read most of them twice.
+        let few = alone
+            || points <= room
+            || match supply.estimate(&|position| beam.meets_point(position, 0.0)) {
+                Some(expected) => expected <= room - room / 10,
+                None => points <= READ * room,
+            };
         if few && cloud.bring(&self.device, (&picked, wanted, room), &self.progress)? {
             return self.ready(cloud, part, timeline);
         }

@@ -181,15 +181,21 @@ impl List {
             let [mut alone, mut others]: [(Vec<u64>, Vec<u32>); 2] = Default::default();
             for (at, position) in points.positions.iter().enumerate() {
                 let (place, id) = (places::number(*position), source.anchor.id(*position, 0));
-                let is_shared = self.shared.has(place);
-                let word = if is_shared { place } else { self.shuffle.word(id) };
-                if if is_shared { collects } else { plan.has(word) } {
-                    let (words, records) = if is_shared { &mut others } else { &mut alone };
+                let (word, wanted, (words, records)) = if self.shared.has(place) {
+                    (place, collects, &mut others)
+                } else {
+                    let word = self.shuffle.word(id);
+                    (word, plan.has(word), &mut alone)
+                };
+                if wanted {
                     words.push(word);
                     self.layout.put(&points, at, id, records);
                 }
             }
-            progress.inc(source.blocks[block]);
+            // Later it is a frame that is watched, of which this is no step.
+            if collects {
+                progress.inc(source.blocks[block]);
+            }
             Ok([alone, others])
         };
         for batch in batches(&source.blocks, self.memory / 4 / READ_BYTES) {

@@ -260,7 +260,7 @@ mod tests {
     /// Points on a wave of a grid of places, some of which have several.
     fn wave(count: usize) -> Points {
         let at = |i: usize| {
-            let place = if i % 10 == 0 { i / 3 } else { i };
+            let place = if i.is_multiple_of(10) { i / 3 } else { i };
             DVec3::new(place as f64 * 0.001, (place * 7919 % 1000) as f64 * 0.002, (place as f64 * 0.01).sin())
         };
         Points {

@@ -67,7 +67,7 @@ impl DeviceCloud {
     /// Brings the first points of each cloud of a list into the file, as many as `counts` says, if that is where the list is.
     ///
     /// # Errors
-    /// They can't be read or written.
+    /// They can't be read or written, or `progress` cancels it.
     pub fn reach(&self, counts: impl IntoIterator<Item = u64>, progress: &Progress) -> Result<(), Error> {
         match &self.host {
             Some(List::Filed(file)) => file.reach(counts, progress).map_err(unread),
@@ -168,5 +168,8 @@ fn uploaded<T: GpuType>(
 }
 
 fn unread(error: io::Error) -> Error {
-    Error::Store(Arc::new(error))
+    match error {
+        io::Error::Cancelled { .. } => Error::Cancelled,
+        error => Error::Store(Arc::new(error)),
+    }
 }
