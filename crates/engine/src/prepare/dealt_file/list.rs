@@ -33,7 +33,7 @@ pub(super) struct List {
     memory: u64,
     shuffle: Shuffle,
     cells: Cells,
-    /// What is known of all points.
+    /// Box, opacities and brightest color of all points.
     pub seen: Seen,
     /// Number of points.
     pub len: u64,
@@ -107,11 +107,8 @@ impl List {
         while head.len < end.min(self.len) {
             // How many there are is a matter of chance.
             let wanted = end + end / 64 + self.memory / LEAST_POINT_BYTES;
-            let to = match wanted < self.len / 2 {
-                true => (u128::from(wanted) << 64) / u128::from(self.len),
-                false => Words::END,
-            };
-            let to = if to > head.end { to } else { Words::END };
+            let some = (u128::from(wanted) << 64) / u128::from(self.len);
+            let to = if wanted < self.len / 2 && some > head.end { some } else { Words::END };
             self.extend(head, Words { start: head.end, end: to }, pile, progress)?;
         }
         Ok(())

@@ -43,7 +43,7 @@ pub struct Source {
     pub path: PathBuf,
     /// Points of each block.
     pub blocks: Vec<u64>,
-    /// What reads them.
+    /// Reads them.
     pub read: Read,
     /// The box of all points, also of those that are not drawn, in world coordinates.
     pub bounds: Bounds,

@@ -67,7 +67,8 @@ mod tests {
     #[test]
     fn no_place_is_missed_and_few_are_mistaken() {
         let count = 100_000;
-        for (memory, most_mistaken) in [(1 << 20, 300), (64 << 10, 6000)] {
+        // 138 and 2894 are to be expected: of a word with k marks set a mistake has the chance (k/64)³. Six standard errors more.
+        for (memory, most_mistaken) in [(1 << 20, 210), (64 << 10, 3250)] {
             let places = Places::new(count, memory);
             let mistaken = (0..count).into_par_iter().filter(|i| places.add(place(*i))).count();
             assert!(mistaken <= most_mistaken, "{mistaken} of {count} in {memory} bytes");
