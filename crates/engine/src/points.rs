@@ -292,7 +292,7 @@ impl Points {
         }
     }
 
-    /// Some points of parts of a scene, which have the same columns: each by the number of its part and its place there.
+    /// Some points of parts of a scene, which have the same columns but for normals: each by the number of its part and its place there.
     pub(crate) fn gather(parts: &[Arc<Self>], picked: &[[u32; 2]]) -> Self {
         fn pick<'a, T: Copy + Send + Sync + 'a>(
             parts: &'a [Arc<Points>],
@@ -311,12 +311,18 @@ impl Points {
             colors: pick(parts, picked, |points| &points.colors),
             opacities: pick(parts, picked, |points| &points.opacities),
             radii: pick(parts, picked, |points| &points.radii),
-            normals: has_normals.then(|| pick(parts, picked, |points| points.normals.as_deref().unwrap_or_default())),
+            normals: has_normals.then(|| Self::gathered_normals(parts, picked)),
             file_order: pick(parts, picked, |points| &points.file_order),
             dealt_ids: pick(parts, picked, |points| &points.dealt_ids),
             fields: pick(parts, picked, |points| &points.fields),
             ..Self::default()
         }
+    }
+
+    /// Normals of parts of which some have none, which are zeros.
+    fn gathered_normals(parts: &[Arc<Self>], picked: &[[u32; 2]]) -> Vec<Vec3> {
+        let of = |[part, at]: &[u32; 2]| parts[*part as usize].normals.as_ref().map(|normals| normals[*at as usize]);
+        picked.par_iter().with_min_len(1 << 12).map(|from| of(from).unwrap_or(Vec3::ZERO)).collect()
     }
 
     /// Puts `more` behind these; whoever has no normals gets zeros if the other has some. The orders of their files are
@@ -393,6 +399,20 @@ impl Changes {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn parts_without_normals_get_none() {
+        let point = |normals| Points {
+            positions: vec![DVec3::ZERO],
+            colors: vec![Vec3::ONE],
+            opacities: vec![0.5],
+            radii: vec![0.0],
+            normals,
+            ..Points::default()
+        };
+        let parts = [Arc::new(point(None)), Arc::new(point(Some(vec![Vec3::X])))];
+        assert_eq!(Points::gather(&parts, &[[1, 0], [0, 0]]).normals, Some(vec![Vec3::X, Vec3::ZERO]));
+    }
 
     #[test]
     fn another_order_moves_every_column() {
