@@ -8,6 +8,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::cloud::Bounds;
+use crate::cloud::gaussians::Gaussians;
 use crate::cloud::sampling::Sampling;
 
 /// All points of a scene in one list. All columns have the same length.
@@ -23,7 +24,7 @@ pub struct Points {
     pub colors: Vec<Vec3>,
     /// Opacity of a point's splat in [0, 1].
     pub opacities: Vec<f32>,
-    /// World radii, finite and at least 0. All zero if the method does not ask for radii.
+    /// World radii, finite and at least 0. All zero if the method does not ask for radii. Of a Gaussian how far it reaches at most.
     pub radii: Vec<f32>,
     /// Unit normals, `Vec3::ZERO` for points without one; absent if no cloud has any. Those that are estimated have length 2: they
     /// shade, but tilt no disc and hide no point ([`Points::own_normal`]).
@@ -36,6 +37,8 @@ pub struct Points {
     /// The scalar field F of each point in [0, 1], which separates solid points from soft ones. Empty means 0 for all;
     /// only the soft methods need it.
     pub fields: Vec<f32>,
+    /// Shape and color of the points that are Gaussians, in world units; absent if none is.
+    pub gaussians: Option<Gaussians>,
     /// Points that are not drawn but belong to the scene, for its bounds and its camera.
     pub unseen: Arc<Unseen>,
     /// What is known of the scene, if these points only stand for more of them.
@@ -267,6 +270,7 @@ impl Points {
             file_order: pick(self.file_order, &from),
             dealt_ids: pick(self.dealt_ids, &from),
             fields: pick(self.fields, &from),
+            gaussians: self.gaussians.map(|all| all.picked(all.len(), &from)),
             unseen: self.unseen,
             whole: self.whole,
         }
@@ -287,6 +291,7 @@ impl Points {
             file_order: pick(&self.file_order, places),
             dealt_ids: pick(&self.dealt_ids, places),
             fields: pick(&self.fields, places),
+            gaussians: self.gaussians.as_ref().map(|all| all.picked(places.len(), |i| places[i] as usize)),
             unseen: Arc::clone(&self.unseen),
             whole: self.whole.clone(),
         }
@@ -346,6 +351,7 @@ impl Points {
                 Some(normals)
             }
         };
+        self.gaussians = Gaussians::joined((self.gaussians.take(), before), (more.gaussians, added));
         self.positions.extend(more.positions);
         self.colors.extend(more.colors);
         self.opacities.extend(more.opacities);
@@ -371,11 +377,21 @@ pub struct Changes {
     pub order: bool,
     /// Radii of points that are not drawn.
     pub unseen: bool,
+    /// Shape or color of Gaussians.
+    pub gaussians: bool,
 }
 
 impl Changes {
     /// All of them.
-    pub const ALL: Self = Self { colors: true, opacities: true, radii: true, fields: true, order: true, unseen: true };
+    pub const ALL: Self = Self {
+        colors: true,
+        opacities: true,
+        radii: true,
+        fields: true,
+        order: true,
+        unseen: true,
+        gaussians: true,
+    };
 
     /// These and others.
     #[must_use]
@@ -387,6 +403,7 @@ impl Changes {
             fields: self.fields || more.fields,
             order: self.order || more.order,
             unseen: self.unseen || more.unseen,
+            gaussians: self.gaussians || more.gaussians,
         }
     }
 

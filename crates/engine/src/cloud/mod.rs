@@ -3,6 +3,7 @@
 pub(crate) mod depth_camera;
 pub mod facts;
 pub mod field;
+pub mod gaussians;
 mod parts;
 pub mod sampling;
 pub mod shadow_texture;
@@ -13,6 +14,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use field::Field;
+use gaussians::Gaussians;
 use shadow_texture::ShadowTexture;
 
 /// Names of a classification, in lower case.
@@ -76,6 +78,9 @@ pub struct Cloud {
     pub normals: Option<Vec<Vec3>>,
     /// The file's own radii in file units, finite and at least 0.
     pub radii: Option<Vec<f32>>,
+    /// Shape and color of the points of files that hold Gaussian splats; `colors` are then those without harmonics, and `alphas` their
+    /// opacities.
+    pub gaussians: Option<Gaussians>,
     /// LAS classification codes, or an integer property of that name.
     pub classification: Option<Vec<u8>>,
     /// Intensity as stored (LAS: 0–65535), of E57 from 0 to 1.

@@ -65,5 +65,13 @@ pub(super) fn by_look(a: (&Points, usize), b: (&Points, usize)) -> Ordering {
         let normal = points.normals.as_ref().map(|normals| normals[at].to_array().map(f32::to_bits));
         (points.opacities[at].to_bits(), points.radii[at].to_bits(), field, normal)
     };
-    color(a).cmp(&color(b)).then_with(|| others(a).cmp(&others(b)))
+    color(a).cmp(&color(b)).then_with(|| others(a).cmp(&others(b))).then_with(|| by_gaussian(a, b))
+}
+
+/// By shape and color of Gaussians; lists that are compared have them or not together.
+fn by_gaussian(a: (&Points, usize), b: (&Points, usize)) -> Ordering {
+    match (&a.0.gaussians, &b.0.gaussians) {
+        (Some(first), Some(second)) => first.bits(a.1).cmp(second.bits(b.1)),
+        _ => Ordering::Equal,
+    }
 }

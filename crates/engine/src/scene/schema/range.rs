@@ -30,6 +30,11 @@ impl Range {
         Self { min, max, closed: false }
     }
 
+    /// Between two numbers, both included.
+    pub const fn closed(min: f64, max: f64) -> Self {
+        Self { min, max, closed: true }
+    }
+
     /// True if a number lies within.
     pub fn contains(self, x: f64) -> bool {
         x.is_finite() && if self.closed { self.min <= x && x <= self.max } else { self.min < x && x < self.max }

@@ -5,12 +5,13 @@ use std::path::PathBuf;
 use glam::{DVec3, Vec3};
 
 use crate::cloud::field::Field;
+use crate::cloud::gaussians::MAX_DEGREE;
 use crate::io::photo::Photo;
 use crate::io::{ColumnNames, Hints, LasColumns};
 use crate::scene::Setting;
 use crate::scene::error::Error;
 use crate::scene::photo;
-use crate::scene::schema::{Key, Kind, Part, Range, Slider, Value, Vectors, settings};
+use crate::scene::schema::{Key, Kind, Part, Range, Slider, Value, Vectors, settings, words};
 use crate::scene::settings::{ClassSettings, ColorSettings, Strays};
 use crate::scene::table::Table;
 
@@ -19,6 +20,10 @@ settings! {
     pub struct CloudSettings {
         /// The file of the points, relative to the folder of the scene file; the name of a built-in cloud.
         path: PathBuf = PathBuf::new();
+        /// What the points of a file are that holds Gaussian splats.
+        primitive: Primitive = Primitive::Gaussians;
+        /// The highest degree of the harmonics of Gaussians that is drawn.
+        sh_degree: Option<u32> = None, in 0..=MAX_DEGREE, without "the file's", start 0.0;
         /// One color instead of the file's.
         color: Option<Vec3> = None, without "by `color_by`";
         /// How points without `color` are colored.
@@ -49,6 +54,16 @@ settings! {
         columns: Option<ColumnNames> = None, without "by its header or its values";
         /// F: what tells soft points from solid ones, in the scene's coordinates.
         field: Option<Field> = None;
+    }
+}
+
+words! {
+    /// What the points of a file with Gaussian splats are.
+    pub enum Primitive {
+        /// The Gaussians that they are; of other files points.
+        Gaussians = "gaussians",
+        /// Their centres, with a radius as other points have it.
+        Points = "points",
     }
 }
 

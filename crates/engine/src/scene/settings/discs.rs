@@ -1,10 +1,10 @@
 //! Transparent discs, and the methods that blend them.
 
-use crate::scene::schema::{Ladder, Slider, settings, words};
+use crate::scene::schema::{Ladder, Range, Slider, settings, words};
 
 settings! {
     /// Settings of the disc family (`abuffer` and its relatives).
-    #[derive(Copy, Eq)]
+    #[derive(Copy)]
     pub struct Discs {
         /// How discs lie: flat ones face the screen, oriented ones lie in the tangent plane.
         shape: DiscShape = DiscShape::Flat;
@@ -14,6 +14,52 @@ settings! {
         raster: Raster = Raster::Auto;
         /// How long lists of fragments are sorted; the picture is the same.
         long_lists: LongLists = LongLists::Merge, only &["abuffer", "linked-list"];
+        /// How Gaussians are drawn.
+        gaussians: GaussianSettings = GaussianSettings::default();
+    }
+}
+
+settings! {
+    /// Settings of Gaussian splats, by whatever method of the disc family.
+    #[derive(Copy)]
+    pub struct GaussianSettings {
+        /// How a Gaussian's opacity falls over the pixels.
+        kernel: Kernel = Kernel::Ewa;
+        /// What Gaussians are ordered by.
+        order: Option<Order> = None, without "`\"center\"` for sorted, else `\"pixel\"`";
+        /// Most opacity of a Gaussian's fragment.
+        alpha_max: f32 = 0.99, in Range::UNIT;
+        /// Where a Gaussian ends: fragments of less opacity are none.
+        alpha_min: f32 = 1.0 / 255.0, in ALPHA_MIN;
+        /// Added to the variance on the screen along both axes (ewa).
+        dilation: f32 = 0.3, in Range::NOT_NEGATIVE, unit "px²";
+        /// Takes back the opacity that the dilation adds (ewa).
+        antialias: bool = false;
+    }
+}
+
+/// Something must end a Gaussian.
+const ALPHA_MIN: Range = Range::closed(1e-6, 1.0);
+
+words! {
+    /// How a Gaussian's opacity falls over the pixels.
+    pub enum Kernel {
+        /// By the Gaussian's projection, linear around its centre (Zwicker et al. 2001; Kerbl et al. 2023).
+        Ewa = "ewa",
+        /// By its largest value along the pixel's ray (Moënne-Loccoz et al. 2024).
+        Ray = "ray",
+    }
+}
+
+words! {
+    /// What Gaussians are ordered by.
+    pub enum Order {
+        /// The depth of their centres along the viewing axis.
+        Center = "center",
+        /// The distance of their centres from the eye.
+        Distance = "distance",
+        /// Where they are densest along the pixel's ray (Radl et al. 2024).
+        Pixel = "pixel",
     }
 }
 
@@ -64,7 +110,7 @@ pub const MAX_LAYERS: u32 = 65_536;
 
 settings! {
     /// Settings of depth peeling.
-    #[derive(Copy, Eq)]
+    #[derive(Copy)]
     pub struct Peel {
         /// Which discs are peeled.
         discs: Discs = Discs::default();
@@ -87,7 +133,7 @@ pub const MAX_SAMPLES: u32 = 4096;
 
 settings! {
     /// Settings of multi-sample stochastic transparency.
-    #[derive(Copy, Eq)]
+    #[derive(Copy)]
     pub struct Stochastic {
         /// Which discs are sampled.
         discs: Discs = Discs::default();
@@ -112,7 +158,7 @@ pub const MAX_K: u32 = 64;
 
 settings! {
     /// Settings of hybrid transparency.
-    #[derive(Copy, Eq)]
+    #[derive(Copy)]
     pub struct Hybrid {
         /// Which discs are blended.
         discs: Discs = Discs::default();
