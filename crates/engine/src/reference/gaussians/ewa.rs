@@ -25,6 +25,8 @@ pub struct Projected {
     pub center: DVec2,
     /// The columns of P in pixels, x to the right and y down.
     pub columns: [DVec2; 3],
+    /// The slope that J goes along, x/z and y/z: that of the centre, within its bounds. 0 of an orthographic camera.
+    pub slope: DVec2,
     /// What is added to both variances, in px².
     pub dilation: f64,
     /// o, with the factor for the dilation.
@@ -34,13 +36,13 @@ pub struct Projected {
 impl Projected {
     /// Projects a Gaussian.
     pub fn new(placed: &Placed, settings: &GaussianSettings) -> Self {
-        let jacobian = jacobian(placed);
+        let (jacobian, slope) = jacobian(placed);
         let columns = [0, 1, 2].map(|k| (jacobian * placed.axes.col(k)).truncate());
         let dilation = f64::from(settings.dilation);
-        let mut projected = Self { center: center(placed), columns, dilation, opacity: placed.opacity };
+        let mut projected = Self { center: center(placed), columns, slope, dilation, opacity: placed.opacity };
         if settings.antialias && dilation > 0.0 {
             let bare = Self { dilation: 0.0, ..projected };
-            projected.opacity *= (bare.determinant() / projected.determinant()).max(LEAST_FACTOR2).sqrt();
+            projected.opacity *= dilation_factor(bare.determinant() / projected.determinant());
         }
         projected
     }
@@ -78,17 +80,23 @@ fn center(placed: &Placed) -> DVec2 {
     middle + scale * DVec2::new(placed.center.x, -placed.center.y)
 }
 
-/// J: pixels to the right and down by units to the right, up and away. It follows the centre to 1.3 times the half field of view.
-fn jacobian(placed: &Placed) -> DMat3 {
+/// The factor of the opacity for a ratio of determinants, without and with the dilation.
+pub(super) fn dilation_factor(ratio: f64) -> f64 {
+    ratio.max(LEAST_FACTOR2).sqrt()
+}
+
+/// J, pixels to the right and down by units to the right, up and away, and the slope that it goes along. That follows the centre to
+/// 1.3 times the half field of view.
+fn jacobian(placed: &Placed) -> (DMat3, DVec2) {
     let scale = placed.camera.pixels_per_unit(placed.center.z, placed.size[1]);
     let across = DMat3::from_diagonal(DVec3::new(scale, -scale, 0.0));
     if is_orthographic(placed.camera) {
-        return across;
+        return (across, DVec2::ZERO);
     }
     let focal = placed.camera.focal_px(placed.size[1]);
     let most = 0.5 * CLAMP * DVec2::new(f64::from(placed.size[0]), f64::from(placed.size[1])) / focal;
     let slope = (placed.center.truncate() / placed.center.z).clamp(-most, most);
-    DMat3 { z_axis: scale * DVec3::new(-slope.x, slope.y, 0.0), ..across }
+    (DMat3 { z_axis: scale * DVec3::new(-slope.x, slope.y, 0.0), ..across }, slope)
 }
 
 /// M with each scale at least a share of the largest. Axes of length 0 get the direction that is missing.
@@ -115,7 +123,7 @@ pub(super) fn thickened(axes: DMat3) -> DMat3 {
 pub(super) fn footprint(placed: &Placed, settings: &GaussianSettings, order: Order) -> Vec<Hit> {
     let projected = Projected::new(placed, settings);
     let rho2 = largest_rho2(projected.opacity, settings);
-    if !(rho2 >= 0.0) {
+    if rho2.is_nan() || rho2 < 0.0 {
         return Vec::new();
     }
     let thick = thickened(placed.axes);

@@ -7,9 +7,12 @@
 
 pub mod ewa;
 pub mod harmonics;
+mod ranges;
 pub mod ray;
 
 use glam::{DMat3, DVec2, DVec3};
+
+pub use ranges::{Possible, possible};
 
 use super::abuffer::Fragment;
 use crate::camera::{Camera, Projection};

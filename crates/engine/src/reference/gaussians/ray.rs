@@ -5,7 +5,7 @@
 //! where two planes meet. In coordinates y of the Gaussian, x = μ + M y, these are aᵢ·y + cᵢ = 0. With k = a₁ × a₂ and
 //! m = c₁a₂ − c₂a₁ the point of the ray nearest to y = 0 is (k × m) / |k|², and ρ² = |m|² / |k|².
 
-use glam::{DMat3, DVec2};
+use glam::{DMat3, DVec2, DVec3};
 
 use super::{Hit, Placed, alpha, is_orthographic, largest_rho2};
 use crate::scene::{GaussianSettings, Order};
@@ -40,7 +40,7 @@ pub fn densest(placed: &Placed, axes: DMat3, pixel: [u32; 2]) -> Densest {
 /// A box on the screen around the ellipsoid of this ρ²: that of its box in camera coordinates. Everything if that reaches the eye.
 pub(super) fn bounds(placed: &Placed, rho2: f64) -> [DVec2; 2] {
     let rows = placed.axes.transpose();
-    let half = rho2.sqrt() * glam::DVec3::from([rows.x_axis, rows.y_axis, rows.z_axis].map(|row| row.length()));
+    let half = rho2.sqrt() * DVec3::from([rows.x_axis, rows.y_axis, rows.z_axis].map(|row| row.length()));
     let (min, max) = (placed.center - half, placed.center + half);
     let (low, high) = (min.truncate(), max.truncate());
     let (low, high) = if is_orthographic(placed.camera) {
@@ -57,7 +57,7 @@ pub(super) fn bounds(placed: &Placed, rho2: f64) -> [DVec2; 2] {
 
 pub(super) fn footprint(placed: &Placed, settings: &GaussianSettings, order: Order) -> Vec<Hit> {
     let rho2 = largest_rho2(placed.opacity, settings);
-    if !(rho2 >= 0.0) {
+    if rho2.is_nan() || rho2 < 0.0 {
         return Vec::new();
     }
     let hit = |[x, y]: [u32; 2]| {
