@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::gaussians::Gaussians;
 use super::shadow_texture::ShadowTexture;
 use super::{Cloud, Prepared};
 
@@ -53,15 +54,12 @@ impl Cloud {
                 column.extend(more);
             }
         }
+        self.gaussians = Gaussians::joined((self.gaussians.take(), self.len()), (more.gaussians, more.positions.len()));
         self.positions.extend(more.positions);
         join(&mut self.colors, more.colors);
         join(&mut self.alphas, more.alphas);
         join(&mut self.normals, more.normals);
         join(&mut self.radii, more.radii);
-        assert_eq!(self.gaussians.is_some(), more.gaussians.is_some(), "parts of a cloud have the same columns");
-        if let (Some(gaussians), Some(more)) = (&mut self.gaussians, more.gaussians) {
-            gaussians.append(more);
-        }
         join(&mut self.classification, more.classification);
         join(&mut self.intensity, more.intensity);
         assert_eq!(self.scalars.len(), more.scalars.len(), "parts of a cloud have the same columns");

@@ -30,7 +30,7 @@ const RANGES: [[&str; 6]; 3] = [
 ];
 
 /// A file of compressed splats whose header is read.
-pub(super) struct Compressed {
+pub(in crate::io) struct Compressed {
     source: Source,
     header: Header,
     vertex: usize,

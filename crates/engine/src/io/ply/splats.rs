@@ -22,7 +22,7 @@ use crate::progress::Progress;
 const RUN: u64 = 1 << 14;
 
 /// The positions of a splat's properties in a row.
-pub(super) struct SplatColumns {
+pub(in crate::io) struct SplatColumns {
     position: [usize; 3],
     color: [usize; 3],
     opacity: usize,

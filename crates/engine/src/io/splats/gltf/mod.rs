@@ -11,7 +11,6 @@ mod primitive;
 mod turn;
 
 use super::{Splats, all_bytes, check_count};
-use crate::cloud::gaussians::Gaussians;
 use crate::cloud::{Cloud, UpAxis};
 use crate::io::{Error, Source};
 use crate::progress::Progress;
@@ -47,29 +46,14 @@ pub(super) fn read(source: Source, progress: &Progress) -> Result<Cloud, Error> 
     let count = primitives.iter().map(|primitive| primitive.count as u64).sum();
     check_count(&file, "accessors", count, degree, Some(buffers.len()))?;
     let logarithms = primitives.iter().any(Primitive::has_negative_scale);
-    let mut cloud: Option<Cloud> = None;
+    let mut cloud = Splats::new(degree, 0).finish(UpAxis::Y);
     for (placed, primitive) in placed.iter().zip(&primitives) {
         let part = primitive.splats(&placed.transform, logarithms, progress).finish(UpAxis::Y);
-        cloud = Some(match cloud {
-            None => part,
-            Some(cloud) => joined(cloud, part),
-        });
+        cloud.warnings.extend(part.warnings.iter().cloned());
+        cloud.append(part);
     }
-    let mut cloud = cloud.unwrap_or_else(|| Splats::new(0, 0).finish(UpAxis::Y));
     cloud.warnings.extend(warnings(&primitives, logarithms, others));
     Ok(cloud)
-}
-
-/// The splats of two primitives, whose degrees may differ.
-fn joined(mut first: Cloud, mut second: Cloud) -> Cloud {
-    let warnings = std::mem::take(&mut second.warnings);
-    let gaussians = Gaussians::joined(
-        (first.gaussians.take(), first.positions.len()),
-        (second.gaussians.take(), second.positions.len()),
-    );
-    first.append(second);
-    first.warnings.extend(warnings);
-    Cloud { gaussians, ..first }
 }
 
 /// What is odd about the file.

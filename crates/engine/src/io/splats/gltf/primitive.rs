@@ -66,9 +66,9 @@ impl<'a> Primitive<'a> {
             odd: odd(about),
         };
         let count = found.position.count;
-        let mut others = [&found.rotation, &found.scale, &found.opacity].into_iter().chain(&found.harmonics);
-        if let Some(other) = others.find(|numbers| numbers.count != count) {
-            return Err(("attributes".to_owned(), format!("one has {} elements, but POSITION {count}", other.count)));
+        let others = [&found.rotation, &found.scale, &found.opacity].into_iter().chain(&found.harmonics);
+        if let Some(other) = others.map(|numbers| numbers.count).find(|other| *other != count) {
+            return Err(("attributes".to_owned(), format!("one has {other} elements, but POSITION {count}")));
         }
         Ok(Self { count, ..found })
     }
