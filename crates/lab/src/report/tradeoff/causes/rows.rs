@@ -37,8 +37,12 @@ pub(in super::super) fn changes(discs: &Discs, order: Order, degree: u32, projec
         base: None,
         degree: None,
     };
-    let mut all =
-        vec![of("the exact image", "", "The exact image once more: its time is what those below are to be compared with.", own)];
+    let mut all = vec![of(
+        "the exact image",
+        "",
+        "The exact image once more: its time is what those below are to be compared with.",
+        own,
+    )];
     all.extend(orders(order).map(|(changed, cause, meaning)| {
         let settings = GaussianSettings { order: Some(changed), ..own };
         of(cause, &format!("method.order={}", changed.word()), meaning, settings)
@@ -64,13 +68,13 @@ fn orders(own: Order) -> impl Iterator<Item = (Order, &'static str, &'static str
         (
             Order::Center,
             "order of centres",
-            "Gaussians ordered by the depth of their centres, as most renderers do: where they overlap the wrong one is in front, and \
+            "Gaussians ordered by the depth of their centres, as most renderers do: where they overlap the wrong one may be in front, and \
              they change places when the camera turns.",
         ),
         (
             Order::Distance,
             "order of distances",
-            "Gaussians ordered by how far their centres are from the eye: wrong where they overlap, but they keep their places while \
+            "Gaussians ordered by how far their centres are from the eye: still wrong where they overlap, but they keep their places while \
              the camera turns about itself.",
         ),
         (
