@@ -35,7 +35,7 @@ pub fn hash(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &st
         hasher.update(&(bytes.len() as u64).to_le_bytes());
         hasher.update(bytes);
     };
-    let Points { positions, colors, opacities, radii, normals, file_order, dealt_ids: _, fields, unseen, whole } =
+    let Points { positions, colors, opacities, radii, normals, file_order, dealt_ids: _, fields, gaussians, unseen, whole } =
         arranged.points();
     let coordinates: Vec<[f64; 3]> = positions.iter().map(|p| p.to_array()).collect();
     add(bytemuck::cast_slice(&coordinates));
@@ -48,6 +48,12 @@ pub fn hash(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &st
     if !unseen.positions.is_empty() {
         let coordinates: Vec<[f64; 3]> = unseen.positions.iter().map(|p| p.to_array()).collect();
         add(bytemuck::cast_slice(&coordinates));
+    }
+    if let Some(gaussians) = gaussians {
+        add(bytemuck::cast_slice(&gaussians.extents));
+        add(bytemuck::cast_slice(&gaussians.rotations));
+        add(bytemuck::cast_slice(&gaussians.bases));
+        add(bytemuck::cast_slice(&gaussians.harmonics));
     }
     if let Some(whole) = whole {
         add(whole.identity.as_bytes());

@@ -46,7 +46,7 @@
 //!     camera,
 //!     size: scene.image.size,
 //!     shading: scene.shading,
-//!     color: scene.image.color,
+//!     color: scene.image.color_space(),
 //!     detail: scene.detail,
 //!     method,
 //!     memory_budget: None,

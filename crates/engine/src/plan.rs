@@ -9,7 +9,7 @@ use crate::methods::{Error, Facts, Frame, Renderer, cost, engine_of, pass_groups
 use crate::passes::project::{DeviceCloud, Parts};
 use crate::points::Points;
 use crate::scene::{
-    Density, DiscShape, Discs, Falloff, LongLists, Method, MethodChoice, Raster, ScreenSplats, Shells, Soft,
+    Density, DiscShape, Discs, Falloff, LongLists, Method, MethodChoice, Order, Raster, ScreenSplats, Shells, Soft,
     SoftLayout, Spbr,
 };
 
@@ -32,6 +32,10 @@ fn resolve_factored(choice: MethodChoice, points: &Points, factor: f32) -> (Meth
     let may_be = points.whole.as_ref().is_some_and(|whole| whole.is_transparent);
     // Estimated normals shade and tilt nothing.
     let is_tilted = |i: usize| points.own_normal(i).is_some();
+    let gaussians = points.gaussians.as_ref().filter(|all| (0..all.len()).any(|i| all.is_one(i)));
+    if gaussians.is_some() {
+        return resolve_gaussians(discs);
+    }
     let oriented = discs.shape == DiscShape::Oriented && (0..points.len()).any(is_tilted);
     if oriented {
         (Method::ABuffer(discs), "oriented splats may cross: their fragments need an order".to_owned())
@@ -46,6 +50,17 @@ fn resolve_factored(choice: MethodChoice, points: &Points, factor: f32) -> (Meth
         };
         let method = if discs.raster == Raster::Hardware { Method::ABuffer(discs) } else { Method::Sorted(discs) };
         (method, format!("{why}, and all are flat"))
+    }
+}
+
+/// The method for scenes with Gaussians, which never are opaque throughout.
+fn resolve_gaussians(discs: Discs) -> (Method, String) {
+    match Method::ABuffer(discs).order() {
+        Order::Pixel => (Method::ABuffer(discs), "Gaussians cross: their fragments need an order in each pixel".to_owned()),
+        order => {
+            let why = format!("Gaussians are ordered by `{}`: one order of splats does for all pixels", order.word());
+            (if discs.shape == DiscShape::Oriented { Method::ABuffer(discs) } else { Method::Sorted(discs) }, why)
+        }
     }
 }
 

@@ -177,6 +177,12 @@ impl Points {
         (normal != Vec3::ZERO && !is_estimated(normal)).then_some(normal)
     }
 
+    /// The radius of a disc; `None` for a Gaussian.
+    pub fn disc_radius(&self, index: usize) -> Option<f32> {
+        let is_disc = self.gaussians.as_ref().is_none_or(|gaussians| !gaussians.is_one(index));
+        is_disc.then_some(self.radii[index])
+    }
+
     /// Number of points, those that these stand for included.
     pub fn count(&self) -> u64 {
         self.whole.as_ref().map_or(self.len() as u64, |whole| whole.count)

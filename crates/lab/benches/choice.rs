@@ -68,7 +68,7 @@ fn compare(device: &Device, name: &str, keys: &[(&str, &str)]) -> Result<()> {
         camera,
         size: scene.image.size,
         shading: scene.shading,
-        color: scene.image.color,
+        color: scene.image.color_space(),
         method: scene.method.representative(),
         detail: Default::default(),
         memory_budget: None,

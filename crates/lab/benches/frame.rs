@@ -128,7 +128,7 @@ fn print_passes(device: &Device, scene: Scene, clouds: Vec<Cloud>, frames: usize
         camera,
         size: scene.image.size,
         shading: scene.shading,
-        color: scene.image.color,
+        color: scene.image.color_space(),
         method: plan::resolve(scene.method, &points).0,
         detail: Default::default(),
         memory_budget: None,

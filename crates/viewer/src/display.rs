@@ -78,7 +78,7 @@ impl SceneImage<'_> {
     /// Its pixels over the background, as many as the scene says, row by row: values of the color space in force.
     pub fn composed(&self, rgba: &[[f32; 4]]) -> Vec<[f32; 3]> {
         let image = &self.scene.image;
-        let background = pellucid_engine::output::background(image.background, image.color);
+        let background = pellucid_engine::output::background(image.background, image.color_space());
         let pixels: Vec<_> = rgba.par_iter().map(|rgba| Image::over(*rgba, background)).collect();
         if self.is_coarse() { enlarge(&pixels, self.size, image.size) } else { pixels }
     }
@@ -122,7 +122,7 @@ impl ScreenEncoder {
     /// # Errors
     /// Vulkan errors.
     pub fn upload(&mut self, composed: &[[f32; 3]], scene: &Scene) -> Result<Arc<Buffer<u32>>> {
-        let rgba = self.display.bytes(composed, scene.image.color);
+        let rgba = self.display.bytes(composed, scene.image.color_space());
         Ok(self.encoder.upload(&rgba, scene.image.size, self.blue_first)?)
     }
 }
@@ -291,7 +291,7 @@ mod tests {
                 let colors = device.buffer("colors", pixels.len() as u64, Memory::Device).unwrap();
                 colors.upload(&pixels).unwrap();
                 let image = SceneImage { size, scene: &scene };
-                let host = Display::new().bytes(&image.composed(&pixels), scene.image.color);
+                let host = Display::new().bytes(&image.composed(&pixels), scene.image.color_space());
                 let swapped: Vec<u8> = host.chunks(4).flat_map(|p| [p[2], p[1], p[0], p[3]]).collect();
                 for (blue_first, wanted) in [(false, &host), (true, &swapped)] {
                     let mut encoder = ScreenEncoder::new(device, blue_first).unwrap();
@@ -316,7 +316,7 @@ mod tests {
                 colors.upload(&pixels).unwrap();
                 let image = SceneImage { size: from, scene: &scene };
                 let shown = ScreenEncoder::new(device, false).unwrap().encode(colors.all(), image).unwrap();
-                let host = Display::new().bytes(&image.composed(&pixels), scene.image.color);
+                let host = Display::new().bytes(&image.composed(&pixels), scene.image.color_space());
                 let most = bytes(&shown).iter().zip(&host).map(|(a, b)| a.abs_diff(*b)).max();
                 assert!(most <= Some(1), "{from:?} to {to:?}: {most:?}");
             }

@@ -79,7 +79,7 @@ fn render(stage: &mut Stage, scene_path: &Path, picture: &Path, seed: u64) -> Re
     if let Some(applied) = brightness {
         metadata.push(("pellucid:brightness".to_owned(), applied.json().to_string()));
     }
-    let (background, color) = (scene.image.background, scene.image.color);
+    let (background, color) = (scene.image.background, scene.image.color_space());
     let options = WriteOptions { background, color, transparent: false, metadata };
     output::write_image(picture, &rendered.image, &options)?;
     stage.recycle(rendered.image);

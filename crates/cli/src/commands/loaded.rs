@@ -226,12 +226,15 @@ struct Made {
 }
 
 /// Makes points of clouds in memory.
-fn made(scene: Scene, clouds: Vec<Cloud>, legend: bool, seed: u64, console: Console, progress: &Bar) -> Result<Made> {
+fn made(mut scene: Scene, clouds: Vec<Cloud>, legend: bool, seed: u64, console: Console, progress: &Bar) -> Result<Made> {
     scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| console.note(note));
     let (shadow_texture, note) = scene::shadow_texture(&scene, &clouds, seed);
     note.iter().for_each(|note| console.note(note));
     let up = scene::up_axis(&clouds);
-    let colorings = colorings(&scene, &scene::colorings(&scene, &clouds));
+    let mut colorings = colorings(&scene, &scene::colorings(&scene, &clouds));
+    if scene.settle(&clouds) {
+        colorings.push("colors are blended encoded, since every cloud is of Gaussians".to_owned());
+    }
     let (arranged, legend) = if legend {
         let (arranged, legend) = scene::arrange_with_legend(&scene, clouds, seed, progress)?;
         (arranged, Some(legend))

@@ -162,7 +162,7 @@ impl PrepareArgs {
             size: scene.image.size,
             shading: scene.shading,
             shadows: scene.shadows,
-            color: scene.image.color,
+            color: scene.image.color_space(),
             method: scene.method.representative(),
             detail: Default::default(),
             memory_budget: self.device.memory_budget.map(|budget| budget.as_u64()),

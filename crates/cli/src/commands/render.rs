@@ -401,7 +401,7 @@ pub fn finish(
     metadata.extend(own);
     let options = WriteOptions {
         background: resolved.scene.image.background,
-        color: resolved.scene.image.color,
+        color: resolved.scene.image.color_space(),
         transparent: args.transparent,
         metadata,
     };

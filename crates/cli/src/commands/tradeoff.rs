@@ -151,7 +151,7 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
         camera: resolved.camera,
         size: resolved.scene.image.size,
         shading,
-        color: resolved.scene.image.color,
+        color: resolved.scene.image.color_space(),
         method: resolved.scene.method.representative(),
         detail: Default::default(),
         memory_budget: args.device.memory_budget.map(|b| b.as_u64()),

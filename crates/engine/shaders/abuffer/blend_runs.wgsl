@@ -26,7 +26,7 @@ fn main(
     var sum = Composed(vec4<f32>(0.0), NOTHING);
     for (var i = first; i < last; i++) {
         let fragment = fragments[i];
-        sum = behind(sum, fragment.x, fragment_color(fragment.y, pixel));
+        sum = behind(sum, shown_key(fragment.x, fragment.y), fragment_color(fragment.y, pixel));
     }
     partials[item] = Partial(sum.rgba, vec4<u32>(sum.key, 0u, 0u, 0u));
 }

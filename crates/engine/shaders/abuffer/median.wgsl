@@ -26,7 +26,7 @@ fn key_within(run: ListRun, front: f32, pixel: vec2<u32>) -> u32 {
         let fragment = fragments[i];
         sum = behind(sum, fragment.x, fragment_color(fragment.y, pixel));
         if joined(front, sum.rgba.a) >= 0.5 {
-            return fragment.x;
+            return shown_key(fragment.x, fragment.y);
         }
     }
     return NOTHING;

@@ -10,8 +10,9 @@ fn slot(start: u32, i: u32, n: u32) -> vec2<u32> {
 
 fn blend(front: Composed, fragment: vec2<u32>, present: bool, pixel: vec2<u32>) -> Composed {
     // The first splat stands in for none. It need not be drawn, and then nothing was written there: not even a number.
-    let color = fragment_color(select(0u, fragment.y, present), pixel);
-    return behind(front, fragment.x, select(vec4<f32>(0.0), color, present));
+    let i = select(0u, fragment.y, present);
+    let color = fragment_color(i, pixel);
+    return behind(front, shown_key(fragment.x, i), select(vec4<f32>(0.0), color, present));
 }
 
 @compute @workgroup_size(WG_SIZE)

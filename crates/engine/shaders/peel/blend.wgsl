@@ -45,7 +45,7 @@ fn main(
     let pixel = view.window.xy + vec2<u32>(p % width, p / width);
     let depth = depths[p];
     let front = Composed(image[p], select(depth_key(depth), NOTHING, bitcast<u32>(depth) == INFINITY_BITS));
-    let sum = behind(front, found.key, fragment_color(found.id, pixel));
+    let sum = behind(front, shown_key(found.key, found.id), fragment_color(found.id, pixel));
     image[p] = sum.rgba;
     depths[p] = composed_depth(sum.key);
     nearest[p] = Nearest(NOTHING, NOTHING);

@@ -4,39 +4,21 @@
 // with the number of tiles they meet.
 #import splat
 #import locate
-#import stats
+#import projected
 #import shade
 #import dispatch
-
-struct Push {
-    // Points of the chunk, and its number.
-    count: u32,
-    chunk: u32,
-}
 
 @group(0) @binding(1) var<storage, read> points_hi: array<vec4<f32>>;
 @group(0) @binding(2) var<storage, read> points_lo: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> point_colors: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read> normals: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> fields: array<f32>;
-@group(0) @binding(6) var<storage, read_write> splats: array<PackedSplat>;
-@group(0) @binding(7) var<storage, read_write> tilts: array<Tilt>;
-@group(0) @binding(8) var<storage, read_write> bounds: array<Bounds>;
-@group(0) @binding(9) var<storage, read_write> colors: array<vec4<f32>>;
-@group(0) @binding(10) var<storage, read_write> large: array<u32>;
-@group(0) @binding(11) var<storage, read_write> tile_counts: array<u32>;
-@group(0) @binding(12) var<storage, read_write> stats: array<Stats>;
-@group(0) @binding(13) var<storage, read_write> splat_depths: array<f32>;
-var<immediate> push: Push;
 
 // 1: the buffer of normals is filled. The fourth component is the share of light.
 override NORMALS: u32 = 0u;
 
 // Which points: all, those whose field is at most the threshold, or those above; or all, with a mark on the former.
 override PART: u32 = 0u;
-
-// Points of one invocation, at most 32.
-override RUN: u32 = 8u;
 
 // Half extent of a tilted disc along one axis of the screen, at depth 1, as (below, above) the projected centre.
 // e solves A e^2 - 2 e q^2 b - q^2 c = 0 with A = 1 - q^2 (1 - n_z^2) and q = r / Z, in whatever units: the plane through the eye
@@ -84,7 +66,7 @@ fn extents(splat: Splat, tilt: Tilt, center: vec2<f32>) -> vec4<f32> {
         // The exact test follows per pixel.
         return reach + (0.01 + 1e-5 * (reach + abs(center.xyxy)));
     }
-    if SHAPE == SHAPE_ORIENTED && any(tilt.normal.xyz != vec3<f32>(0.0)) {
+    if may_tilt() && any(tilt.normal.xyz != vec3<f32>(0.0)) {
         let n = tilt.normal.xyz;
         // Rounding of the centre and of the extents themselves: the exact test follows per pixel.
         let margin = 0.01 + 1e-5 * splat.radius;
@@ -101,21 +83,9 @@ fn extents(splat: Splat, tilt: Tilt, center: vec2<f32>) -> vec4<f32> {
     return vec4<f32>(splat.radius);
 }
 
-// First column and row of the rectangle of pixels, and one past the last; zero if it misses the part of the image in work.
+// The rectangle of a splat that reaches so far.
 fn rectangle(splat: Splat, tilt: Tilt, center: vec2<f32>) -> vec4<u32> {
-    let reach = extents(splat, tilt, center);
-    let pixel = center_pixel(splat);
-    let fraction = vec2<f32>(splat.fraction_x, splat.fraction_y);
-    // Pixel i of the neighborhood has its centre at i + 0.5: those within reach, and always the centre's own, except for spheres.
-    let limit = vec2<f32>(65536.0);
-    let low = pixel + vec2<i32>(clamp(ceil(fraction - reach.xy - 0.5), -limit, limit));
-    let high = pixel + vec2<i32>(clamp(floor(fraction + reach.zw - 0.5), -limit, limit));
-    let window_low = vec2<i32>(view.window.xy);
-    let window_high = vec2<i32>(view.window.zw);
-    let always = !is_sphere();
-    let l = vec2<u32>(clamp(select(low, min(low, pixel), always), window_low, window_high));
-    let h = vec2<u32>(clamp(select(high, max(high, pixel), always) + 1, window_low, window_high));
-    return select(vec4<u32>(0u), vec4<u32>(l, h), all(l < h));
+    return rectangle_of(splat, extents(splat, tilt, center), !is_sphere());
 }
 
 // W of Seemann et al., Eq. 22: 1 where the model alone says how transparent a soft point is.
@@ -128,7 +98,7 @@ fn modulation(field: f32) -> f32 {
 fn project(i: u32) -> vec2<u32> {
     let hi = points_hi[i];
     let lo = points_lo[i];
-    let point = locate(hi.xyz, lo.xyz);
+    var point = locate(hi.xyz, lo.xyz);
     let position = rounded(point.place);
     let pixel = bitcast<u32>(point.column.pixel & 0xffff | point.row.pixel << 16u);
     var radius = min(hi.w * view.radius_limits.x, HUGE);
@@ -137,7 +107,7 @@ fn project(i: u32) -> vec2<u32> {
         radius = min(min(hi.w * view.radius_limits.x * point.scale, view.radius_limits.y), HUGE);
     }
     let splat = Splat(point.column.fraction, point.row.fraction, pixel, depth.x, radius);
-    var tilt = Tilt(vec4<f32>(0.0));
+    var tilt = no_tilt();
     var m = 1.0;
     var normal = vec3<f32>(0.0);
     if NORMALS != 0u {
@@ -156,20 +126,25 @@ fn project(i: u32) -> vec2<u32> {
     if SHAPE == SHAPE_EXACT_SPHERE {
         tilt.normal = vec4<f32>(point.column.rest, point.row.rest, depth.y, 0.0);
     }
+    if has_gaussians() {
+        // Of a Gaussian project/gaussians takes care.
+        point.drawn = point.drawn && hi.w >= 0.0;
+        if view.tilted == 0u {
+            tilt = no_tilt();
+        }
+    }
     var drawn = point.drawn;
     if PART == PART_SOLID || PART == PART_SOFT {
         drawn = drawn && (fields[i] > view.threshold) == (PART == PART_SOFT);
     }
     let rect = select(vec4<u32>(0u), rectangle(splat, tilt, point.center), drawn);
-    bounds[i] = rect.xy | rect.zw << vec2<u32>(16u);
     let extent = rect.zw - rect.xy;
-    let area = extent.x * extent.y;
-    if area > 0u {
-        splats[i] = pack_splat(splat);
-        splat_depths[i] = splat.depth;
-        if has_tilts() {
-            tilts[i] = tilt;
-        }
+    // Bounds of a Gaussian are not written twice.
+    if !has_gaussians() || hi.w >= 0.0 {
+        bounds[i] = rect.xy | rect.zw << vec2<u32>(16u);
+    }
+    if extent.x * extent.y > 0u {
+        put_splat(i, splat, tilt);
         var a = min(lo.w * view.opacity_factor, 1.0);
         if PART == PART_SOFT {
             a = modulation(fields[i]);
@@ -180,44 +155,6 @@ fn project(i: u32) -> vec2<u32> {
         colors[i] = vec4<f32>(lit_color(point_colors[i].rgb, position, normal, m), a);
     }
     return extent;
-}
-
-// Number of tiles that a large splat meets.
-fn tiles_of(i: u32) -> u32 {
-    let rect = bounds[i];
-    let first = (bounds_min(rect) - view.window.xy) / TILE;
-    let last = (bounds_max(rect) - 1u - view.window.xy) / TILE;
-    let tiles = last - first + 1u;
-    return tiles.x * tiles.y;
-}
-
-// What an invocation's points add to the statistics.
-struct Found {
-    visible: u32,
-    // Most columns and rows.
-    most: vec2<u32>,
-    // Pixels of all rectangles.
-    area: u32,
-    // Large splats wait in a mask, one bit for each step: invocations in step would all go through the listing.
-    waiting: u32,
-}
-
-// Projects every WG_SIZE-th point from the first on.
-fn project_run(first: u32) -> Found {
-    var found = Found(0u, vec2<u32>(0u), 0u, 0u);
-    for (var k = 0u; k < RUN; k++) {
-        let i = first + k * WG_SIZE;
-        if i < push.count {
-            let extent = project(i);
-            let area = extent.x * extent.y;
-            found.visible += u32(area > 0u);
-            found.waiting |= u32(area > view.small_area) << k;
-            found.most = max(found.most, extent);
-            // No image has more than 2^28 pixels: less than 2^32 for up to 15 points, and a bound that low is no harm.
-            found.area += min(area, 0x0fffffffu);
-        }
-    }
-    return found;
 }
 
 #walker

@@ -16,10 +16,10 @@
 @group(0) @binding(10) var<storage, read> splat_depths_1: array<f32>;
 @group(0) @binding(11) var<storage, read> splat_depths_2: array<f32>;
 @group(0) @binding(12) var<storage, read> splat_depths_3: array<f32>;
-@group(0) @binding(13) var<storage, read> tilts_0: array<Tilt>;
-@group(0) @binding(14) var<storage, read> tilts_1: array<Tilt>;
-@group(0) @binding(15) var<storage, read> tilts_2: array<Tilt>;
-@group(0) @binding(16) var<storage, read> tilts_3: array<Tilt>;
+@group(0) @binding(13) var<storage, read> tilts_0: array<vec4<f32>>;
+@group(0) @binding(14) var<storage, read> tilts_1: array<vec4<f32>>;
+@group(0) @binding(15) var<storage, read> tilts_2: array<vec4<f32>>;
+@group(0) @binding(16) var<storage, read> tilts_3: array<vec4<f32>>;
 
 override PARTS: u32 = 1u;
 override PART_LENGTH: u32 = 1u;
@@ -70,12 +70,19 @@ fn splat_at(i: u32) -> Splat {
 
 fn tilt_at(i: u32) -> Tilt {
     if !has_tilts() {
-        return Tilt(vec4<f32>(0.0));
+        return no_tilt();
     }
+    if tilt_stride() == 1u {
+        return Tilt(tilt_element(i, 0u), vec4<f32>(0.0));
+    }
+    return Tilt(tilt_element(i, 0u), tilt_element(i, 1u));
+}
+
+fn tilt_element(i: u32, which: u32) -> vec4<f32> {
     if PARTS == 1u {
-        return tilts_0[i];
+        return tilts_0[tilt_stride() * i + which];
     }
-    let k = i % PART_LENGTH;
+    let k = tilt_stride() * (i % PART_LENGTH) + which;
     switch i / PART_LENGTH {
         case 0u: { return tilts_0[k]; }
         case 1u: { return tilts_1[k]; }

@@ -20,7 +20,7 @@ struct RasterPush {
 }
 
 @group(0) @binding(1) var<storage, read> splats: array<PackedSplat>;
-@group(0) @binding(2) var<storage, read> tilts: array<Tilt>;
+@group(0) @binding(2) var<storage, read> tilts: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> bounds: array<Bounds>;
 @group(0) @binding(4) var<storage, read> tile_starts: array<u32>;
 @group(0) @binding(5) var<storage, read> tile_entries: array<u32>;
@@ -32,10 +32,13 @@ fn splat_of(i: u32) -> Splat {
 }
 
 fn tilt_of(i: u32) -> Tilt {
-    if has_tilts() {
-        return tilts[i];
+    if !has_tilts() {
+        return no_tilt();
     }
-    return Tilt(vec4<f32>(0.0));
+    if tilt_stride() == 1u {
+        return Tilt(tilts[i], vec4<f32>(0.0));
+    }
+    return Tilt(tilts[tilt_stride() * i], tilts[tilt_stride() * i + 1u]);
 }
 
 // True if a rectangle has pixels in the band; false for an empty one.

@@ -39,10 +39,10 @@ fn meets_region(rectangle: Bounds, low: vec2<u32>) -> bool {
     return all(bounds_min(rectangle) < low + REGION) && all(bounds_max(rectangle) > low);
 }
 
-// The regions of a block that a splat may touch, in bits from PICKED_BITS on; an oriented disc by its rectangle.
+// The regions of a block that a splat may touch, in bits from PICKED_BITS on; an oriented disc and a Gaussian by their rectangles.
 fn regions_of(i: u32, corner: vec2<u32>) -> u32 {
     var regions = 0u;
-    if SHAPE == SHAPE_ORIENTED {
+    if is_rectangle() {
         let rectangle = bounds[i];
         for (var region = 0u; region < HELD; region += 1u) {
             regions |= select(0u, 1u, meets_region(rectangle, region_corner(region, corner))) << (PICKED_BITS + region);

@@ -1,6 +1,7 @@
 // A projected splat and the pixels it covers: the one statement of the coverage rule.
 #import elementary
 #import view
+#import gaussian
 
 // A value of Footprint in src/passes/project/footprint.rs. SHAPE_SPHERE is a soft sphere (shared/sphere.wgsl): no pixel is always covered.
 // SHAPE_EXACT_SPHERE is one so dense that float32 would show: its tilt holds the rest of its place.
@@ -37,9 +38,19 @@ fn unpack_splat(splat: PackedSplat, depth: f32) -> Splat {
 
 // The rest of an oriented disc: its unit normal n in camera axes and n.c / z for its centre c, the slope of the
 // plane against the centre's ray. The normal is zero for a flat disc. Of an exact sphere: what rounding took from
-// fraction_x, fraction_y and depth.
+// fraction_x, fraction_y and depth. Of a Gaussian what shared/gaussian.wgsl says; that alone has a rest, the next element of the buffer.
 struct Tilt {
     normal: vec4<f32>,
+    rest: vec4<f32>,
+}
+
+fn no_tilt() -> Tilt {
+    return Tilt(vec4<f32>(0.0), vec4<f32>(0.0));
+}
+
+// Elements of the buffer of tilts for each splat.
+fn tilt_stride() -> u32 {
+    return select(1u, 2u, SHAPE == SHAPE_GAUSSIAN);
 }
 
 // Half-open rectangle of pixels that holds every covered one, within the rectangle in work; empty for a splat that is not drawn.
@@ -50,7 +61,8 @@ alias Bounds = vec2<u32>;
 struct Coverage {
     hit: bool,
     depth: f32,
-    // Distance from the centre over the radius, at most 1 but in a square's corners.
+    // Distance from the centre over the radius, at most 1 but in a square's corners. Of a Gaussian the square of its Mahalanobis distance over
+    // that at which it ends.
     rho: f32,
 }
 
@@ -134,7 +146,10 @@ fn cover_from(splat: Splat, tilt: Tilt, whole: vec2<f32>, pixel: vec2<u32>, view
     if SHAPE == SHAPE_POINT {
         return Coverage(in_center, splat.depth, 1.0);
     }
-    if SHAPE == SHAPE_ORIENTED && any(tilt.normal.xyz != vec3<f32>(0.0)) {
+    if is_gaussian(splat) {
+        return cover_gaussian(splat, tilt, offset_of(splat, whole), view);
+    }
+    if may_tilt() && any(tilt.normal.xyz != vec3<f32>(0.0)) {
         return cover_oriented(splat, tilt.normal, whole, pixel, view);
     }
     let offset = offset_of(splat, whole);
@@ -155,7 +170,32 @@ fn is_sphere() -> bool {
 }
 
 fn has_tilts() -> bool {
-    return SHAPE == SHAPE_ORIENTED || SHAPE == SHAPE_EXACT_SPHERE;
+    return SHAPE == SHAPE_ORIENTED || SHAPE == SHAPE_EXACT_SPHERE || has_gaussians();
+}
+
+// True if splats may be Gaussians.
+fn has_gaussians() -> bool {
+    return SHAPE == SHAPE_GAUSSIAN_FLAT || SHAPE == SHAPE_GAUSSIAN;
+}
+
+// True if discs may lie in their tangent planes.
+fn may_tilt() -> bool {
+    return SHAPE == SHAPE_ORIENTED || SHAPE == SHAPE_GAUSSIAN;
+}
+
+// True if splats have a depth for each pixel, so that they may cross.
+fn may_cross() -> bool {
+    return may_tilt();
+}
+
+// True if only their rectangles say which pixels splats may cover.
+fn is_rectangle() -> bool {
+    return may_tilt() || has_gaussians();
+}
+
+// Discs have a radius of at least 0.
+fn is_gaussian(splat: Splat) -> bool {
+    return has_gaussians() && splat.radius < 0.0;
 }
 
 // Maps floats to integers of the same order, negative ones included.

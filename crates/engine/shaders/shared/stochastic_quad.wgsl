@@ -2,6 +2,7 @@
 #import elementary
 #import camera
 #import splat
+#import falloff
 
 struct Push {
     // Index of the chunk's first splat among all.
@@ -18,13 +19,11 @@ struct Push {
 }
 
 @group(0) @binding(1) var<storage, read> splats: array<PackedSplat>;
-@group(0) @binding(2) var<storage, read> tilts: array<Tilt>;
+@group(0) @binding(2) var<storage, read> tilts: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> bounds: array<Bounds>;
 @group(0) @binding(4) var<storage, read> colors: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> splat_depths: array<f32>;
 var<immediate> push: Push;
-
-override FALLOFF: u32 = 0u;
 
 struct QuadFragment {
     hit: bool,
@@ -34,15 +33,17 @@ struct QuadFragment {
 }
 
 fn quad_fragment(i: u32, pixel: vec2<u32>) -> QuadFragment {
-    var tilt = Tilt(vec4<f32>(0.0));
-    if SHAPE == SHAPE_ORIENTED {
-        tilt = tilts[i];
+    var tilt = no_tilt();
+    if has_tilts() {
+        tilt.normal = tilts[tilt_stride() * i];
     }
-    let coverage = cover(unpack_splat(splats[i], splat_depths[i]), tilt, pixel, view);
+    if tilt_stride() == 2u {
+        tilt.rest = tilts[tilt_stride() * i + 1u];
+    }
+    let splat = unpack_splat(splats[i], splat_depths[i]);
+    let coverage = cover(splat, tilt, pixel, view);
     var color = colors[i];
-    if FALLOFF == FALLOFF_GAUSSIAN {
-        color.a *= gaussian(coverage.rho);
-    }
+    color.a = fallen(splat, color.a, coverage.rho);
     color.a = select(0.0, color.a, coverage.hit);
     return QuadFragment(coverage.hit, color, depth_key(coverage.depth));
 }

@@ -23,7 +23,7 @@ fn take(i: u32, corner: vec2<u32>) -> Handed {
 }
 
 fn may_touch(own: Handed, block: u32, corner: vec2<u32>) -> bool {
-    return SHAPE == SHAPE_ORIENTED || touches(own.splat, corner + block_corner(block));
+    return is_rectangle() || touches(own.splat, corner + block_corner(block));
 }
 
 fn show(held: PixelState, h: Handed, i: u32, pixel: vec2<u32>) -> PixelState {

@@ -45,7 +45,7 @@ fn leave(p: u32, state: State, rgba: vec4<f32>) {
 }
 
 fn nearer(key: u32, f: Fragment) -> u32 {
-    return min(key, select(NOTHING, f.depth_key, f.color.a > 0.0));
+    return min(key, select(NOTHING, f.shown_key, f.color.a > 0.0));
 }
 
 // Color times weight over weight, black without weight.

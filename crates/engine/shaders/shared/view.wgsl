@@ -35,10 +35,14 @@ struct View {
     modulation: f32,
     // Splats of at most this many pixels are walked by one invocation; larger ones tile by tile.
     small_area: u32,
-    // Uniform structs are made of 16 bytes each.
-    unused_a: u32,
-    unused_b: u32,
-    unused_c: u32,
+    // Of Gaussians: KERNEL_ and ORDER_ of their fragments.
+    kernel: u32,
+    order: u32,
+    // 1: discs lie in their tangent planes, where Gaussians are in the scene.
+    tilted: u32,
+    // Of Gaussians: least and most opacity of a fragment, and what is added to the variances on the screen, in square pixels; 1 in the
+    // last: opacity is less by as much as that adds.
+    gaussian: vec4<f32>,
 }
 
 // Place of a pixel in the buffers of the rectangle in work.

@@ -40,13 +40,13 @@ fn take(i: u32, corner: vec2<u32>) -> Handed {
 }
 
 fn may_touch(own: Handed, block: u32, corner: vec2<u32>) -> bool {
-    return SHAPE == SHAPE_ORIENTED || touches(own.splat, corner + block_corner(block));
+    return is_rectangle() || touches(own.splat, corner + block_corner(block));
 }
 
 fn show(held: PixelState, h: Handed, i: u32, pixel: vec2<u32>) -> PixelState {
     let fragment = fragment_of(h, place(0u, i), pixel);
     // A flat splat's index stands for its key: one look-up at the end gives the depth.
-    let key = select(h.index, fragment.depth_key, SHAPE == SHAPE_ORIENTED);
+    let key = select(h.index, fragment.shown_key, may_cross());
     return PixelState(behind(held.sum, key, fragment.color), held.front);
 }
 
@@ -79,8 +79,8 @@ fn finish(held: PixelState, pixel: vec2<u32>) {
     image[p] = joined(held).rgba;
     if LATER == 0u || (held.front.key == NOTHING && held.sum.key != NOTHING) {
         var key = held.sum.key;
-        if SHAPE != SHAPE_ORIENTED && key != NOTHING {
-            key = depth_key(depth_at(key));
+        if !may_cross() && key != NOTHING {
+            key = depth_key(shown_depth(flat_at(key), tilt_at(key), depth_at(key), view));
         }
         depths[p] = composed_depth(key);
     }

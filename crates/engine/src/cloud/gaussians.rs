@@ -111,6 +111,18 @@ impl Gaussians {
         }
     }
 
+    /// Gives each of some places what stood at another one.
+    pub(crate) fn trade(&mut self, places: &[u32], from: &[u32]) {
+        let taken = self.picked(from.len(), |i| from[i] as usize);
+        let count = self.coefficients();
+        for (i, place) in places.iter().map(|place| *place as usize).enumerate() {
+            self.extents[place] = taken.extents[i];
+            self.rotations[place] = taken.rotations[i];
+            self.bases[place] = taken.bases[i];
+            self.harmonics[place * count..(place + 1) * count].copy_from_slice(taken.harmonics_of(i));
+        }
+    }
+
     /// Puts others behind these; all get the higher degree of the two.
     pub fn append(&mut self, more: Self) {
         let degree = self.degree.max(more.degree);

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::gaussians::Gaussians;
 use super::shadow_texture::ShadowTexture;
 use super::{Cloud, Prepared};
 
@@ -29,6 +30,7 @@ impl Cloud {
             alphas: self.alphas.as_ref().map(|alphas| pick(alphas, places)),
             normals: self.normals.as_ref().map(|normals| pick(normals, places)),
             radii: self.radii.as_ref().map(|radii| pick(radii, places)),
+            gaussians: self.gaussians.as_ref().map(|all| all.picked(places.len(), |i| places[i] as usize)),
             classification: self.classification.as_ref().map(|codes| pick(codes, places)),
             intensity: self.intensity.as_ref().map(|values| pick(values, places)),
             scalars: self.scalars.iter().map(|(name, values)| (name.clone(), pick(values, places))).collect(),
@@ -51,6 +53,7 @@ impl Cloud {
                 column.extend(more);
             }
         }
+        self.gaussians = Gaussians::joined((self.gaussians.take(), self.len()), (more.gaussians, more.positions.len()));
         self.positions.extend(more.positions);
         join(&mut self.colors, more.colors);
         join(&mut self.alphas, more.alphas);

@@ -205,6 +205,11 @@ pub enum Error {
         /// The largest resolution that would work; 0 if none would.
         largest: u32,
     },
+    /// A Gaussian has one place in the order of a method that was to order them pixel by pixel.
+    #[error(
+        "order = \"pixel\" orders Gaussians in each pixel, but sorted orders them once: method = \"abuffer\" or order = \"center\" would do"
+    )]
+    OneOrder,
     /// Eye-dome lighting of a picture that has no single surface.
     #[error(
         "shading.edl shades by the depth of a surface, and method {method} has none: {}",

@@ -241,7 +241,7 @@ impl Plan<'_> {
     /// The sort of splats and their tiles; returns how many counters are summed.
     pub fn order(&mut self, order: Order, why: &str) -> u64 {
         let (points, visible) = (self.facts.points, self.facts.visible);
-        let bits = bin::key_bits(order, self.frame.depth_range(), points);
+        let bits = bin::key_bits(order, self.frame.key_range(), points);
         let Digits { digits, bits: digit, counters } = Digits::new(self.device, points, bits);
         let by = match order {
             Order::Depth => "in order of depth",

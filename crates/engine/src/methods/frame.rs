@@ -4,7 +4,7 @@ use super::engine::Fragments;
 use super::{Error, Stop, engine_of};
 use crate::camera::Camera;
 use crate::image::MAX_SIDE;
-use crate::scene::{ColorSpace, Detail, Method, Scene, Shading, Shadows};
+use crate::scene::{ColorSpace, Detail, Method, Order, Scene, Shading, Shadows};
 
 /// The settings for rendering an uploaded cloud.
 #[derive(Debug, Clone, Copy)]
@@ -68,7 +68,7 @@ impl Frame {
             size: scene.image.size,
             shading: scene.shading,
             shadows: scene.shadows,
-            color: scene.image.color,
+            color: scene.image.color_space(),
             method: scene.method.representative(),
             detail: scene.detail,
             memory_budget: None,
@@ -97,6 +97,12 @@ impl Frame {
         [self.camera.near as f32, self.camera.far as f32]
     }
 
+    /// Between which numbers lies what splats are ordered by: their depths, or of Gaussians distances, which may be farther.
+    pub fn key_range(&self) -> [f32; 2] {
+        let [near, far] = self.depth_range();
+        if self.method.order() == Order::Distance { [near, f32::MAX] } else { [near, far] }
+    }
+
     pub(super) fn check(&self) -> Result<(), Error> {
         let [width, height] = self.size;
         let allowed = 1..=MAX_SIDE;
@@ -105,6 +111,9 @@ impl Frame {
         }
         if self.shading.edl.edl && !self.method.takes_edl() {
             return Err(Error::NoSurfaceDepth { method: self.method.name() });
+        }
+        if matches!(self.method, Method::Sorted(_)) && self.method.order() == Order::Pixel {
+            return Err(Error::OneOrder);
         }
         Ok(())
     }

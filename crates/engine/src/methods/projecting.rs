@@ -1,7 +1,7 @@
 //! The projection settings of a frame's splats.
 
 use super::{Frame, shadows};
-use crate::passes::project::{DeviceCloud, Footprint, Part, Projecting};
+use crate::passes::project::{DeviceCloud, Drawing, Footprint, Part, Projecting};
 use crate::scene::{Raster, ScreenSplats, SplatShape};
 
 /// Radii as they are.
@@ -35,6 +35,7 @@ impl Frame {
             relative_depth: false,
             shading: self.shading,
             color: self.color,
+            gaussians: Drawing::default(),
             lit: cloud.casting().is_some() && cloud.casting() == shadows::casting(self, cloud).as_ref(),
         }
     }

@@ -85,7 +85,7 @@ pub(super) fn render(
         }
         counted_bytes += pixels * abuffer::PIXEL_BYTES;
     }
-    let bin = bin::Job { raster, order: stage.order(), depth_range: frame.depth_range(), budget, counted_bytes };
+    let bin = bin::Job { raster, order: stage.order(), depth_range: frame.key_range(), budget, counted_bytes };
     let outcome = if work.survey { stage.survey(work, &bin)? } else { stage.draw(machines, work, bin, max_color)? };
     if outcome == Outcome::Done {
         work.finish();

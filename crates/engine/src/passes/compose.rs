@@ -14,11 +14,13 @@ pub struct Cut {
     pub parts: u32,
     /// Splats of a part.
     pub len: u32,
+    /// Elements of the buffer of tilts for each splat.
+    pub tilt_stride: u32,
 }
 
 impl Cut {
     /// One part, whatever its length.
-    pub const WHOLE: Self = Self { parts: 1, len: 1 << 30 };
+    pub const WHOLE: Self = Self { parts: 1, len: 1 << 30, tilt_stride: 1 };
 
     /// The cut for so many points on a device, or an error if four parts do not reach.
     pub fn new(device: &Device, points: u64) -> Result<Self, Error> {
@@ -26,7 +28,14 @@ impl Cut {
         if points > limit {
             return Err(Error::TooManyPoints { points, limit });
         }
-        Ok(Self { parts: if points <= len { 1 } else { PARTS as u32 }, len: len as u32 })
+        Ok(Self { parts: if points <= len { 1 } else { PARTS as u32 }, len: len as u32, tilt_stride: 1 })
+    }
+
+    /// The cut for the splats of a cloud with this footprint.
+    pub fn of(device: &Device, cloud: &DeviceCloud, footprint: Footprint) -> Result<Self, Error> {
+        let stride = footprint.tilt_stride().max(1);
+        let cut = Self::new(device, cloud.len() * stride)?;
+        Ok(Self { len: (u64::from(cut.len) / stride) as u32, tilt_stride: stride as u32, ..cut })
     }
 
     /// Most points of a device.
@@ -43,6 +52,11 @@ impl Cut {
     /// Adds the constants of stages that reach splats by their index.
     pub fn apply_to(self, variant: Variant) -> Variant {
         variant.with("PARTS", self.parts).with("PART_LENGTH", self.len)
+    }
+
+    /// The parts of the buffer of tilts.
+    fn tilts(self, buffer: &Buffer<Tilt>) -> [Slice<'_, Tilt>; PARTS] {
+        Self { len: self.len * self.tilt_stride, ..self }.slices(buffer)
     }
 
     /// The parts of a buffer; those beyond its end repeat its first element and are not read.
@@ -74,7 +88,7 @@ group! {
 impl<'a> Composing<'a> {
     /// The cloud, cut.
     pub fn new(cloud: &'a DeviceCloud, cut: Cut) -> Self {
-        let (colors, tilts) = (cut.slices(&cloud.colors), cut.slices(&cloud.tilts));
+        let (colors, tilts) = (cut.slices(&cloud.colors), cut.tilts(&cloud.tilts));
         let (splats, splat_depths) = (cut.slices(&cloud.splats), cut.slices(&cloud.splat_depths));
         Self { view: cloud.view(), colors, splats, splat_depths, tilts }
     }
@@ -108,7 +122,7 @@ choices!(
 /// The cuts; a device may want either.
 impl Choices for Cut {
     fn all() -> Vec<Self> {
-        [1, PARTS as u32].map(|parts| Self { parts, len: 1 << 20 }).to_vec()
+        [1, PARTS as u32].map(|parts| Self { parts, len: 1 << 20, tilt_stride: 1 }).to_vec()
     }
 }
 

@@ -251,9 +251,8 @@ impl<'a> Raster<'a> {
         [first * columns, (last - first + 1) * columns]
     }
 
-    /// Tilts of a chunk, or a stand-in where discs are flat.
     fn tilts(&self, first: u64, count: u64) -> Slice<'a, Tilt> {
-        if self.footprint.has_tilts() { self.cloud.tilts_of(first, count) } else { self.cloud.tilts.slice(0, 1) }
+        self.cloud.tilts_of(self.footprint, first, count)
     }
 
     fn chunk(&self, chunk: usize, first: u64, count: u64) -> Chunk<'a> {
@@ -293,7 +292,14 @@ fn variants(footprints: &[Footprint], walkers: &[&'static str], segment: u32) ->
 }
 
 /// Footprints whose pixels are visited one by one, spheres apart.
-pub(crate) const FLAT: [Footprint; 4] = [Footprint::Disc, Footprint::Oriented, Footprint::Square, Footprint::Point];
+pub(crate) const FLAT: [Footprint; 6] = [
+    Footprint::Disc,
+    Footprint::Oriented,
+    Footprint::Square,
+    Footprint::Point,
+    Footprint::FlatGaussian,
+    Footprint::Gaussian,
+];
 
 /// The variants of a stage that visits whatever is flat.
 pub(crate) fn flat_variants() -> Vec<Variant> {

@@ -55,6 +55,15 @@ pub struct Request {
     pub shading: Option<ShadingNormals>,
 }
 
+impl Request {
+    /// Asks for nothing that makes discs of points, if they are Gaussians, which have shapes of their own.
+    pub(crate) fn forgo_shapes(&mut self, are_gaussians: bool) {
+        if are_gaussians {
+            (self.radii, self.uncapped, self.normals, self.shading) = (false, false, false, None);
+        }
+    }
+}
+
 /// Which normals are estimated for shading, where the file has none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ShadingNormals {

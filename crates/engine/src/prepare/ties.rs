@@ -83,6 +83,9 @@ impl Ties {
             if let Some(normals) = &mut points.normals {
                 moved(normals, group, &order);
             }
+            if let Some(gaussians) = &mut points.gaussians {
+                gaussians.trade(group, &order);
+            }
             moved(origins, group, &order);
         }
         !unsettled.is_empty()

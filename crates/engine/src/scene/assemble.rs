@@ -8,8 +8,9 @@ use rayon::prelude::*;
 
 use super::classes::{self, Rules};
 use super::clip::Clips;
-use super::coloring::{self, Coloring, Scales};
+use super::coloring::{self, Coloring, Colors, Scales};
 use super::error::Error;
+use super::gaussians;
 use super::legend::Legend;
 use super::procedural::Generated;
 use super::seen::{leave_out, seen};
@@ -66,7 +67,9 @@ pub(super) fn most_frequent(ups: impl Iterator<Item = UpAxis> + Clone) -> UpAxis
 pub fn notes(scene: &Scene, clouds: &[Cloud], needs_radii: bool) -> Vec<String> {
     let prefixed_notes = |(settings, cloud): (&CloudSettings, &Cloud)| {
         let path = settings.path.display().to_string();
-        let notes = request(scene, settings, needs_radii, scene.method.needs_field()).notes(cloud);
+        let mut request = request(scene, settings, needs_radii, scene.method.needs_field());
+        request.forgo_shapes(gaussians::are_drawn(scene, settings, cloud));
+        let notes = request.notes(cloud);
         let idle = [classes::note(settings, cloud), coloring::note(settings, cloud), upright_note(scene, cloud)];
         let idle = idle.into_iter().flatten();
         notes.into_iter().chain(idle).map(move |note| format!("{path}: {note}"))
@@ -249,7 +252,8 @@ pub(super) fn transformed(
         Source::Whole { needs_radii, progress, .. } => {
             progress.begin(Phase::Prepare);
             let coloring = Coloring::of(scene, index, &cloud);
-            let request = request(scene, settings, *needs_radii, needs_field || coloring.needs_field());
+            let mut request = request(scene, settings, *needs_radii, needs_field || coloring.needs_field());
+            request.forgo_shapes(gaussians::are_drawn(scene, settings, &cloud));
             if request.needs_neighbors() {
                 progress.reset();
                 progress.set_message("finding neighbors");
@@ -269,15 +273,22 @@ pub(super) fn transformed(
         }
         Source::Part(_, file_order) => file_order,
     };
+    let own = matches!(colors, Colors::Own);
     let mut colors = colors.into_list(cloud.colors.take(), count);
     let rules = Rules::of(settings, &cloud)?;
     rules.paint(&mut colors);
     let visible = rules.visible_points(count);
     // Estimated ones that are stored don't count where none were asked for: the camera would be another one.
+    let gaussians = cloud.gaussians.as_ref().filter(|_| gaussians::are_drawn(scene, settings, &cloud));
+    let gaussians = gaussians.map(|all| {
+        let paint = gaussians::Paint { colors: &colors, own };
+        gaussians::placed(settings, all, paint, |i| rules.color(i).is_some())
+    });
     let radii: Vec<f32> = match found.radii.as_deref().or(cloud.own_radii()) {
         Some(radii) => radii.par_iter().map(|own| radius(settings, Some(*own))).collect(),
         None => vec![radius(settings, None); count],
     };
+    let radii = gaussians.as_ref().map_or(radii, gaussians::radii);
     let base = Opacity { settings, estimated: found.uncapped.as_deref(), neighbors: request.neighbors_of(&cloud) };
     let one = |i: usize| opacity(base, &rules, &cloud, i, radii[i]);
     let opacities = (0..count).into_par_iter().map(one).collect();
@@ -294,6 +305,7 @@ pub(super) fn transformed(
         },
         fields: found.fields.filter(|_| needs_field).unwrap_or_default(),
         file_order,
+        gaussians,
         ..Points::default()
     };
     leave_out(&mut points, seen.as_deref(), found.dropped.as_deref());

@@ -13,6 +13,7 @@ mod coloring;
 mod document;
 mod error;
 mod framing;
+mod gaussians;
 mod keys;
 mod layers;
 pub mod legend;

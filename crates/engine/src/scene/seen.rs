@@ -41,6 +41,10 @@ pub(super) fn leave_out(points: &mut Points, seen: Option<&[bool]>, dropped: Opt
     retain(&mut points.radii, &keep);
     retain(&mut points.fields, &keep);
     retain(&mut points.file_order, &keep);
+    if let Some(gaussians) = &points.gaussians {
+        let kept: Vec<usize> = keep.iter().enumerate().filter(|(_, keep)| **keep).map(|(i, _)| i).collect();
+        points.gaussians = Some(gaussians.picked(kept.len(), |i| kept[i]));
+    }
     if let Some(normals) = &mut points.normals {
         retain(normals, &keep);
     }

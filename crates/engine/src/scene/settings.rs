@@ -35,7 +35,9 @@ pub use strays::{Outliers, Strays};
 pub use surfaces::{ImageSpace, MAX_ITERATIONS, MAX_POINT_LAYERS, PeelLayers};
 
 use super::choice::MethodChoice;
+use super::gaussians;
 use super::methods::{Family, Method};
+use crate::cloud::Cloud;
 use crate::prepare::ShadingNormals;
 
 /// A scene: everything a frame is made of but the points themselves.
@@ -64,6 +66,17 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Settles what its clouds decide: scenes of Gaussians alone are blended in display values, in which they are trained, unless the
+    /// scene says otherwise. Returns true if they decided it.
+    pub fn settle(&mut self, clouds: &[Cloud]) -> bool {
+        let alone = self.clouds.iter().zip(clouds).all(|(settings, cloud)| gaussians::are_drawn(self, settings, cloud));
+        let decided = self.image.color.is_none() && alone && !clouds.is_empty();
+        if decided {
+            self.image.color = Some(ColorSpace::Encoded);
+        }
+        decided
+    }
+
     /// The normals that are estimated where a cloud has none: those that shading or the method needs.
     pub fn shading_normals(&self) -> Option<ShadingNormals> {
         match self.shading.model {
@@ -144,6 +157,12 @@ impl Method {
     /// The settings of the disc family; `None` for other methods.
     pub fn discs(&self) -> Option<&Discs> {
         self.part()
+    }
+
+    /// What it orders Gaussians by: the centre, if it orders splats once.
+    pub fn order(&self) -> Order {
+        let default = if matches!(self, Self::Sorted(_)) { Order::Center } else { Order::Pixel };
+        self.discs().and_then(|discs| discs.gaussians.order).unwrap_or(default)
     }
 
     /// The displacement of its fragments toward the viewer.

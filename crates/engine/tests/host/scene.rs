@@ -35,7 +35,7 @@ fn overridden(text: &str, pairs: &[&str]) -> Result<Scene, Error> {
 #[test]
 fn defaults_are_those_of_the_contract() {
     let scene = read(CLOUD).unwrap();
-    assert_eq!(scene.image, ImageSettings { size: [1024, 1024], background: Vec3::ZERO, color: ColorSpace::Linear });
+    assert_eq!(scene.image, ImageSettings { size: [1024, 1024], background: Vec3::ZERO, color: None });
     assert_eq!(scene.method, MethodChoice::default());
     assert_eq!(scene.shading, Shading::default());
     let cloud = &scene.clouds[0];
@@ -85,7 +85,7 @@ fn every_key_of_the_contract_is_read() {
     )
     .unwrap();
     assert_eq!(scene.image.size, [640, 480]);
-    assert_eq!(scene.image.color, ColorSpace::Encoded);
+    assert_eq!(scene.image.color, Some(ColorSpace::Encoded));
     assert_eq!(scene.camera.eye, Some(DVec3::new(0.0, 0.0, 5.0)));
     assert_eq!((scene.camera.near, scene.camera.far, scene.camera.fov_y), (Some(0.01), Some(100.0), Some(30.0)));
     assert_eq!(scene.shading.light, Light::Position(DVec3::new(1.0, 2.0, 3.0)));

@@ -48,7 +48,7 @@ impl Subject {
             camera,
             size: scene.image.size,
             shading: scene.shading,
-            color: scene.image.color,
+            color: scene.image.color_space(),
             method: Method::SoftExpress(soft),
             detail: Default::default(),
             memory_budget: None,

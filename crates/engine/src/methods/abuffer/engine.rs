@@ -10,16 +10,24 @@ use crate::methods::walker::walker;
 use crate::methods::{Buffers, Error, Frame, Machines, Outcome, Timeline, linked_list, sorted, tiled};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Bin, Bins, Order};
-use crate::passes::project::{DeviceCloud, Part, Projecting, Stats};
+use crate::passes::project::{DeviceCloud, Drawing, Footprint, Part, Projecting, Stats};
 use crate::passes::raster::{Raster, Walker};
-use crate::scene::{DiscShape, Discs, LongLists, Method};
+use crate::scene::{DiscShape, Discs, Kernel, LongLists, Method, Order as GaussianOrder};
 
 /// Pixels of a splat's rectangle, on average, from which on an A-buffer is filled tile by tile (measured on lavapipe).
 pub const ORDERED_AREA: u64 = 32;
 
-/// The conversion of a cloud's discs to splats.
+/// The conversion of a cloud's discs and Gaussians to splats.
 pub fn projecting(frame: &Frame, cloud: &DeviceCloud, discs: &Discs) -> Projecting {
-    frame.projecting(cloud, footprint(discs.shape), UNCLAMPED, Part::All)
+    let of_discs = frame.projecting(cloud, footprint(discs.shape), UNCLAMPED, Part::All);
+    if !cloud.has_gaussians() {
+        return of_discs;
+    }
+    let (settings, order) = (discs.gaussians, frame.method.order());
+    let shape = if of_discs.footprint == Footprint::Oriented { DiscShape::Oriented } else { DiscShape::Flat };
+    let flat = shape == DiscShape::Flat && settings.kernel == Kernel::Ewa && order != GaussianOrder::Pixel;
+    let footprint = if flat { Footprint::FlatGaussian } else { Footprint::Gaussian };
+    Projecting { footprint, gaussians: Drawing { settings, order, discs: shape }, ..of_discs }
 }
 
 /// Lists of fragments, each pixel's sorted and blended.
@@ -55,7 +63,7 @@ impl ListEngine {
         !self.linked
             && !self.median
             && !frame.shading.edl.edl
-            && self.discs.shape == DiscShape::Flat
+            && job.raster.footprint == Footprint::Disc
             && self.discs.long_lists == LongLists::Merge
             && job.raster.walker == Walker::Compute
             && device.info().subgroup.is_some()
@@ -113,7 +121,7 @@ impl Engine for ListEngine {
         let (storing, median) = (self.storing(), self.median);
         let mut job = WindowJob { raster, discs: self.discs, storing, stop, median, budget };
         let counted_bytes = bands::pixels(window) * PIXEL_BYTES;
-        let bin = bin::Job { raster, order: Order::Depth, depth_range: frame.depth_range(), budget, counted_bytes };
+        let bin = bin::Job { raster, order: Order::Depth, depth_range: frame.key_range(), budget, counted_bytes };
         let mut ordered = 0;
         if self.in_order(device, frame, &bin)
             && let Bin::Done(binned) = bins.bin(device, &bin, work.timeline)?

@@ -160,7 +160,7 @@ impl ABuffer {
             return Err(Error::Unforeseen);
         }
         self.reserve_fragments(device, job, &bands, &counted)?;
-        let cut = Cut::new(device, job.raster.cloud.len())?;
+        let cut = Cut::of(device, job.raster.cloud, job.raster.footprint)?;
         let stored = Stored {
             cut,
             offsets: self.offsets.get().all(),

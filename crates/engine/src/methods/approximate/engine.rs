@@ -50,7 +50,7 @@ impl Engine for ApproximateEngine {
     }
 
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
-        Ok(windows_of(frame, budget, tiled::counted_bytes(frame) + pixel_bytes(self.kind, self.discs.shape)))
+        Ok(windows_of(frame, budget, tiled::counted_bytes(frame) + pixel_bytes(self.kind)))
     }
 
     fn channels(&self) -> Channels {

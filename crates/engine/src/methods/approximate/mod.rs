@@ -15,7 +15,7 @@ use crate::passes::bands::{self, Budget};
 use crate::passes::bin::{self, Bin, Binned, Bins, Lanes, TileWalk, TiledGroup};
 use crate::passes::compose::{self, Cut};
 use crate::passes::project::{DISCS, Footprint};
-use crate::scene::{DiscShape, Discs, Falloff};
+use crate::scene::{Discs, Falloff};
 use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
@@ -128,8 +128,8 @@ pub struct WindowJob<'a> {
 impl WindowJob<'_> {
     /// Slots of each round of `hybrid` over oriented discs; the last one has a tail. Empty for all else.
     fn rounds(&self) -> Vec<u32> {
-        match (self.bin.raster.footprint, self.kind) {
-            (Footprint::Oriented, Kind::Hybrid(k)) => rounds(k),
+        match self.kind {
+            Kind::Hybrid(k) if self.bin.raster.footprint.may_cross() => rounds(k),
             _ => Vec::new(),
         }
     }
@@ -141,9 +141,9 @@ fn rounds(k: u32) -> Vec<u32> {
 }
 
 /// Device bytes of a pixel that a method always needs.
-pub fn pixel_bytes(kind: Kind, shape: DiscShape) -> u64 {
-    match (kind, shape) {
-        (Kind::Hybrid(k), DiscShape::Oriented) => round_bytes(&rounds(k)),
+pub fn pixel_bytes(kind: Kind) -> u64 {
+    match kind {
+        Kind::Hybrid(k) => round_bytes(&rounds(k)),
         _ => 0,
     }
 }
@@ -389,15 +389,16 @@ pub fn shaders() -> Vec<Shader> {
     let last = (1..=MOST_SLOTS).flat_map(|slots| [round(slots, false, true), round(slots, true, true)]);
     let rounds: Vec<Round> =
         [round(MOST_SLOTS, false, false), round(MOST_SLOTS, true, false)].into_iter().chain(last).collect();
-    let oriented = variants(Footprint::Oriented, |shape, run| {
-        rounds.iter().map(|round| round_variant(shape.clone(), run, *round)).collect()
-    });
+    let in_rounds = |footprint| {
+        variants(footprint, |shape, run| rounds.iter().map(|round| round_variant(shape.clone(), run, *round)).collect())
+    };
+    let (crossing, flat): (Vec<Footprint>, Vec<Footprint>) = DISCS.iter().partition(|disc| disc.may_cross());
     vec![
         Shader::new::<Weighted>(both()),
         Shader::new::<Average>(both()),
         Shader::new::<Unsorted>(both()),
-        Shader::new::<HybridFlat>(sums(Footprint::Disc)),
-        Shader::new::<HybridOriented>(oriented),
+        Shader::new::<HybridFlat>(flat.into_iter().flat_map(sums)),
+        Shader::new::<HybridOriented>(crossing.into_iter().flat_map(in_rounds)),
     ]
 }
 
@@ -413,9 +414,8 @@ mod tests {
         assert_eq!(rounds(9), [8, 1]);
         assert_eq!(rounds(24), [8, 8, 8]);
         assert!((1..=MAX_K).all(|k| rounds(k).iter().sum::<u32>() == k));
-        assert_eq!(pixel_bytes(Kind::Hybrid(9), DiscShape::Oriented), 8);
-        assert_eq!(pixel_bytes(Kind::Hybrid(8), DiscShape::Oriented), 0);
-        assert_eq!(pixel_bytes(Kind::Hybrid(9), DiscShape::Flat), 0);
+        assert_eq!(pixel_bytes(Kind::Hybrid(9)), 8);
+        assert_eq!(pixel_bytes(Kind::Hybrid(8)), 0);
         assert_eq!((run_bytes(&[]), run_bytes(&[8, 1])), (64, 64 + 16 + 8 * 32));
     }
 

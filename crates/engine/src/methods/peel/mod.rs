@@ -252,7 +252,7 @@ impl Peeler {
     /// Batch after batch until nothing is left or enough was peeled; the number of layers.
     fn peel(&self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<u32, Error> {
         let (device, target, arguments) = (work.device, work.target, self.arguments.get().all());
-        let cut = Cut::new(device, job.raster.cloud.len())?;
+        let cut = Cut::of(device, job.raster.cloud, job.raster.footprint)?;
         let most = job.most();
         // As many as the last window had, and one that is empty.
         let foreseen = work.timeline.foresight.knowledge() == Knowledge::Bounds;

@@ -100,11 +100,11 @@ pub struct HeldDepths {
 
 impl HeldDepths {
     /// Where all depths are positive, 126 octaves of them, beginning 40 before the near plane: none is lost. Only tilted
-    /// discs in orthographic views reach depths of both signs, and lose the key's last two bits.
+    /// discs in orthographic views and Gaussians along a ray reach depths of both signs, and lose the key's last two bits.
     pub fn new(camera: &Camera, footprint: Footprint) -> Self {
         let near = camera.near as f32;
         let orthographic = matches!(camera.projection, Projection::Orthographic { .. });
-        if near <= 0.0 || (orthographic && footprint == Footprint::Oriented) {
+        if near <= 0.0 || footprint == Footprint::Gaussian || (orthographic && footprint == Footprint::Oriented) {
             return Self { base: 0, shift: 2 };
         }
         let least = near.to_bits().saturating_sub(40 << 23).max(f32::MIN_POSITIVE.to_bits());

@@ -64,7 +64,7 @@ impl Binning {
         let lanes = Lanes::of(device)?;
         let Raster { stats, window, .. } = job.raster;
         let drawn: u64 = stats.iter().map(|s| u64::from(s.visible)).sum();
-        let cut = Cut::new(device, job.raster.cloud.len())?;
+        let cut = Cut::of(device, job.raster.cloud, job.raster.footprint)?;
         let binning = || Self::new(device.info().prefers.concurrent_runs, window, drawn, Stats::extent(stats), lanes);
         Ok((drawn > 0).then(|| Self { cut, ..binning() }))
     }

@@ -17,6 +17,10 @@ pub enum Footprint {
     Sphere = 4,
     /// The same, its place to twice as many digits.
     ExactSphere = 5,
+    /// Gaussians and screen-aligned discs, each with one depth.
+    FlatGaussian = 6,
+    /// Gaussians by other kernels or with a depth for each pixel, and discs of either kind.
+    Gaussian = 7,
 }
 
 choices!(
@@ -27,11 +31,13 @@ choices!(
         Point,
         Sphere,
         ExactSphere,
+        FlatGaussian,
+        Gaussian,
     }
 );
 
 /// The footprints that are composed.
-pub const DISCS: [Footprint; 2] = [Footprint::Disc, Footprint::Oriented];
+pub const DISCS: [Footprint; 4] = [Footprint::Disc, Footprint::Oriented, Footprint::FlatGaussian, Footprint::Gaussian];
 
 /// The footprints of splats that go through tiles.
 pub const TILED: [Footprint; 3] = [Footprint::Disc, Footprint::Oriented, Footprint::Square];
@@ -39,6 +45,25 @@ pub const TILED: [Footprint; 3] = [Footprint::Disc, Footprint::Oriented, Footpri
 impl Footprint {
     /// True if splats of this shape have tilts.
     pub fn has_tilts(self) -> bool {
-        matches!(self, Self::Oriented | Self::ExactSphere)
+        self.tilt_stride() > 0
+    }
+
+    /// Elements of the buffer of tilts for each splat.
+    pub fn tilt_stride(self) -> u64 {
+        match self {
+            Self::Disc | Self::Square | Self::Point | Self::Sphere => 0,
+            Self::Oriented | Self::ExactSphere | Self::FlatGaussian => 1,
+            Self::Gaussian => 2,
+        }
+    }
+
+    /// True if splats have a depth for each pixel, so that they may cross.
+    pub fn may_cross(self) -> bool {
+        matches!(self, Self::Oriented | Self::Gaussian)
+    }
+
+    /// True if splats may be Gaussians.
+    pub fn has_gaussians(self) -> bool {
+        matches!(self, Self::FlatGaussian | Self::Gaussian)
     }
 }

@@ -8,27 +8,25 @@ mod shade;
 mod view;
 
 pub use beam::{Beam, Extent};
-pub use cloud::{COLUMN_BYTES, Column, CutFor, DeviceCloud, LightImages, Placed, Present};
+pub use cloud::{COLUMN_BYTES, Column, CutFor, DeviceCloud, GaussianColumns, LightImages, Placed, Present};
 pub use footprint::{DISCS, Footprint, TILED};
 pub use part::{Part, Parts};
 pub(crate) use shade::Shaded;
 pub use view::View;
 
+use crate::cloud::gaussians::MAX_DEGREE;
 use self::part::{PART_MARKED, PART_SOFT, PART_SOLID};
 use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Dispatch, Error, Recorder, Run, Slice, Variant};
-use crate::scene::{ColorSpace, Formula, Shading};
+use crate::scene::{ColorSpace, DiscShape, Formula, GaussianSettings, Kernel, Order, Shading};
 use crate::{gpu_struct, group, pass};
 
 /// A projected splat without its depth: place in its pixel, that pixel, radius; shaders/shared/splat.wgsl says how.
 pub type Splat = [u32; 4];
 
-gpu_struct! {
-    /// Normal of an oriented splat in camera axes.
-    pub struct Tilt {
-        normal: [f32; 4],
-    }
-}
+/// An element of the buffer of tilts: the normal of an oriented splat in camera axes; shaders/shared/splat.wgsl says what else. A splat has
+/// [`Footprint::tilt_stride`] of them.
+pub type Tilt = [f32; 4];
 
 /// Rectangle of pixels that a splat may cover; shaders/shared/splat.wgsl says how.
 pub type Bounds = [u32; 2];
@@ -105,13 +103,39 @@ pass! {
     }
 }
 
+pass! {
+    /// Projects each Gaussian to its ellipse: axes through the camera, factors of its covariance, its color from harmonics, rectangle of
+    /// pixels.
+    pub ProjectGaussians(ProjectPush) = "project/gaussians" {
+        camera: Uniform<View>,
+        points_hi: Read<[f32; 4]>,
+        points_lo: Read<[f32; 4]>,
+        extents: Read<[f32; 4]>,
+        rotations: Read<[f32; 4]>,
+        harmonics: Read<f32>,
+        splats: ReadWrite<Splat>,
+        tilts: ReadWrite<Tilt>,
+        bounds: ReadWrite<Bounds>,
+        colors: ReadWrite<[f32; 4]>,
+        large: ReadWrite<u32>,
+        tile_counts: ReadWrite<u32>,
+        stats: ReadWrite<Stats>,
+        splat_depths: ReadWrite<f32>,
+    }
+}
+
 /// Constants that shaders share with this module.
-pub(crate) const CONSTANTS: [(&str, u32); 10] = [
+pub(crate) const CONSTANTS: [(&str, u32); 15] = [
     ("SHAPE_ORIENTED", Footprint::Oriented as u32),
     ("SHAPE_SQUARE", Footprint::Square as u32),
     ("SHAPE_POINT", Footprint::Point as u32),
     ("SHAPE_SPHERE", Footprint::Sphere as u32),
     ("SHAPE_EXACT_SPHERE", Footprint::ExactSphere as u32),
+    ("SHAPE_GAUSSIAN_FLAT", Footprint::FlatGaussian as u32),
+    ("SHAPE_GAUSSIAN", Footprint::Gaussian as u32),
+    ("KERNEL_RAY", Kernel::Ray as u32),
+    ("ORDER_DISTANCE", Order::Distance as u32),
+    ("ORDER_PIXEL", Order::Pixel as u32),
     ("PART_SOLID", PART_SOLID),
     ("PART_SOFT", PART_SOFT),
     ("PART_MARKED", PART_MARKED),
@@ -141,6 +165,25 @@ pub struct Projecting {
     pub color: ColorSpace,
     /// True if the cloud's shares of light count ([`DeviceCloud::casting`]); only where it has some.
     pub lit: bool,
+    /// How Gaussians are drawn, of footprints that have some.
+    pub gaussians: Drawing,
+}
+
+/// How Gaussians are drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drawing {
+    /// Kernel and what goes with it.
+    pub settings: GaussianSettings,
+    /// The order in force.
+    pub order: Order,
+    /// How discs lie that are in the scene, too.
+    pub discs: DiscShape,
+}
+
+impl Default for Drawing {
+    fn default() -> Self {
+        Self { settings: GaussianSettings::default(), order: Order::Center, discs: DiscShape::Flat }
+    }
 }
 
 group! {
@@ -167,7 +210,11 @@ impl DeviceCloud {
         // Without a field F is 0 everywhere: all points are solid, and nobody asks for soft ones.
         let part = if self.has_fields { how.part } else { Part::All };
         let variant = project_variant(&Projecting { part, ..*how }, self.has_normals, self.prefers.shared_work);
+        let gaussians = self.gaussians.as_ref().filter(|_| how.footprint.has_gaussians());
         for (chunk, (first, count)) in self.chunks().enumerate() {
+            if gaussians.is_some_and(|gaussians| gaussians.are_all) {
+                break;
+            }
             let used = used_normals(how, self.has_normals);
             // One stands in where none are read: all of them may be more than can be bound.
             let normals = if used { self.normals.slice(first, count) } else { self.normals.slice(0, 1) };
@@ -179,7 +226,43 @@ impl DeviceCloud {
                 normals,
                 fields: if self.has_fields { self.fields.slice(first, count) } else { self.fields.all() },
                 splats: self.splats.slice(first, count),
-                tilts: self.tilts_of(first, count),
+                tilts: self.tilts_of(how.footprint, first, count),
+                bounds: self.bounds.slice(first, count),
+                colors: self.colors.slice(first, count),
+                large: self.large.slice(first, count),
+                tile_counts: self.tile_counts.slice(first, count),
+                stats: self.stats.all(),
+                splat_depths: self.splat_depths.slice(first, count),
+            };
+            let push = ProjectPush { count: count as u32, chunk: chunk as u32 };
+            let run = Run::new(Dispatch::Invocations(count.div_ceil(PROJECT_RUN)));
+            recorder.run(&pass, push, &run.variant(variant.clone()))?;
+        }
+        match gaussians {
+            Some(gaussians) => self.record_gaussians(recorder, how, gaussians),
+            None => Ok(()),
+        }
+    }
+
+    fn record_gaussians<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        how: &Projecting,
+        gaussians: &'a GaussianColumns,
+    ) -> Result<(), Error> {
+        let mixed = !gaussians.are_all;
+        let variant = gaussian_variant((how.footprint, how.color), gaussians.degree, mixed, self.prefers.shared_work);
+        let words = gaussians.words();
+        for (chunk, (first, count)) in self.chunks().enumerate() {
+            let pass = ProjectGaussians {
+                camera: self.view.all(),
+                points_hi: self.points_hi.slice(first, count),
+                points_lo: self.points_lo.slice(first, count),
+                extents: gaussians.extents.slice(first, count),
+                rotations: gaussians.rotations.slice(first, count),
+                harmonics: gaussians.harmonics.slice(first * words, count * words),
+                splats: self.splats.slice(first, count),
+                tilts: self.tilts_of(how.footprint, first, count),
                 bounds: self.bounds.slice(first, count),
                 colors: self.colors.slice(first, count),
                 large: self.large.slice(first, count),
@@ -245,11 +328,32 @@ pub fn shaders() -> Vec<Shader> {
     let choices = <((Shaded, Footprint), bool)>::all();
     let variants =
         choices.iter().flat_map(|((shaded, shape), shared)| parts.map(|part| shaded.project(*shape, part, *shared)));
-    vec![Shader::new::<Project>(variants)]
+    vec![Shader::new::<Project>(variants), Shader::new::<ProjectGaussians>(gaussian_variants())]
+}
+
+/// The variant of `project/gaussians`; `mixed` if some points are none, `shared` if workgroups share statistics.
+fn gaussian_variant((footprint, color): (Footprint, ColorSpace), degree: u32, mixed: bool, shared: bool) -> Variant {
+    Variant::plain()
+        .walker(if shared { "found_by_group" } else { "found_alone" })
+        .with("SHAPE", footprint as u32)
+        .with("ENCODED", color as u32)
+        .with("DEGREE", degree)
+        .with("MIXED", u32::from(mixed))
+        .with("RUN", PROJECT_RUN as u32)
+}
+
+fn gaussian_variants() -> Vec<Variant> {
+    let choices = <((ColorSpace, bool), bool)>::all();
+    let each = choices.into_iter().flat_map(|((color, mixed), shared)| {
+        [Footprint::FlatGaussian, Footprint::Gaussian].into_iter().flat_map(move |footprint| {
+            (0..=MAX_DEGREE).map(move |degree| gaussian_variant((footprint, color), degree, mixed, shared))
+        })
+    });
+    each.collect()
 }
 
 /// True if the buffer of normals is read, for the normals of a cloud that has some or for shares of light.
 fn used_normals(how: &Projecting, normals: bool) -> bool {
-    let oriented = how.footprint == Footprint::Oriented;
+    let oriented = how.footprint.may_cross();
     how.lit || (normals && (how.shading.model.formula() != Formula::None || oriented))
 }

@@ -7,7 +7,7 @@ use super::cloud::{DeviceCloud, split};
 use crate::camera::{Camera, Projection};
 use crate::gpu::{Recorder, Slice};
 use crate::gpu_struct;
-use crate::scene::Light;
+use crate::scene::{DiscShape, GaussianSettings, Light};
 
 gpu_struct! {
     /// The camera and the part of the image in work; shaders/shared/view.wgsl explains the members.
@@ -32,9 +32,10 @@ gpu_struct! {
         threshold: f32,
         modulation: f32,
         small_area: u32,
-        unused_a: u32,
-        unused_b: u32,
-        unused_c: u32,
+        kernel: u32,
+        order: u32,
+        tilted: u32,
+        gaussian: [f32; 4],
     }
 }
 
@@ -80,9 +81,10 @@ impl DeviceCloud {
             threshold: how.part.threshold(),
             modulation: how.part.modulation(),
             small_area: self.prefers.small_area,
-            unused_a: 0,
-            unused_b: 0,
-            unused_c: 0,
+            kernel: how.gaussians.settings.kernel as u32,
+            order: how.gaussians.order as u32,
+            tilted: u32::from(how.gaussians.discs == DiscShape::Oriented),
+            gaussian: gaussian(&how.gaussians.settings),
         };
         self.opacity_factor = how.opacity_factor;
         self.depth_origin = eye_hi[3];
@@ -97,6 +99,12 @@ impl DeviceCloud {
 
 fn padded(v: Vec3) -> [f32; 4] {
     [v.x, v.y, v.z, 0.0]
+}
+
+/// Least and most opacity, dilation, and whether it is taken back.
+fn gaussian(settings: &GaussianSettings) -> [f32; 4] {
+    let GaussianSettings { alpha_min, alpha_max, dilation, antialias, .. } = *settings;
+    [alpha_min, alpha_max, dilation, if antialias { 1.0 } else { 0.0 }]
 }
 
 /// To the light (w = 0), or its place relative to the eye (w = 1), in camera axes.

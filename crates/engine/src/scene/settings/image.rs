@@ -14,7 +14,14 @@ settings! {
         /// The color behind all points, in linear light whatever `color` says.
         background: Vec3 = Vec3::ZERO;
         /// Space in which colors are blended: linear light, or encoded as they are stored.
-        color: ColorSpace = ColorSpace::Linear;
+        color: Option<ColorSpace> = None, without "`\"linear\"`; `\"encoded\"` where every cloud is of Gaussians";
+    }
+}
+
+impl ImageSettings {
+    /// The space in which colors are blended.
+    pub fn color_space(&self) -> ColorSpace {
+        self.color.unwrap_or_default()
     }
 }
 

@@ -21,11 +21,13 @@ use super::classes::Rules;
 use super::clip::Clips;
 use super::coloring::{ColorKey, Coloring, Colors};
 use super::error::Error;
+use super::gaussians;
 use super::legend::Legend;
 use super::seen::{leave_out, seen};
-use super::settings::{ClassSettings, Clip, CloudSettings, Outliers, Scene, Selection};
+use super::settings::{ClassSettings, Clip, CloudSettings, ColorSettings, Outliers, Scene, Selection};
 use super::surface_opacity::Opacity;
 use crate::cloud::Cloud;
+use crate::cloud::gaussians::Gaussians;
 use crate::points::{Changes, Points, Unseen};
 use crate::prepare::ensembles::{self, Trace};
 use crate::prepare::order;
@@ -60,20 +62,45 @@ struct PlacementKey {
     clips: Vec<Clip>,
     /// Normals that are estimated, and K of each cloud.
     normals: Option<(ShadingNormals, Vec<Option<usize>>)>,
+    /// What shapes and colors of Gaussians follow from, of clouds that are drawn as such.
+    gaussians: Vec<Option<GaussianKey>>,
+}
+
+/// What the Gaussians of a cloud follow from, but for its scale.
+#[derive(Debug, Clone, PartialEq)]
+struct GaussianKey {
+    sh_degree: Option<u32>,
+    color: Option<[u32; 3]>,
+    coloring: ColorSettings,
+    classes: Vec<ClassSettings>,
+}
+
+impl GaussianKey {
+    fn of(settings: &CloudSettings) -> Self {
+        Self {
+            sh_degree: settings.sh_degree,
+            color: settings.color.map(bits_of),
+            coloring: settings.coloring.clone(),
+            classes: settings.class.clone(),
+        }
+    }
 }
 
 impl PlacementKey {
-    fn for_scene(scene: &Scene) -> Self {
+    fn for_scene(scene: &Scene, clouds: &[Cloud]) -> Self {
         let bits = |translate: DVec3| translate.to_array().map(f64::to_bits);
         let placed =
             |cloud: &CloudSettings| (cloud.scale.to_bits(), bits(cloud.translate), cloud.strays.rule(Outliers::Drop));
+        let each = scene.clouds.iter().zip(clouds);
+        let drawn = |(settings, cloud)| gaussians::are_drawn(scene, settings, cloud).then(|| GaussianKey::of(settings));
+        let gaussians = each.map(drawn).collect();
         let clouds = scene.clouds.iter().map(placed);
         let visible = |entry: &ClassSettings| Some((entry.points.clone(), entry.visible?));
         let hidden = scene.clouds.iter().map(|cloud| cloud.class.iter().filter_map(visible).collect());
         let dealt = scene.method.is_dealt();
         let neighbors = || scene.clouds.iter().map(|cloud| cloud.neighbors).collect();
         let normals = scene.shading_normals().map(|which| (which, neighbors()));
-        Self { dealt, clouds: clouds.collect(), hidden: hidden.collect(), clips: scene.clips.clone(), normals }
+        Self { dealt, clouds: clouds.collect(), hidden: hidden.collect(), clips: scene.clips.clone(), normals, gaussians }
     }
 }
 
@@ -111,6 +138,8 @@ struct CloudView<'a> {
     normals: Option<&'a [Vec3]>,
     /// Marks the points that are not there.
     dropped: Option<&'a [bool]>,
+    /// Of a cloud that is drawn as such.
+    gaussians: Option<&'a Gaussians>,
 }
 
 impl CloudView<'_> {
@@ -129,6 +158,9 @@ impl CloudView<'_> {
     }
 
     fn radius(&self, i: usize) -> f32 {
+        if let Some(gaussians) = self.gaussians {
+            return gaussians::reach(gaussians.extents[i], self.settings.scale);
+        }
         radius(self.settings, self.radii.map(|radii| radii[i]))
     }
 
@@ -149,6 +181,10 @@ impl CloudView<'_> {
             fields: self.fields.map_or_else(Vec::new, <[f32]>::to_vec),
             ..Points::default()
         };
+        points.gaussians = self.gaussians.map(|all| {
+            let paint = gaussians::Paint { colors: &points.colors, own: matches!(self.colors, Colors::Own) };
+            gaussians::placed(self.settings, all, paint, |i| self.rules.color(i).is_some())
+        });
         let seen = seen(self.rules.visible_points(count), clips, &points.positions);
         let keep = leave_out(&mut points, seen.as_deref(), self.dropped);
         (points, keep)
@@ -167,8 +203,9 @@ fn learn(
     let column_key =
         |(index, ((settings, cloud), derived)): (usize, ((&CloudSettings, &Cloud), &mut DerivedColumns))| {
             let coloring = Coloring::of(scene, index, cloud);
-            let request =
+            let mut request =
                 request(scene, settings, method.needs_radii(), method.needs_field() || coloring.needs_field());
+            request.forgo_shapes(gaussians::are_drawn(scene, settings, cloud));
             let found = derived.learn(cloud, &request, progress);
             found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
             let color = coloring.key(&request);
@@ -206,7 +243,8 @@ fn views<'a>(
         let neighbors = column_key.surface_opacity.and_then(|(_, neighbors)| neighbors);
         let uncapped = neighbors.and_then(|_| derived.uncapped());
         let neighbors = neighbors.unwrap_or_default();
-        Ok(CloudView { settings, cloud, rules, colors, radii, fields, uncapped, neighbors, normals, dropped })
+        let gaussians = cloud.gaussians.as_ref().filter(|_| gaussians::are_drawn(scene, settings, cloud));
+        Ok(CloudView { settings, cloud, rules, colors, radii, fields, uncapped, neighbors, normals, dropped, gaussians })
     })
     .collect()
 }
@@ -244,7 +282,7 @@ impl Tracked {
             origins.push(points.len(), keep.as_deref());
             placed.push(points);
         }
-        let placement = PlacementKey::for_scene(scene);
+        let placement = PlacementKey::for_scene(scene, clouds);
         progress.reset();
         let (arranged, trace) = if placement.dealt {
             progress.set_message("dealing points to ensembles");
@@ -288,7 +326,7 @@ impl Tracked {
         derived: &mut [DerivedColumns],
         progress: &Progress,
     ) -> Result<Option<Changes>, Error> {
-        if PlacementKey::for_scene(scene) != self.placement {
+        if PlacementKey::for_scene(scene, clouds) != self.placement {
             return Ok(None);
         }
         let column_keys = learn(scene, clouds, derived, progress)?;
@@ -344,6 +382,7 @@ impl<'a> ColumnUpdate<'a> {
             fields: self.fields(&mut points.fields),
             unseen: self.unseen(&mut points.unseen, &radii),
             order: false,
+            gaussians: false,
         }
     }
 

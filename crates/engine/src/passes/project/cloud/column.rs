@@ -48,7 +48,8 @@ impl Column {
     fn value(self, points: &Points, origin: DVec3, i: usize) -> [f32; 4] {
         let with = |v: Vec3, w: f32| [v.x, v.y, v.z, w];
         match self {
-            Self::High => with(split(points.positions[i] - origin).0, points.radii[i]),
+            // Of a Gaussian a radius below 0 says that it is no disc.
+            Self::High => with(split(points.positions[i] - origin).0, points.disc_radius(i).unwrap_or(-1.0)),
             Self::Low => with(split(points.positions[i] - origin).1, points.opacities[i]),
             Self::Color => {
                 let place = points.file_order.get(i).copied().unwrap_or(i as u32);

@@ -3,12 +3,14 @@
 mod change;
 mod column;
 mod dealt;
+mod gaussians;
 mod lit;
 mod placed;
 mod supplied;
 
 pub(super) use column::split;
 pub use column::{COLUMN_BYTES, Column};
+pub use gaussians::GaussianColumns;
 pub use lit::LightImages;
 pub use placed::Placed;
 pub use supplied::{CutFor, Present};
@@ -25,6 +27,7 @@ use super::view::View;
 use super::{Bounds, Footprint, Projecting, Splat, Stats, Tilt};
 use crate::cloud::Bounds as Box3;
 use crate::cloud::shadow_texture::Casting;
+use crate::color::decode_srgb_f64;
 use crate::gpu::{Buffer, Device, Error, GpuType, Memory, Preferences, Slice};
 use crate::points::{Anchor, Points};
 use crate::prepare::axes;
@@ -46,6 +49,8 @@ pub struct DeviceCloud {
     chunk_len: u64,
     pub(super) has_normals: bool,
     pub(super) has_fields: bool,
+    /// Of a cloud some of whose points are Gaussians.
+    pub(super) gaussians: Option<GaussianColumns>,
     pub(super) opacity_factor: f32,
     pub(super) prefers: Preferences,
     max_opacity: f32,
@@ -143,6 +148,7 @@ impl DeviceCloud {
         upload_ids(points, &self.anchor, &self.ids)?;
         (self.points_hi, self.points_lo) = (points_hi, points_lo);
         (self.point_colors, self.normals) = (point_colors, normals);
+        self.gaussians = points.gaussians.as_ref().map(|all| GaussianColumns::new(device, all)).transpose()?;
         self.casting = None;
         Ok(())
     }
@@ -152,8 +158,10 @@ impl DeviceCloud {
         let origin = anchor.origin;
         let len = points.count();
         let has_normals = points.normals.as_ref().is_some_and(|normals| !normals.is_empty());
-        // No element is wider than a splat; a chunk starts at a multiple of any device's offset alignment.
-        let chunk_len = ((device.limits().binding_bytes / size_of::<Splat>() as u64) & !0xffff).max(0x1_0000);
+        // No element is wider than a splat, but for a Gaussian's color; a chunk starts at a multiple of any device's offset alignment.
+        let widest = points.gaussians.as_ref().map_or(0, |all| 4 * gaussians::words(all.degree).max(8));
+        let widest = widest.max(size_of::<Splat>() as u64);
+        let chunk_len = ((device.limits().binding_bytes / widest) & !0xffff).max(0x1_0000);
         let chunks = len.div_ceil(chunk_len).max(1);
         Ok(Self {
             anchor,
@@ -164,6 +172,7 @@ impl DeviceCloud {
             chunk_len,
             has_normals,
             has_fields: !points.fields.is_empty(),
+            gaussians: None,
             opacity_factor: 1.0,
             prefers: device.info().prefers,
             depth_origin: 0.0,
@@ -203,8 +212,9 @@ impl DeviceCloud {
 
     /// Makes room for tilts, for a footprint that has some.
     pub fn reserve_tilts(&mut self, device: &Device, footprint: Footprint) -> Result<(), Error> {
-        if footprint.has_tilts() && self.tilts.len() < self.len {
-            self.tilts = device.buffer("tilts", self.len, Memory::Device)?;
+        let wanted = self.len * footprint.tilt_stride();
+        if self.tilts.len() < wanted {
+            self.tilts = device.buffer("tilts", wanted, Memory::Device)?;
         }
         Ok(())
     }
@@ -245,6 +255,7 @@ impl DeviceCloud {
             + self.splats.bytes()
             + self.splat_depths.bytes()
             + self.tilts.bytes()
+            + self.gaussians.as_ref().map_or(0, GaussianColumns::bytes)
             + self.bounds.bytes()
             + self.colors.bytes()
             + self.large.bytes()
@@ -336,8 +347,13 @@ impl DeviceCloud {
             Formula::Lambert => self.max_color * (ambient + diffuse).max(1.0),
             Formula::Phong => self.max_color * (ambient + diffuse).max(1.0) + specular,
         };
-        // Rounding up: shading and encoding round by themselves.
-        1.001 * if how.color == ColorSpace::Encoded { shaded.max(1.0) } else { shaded }
+        let discs = if how.color == ColorSpace::Encoded { shaded.max(1.0) } else { shaded };
+        let gaussians = self.gaussians.as_ref().map_or(0.0, |all| match how.color {
+            ColorSpace::Encoded => all.brightest,
+            ColorSpace::Linear => decode_srgb_f64(all.brightest.into()) as f32,
+        });
+        // Rounding up: shading, harmonics and encoding round by themselves.
+        1.001 * discs.max(gaussians)
     }
 
     /// The clouds of a dealt list; `None` if the points were not dealt.
@@ -356,9 +372,17 @@ impl DeviceCloud {
         (0..len.div_ceil(chunk_len)).map(move |i| (i * chunk_len, chunk_len.min(len - i * chunk_len)))
     }
 
-    /// Tilts of a chunk, or the single element that stands for none.
-    pub fn tilts_of(&self, first: u64, count: u64) -> Slice<'_, Tilt> {
-        if self.tilts.len() >= self.len { self.tilts.slice(first, count) } else { self.tilts.all() }
+    /// Tilts of a chunk's splats, or the elements that stand for none.
+    pub fn tilts_of(&self, footprint: Footprint, first: u64, count: u64) -> Slice<'_, Tilt> {
+        match footprint.tilt_stride() {
+            0 => self.tilts.slice(0, 1),
+            stride => self.tilts.slice(first * stride, count * stride),
+        }
+    }
+
+    /// True if some points are Gaussians.
+    pub fn has_gaussians(&self) -> bool {
+        self.gaussians.is_some()
     }
 }
 

@@ -120,7 +120,7 @@ impl DeviceCloud {
     /// Device bytes of a point with its splat.
     pub fn point_bytes(&self, footprint: Footprint) -> u64 {
         let columns = self.columns().len() as u64 * COLUMN_BYTES + 4 + if self.has_fields { 8 } else { 0 };
-        let tilts = if self.has_normals || footprint.has_tilts() { size_of::<Tilt>() as u64 } else { 0 };
+        let tilts = footprint.tilt_stride().max(u64::from(self.has_normals)) * size_of::<Tilt>() as u64;
         // Depth, color, place among the large ones and number of their tiles.
         columns + tilts + (size_of::<Splat>() + size_of::<Bounds>()) as u64 + 4 + 16 + 4 + 4
     }

@@ -1,0 +1,92 @@
+//! Gaussians of a cloud's file as the scene draws them.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::settings::{CloudSettings, Primitive, Scene};
+use crate::cloud::Cloud;
+use crate::cloud::gaussians::{Gaussians, REACH};
+use crate::color::encode_srgb_f64;
+
+/// True if a cloud's points are drawn as the Gaussians that its file has.
+pub(super) fn are_drawn(scene: &Scene, settings: &CloudSettings, cloud: &Cloud) -> bool {
+    cloud.gaussians.is_some() && settings.primitive == Primitive::Gaussians && scene.method.is_made_of_discs()
+}
+
+/// Where the colors of a cloud's points come from.
+#[derive(Clone, Copy)]
+pub(super) struct Paint<'a> {
+    /// Linear colors of all points.
+    pub colors: &'a [Vec3],
+    /// False if the scene gives them, and not the file.
+    pub own: bool,
+}
+
+/// The Gaussians of a cloud in the scene. `painted` tells of a point whether a class gives it another color than the file.
+pub(super) fn placed(
+    settings: &CloudSettings,
+    gaussians: &Gaussians,
+    paint: Paint<'_>,
+    painted: impl Fn(usize) -> bool + Sync,
+) -> Gaussians {
+    let degree = settings.sh_degree.map_or(gaussians.degree, |most| most.min(gaussians.degree));
+    let degree = if paint.own { degree } else { 0 };
+    let mut placed = gaussians.clone().with_degree(degree);
+    if settings.scale != 1.0 {
+        placed.extents.par_iter_mut().for_each(|extents| *extents = scaled(*extents, settings.scale));
+    }
+    let own = |i: usize| paint.own && !painted(i);
+    placed.bases.par_iter_mut().enumerate().filter(|(i, _)| !own(*i)).for_each(|(i, base)| {
+        *base = paint.colors[i].to_array().map(|linear| encode_srgb_f64(linear.into()) as f32).into();
+    });
+    let count = placed.coefficients().max(1);
+    let plain = placed.harmonics.par_chunks_mut(count).enumerate().filter(|(i, _)| !own(*i));
+    plain.for_each(|(_, harmonics)| harmonics.fill(Vec3::ZERO));
+    placed
+}
+
+/// How far a Gaussian reaches at most, in a cloud that is scaled.
+pub(super) fn reach(extents: Vec3, scale: f64) -> f32 {
+    (REACH * scaled(extents, scale).max_element()).min(f32::MAX)
+}
+
+fn scaled(extents: Vec3, factor: f64) -> Vec3 {
+    // One beyond float32 is as large as float32 can say.
+    extents.to_array().map(|extent| ((f64::from(extent) * factor) as f32).min(f32::MAX)).into()
+}
+
+/// How far Gaussians reach at most.
+pub(super) fn radii(gaussians: &Gaussians) -> Vec<f32> {
+    gaussians.extents.par_iter().map(|extents| reach(*extents, 1.0)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Quat;
+
+    use super::*;
+
+    fn two() -> Gaussians {
+        Gaussians {
+            extents: vec![Vec3::ONE, Vec3::new(3.0, 2.0, 0.0)],
+            rotations: vec![Quat::IDENTITY; 2],
+            bases: vec![Vec3::splat(0.25), Vec3::splat(1.5)],
+            degree: 1,
+            harmonics: vec![Vec3::ONE; 6],
+        }
+    }
+
+    #[test]
+    fn scale_and_degree_and_colors_of_the_scene_hold() {
+        let colors = [Vec3::ONE, Vec3::ONE];
+        let settings = CloudSettings { scale: 2.0, ..CloudSettings::default() };
+        let own = placed(&settings, &two(), Paint { colors: &colors, own: true }, |i| i == 1);
+        assert_eq!((own.extents[1], own.bases[0], own.bases[1]), (Vec3::new(6.0, 4.0, 0.0), Vec3::splat(0.25), Vec3::ONE));
+        assert_eq!((own.harmonics_of(0)[0], own.harmonics_of(1)[2]), (Vec3::ONE, Vec3::ZERO));
+        let settings = CloudSettings { sh_degree: Some(0), ..CloudSettings::default() };
+        assert!(placed(&settings, &two(), Paint { colors: &colors, own: true }, |_| false).harmonics.is_empty());
+        let given = placed(&settings, &two(), Paint { colors: &colors, own: false }, |_| false);
+        assert_eq!((given.degree, given.bases[0]), (0, Vec3::ONE));
+        assert_eq!(radii(&two())[1], 3.0 * REACH);
+    }
+}
