@@ -35,8 +35,19 @@ pub fn hash(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &st
         hasher.update(&(bytes.len() as u64).to_le_bytes());
         hasher.update(bytes);
     };
-    let Points { positions, colors, opacities, radii, normals, file_order, dealt_ids: _, fields, gaussians, unseen, whole } =
-        arranged.points();
+    let Points {
+        positions,
+        colors,
+        opacities,
+        radii,
+        normals,
+        file_order,
+        dealt_ids: _,
+        fields,
+        gaussians,
+        unseen,
+        whole,
+    } = arranged.points();
     let coordinates: Vec<[f64; 3]> = positions.iter().map(|p| p.to_array()).collect();
     add(bytemuck::cast_slice(&coordinates));
     add(bytemuck::cast_slice(colors));

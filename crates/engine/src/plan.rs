@@ -56,7 +56,9 @@ fn resolve_factored(choice: MethodChoice, points: &Points, factor: f32) -> (Meth
 /// The method for scenes with Gaussians, which never are opaque throughout.
 fn resolve_gaussians(discs: Discs) -> (Method, String) {
     match Method::ABuffer(discs).order() {
-        Order::Pixel => (Method::ABuffer(discs), "Gaussians cross: their fragments need an order in each pixel".to_owned()),
+        Order::Pixel => {
+            (Method::ABuffer(discs), "Gaussians cross: their fragments need an order in each pixel".to_owned())
+        }
         order => {
             let why = format!("Gaussians are ordered by `{}`: one order of splats does for all pixels", order.word());
             (if discs.shape == DiscShape::Oriented { Method::ABuffer(discs) } else { Method::Sorted(discs) }, why)

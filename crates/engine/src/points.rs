@@ -389,15 +389,8 @@ pub struct Changes {
 
 impl Changes {
     /// All of them.
-    pub const ALL: Self = Self {
-        colors: true,
-        opacities: true,
-        radii: true,
-        fields: true,
-        order: true,
-        unseen: true,
-        gaussians: true,
-    };
+    pub const ALL: Self =
+        Self { colors: true, opacities: true, radii: true, fields: true, order: true, unseen: true, gaussians: true };
 
     /// These and others.
     #[must_use]

@@ -226,7 +226,14 @@ struct Made {
 }
 
 /// Makes points of clouds in memory.
-fn made(mut scene: Scene, clouds: Vec<Cloud>, legend: bool, seed: u64, console: Console, progress: &Bar) -> Result<Made> {
+fn made(
+    mut scene: Scene,
+    clouds: Vec<Cloud>,
+    legend: bool,
+    seed: u64,
+    console: Console,
+    progress: &Bar,
+) -> Result<Made> {
     scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| console.note(note));
     let (shadow_texture, note) = scene::shadow_texture(&scene, &clouds, seed);
     note.iter().for_each(|note| console.note(note));

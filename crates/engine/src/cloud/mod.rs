@@ -3,6 +3,7 @@
 pub(crate) mod depth_camera;
 pub mod facts;
 pub mod field;
+pub mod filter;
 pub mod gaussians;
 mod parts;
 pub mod sampling;
@@ -14,6 +15,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use field::Field;
+use filter::Filter;
 use gaussians::Gaussians;
 use shadow_texture::ShadowTexture;
 
@@ -81,6 +83,8 @@ pub struct Cloud {
     /// Shape and color of the points of files that hold Gaussian splats; `colors` are then those without harmonics, and `alphas` their
     /// opacities.
     pub gaussians: Option<Gaussians>,
+    /// The filter that a file of splats names.
+    pub filter: Option<Filter>,
     /// LAS classification codes, or an integer property of that name.
     pub classification: Option<Vec<u8>>,
     /// Intensity as stored (LAS: 0–65535), of E57 from 0 to 1.

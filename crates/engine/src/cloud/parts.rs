@@ -31,6 +31,7 @@ impl Cloud {
             normals: self.normals.as_ref().map(|normals| pick(normals, places)),
             radii: self.radii.as_ref().map(|radii| pick(radii, places)),
             gaussians: self.gaussians.as_ref().map(|all| all.picked(places.len(), |i| places[i] as usize)),
+            filter: self.filter,
             classification: self.classification.as_ref().map(|codes| pick(codes, places)),
             intensity: self.intensity.as_ref().map(|values| pick(values, places)),
             scalars: self.scalars.iter().map(|(name, values)| (name.clone(), pick(values, places))).collect(),
@@ -80,10 +81,11 @@ impl Cloud {
 
 #[cfg(test)]
 mod tests {
-    use glam::{DVec3, Vec3};
+    use glam::{DVec3, Quat, Vec3};
 
     use super::*;
     use crate::cloud::field::Field;
+    use crate::cloud::gaussians::Gaussians;
 
     fn cloud() -> Cloud {
         Cloud {
@@ -92,6 +94,13 @@ mod tests {
             alphas: Some(vec![0.5, 0.6, 0.7]),
             normals: Some(vec![Vec3::X, Vec3::Y, Vec3::Z]),
             radii: Some(vec![4.0, 5.0, 6.0]),
+            gaussians: Some(Gaussians {
+                extents: [1.0, 2.0, 3.0].map(Vec3::splat).to_vec(),
+                rotations: [0.1, 0.2, 0.3].map(Quat::from_rotation_x).to_vec(),
+                bases: [0.4, 0.5, 0.6].map(Vec3::splat).to_vec(),
+                degree: 1,
+                harmonics: (0..9_u8).map(|i| Vec3::splat(i.into())).collect(),
+            }),
             classification: Some(vec![7, 8, 9]),
             intensity: Some(vec![10.0, 11.0, 12.0]),
             scalars: vec![("echo".to_owned(), vec![13.0, 14.0, 15.0])],

@@ -13,6 +13,7 @@ pub mod photo;
 pub mod ply;
 pub mod polygon;
 mod shared;
+mod splats;
 pub mod store;
 mod text;
 pub mod volume;
@@ -71,7 +72,7 @@ pub enum Error {
         path: PathBuf,
     },
     /// Neither the first bytes nor the extension belong to a known format.
-    #[error("{}: not a point cloud in a known format (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, or a table of numbers as XYZ, CSV and TXT have) nor a picture (PNG, JPEG, TIFF); it starts with {start:?}", path.display())]
+    #[error("{}: not a point cloud in a known format (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, or a table of numbers as XYZ, CSV and TXT have) nor Gaussian splats (PLY, SPLAT, SPZ, SOG, KSPLAT, glTF) nor a picture (PNG, JPEG, TIFF); it starts with {start:?}", path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,
@@ -257,6 +258,10 @@ pub fn load_with(path: &Path, hints: Hints, progress: &Progress) -> Result<Cloud
     if store::is_folder(path) {
         return store::whole(&*store::open(path, hints, progress)?, progress);
     }
+    if splats::is_folder(path) {
+        let path = path.join(splats::META);
+        return load_with(&path, hints, progress);
+    }
     let mut source = Source::open(path)?;
     let start = source.peek()?;
     let path = source.path.clone();
@@ -271,6 +276,7 @@ pub fn load_with(path: &Path, hints: Hints, progress: &Progress) -> Result<Cloud
         Format::Ply => ply::read(source, progress)?,
         Format::E57 => e57::read(&mut source, progress)?,
         Format::Pcd => pcd::read(&mut source, progress)?,
+        Format::Splats(kind) => splats::read(source, kind, progress)?,
         Format::Text(kind) => text::read(&mut source, &start, kind, hints.columns, progress)?,
     };
     if cloud.is_empty() {
@@ -290,6 +296,7 @@ enum Format {
     Ply,
     E57,
     Pcd,
+    Splats(splats::Kind),
     Text(text::Kind),
 }
 
@@ -298,6 +305,9 @@ impl Format {
     /// numbers.
     fn detect(source: &Source, start: &[u8]) -> Result<Self, Error> {
         let extension = source.path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        if let Some(kind) = splats::Kind::detect(&source.path, &extension, start) {
+            return Ok(Self::Splats(kind));
+        }
         let expected = match extension.as_str() {
             _ if bitmap::is_bitmap(start) => return Ok(Self::Picture),
             _ if start.starts_with(b"LASF") => return Ok(Self::Las),
@@ -310,6 +320,10 @@ impl Format {
             "png" => "\\x89PNG",
             "jpg" | "jpeg" => "\\xff\\xd8\\xff",
             "tif" | "tiff" => "II*\\0",
+            "spz" => "NGSP` or `\\x1f\\x8b",
+            "sog" => "PK",
+            "glb" => "glTF",
+            "gltf" => "{",
             other => match text::Kind::of_extension(other) {
                 Some(kind) => return Ok(Self::Text(kind)),
                 None if text::looks_like_one(start) => return Ok(Self::Text(text::Kind::Table)),
@@ -328,6 +342,7 @@ impl Format {
 pub fn is_cloud(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     matches!(extension.as_str(), "ply" | "las" | "laz" | "e57" | "pcd")
+        || splats::Kind::has_extension(&extension)
         || text::Kind::of_extension(&extension).is_some()
 }
 

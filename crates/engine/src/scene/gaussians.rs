@@ -81,7 +81,10 @@ mod tests {
         let colors = [Vec3::ONE, Vec3::ONE];
         let settings = CloudSettings { scale: 2.0, ..CloudSettings::default() };
         let own = placed(&settings, &two(), Paint { colors: &colors, own: true }, |i| i == 1);
-        assert_eq!((own.extents[1], own.bases[0], own.bases[1]), (Vec3::new(6.0, 4.0, 0.0), Vec3::splat(0.25), Vec3::ONE));
+        assert_eq!(
+            (own.extents[1], own.bases[0], own.bases[1]),
+            (Vec3::new(6.0, 4.0, 0.0), Vec3::splat(0.25), Vec3::ONE)
+        );
         assert_eq!((own.harmonics_of(0)[0], own.harmonics_of(1)[2]), (Vec3::ONE, Vec3::ZERO));
         let settings = CloudSettings { sh_degree: Some(0), ..CloudSettings::default() };
         assert!(placed(&settings, &two(), Paint { colors: &colors, own: true }, |_| false).harmonics.is_empty());

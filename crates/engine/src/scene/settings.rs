@@ -19,12 +19,13 @@ pub use crate::light::Light;
 pub use camera::CameraSettings;
 pub use classes::{ClassSettings, Selection};
 pub use clip::{Clip, ClipShape};
-pub use cloud::{CloudSettings, Primitive};
 pub(super) use cloud::FIELD_KEYS;
+pub use cloud::{CloudSettings, Primitive};
 pub use coloring::{ColorBy, ColorSettings, ColormapName};
 pub use detail::Detail;
 pub use discs::{
-    DiscShape, Discs, Falloff, GaussianSettings, Hybrid, Kernel, LongLists, MAX_K, MAX_LAYERS, MAX_SAMPLES, Order, Peel, Raster, Stochastic,
+    DiscShape, Discs, Falloff, GaussianSettings, Hybrid, Kernel, LongLists, MAX_K, MAX_LAYERS, MAX_SAMPLES, Order,
+    Peel, Raster, Stochastic,
 };
 pub use ensembles::{Brightness, MAX_ENSEMBLES, Spbr, SpbrSimplified};
 pub use image::{ColorSpace, ImageSettings};

@@ -38,7 +38,7 @@ impl Block {
 
     /// The value of a row in a column.
     #[inline]
-    pub(super) fn value(&self, row: usize, column: usize) -> f64 {
+    pub fn value(&self, row: usize, column: usize) -> f64 {
         self.values[column * ROWS + row]
     }
 

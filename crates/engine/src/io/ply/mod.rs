@@ -15,8 +15,9 @@
 //!
 //! Values out of range are clamped; a color that is not a number is 0. Normals and colors need all three properties;
 //! otherwise, and for any other name, a property is a scalar column of its own name. A comment marks the additions of
-//! `pellucid prepare` (docs/prepared-clouds.md). Gaussian splats are recognized by their properties (`splats`).
+//! `pellucid prepare` (docs/prepared-clouds.md). Gaussian splats are recognized by their properties (`splats`, `compressed`).
 
+mod compressed;
 mod header;
 mod payload;
 mod prepared;
@@ -31,10 +32,11 @@ use ply_rs_bw::ply::Encoding;
 use super::columns::{Column, FullScale, Layout, Table};
 use super::{Error, PROGRESS_STEP, Source, memory};
 use crate::cloud::Cloud;
+use compressed::Compressed;
 use header::{Element, Header, Kind};
 pub(super) use prepared::is_prepared;
 pub(super) use rows::VertexRows;
-use splats::Splats;
+use splats::{Part, SplatColumns};
 pub(super) use vertical::{step, vertical};
 pub use write::{write, write_prepared, write_to};
 
@@ -49,8 +51,14 @@ pub(super) fn read(source: Source, progress: &Progress) -> Result<Cloud, Error> 
             let whole = table.whole(&rows.layout);
             table.finish(&rows.layout, &whole)
         }
+        Vertices::Splats(rows, splats) => splats::read_rows(&rows, &splats, progress)?,
+        Vertices::Compressed(splats) => splats.read(progress)?,
         Vertices::Records(records) => records.read(progress)?,
     };
+    if cloud.gaussians.is_some() {
+        cloud.filter = splats::filter(&comments);
+        return Ok(cloud);
+    }
     if let Some(bounds) = cloud.bounds() {
         let step = step((cloud.len() + cloud.non_finite) as u64);
         let sample: Vec<_> = cloud.positions.iter().step_by(step).copied().collect();
@@ -64,7 +72,11 @@ pub(super) fn read(source: Source, progress: &Progress) -> Result<Cloud, Error> 
 pub(super) enum Vertices {
     /// Rows that several threads read from anywhere.
     Rows(Box<VertexRows>),
-    /// Text, splats and what has lists: one by one.
+    /// Splats that are such rows.
+    Splats(Box<VertexRows>, Box<SplatColumns>),
+    /// Splats in words and ranges.
+    Compressed(Box<Compressed>),
+    /// Text and what has lists: one by one.
     Records(Box<Records>),
 }
 
@@ -76,21 +88,25 @@ impl Vertices {
             let names: Vec<_> = header.elements.iter().map(|e| e.name.as_str()).collect();
             return Err(source.malformed("header", format!("no element `vertex`, only [{}]", names.join(", "))));
         };
+        let comments = std::mem::take(&mut header.comments);
         let vertex = &header.elements[at];
+        let text = header.encoding == Encoding::Ascii;
+        if !text && compressed::are_compressed(vertex) {
+            return Ok((Self::Compressed(Box::new(Compressed::new(source, header, at))), comments));
+        }
         let scalars = vertex.scalars();
-        let splats = Splats::find(&scalars);
-        let named = splats.as_ref().map_or(&scalars, Splats::columns);
-        let layout = Layout::new(named, FullScale::Typed).map_err(|missing| Error::MissingProperty {
+        let layout = Layout::new(&scalars, FullScale::Typed).map_err(|missing| Error::MissingProperty {
             path: source.path.clone(),
             missing,
             found: vertex.names(),
         })?;
-        check_claim(&source, &header.elements[..=at], header.len, header.encoding == Encoding::Ascii)?;
-        let comments = std::mem::take(&mut header.comments);
-        let vertices = if splats.is_none() && rows::are_rows(&header, vertex) {
-            Self::Rows(Box::new(VertexRows::find(source, &header, at, layout)?))
-        } else {
-            Self::Records(Box::new(Records { source, header, at, splats, layout }))
+        check_claim(&source, &header.elements[..=at], header.len, text)?;
+        let splats = SplatColumns::find(&scalars).map(Box::new);
+        let are_rows = rows::are_rows(&header, vertex);
+        let vertices = match splats {
+            Some(splats) if are_rows => Self::Splats(Box::new(VertexRows::find(source, &header, at, layout)?), splats),
+            None if are_rows => Self::Rows(Box::new(VertexRows::find(source, &header, at, layout)?)),
+            splats => Self::Records(Box::new(Records { source, header, at, splats, layout })),
         };
         Ok((vertices, comments))
     }
@@ -101,7 +117,7 @@ pub(super) struct Records {
     source: Source,
     header: Header,
     at: usize,
-    splats: Option<Splats>,
+    splats: Option<Box<SplatColumns>>,
     layout: Layout,
 }
 
@@ -110,15 +126,18 @@ impl Records {
         let Self { mut source, header, at, splats, layout } = self;
         let source = &mut source;
         let vertex = &header.elements[at];
-        memory::check(&source.path, vertex.count, layout.bytes())?;
+        match &splats {
+            Some(splats) => splats.check(&source.path, vertex.count)?,
+            None => memory::check(&source.path, vertex.count, layout.bytes())?,
+        }
         progress.set_length(vertex.count);
         let mut table = Table::new(&layout, 0);
         let mut row = Vec::with_capacity(vertex.properties.len());
-        let mut splat = Vec::new();
+        let mut part = splats.as_ref().map(|splats| Part::new(splats, 0));
         let mut take = |row: &[f64], index: u64| {
-            match &splats {
+            match &mut part {
                 None => table.push(&layout, row),
-                Some(splats) => table.push(&layout, splats.convert(row, &mut splat)),
+                Some(part) => part.push(|at| row[at]),
             }
             if (index + 1).is_multiple_of(PROGRESS_STEP) {
                 progress.inc(PROGRESS_STEP);
@@ -144,12 +163,11 @@ impl Records {
             }
         }
         progress.set_position(vertex.count);
-        let whole = table.whole(&layout);
-        let mut cloud = table.finish(&layout, &whole);
-        if splats.is_some() {
-            cloud.warnings.push(splats::NOTE.to_owned());
+        if let (Some(splats), Some(part)) = (&splats, part) {
+            return Ok(Part::finish(splats, vec![part]));
         }
-        Ok(cloud)
+        let whole = table.whole(&layout);
+        Ok(table.finish(&layout, &whole))
     }
 }
 

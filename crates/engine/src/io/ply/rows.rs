@@ -59,26 +59,34 @@ impl VertexRows {
         Ok(Self { file: source.into(), layout, count, row_len, start, values, little_endian })
     }
 
+    /// Shows some of the rows, block by block.
+    pub(super) fn blocks(&self, rows: Range<u64>, mut see: impl FnMut(&mut Block)) -> Result<(), Error> {
+        let bytes = self.file.read(self.start + rows.start * self.row_len, (rows.end - rows.start) * self.row_len)?;
+        let row_len = self.row_len as usize;
+        let mut block = Block::new(self.values.len());
+        for records in bytes.chunks(Block::ROWS * row_len) {
+            block.set_len(records.len() / row_len);
+            for (at, (offset, scalar)) in self.values.iter().enumerate() {
+                column(records, row_len, *offset, scalar, self.little_endian, block.column(at));
+            }
+            see(&mut block);
+        }
+        Ok(())
+    }
+
     /// Parses some of the rows. Those whose position is not finite are left out, and their places returned.
     pub fn parse(&self, rows: Range<u64>, progress: &Progress) -> Result<(Table, Vec<u64>), Error> {
         let mut table = Table::new(&self.layout, (rows.end - rows.start) as usize);
         let left_out = table.fill(RUN, |first, to| {
             let first = rows.start + first as u64;
-            let bytes = self.file.read(self.start + first * self.row_len, to.len() as u64 * self.row_len)?;
-            let row_len = self.row_len as usize;
-            let mut block = Block::new(self.values.len());
             let (mut done, mut left_out) = (0, Vec::new());
-            for records in bytes.chunks(Block::ROWS * row_len) {
-                block.set_len(records.len() / row_len);
+            self.blocks(first..first + to.len() as u64, |block| {
                 let rows = block.len();
-                for (at, (offset, scalar)) in self.values.iter().enumerate() {
-                    column(records, row_len, *offset, scalar, self.little_endian, block.column(at));
-                }
                 let kept = done - left_out.len();
                 left_out.extend(block.keep_finite(&self.layout).into_iter().map(|at| first + (done + at) as u64));
-                to.put(&self.layout, kept, &block);
+                to.put(&self.layout, kept, block);
                 done += rows;
-            }
+            })?;
             progress.inc(to.len() as u64);
             Ok::<_, Error>(left_out)
         })?;

@@ -1,65 +1,186 @@
-//! Vertices that are Gaussian splats as radiance fields are stored (Kerbl et al. 2023), made into discs.
+//! Vertices that are Gaussian splats as radiance fields are stored (Kerbl et al. 2023).
 //!
-//! Stored are the degree-0 coefficients of the color in spherical harmonics (`f_dc_0..2`), the logit of the opacity
-//! (`opacity`), the logarithms of the standard deviations along three axes (`scale_0..2`) and those axes (`rot_0..3`). A
-//! disc has the color that all directions have in common, the same opacity, and twice the geometric mean of the standard
-//! deviations as radius: with `falloff = "gaussian"`, which is exp(−2ρ²), that is an isotropic splat's own profile.
+//! Stored are the degree-0 coefficients of the color in spherical harmonics (`f_dc_0..2`), those of higher degrees (`f_rest_…`, first
+//! all of red), the logit of the opacity (`opacity`), the logarithms of the standard deviations along three axes (`scale_0..2`; flat
+//! splats have two) and those axes (`rot_0..3`: w, x, y, z). Other properties stay what they are, but for normals, which are zeros.
 
-use crate::io::columns::{Column, ScalarType};
+use std::ops::Range;
 
-/// The degree-0 spherical harmonic, 1 / (2√π).
-const HARMONIC: f64 = 0.282_094_791_773_878_14;
+use glam::{DQuat, DVec3, Vec3};
+use rayon::prelude::*;
 
-/// Radius over standard deviation: opacity·exp(−2ρ²) at ρ = d/radius is opacity·exp(−d²/2σ²).
-const RADIUS: f64 = 2.0;
+use super::rows::VertexRows;
+use crate::cloud::filter::Filter;
+use crate::cloud::gaussians::{MAX_DEGREE, coefficients};
+use crate::cloud::{Cloud, UpAxis};
+use crate::io::columns::{Column, FullScale, Layout, ScalarType, Table};
+use crate::io::splats::{Splat, Splats, from_coefficient};
+use crate::io::{Error, memory};
+use crate::progress::Progress;
 
-/// The warning about such a file.
-pub(super) const NOTE: &str = "Gaussian splats, read as round discs: how their color varies with the view (f_rest) and \
-                               their stretch (scale, rot) are left out; method.falloff=gaussian has their profile";
+/// Splats that a thread parses at a time.
+const RUN: u64 = 1 << 14;
 
 /// The positions of a splat's properties in a row.
-pub(super) struct Splats {
+pub(in crate::io) struct SplatColumns {
+    position: [usize; 3],
     color: [usize; 3],
     opacity: usize,
-    scale: [usize; 3],
+    /// Flat splats have no third one.
+    scale: [Option<usize>; 3],
+    /// w, x, y, z.
+    rotation: [usize; 4],
+    /// Coefficients from degree 1 on: all of red, all of green, all of blue.
+    rest: Vec<usize>,
+    degree: u32,
     /// Properties that stay as they are.
     kept: Vec<usize>,
-    columns: Vec<Column>,
+    /// Of a row of the position and those, if there are any.
+    layout: Option<Layout>,
+    /// What is odd.
+    warning: Option<String>,
 }
 
-impl Splats {
+impl SplatColumns {
     /// Finds splats; `None` if the properties are those of something else.
     pub fn find(properties: &[Column]) -> Option<Self> {
         let find = |name: &str| properties.iter().position(|p| p.name.eq_ignore_ascii_case(name));
-        let three =
-            |stem: &str| Some([find(&format!("{stem}0"))?, find(&format!("{stem}1"))?, find(&format!("{stem}2"))?]);
-        let (color, opacity, scale) = (three("f_dc_")?, find("opacity")?, three("scale_")?);
-        three("rot_").and(find("rot_3"))?;
+        let at = |stem: &str, number: usize| find(&format!("{stem}{number}"));
+        let three = |stem: &str| Some([at(stem, 0)?, at(stem, 1)?, at(stem, 2)?]);
+        let (color, opacity) = (three("f_dc_")?, find("opacity")?);
+        let scale = [Some(at("scale_", 0)?), Some(at("scale_", 1)?), at("scale_", 2)];
+        let [w, x, y] = three("rot_")?;
+        let position = [find("x")?, find("y")?, find("z")?];
+        let mut rest: Vec<usize> = (0..).map_while(|number| at("f_rest_", number)).collect();
+        let degree = (0..=MAX_DEGREE).find(|degree| 3 * coefficients(*degree) == rest.len());
+        let warning = degree.is_none().then(|| {
+            let found = rest.len();
+            format!(
+                "{found} properties f_rest_ are harmonics of no degree, which have 9, 24, 45 or 72; they are left out"
+            )
+        });
+        if degree.is_none() {
+            rest.clear();
+        }
         let used = |name: &str| {
             let name = name.to_ascii_lowercase();
-            let made = ["red", "green", "blue", "alpha", "radius", "opacity"].contains(&name.as_str());
-            made || ["f_dc_", "f_rest_", "scale_", "rot_"].iter().any(|stem| name.starts_with(stem))
+            let made = ["x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "alpha", "radius", "opacity"];
+            made.contains(&name.as_str())
+                || ["f_dc_", "f_rest_", "scale_", "rot_"].iter().any(|stem| name.starts_with(stem))
         };
         let kept: Vec<usize> = (0..properties.len()).filter(|&at| !used(&properties[at].name)).collect();
-        let made = ["red", "green", "blue", "alpha", "radius"].map(|name| Column::new(name, ScalarType::Float));
-        let stay = kept.iter().map(|&at| Column::new(&properties[at].name, properties[at].kind.clone()));
-        let columns = made.into_iter().chain(stay).collect();
-        Some(Self { color, opacity, scale, kept, columns })
+        let layout = if kept.is_empty() { None } else { Some(layout(properties, &kept)?) };
+        let (degree, rotation) = (degree.unwrap_or(0), [w, x, y, at("rot_", 3)?]);
+        Some(Self { position, color, opacity, scale, rotation, rest, degree, kept, layout, warning })
     }
 
-    /// The columns of a converted row.
-    pub fn columns(&self) -> &Vec<Column> {
-        &self.columns
+    /// The splat of a row's values.
+    fn splat(&self, value: impl Fn(usize) -> f64, harmonics: &mut [Vec3]) -> Splat {
+        let three = |places: [usize; 3]| DVec3::from(places.map(&value));
+        let channels = harmonics.len();
+        for (at, color) in harmonics.iter_mut().enumerate() {
+            *color = three([0, 1, 2].map(|channel| self.rest[channel * channels + at])).as_vec3();
+        }
+        let [w, x, y, z] = self.rotation.map(&value);
+        Splat {
+            center: three(self.position),
+            extents: DVec3::from(self.scale.map(|at| at.map_or(0.0, |at| value(at).exp()))),
+            rotation: DQuat::from_xyzw(x, y, z, w),
+            base: from_coefficient(three(self.color)),
+            alpha: 1.0 / (1.0 + (-value(self.opacity)).exp()),
+        }
     }
 
-    /// Makes a row of [`Splats::columns`] of a vertex: the color as encoded sRGB, which is what splats are trained on.
-    pub fn convert<'a>(&self, vertex: &[f64], row: &'a mut Vec<f64>) -> &'a [f64] {
-        row.clear();
-        row.extend(self.color.map(|at| (0.5 + HARMONIC * vertex[at]).clamp(0.0, 1.0)));
-        row.push(1.0 / (1.0 + (-vertex[self.opacity]).exp()));
-        let logarithms: f64 = self.scale.iter().map(|&at| vertex[at]).sum();
-        row.push(RADIUS * (logarithms / 3.0).exp());
-        row.extend(self.kept.iter().map(|&at| vertex[at]));
-        row
+    /// Checks that memory can hold so many of them.
+    pub fn check(&self, path: &std::path::Path, count: u64) -> Result<(), Error> {
+        let kept = self.layout.as_ref().map_or(0, Layout::bytes);
+        memory::check(path, count, Splats::bytes(self.degree) + kept)
     }
+}
+
+/// The columns of a row of the position and some properties.
+fn layout(properties: &[Column], kept: &[usize]) -> Option<Layout> {
+    let position = ["x", "y", "z"].map(|name| Column::new(name, ScalarType::Double));
+    let kept = kept.iter().map(|&at| Column::new(&properties[at].name, properties[at].kind.clone()));
+    let columns: Vec<_> = position.into_iter().chain(kept).collect();
+    Layout::new(&columns, FullScale::Typed).ok()
+}
+
+/// Some splats, and what stays of their properties.
+pub(super) struct Part<'a> {
+    of: &'a SplatColumns,
+    splats: Splats,
+    others: Option<Table>,
+    row: Vec<f64>,
+    harmonics: Vec<Vec3>,
+}
+
+impl<'a> Part<'a> {
+    /// No splats, with room for some.
+    pub fn new(of: &'a SplatColumns, room: usize) -> Self {
+        Self {
+            of,
+            splats: Splats::new(of.degree, room),
+            others: of.layout.as_ref().map(|layout| Table::new(layout, 0)),
+            row: Vec::new(),
+            harmonics: vec![Vec3::ZERO; coefficients(of.degree)],
+        }
+    }
+
+    /// Adds the splat of a row, unless it is none.
+    pub fn push(&mut self, value: impl Fn(usize) -> f64) {
+        let splat = self.of.splat(&value, &mut self.harmonics);
+        if self.splats.push(&splat, &self.harmonics)
+            && let (Some(others), Some(layout)) = (&mut self.others, &self.of.layout)
+        {
+            self.row.clear();
+            self.row.extend(self.of.position.iter().chain(&self.of.kept).map(|at| value(*at)));
+            others.push(layout, &self.row);
+        }
+    }
+
+    /// The cloud of some parts, one behind the other.
+    pub fn finish(of: &SplatColumns, parts: Vec<Part>) -> Cloud {
+        let (splats, others): (Vec<_>, Vec<_>) = parts.into_iter().map(|part| (part.splats, part.others)).unzip();
+        let cloud = Splats::join(of.degree, splats).finish(UpAxis::NegativeY);
+        let others = of.layout.as_ref().map(|layout| {
+            let table = Table::join(layout, others.into_iter().flatten().collect());
+            let whole = table.whole(layout);
+            table.finish(layout, &whole)
+        });
+        let others = others.unwrap_or_default();
+        let warnings = cloud.warnings.into_iter().chain(of.warning.clone()).collect();
+        let (classification, intensity) = (others.classification, others.intensity);
+        Cloud { warnings, classification, intensity, scalars: others.scalars, ..cloud }
+    }
+}
+
+/// Reads splats that are rows, on all cores.
+pub(super) fn read_rows(rows: &VertexRows, of: &SplatColumns, progress: &Progress) -> Result<Cloud, Error> {
+    of.check(rows.file.path(), rows.count)?;
+    progress.set_length(rows.count);
+    let run = |places: Range<u64>| {
+        let mut part = Part::new(of, (places.end - places.start) as usize);
+        rows.blocks(places.clone(), |block| {
+            (0..block.len()).for_each(|row| part.push(|at| block.value(row, at)));
+        })?;
+        progress.inc(places.end - places.start);
+        Ok(part)
+    };
+    let runs = (0..rows.count.div_ceil(RUN)).into_par_iter();
+    let parts = runs.map(|at| run(at * RUN..rows.count.min((at + 1) * RUN))).collect::<Result<_, Error>>()?;
+    Ok(Part::finish(of, parts))
+}
+
+/// The filter that comments name; the last of them counts.
+pub(super) fn filter(comments: &[(u64, String)]) -> Option<Filter> {
+    comments.iter().rev().find_map(|(_, text)| {
+        let (name, value) = text.split_once([':', ' '])?;
+        match (name.to_ascii_lowercase().as_str(), value.trim()) {
+            ("splatrendermode", value) => Filter::named(value),
+            ("antialiased", "0") => Some(Filter::Plain),
+            ("antialiased", "1") => Some(Filter::Mip),
+            _ => None,
+        }
+    })
 }

@@ -14,8 +14,8 @@ pub use part::{Part, Parts};
 pub(crate) use shade::Shaded;
 pub use view::View;
 
-use crate::cloud::gaussians::MAX_DEGREE;
 use self::part::{PART_MARKED, PART_SOFT, PART_SOLID};
+use crate::cloud::gaussians::MAX_DEGREE;
 use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Dispatch, Error, Recorder, Run, Slice, Variant};
 use crate::scene::{ColorSpace, DiscShape, Formula, GaussianSettings, Kernel, Order, Shading};

@@ -100,7 +100,14 @@ impl PlacementKey {
         let dealt = scene.method.is_dealt();
         let neighbors = || scene.clouds.iter().map(|cloud| cloud.neighbors).collect();
         let normals = scene.shading_normals().map(|which| (which, neighbors()));
-        Self { dealt, clouds: clouds.collect(), hidden: hidden.collect(), clips: scene.clips.clone(), normals, gaussians }
+        Self {
+            dealt,
+            clouds: clouds.collect(),
+            hidden: hidden.collect(),
+            clips: scene.clips.clone(),
+            normals,
+            gaussians,
+        }
     }
 }
 
@@ -244,7 +251,19 @@ fn views<'a>(
         let uncapped = neighbors.and_then(|_| derived.uncapped());
         let neighbors = neighbors.unwrap_or_default();
         let gaussians = cloud.gaussians.as_ref().filter(|_| gaussians::are_drawn(scene, settings, cloud));
-        Ok(CloudView { settings, cloud, rules, colors, radii, fields, uncapped, neighbors, normals, dropped, gaussians })
+        Ok(CloudView {
+            settings,
+            cloud,
+            rules,
+            colors,
+            radii,
+            fields,
+            uncapped,
+            neighbors,
+            normals,
+            dropped,
+            gaussians,
+        })
     })
     .collect()
 }

@@ -33,7 +33,11 @@ impl GaussianColumns {
         let columns = Self {
             extents: device.buffer("Gaussians, extents", count.max(1), Memory::Device)?,
             rotations: device.buffer("Gaussians, rotations", count.max(1), Memory::Device)?,
-            harmonics: device.buffer("Gaussians, harmonics", (count * words(gaussians.degree)).max(1), Memory::Device)?,
+            harmonics: device.buffer(
+                "Gaussians, harmonics",
+                (count * words(gaussians.degree)).max(1),
+                Memory::Device,
+            )?,
             degree: gaussians.degree,
             are_all: gaussians.are_all(),
             brightest: brightest(gaussians),

@@ -1,0 +1,33 @@
+//! How splats were trained to be filtered, as their file says it.
+
+/// The filter that a file of splats names. It is shown, and does not change how they are rendered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Filter {
+    /// That of the original renderer: every splat grows by a fixed variance on the image.
+    Plain,
+    /// That of Mip-Splatting: splats that grow become less opaque.
+    Mip,
+    /// That of 2D Gaussian splatting: flat splats.
+    Flat,
+}
+
+impl Filter {
+    /// The filter of a name as files have it, in any case.
+    pub fn named(name: &str) -> Option<Self> {
+        match name.to_ascii_lowercase().as_str() {
+            "default" => Some(Self::Plain),
+            "mip" | "antialiased" => Some(Self::Mip),
+            "2dgs" => Some(Self::Flat),
+            _ => None,
+        }
+    }
+
+    /// The name that PLY files have for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plain => "default",
+            Self::Mip => "mip",
+            Self::Flat => "2dgs",
+        }
+    }
+}
