@@ -3,6 +3,8 @@
 pub mod signals;
 pub mod skip;
 
+pub mod gaussians;
+
 mod devices;
 mod places;
 mod rendering;

@@ -81,6 +81,11 @@ fn begin(pixel: vec2<u32>) {
         } else if BEHIND != 0u {
             state.front = image[p];
             state.key = depth_key(depths[p]);
+            state.shown = state.key;
+            if has_gaussians() && depths[p] <= 3.4e38 {
+                // Nothing behind is nearer, whatever depth shows.
+                state.key = 0u;
+            }
             nearest.last = lasts[p];
         }
     }
@@ -103,7 +108,7 @@ fn visit(pixel: vec2<u32>, f: Fragment) {
         state.sum = plus(state.sum, carried.color.a * vec4<f32>(carried.color.rgb, 1.0));
         state.coverage = covered(state.coverage, carried.color.a);
     }
-    state.key = nearer(state.key, f);
+    state = nearer(state, f);
     nearest = s;
 }
 

@@ -13,9 +13,7 @@ fn begin(pixel: vec2<u32>) -> PixelState {
 }
 
 fn visit(before: PixelState, fragment: Fragment) -> PixelState {
-    var state = add(before, fragment);
-    state.key = nearer(state.key, fragment);
-    return state;
+    return nearer(add(before, fragment), fragment);
 }
 
 fn finish(state: PixelState, pixel: vec2<u32>) {

@@ -18,34 +18,42 @@ struct State {
     // Color of the fragments composed in order, premultiplied, and their number.
     front: vec4<f32>,
     count: f32,
-    // Depth key of the nearest fragment with opacity.
+    // Depth key of the nearest fragment with opacity, and, where splats may be Gaussians, that of the depth that it shows.
     key: u32,
+    shown: u32,
 }
 
 fn empty_state() -> State {
-    return State(Sum(vec4<f32>(0.0), vec4<f32>(0.0)), vec2<f32>(0.0), vec4<f32>(0.0), 0.0, NOTHING);
+    return State(Sum(vec4<f32>(0.0), vec4<f32>(0.0)), vec2<f32>(0.0), vec4<f32>(0.0), 0.0, NOTHING, NOTHING);
 }
 
 fn kept_state(p: u32) -> State {
     let rest = kept[4u * p + 3u];
     let sum = Sum(kept[4u * p], kept[4u * p + 1u]);
-    return State(sum, rest.xy, kept[4u * p + 2u], rest.z, depth_key(depths[p]));
+    return State(sum, rest.xy, kept[4u * p + 2u], rest.z, bitcast<u32>(rest.w), depth_key(depths[p]));
 }
 
 // The pixel as it is if nothing comes after this run, and what the next one goes on from.
 fn leave(p: u32, state: State, rgba: vec4<f32>) {
     image[p] = rgba;
-    depths[p] = composed_depth(state.key);
+    depths[p] = composed_depth(select(state.key, state.shown, has_gaussians()));
     if KEPT != 0u {
         kept[4u * p] = state.sum.total;
         kept[4u * p + 1u] = state.sum.excess;
         kept[4u * p + 2u] = state.front;
-        kept[4u * p + 3u] = vec4<f32>(state.coverage, state.count, 0.0);
+        kept[4u * p + 3u] = vec4<f32>(state.coverage, state.count, bitcast<f32>(state.key));
     }
 }
 
-fn nearer(key: u32, f: Fragment) -> u32 {
-    return min(key, select(NOTHING, f.shown_key, f.color.a > 0.0));
+// The state with a fragment's depth, if that is nearer.
+fn nearer(before: State, f: Fragment) -> State {
+    var state = before;
+    let key = select(NOTHING, f.depth_key, f.color.a > 0.0);
+    if has_gaussians() {
+        state.shown = select(before.shown, f.shown_key, key < before.key);
+    }
+    state.key = min(before.key, key);
+    return state;
 }
 
 // Color times weight over weight, black without weight.

@@ -1,9 +1,9 @@
-//! Exact transparency of discs (MCTB12): the combined result of count, scan, store, sort and blend.
+//! Exact transparency of discs (MCTB12) and Gaussians: the combined result of count, scan, store, sort and blend.
 
 use glam::DVec3;
 
-use super::Picture;
-use super::coverage::{Shape, Splat, footprint};
+use super::coverage::{Coverage, Shape, Splat, footprint};
+use super::{Picture, gaussians};
 use crate::camera::Camera;
 use crate::points::Points;
 use crate::scene::{DiscShape, Discs, Falloff};
@@ -11,7 +11,7 @@ use crate::scene::{DiscShape, Discs, Falloff};
 /// A splat's contribution to one pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fragment {
-    /// Depth along the viewing axis.
+    /// Depth along the viewing axis; of a Gaussian what its order is by ([`gaussians::Hit::key`]).
     pub z: f64,
     /// The point's place in the canonical order, which decides between equal depths.
     pub index: u32,
@@ -60,22 +60,32 @@ pub fn lists_at(
 ) -> Vec<Vec<Fragment>> {
     let mut pixels = vec![Vec::new(); wanted.len()];
     for index in 0..points.len() {
-        let opacity = f64::from(points.opacities[index]);
-        for pixel in footprint(camera, size, &splat(points, index, discs.shape)) {
-            let Ok(at) = wanted.binary_search(&(pixel.y as usize * size[0] as usize + pixel.x as usize)) else {
-                continue;
-            };
-            let alpha = match discs.falloff {
-                Falloff::Flat => opacity,
-                Falloff::Gaussian => opacity * (-2.0 * pixel.rho * pixel.rho).exp(),
-            };
-            pixels[at].push(Fragment { z: pixel.z, index: index as u32, alpha });
+        let of_gaussian = gaussians::fragments(camera, size, points, index, &discs.gaussians);
+        for (pixel, fragment) in of_gaussian.unwrap_or_else(|| of_disc(camera, size, points, index, discs)) {
+            if let Ok(at) = wanted.binary_search(&pixel) {
+                pixels[at].push(fragment);
+            }
         }
     }
     for list in &mut pixels {
         list.sort_by(|a, b| a.z.total_cmp(&b.z).then(a.index.cmp(&b.index)));
     }
     pixels
+}
+
+/// The fragments of a point's disc, each with its pixel: row · width + column.
+fn of_disc(camera: &Camera, size: [u32; 2], points: &Points, index: usize, discs: &Discs) -> Vec<(usize, Fragment)> {
+    let opacity = f64::from(points.opacities[index]);
+    let covered = footprint(camera, size, &splat(points, index, discs.shape));
+    let fragment = |pixel: &Coverage| {
+        let alpha = match discs.falloff {
+            Falloff::Flat => opacity,
+            Falloff::Gaussian => opacity * (-2.0 * pixel.rho * pixel.rho).exp(),
+        };
+        let at = pixel.y as usize * size[0] as usize + pixel.x as usize;
+        (at, Fragment { z: pixel.z, index: index as u32, alpha })
+    };
+    covered.iter().map(fragment).collect()
 }
 
 /// The smallest distance between successive depths of a list, over the depth; equal depths don't count, since the index
@@ -111,11 +121,25 @@ pub fn median(list: &[Fragment], share: f64) -> f64 {
     reached.map_or(f64::INFINITY, |fragment| fragment.z)
 }
 
+/// The mean depth of a sorted list, Σ zᵢαᵢTᵢ / A with the transmittance Tᵢ before each fragment; +inf where A is 0.
+pub fn mean_depth(list: &[Fragment]) -> f64 {
+    let mut log_transmittance = 0.0f64;
+    let mut sum = 0.0;
+    for fragment in list {
+        sum += fragment.z * fragment.alpha * log_transmittance.exp();
+        log_transmittance += (-fragment.alpha).ln_1p();
+    }
+    let alpha = -log_transmittance.exp_m1();
+    if alpha > 0.0 { sum / alpha } else { f64::INFINITY }
+}
+
 /// The whole image. `colors` holds a color for each point, shaded and in the space that blending runs in
 /// ([`super::shading::shade`]).
 pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> Picture {
     let lists = lists(camera, size, points, discs);
-    let pixels: Vec<Composite> = lists.iter().map(|list| composite(list, colors)).collect();
+    let pixel =
+        |list: &Vec<Fragment>| composite(&gaussians::with_depths(camera, points, &discs.gaussians, list), colors);
+    let pixels: Vec<Composite> = lists.iter().map(pixel).collect();
     Picture {
         width: size[0],
         height: size[1],

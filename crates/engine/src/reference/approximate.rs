@@ -4,8 +4,8 @@
 
 use glam::DVec3;
 
-use super::Picture;
 use super::abuffer::{Composite, Fragment, composite, lists};
+use super::{Picture, gaussians};
 use crate::camera::Camera;
 use crate::points::Points;
 use crate::scene::{Hybrid, Method};
@@ -71,7 +71,8 @@ pub fn hybrid(list: &[Fragment], colors: &[DVec3], k: u32) -> Composite {
 /// The whole image by one of the methods of this module; `None` for others. `colors` holds a color for each point, shaded
 /// and in the space that blending runs in ([`super::shading::shade`]).
 pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], method: &Method) -> Option<Picture> {
-    let lists = lists(camera, size, points, method.discs()?);
+    let discs = method.discs()?;
+    let lists = lists(camera, size, points, discs);
     let pixel = |list: &Vec<Fragment>| match method {
         Method::Weighted(_) => Some(weighted(list, colors, [camera.near, camera.far])),
         Method::Average(_) => Some(average(list, colors)),
@@ -79,12 +80,13 @@ pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3]
         Method::Hybrid(Hybrid { k, .. }) => Some(hybrid(list, colors, *k)),
         _ => None,
     };
+    let shown = |list: &[Fragment], key| gaussians::depth_of_key(camera, points, &discs.gaussians, list, key);
     let pixels = lists.iter().map(pixel).collect::<Option<Vec<Composite>>>()?;
     Some(Picture {
         width: size[0],
         height: size[1],
         rgba: pixels.iter().map(|p| p.color.extend(p.alpha).to_array()).collect(),
-        depth: pixels.iter().map(|p| p.depth).collect(),
+        depth: pixels.iter().zip(&lists).map(|(p, list)| shown(list, p.depth)).collect(),
         counts: lists.iter().map(|list| list.len() as u32).collect(),
     })
 }

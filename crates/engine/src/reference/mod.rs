@@ -9,6 +9,7 @@ pub mod coverage;
 pub mod dealing;
 pub mod edl;
 pub mod field;
+pub mod gaussians;
 pub mod image_space;
 pub mod one_layer;
 pub mod opaque;

@@ -1,10 +1,10 @@
-//! Depth peeling of discs: layer after layer, on each pixel the nearest fragment behind the last one that was peeled.
+//! Depth peeling of discs and Gaussians: layer after layer, on each pixel the nearest fragment behind the last one that was peeled.
 
 use glam::DVec3;
 
-use super::Picture;
 use super::abuffer::{Fragment, splat};
 use super::coverage::footprint;
+use super::{Picture, gaussians};
 use crate::camera::Camera;
 use crate::points::Points;
 use crate::scene::{Discs, Falloff};
@@ -13,6 +13,10 @@ use crate::scene::{Discs, Falloff};
 pub fn fragments(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -> Vec<Vec<Fragment>> {
     let mut pixels = vec![Vec::new(); size[0] as usize * size[1] as usize];
     for index in 0..points.len() {
+        if let Some(all) = gaussians::fragments(camera, size, points, index, &discs.gaussians) {
+            all.into_iter().for_each(|(at, fragment)| pixels[at].push(fragment));
+            continue;
+        }
         for pixel in footprint(camera, size, &splat(points, index, discs.shape)) {
             let falloff = match discs.falloff {
                 Falloff::Flat => 1.0,
@@ -66,8 +70,9 @@ pub fn render(
             transmittance *= 1.0 - fragment.alpha;
         }
         rgba.push(color.extend(1.0 - transmittance).to_array());
-        depth.push(peeled.iter().find(|f| f.alpha > 0.0).map_or(f64::INFINITY, |f| f.z));
         counts.push(peeled.len() as u32);
+        let shown = gaussians::with_depths(camera, points, &discs.gaussians, &peeled);
+        depth.push(shown.iter().find(|f| f.alpha > 0.0).map_or(f64::INFINITY, |f| f.z));
     }
     Picture { width: size[0], height: size[1], rgba, depth, counts }
 }

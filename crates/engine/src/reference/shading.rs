@@ -1,7 +1,9 @@
-//! Colors of points as the camera sees them: the local illumination model, then the space that blending runs in.
+//! Colors of points as the camera sees them: the local illumination model, then the space that blending runs in. Gaussians have their
+//! harmonics instead, and no light.
 
 use glam::DVec3;
 
+use super::gaussians::harmonics;
 use crate::camera::{Camera, Projection};
 use crate::color::encode_srgb_f64;
 use crate::points::Points;
@@ -15,14 +17,18 @@ pub fn shade(points: &Points, camera: &Camera, shading: &Shading, space: ColorSp
 /// [`shade`] where the share m of the light that reaches each point is known ([`super::shadows::shares`]); 1 where `lit` ends.
 pub fn shade_lit(points: &Points, camera: &Camera, shading: &Shading, space: ColorSpace, lit: &[f64]) -> Vec<DVec3> {
     let shaded = points.colors.iter().enumerate().map(|(i, color)| {
+        if let Some(color) = harmonics::color(points, i, camera, space) {
+            return color;
+        }
         let normal = points.normals.as_ref().map_or(DVec3::ZERO, |normals| normals[i].as_dvec3());
         let m = lit.get(i).copied().unwrap_or(1.0);
-        shade_point(camera, shading, points.positions[i], normal, color.as_dvec3(), m)
+        let shaded = shade_point(camera, shading, points.positions[i], normal, color.as_dvec3(), m);
+        match space {
+            ColorSpace::Linear => shaded,
+            ColorSpace::Encoded => shaded.map(encode_srgb_f64),
+        }
     });
-    match space {
-        ColorSpace::Linear => shaded.collect(),
-        ColorSpace::Encoded => shaded.map(|color| color.map(encode_srgb_f64)).collect(),
-    }
+    shaded.collect()
 }
 
 /// Lambert: c·(ambient + m·diffuse·max(0, n·l)). Phong adds the white highlight m·specular·max(0, r·v)^shininess, with

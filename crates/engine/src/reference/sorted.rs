@@ -1,27 +1,53 @@
-//! Transparency of discs in the order of their centres: each pixel composes the discs that cover it by the depth of
-//! their centres, regardless of their depth in that pixel.
+//! Transparency of discs and Gaussians in the order of their centres: each pixel composes those that cover it by the depth of
+//! their centres, or the distance, regardless of their depth in that pixel.
 
 use glam::DVec3;
 
-use super::Picture;
 use super::abuffer::{Composite, Fragment, composite, splat};
 use super::coverage::footprint;
-use crate::camera::Camera;
+use super::{Picture, gaussians};
+use crate::camera::{Camera, Projection};
 use crate::points::Points;
-use crate::scene::{Discs, Falloff};
+use crate::scene::{Discs, Falloff, GaussianSettings, Order};
 
-/// The points by the depth of their centres along the viewing axis; equal depths by their place in the canonical order.
-pub fn order(camera: &Camera, points: &Points) -> Vec<usize> {
-    let depths: Vec<f64> = points.positions.iter().map(|p| camera.to_view(*p).z).collect();
+/// What this method orders Gaussians by. Each has one place for the whole image.
+pub fn key(settings: &GaussianSettings) -> Order {
+    match settings.order {
+        Some(Order::Distance) => Order::Distance,
+        _ => Order::Center,
+    }
+}
+
+/// The points by the depth of their centres along the viewing axis, Gaussians perhaps by their distance from the eye; equal ones by
+/// their place in the canonical order.
+pub fn order(camera: &Camera, points: &Points, settings: &GaussianSettings) -> Vec<usize> {
+    let by_distance = key(settings) == Order::Distance && matches!(camera.projection, Projection::Perspective { .. });
+    let key = |index: usize| {
+        let position = points.positions[index];
+        match by_distance && gaussians::gaussian(points, index).is_some() {
+            true => position.distance(camera.eye),
+            false => camera.to_view(position).z,
+        }
+    };
+    let keys: Vec<f64> = (0..points.len()).map(key).collect();
     let mut order: Vec<usize> = (0..points.len()).collect();
-    order.sort_by(|&a, &b| depths[a].total_cmp(&depths[b]).then(a.cmp(&b)));
+    order.sort_by(|&a, &b| keys[a].total_cmp(&keys[b]).then(a.cmp(&b)));
     order
 }
 
-/// Fragments of each pixel in the order of their centres; z is the fragment's own depth in the pixel.
+/// Fragments of each pixel in the order of their centres; z is the fragment's own depth in the pixel, of a Gaussian that of its
+/// centre.
 pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -> Vec<Vec<Fragment>> {
     let mut pixels = vec![Vec::new(); size[0] as usize * size[1] as usize];
-    for index in order(camera, points) {
+    for index in order(camera, points, &discs.gaussians) {
+        if let Some(gaussian) = gaussians::gaussian(points, index) {
+            let hits = gaussians::footprint(camera, size, &gaussian, &discs.gaussians, key(&discs.gaussians));
+            for hit in hits {
+                let list: &mut Vec<Fragment> = &mut pixels[hit.y as usize * size[0] as usize + hit.x as usize];
+                list.push(Fragment { z: hit.z, index: index as u32, alpha: hit.alpha });
+            }
+            continue;
+        }
         for covered in footprint(camera, size, &splat(points, index, discs.shape)) {
             let falloff = match discs.falloff {
                 Falloff::Flat => 1.0,

@@ -7,8 +7,8 @@
 
 use glam::DVec3;
 
-use super::Picture;
 use super::abuffer::{Fragment, composite, lists};
+use super::{Picture, gaussians};
 use crate::camera::Camera;
 use crate::points::Points;
 use crate::random::{STRATUM, mask, word};
@@ -132,11 +132,12 @@ pub fn render_with(
             estimate(&strata, settings.alpha_correction.then(|| composite(list, colors).alpha))
         })
         .collect();
+    let shown = |list: &[Fragment], key| gaussians::depth_of_key(camera, points, &settings.discs.gaussians, list, key);
     let picture = Picture {
         width: size[0],
         height: size[1],
         rgba: estimates.iter().map(|e| e.color.extend(e.alpha).to_array()).collect(),
-        depth: estimates.iter().map(|e| e.depth).collect(),
+        depth: estimates.iter().zip(&lists).map(|(e, list)| shown(list, e.depth)).collect(),
         counts: lists.iter().map(|list| list.len() as u32).collect(),
     };
     (picture, estimates.iter().map(|e| e.stderr).collect())

@@ -67,14 +67,11 @@ fn every_compute_shader_has_the_common_workgroup_or_subgroups() {
 /// Numbers that a stage sets once and for all, or that a frame decides: not choices.
 const NUMBERS: [&str; 7] = ["PART_LENGTH", "RUN", "SEGMENT", "SHARED", "STEP", "STRIPES", "TAKEN"];
 
-/// Choices that a shader shares with others and that its pass makes in one way alone: flat discs in order of depth, oriented ones
-/// out of order, spheres and opaque splats without a falloff.
-const FIXED: [(&str, &str); 14] = [
+/// Choices that a shader shares with others and that its pass makes in one way alone: flat discs in order of depth, spheres and opaque splats without a falloff.
+const FIXED: [(&str, &str); 12] = [
     ("abuffer/count_tiles", "SHAPE"),
     ("abuffer/resolve_ordered", "SHAPE"),
     ("abuffer/store_tiles", "SHAPE"),
-    ("approximate/hybrid", "SHAPE"),
-    ("approximate/hybrid_oriented", "SHAPE"),
     ("soft/blend_runs", "FALLOFF"),
     ("soft/express", "SHAPE"),
     ("soft/resolve_merge", "FALLOFF"),

@@ -1,0 +1,109 @@
+//! Where a Gaussian is densest along a ray, as far as float32 can tell.
+//!
+//! With the columns of P for the kernel `ray`, J not clamped and nothing dilated, Y = P⁺d is where the ray would meet the plane of the
+//! rows of P, were it parallel to the one through the centre. Let r hold the depths of the axes, n the unit normal of that plane, z the
+//! centre's depth. Then with w = 1 − r·Y/z and D = w² + (n·r/z)²|Y|² the ray has ρ² = |Y|²/D at the depth z w/D. Orthographic rays
+//! are parallel, so that ρ² = |Y|² and the depth is z + r·Y.
+
+use glam::{DMat3, DVec2, DVec3};
+
+use super::super::Placed;
+use super::factor::{AXIS, Factor};
+use super::{Bounded, is_orthographic};
+use crate::reference::range::{DEPTH_ERROR, ROUNDING, Range};
+
+/// What float32 may make of [`super::super::ray::Densest`].
+#[derive(Clone, Copy)]
+pub(super) struct Possible {
+    pub rho2: Range,
+    pub depth: Range,
+}
+
+impl Possible {
+    /// Where roundings leave nothing.
+    pub const ANYTHING: Self = Self {
+        rho2: Range { low: 0.0, high: f64::INFINITY },
+        depth: Range { low: f64::NEG_INFINITY, high: f64::INFINITY },
+    };
+}
+
+/// The slope of the ray through the centre.
+fn slope(placed: &Placed) -> DVec2 {
+    if is_orthographic(placed.camera) { DVec2::ZERO } else { placed.center.truncate() / placed.center.z }
+}
+
+/// The columns of P for these axes in camera coordinates, in pixels to the right and down.
+pub(super) fn columns(placed: &Placed, axes: DMat3) -> [DVec2; 3] {
+    let scale = placed.camera.pixels_per_unit(placed.center.z, placed.size[1]);
+    let slope = slope(placed);
+    [0, 1, 2].map(|k| {
+        let axis = axes.col(k);
+        scale * DVec2::new(1.0, -1.0) * (axis.truncate() - slope * axis.z)
+    })
+}
+
+/// Errors of these columns.
+pub(super) fn errors(placed: &Placed, axes: DMat3) -> [DVec2; 3] {
+    super::errors(placed, axes, slope(placed))
+}
+
+/// At an offset in pixels from the projected centre.
+pub(super) fn range(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Possible {
+    let Some(factor) = &bounded.depth_factor else { return Possible::ANYTHING };
+    let (u, z) = (ROUNDING, bounded.placed.center.z);
+    let met = factor.meet(offset, screen_error);
+    let rows = bounded.depth_axes.transpose();
+    let r = rows.z_axis;
+    let lengths = DVec3::from([0, 1, 2].map(|k| bounded.depth_axes.col(k).length()));
+    let turned = r.length() * (2.0 * factor.tilt() + 16.0 * u);
+    let along = r.dot(met.nearest);
+    let along_error = within(factor, r) * met.error
+        + met.length * turned
+        + u * (AXIS * lengths.dot(met.nearest.abs()) + 4.0 * r.length() * met.length);
+    if is_orthographic(bounded.placed.camera) {
+        let depth = z + along;
+        let error = along_error + DEPTH_ERROR * z.abs() + u * depth.abs();
+        return Possible { rho2: met.rho2, depth: Range::around(depth, error) };
+    }
+    let w = Range::around(1.0 - along / z, along_error / z + 4.0 * u * (1.0 + along.abs() / z));
+    let across = across(factor, r) / z;
+    let across = Range::around(across, (turned + AXIS * u * lengths.length()) / z + 4.0 * u * across);
+    let across = Range { low: across.low.max(0.0), high: across.high };
+    let shared = squared(w) + across.times(across).times(met.rho2);
+    let shared = Range { low: shared.low * (1.0 - 6.0 * u), high: shared.high * (1.0 + 6.0 * u) };
+    Possible { rho2: quotient(met.rho2, shared, 4.0 * u), depth: depth(z, w, shared) }
+}
+
+/// The length of r within the plane of the rows.
+fn within(factor: &Factor, r: DVec3) -> f64 {
+    let [a, b] = factor.directions();
+    a.dot(r).hypot(b.dot(r))
+}
+
+/// |n·r|.
+fn across(factor: &Factor, r: DVec3) -> f64 {
+    let [a, b] = factor.directions();
+    a.cross(b).dot(r).abs()
+}
+
+/// z w / D with seven roundings and those of z.
+fn depth(z: f64, w: Range, shared: Range) -> Range {
+    if shared.low <= 0.0 {
+        return Possible::ANYTHING.depth;
+    }
+    let all = [w.low / shared.low, w.low / shared.high, w.high / shared.low, w.high / shared.high].map(|part| z * part);
+    let low = all.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    Range { low, high }.widened((DEPTH_ERROR + 5.0 * ROUNDING) * low.abs().max(high.abs()))
+}
+
+/// The square of a number of any sign.
+fn squared(w: Range) -> Range {
+    let (a, b) = (w.low * w.low, w.high * w.high);
+    Range { low: if w.low <= 0.0 && w.high >= 0.0 { 0.0 } else { a.min(b) }, high: a.max(b) }
+}
+
+/// A quotient of numbers that are not negative, with a relative error.
+fn quotient(above: Range, below: Range, error: f64) -> Range {
+    Range { low: above.low / below.high * (1.0 - error), high: above.high / below.low * (1.0 + error) }
+}
