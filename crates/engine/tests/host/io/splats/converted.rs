@@ -173,12 +173,13 @@ fn sog() {
         let cloud = load(&folder().join(name)).unwrap();
         assert_eq!((cloud.up, cloud.filter, cloud.warnings.len()), (UpAxis::NegativeY, None, 0), "{name}");
         assert_same(&cloud, &load(&folder().join(other)).unwrap(), &EXACT, name);
-        // 16 bits of the logarithms of 1 to 4 of both signs, which their writer cuts; three bytes of √2 of the quaternion.
+        // 16 bits of the logarithms of 1 to 4 of both signs, which their writer cuts; three bytes of √2 of the quaternion,
+        // whose steps are four times those of nine bits and a sign.
         let position = 1.7321 * 4.0 * 2.0 * 4.0_f64.ln() / 65535.0;
         let loose = Bounds {
             position,
             scale: 0.05,
-            rotation: 511.0 / 255.0 * SMALLEST_THREE,
+            rotation: 4.0 * 511.0 / 510.0 * SMALLEST_THREE,
             base: 0.01,
             alpha: SIGNED,
             harmonic: 2.0,
