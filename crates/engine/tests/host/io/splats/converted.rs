@@ -4,6 +4,8 @@ use glam::{DVec3, Quat};
 use pellucid_engine::cloud::filter::Filter;
 use pellucid_engine::cloud::gaussians::coefficients;
 use pellucid_engine::cloud::{Cloud, UpAxis};
+use pellucid_engine::io::{Hints, store};
+use pellucid_engine::progress::Progress;
 
 use super::super::load;
 use super::folder;
@@ -185,5 +187,20 @@ fn sog() {
             harmonic: 2.0,
         };
         assert_same(&cloud, &soup(), &loose, name);
+    }
+}
+
+/// Splats have no pieces that could be read one by one.
+#[test]
+fn stores_hold_them_as_a_whole() {
+    for name in ["soup.ply", "soup.compressed.ply", "soup-v4.spz", "soup-folder"] {
+        let (path, hints) = (folder().join(name), Hints::default());
+        let store = store::open(&path, hints, &Progress::hidden()).unwrap();
+        let cloud = store::whole(&*store, &Progress::hidden()).unwrap();
+        assert_eq!(cloud, load(&path).unwrap(), "{name}");
+        assert_eq!(
+            (store::announced(&path, &hints).unwrap(), store::has_levels(&path, &hints).unwrap()),
+            (None, false)
+        );
     }
 }
