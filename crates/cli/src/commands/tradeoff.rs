@@ -34,6 +34,10 @@ modulation: soft-base with both layouts, soft-concentric with 1 to 8 shells and 
 as the softness that it means for the scene's method. What the paper says of the three stands below the table with what was \
 measured.
 
+If points are Gaussian splats, a table \"by cause\" tells what each approximation costs by itself: abuffer with another order, kernel, \
+cut, cap, dilation, antialias or degree of harmonics, each against the exact image of the scene's own kernel and order. It takes a fifth of \
+--time at most; --only leaves it out unless it names abuffer.
+
 If it is one of opaque points (points, squares, circles, paraboloid, cone, sphere, hqs, splats, image-space), all of them are \
 compared, with sizes from 0 to 4 and 0 to 8 iterations of the filters, on all points, a quarter and a 16th of them \
 (\"thinning\", which is no key of a scene file). Each leaves other holes: their share is in the table too. Under \
@@ -50,7 +54,7 @@ of device time and RMSE.
 An interrupted run leaves what it measured in DIR/tradeoff.partial.json. The same command, or one that differs only in \
 --quick, --only or --time, goes on from there.
 
-What is written: report.html, which needs no other file; tradeoff.csv; tradeoff.json; the figures as .svg; the pictures, and \
+What is written: report.html, which needs no other file; tradeoff.csv; tradeoff.json; causes.csv of Gaussians; the figures as .svg; the pictures, and \
 their differences from reference.png 10 times as bright, as .png.";
 
 /// Frames behind a median, and images with seeds of their own, if time permits: for the full run and for a quick look.
@@ -247,6 +251,10 @@ fn summary(report: &Tradeoff, args: &TradeoffArgs) -> String {
         let steps: Vec<_> = shaded.steps.iter().map(step).collect();
         let Shaded { method, reference_samples, .. } = shaded;
         findings += &format!("shadows with {method} by samples, against {reference_samples}\n  {}\n", steps.join("; "));
+    }
+    let causes = tradeoff::causes_table(&report.causes);
+    if !causes.is_empty() {
+        findings += &format!("{}{causes}", if findings.is_empty() { "" } else { "\n" });
     }
     format!(
         "{}\n\n{}* on the Pareto front: nothing else is at least as fast and as accurate, and better in one of the two.\n\

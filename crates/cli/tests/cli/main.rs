@@ -17,6 +17,7 @@ mod faults;
 mod filters;
 mod formats;
 mod frames;
+mod gaussians;
 mod info;
 #[cfg(unix)]
 mod interrupted;

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::pictures::Pictures;
-use super::{Row, Shaded, ShadedStep, Skipped, Tradeoff, figures, page};
+use super::{Row, Shaded, ShadedStep, Skipped, Tradeoff, causes, figures, page};
 use pellucid_engine::output::{self, Files};
 
 /// A line of `tradeoff.csv`. A skipped setting has its reason in place of figures.
@@ -124,7 +124,7 @@ fn csv(report: &Tradeoff, file: impl Write) -> io::Result<()> {
     writer.flush()
 }
 
-/// Writes `tradeoff.csv`, `tradeoff.json`, the figures and, last, `report.html` into the folder of the pictures. No
+/// Writes `tradeoff.csv`, for Gaussian splats `causes.csv`, `tradeoff.json`, the figures and, last, `report.html` into the folder of the pictures. No
 /// file gets its final name before all are complete.
 ///
 /// # Errors
@@ -135,6 +135,9 @@ pub fn write(folder: &Path, report: &Tradeoff) -> Result<(), output::Error> {
     let html = page::html(report, &figures, &pictures);
     let mut files = Files::default();
     files.add(&folder.join("tradeoff.csv"), |file| csv(report, file))?;
+    if !report.causes.is_empty() {
+        files.add(&folder.join("causes.csv"), |file| causes::csv(&report.causes, file))?;
+    }
     files.add(&folder.join("tradeoff.json"), |file| {
         serde_json::to_writer_pretty(&mut *file, report)?;
         writeln!(file)

@@ -3,6 +3,7 @@
 
 mod analytic;
 mod applicable;
+mod causes;
 mod figures;
 mod files;
 mod findings;
@@ -18,6 +19,7 @@ mod surfaces;
 
 use serde::{Deserialize, Serialize};
 
+pub use causes::{Cause, causes_table};
 pub use files::write;
 pub use measure::{ALONE_SHARE, FRAME_SHARE, Options, Subject, run};
 pub use partial::discard;
@@ -258,6 +260,8 @@ pub struct Tradeoff {
     pub surveyed: Option<Surveyed>,
     /// Only for opaque points lit by an area light.
     pub shaded: Option<Shaded>,
+    /// Only for Gaussian splats: what each of their approximations costs by itself, the exact image first.
+    pub causes: Vec<Cause>,
     /// The measured settings, in the order of the ladder.
     pub rows: Vec<Row>,
     /// The skipped settings.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Errors, Reference, Repeats, Shaded};
+use super::{Cause, Errors, Reference, Repeats, Shaded};
 use pellucid_engine::atomic::Staged;
 use pellucid_engine::output;
 
@@ -54,6 +54,9 @@ pub(super) struct Content {
     pub sittings: u32,
     pub reference: Option<Reference>,
     pub shaded: Option<Shaded>,
+    /// Of Gaussian splats.
+    #[serde(default)]
+    pub causes: Vec<Cause>,
     /// Keyed by [`super::settings::Setting::key`].
     pub settings: BTreeMap<String, Measured>,
 }

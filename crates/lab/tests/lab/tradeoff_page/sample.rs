@@ -84,6 +84,7 @@ pub fn report(size: [u32; 2]) -> Tradeoff {
         analytic: None,
         surveyed: None,
         shaded: None,
+        causes: Vec::new(),
         rows,
         skipped: vec![
             skipped("peel", "method.layers=128", "the longest list has 64 fragments: 64 layers are exact already"),

@@ -15,12 +15,13 @@ use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop};
 use pellucid_engine::output::{self, linear, write_rgb_png};
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::Detail;
+use pellucid_engine::scene::{Detail, Method};
 use pellucid_engine::{Result, identity};
 
 use self::limit::Spent;
 use self::reference::Made;
 use super::analytic::{self, Planes};
+use super::causes::{self, Effort as CausesEffort};
 use super::partial::Partial;
 use super::settings::{Formation, Ladders, Occasion, Setting, compared, settings};
 use super::surfaces::shadows::{self, Effort};
@@ -67,6 +68,8 @@ pub const FRAME_SHARE: f64 = 8.0;
 /// A frame that takes more than 1/`ALONE_SHARE` of the time is timed once, where it is first rendered, instead of in
 /// turns.
 pub const ALONE_SHARE: f64 = 60.0;
+/// Part of the time after which no further cause of errors is measured.
+const CAUSES_SHARE: f64 = 0.2;
 
 /// Measures every applicable setting, and resumes an interrupted run on the same scene and device. Results are stored
 /// in `folder`, which is created if needed, after every frame; so are the pictures. Once the report is written,
@@ -130,6 +133,9 @@ pub fn run(
     settings.retain(|setting| asked(setting.method.name()));
     run.skipped = skipped.into_iter().filter(|skipped| asked(&skipped.method)).collect();
     progress.set_length(settings.len() as u64);
+    if asked(run.frame.method.name()) {
+        run.find_causes()?;
+    }
     let taken = run.trials(&settings)?;
     run.rounds(&taken)?;
     run.shade()?;
@@ -211,6 +217,31 @@ impl Run<'_> {
         Ok(())
     }
 
+    /// What each approximation of Gaussian splats costs, unless an earlier run has it.
+    fn find_causes(&mut self) -> Result<()> {
+        let (points, frame) = (self.subject.arranged.points(), self.frame);
+        let (Method::ABuffer(discs), Some(gaussians)) = (&frame.method, &points.gaussians) else { return Ok(()) };
+        // Of points that come some at a time the others have harmonics as well.
+        let degree = if points.whole.is_some() { 0 } else { gaussians.degree };
+        let changes = causes::changes(discs, frame.method.order(), degree, &frame.camera.projection);
+        let known = self.partial.content.causes.iter().map(|cause| (&cause.setting, cause.against.as_str()));
+        if known.eq(changes.iter().map(|change| (&change.setting, change.against))) {
+            return Ok(());
+        }
+        let effort = CausesEffort {
+            frame: &frame,
+            reference: &self.made.reference,
+            background: self.subject.background,
+            arranged: self.subject.arranged,
+            folder: self.folder,
+            seconds: CAUSES_SHARE * self.options.seconds,
+        };
+        let (found, skipped) = causes::measure(self.device, &mut self.clouds, effort, &changes, self.progress)?;
+        self.skipped.extend(skipped);
+        self.partial.content.causes = found;
+        Ok(self.partial.save()?)
+    }
+
     fn report(self, settings: &[Setting]) -> Tradeoff {
         let Self { device, subject, options, partial, made, analytic, surveyed, skipped, .. } = self;
         let facts = made.facts;
@@ -242,6 +273,7 @@ impl Run<'_> {
             analytic,
             surveyed,
             shaded: content.shaded,
+            causes: content.causes,
             rows,
             skipped,
             convergence,

@@ -13,6 +13,7 @@ use self::comparison::compared;
 use self::convergence::{bias, blended, convergence};
 use self::passes::passes;
 use self::surfaces::{about_surfaces, iterations, shaded};
+use super::causes;
 use super::figures::{Drawn, short};
 use super::pictures::Pictures;
 use super::{Row, Tradeoff};
@@ -59,6 +60,7 @@ pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures) ->
             p { "What the paper says of these methods, and what was measured on this scene:" }
             (findings(report))
         }
+        (causes::page(&report.causes))
         h2 { "Error over time" }
         @for drawn in named(figures, &["error.svg", "flip.svg"]) { (shown(drawn, report)) }
         @if let Some(surveyed) = &report.surveyed {
@@ -137,7 +139,8 @@ fn sittings(count: u32) -> String {
     )
 }
 
-fn error(value: f64) -> String {
+/// An error, with a power of ten if it is small.
+pub(super) fn error(value: f64) -> String {
     if value == 0.0 || value >= 1e-3 { digits(value) } else { scientific(value) }
 }
 
@@ -185,7 +188,7 @@ fn findings(report: &Tradeoff) -> Markup {
 }
 
 /// A share in percent, to the thousandth.
-fn percent(share: f64) -> String {
+pub(super) fn percent(share: f64) -> String {
     match 100.0 * share {
         0.0 => "0".to_owned(),
         percent if percent < 0.001 => "< 0.001".to_owned(),

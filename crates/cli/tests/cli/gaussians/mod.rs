@@ -1,0 +1,4 @@
+//! `tradeoff` and `render` on Gaussian splats: errors by cause, and popping along a path.
+
+mod causes;
+mod splats;

@@ -1,0 +1,39 @@
+//! What each approximation of Gaussian splats costs by itself: images with one thing changed, against the exact image of the scene's
+//! own kernel and order.
+
+mod measure;
+mod rows;
+mod table;
+mod text;
+
+use serde::{Deserialize, Serialize};
+
+pub(super) use measure::{Effort, measure};
+pub(super) use rows::{Change, changes};
+pub(super) use table::{csv, page};
+pub use text::causes_table;
+
+/// The image of `abuffer` with one thing changed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Cause {
+    /// What the difference comes from, in a few words.
+    pub cause: String,
+    /// The change as an option of the command line would give it, as in `method.order=center`; empty for the exact image itself.
+    pub setting: String,
+    /// What the changed image is compared with, in the same form, beside the scene's own settings; empty for the exact image.
+    pub against: String,
+    /// What the figures mean, one sentence.
+    pub meaning: String,
+    /// Root of the mean squared difference, on composed linear R, G, B of all pixels.
+    pub rmse: f64,
+    /// Range [0, 1]; 0 for equal images.
+    pub flip: f64,
+    /// Largest difference in any channel.
+    pub max: f64,
+    /// Share of pixels with a channel off by more than 1/255.
+    pub above_1_255: f64,
+    /// Device time of a frame of the changed image, once all was ready.
+    pub gpu_ms: f64,
+    /// File name of the absolute difference, [`DIFFERENCE_GAIN`](super::DIFFERENCE_GAIN) times as bright.
+    pub difference: String,
+}

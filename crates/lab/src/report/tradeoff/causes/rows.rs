@@ -1,0 +1,223 @@
+//! Which changes are measured on a scene.
+
+use pellucid_engine::camera::Projection;
+use pellucid_engine::scene::{Discs, GaussianSettings, Kernel, Order};
+
+/// So little that what is left out below it can't be seen.
+const FAINTEST: f32 = 1e-6;
+
+/// One thing that is changed.
+#[derive(Debug, Clone, PartialEq)]
+pub(in super::super) struct Change {
+    /// See [`Cause::cause`](super::Cause::cause).
+    pub cause: &'static str,
+    /// See [`Cause::setting`](super::Cause::setting).
+    pub setting: String,
+    /// See [`Cause::against`](super::Cause::against).
+    pub against: &'static str,
+    /// See [`Cause::meaning`](super::Cause::meaning).
+    pub meaning: String,
+    /// The changed settings.
+    pub settings: GaussianSettings,
+    /// Those of the image that it is compared with, if that is not the scene's.
+    pub base: Option<GaussianSettings>,
+    /// Harmonics up to this degree alone.
+    pub degree: Option<u32>,
+}
+
+/// The changes of a scene's exact image, itself first: `discs` and `order` are the scene's, `degree` is that of its harmonics.
+pub(in super::super) fn changes(discs: &Discs, order: Order, degree: u32, projection: &Projection) -> Vec<Change> {
+    let own = discs.gaussians;
+    let of = |cause, setting: &str, meaning: &str, settings| Change {
+        cause,
+        setting: setting.to_owned(),
+        against: "",
+        meaning: meaning.to_owned(),
+        settings,
+        base: None,
+        degree: None,
+    };
+    let mut all =
+        vec![of("the exact image", "", "The exact image once more: its time is what those below are to be compared with.", own)];
+    all.extend(orders(order).map(|(changed, cause, meaning)| {
+        let settings = GaussianSettings { order: Some(changed), ..own };
+        of(cause, &format!("method.order={}", changed.word()), meaning, settings)
+    }));
+    if own.alpha_min > FAINTEST {
+        let meaning = format!("What the end of every Gaussian at opacity {} takes from its rim.", share(own.alpha_min));
+        let settings = GaussianSettings { alpha_min: FAINTEST, ..own };
+        all.push(of("cut of faint rims", &format!("method.alpha_min={FAINTEST:e}"), &meaning, settings));
+    }
+    if own.alpha_max < 1.0 {
+        let meaning = format!("What shows through Gaussians because none is more opaque than {}.", own.alpha_max);
+        let settings = GaussianSettings { alpha_max: 1.0, ..own };
+        all.push(of("cap of opacity", "method.alpha_max=1", &meaning, settings));
+    }
+    all.extend(projections(&own, projection, of));
+    all.extend((0..degree).map(|less| Change { degree: Some(less), ..of_degree(own, less) }));
+    all
+}
+
+/// The other orders, what they change, and what that means.
+fn orders(own: Order) -> impl Iterator<Item = (Order, &'static str, &'static str)> {
+    let all = [
+        (
+            Order::Center,
+            "order of centres",
+            "Gaussians ordered by the depth of their centres, as most renderers do: where they overlap the wrong one is in front, and \
+             they change places when the camera turns.",
+        ),
+        (
+            Order::Distance,
+            "order of distances",
+            "Gaussians ordered by how far their centres are from the eye: wrong where they overlap, but they keep their places while \
+             the camera turns about itself.",
+        ),
+        (
+            Order::Pixel,
+            "order in each pixel",
+            "Gaussians ordered in each pixel by where they are densest along its ray: what the scene's own order gets wrong.",
+        ),
+    ];
+    all.into_iter().filter(move |(order, ..)| *order != own)
+}
+
+/// Changes of how a Gaussian comes to the screen.
+fn projections(
+    own: &GaussianSettings,
+    projection: &Projection,
+    of: impl Fn(&'static str, &str, &str, GaussianSettings) -> Change,
+) -> Vec<Change> {
+    let other = |kernel| GaussianSettings { kernel, ..*own };
+    if own.kernel == Kernel::Ray {
+        let meaning = "Gaussians projected by what the perspective does at their centres, and widened by the dilation: both are \
+                       approximations that the scene's kernel does without.";
+        return vec![of("kernel ewa", "method.kernel=ewa", meaning, other(Kernel::Ewa))];
+    }
+    let mut all = vec![of(
+        "kernel ray",
+        "method.kernel=ray",
+        "Gaussians as they are along each pixel's ray, without a projection and without its dilation.",
+        other(Kernel::Ray),
+    )];
+    let bare = GaussianSettings { dilation: 0.0, ..*own };
+    if own.dilation > 0.0 {
+        if matches!(projection, Projection::Perspective { .. }) {
+            let ray = of(
+                "frozen Jacobian",
+                "method.kernel=ray",
+                "What of that comes from the perspective, which the projection takes to be everywhere as at the Gaussian's centre.",
+                other(Kernel::Ray),
+            );
+            all.push(Change { against: "method.dilation=0", base: Some(bare), ..ray });
+        }
+        let meaning = format!(
+            "What {} px² more variance on the screen do: Gaussians as sharp as they are, and gaps where they are thinner than a pixel.",
+            own.dilation
+        );
+        all.push(of("dilation", "method.dilation=0", &meaning, bare));
+        let (setting, meaning) = match own.antialias {
+            false => (
+                "method.antialias=true",
+                "The opacity that the dilation adds to small Gaussians, which this takes back.",
+            ),
+            true => ("method.antialias=false", "The opacity that the dilation adds to small Gaussians, left as it is."),
+        };
+        let settings = GaussianSettings { antialias: !own.antialias, ..*own };
+        all.push(of("opacity of the dilation", setting, meaning, settings));
+    }
+    all
+}
+
+fn of_degree(own: GaussianSettings, degree: u32) -> Change {
+    let meaning = match degree {
+        0 => "One color for every direction: what is lost of gloss and reflections without any harmonics.".to_owned(),
+        _ => format!("What of gloss and reflections is lost with harmonics up to degree {degree} alone."),
+    };
+    Change {
+        cause: "harmonics",
+        setting: format!("cloud.*.sh_degree={degree}"),
+        against: "",
+        meaning,
+        settings: own,
+        base: None,
+        degree: Some(degree),
+    }
+}
+
+/// 1/255 as such, anything else as a number.
+fn share(alpha: f32) -> String {
+    if (alpha * 255.0 - 1.0).abs() < 1e-4 { "1/255".to_owned() } else { alpha.to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WIDE: Projection = Projection::Perspective { fov_y: 1.0 };
+
+    fn settings(gaussians: GaussianSettings, order: Order, degree: u32, projection: &Projection) -> Vec<String> {
+        let discs = Discs { gaussians, ..Discs::default() };
+        let of = |change: &Change| format!("{} {}", change.setting, change.against).trim().replace("method.", "");
+        changes(&discs, order, degree, projection).iter().map(of).collect()
+    }
+
+    #[test]
+    fn every_cause_of_the_defaults_is_there_once() {
+        let found = settings(GaussianSettings::default(), Order::Pixel, 3, &WIDE);
+        let causes = [
+            "",
+            "order=center",
+            "order=distance",
+            "alpha_min=1e-6",
+            "alpha_max=1",
+            "kernel=ray",
+            "kernel=ray dilation=0",
+            "dilation=0",
+            "antialias=true",
+            "cloud.*.sh_degree=0",
+            "cloud.*.sh_degree=1",
+            "cloud.*.sh_degree=2",
+        ];
+        assert_eq!(found, causes);
+    }
+
+    #[test]
+    fn what_a_scene_does_without_is_no_cause() {
+        let own = GaussianSettings { alpha_min: 1e-6, alpha_max: 1.0, dilation: 0.0, ..GaussianSettings::default() };
+        assert_eq!(settings(own, Order::Center, 0, &WIDE), ["", "order=distance", "order=pixel", "kernel=ray"]);
+        let ray = GaussianSettings { kernel: Kernel::Ray, ..GaussianSettings::default() };
+        let found = settings(ray, Order::Pixel, 0, &WIDE);
+        assert_eq!(found[3..], ["alpha_min=1e-6", "alpha_max=1", "kernel=ewa"]);
+        // Without a perspective the projection is the same everywhere.
+        let flat = settings(GaussianSettings::default(), Order::Pixel, 0, &Projection::Orthographic { height: 1.0 });
+        assert!(
+            flat.contains(&"kernel=ray".to_owned()) && !flat.contains(&"kernel=ray dilation=0".to_owned()),
+            "{flat:?}"
+        );
+    }
+
+    #[test]
+    fn each_row_changes_one_thing() {
+        let own = GaussianSettings::default();
+        let number = |a: GaussianSettings, b: GaussianSettings| {
+            [
+                a.kernel != b.kernel,
+                a.order.unwrap_or(Order::Pixel) != b.order.unwrap_or(Order::Pixel),
+                a.alpha_max != b.alpha_max,
+                a.alpha_min != b.alpha_min,
+                a.dilation != b.dilation,
+                a.antialias != b.antialias,
+            ]
+            .map(u32::from)
+            .iter()
+            .sum::<u32>()
+        };
+        for change in changes(&Discs::default(), Order::Pixel, 2, &WIDE).iter().skip(1) {
+            let degree = u32::from(change.degree.is_some());
+            // The kernel along the ray has no dilation: that both lack it is no second change.
+            assert_eq!(number(change.settings, own) + degree, 1, "{change:?}");
+            assert!(change.meaning.ends_with('.') && !change.meaning.contains("  "), "{change:?}");
+        }
+    }
+}
