@@ -37,8 +37,12 @@ pub(in super::super) fn changes(discs: &Discs, order: Order, degree: u32, projec
         base: None,
         degree: None,
     };
-    let mut all =
-        vec![of("the exact image", "", "The exact image once more: its time is what those below are to be compared with.", own)];
+    let mut all = vec![of(
+        "the exact image",
+        "",
+        "The exact image once more: its time is what those below are to be compared with.",
+        own,
+    )];
     all.extend(orders(order).map(|(changed, cause, meaning)| {
         let settings = GaussianSettings { order: Some(changed), ..own };
         of(cause, &format!("method.order={}", changed.word()), meaning, settings)
