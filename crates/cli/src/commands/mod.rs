@@ -19,6 +19,7 @@ mod measured;
 mod noise;
 mod opacity_notes;
 mod plan;
+mod popped;
 mod prepare;
 mod prepare_store;
 mod presets;

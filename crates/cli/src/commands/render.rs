@@ -61,6 +61,12 @@ pub struct RenderArgs {
     frames: Option<Option<u32>>,
     #[command(flatten)]
     along: PathArgs,
+    /// With --path or --turntable: write how the error of the method changes from frame to frame, against abuffer (of Gaussians with
+    /// order = "pixel", of soft spheres soft-base), which renders each frame, too. A table with a line for each frame: the RMSE of its error,
+    /// and RMSE and FLIP of the error's change since the frame before, on linear R, G, B over the background. Frames that are there
+    /// already are rendered again for it, and not written.
+    #[arg(long, value_name = "FILE.csv")]
+    pub popping: Option<PathBuf>,
     /// With --path or --turntable: replace files of the frames' names that belong to another sequence.
     #[arg(long)]
     pub overwrite: bool,
@@ -211,6 +217,7 @@ impl Target {
                     "--frames {count} needs --path or --turntable; the time series has as many pictures as the scene has clouds"
                 ));
             }
+            (None, _) if args.popping.is_some() => return usage("--popping needs --path or --turntable".to_owned()),
             (None, _) if args.overwrite => return usage("--overwrite needs --path or --turntable".to_owned()),
             (None, Some(None)) => {
                 let pattern = given.unwrap_or_else(|| args.input.default_steps());
@@ -219,6 +226,7 @@ impl Target {
             (None, None) => Self::One(given.unwrap_or_else(|| args.input.default_output())),
         };
         output::check_target(&target.first())?;
+        args.popping.iter().try_for_each(|path| output::check_target(path))?;
         Ok(target)
     }
 

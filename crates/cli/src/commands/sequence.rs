@@ -17,6 +17,7 @@ use super::frames::Pattern;
 use super::interrupt;
 use super::loaded::Resolved;
 use super::measured::{Journal, Measured};
+use super::popped::Popped;
 use super::render::{RenderArgs, finish};
 use super::session::Session;
 use crate::legend;
@@ -42,6 +43,8 @@ struct Records {
     journal: Option<Journal>,
     /// The frames rendered in this run, if a trace is wanted.
     trace: Option<Profile>,
+    /// How the error changes, if it is followed.
+    popped: Option<Popped>,
 }
 
 pub fn run(args: &RenderArgs, along: &Along, pattern: &Pattern, console: Console) -> Result<ExitCode> {
@@ -55,7 +58,7 @@ pub fn run(args: &RenderArgs, along: &Along, pattern: &Pattern, console: Console
     session.warn(&resolved, console);
     session.renderer.timed = args.measure.is_asked() || console.is_verbose();
     let frames = Frames::find(args, cameras, pattern, &resolved, &session)?;
-    let mut records = Records::open(args, &frames, &session)?;
+    let mut records = Records::open(args, &frames, &resolved, &session)?;
     interrupt::defer();
     let rendered = frames.render(args, &resolved, &mut session, &mut records, &progress, console)?;
     progress.finish_and_clear();
@@ -110,7 +113,7 @@ impl Frames {
         Ok(Self { files, cameras, identities, there })
     }
 
-    /// Renders the missing frames and returns their number.
+    /// Renders the missing frames and returns their number. If errors are followed, those that are there are rendered for it alone.
     fn render(
         &self,
         args: &RenderArgs,
@@ -121,11 +124,11 @@ impl Frames {
         console: Console,
     ) -> Result<usize> {
         let count = self.files.len();
-        let missing: Vec<usize> = (0..count).filter(|number| !self.there[*number]).collect();
-        // Counts only the missing frames, so that the estimated time is theirs.
-        progress.counted("frames", missing.len() as u64);
+        let due: Vec<usize> = (0..count).filter(|number| records.popped.is_some() || !self.there[*number]).collect();
+        // Counts only the frames to render, so that the estimated time is theirs.
+        progress.counted("frames", due.len() as u64);
         let (mut done, mut empty) = (0, Vec::new());
-        for number in missing {
+        for number in due {
             if interrupt::asked() {
                 break;
             }
@@ -133,6 +136,14 @@ impl Frames {
             let mut rendered = session.render()?;
             if rendered.image.rgba.iter().all(|[.., a]| *a == 0.0) {
                 empty.push(number);
+            }
+            if let Some(popped) = &mut records.popped {
+                popped.add(session, &rendered.image, resolved)?;
+                if self.there[number] {
+                    session.renderer.recycle(rendered.image);
+                    progress.inc(1);
+                    continue;
+                }
             }
             // Recorded before the picture is written, so that every existing picture has its measurements.
             records.add(self, number, session, &rendered)?;
@@ -157,7 +168,8 @@ impl Frames {
 
 impl Records {
     /// Reads back the measurements of existing frames.
-    fn open(args: &RenderArgs, frames: &Frames, session: &Session) -> Result<Self> {
+    fn open(args: &RenderArgs, frames: &Frames, resolved: &Resolved, session: &Session) -> Result<Self> {
+        let popped = Popped::open(args, resolved, session)?;
         let trace = args.measure.trace.as_ref().map(|_| session.profile());
         let (journal, measured) = match &args.measure.profile {
             Some(path) => {
@@ -166,7 +178,7 @@ impl Records {
             }
             None => (None, Measured::default()),
         };
-        Ok(Self { measured, journal, trace })
+        Ok(Self { measured, journal, trace, popped })
     }
 
     fn add(&mut self, frames: &Frames, number: usize, session: &Session, rendered: &Rendered) -> Result<()> {
@@ -182,6 +194,7 @@ impl Records {
 
     /// Writes the requested files.
     fn finish(self, args: &RenderArgs, session: &Session, count: usize, console: Console) -> Result<()> {
+        self.popped.map_or(Ok(()), |popped| popped.finish(count, console))?;
         let mut host = session.profile();
         session.add_phases(&mut host);
         console.detail(host.host_text());

@@ -7,18 +7,22 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use comfy_table::{CellAlignment, ColumnConstraint, Table, presets};
+use pellucid_engine::camera::Camera;
 use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::methods::{Factors, Frame, Stop};
 use pellucid_engine::points::Points;
 use pellucid_engine::scene::{Discs, Interpolated, Method, ScreenSplats, Soft, Spbr};
 use pellucid_engine::{Result, output};
+use pellucid_lab::report::popping;
 use pellucid_lab::report::tradeoff::settings::{self, Formation, Ladders, Occasion, Surfaces};
 use pellucid_lab::report::tradeoff::{self, Options, Row, Shaded, ShadedStep, Skipped, Subject, Tradeoff};
 
 use super::DeviceArgs;
+use super::along::{Along, PathArgs};
 use super::console::{Console, print, print_json};
 use super::input::InputArgs;
-use super::loaded::read;
+use super::limit::usage;
+use super::loaded::{Resolved, read};
 use super::opacity_notes;
 use super::session::Session;
 use super::stress::seconds;
@@ -43,6 +47,9 @@ compared, with sizes from 0 to 4 and 0 to 8 iterations of the filters, on all po
 (\"thinning\", which is no key of a scene file). Each leaves other holes: their share is in the table too. Under \
 [shadows] with a light_radius the scene's own method is rendered with 1 to 30 samples and with many.
 
+Along a camera path (--path, --turntable) the errors of the methods are followed: popping is how much they change from one frame \
+to the next. Gaussians are held against abuffer with order = \"pixel\" there, since an order of centres is what pops.
+
 What errors are: against the image of abuffer, which itself is checked against the float64 reference on 256 random pixels; \
 on linear R, G, B over the scene's background. That of soft spheres is soft-base in float64, all pixels, before the solid \
 points as the device splats them. Opaque points are held against three-pass splats of all of them with up to 4 x 4 samples in a \
@@ -54,7 +61,7 @@ of device time and RMSE.
 An interrupted run leaves what it measured in DIR/tradeoff.partial.json. The same command, or one that differs only in \
 --quick, --only or --time, goes on from there.
 
-What is written: report.html, which needs no other file; tradeoff.csv; tradeoff.json; causes.csv of Gaussians; the figures as .svg; the pictures, and \
+What is written: report.html, which needs no other file; tradeoff.csv; tradeoff.json; causes.csv of Gaussians; popping.csv along a path; the figures as .svg; the pictures, and \
 their differences from reference.png 10 times as bright, as .png.";
 
 /// Frames behind a median, and images with seeds of their own, if time permits: for the full run and for a quick look.
@@ -86,6 +93,13 @@ pub struct TradeoffArgs {
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     time: Option<f64>,
     #[command(flatten)]
+    along: PathArgs,
+    /// With --path or --turntable the number of frames: those of a path of key frames, or of the turn. The methods that are not exact,
+    /// or those of --only, are then followed from frame to frame, and what changes of their errors is reported as popping. That takes a frame
+    /// of each method at each camera beyond --time. The rest of the report is about the first frame.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    frames: Option<u32>,
+    #[command(flatten)]
     device: DeviceArgs,
     /// Print what tradeoff.json holds instead of the summary.
     #[arg(long)]
@@ -113,6 +127,34 @@ fn method_names() -> PossibleValuesParser {
 }
 
 impl TradeoffArgs {
+    /// The camera's path, if there is one.
+    fn course(&self, console: Console) -> Result<Option<Along>> {
+        match (self.frames, self.along.option()) {
+            (Some(frames), None) => Err(usage(format!("--frames {frames} needs --path or --turntable"))),
+            _ => self.along.course(self.frames, &self.input, console),
+        }
+    }
+
+    /// Refuses a path along which nothing can be followed.
+    fn check_popping(&self, resolved: &Resolved, cameras: &[Camera]) -> Result<()> {
+        let Some(option) = self.along.option() else { return Ok(()) };
+        let (method, points) = (resolved.scene.method.representative(), resolved.points());
+        if resolved.stored.is_some() {
+            let problem = "this needs all clouds in memory, and these would take more than --host-memory allows";
+            return Err(usage(problem.to_owned()));
+        }
+        if popping::exact(&method, points).is_none() {
+            let name = method.name();
+            return Err(usage(format!(
+                "{option} follows errors of transparent discs and soft spheres, not those of {name}"
+            )));
+        }
+        match cameras.len() {
+            0 | 1 => Err(usage(format!("{option} has one frame, and errors change from one to the next"))),
+            _ => Ok(()),
+        }
+    }
+
     /// The extent of a comparison by a command that began at this time.
     fn options(&self, begin: Instant) -> Options {
         let (ladders, (rounds, seeds)) =
@@ -131,7 +173,14 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
     let begin = Instant::now();
     output::check_report_folder(&args.output)?;
     let progress = console.progress();
-    let resolved = read(&args.input, None, console, &progress)?.resolve_with_radii(console, &progress)?;
+    let (resolved, cameras) = match args.course(console)? {
+        Some(along) => along.resolve(&args.input, false, console, &progress)?,
+        None => {
+            let loaded = read(&args.input, None, console, &progress)?;
+            (loaded.resolve_with_radii(console, &progress)?, Vec::new())
+        }
+    };
+    args.check_popping(&resolved, &cameras)?;
     let formation = settings::compared(&resolved.scene.method.representative(), resolved.points())?;
     let factors = match resolved.see_through {
         None => Factors::default(),
@@ -169,7 +218,7 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
         seed: resolved.seed,
     };
     let background = resolved.scene.image.background;
-    let subject = Subject { arranged: &resolved.arranged, frame, background, scene: &resolved.name };
+    let subject = Subject { arranged: &resolved.arranged, frame, background, scene: &resolved.name, cameras: &cameras };
     progress.counted("tradeoff", 1);
     let report = tradeoff::run(&device, &subject, &args.options(begin), &args.output, &progress)?;
     progress.stage("writing the report");
@@ -255,6 +304,9 @@ fn summary(report: &Tradeoff, args: &TradeoffArgs) -> String {
     let causes = tradeoff::causes_table(&report.causes);
     if !causes.is_empty() {
         findings += &format!("{}{causes}", if findings.is_empty() { "" } else { "\n" });
+    }
+    if let Some(found) = &report.popping {
+        findings += &format!("{}{}", if findings.is_empty() { "" } else { "\n" }, popping::popping_table(found));
     }
     format!(
         "{}\n\n{}* on the Pareto front: nothing else is at least as fast and as accurate, and better in one of the two.\n\

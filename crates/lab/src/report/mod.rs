@@ -1,11 +1,13 @@
 //! Reports: measurements as tables, figures and one self-contained HTML page.
 //!
-//! [`stress`] is the depth-complexity sweep, [`tradeoff`] compares accuracy with time. Both share their parts: [`fit`]
+//! [`stress`] is the depth-complexity sweep, [`tradeoff`] compares accuracy with time, [`popping`] follows
+//! errors along a camera path. All share their parts: [`fit`]
 //! finds slopes, [`plot`] draws figures as SVG, [`page`] is the frame of a page.
 
 pub mod fit;
 pub mod page;
 pub mod plot;
+pub mod popping;
 pub mod stress;
 pub mod tradeoff;
 pub(crate) mod truth;

@@ -63,8 +63,8 @@ fn findings(browser: &mut Browser, file: &Path) -> Vec<String> {
          })",
     );
     let drawn = drawn.as_array().unwrap();
-    if drawn.len() != 4 {
-        found.push(format!("plots: {} of 4", drawn.len()));
+    if drawn.len() != 6 {
+        found.push(format!("plots: {} of 6", drawn.len()));
     }
     for (index, figure) in drawn.iter().enumerate() {
         // The least is that of bias and noise: three series of eleven points.
@@ -123,7 +123,7 @@ fn every_fault_of_a_page_is_found() {
         // The console reports requests that the policy refuses; others appear as requests.
         ("console: ", Box::new(outside)),
         ("request: http://127.0.0.1:9/pixel.png", Box::new(move |page| without_policy(&outside(page)))),
-        ("plots: 3 of 4", Box::new(move |page| first_plot(page, ""))),
+        ("plots: 5 of 6", Box::new(move |page| first_plot(page, ""))),
         ("plot 0: ", Box::new(move |page| first_plot(page, "<svg width='1140' height='620'></svg>"))),
         ("plot 0: ", Box::new(|page| page.replacen("<svg ", "<svg style='display: none' ", 1))),
         ("texts: ", Box::new(|page| page.replace("<text ", "<text style='font-size: 25px' "))),
@@ -295,7 +295,16 @@ fn the_tables_for_programs_hold_every_row() {
     assert_eq!(lines[0]["psnr"], "inf");
     let last = &lines[lines.len() - 1];
     assert_eq!((last["rmse"].as_str(), last["skipped"].as_str()), ("", report.skipped[1].reason.as_str()));
-    for figure in ["error.svg", "flip.svg", "convergence.svg", "bias.svg"] {
+    let of_file = |name: &str| -> Vec<std::collections::HashMap<String, String>> {
+        csv::Reader::from_path(folder().join(name)).unwrap().into_deserialize().map(Result::unwrap).collect()
+    };
+    let (causes, frames) = (of_file("causes.csv"), of_file("popping.csv"));
+    assert_eq!((causes.len(), causes[1]["rmse"].as_str()), (2, "0.0123"));
+    assert_eq!(
+        (frames.len(), frames[0]["popping_rmse"].as_str(), frames[7]["popping_rmse"].as_str()),
+        (80, "", "0.03")
+    );
+    for figure in ["error.svg", "flip.svg", "convergence.svg", "bias.svg", "popping.svg", "popping-flip.svg"] {
         assert!(std::fs::read_to_string(folder().join(figure)).unwrap().starts_with("<svg"), "{figure}");
     }
 }

@@ -1,4 +1,5 @@
 //! `tradeoff` and `render` on Gaussian splats: errors by cause, and popping along a path.
 
 mod causes;
+mod popping;
 mod splats;

@@ -4,6 +4,7 @@ use super::surfaces::figures::{self as surfaces, Over};
 use super::{Analytic, Convergence, Errors, Row, Tradeoff};
 use crate::report::fit::PowerLaw;
 use crate::report::plot::{Axis, Figure, Guide, Panel, Point, Series, Steps};
+use crate::report::popping::{Scale, over_frames};
 use pellucid_engine::output;
 
 /// RMSE below is drawn at this value, since 0 has no place on a logarithmic axis: a forty-thousandth of an 8-bit step.
@@ -35,6 +36,8 @@ pub(super) fn draw(report: &Tradeoff) -> Result<Vec<Drawn>, output::Error> {
         ("flip.svg", Some(error_over_time(report, FLIP_FLOOR, "FLIP", |errors| errors.flip))),
         ("convergence.svg", convergence(report)),
         ("bias.svg", bias(report)),
+        ("popping.svg", popping(report, POPPING)),
+        ("popping-flip.svg", popping(report, POPPING_FLIP)),
     ];
     let drawn = figures.into_iter().filter_map(|(name, figure)| Some((name, figure?)));
     let svg = |(name, figure): (&'static str, Figure)| {
@@ -42,6 +45,14 @@ pub(super) fn draw(report: &Tradeoff) -> Result<Vec<Drawn>, output::Error> {
         Ok(Drawn { name, svg: figure.svg().map_err(failed)? })
     };
     drawn.map(svg).collect()
+}
+
+/// How popping is drawn.
+const POPPING: Scale = Scale { label: "change of the error, RMSE", floor: RMSE_FLOOR, value: |frame| frame.rmse };
+const POPPING_FLIP: Scale = Scale { label: "change of the error, FLIP", floor: FLIP_FLOOR, value: |frame| frame.flip };
+
+fn popping(report: &Tradeoff, scale: Scale) -> Option<Figure> {
+    over_frames(report.popping.as_ref()?, scale)
 }
 
 /// A setting without what all methods' settings share: `samples=64` for `method.samples=64`.

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::pictures::Pictures;
 use super::{Row, Shaded, ShadedStep, Skipped, Tradeoff, causes, figures, page};
+use crate::report::popping;
 use pellucid_engine::output::{self, Files};
 
 /// A line of `tradeoff.csv`. A skipped setting has its reason in place of figures.
@@ -124,7 +125,7 @@ fn csv(report: &Tradeoff, file: impl Write) -> io::Result<()> {
     writer.flush()
 }
 
-/// Writes `tradeoff.csv`, for Gaussian splats `causes.csv`, `tradeoff.json`, the figures and, last, `report.html` into the folder of the pictures. No
+/// Writes `tradeoff.csv`, for Gaussian splats `causes.csv`, along a path `popping.csv`, `tradeoff.json`, the figures and, last, `report.html` into the folder of the pictures. No
 /// file gets its final name before all are complete.
 ///
 /// # Errors
@@ -137,6 +138,9 @@ pub fn write(folder: &Path, report: &Tradeoff) -> Result<(), output::Error> {
     files.add(&folder.join("tradeoff.csv"), |file| csv(report, file))?;
     if !report.causes.is_empty() {
         files.add(&folder.join("causes.csv"), |file| causes::csv(&report.causes, file))?;
+    }
+    if let Some(found) = &report.popping {
+        files.add(&folder.join("popping.csv"), |file| popping::csv(found, file))?;
     }
     files.add(&folder.join("tradeoff.json"), |file| {
         serde_json::to_writer_pretty(&mut *file, report)?;

@@ -25,6 +25,7 @@ pub use measure::{ALONE_SHARE, FRAME_SHARE, Options, Subject, run};
 pub use partial::discard;
 
 use super::fit::PowerLaw;
+use super::popping::Popping;
 use super::stress::Spread;
 
 /// The error of an image against the reference, on composed linear R, G, B of all pixels; see
@@ -262,6 +263,8 @@ pub struct Tradeoff {
     pub shaded: Option<Shaded>,
     /// Only for Gaussian splats: what each of their approximations costs by itself, the exact image first.
     pub causes: Vec<Cause>,
+    /// Only along a camera path: how the error changes from frame to frame.
+    pub popping: Option<Popping>,
     /// The measured settings, in the order of the ladder.
     pub rows: Vec<Row>,
     /// The skipped settings.

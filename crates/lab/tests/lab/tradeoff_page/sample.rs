@@ -3,9 +3,11 @@
 use std::path::Path;
 
 use pellucid_engine::output::write_rgb_png;
+use pellucid_engine::scene::{Discs, Method, Stochastic};
 use pellucid_lab::report::fit::power_law;
+use pellucid_lab::report::popping::{Candidate, Curve, FrameError, Popping, Refused};
 use pellucid_lab::report::stress::Spread;
-use pellucid_lab::report::tradeoff::{Convergence, Errors, Finding, Reference, Repeats, Row, Skipped, Tradeoff};
+use pellucid_lab::report::tradeoff::{Cause, Convergence, Errors, Finding, Reference, Repeats, Row, Skipped, Tradeoff};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -84,7 +86,8 @@ pub fn report(size: [u32; 2]) -> Tradeoff {
         analytic: None,
         surveyed: None,
         shaded: None,
-        causes: Vec::new(),
+        causes: [("the exact image", "", 0.0), ("order of centres", "method.order=center", 0.0123)].map(cause).to_vec(),
+        popping: Some(popping()),
         rows,
         skipped: vec![
             skipped("peel", "method.layers=128", "the longest list has 64 fragments: 64 layers are exact already"),
@@ -97,6 +100,42 @@ pub fn report(size: [u32; 2]) -> Tradeoff {
             holds: Some(true),
         }],
     }
+}
+
+fn cause((cause, setting, rmse): (&str, &str, f64)) -> Cause {
+    Cause {
+        cause: cause.into(),
+        setting: setting.into(),
+        against: String::new(),
+        meaning: "What this means.".into(),
+        rmse,
+        flip: 1.5 * rmse,
+        max: (20.0 * rmse).min(1.0),
+        above_1_255: 9.0 * rmse,
+        gpu_ms: 51.0,
+        difference: "cause-difference.png".into(),
+    }
+}
+
+/// Forty frames: one method jumps in some of them, one has noise.
+fn popping() -> Popping {
+    let curve = |method: Method, setting: &str, change: fn(u32) -> f64| {
+        let frame = |frame: u32| FrameError {
+            frame,
+            error: 0.02,
+            rmse: (frame > 0).then(|| change(frame)),
+            flip: (frame > 0).then(|| 1.4 * change(frame)),
+        };
+        Curve::new(&Candidate { method, setting: setting.into() }, (0..40).map(frame).collect())
+    };
+    let jumps = |frame: u32| if frame.is_multiple_of(7) { 0.03 } else { 4e-4 };
+    let noise = |frame: u32| 0.008 + 1e-4 * f64::from(frame % 3);
+    let curves = vec![
+        curve(Method::Sorted(Discs::default()), "method.order=center", jumps),
+        curve(Method::Stochastic(Stochastic::default()), "", noise),
+    ];
+    let refused = Refused { method: "peel".into(), reason: "too many layers".into() };
+    Popping { exact: "abuffer order=pixel".into(), frames: 40, curves, refused: vec![refused] }
 }
 
 fn row(method: &str, step: Option<(&str, f64)>, ms: f64, rmse: f64, mib: u64) -> Row {

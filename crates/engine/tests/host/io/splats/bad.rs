@@ -63,7 +63,7 @@ fn changed_bytes() {
             if let Ok(cloud) = load(&path)
                 && let Some(gaussians) = &cloud.gaussians
             {
-                assert_eq!((gaussians.len(), cloud.positions.len() > 0), (cloud.positions.len(), true), "{file}");
+                assert_eq!((gaussians.len(), !cloud.positions.is_empty()), (cloud.positions.len(), true), "{file}");
                 assert_eq!(gaussians.harmonics.len(), gaussians.len() * gaussians.coefficients(), "{file}");
             }
         }

@@ -76,7 +76,7 @@ fn sog(replaced: &[(&str, &[u8])]) -> Vec<u8> {
         let own = replaced.iter().find(|(replaced, _)| *replaced == name);
         let content = own.map_or_else(|| bytes(&format!("soup-folder/{name}")), |(_, content)| content.to_vec());
         let (mut entry, config) =
-            archive.new_file(&format!("soup/{name}")).compression_method(CompressionMethod::DEFLATE).start().unwrap();
+            archive.new_file(format!("soup/{name}")).compression_method(CompressionMethod::DEFLATE).start().unwrap();
         let encoder = flate2::write::DeflateEncoder::new(&mut entry, Compression::best());
         let mut writer = config.wrap(encoder);
         writer.write_all(&content).unwrap();

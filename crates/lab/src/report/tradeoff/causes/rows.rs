@@ -68,13 +68,13 @@ fn orders(own: Order) -> impl Iterator<Item = (Order, &'static str, &'static str
         (
             Order::Center,
             "order of centres",
-            "Gaussians ordered by the depth of their centres, as most renderers do: where they overlap the wrong one is in front, and \
+            "Gaussians ordered by the depth of their centres, as most renderers do: where they overlap the wrong one may be in front, and \
              they change places when the camera turns.",
         ),
         (
             Order::Distance,
             "order of distances",
-            "Gaussians ordered by how far their centres are from the eye: wrong where they overlap, but they keep their places while \
+            "Gaussians ordered by how far their centres are from the eye: still wrong where they overlap, but they keep their places while \
              the camera turns about itself.",
         ),
         (

@@ -77,7 +77,7 @@ pub(in super::super) fn page(causes: &[Cause]) -> Markup {
                 "What each approximation of Gaussian splats does to this image by itself: the image of " code { "abuffer" }
                 " with one thing changed, against its exact image of the scene's own kernel and order. “Exact” is exact for these; which of two "
                 "images looks better depends on how the splats were trained. “% off” are the pixels with a channel off by more than 1/255; "
-                "times are those of single frames. " code { "cause-….png" } " beside this page show where the differences are."
+                "times are the least of two frames. " code { "cause-….png" } " beside this page show where the differences are."
             }
             div.sentences { (table(&columns, &causes.iter().map(row).collect::<Vec<_>>())) }
         }

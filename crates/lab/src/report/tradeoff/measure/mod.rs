@@ -9,6 +9,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use glam::Vec3;
+use pellucid_engine::camera::Camera;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::{Image, LinearImage};
 use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop};
@@ -27,6 +28,7 @@ use super::settings::{Formation, Ladders, Occasion, Setting, compared, settings}
 use super::surfaces::shadows::{self, Effort};
 use super::surfaces::{self, Clouds};
 use super::{Analytic, Reference, Row, Shaded, Skipped, Surveyed, Tradeoff, findings, summary};
+use crate::report::popping::{self, Film, Popping};
 use crate::report::truth::Truth;
 
 /// The scene to measure.
@@ -40,6 +42,8 @@ pub struct Subject<'a> {
     pub background: Vec3,
     /// The inputs as they were named.
     pub scene: &'a str,
+    /// The cameras of a path along which errors are followed ([`Tradeoff::popping`]); empty for none.
+    pub cameras: &'a [Camera],
 }
 
 /// The extent of the measurement.
@@ -139,7 +143,8 @@ pub fn run(
     let taken = run.trials(&settings)?;
     run.rounds(&taken)?;
     run.shade()?;
-    Ok(run.report(&taken))
+    let popping = run.follow()?;
+    Ok(run.report(&taken, popping))
 }
 
 struct Run<'a> {
@@ -217,6 +222,20 @@ impl Run<'_> {
         Ok(())
     }
 
+    /// How errors change along the path, if there is one.
+    fn follow(&mut self) -> Result<Option<Popping>> {
+        let Subject { arranged, background, cameras, .. } = *self.subject;
+        let own = self.subject.frame.method;
+        let exact = popping::exact(&own, arranged.points()).filter(|_| !cameras.is_empty());
+        let Some(method) = exact else { return Ok(None) };
+        // The memory of the others first.
+        self.clouds.forget();
+        let frame = Frame { method, ..self.frame };
+        let candidates = popping::candidates(&own, arranged.points(), &self.options.only);
+        let film = Film { arranged, frame: &frame, background, cameras };
+        Ok(Some(popping::measure(self.device, &film, &candidates, self.progress)?))
+    }
+
     /// What each approximation of Gaussian splats costs, unless an earlier run has it.
     fn find_causes(&mut self) -> Result<()> {
         let (points, frame) = (self.subject.arranged.points(), self.frame);
@@ -242,7 +261,7 @@ impl Run<'_> {
         Ok(self.partial.save()?)
     }
 
-    fn report(self, settings: &[Setting]) -> Tradeoff {
+    fn report(self, settings: &[Setting], popping: Option<Popping>) -> Tradeoff {
         let Self { device, subject, options, partial, made, analytic, surveyed, skipped, .. } = self;
         let facts = made.facts;
         let content = partial.content;
@@ -274,6 +293,7 @@ impl Run<'_> {
             surveyed,
             shaded: content.shaded,
             causes: content.causes,
+            popping,
             rows,
             skipped,
             convergence,

@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use super::Tradeoff;
 use crate::report::page::figure;
+use crate::report::popping;
 use crate::report::tradeoff::figures::{Drawn, FLIP_FLOOR, LAW_R_SQUARED, RMSE_FLOOR, bias_floor};
 
 pub(super) fn named<'a>(figures: &'a [Drawn], names: &'a [&str]) -> impl Iterator<Item = &'a Drawn> {
@@ -58,6 +59,7 @@ fn caption(name: &str, report: &Tradeoff) -> Markup {
             " is drawn there."
             @if report.analytic.is_some() { " The slope against alpha blending is that of settings which deal no point twice." }
         },
+        "popping.svg" | "popping-flip.svg" => popping::caption(name),
         _ => html! {
             b { "Noise and bias of stochastic methods. " }
             "Noise goes away with more images, bias stays. The floor is what noise alone leaves in the mean over the seeds: "

@@ -18,6 +18,7 @@ use super::figures::{Drawn, short};
 use super::pictures::Pictures;
 use super::{Row, Tradeoff};
 use crate::report::page::{Cell, Column, Line, digits, facts, grouped, page, script, sortable, sorting, table};
+use crate::report::popping;
 
 const MIB: f64 = (1 << 20) as f64;
 
@@ -77,6 +78,11 @@ pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures) ->
             h2 { "Bias and noise" }
             @for drawn in named(figures, &["bias.svg"]) { (shown(drawn, report)) }
             (bias(report))
+        }
+        @if let Some(found) = &report.popping {
+            (popping::section(found, &html! {
+                @for drawn in named(figures, &["popping.svg", "popping-flip.svg"]) { (shown(drawn, report)) }
+            }, error))
         }
         h2 { "All settings" }
         p { "Settings on the Pareto front are marked. A click on the head of a column sorts by it, another one the other way round; "

@@ -1,0 +1,72 @@
+//! `render --popping`: how the error of the method changes from frame to frame.
+
+use std::path::PathBuf;
+
+use pellucid_engine::image::{Image, LinearImage};
+use pellucid_engine::methods::{Frame, Renderer, Stop};
+use pellucid_engine::{Result, output};
+use pellucid_lab::report::popping::{self, Candidate, Follower, Popping};
+
+use super::console::Console;
+use super::limit::usage;
+use super::loaded::Resolved;
+use super::render::RenderArgs;
+use super::session::Session;
+
+/// The method's frames so far, and what renders the exact ones.
+pub struct Popped {
+    path: PathBuf,
+    renderer: Renderer,
+    /// The exact frame; its camera is replaced.
+    frame: Frame,
+    followed: Candidate,
+    follower: Follower,
+}
+
+impl Popped {
+    /// Begins, if it was asked for.
+    ///
+    /// # Errors
+    /// A method whose frames no other one draws exactly.
+    pub fn open(args: &RenderArgs, resolved: &Resolved, session: &Session) -> Result<Option<Self>> {
+        let Some(path) = args.popping.clone() else { return Ok(None) };
+        let method = session.frame.method;
+        let Some(exact) = popping::exact(&method, resolved.points()) else {
+            let name = method.name();
+            let problem =
+                format!("--popping follows errors of transparent discs and soft spheres, not those of {name}");
+            return Err(usage(problem));
+        };
+        let mut frame = Frame { method: exact, stop: Stop::Exact, fragments: false, ..session.frame };
+        // What the method's own frames lack is no error.
+        frame.shading.edl.edl &= method.takes_edl();
+        let followed = Candidate { method, setting: String::new() };
+        let renderer = Renderer::new(&session.device)?;
+        Ok(Some(Self { path, renderer, frame, followed, follower: Follower::default() }))
+    }
+
+    /// Takes a frame of the session as it was rendered.
+    pub fn add(&mut self, session: &mut Session, image: &Image, resolved: &Resolved) -> Result<()> {
+        let frame = Frame { camera: session.frame.camera, ..self.frame };
+        let exact = self.renderer.render(&mut session.cloud, &frame)?;
+        session.device.check_validation()?;
+        let linear =
+            |image: &Image| -> LinearImage { output::linear(image, resolved.scene.image.background, frame.color) };
+        self.follower.add(&linear(&exact.image), &linear(image));
+        self.renderer.recycle(exact.image);
+        Ok(())
+    }
+
+    /// Writes the table and tells the figures.
+    pub fn finish(self, frames: usize, console: Console) -> Result<()> {
+        let curve = self.follower.curve(&self.followed);
+        let exact = popping::named(&self.frame.method);
+        console.note(format_args!(
+            "popping against {exact}: RMSE {:.2e} on the average, {:.2e} at worst (frame {}); mean FLIP {:.2e}",
+            curve.mean_rmse, curve.worst_rmse, curve.worst_frame, curve.mean_flip
+        ));
+        let found = Popping { exact, frames: frames as u32, curves: vec![curve], refused: Vec::new() };
+        popping::write(&self.path, &found)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,98 @@
+//! Popping along a path, of Gaussians and of discs.
+
+use std::collections::BTreeMap;
+use std::fs;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use super::splats;
+use crate::{assert_refused, builtin, done, folder, has_device, inside};
+
+type Line = BTreeMap<String, String>;
+
+fn lines(folder: &TempDir, name: &str) -> Vec<Line> {
+    csv::Reader::from_path(inside(folder, name)).unwrap().deserialize().map(Result::unwrap).collect()
+}
+
+fn numbers(lines: &[Line], column: &str) -> Vec<Option<f64>> {
+    lines.iter().map(|line| line[column].parse().ok()).collect()
+}
+
+fn curve<'a>(report: &'a Value, method: &str, setting: &str) -> &'a Value {
+    let curves = report["popping"]["curves"].as_array().unwrap();
+    let is_it = |curve: &&Value| curve["method"] == method && curve["setting"] == setting;
+    curves.iter().find(is_it).unwrap_or_else(|| panic!("{method} {setting} in {curves:?}"))
+}
+
+#[test]
+fn centres_pop_and_exact_methods_do_not() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let scene = splats::write(&folder);
+    let start = ["tradeoff", &scene, "-q", "--size", "48x36", "-o", "report", "--quick", "--time", "900", "--json"];
+    let only = ["--only", "sorted", "--only", "linked-list", "--only", "weighted"];
+    let args = [&start[..], &only, &["--turntable", "--frames", "5"]].concat();
+    let report: Value = serde_json::from_str(&done(&folder, &args)).unwrap();
+    assert_eq!((&report["popping"]["exact"], &report["popping"]["frames"]), (&"abuffer order=pixel".into(), &5.into()));
+    let figures = |curve: &Value| ["mean_rmse", "worst_rmse", "mean_flip"].map(|key| curve[key].as_f64().unwrap());
+    // The same image by other means.
+    assert!(figures(curve(&report, "linked-list", "")).iter().all(|figure| *figure < 1e-5), "{report}");
+    for (method, setting) in [("sorted", "method.order=center"), ("sorted", "method.order=distance"), ("weighted", "")]
+    {
+        let [mean, worst, flip] = figures(curve(&report, method, setting));
+        assert!(mean > 1e-3 && worst >= mean && flip > 1e-4, "{method} {setting}: {mean} {worst} {flip}");
+    }
+    let table = lines(&folder, "report/popping.csv");
+    assert_eq!(table.len(), 4 * 5);
+    assert_eq!(numbers(&table[..5], "popping_rmse")[0], None, "nothing is before the first frame");
+    assert!(numbers(&table[1..5], "popping_flip").iter().all(Option::is_some), "{table:?}");
+    for name in ["popping.svg", "popping-flip.svg"] {
+        assert!(
+            fs::read_to_string(inside(&folder, &format!("report/{name}"))).unwrap().contains("sorted order=center")
+        );
+    }
+    let page = fs::read_to_string(inside(&folder, "report/report.html")).unwrap();
+    assert!(page.contains("<h2>Popping</h2>") && page.contains("does not pop"));
+}
+
+#[test]
+fn a_rendered_path_tells_how_it_pops() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let scene = builtin(&folder, "tori", &["points=1500"]);
+    let start = ["render", &scene, "-q", "--size", "48x32", "--turntable", "--frames", "4", "-o", "f_%d.exr"];
+    let weighted = [&start[..], &["--method", "weighted", "--popping", "a.csv"]].concat();
+    done(&folder, &weighted);
+    let first = lines(&folder, "a.csv");
+    assert_eq!(first.iter().map(|line| line["frame"].as_str()).collect::<Vec<_>>(), ["0", "1", "2", "3"]);
+    let changes = numbers(&first, "popping_rmse");
+    assert!(changes[0].is_none() && changes[1..].iter().all(|change| change.unwrap() > 1e-4), "{changes:?}");
+    // Frames that are there stay, and tell the same.
+    let before = fs::metadata(inside(&folder, "f_0.exr")).unwrap().modified().unwrap();
+    fs::remove_file(inside(&folder, "a.csv")).unwrap();
+    done(&folder, &weighted);
+    assert_eq!(lines(&folder, "a.csv"), first);
+    assert_eq!(fs::metadata(inside(&folder, "f_0.exr")).unwrap().modified().unwrap(), before);
+    // The exact method against itself.
+    done(&folder, &[&start[..], &["--overwrite", "--method", "abuffer", "--popping", "b.csv"]].concat());
+    let same = lines(&folder, "b.csv");
+    assert!(numbers(&same[1..], "popping_rmse").iter().chain(&numbers(&same, "error_rmse")).all(|e| *e == Some(0.0)));
+}
+
+#[test]
+fn what_can_not_be_followed_is_refused() {
+    let folder = folder();
+    let scene = splats::write(&folder);
+    let tradeoff = ["tradeoff", &scene, "-q", "-o", "report"];
+    let with = |more: &[&'static str]| [&tradeoff[..], more].concat();
+    assert_refused(&folder, &with(&["--frames", "3"]), 2, &["--frames 3 needs --path or --turntable"]);
+    assert_refused(&folder, &with(&["--turntable"]), 2, &["--turntable needs the number of its frames"]);
+    let opaque = with(&["--turntable", "--frames", "3", "--method", "circles"]);
+    assert_refused(&folder, &opaque, 2, &["not those of circles"]);
+    assert_refused(&folder, &["render", &scene, "--popping", "a.csv"], 2, &["--popping needs --path or --turntable"]);
+}
