@@ -32,8 +32,7 @@ fn resolve_factored(choice: MethodChoice, points: &Points, factor: f32) -> (Meth
     let may_be = points.whole.as_ref().is_some_and(|whole| whole.is_transparent);
     // Estimated normals shade and tilt nothing.
     let is_tilted = |i: usize| points.own_normal(i).is_some();
-    let gaussians = points.gaussians.as_ref().filter(|all| (0..all.len()).any(|i| all.is_one(i)));
-    if gaussians.is_some() {
+    if has_gaussians(points) {
         return resolve_gaussians(discs);
     }
     let oriented = discs.shape == DiscShape::Oriented && (0..points.len()).any(is_tilted);
@@ -86,8 +85,8 @@ pub fn choose(
 
 /// The method that forms the image of another one exactly, except for rounding: `abuffer` for discs, and `soft-base` for soft
 /// points, with a softness in place of a factor λ, whose meaning differs between their models. Ensembles are exact for no finite
-/// number: of `spbr` it is itself, as if nothing was said of their number and brightness. `None` for methods whose image no
-/// other one draws.
+/// number: of `spbr` it is itself, as if nothing was said of their number and brightness. Gaussians keep their order, which is not
+/// every method's by default. `None` for methods whose image no other one draws.
 pub fn exact(method: &Method, points: &Points) -> Option<Method> {
     if let Some(soft) = method.soft() {
         let model = SoftModel::new(method, soft, Parts::count(points, soft.threshold).median_radius);
@@ -98,8 +97,23 @@ pub fn exact(method: &Method, points: &Points) -> Option<Method> {
     if let Method::Spbr(spbr) = method {
         return Some(Method::Spbr(Spbr { ensembles: Spbr::default().ensembles, brighten: false, ..*spbr }));
     }
-    let discs = *method.discs()?;
+    let mut discs = *method.discs()?;
+    if has_gaussians(points) && method.order() != Method::ABuffer(discs).order() {
+        discs.gaussians.order = Some(method.order());
+    }
     Some(Method::ABuffer(Discs { raster: Raster::default(), long_lists: LongLists::default(), ..discs }))
+}
+
+/// True if two splats may lie one way in one pixel and the other way in another: oriented discs, and Gaussians that are ordered by
+/// pixels. A method that orders splats once is not exact for them ([`Method::is_exact`]).
+pub fn may_cross(method: &Method, points: &Points) -> bool {
+    let Some(discs) = method.discs() else { return false };
+    let tilted = discs.shape == DiscShape::Oriented && points.normals.is_some();
+    tilted || (has_gaussians(points) && method.order() == Order::Pixel)
+}
+
+fn has_gaussians(points: &Points) -> bool {
+    points.gaussians.as_ref().is_some_and(|all| (0..all.len()).any(|i| all.is_one(i)))
 }
 
 /// The passes of a frame whose facts were surveyed (see [`Renderer::survey`]), in the order of their first run. `why` is the

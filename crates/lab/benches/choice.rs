@@ -82,8 +82,10 @@ fn compare(device: &Device, name: &str, keys: &[(&str, &str)]) -> Result<()> {
         seed: 0,
     };
     let start = Instant::now();
-    let table =
-        search(device, &Subject { arranged: &arranged, frame, background: scene.image.background, scene: name })?;
+    let table = search(
+        device,
+        &Subject { arranged: &arranged, frame, background: scene.image.background, scene: name, cameras: &[] },
+    )?;
     let (settings, seconds) = (table.rows.len(), start.elapsed().as_secs());
     println!("\n== {name} {keys:?}: {settings} settings searched in {seconds} s");
     choices(device, &arranged, &scene, frame, &table)

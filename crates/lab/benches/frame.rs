@@ -348,6 +348,7 @@ impl Course {
             part: Part::All,
             relative_depth: false,
             lit: false,
+            gaussians: Default::default(),
         };
         cloud.set_view(&frame(Method::Points).camera, [SIDE; 2], window, &how);
         let cloud = &*cloud;

@@ -148,6 +148,7 @@ fn hardware(device: &Device, count: usize, frames: usize) -> Result<f64> {
         part: Part::All,
         relative_depth: false,
         lit: false,
+        gaussians: Default::default(),
     };
     let window = [0, 0, SIDE, SIDE];
     cloud.set_view(&frame(Method::Points, false).camera, [SIDE; 2], window, &how);

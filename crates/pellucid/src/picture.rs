@@ -25,8 +25,12 @@ impl Picture {
         let metadata =
             pellucid_engine::output::tags("", frame.method.name(), &loaded.settings.settings, device, frame.seed);
         let settings = &loaded.settings.image;
-        let options =
-            WriteOptions { background: settings.background, color: settings.color, transparent: false, metadata };
+        let options = WriteOptions {
+            background: settings.background,
+            color: settings.color_space(),
+            transparent: false,
+            metadata,
+        };
         Self { image: rendered.image, options, profile: Profile(frames) }
     }
 

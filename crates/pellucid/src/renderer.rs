@@ -81,7 +81,8 @@ impl Renderer {
     /// an observer cancelled.
     pub fn load(&self, scene: &Scene) -> Result<Loaded> {
         self.go_on()?;
-        let settings = scene.document.scene()?;
+        let mut settings = scene.document.scene()?;
+        settings.settle(&scene.clouds);
         let (texture, _) = engine::shadow_texture(&settings, &scene.clouds, scene.seed);
         let up = engine::up_axis(&scene.clouds);
         let arranged = engine::arrange(&settings, scene.clouds.clone(), scene.seed, &self.progress)?;

@@ -7,7 +7,7 @@ use super::stage::Pose;
 use pellucid_engine::metrics;
 use pellucid_engine::plan;
 use pellucid_engine::points::Points;
-use pellucid_engine::scene::{DiscShape, Method, Scene};
+use pellucid_engine::scene::{Method, Scene};
 
 /// Bytes of pictures of one view that are kept to be measured; the last one is always kept.
 const MOST_BYTES: usize = 256 << 20;
@@ -28,8 +28,7 @@ pub enum Standing {
 impl Standing {
     /// For a method that is applied to these points.
     pub fn for_method(method: &Method, points: &Points) -> Self {
-        let oriented = method.discs().is_some_and(|discs| discs.shape == DiscShape::Oriented);
-        let exact = method.is_exact(oriented && points.normals.is_some());
+        let exact = method.is_exact(plan::may_cross(method, points));
         match plan::exact(method, points) {
             _ if exact => Self::Exact,
             Some(Method::Spbr(_)) => Self::Sampled,
@@ -143,7 +142,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use pellucid_engine::scene::{Discs, Document, Overrides, Peel, PeelLayers, Soft, Spbr, Stochastic};
+    use pellucid_engine::scene::{DiscShape, Discs, Document, Overrides, Peel, PeelLayers, Soft, Spbr, Stochastic};
 
     fn points(normals: bool) -> Points {
         let normals = normals.then(|| vec![Vec3::Z]);

@@ -26,6 +26,8 @@ pub struct Census {
     pub auto: ColorBy,
     /// True if the file has normals.
     pub normals: bool,
+    /// True if the file holds Gaussian splats.
+    pub gaussians: bool,
     /// True if the points have radii of their own rather than estimated ones.
     pub own_radii: bool,
     /// Points of each class; empty without classes.
@@ -56,6 +58,7 @@ impl Census {
             colors: cloud.colors.is_some(),
             auto: automatic(cloud),
             normals: cloud.normals.is_some(),
+            gaussians: cloud.gaussians.is_some(),
             own_radii: cloud.own_radii().is_some(),
             classes: classes(cloud.classification.as_deref().unwrap_or_default()),
             scalars,

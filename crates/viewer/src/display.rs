@@ -111,7 +111,7 @@ impl ScreenEncoder {
             image: image.size,
             picture: wanted.size,
             background: wanted.background,
-            color: wanted.color,
+            color: wanted.color_space(),
             blue_first: self.blue_first,
         };
         Ok(self.encoder.encode(colors, &showing)?)

@@ -70,7 +70,8 @@ fn free(stem: &str, taken: impl Fn(&Path) -> bool) -> PathBuf {
 
 /// Does the same as `pellucid render SCENE -o PICTURE`.
 fn render(stage: &mut Stage, scene_path: &Path, picture: &Path, seed: u64) -> Result<()> {
-    let scene = Document::read(scene_path, &Overrides::default())?.scene()?;
+    let mut scene = Document::read(scene_path, &Overrides::default())?.scene()?;
+    stage.settle(&mut scene);
     let TakenPicture { rendered, frame, brightness, .. } = stage.take(&scene, Pose::Scene, Effort::Whole)?;
     let device = stage.renderer().device();
     device.check_validation()?;

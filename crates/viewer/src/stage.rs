@@ -140,6 +140,13 @@ impl Stage {
         self.sources.clouds()
     }
 
+    /// Settles what the clouds decide about a scene.
+    pub fn settle(&self, scene: &mut Scene) {
+        if let Clouds::Held(clouds) = self.clouds() {
+            scene.settle(clouds);
+        }
+    }
+
     /// The clouds, when everything else goes.
     pub fn into_clouds(self) -> Clouds {
         self.sources.into_clouds()

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use glam::Vec3;
 use pellucid_engine::cloud::Cloud;
+use pellucid_engine::cloud::gaussians::{Gaussians, MAX_DEGREE};
 use pellucid_engine::io::{self, ColumnNames, Hints};
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{Overrides, Scene};
@@ -67,7 +68,7 @@ pub fn text(input: &[u8]) {
 }
 
 /// Reads a file and does with its cloud what `info` and `render` do before they need a device.
-fn read(path: &Path, columns: Option<&ColumnNames>) {
+pub(super) fn read(path: &Path, columns: Option<&ColumnNames>) {
     let hints = Hints { columns, ..Hints::default() };
     let cloud = match io::load_with(path, hints, &Progress::hidden()) {
         Ok(cloud) => cloud,
@@ -94,10 +95,22 @@ pub(super) fn check(cloud: &Cloud) {
     assert!(is_whole(cloud.normals.as_ref().map(Vec::len)) && is_whole(cloud.radii.as_ref().map(Vec::len)));
     assert!(is_whole(cloud.classification.as_ref().map(Vec::len)) && is_whole(cloud.intensity.as_ref().map(Vec::len)));
     assert!(cloud.scalars.iter().all(|(_, values)| values.len() == len));
+    cloud.gaussians.iter().for_each(|gaussians| check_gaussians(gaussians, len));
     let is_color = |color: &Vec3| color.is_finite() && color.min_element() >= 0.0 && color.max_element() <= 1.0;
     assert!(cloud.colors.iter().flatten().all(is_color), "a color out of range");
     assert!(cloud.alphas.iter().flatten().all(|alpha| (0.0..=1.0).contains(alpha)), "an alpha out of range");
     assert!(cloud.radii.iter().flatten().all(|radius| radius.is_finite() && *radius >= 0.0), "a radius out of range");
     let is_normal = |normal: &Vec3| *normal == Vec3::ZERO || normal.is_normalized();
     assert!(cloud.normals.iter().flatten().all(is_normal), "a normal that is none");
+}
+
+/// Checks the invariants of the columns of Gaussian splats.
+fn check_gaussians(gaussians: &Gaussians, len: usize) {
+    let Gaussians { extents, rotations, bases, degree, harmonics } = gaussians;
+    assert!([extents.len(), rotations.len(), bases.len()] == [len; 3] && *degree <= MAX_DEGREE);
+    assert_eq!(harmonics.len(), len * gaussians.coefficients());
+    let is_extent = |extents: &Vec3| extents.is_finite() && extents.min_element() >= 0.0 && *extents != Vec3::ZERO;
+    assert!(extents.iter().all(is_extent), "an extent that is none");
+    assert!(rotations.iter().all(|rotation| rotation.is_normalized()), "a rotation that is none");
+    assert!(bases.iter().chain(harmonics).all(|color| color.is_finite()), "a color that is not finite");
 }

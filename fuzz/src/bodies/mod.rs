@@ -8,6 +8,7 @@ mod pictures;
 mod prepared;
 mod profile;
 mod scene;
+mod splats;
 mod store;
 mod volume;
 
@@ -21,12 +22,14 @@ pub use pictures::{compare, photo};
 pub use prepared::prepared;
 pub use profile::profile;
 pub use scene::{polygon, scene};
+pub use splats::splats;
 pub use store::{copc, ept, octree};
 pub use volume::volume;
 
 /// All of them by name, which is that of the target and of its corpus.
-pub const TARGETS: [(&str, Body); 16] = [
+pub const TARGETS: [(&str, Body); 17] = [
     ("ply", ply),
+    ("splats", splats),
     ("las", las),
     ("copc", copc),
     ("ept", ept),

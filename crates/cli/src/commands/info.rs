@@ -1,6 +1,7 @@
 //! `pellucid info`.
 
 mod facts;
+mod gaussians;
 mod histogram;
 mod proposal;
 
@@ -28,7 +29,7 @@ use facts::Facts;
 /// a search tree over all points is built for them. No device is needed.
 #[derive(Debug, Args)]
 pub struct InfoArgs {
-    /// Point clouds (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV, TXT), or pictures that stand for clouds.
+    /// Point clouds (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV, TXT), Gaussian splats (PLY, SPLAT, SPZ, SOG, KSPLAT, glTF), or pictures that stand for clouds.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Columns of text files (PTS, PTX, XYZ, CSV, TXT), as in x,y,z,-,r,g,b; `render --help` lists the names.
@@ -40,7 +41,7 @@ pub struct InfoArgs {
     outliers: bool,
     /// Print JSON: {points, non_finite, bounds: {min, max}, attributes, classes, ranges, spacing, layers, histograms, command};
     /// points counts all in the file, classes maps a code to its points, ranges a scalar to [min, max], histograms are {height,
-    /// intensity}, each null or {min, max, counts}. With --outliers also `outliers`, their number. A prepared cloud has `prepared: {neighbors, radius_cap, estimated_radii, field, quantiles}`,
+    /// intensity}, each null or {min, max, counts}. Gaussian splats have `gaussians: {count, degree, filter, extents: {min, median, max}}`. With --outliers also `outliers`, their number. A prepared cloud has `prepared: {neighbors, radius_cap, estimated_radii, field, quantiles}`,
     /// where quantiles maps a share of the points to the F that they don't exceed, and `shadows` in it if they are stored.
     /// Several files: an array of these, each with `file`.
     #[arg(long)]
@@ -104,6 +105,7 @@ fn attributes(cloud: &Cloud) -> Vec<&str> {
     let usual = [
         ("color", cloud.colors.is_some()),
         ("alpha", cloud.alphas.is_some()),
+        ("gaussian", cloud.gaussians.is_some()),
         ("normal", cloud.normals.is_some()),
         ("radius", cloud.radii.is_some()),
         ("classification", cloud.classification.is_some()),
@@ -131,6 +133,9 @@ fn to_json(seen: &Seen) -> Value {
     }
     if let (Value::Object(object), Some(outliers)) = (&mut value, *outliers) {
         object.insert("outliers".to_owned(), outliers.into());
+    }
+    if let (Value::Object(object), Some(splats)) = (&mut value, &cloud.gaussians) {
+        object.insert("gaussians".to_owned(), gaussians::json(splats, cloud.filter));
     }
     if let (Value::Object(object), Some(prepared)) = (&mut value, &cloud.prepared) {
         let quantiles: serde_json::Map<_, _> = quantiles(prepared)
@@ -211,6 +216,7 @@ fn to_text(seen: &Seen) -> String {
     let attributes = attributes(cloud);
     let listed = if attributes.is_empty() { "none".into() } else { facts.attributes(&attributes) };
     let _ = write!(text, "\n  attributes  {listed}");
+    cloud.gaussians.iter().for_each(|splats| text.push_str(&gaussians::text(splats, cloud.filter)));
     text.push_str(&facts.text());
     cloud.prepared.iter().for_each(|prepared| text.push_str(&prepared_text(prepared)));
     text + "\n"

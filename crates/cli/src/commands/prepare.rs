@@ -29,6 +29,8 @@ use super::prepare_store;
 ///
 /// With --light or --light-position it also finds, on the device, which share of the light reaches each point, and stores it. A
 /// scene of this one cloud with [shadows] of the same settings then casts none anew.
+///
+/// Gaussian splats of any format become a PLY file of them as other programs read it. Nothing is computed of them.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("any_light").args(["light", "light_position"])))]
 pub struct PrepareArgs {
@@ -242,6 +244,12 @@ fn run_ply(args: &PrepareArgs, input: &PathBuf, console: Console) -> Result<Exit
     let hints = settings.as_ref().map(CloudSettings::hints).unwrap_or_default();
     let cloud = io::load_with(input, hints, &progress)?;
     report_cloud(input, &cloud, console);
+    if cloud.gaussians.is_some() {
+        progress.stage("writing");
+        write_splats(args, input, &cloud, console)?;
+        progress.finish_and_clear();
+        return Ok(ExitCode::SUCCESS);
+    }
     let radius_cap = settings.as_ref().and_then(|cloud| cloud.strays.radius_cap);
     let (neighbors, field) = settings.map(|cloud| (cloud.neighbors, cloud.field)).unwrap_or_default();
     let request = prepare::Request { neighbors, radius_cap, field, normals: args.normals, ..Default::default() };
@@ -258,4 +266,23 @@ fn run_ply(args: &PrepareArgs, input: &PathBuf, console: Console) -> Result<Exit
     progress.finish_and_clear();
     console.detail(format_args!("{}: written", args.output.display()));
     Ok(ExitCode::SUCCESS)
+}
+
+/// Writes Gaussian splats, which have nothing to be prepared.
+fn write_splats(args: &PrepareArgs, input: &Path, cloud: &Cloud, console: Console) -> Result<()> {
+    let input = input.display();
+    if args.light.is_some() || args.light_position.is_some() {
+        return Err(usage(format!(
+            "{input}: shadows are stored with points, but these are Gaussian splats; leave the light out"
+        )));
+    }
+    let asked =
+        [&args.neighbors, &args.radius_cap, &args.field, &args.soft_classes, &args.axis_point, &args.axis_direction];
+    if args.normals || asked.into_iter().any(Option::is_some) {
+        console
+            .warn(format_args!("{input}: Gaussian splats are written as they are, without radii, field and normals"));
+    }
+    io::ply::write(&args.output, cloud)?;
+    console.detail(format_args!("{}: written", args.output.display()));
+    Ok(())
 }

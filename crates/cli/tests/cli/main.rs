@@ -34,6 +34,7 @@ mod render;
 mod scene_store;
 mod sequence;
 mod shadows;
+mod splats;
 mod stress;
 mod tradeoff;
 

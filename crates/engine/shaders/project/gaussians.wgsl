@@ -81,8 +81,8 @@ fn inverse_of(f: Factor) -> vec3<f32> {
 // touch the ellipsoid of Mahalanobis distance sqrt(c).
 fn extent_along(a: vec3<f32>, m: vec3<f32>, z: f32, c: f32) -> vec2<f32> {
     let lead = z * z - c * dot3(m, m);
-    // The ellipsoid reaches the plane of the eye.
-    if !(lead > 1e-6 * z * z) {
+    // The ellipsoid reaches the plane of the eye, or comes so close that roundings show.
+    if !(lead > 0.05 * z * z) {
         return vec2<f32>(HUGE);
     }
     let shift = c * dot3(a, m);

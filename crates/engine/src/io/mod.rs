@@ -157,6 +157,15 @@ pub enum Error {
         /// The system's reason.
         source: std::io::Error,
     },
+    /// Gaussian splats were to become a store.
+    #[error(
+        "{}: Gaussian splats, of which no store can be made yet; `pellucid prepare {} -o NAME.ply` writes them as a PLY file",
+        path.display(), path.display()
+    )]
+    Splats {
+        /// Their file.
+        path: PathBuf,
+    },
     /// Points could not be put into a temporary file.
     #[error("{}: no room for points that are dealt to ensembles: {source}; TMPDIR names another folder", folder.display())]
     Temporary {
@@ -280,6 +289,9 @@ pub fn load_with(path: &Path, hints: Hints, progress: &Progress) -> Result<Cloud
         Format::Text(kind) => text::read(&mut source, &start, kind, hints.columns, progress)?,
     };
     if cloud.is_empty() {
+        if let Some(why) = splats::reason(&cloud) {
+            return Err(Error::Malformed { path, place: "splats".to_owned(), cause: why.to_owned() });
+        }
         return Err(Error::NoPoints { path, non_finite: cloud.non_finite });
     }
     if hints.columns.is_some() && !matches!(format, Format::Text(_)) {

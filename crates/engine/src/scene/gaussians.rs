@@ -10,7 +10,12 @@ use crate::color::encode_srgb_f64;
 
 /// True if a cloud's points are drawn as the Gaussians that its file has.
 pub(super) fn are_drawn(scene: &Scene, settings: &CloudSettings, cloud: &Cloud) -> bool {
-    cloud.gaussians.is_some() && settings.primitive == Primitive::Gaussians && scene.method.is_made_of_discs()
+    cloud.gaussians.is_some() && would_be_drawn(scene, settings)
+}
+
+/// True if the Gaussians of a cloud's file are drawn, should it hold some.
+pub(super) fn would_be_drawn(scene: &Scene, settings: &CloudSettings) -> bool {
+    settings.primitive == Primitive::Gaussians && scene.method.is_made_of_discs()
 }
 
 /// Where the colors of a cloud's points come from.

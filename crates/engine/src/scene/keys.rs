@@ -3,7 +3,9 @@
 use super::choice::MethodChoice;
 use super::methods::METHODS;
 use super::schema::{Key, Value};
-use super::settings::{CameraSettings, Clip, CloudSettings, Detail, ImageSettings, Shading, ShadowMethod, Shadows};
+use super::settings::{
+    CameraSettings, Clip, CloudSettings, Detail, GaussianSettings, ImageSettings, Shading, ShadowMethod, Shadows,
+};
 
 /// A table of the scene file.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,6 +42,11 @@ pub fn tables() -> [KeyTable; 7] {
 pub fn method_keys(name: &str) -> Vec<&'static str> {
     let choice = MethodChoice::named(name);
     choice.iter().flat_map(MethodChoice::keys).map(|key| key.name).collect()
+}
+
+/// The keys of methods that Gaussian splats alone heed.
+pub fn gaussian_keys() -> Vec<&'static str> {
+    GaussianSettings::default().keys().into_iter().map(|key| key.name).collect()
 }
 
 /// The methods that have `key`.

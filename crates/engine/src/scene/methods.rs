@@ -247,8 +247,8 @@ impl Method {
         keys
     }
 
-    /// True if its image is exact except for rounding. `crossing`: true if discs have a depth for each pixel, and so
-    /// may cross.
+    /// True if its image is exact except for rounding. `crossing`: true if splats have a depth for each pixel, and so
+    /// may cross ([`crate::plan::may_cross`]).
     pub fn is_exact(&self, crossing: bool) -> bool {
         match self {
             Self::ABuffer(_) | Self::LinkedList(_) => true,

@@ -47,7 +47,7 @@ pub use coloring::colorings;
 pub use document::{Change, Document, Setting};
 pub use error::{Error, Place};
 pub use framing::{DEFAULT_FOV_Y, camera, camera_at};
-pub use keys::{KeyTable, all_method_keys, method_keys, tables};
+pub use keys::{KeyTable, all_method_keys, gaussian_keys, method_keys, tables};
 pub use layers::note_of_layers;
 pub use methods::{Family, METHODS, Method, Purpose, edl_methods};
 pub use open::{DEFAULT_SCENE, Named, Opened, name, open};

@@ -70,8 +70,14 @@ impl Scene {
     /// Settles what its clouds decide: scenes of Gaussians alone are blended in display values, in which they are trained, unless the
     /// scene says otherwise. Returns true if they decided it.
     pub fn settle(&mut self, clouds: &[Cloud]) -> bool {
-        let alone = self.clouds.iter().zip(clouds).all(|(settings, cloud)| gaussians::are_drawn(self, settings, cloud));
-        let decided = self.image.color.is_none() && alone && !clouds.is_empty();
+        self.settle_for(|cloud| clouds.get(cloud).is_some_and(|cloud| cloud.gaussians.is_some()))
+    }
+
+    /// The same, given which of its clouds are files of Gaussians.
+    pub fn settle_for(&mut self, has_gaussians: impl Fn(usize) -> bool) -> bool {
+        let drawn = |(i, settings)| has_gaussians(i) && gaussians::would_be_drawn(self, settings);
+        let alone = !self.clouds.is_empty() && self.clouds.iter().enumerate().all(drawn);
+        let decided = self.image.color.is_none() && alone;
         if decided {
             self.image.color = Some(ColorSpace::Encoded);
         }

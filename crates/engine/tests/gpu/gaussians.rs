@@ -290,7 +290,7 @@ fn approximations_are_those_of_the_reference() {
         let points = Soup { seed: 51, count: 100, degree: 1, ..Soup::default() }.points();
         for order in ORDERS {
             let discs = discs(Kernel::Ewa, order);
-            let hybrid = |k| Method::Hybrid(Hybrid { discs, k, ..Hybrid::default() });
+            let hybrid = |k| Method::Hybrid(Hybrid { discs, k });
             for method in [Method::Weighted(discs), Method::Average(discs), hybrid(3), hybrid(11)] {
                 let frame = encoded(perspective(), size, method);
                 let image = render(device, &points, &frame);

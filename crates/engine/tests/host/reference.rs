@@ -11,8 +11,7 @@ use pellucid_engine::reference::abuffer::{Composite, Fragment, composite, depth_
 use pellucid_engine::reference::coverage::{Coverage, Shape, Splat, footprint, margin_px};
 use pellucid_engine::reference::{Picture, abuffer, scan, shading, sorted};
 use pellucid_engine::scene::{
-    ColorSpace, DiscShape, Discs, Edl, Falloff, GaussianSettings, Light, Raster, Relief, ScreenSplats, Shading,
-    ShadingModel,
+    ColorSpace, DiscShape, Discs, Edl, Falloff, GaussianSettings, Light, Relief, ScreenSplats, Shading, ShadingModel,
 };
 
 /// Rounding of a few dozen float64 operations on values of order 10.
@@ -65,6 +64,7 @@ mod approximations;
 mod blended_splats;
 mod compositing;
 mod coverage;
+mod gaussians;
 mod image_space;
 mod margins;
 mod opaque;

@@ -99,6 +99,7 @@ fn every_key_of_the_contract_is_read() {
         falloff: Falloff::Gaussian,
         raster: Raster::Compute,
         long_lists: LongLists::InPlace,
+        ..Discs::default()
     };
     assert_eq!(scene.method, Method::ABuffer(discs).into());
     assert_eq!(scene.warnings, [""; 0]);

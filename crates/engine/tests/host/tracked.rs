@@ -119,6 +119,7 @@ fn differences(before: &Points, after: &Points) -> Changes {
         fields: bits(&before.fields) != bits(&after.fields),
         order: before.file_order != after.file_order || before.normals != after.normals,
         unseen: before.unseen != after.unseen,
+        gaussians: before.gaussians != after.gaussians,
     }
 }
 

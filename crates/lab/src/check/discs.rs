@@ -14,7 +14,7 @@ use pellucid_engine::scene::{DiscShape, Discs, Falloff, Hybrid, Method, Peel, St
 pub(super) const SATURATED: f32 = 1.0 / 512.0;
 
 /// Methods with an exact A, whatever they do to colors.
-fn exact_coverage() -> Vec<Method> {
+pub(super) fn exact_coverage() -> Vec<Method> {
     let discs = Discs::default();
     let corrected = Stochastic { samples: 4, ..Stochastic::default() };
     vec![Method::Hybrid(Hybrid::default()), Method::Weighted(discs), Method::Stochastic(corrected)]

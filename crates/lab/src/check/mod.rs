@@ -9,6 +9,7 @@ mod clipped;
 mod colored;
 mod cuts;
 mod discs;
+mod gaussians;
 mod lists;
 mod machinery;
 mod moved;
@@ -71,6 +72,7 @@ pub fn cases() -> Vec<Case> {
         clipped::cases(),
         cuts::cases(),
         stored::cases(),
+        gaussians::cases(),
         machinery::cases(),
     ];
     families.into_iter().flatten().collect()

@@ -17,9 +17,10 @@ use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::prepare::{ensembles, order};
 use pellucid_engine::scene::{
-    BlendedSplats, ColorSpace, Density, DiscShape, Discs, Falloff, Family, Hybrid, ImageSpace, Interpolated, Light,
-    LongLists, Method, MethodChoice, OneLayer, Peel, PeelLayers, Raster, ScreenSplats, Shading, ShadingModel, Shadows,
-    Shells, Soft, SoftLayout, Spbr, SpbrSimplified, SplatShape, Stochastic,
+    BlendedSplats, ColorSpace, Density, DiscShape, Discs, Falloff, Family, GaussianSettings, Hybrid, ImageSpace,
+    Interpolated, Kernel, Light, LongLists, Method, MethodChoice, OneLayer, Order, Peel, PeelLayers, Raster,
+    ScreenSplats, Shading, ShadingModel, Shadows, Shells, Soft, SoftLayout, Spbr, SpbrSimplified, SplatShape,
+    Stochastic,
 };
 
 /// A scene for a method.
@@ -105,7 +106,7 @@ impl Subject {
 
 /// All of them: at least one for each method that a scene file can name.
 pub fn subjects() -> Vec<Subject> {
-    let mut all = [discs(), opaque(), soft(), surfaces(), ensembles_of_points()].concat();
+    let mut all = [discs(), gaussians(), opaque(), soft(), surfaces(), ensembles_of_points()].concat();
     let known = |all: &[Subject], method: &Method| all.iter().any(|subject| subject.choice.name() == method.name());
     for method in Method::all() {
         if !known(&all, &method) {
@@ -170,6 +171,11 @@ fn lit_and_encoded(frame: &mut Frame) {
     frame.color = ColorSpace::Encoded;
 }
 
+/// Blended as display values.
+fn encoded(frame: &mut Frame) {
+    frame.color = ColorSpace::Encoded;
+}
+
 /// Shadows of that light, which is a small ball.
 fn shadowed(frame: &mut Frame) {
     lit(frame);
@@ -206,6 +212,28 @@ fn discs() -> Vec<Subject> {
         subject(Method::Weighted(flat), "", many(), as_it_is),
         subject(Method::Average(soft_edged), "Gaussian", many(), as_it_is),
         subject(Method::Unsorted(flat), "", many(), as_it_is),
+    ]
+}
+
+/// Gaussian splats by both kernels and in every order, with harmonics, alone and among discs.
+fn gaussians() -> Vec<Subject> {
+    let settings = GaussianSettings::default();
+    let with = |gaussians| Discs { gaussians, ..Discs::default() };
+    let by_ray = with(GaussianSettings { kernel: Kernel::Ray, ..settings });
+    let smooth = with(GaussianSettings { antialias: true, order: Some(Order::Distance), ..settings });
+    let drawn = Discs { raster: Raster::Hardware, ..by_ray };
+    let computed = Discs { raster: Raster::Compute, ..with(settings) };
+    let stochastic = Stochastic { discs: computed, samples: 24, alpha_correction: true };
+    let (few, many, mixed) = (clouds::few_gaussians, clouds::many_gaussians, clouds::mixed);
+    vec![
+        subject(Method::ABuffer(with(settings)), "Gaussians, encoded", many(), encoded),
+        subject(Method::ABuffer(drawn), "Gaussians by ray, rasteriser", few(), orthographic),
+        subject(Method::LinkedList(by_ray), "Gaussians and discs", mixed(), as_it_is),
+        subject(Method::Sorted(smooth), "Gaussians by distance", many(), encoded),
+        subject(Method::Peel(Peel { discs: by_ray, layers: 0 }), "Gaussians by ray", few(), as_it_is),
+        subject(Method::Stochastic(stochastic), "Gaussians, compute", few(), as_it_is),
+        subject(Method::Hybrid(Hybrid { discs: smooth, k: 11 }), "Gaussians by distance", many(), encoded),
+        subject(Method::Weighted(with(settings)), "Gaussians and discs", mixed(), as_it_is),
     ]
 }
 

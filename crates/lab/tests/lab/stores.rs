@@ -62,6 +62,12 @@ impl Both {
     }
 }
 
+/// The subjects that stores hold: files of Gaussians are read as a whole, and no store has splats.
+fn subjects() -> Vec<Subject> {
+    let are_points = |subject: &Subject| subject.clouds.iter().all(|cloud| cloud.gaussians.is_none());
+    check::subjects().into_iter().filter(are_points).collect()
+}
+
 fn rendered(device: &Device, arranged: &Arranged, frame: &Frame) -> Result<Rendered, Error> {
     let mut renderer = Renderer::new(device)?;
     let mut cloud = renderer.upload_arranged(arranged)?;
@@ -101,7 +107,7 @@ fn scene_of(paths: &[PathBuf], method: Method) -> Scene {
 fn subjects_in_stores_have_the_bytes_of_memory() {
     with_device(|device| {
         let (mut wrong, mut same) = (Vec::new(), 0);
-        for Subject { name, clouds, frame, .. } in check::subjects() {
+        for Subject { name, clouds, frame, .. } in subjects() {
             let folder = tempfile::tempdir().expect("a folder");
             let paths = clouds.iter().zip(0..);
             // How a point lies that has no normal is found from all points in memory.
@@ -117,7 +123,7 @@ fn subjects_in_stores_have_the_bytes_of_memory() {
             }
         }
         assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-        assert!(!is_llvmpipe(device) || same == check::subjects().len(), "llvmpipe renders all of them: {same}");
+        assert!(!is_llvmpipe(device) || same == subjects().len(), "llvmpipe renders all of them: {same}");
     });
 }
 

@@ -10,7 +10,7 @@ use crate::controls;
 use crate::counts::grouped;
 use crate::model::Model;
 use pellucid_engine::cloud::field::Field;
-use pellucid_engine::scene::{CloudSettings, Method, Scene};
+use pellucid_engine::scene::{CloudSettings, Method, Primitive, Scene};
 
 /// Clouds that are listed among the other controls; longer lists scroll on their own.
 const MANY: usize = 15;
@@ -89,8 +89,16 @@ fn details(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, c
     let estimated = method.needs_radii() && settings.radius.is_none() && !census.own_radii;
     let uncertain = method.needs_field() && field == Field::Uncertainty;
     let around = estimated || uncertain;
-    let keys = [("radius", method.needs_radii()), ("neighbors", around), ("radius_cap", around), ("outliers", true)];
-    if method.representative().discs().is_some() {
+    let as_gaussians = census.gaussians && settings.primitive == Primitive::Gaussians && method.is_made_of_discs();
+    let keys = [
+        ("primitive", census.gaussians),
+        ("sh_degree", as_gaussians),
+        ("radius", method.needs_radii() && !as_gaussians),
+        ("neighbors", around && !as_gaussians),
+        ("radius_cap", around && !as_gaussians),
+        ("outliers", true),
+    ];
+    if method.representative().discs().is_some() && !as_gaussians {
         opacity::surface(ui, model, i, settings);
     }
     let prepared = census.prepared.as_ref().map(|(neighbors, _)| *neighbors);
@@ -106,7 +114,12 @@ fn details(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, c
 }
 
 fn facts(census: &Census) -> String {
-    let has = [("colors", census.colors), ("normals", census.normals), ("radii", census.own_radii)];
+    let has = [
+        ("Gaussians", census.gaussians),
+        ("colors", census.colors),
+        ("normals", census.normals),
+        ("radii", census.own_radii),
+    ];
     let has = has.into_iter().filter(|(_, has)| *has).map(|(name, _)| name);
     let scalars =
         census.scalars.iter().map(|(name, _)| name.as_str()).filter(|name| !["x", "y", "z", "radius"].contains(name));

@@ -5,7 +5,7 @@ use egui::{ComboBox, RichText, Ui};
 use super::row::{edit_row, note};
 use crate::controls;
 use crate::model::Model;
-use pellucid_engine::scene::{MethodChoice, Purpose, method_keys};
+use pellucid_engine::scene::{MethodChoice, Purpose, gaussian_keys, method_keys};
 
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {
@@ -32,7 +32,10 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     if name != method.name() {
         model.set_method(name);
     }
-    for key in method_keys(method.name()) {
+    // Without Gaussians they are keys without effect, and there are many of them.
+    let gaussians = model.census().iter().any(|census| census.gaussians);
+    let shown = |key: &&str| gaussians || !gaussian_keys().contains(key);
+    for key in method_keys(method.name()).into_iter().filter(shown) {
         let dotted = format!("method.{key}");
         if let Some(entry) = controls::method(&method.representative(), key, model.extent())
             && let (Some(edit), _) = edit_row(ui, model, &dotted, &controls::label(key), entry)

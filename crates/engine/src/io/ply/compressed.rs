@@ -50,7 +50,7 @@ struct Records {
 }
 
 impl Compressed {
-    pub fn new(source: Source, header: Header, vertex: usize) -> Self {
+    pub(super) fn new(source: Source, header: Header, vertex: usize) -> Self {
         Self { source, header, vertex }
     }
 

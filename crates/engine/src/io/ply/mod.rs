@@ -25,6 +25,7 @@ mod rows;
 mod splats;
 mod vertical;
 mod write;
+mod write_splats;
 
 use crate::progress::Progress;
 use ply_rs_bw::ply::Encoding;

@@ -3,11 +3,12 @@
 use std::io::Write;
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use ply_rs_bw::ply::{DefaultElement, ElementDef, Encoding, PropertyDef, PropertyType, ScalarType, Version};
 use ply_rs_bw::writer::Writer;
 
 use super::prepared::{self, FIELD, LIT};
+use super::write_splats;
 use crate::atomic;
 use crate::cloud::Cloud;
 use crate::cloud::field::without_blanks;
@@ -17,7 +18,7 @@ use crate::io::columns::{LINEAR_COLOR, is_known};
 
 /// Writes a cloud: float positions if they keep every one exactly, else double; colors and alphas as 8 bits (colors
 /// sRGB-encoded), all other columns unchanged. PLY can't store the vertical and the number of dropped points, so they
-/// are lost; white space in the name of a scalar becomes `_`.
+/// are lost; white space in the name of a scalar becomes `_`. Gaussian splats are written as such, as other programs read them.
 ///
 /// # Errors
 /// The file can't be written; an earlier file of this name, if any, is unchanged.
@@ -31,21 +32,28 @@ pub fn write(path: &Path, cloud: &Cloud) -> Result<(), Error> {
 /// # Errors
 /// Writing to `out` fails.
 pub fn write_to(out: &mut impl Write, cloud: &Cloud) -> std::io::Result<()> {
-    let double = !cloud.positions.iter().all(|&p| p.as_vec3().as_dvec3() == p);
-    write_layout(out, cloud, &Layout { double, color: Coding::Byte, alpha: Coding::Byte })
+    if let Some(gaussians) = &cloud.gaussians {
+        return write_splats::write(out, cloud, gaussians);
+    }
+    let position = narrowest_position(cloud);
+    write_layout(out, cloud, &Layout { position, color: Coding::Byte, alpha: Coding::Byte })
 }
 
 /// Writes a cloud with its prepared data, so that reading it gives the same points to the bit, the vertical included.
 /// Positions are double; colors and alphas have 8 or 16 bits where that is exact, else they are floats (colors linear
-/// ones). A scalar gets a `_` appended if the reader would take its name for another column.
+/// ones). A scalar gets a `_` appended if the reader would take its name for another column. Gaussian splats are written as by
+/// [`write()`]; nothing is prepared of them.
 ///
 /// # Errors
 /// The file can't be written; an earlier file of this name, if any, is unchanged.
 pub fn write_prepared(path: &Path, cloud: &Cloud) -> Result<(), Error> {
+    if cloud.gaussians.is_some() {
+        return write(path, cloud);
+    }
     let channels =
         |colors: &Vec<Vec3>| Coding::narrowest(colors.iter().flat_map(Vec3::to_array), encode_srgb, decode_srgb);
     let layout = Layout {
-        double: true,
+        position: ScalarType::Double,
         color: cloud.colors.as_ref().map_or(Coding::Byte, channels),
         alpha: cloud
             .alphas
@@ -62,7 +70,7 @@ fn same(x: f32) -> f32 {
 
 /// Types of the columns that allow several.
 struct Layout {
-    double: bool,
+    position: ScalarType,
     color: Coding,
     alpha: Coding,
 }
@@ -122,8 +130,7 @@ fn write_layout(out: &mut impl Write, cloud: &Cloud, layout: &Layout) -> std::io
 }
 
 fn write_header(out: &mut impl Write, cloud: &Cloud, layout: &Layout) -> std::io::Result<()> {
-    let position = if layout.double { ScalarType::Double } else { ScalarType::Float };
-    let mut properties: Vec<(&str, ScalarType)> = ["x", "y", "z"].map(|name| (name, position.clone())).to_vec();
+    let mut properties: Vec<(&str, ScalarType)> = ["x", "y", "z"].map(|name| (name, layout.position.clone())).to_vec();
     if cloud.colors.is_some() {
         let names = if layout.color == Coding::Float { LINEAR_COLOR[0] } else { ["red", "green", "blue"] };
         properties.extend(names.map(|name| (name, layout.color.scalar())));
@@ -146,20 +153,30 @@ fn write_header(out: &mut impl Write, cloud: &Cloud, layout: &Layout) -> std::io
     if cloud.intensity.is_some() {
         properties.push(("intensity", ScalarType::Float));
     }
-    let scalars: Vec<String> = cloud.scalars.iter().map(|(name, _)| scalar_name(cloud, name)).collect();
+    let scalars = scalar_names(cloud);
     properties.extend(scalars.iter().map(|name| (name.as_str(), ScalarType::Float)));
     if lit(cloud).is_some() {
         properties.push((LIT, ScalarType::Float));
     }
 
+    header(out, prepared::comment(cloud)?.as_deref(), cloud.len(), properties)
+}
+
+/// Writes the header of a file of vertices with these properties.
+pub(super) fn header(
+    out: &mut impl Write,
+    comment: Option<&str>,
+    vertices: usize,
+    properties: Vec<(&str, ScalarType)>,
+) -> std::io::Result<()> {
     let writer = Writer::<DefaultElement>::new();
     writer.write_line_magic_number(out)?;
     writer.write_line_format(out, &Encoding::BinaryLittleEndian, &Version { major: 1, minor: 0 })?;
-    if let Some(comment) = prepared::comment(cloud)? {
+    if let Some(comment) = comment {
         writeln!(out, "comment {comment}")?;
     }
     let mut vertex = ElementDef::new("vertex".to_owned());
-    vertex.count = cloud.len();
+    vertex.count = vertices;
     writer.write_line_element_definition(out, &vertex)?;
     for (name, scalar) in properties {
         let property = PropertyDef::new(name.to_owned(), PropertyType::Scalar(scalar));
@@ -167,6 +184,28 @@ fn write_header(out: &mut impl Write, cloud: &Cloud, layout: &Layout) -> std::io
     }
     writer.write_line_end_header(out)?;
     Ok(())
+}
+
+/// The smallest type that keeps all positions.
+pub(super) fn narrowest_position(cloud: &Cloud) -> ScalarType {
+    let single = cloud.positions.iter().all(|&p| p.as_vec3().as_dvec3() == p);
+    if single { ScalarType::Float } else { ScalarType::Double }
+}
+
+/// Appends a position as numbers of a type.
+pub(super) fn push_position(record: &mut Vec<u8>, position: DVec3, scalar: &ScalarType) {
+    for value in position.to_array() {
+        if *scalar == ScalarType::Double {
+            record.extend(value.to_le_bytes());
+        } else {
+            record.extend((value as f32).to_le_bytes());
+        }
+    }
+}
+
+/// The property names of all scalars.
+pub(super) fn scalar_names(cloud: &Cloud) -> Vec<String> {
+    cloud.scalars.iter().map(|(name, _)| scalar_name(cloud, name)).collect()
 }
 
 /// The light of each point, if it was prepared.
@@ -182,13 +221,7 @@ fn scalar_name(cloud: &Cloud, name: &str) -> String {
 
 /// The bytes of one vertex, in the order of the header.
 fn push_record(record: &mut Vec<u8>, cloud: &Cloud, index: usize, layout: &Layout) {
-    for value in cloud.positions[index].to_array() {
-        if layout.double {
-            record.extend(value.to_le_bytes());
-        } else {
-            record.extend((value as f32).to_le_bytes());
-        }
-    }
+    push_position(record, cloud.positions[index], &layout.position);
     if let Some(colors) = &cloud.colors {
         for linear in colors[index].to_array() {
             layout.color.push(record, linear, encode_srgb);

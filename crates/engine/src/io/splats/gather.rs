@@ -12,6 +12,9 @@ use crate::progress::Progress;
 /// Splats that a thread decodes at a time.
 const RUN: usize = 1 << 14;
 
+/// The end of the warning about splats that are none.
+const LEFT_OUT: &str = "splats are left out: a number of each is not finite, or it has no axes, or no extent";
+
 /// A splat as a file gives it. Any number may be one that no splat has.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::io) struct Splat {
@@ -139,19 +142,23 @@ impl Splats {
     /// The cloud of all of them.
     pub fn finish(self, up: UpAxis) -> Cloud {
         let linear = |base: &Vec3| Vec3::from(base.clamp(Vec3::ZERO, Vec3::ONE).to_array().map(decode_srgb));
-        let reason = "a number that is not finite, no direction of its axes, or no extent";
-        let warning = (self.odd > 0).then(|| format!("{} splats are left out: they have {reason}", self.odd));
+        let warning = (self.odd > 0).then(|| format!("{} {LEFT_OUT}", self.odd));
         Cloud {
             positions: self.positions,
             colors: Some(self.gaussians.bases.par_iter().map(linear).collect()),
             alphas: Some(self.alphas),
             gaussians: Some(self.gaussians),
-            non_finite: self.without_center + self.odd,
+            non_finite: self.without_center,
             up,
             warnings: warning.into_iter().collect(),
             ..Cloud::default()
         }
     }
+}
+
+/// Why splats of a cloud were left out that have a centre.
+pub(in crate::io) fn reason(cloud: &Cloud) -> Option<&str> {
+    cloud.warnings.iter().find(|warning| warning.ends_with(LEFT_OUT)).map(String::as_str)
 }
 
 /// Extents as a cloud has them, unless one is not finite there or all are zero.
@@ -202,7 +209,8 @@ mod tests {
         assert!(!splats.push(&Splat { center: DVec3::new(0.0, f64::INFINITY, 0.0), ..PLAIN }, &none));
         assert!(splats.push(&Splat { alpha: f64::INFINITY, extents: -DVec3::X, ..PLAIN }, &none));
         let cloud = splats.finish(UpAxis::NegativeY);
-        assert_eq!((cloud.len(), cloud.non_finite, cloud.alphas), (1, 10, Some(vec![1.0])));
+        assert_eq!((cloud.len(), cloud.non_finite, reason(&cloud)), (1, 1, Some(&*cloud.warnings[0])));
+        assert_eq!(cloud.alphas, Some(vec![1.0]));
         assert!(cloud.warnings[0].starts_with("9 splats are left out"), "{:?}", cloud.warnings);
         assert_eq!(cloud.gaussians.unwrap().extents, [Vec3::X]);
     }

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::cloud::Cloud;
+use crate::cloud::gaussians::Gaussians;
 
 /// The points of a cloud with the columns of another one. Where it lacks one, they are white, opaque, without normal, of class 0, and have
 /// no number (NaN) as intensity and scalars. There is no such value for radii and what was prepared.
@@ -21,6 +22,8 @@ pub(super) fn fitted(cloud: Cloud, like: &Cloud) -> Cloud {
         colors: column(cloud.colors, &like.colors, Vec3::ONE, len),
         alphas: column(cloud.alphas, &like.alphas, 1.0, len),
         normals: column(cloud.normals, &like.normals, Vec3::ZERO, len),
+        gaussians: gaussians(cloud.gaussians, like.gaussians.as_ref(), len),
+        filter: like.filter,
         radii: like.radii.as_ref().and(cloud.radii),
         classification: column(cloud.classification, &like.classification, 0, len),
         intensity: column(cloud.intensity, &like.intensity, f32::NAN, len),
@@ -30,4 +33,9 @@ pub(super) fn fitted(cloud: Cloud, like: &Cloud) -> Cloud {
         up_reason: like.up_reason,
         ..Cloud::default()
     }
+}
+
+/// Gaussians of the degree that all have; points that are none where there were none.
+fn gaussians(own: Option<Gaussians>, like: Option<&Gaussians>, len: usize) -> Option<Gaussians> {
+    like.map(|like| own.unwrap_or_else(|| Gaussians::none(len)).with_degree(like.degree))
 }

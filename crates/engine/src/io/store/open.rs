@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{Copc, Ept, Held, LasPieces, Octree, PlyPieces, Store};
 use crate::io::las::LasFile;
 use crate::io::ply::{Vertices, is_prepared};
-use crate::io::{Error, Format, Hints, NAMES_WITHOUT_EFFECT, Source, load_with};
+use crate::io::{Error, Format, Hints, NAMES_WITHOUT_EFFECT, Source, load_with, splats};
 use crate::progress::Progress;
 
 /// Opens a cloud to be read node by node: a folder with an octree of Potree 2.0 (or its `metadata.json`), an EPT folder (or its `ept.json`), COPC, LAS and LAZ files, binary PLY files. All other files
@@ -25,6 +25,9 @@ pub fn open(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn St
         let mut store = Octree::open(path)?;
         store.summary.like.warnings.extend(warning(&hints));
         return refuse_photo(path, &hints).map(|()| Box::new(store) as Box<dyn Store>);
+    }
+    if splats::is_folder(path) {
+        return whole(path, hints, progress);
     }
     let mut source = Source::open(path)?;
     let start = source.peek()?;
@@ -66,6 +69,9 @@ pub fn announced(path: &Path, hints: &Hints) -> Result<Option<u64>, Error> {
     if Octree::is_one(path) {
         return Ok(Some(Octree::open(path)?.summary().points));
     }
+    if splats::is_folder(path) {
+        return Ok(None);
+    }
     let mut source = Source::open(path)?;
     let start = source.peek()?;
     match Format::detect(&source, &start) {
@@ -90,6 +96,9 @@ pub fn is_folder(path: &Path) -> bool {
 pub fn has_levels(path: &Path, hints: &Hints) -> Result<bool, Error> {
     if is_folder(path) {
         return Ok(true);
+    }
+    if splats::is_folder(path) {
+        return Ok(false);
     }
     let mut source = Source::open(path)?;
     let start = source.peek()?;

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::fitted::fitted;
 use super::{Grid, Node, Piece, Store, Summary};
+use crate::cloud::gaussians::Gaussians;
 use crate::cloud::{Bounds, Cloud, GPS_TIME};
 use crate::io::Error;
 
@@ -100,7 +101,10 @@ fn like(all: &[&Summary]) -> Cloud {
     // Radii that were estimated mean nothing without the rest of what was prepared.
     let estimated = any(|cloud| cloud.prepared.as_ref().is_some_and(|prepared| prepared.estimated_radii));
     let keeps_radii = clouds().all(|cloud| cloud.radii.is_some()) && (prepared.is_some() || !estimated);
+    let degree = clouds().filter_map(|cloud| Some(cloud.gaussians.as_ref()?.degree)).max();
     Cloud {
+        gaussians: degree.map(|degree| Gaussians::none(0).with_degree(degree)),
+        filter: first.filter.filter(|_| clouds().all(|cloud| cloud.filter == first.filter)),
         colors: any(|cloud| cloud.colors.is_some()).then(Vec::new),
         alphas: any(|cloud| cloud.alphas.is_some()).then(Vec::new),
         normals: any(|cloud| cloud.normals.is_some()).then(Vec::new),

@@ -30,9 +30,9 @@ settings! {
         /// Most opacity of a Gaussian's fragment.
         alpha_max: f32 = 0.99, in Range::UNIT;
         /// Where a Gaussian ends: fragments of less opacity are none.
-        alpha_min: f32 = 1.0 / 255.0, in ALPHA_MIN;
+        alpha_min: f32 = 1.0 / 255.0, in ALPHA_MIN, slider Slider::Powers(1e-5, 0.1);
         /// Added to the variance on the screen along both axes (ewa).
-        dilation: f32 = 0.3, in Range::NOT_NEGATIVE, unit "px²";
+        dilation: f32 = 0.3, in Range::NOT_NEGATIVE, unit "px²", slider Slider::Linear(0.0, 2.0);
         /// Takes back the opacity that the dilation adds (ewa).
         antialias: bool = false;
     }

@@ -32,6 +32,7 @@ fn attributes(cloud: &Cloud) -> String {
     let usual = [
         ("color", cloud.colors.is_some()),
         ("alpha", cloud.alphas.is_some()),
+        ("gaussian", cloud.gaussians.is_some()),
         ("normal", cloud.normals.is_some()),
         ("radius", cloud.radii.is_some()),
         ("classification", cloud.classification.is_some()),

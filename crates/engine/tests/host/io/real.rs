@@ -262,15 +262,16 @@ fn extremes(values: &[f32]) -> (f32, f32) {
 fn gaussian_splats_of_a_real_scene() {
     let Some(data) = whole_clouds() else { return };
     let splats = load(&data.join("nasty/gaussian_splat_train_1000.ply")).unwrap();
-    let (bounds, radii) = (splats.bounds().unwrap(), splats.radii.unwrap());
+    let (bounds, gaussians) = (splats.bounds().unwrap(), splats.gaussians.unwrap());
     let (alphas, colors) = (splats.alphas.unwrap(), splats.colors.unwrap());
     let (low, high) = extremes(&alphas);
     assert!(0.0 < low && low < 0.1 && 0.9 < high && high <= 1.0, "opacities from {low} to {high}");
     let mean = colors.iter().sum::<glam::Vec3>() / 1000.0;
     assert!(mean.min_element() > 0.05 && mean.max_element() < 0.8, "{mean}");
-    let (low, high) = extremes(&radii);
-    assert!(low > 0.0 && f64::from(high) < bounds.diagonal(), "radii from {low} to {high}");
-    assert!(splats.scalars.is_empty() && splats.warnings.len() == 1);
+    let extents: Vec<f32> = gaussians.extents.iter().flat_map(|extents| extents.to_array()).collect();
+    let (low, high) = extremes(&extents);
+    assert!(low > 0.0 && f64::from(high) < bounds.diagonal(), "extents from {low} to {high}");
+    assert!(gaussians.degree == 3 && splats.scalars.is_empty() && splats.warnings.is_empty());
 }
 
 /// The brightest channel of any point.

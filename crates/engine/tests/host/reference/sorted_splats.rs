@@ -1,7 +1,5 @@
 //! Discs in the order of their centres.
 
-use pellucid_engine::scene::LongLists;
-
 use super::*;
 
 /// Two discs of radius 4 over the middle, by depth, tilt in degrees and opacity.
@@ -16,8 +14,10 @@ fn two(depths: [f64; 2], tilts: [f64; 2], opacity: f32) -> Points {
     }
 }
 
-const ORIENTED: Discs =
-    Discs { shape: DiscShape::Oriented, falloff: Falloff::Flat, raster: Raster::Auto, long_lists: LongLists::Merge };
+fn oriented_discs() -> Discs {
+    Discs { shape: DiscShape::Oriented, ..Discs::default() }
+}
+
 const COLORS: [DVec3; 2] = [DVec3::X, DVec3::Y];
 
 #[test]
@@ -31,7 +31,7 @@ fn centres_decide_and_equal_ones_keep_the_order_of_the_points() {
 fn crossing_discs_keep_their_places_and_their_own_depths() {
     // z = 5 + x on the first, 5.5 − x on the second: they cross at x = 0.25, to the right of which the second is nearer.
     let points = two([5.0, 5.5], [45.0, -45.0], 0.5);
-    let lists = sorted::lists(&orthographic(), SIZE, &points, &ORIENTED);
+    let lists = sorted::lists(&orthographic(), SIZE, &points, &oriented_discs());
     for (column, depths) in [(3, [4.0, 6.5]), (5, [6.0, 4.5])] {
         let list = &lists[4 * 9 + column];
         assert_eq!(list.iter().map(|f| f.index).collect::<Vec<_>>(), [0, 1]);
@@ -39,8 +39,8 @@ fn crossing_discs_keep_their_places_and_their_own_depths() {
             assert_close(fragment.z, depth, 1e-6);
         }
     }
-    let picture = sorted::render(&orthographic(), SIZE, &points, &COLORS, &ORIENTED);
-    let exact = abuffer::render(&orthographic(), SIZE, &points, &COLORS, &ORIENTED);
+    let picture = sorted::render(&orthographic(), SIZE, &points, &COLORS, &oriented_discs());
+    let exact = abuffer::render(&orthographic(), SIZE, &points, &COLORS, &oriented_discs());
     // Red 0.5, green 0.5·0.5 on both sides; exactly it is the other way round on the right.
     for column in [3, 5] {
         let [red, green, _, alpha] = picture.rgba[4 * 9 + column];

@@ -1,6 +1,7 @@
 //! Formulas as they are written first, in float32 on the host. The cases must tell them from what the device does.
 
 mod filters;
+pub mod gaussians;
 mod points;
 mod soft;
 

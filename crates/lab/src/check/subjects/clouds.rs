@@ -1,7 +1,8 @@
 //! The points of the subjects: they cause ties, long lists, full tiles and large splats.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Quat, Vec3};
 
+use pellucid_engine::cloud::gaussians::{Gaussians, REACH, coefficients};
 use pellucid_engine::points::Points;
 use pellucid_engine::random::threefry2x32;
 
@@ -97,6 +98,53 @@ pub(super) fn few() -> Vec<Points> {
 /// Lists beyond 256 fragments, tiles beyond 2048 splats.
 pub(super) fn many() -> Vec<Points> {
     vec![ball(1500), floor(500), knot(2300), large()]
+}
+
+/// The same points as Gaussians: needles and plates among them, with harmonics of degree 2.
+fn gaussians(number: u32, points: Points) -> Points {
+    const DEGREE: u32 = 2;
+    let count = points.len() as u32;
+    let signed = |i: u32, which: u32| 2.0 * part(number, i, which) - 1.0;
+    let extents: Vec<Vec3> = (0..count)
+        .map(|i| {
+            let radius = 0.02 + f64::from(points.radii[i as usize]) / 2.0;
+            // One axis in three is thin.
+            let axis =
+                |axis: u32| if (i + axis).is_multiple_of(3) { 0.02 } else { 0.2 + 0.8 * part(number, i, 80 + axis) };
+            Vec3::from_array([0, 1, 2].map(|which| (radius * axis(which)) as f32))
+        })
+        .collect();
+    let rotation = |i: u32| {
+        let q = [90, 91, 92, 93].map(|which| signed(i, which) + 0.001);
+        let length = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
+        Quat::from_array(q.map(|component| (component / length) as f32))
+    };
+    let coefficient = |i: u32, k: u32| Vec3::from_array([0, 1, 2].map(|c| 0.2 * signed(i, 100 + 3 * k + c) as f32));
+    let own = coefficients(DEGREE) as u32;
+    let splats = Gaussians {
+        rotations: (0..count).map(rotation).collect(),
+        bases: points.colors.clone(),
+        degree: DEGREE,
+        harmonics: (0..count).flat_map(|i| (0..own).map(move |k| (i, k))).map(|(i, k)| coefficient(i, k)).collect(),
+        extents,
+    };
+    let radii = splats.extents.iter().map(|extents| REACH * extents.max_element()).collect();
+    Points { normals: None, radii, gaussians: Some(splats), ..points }
+}
+
+/// Gaussians, for methods whose time grows with the longest list.
+pub(super) fn few_gaussians() -> Vec<Points> {
+    vec![gaussians(11, ball(500)), gaussians(13, knot(40)), gaussians(14, large())]
+}
+
+/// Gaussians in lists beyond 256 fragments and tiles beyond 2048 splats.
+pub(super) fn many_gaussians() -> Vec<Points> {
+    vec![gaussians(11, ball(1200)), gaussians(13, knot(2300)), gaussians(14, large())]
+}
+
+/// Gaussians among discs.
+pub(super) fn mixed() -> Vec<Points> {
+    vec![gaussians(11, ball(600)), floor(400), knot(300), large()]
 }
 
 /// Only soft points; lists beyond 256 events.

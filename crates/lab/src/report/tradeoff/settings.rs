@@ -5,7 +5,7 @@ pub use super::applicable::settings;
 pub use super::surfaces::Surfaces;
 use pellucid_engine::plan;
 use pellucid_engine::points::Points;
-use pellucid_engine::scene::{self, Density, DiscShape, Discs, Falloff, Ladder, Method, Soft, Spbr};
+use pellucid_engine::scene::{self, Density, Discs, Falloff, Ladder, Method, Soft, Spbr};
 
 /// An image that several methods form in different ways.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,7 +110,7 @@ pub struct Occasion {
     pub formation: Formation,
     /// For discs: true if every fragment is opaque.
     pub opaque: bool,
-    /// True if discs have a depth for each pixel.
+    /// True if splats have a depth for each pixel.
     pub oriented: bool,
     /// Longest list of fragments.
     pub max_list: u32,
@@ -122,9 +122,9 @@ impl Occasion {
     /// Properties of a scene's points.
     pub fn new(points: &Points, formation: Formation, max_list: u32) -> Self {
         let (opaque, oriented) = match formation {
-            Formation::Discs(Discs { falloff, shape, .. }) => (
+            Formation::Discs(Discs { falloff, .. }) => (
                 falloff == Falloff::Flat && points.opacities.iter().all(|opacity| *opacity >= 1.0),
-                shape == DiscShape::Oriented && points.normals.is_some(),
+                plan::may_cross(&formation.exact(), points),
             ),
             Formation::Soft { .. } | Formation::Ensembles(_) | Formation::Surfaces(_) => (false, false),
         };

@@ -90,6 +90,7 @@ pub fn assert_same_clouds(live: &mut Stage, fresh: &mut Stage, what: &str) {
         shading: Shading::NONE,
         color: ColorSpace::Linear,
         lit: false,
+        gaussians: Default::default(),
     };
     let most = |cloud: &DeviceCloud| (cloud.max_opacity(), cloud.max_color(&how), cloud.max_radius());
     assert_eq!(most(live), most(fresh), "{what}");

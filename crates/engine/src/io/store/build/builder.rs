@@ -66,6 +66,9 @@ pub fn build(
     progress: &Progress,
 ) -> Result<Built, Error> {
     let none = || Error::NoPoints { path: folder.to_path_buf(), non_finite: 0 };
+    if let Some(splats) = inputs.iter().map(|input| input.summary()).find(|summary| summary.like.gaussians.is_some()) {
+        return Err(Error::Splats { path: splats.path.clone() });
+    }
     let input = Input::new(inputs).ok_or_else(none)?;
     // Records in files by chunk and in nodes.
     let stride = Types::default().layout(&input.like, input.points).stride as u64;

@@ -6,9 +6,9 @@
 mod densest;
 mod factor;
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DVec2};
 
-use self::factor::{By, Factor};
+use self::factor::{Factor, Rows};
 use super::ewa::{Projected, thickened};
 use super::{Gaussian, Placed, is_orthographic, largest_rho2, ray};
 use crate::camera::Camera;
@@ -74,13 +74,15 @@ impl<'a> Bounded<'a> {
         let projected = Projected::new(placed, settings);
         let depth_axes = if settings.kernel == Kernel::Ray { placed.axes } else { thickened(placed.axes) };
         let columns = densest::columns(placed, depth_axes);
-        let depth_factor = Factor::new(columns, densest::errors(placed, depth_axes), 0.0, By::Rows);
+        let depth_factor = Factor::new(Rows::new(columns, densest::errors(placed, depth_axes), 0.0));
         let errors = errors(placed, placed.axes, projected.slope);
+        let rows = |dilation: f64| Rows::new(projected.columns, errors, dilation);
         let (factor, opacity) = match settings.kernel {
-            Kernel::Ewa => (
-                Factor::new(projected.columns, errors, projected.dilation, By::Gram),
-                projected.opacity_range(placed.opacity, settings, &errors),
-            ),
+            Kernel::Ewa if settings.antialias && projected.dilation > 0.0 => {
+                let factor = dilation_factor(&rows(0.0), &rows(projected.dilation));
+                (Factor::new(rows(projected.dilation)), factor.scaled(placed.opacity))
+            }
+            Kernel::Ewa => (Factor::new(rows(projected.dilation)), Range::only(placed.opacity)),
             Kernel::Ray => (None, Range::only(placed.opacity)),
         };
         Self { placed, settings, order, projected, opacity, factor, depth_axes, depth_factor }
@@ -148,7 +150,9 @@ impl<'a> Bounded<'a> {
             (opacity * (-0.5 * rho2).exp() * (1.0 + sign * ALPHA * ROUNDING)).min(most)
         };
         let alpha = Range { low: of(self.opacity.low, rho2.high, -1.0), high: of(self.opacity.high, rho2.low, 1.0) };
-        (alpha.high >= least).then(|| (Range { low: alpha.low.max(least), ..alpha }, alpha.low >= least))
+        // Where ρ² ends decides, not α, which then has the roundings of an exponent of ln(o / least), and its own.
+        let ends = least * (1.0 - ROUNDING * (ALPHA + largest_rho2(self.opacity.high, self.settings).max(0.0)));
+        (alpha.high >= least).then(|| (Range { low: alpha.low.max(ends), ..alpha }, alpha.low >= least))
     }
 }
 
@@ -159,38 +163,10 @@ fn errors(placed: &Placed, axes: DMat3, slope: DVec2) -> [DVec2; 3] {
     [0, 1, 2].map(|k| axes.col(k).length() * most)
 }
 
-impl Projected {
-    /// o with the factor for the dilation. Where determinants cancel, an error of theirs is one of products of variances.
-    fn opacity_range(&self, opacity: f64, settings: &GaussianSettings, errors: &[DVec2; 3]) -> Range {
-        if !settings.antialias || self.dilation == 0.0 {
-            return Range::only(opacity);
-        }
-        let bare = Self { dilation: 0.0, ..*self };
-        let (below, above) = (self.determinant_range(errors), bare.determinant_range(errors));
-        let factor = |ratio: f64| super::ewa::dilation_factor(ratio);
-        let high = if below.low > 0.0 { factor(above.high / below.low) } else { 1.0 };
-        Range { low: factor(above.low / below.high), high }.scaled(opacity)
-    }
-
-    fn determinant_range(&self, errors: &[DVec2; 3]) -> Range {
-        let mut error = 0.0;
-        for (j, k) in [(0, 1), (1, 2), (2, 0)] {
-            let [(p, p_error), (q, q_error)] = [j, k].map(|i| (self.columns[i].abs(), errors[i]));
-            let (across, miss) =
-                (self.columns[j].perp_dot(self.columns[k]).abs(), crossed(p, q_error) + crossed(q, p_error));
-            let miss = miss + crossed(p_error, q_error);
-            error += miss * (2.0 * across + miss);
-        }
-        let grown: DVec3 = DVec3::from([0, 1, 2].map(|k| errors[k].dot(2.0 * self.columns[k].abs() + errors[k])));
-        let variance = self.columns.iter().fold(DVec2::splat(self.dilation), |sum, column| sum + column * column);
-        // Five roundings in each of three sums, two products and a difference.
-        error += self.dilation * grown.element_sum() + 16.0 * ROUNDING * variance.x * variance.y;
-        let determinant = self.determinant();
-        Range { low: (determinant - error).max(0.0), high: determinant + error }
-    }
-}
-
-/// The most that a cross product of vectors with components of at most these has.
-fn crossed(p: DVec2, q: DVec2) -> f64 {
-    p.x * q.y + p.y * q.x
+/// The factor of the opacity for the dilation: the root of the ratio of two determinants.
+fn dilation_factor(bare: &Rows, dilated: &Rows) -> Range {
+    let [(below, below_error), (above, above_error)] = [dilated, bare].map(Rows::determinant);
+    let factor = super::ewa::dilation_factor;
+    let high = if below > below_error { factor((above + above_error) / (below - below_error)) } else { 1.0 };
+    Range { low: factor((above - above_error).max(0.0) / (below + below_error)), high }
 }

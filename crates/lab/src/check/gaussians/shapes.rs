@@ -1,0 +1,174 @@
+//! Needles, plates and flat splats; centres far beside the image; rays that end in a splat.
+
+use glam::{DVec2, DVec3, Quat, Vec3};
+
+use super::super::Stage;
+use super::super::discs::roundings;
+use super::super::naive::gaussians::{Formula, along_rays, projected};
+use super::super::stage::{HALF_ULP, looking};
+use super::alone::{Expected, Known, Shares, alone, compared};
+use super::splats::{Splat, View, cloud, part, turned};
+use super::{CaseResult, before};
+use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::reference::gaussians::{Placed, ewa, gaussian};
+use pellucid_engine::reference::range::Range;
+use pellucid_engine::scene::{GaussianSettings, Kernel, Method};
+
+const SIZE: [u32; 2] = [64, 48];
+
+/// The two kernels.
+pub(super) const KERNELS: [Kernel; 2] = [Kernel::Ewa, Kernel::Ray];
+
+pub(super) fn by(kernel: Kernel) -> GaussianSettings {
+    GaussianSettings { kernel, ..GaussianSettings::default() }
+}
+
+/// Splats of these extents, turned and placed each in its own way around the origin, up to so far from it.
+pub(super) fn some(count: u32, extents: Vec3, spread: f64) -> Vec<Splat> {
+    let splat = |i: u32| Splat {
+        position: spread * DVec3::from_array([0, 1, 2].map(|axis| part(i, axis))),
+        extents,
+        rotation: turned(i),
+        opacity: 0.9,
+        ..Splat::default()
+    };
+    (0..count).map(splat).collect()
+}
+
+/// Long splats, each tilted against the screen and turned on it.
+fn sticks(extents: Vec3, spread: f64) -> Vec<Splat> {
+    let stick = |i: u32| Splat {
+        rotation: Quat::from_rotation_z(0.3 + 0.5 * i as f32) * Quat::from_rotation_y(0.4 * part(i, 9) as f32),
+        position: spread * DVec3::new(part(i, 0), part(i, 1), part(i, 2)),
+        ..some(1, extents, 0.0)[0].clone()
+    };
+    (0..6).map(stick).collect()
+}
+
+pub(super) fn needles(stage: &mut Stage, method: Method) -> CaseResult {
+    let camera = Camera { projection: Projection::Orthographic { height: 4.8 }, ..before(5.0, 45.0) };
+    let view = View::new(camera, SIZE, GaussianSettings::default(), &method);
+    let splats = sticks(Vec3::new(1e3, 1e-3, 1e-3), 0.5);
+    let expected = |splat: &Splat| along_an_axis(&view, splat, &method);
+    // The products of variances are 1e15, and their difference is 3e7.
+    let naive = |splat: &Splat| projected(splat, &view, &Formula::default());
+    Ok(compared(stage, method, &view, &splats, 500, expected, naive)?.finding())
+}
+
+/// A needle along its first axis, thinner than a pixel. Its opacity follows from the distance w from that axis on the screen, over a
+/// variance v that is that of the dilation nearly alone.
+///
+/// With u for a rounding: the axis has components that are off by 40 u of its length (an entry of a turned quaternion and its
+/// products), and by 8 u where rows are made orthogonal (Higham, "Accuracy and Stability of Numerical Algorithms", Section 19.3). At
+/// d pixels from the centre w is off by √2 · 48 u d, and d itself by one rounding of a pixel and eight of its products. What 8 u of
+/// the length L adds across the needle, its variance gains.
+fn along_an_axis(view: &View, splat: &Splat, method: &Method) -> Option<Expected> {
+    let gaussian = gaussian(&cloud(std::slice::from_ref(splat)), 0)?;
+    let placed = Placed::new(&view.camera, view.size, &gaussian)?;
+    let screen = ewa::Projected::new(&placed, &view.settings);
+    let long = screen.columns[0];
+    let thin = screen.columns[1].length().hypot(screen.columns[2].length());
+    let variance = screen.dilation + thin * thin;
+    let stray = 8.0 * HALF_ULP * long.length();
+    let of_variance = (stray * stray + 2.0 * stray * thin) / variance;
+    let [least, most] = [view.settings.alpha_min, view.settings.alpha_max].map(f64::from);
+    let depth = Range { low: f64::NEG_INFINITY, high: f64::INFINITY };
+    let known = |[x, y]: [u32; 2]| {
+        let offset = DVec2::new(f64::from(x), f64::from(y)) + 0.5 - screen.center;
+        let (rho2, w) = (screen.rho2(offset), long.perp_dot(offset).abs() / long.length());
+        let off = HALF_ULP * ((48.0 * 2f64.sqrt() + 8.0) * offset.length() + 1.0);
+        let of_rho2 = (2.0 * w + off) * off / variance + rho2 * (of_variance + 16.0 * HALF_ULP);
+        // Two roundings in the exponential, one in the product; and those of a list of one.
+        let of_alpha = (3.0 + roundings(method, 1)) * HALF_ULP;
+        let alpha = screen.opacity * (-0.5 * rho2).exp();
+        let high = (alpha * (0.5 * of_rho2).exp() * (1.0 + of_alpha)).min(most);
+        let low = (alpha * (-0.5 * of_rho2).exp() * (1.0 - of_alpha)).min(most);
+        let exact = (alpha >= least).then_some((alpha.min(most), placed_depth(view, splat)));
+        let range = Range { low: low.max(least), high };
+        (high >= least).then_some(Known { exact, alpha: range, depth, sure: low >= least })
+    };
+    Some(Expected(view.pixels().map(known).collect()))
+}
+
+/// The depth of a splat's centre.
+fn placed_depth(view: &View, splat: &Splat) -> f64 {
+    view.camera.to_view(splat.position).z
+}
+
+pub(super) fn by_ray(stage: &mut Stage, method: Method) -> CaseResult {
+    let view = View::new(before(5.0, 45.0), SIZE, by(Kernel::Ray), &method);
+    let splats = sticks(Vec3::new(1e3, 0.2, 0.2), 0.5);
+    Ok(alone(stage, method, &view, &splats, 500, |splat| along_rays(splat, &view))?.finding())
+}
+
+pub(super) fn plates(stage: &mut Stage, method: Method) -> CaseResult {
+    let camera = before(5.0, 7.0);
+    // Turned about the viewing axis, and tilted out of it.
+    let plate = |i: u32| Splat {
+        rotation: Quat::from_rotation_z(0.9 * i as f32) * Quat::from_rotation_x(0.005 * (1 + i) as f32),
+        extents: Vec3::new(1.0, 1e-4, 1.0),
+        position: 0.1 * DVec3::new(part(i, 0), part(i, 1), 0.0),
+        opacity: 0.9,
+        ..Splat::default()
+    };
+    by_both(stage, method, camera, &(0..6).map(plate).collect::<Vec<_>>(), 300)
+}
+
+pub(super) fn flat(stage: &mut Stage, method: Method) -> CaseResult {
+    let splats = some(6, Vec3::new(0.5, 0.8, 0.0), 0.5);
+    // The inverse of their covariance is none.
+    by_both(stage, method, before(5.0, 45.0), &splats, 300)
+}
+
+/// By both kernels; naively along rays.
+pub(super) fn by_both(stage: &mut Stage, method: Method, camera: Camera, splats: &[Splat], least: usize) -> CaseResult {
+    let mut shares = Shares::NOTHING;
+    for kernel in KERNELS {
+        let view = View::new(camera, SIZE, by(kernel), &method);
+        let naive = |splat: &Splat| match kernel {
+            Kernel::Ewa => Vec::new(),
+            Kernel::Ray => along_rays(splat, &view),
+        };
+        shares = shares.larger(alone(stage, method, &view, splats, least, naive)?);
+    }
+    Ok(shares.finding())
+}
+
+pub(super) fn wide(stage: &mut Stage, method: Method) -> CaseResult {
+    let camera = before(5.0, 60.0);
+    let view = View::new(camera, SIZE, GaussianSettings::default(), &method);
+    let beside = |i: u32| Splat {
+        position: DVec3::new([8.0, -7.0, 1.0, 0.0][i as usize], [0.5, 2.0, 6.0, -6.5][i as usize], 2.5),
+        extents: Vec3::new(1.5, 1.2, 1.8),
+        rotation: turned(i),
+        ..Splat::default()
+    };
+    let unbounded = Formula { clamp: f32::INFINITY, ..Formula::default() };
+    let naive = |splat: &Splat| projected(splat, &view, &unbounded);
+    let splats: Vec<Splat> = (0..4).map(beside).collect();
+    Ok(alone(stage, method, &view, &splats, 300, naive)?.finding())
+}
+
+pub(super) fn parallel(stage: &mut Stage, method: Method) -> CaseResult {
+    let camera = Camera { projection: Projection::Orthographic { height: 4.0 }, ..before(5.0, 45.0) };
+    let splats = some(6, Vec3::new(0.6, 0.3, 0.05), 1.5);
+    let of_perspective = Formula { perspective: true, ..Formula::default() };
+    let ewa = View::new(camera, SIZE, by(Kernel::Ewa), &method);
+    let naive = |splat: &Splat| projected(splat, &ewa, &of_perspective);
+    let shares = alone(stage, method, &ewa, &splats, 300, naive)?;
+    let rays = View::new(camera, SIZE, by(Kernel::Ray), &method);
+    Ok(shares
+        .and(alone(stage, method, &rays, &splats, 300, |splat| projected(splat, &rays, &of_perspective))?)
+        .finding())
+}
+
+pub(super) fn through_the_eye(stage: &mut Stage, method: Method) -> CaseResult {
+    let projection = Projection::Perspective { fov_y: 80f64.to_radians() };
+    let camera = looking(DVec3::ZERO, DVec3::NEG_Z, projection, 0.25, 100.0);
+    let view = View::new(camera, SIZE, by(Kernel::Ray), &method);
+    let around = |splat: Splat| Splat { position: 0.5 * splat.position + DVec3::NEG_Z, ..splat };
+    let splats: Vec<Splat> = some(8, Vec3::new(1.2, 0.7, 0.9), 1.0).into_iter().map(around).collect();
+    // The projection that is linear around the centre.
+    let naive = |splat: &Splat| projected(splat, &view, &Formula::default());
+    Ok(alone(stage, method, &view, &splats, 300, naive)?.finding())
+}

@@ -1,0 +1,92 @@
+//! Several Gaussians and discs in a pixel, where roundings decide neither coverage nor order.
+//!
+//! The error is a difference of color or opacity from float64 over the most that is derived for that pixel, so that the bound is 1.
+
+use glam::DVec3;
+
+use super::super::Stage;
+use super::super::discs::roundings;
+use super::super::stage::HALF_ULP;
+use super::super::verdict::Trouble;
+use super::splats::View;
+use pellucid_engine::points::Points;
+use pellucid_engine::reference::range::Range;
+use pellucid_engine::reference::{abuffer, coverage, gaussians, shading};
+use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Method, Order, Shading};
+
+use super::alone::Shares;
+
+/// Roundings in a color: a base of 0 or 1 and its curve, whose power multiplies two roundings and those of its logarithm.
+const COLOR: f64 = 16.0;
+
+/// A scene in float64.
+pub struct Scene<'a> {
+    pub view: View,
+    pub points: &'a Points,
+    pub color: ColorSpace,
+}
+
+impl Scene<'_> {
+    /// Its pixels.
+    pub fn pixels(&self) -> Vec<[f64; 4]> {
+        let Self { view: View { camera, size, settings }, points, color } = self;
+        let colors: Vec<DVec3> = shading::shade(points, camera, &Shading::NONE, *color);
+        let discs = Discs { gaussians: *settings, ..Discs::default() };
+        abuffer::render(camera, *size, points, &colors, &discs).rgba
+    }
+
+    /// The fragments that each pixel may have: what they are ordered by, their opacity, and whether they are there for sure.
+    fn fragments(&self) -> Vec<Vec<(Range, Range, bool)>> {
+        let View { camera, size, settings } = &self.view;
+        let order = settings.order.unwrap_or(Order::Pixel);
+        let mut lists = vec![Vec::new(); (size[0] * size[1]) as usize];
+        for index in 0..self.points.len() {
+            if let Some(gaussian) = gaussians::gaussian(self.points, index) {
+                for found in gaussians::possible(camera, *size, &gaussian, settings, order, 0..size[1]) {
+                    lists[(found.y * size[0] + found.x) as usize].push((found.key, found.alpha, found.sure));
+                }
+                continue;
+            }
+            let splat = abuffer::splat(self.points, index, DiscShape::Flat);
+            // To the hundredth of a pixel nobody errs.
+            let sure = coverage::margin_px(camera, *size, &splat) > 0.01;
+            let opacity = Range::only(self.points.opacities[index].into());
+            for found in coverage::footprint(camera, *size, &splat) {
+                lists[(found.y * size[0] + found.x) as usize].push((Range::depth(found.z), opacity, sure));
+            }
+        }
+        lists
+    }
+
+    /// The most that each component of a pixel is off by; `None` where roundings decide coverage or order.
+    ///
+    /// An opacity that is off by e changes what it mixes by as much, since colors are within 0 and 1.
+    fn bounds(&self, method: &Method) -> Vec<Option<f64>> {
+        let bound = |mut list: Vec<(Range, Range, bool)>| {
+            list.sort_by(|(a, ..), (b, ..)| a.low.total_cmp(&b.low));
+            let in_order = list.windows(2).all(|pair| pair[0].0.high < pair[1].0.low);
+            let sure = list.iter().all(|(.., sure)| *sure);
+            let off: f64 = list.iter().map(|(_, alpha, _)| alpha.high - alpha.low).sum();
+            (in_order && sure).then(|| off + (roundings(method, list.len().max(1)) + COLOR) * HALF_ULP)
+        };
+        self.fragments().into_iter().map(bound).collect()
+    }
+
+    /// Renders it and compares what is clear, of which there must be two thirds of the image; `naive` are the pixels of another formula.
+    pub fn compare(&self, stage: &mut Stage, method: Method, naive: &[[f64; 4]]) -> Result<Shares, Trouble> {
+        let frame = pellucid_engine::methods::Frame { color: self.color, ..self.view.frame(method) };
+        let image = stage.render(self.points, &frame)?.image;
+        let (wanted, bounds) = (self.pixels(), self.bounds(&method));
+        let mut shares = Shares::NOTHING;
+        for (pixel, bound) in bounds.iter().enumerate() {
+            let Some(bound) = bound else { continue };
+            let off = |found: [f64; 4]| {
+                let apart = found.iter().zip(wanted[pixel]).map(|(found, wanted)| (found - wanted).abs());
+                apart.fold(0.0, |most, off| if off.is_nan() { f64::INFINITY } else { off.max(most) }) / bound
+            };
+            shares = shares.larger(Shares { found: off(image.rgba[pixel].map(f64::from)), naive: off(naive[pixel]) });
+        }
+        let clear = bounds.iter().flatten().count();
+        Ok(if 3 * clear < 2 * bounds.len() { Shares { found: f64::INFINITY, ..shares } } else { shares })
+    }
+}

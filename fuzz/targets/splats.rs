@@ -1,0 +1,3 @@
+#![no_main]
+
+pellucid_fuzz::target!(splats);
