@@ -226,7 +226,7 @@ impl Target {
             (None, None) => Self::One(given.unwrap_or_else(|| args.input.default_output())),
         };
         output::check_target(&target.first())?;
-        args.popping.iter().try_for_each(|path| output::check_target(path))?;
+        args.popping.iter().try_for_each(|path| output::check_folder(path))?;
         Ok(target)
     }
 

@@ -33,7 +33,7 @@ pub(in crate::report) fn section(popping: &Popping, figures: &Markup, error: fn(
             "How much the error changes from one of the path's " (popping.frames) " frames to the next: what flickers or jumps while the camera "
             "moves. The error of a frame is its difference from " code { (popping.exact) } ", pixel by pixel; an error that stays as it is "
             "does not pop, however large it is (the last column). RMSE is that of the change; FLIP compares the exact frame with the "
-            "exact frame plus the change."
+            "exact frame plus the change. An error that moves with the scene changes, too: steps as small as a film's keep that small, and jumps show."
         }
         (table(&columns, &popping.curves.iter().map(row).collect::<Vec<_>>()))
         (figures)
