@@ -38,7 +38,7 @@ fn shapes() -> Vec<Case> {
             "needles of extents 1 : 1e-6, 10 000 pixels long: opacity by the distance from their axis, over what is allowed",
             shapes::needles,
         ),
-        all("gaussian-needles-by-ray", "needles of extents 1 : 2e-4 along rays, over what is allowed", shapes::by_ray),
+        all("gaussian-needles-by-ray", "needles of extents 1 : 1e-4 along rays, over what is allowed", shapes::by_ray),
         all(
             "gaussian-plates",
             "plates of extents 1 : 1e-4 seen edge-on, by both kernels, over what is allowed",
