@@ -83,7 +83,9 @@ pub fn entry(key: &Key, extent: Extent) -> Option<Entry> {
     let start = match (control, key.slider) {
         (Control::Color, _) => Setting::Numbers(vec![1.0; 3]),
         (Control::Count(..), _) => Setting::Integer(key.start as u32),
-        (Control::Choice(words), _) => Setting::Word(words.first().map_or_else(String::new, |word| word.name.to_owned())),
+        (Control::Choice(words), _) => {
+            Setting::Word(words.first().map_or_else(String::new, |word| word.name.to_owned()))
+        }
         (_, Slider::Lengths(..)) => Setting::Number(significant(key.start * extent.diagonal)),
         _ => Setting::Number(key.start),
     };
