@@ -159,9 +159,11 @@ impl DeviceCloud {
         let len = points.count();
         let has_normals = points.normals.as_ref().is_some_and(|normals| !normals.is_empty());
         // No element is wider than a splat, but for a Gaussian's color; a chunk starts at a multiple of any device's offset alignment.
-        let widest = points.gaussians.as_ref().map_or(0, |all| 4 * gaussians::words(all.degree).max(8));
-        let widest = widest.max(size_of::<Splat>() as u64);
-        let chunk_len = ((device.limits().binding_bytes / widest) & !0xffff).max(0x1_0000);
+        let binding_bytes = device.limits().binding_bytes;
+        let chunk_len = match &points.gaussians {
+            Some(all) => ((binding_bytes / (4 * gaussians::words(all.degree).max(8))) & !0x3f).max(0x40),
+            None => ((binding_bytes / size_of::<Splat>() as u64) & !0xffff).max(0x1_0000),
+        };
         let chunks = len.div_ceil(chunk_len).max(1);
         Ok(Self {
             anchor,
