@@ -9,8 +9,8 @@ use crate::methods::{Error, Facts, Frame, Renderer, cost, engine_of, pass_groups
 use crate::passes::project::{DeviceCloud, Parts};
 use crate::points::Points;
 use crate::scene::{
-    Density, DiscShape, Discs, Falloff, LongLists, Method, MethodChoice, Order, Raster, ScreenSplats, Shells, Soft,
-    SoftLayout, Spbr,
+    Density, DiscShape, Discs, Falloff, GaussianSettings, Kernel, LongLists, Method, MethodChoice, Order, Raster,
+    ScreenSplats, Shells, Soft, SoftLayout, Spbr,
 };
 
 /// The method for these points: `auto` is replaced by one that is exact for them.
@@ -35,6 +35,8 @@ fn resolve_factored(choice: MethodChoice, points: &Points, factor: f32) -> (Meth
     if has_gaussians(points) {
         return resolve_gaussians(discs);
     }
+    // Of no effect, not even where a method refuses them.
+    let discs = Discs { gaussians: GaussianSettings::default(), ..discs };
     let oriented = discs.shape == DiscShape::Oriented && (0..points.len()).any(is_tilted);
     if oriented {
         (Method::ABuffer(discs), "oriented splats may cross: their fragments need an order".to_owned())
@@ -54,6 +56,12 @@ fn resolve_factored(choice: MethodChoice, points: &Points, factor: f32) -> (Meth
 
 /// The method for scenes with Gaussians, which never are opaque throughout.
 fn resolve_gaussians(discs: Discs) -> (Method, String) {
+    if discs.gaussians.kernel == Kernel::Ellipsoid {
+        return (
+            Method::ABuffer(discs),
+            "rays go through ellipsoids: their ends need an order in each pixel".to_owned(),
+        );
+    }
     match Method::ABuffer(discs).order() {
         Order::Pixel => {
             (Method::ABuffer(discs), "Gaussians cross: their fragments need an order in each pixel".to_owned())

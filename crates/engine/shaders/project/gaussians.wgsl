@@ -6,6 +6,7 @@
 #import projected
 #import harmonics
 #import decode
+#import optical_depth
 #import dispatch
 
 @group(0) @binding(1) var<storage, read> points_hi: array<vec4<f32>>;
@@ -159,15 +160,14 @@ fn draw_ewa(extent: vec3<f32>, q: vec4<f32>, point: Located, position: vec3<f32>
     return drawn;
 }
 
-// By its largest value along the pixel's ray.
-fn draw_by_ray(extent: vec3<f32>, q: vec4<f32>, point: Located, position: vec3<f32>, given: f32, base: Splat) -> Drawn {
+// By its largest value along the pixel's ray, up to rho^2 = c.
+fn draw_by_ray(extent: vec3<f32>, q: vec4<f32>, point: Located, position: vec3<f32>, c: f32, given: f32, base: Splat) -> Drawn {
     var drawn = Drawn(base, no_tilt(), vec4<f32>(0.0), given, true);
     let axes = axes_of(extent, q);
     var slope = vec2<f32>(0.0);
     if view.orthographic == 0u {
         slope = position.xy / position.z;
     }
-    let c = 2.0 * logarithm(given / view.gaussian.x);
     let a = row_of(axes, 0u, slope.x);
     let b = row_of(axes, 1u, slope.y);
     let ray = along_ray(axes, slope, point.scale, position.z);
@@ -182,6 +182,30 @@ fn draw_by_ray(extent: vec3<f32>, q: vec4<f32>, point: Located, position: vec3<f
         drawn.reach = view.focal.x * vec4<f32>(x.x, y.x, x.y, y.y);
     }
     return drawn;
+}
+
+// As an ellipsoid of constant density, through which a ray along the shortest axis meets the splat's opacity.
+fn draw_ellipsoid(extent: vec3<f32>, q: vec4<f32>, point: Located, position: vec3<f32>, given: f32, base: Splat) -> Drawn {
+    var drawn = draw_by_ray(extent, q, point, position, 1.0, given, base);
+    drawn.splat.depth = add2(point.place[2], vec2<f32>(-view.eye_hi.w, 0.0)).x;
+    let opacity = min(given, view.gaussian.y);
+    let shortest = min(extent.x, min(extent.y, extent.z));
+    let density = depth_of(opacity, 1.0 - opacity) / (2.0 * shortest);
+    // Infinite and NaN are no densities either.
+    if !(density < MOST_DEPTH) {
+        drawn.tilt.rest.x = BODY_FLAT;
+    } else if opacity >= 1.0 {
+        drawn.tilt.rest.x = BODY_OPAQUE;
+    } else {
+        drawn.tilt.rest.x = BODY_DENSE;
+        drawn.opacity = density;
+    }
+    return drawn;
+}
+
+// Opacity up to which a Gaussian is not drawn: where it is that of the least fragment, or less, nothing is.
+fn least_opacity() -> f32 {
+    return select(view.gaussian.x, 0.0, view.kernel == KERNEL_ELLIPSOID);
 }
 
 // Color from the eye, or along parallel rays.
@@ -212,19 +236,21 @@ fn project(i: u32) -> vec2<u32> {
     let point = locate(hi.xyz, lo.xyz);
     let position = rounded(point.place);
     var rect = vec4<u32>(0u);
-    // Where opacity is the least one, or less, nothing is.
-    if point.drawn && opacity > view.gaussian.x {
+    if point.drawn && opacity > least_opacity() {
         let pixel = bitcast<u32>(point.column.pixel & 0xffff | point.row.pixel << 16u);
         let depth = select(position.z, distance_of(position), view.order == ORDER_DISTANCE);
         let base = Splat(point.column.fraction, point.row.fraction, pixel, depth, -1.0);
         var drawn: Drawn;
         if view.kernel == KERNEL_RAY {
-            drawn = draw_by_ray(extent, rotations[i], point, position, opacity, base);
+            let c = 2.0 * logarithm(opacity / view.gaussian.x);
+            drawn = draw_by_ray(extent, rotations[i], point, position, c, opacity, base);
+        } else if view.kernel == KERNEL_ELLIPSOID {
+            drawn = draw_ellipsoid(extent, rotations[i], point, position, opacity, base);
         } else {
             drawn = draw_ewa(extent, rotations[i], point, position, opacity, base);
         }
         // A Gaussian that is edge-on, or so small or large that its factors are no numbers, covers nothing.
-        let is_number = drawn.splat.radius < 0.0 && drawn.splat.radius > -3e38 && drawn.opacity > view.gaussian.x;
+        let is_number = drawn.splat.radius < 0.0 && drawn.splat.radius > -3e38 && drawn.opacity > least_opacity();
         if is_number {
             // The exact test follows per pixel.
             let reach = drawn.reach + (0.01 + 1e-4 * drawn.reach);

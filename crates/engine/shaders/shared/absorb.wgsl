@@ -1,8 +1,5 @@
 // Optical depths of soft spheres, in units of their radius, and what follows from them.
-#import elementary
-
-// At most: more is as opaque, and products with it stay finite.
-const MOST_DEPTH = 1e30;
+#import optical_depth
 
 // Integral of ρ / r = 1 - sqrt(x² + δ²) from x0 to x1 (Seemann et al., Eq. 5 and 6), x from the middle of the chord; both
 // within the chord. `edge` = 1 - δ. Where the integrand is smooth on the piece, a Gauss-Legendre rule; else the
@@ -37,23 +34,6 @@ fn integral(edge: f32, x0: f32, x1: f32) -> f32 {
 
 fn density(x: f32, half: f32, squared: f32) -> f32 {
     return max((half - x) * (half + x), 0.0) / (1.0 + sqrt(x * x + squared));
-}
-
-// 1 - exp(-x) for x >= 0, as precise for small x.
-fn opacity_of(depth: f32) -> f32 {
-    let x = min(depth, 1.0);
-    let series = x * (1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0 * (1.0 - x / 7.0
-        * (1.0 - x / 8.0 * (1.0 - x / 9.0))))))));
-    return select(1.0 - exponential(-depth), series, depth < 0.5);
-}
-
-// The inverse, from the opacity and from the transmittance, each precise where the other is not.
-fn depth_of(opacity: f32, transmittance: f32) -> f32 {
-    // -ln(1 - x) x / (1 - (1 - x)): the rounding of 1 - x falls out.
-    let rest = 1.0 - opacity;
-    let small = select(-logarithm(rest) * (opacity / (1.0 - rest)), opacity, rest == 1.0);
-    let large = select(-logarithm(transmittance), MOST_DEPTH, transmittance < 1e-37);
-    return select(large, small, opacity < 0.5);
 }
 
 // Optical depth of a whole chord under modulation (Eq. 22): `plain` is the model's, `peak` the opacity that stands for λ.

@@ -12,6 +12,7 @@
 // Where they stand: splat.radius -L11. Of SHAPE_GAUSSIAN_FLAT: tilt.normal L00, L10, z of the centre.
 // Of SHAPE_GAUSSIAN by KERNEL_EWA: tilt.normal L00, L10, K00, K10, rest K11, M3.e1 / z, M3.e2 / z, t.
 // By KERNEL_RAY, of which L is K: normal L00, L10, the inverse of rho^2 at the end, z; rest unused, and as before.
+// By KERNEL_ELLIPSOID as by KERNEL_RAY, but in place of the unused number one of BODY_.
 fn cover_gaussian(splat: Splat, tilt: Tilt, d: vec2<f32>, view: View) -> Coverage {
     let u = vec2<f32>(tilt.normal.x * d.x, tilt.normal.y * d.x - splat.radius * d.y);
     let flat = dot(u, u);
@@ -49,3 +50,9 @@ fn shown_depth(splat: Splat, tilt: Tilt, depth: f32, view: View) -> f32 {
     }
     return select(tilt.normal.z, tilt.normal.w, SHAPE == SHAPE_GAUSSIAN);
 }
+
+// What a ray meets of KERNEL_ELLIPSOID: constant density inside, where a color's alpha is the optical depth of a unit of length. Or a disc of
+// opacity alpha, where the shortest axis is nothing. Or what nothing is seen through.
+const BODY_DENSE = 0.0;
+const BODY_FLAT = 1.0;
+const BODY_OPAQUE = 2.0;

@@ -3,6 +3,7 @@
 #import compose
 #import sphere
 #import absorb
+#import open_sums
 #import packed
 
 // MODEL_BASE: a sphere whose density falls off; MODEL_CONCENTRIC: shells of constant density.
@@ -42,14 +43,6 @@ fn shell_absorption(chord: Chord, shells: u32, radius: f32, w: f32) -> f32 {
     whole = max(whole * radius, 1e-30);
     let wanted = modulated(min(plain * whole, MOST_DEPTH), chord.edge, push.peak, w);
     return select(plain, min(wanted / whole, MOST_DEPTH), w < 1.0);
-}
-
-struct Terms {
-    // Color times weight, and weight.
-    color: vec4<f32>,
-    // Optical depth of a unit of length, and what rounding took from the event's depth; concentric shells only.
-    density: f32,
-    rest: f32,
 }
 
 // A sphere of the base model: edge, middle, reach and absorption; color times weight, and weight.
@@ -101,46 +94,6 @@ fn terms_of(event: vec2<u32>, pixel: vec2<u32>, ray: vec4<f32>) -> Terms {
     let half = chord.reach * half_chord(chord.edge, place);
     let rest = rest_of(chord.middle, half, is_exit(id), key_depth(event.x));
     return Terms(weight * vec4<f32>(color.rgb, 1.0), density, rest);
-}
-
-// Running sums of what is open, as sums of two floats: what was added can be taken away again.
-struct Sums {
-    high: vec4<f32>,
-    low: vec4<f32>,
-    density: vec2<f32>,
-    open: f32,
-}
-
-fn no_sums() -> Sums {
-    return Sums(vec4<f32>(0.0), vec4<f32>(0.0), vec2<f32>(0.0), 0.0);
-}
-
-fn plus_terms(sums: Sums, terms: Terms, sign: f32) -> Sums {
-    let b = sign * terms.color;
-    let s = sums.high + b;
-    let bb = s - sums.high;
-    let rest = (sums.high - (s - bb)) + (b - bb);
-    let c = sign * terms.density;
-    let t = sums.density.x + c;
-    let cc = t - sums.density.x;
-    let left = (sums.density.x - (t - cc)) + (c - cc);
-    return Sums(s, sums.low + rest, vec2<f32>(t, sums.density.y + left), sums.open + sign);
-}
-
-// The sums after an event: nothing open leaves nothing.
-fn after_event(sums: Sums, terms: Terms, exit: bool) -> Sums {
-    let next = plus_terms(sums, terms, select(1.0, -1.0, exit));
-    if next.open == 0.0 {
-        return no_sums();
-    }
-    return next;
-}
-
-// Color of a segment by Eq. 11, and its opacity.
-fn segment_color(sums: Sums, depth: f32) -> vec4<f32> {
-    let color = sums.high + sums.low;
-    let mean = select(vec3<f32>(0.0), color.rgb / color.a, color.a > 0.0);
-    return vec4<f32>(mean, select(0.0, opacity_of(depth), sums.open > 0.0));
 }
 
 // Optical depth of a segment of concentric shells, between two depths that are sums of two floats.

@@ -1,9 +1,7 @@
 // A soft sphere and the ray through a pixel's centre. Everything is relative to the sphere's centre, so that nothing cancels.
 // The stage has `view`. A splat's radius is here in world units, as SHAPE_SPHERE asks for, and depths are relative to
 // depth_origin(), so that neither far spheres that overlap nor thin segments between them lose digits.
-#import elementary
-#import splat
-#import twofloat
+#import pixel_ray
 
 // 0: as many shells as the radius in pixels over PIXELS_PER_SHELL; 1 is a whole sphere.
 override SHELLS: u32 = 1u;
@@ -14,21 +12,6 @@ override SHELL_BITS: u32 = 0u;
 override PACKED: u32 = 0u;
 // Smaller radii are none.
 const LEAST_RADIUS = 1e-30;
-
-fn depth_origin() -> f32 {
-    return view.eye_hi.w;
-}
-
-// Unit direction of the ray, and its length over the depth along the axis.
-fn ray_of(pixel: vec2<u32>) -> vec4<f32> {
-    if view.orthographic != 0u {
-        return vec4<f32>(0.0, 0.0, 1.0, 1.0);
-    }
-    let from_middle = vec2<f32>(pixel) + 0.5 - 0.5 * vec2<f32>(view.size);
-    let v = vec3<f32>(from_middle / view.focal.x, 1.0);
-    let stretch = length3(v);
-    return vec4<f32>(v / stretch, stretch);
-}
 
 struct Chord {
     // 1 - d / r for the ray's distance d from the centre: 1 through it, 0 at the rim, negative beside the sphere.
@@ -90,13 +73,6 @@ fn square2(x: vec2<f32>) -> vec2<f32> {
 // Half of the chord of shell `place` = i / N, over the radius: sqrt((r_i - d)(r_i + d)) / r.
 fn half_chord(edge: f32, place: f32) -> f32 {
     return sqrt(max(edge - place, 0.0) * (2.0 - edge - place));
-}
-
-// The part that rounding took from the depth at which a chord begins or ends: spheres may be small against the cloud's depth.
-// 0 where it was cut.
-fn rest_of(middle: f32, half: f32, exit: bool, depth: f32) -> f32 {
-    let end = two_sum(middle, select(-half, half, exit));
-    return select(0.0, end.y, end.x == depth);
 }
 
 // N of Seemann et al., Section 3.2.

@@ -56,7 +56,9 @@ impl PassRuns<'_> {
         let facts = self.facts;
         let normal = if self.cloud.has_normals() || self.cloud.casting().is_some() { 16 } else { 0 };
         let points = facts.points * (32 + 16 + normal + 8) * facts.windows.max(1);
-        (self.name == "project/splats").then(|| points + facts.visible * (self.splat(tilted) + 16))
+        // How many of them touch the image is known of both together.
+        (self.name == "project/splats" && facts.gaussians == 0)
+            .then(|| points + facts.visible * (self.splat(tilted) + 16))
     }
 
     /// Bytes of passes that every engine has: empty pixels, the copy to the host, and shadows.

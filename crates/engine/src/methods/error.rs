@@ -210,6 +210,14 @@ pub enum Error {
         "order = \"pixel\" orders Gaussians in each pixel, but sorted orders them once: method = \"abuffer\" or order = \"center\" would do"
     )]
     OneOrder,
+    /// Ellipsoids have no single depth for a method that takes one of each splat.
+    #[error(
+        "kernel = \"ellipsoid\" integrates along rays through ellipsoids, which method {method} does not: method = \"abuffer\" or \"linked-list\", or kernel = \"ray\" would do"
+    )]
+    NoEllipsoids {
+        /// The method.
+        method: &'static str,
+    },
     /// Eye-dome lighting of a picture that has no single surface.
     #[error(
         "shading.edl shades by the depth of a surface, and method {method} has none: {}",

@@ -194,14 +194,18 @@ impl Plan<'_> {
     /// Explains the projection of points to splats, and its results.
     pub fn projected(&mut self) {
         self.cleared();
-        let points = self.facts.points;
+        let gaussians = if self.frame.method.discs().is_some() { self.facts.gaussians } else { 0 };
+        let points = self.facts.points.saturating_sub(gaussians);
         self.add("project/splats", points > 0, format!("{points} points; {}", self.shading()));
+        self.add("project/gaussians", gaussians > 0, format!("{gaussians} Gaussians, each to its ellipse"));
         self.found();
     }
 
     /// Points that become pixels, without splats.
     pub fn not_projected(&mut self) {
-        self.add("project/splats", false, "a point is one pixel or a square: no splats");
+        let reason = "a point is one pixel or a square: no splats";
+        self.add("project/splats", false, reason);
+        self.add("project/gaussians", false, reason);
     }
 
     /// Explains the results of the projection.

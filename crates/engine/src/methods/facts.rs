@@ -11,6 +11,8 @@ use crate::passes::raster::Walker;
 pub struct Facts {
     /// Points of the scene, without those that [`Frame::detail`](super::Frame::detail) leaves out.
     pub points: u64,
+    /// Gaussians among them.
+    pub gaussians: u64,
     /// Splats whose rectangle touches the image (summed over windows; solid plus soft points, if a method separates
     /// them).
     pub visible: u64,

@@ -4,7 +4,7 @@ use super::engine::Fragments;
 use super::{Error, Stop, engine_of};
 use crate::camera::Camera;
 use crate::image::MAX_SIDE;
-use crate::scene::{ColorSpace, Detail, Method, Order, Scene, Shading, Shadows};
+use crate::scene::{ColorSpace, Detail, Kernel, Method, Order, Scene, Shading, Shadows};
 
 /// The settings for rendering an uploaded cloud.
 #[derive(Debug, Clone, Copy)]
@@ -111,6 +111,11 @@ impl Frame {
         }
         if self.shading.edl.edl && !self.method.takes_edl() {
             return Err(Error::NoSurfaceDepth { method: self.method.name() });
+        }
+        let takes_ellipsoids = matches!(self.method, Method::ABuffer(_) | Method::LinkedList(_));
+        let kernel = self.method.discs().map(|discs| discs.gaussians.kernel);
+        if kernel == Some(Kernel::Ellipsoid) && !takes_ellipsoids {
+            return Err(Error::NoEllipsoids { method: self.method.name() });
         }
         if matches!(self.method, Method::Sorted(_)) && self.method.order() == Order::Pixel {
             return Err(Error::OneOrder);

@@ -11,6 +11,7 @@
 
 use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::methods::ellipsoids;
 use crate::passes::bands::Band;
 use crate::passes::raster::{self, Chunk, ChunkGroup, Raster, RasterPush};
 use crate::{gpu_struct, pass};
@@ -96,12 +97,12 @@ impl LinkedList {
         self.links.release();
     }
 
-    /// Records the fragments of a band to their pixels' ranges; `longest` is the length of the longest list.
+    /// Records the fragments of a band to their pixels' ranges, or the events of ellipsoids; `longest` is the length of the longest list.
     pub fn record<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
         raster: &Raster<'a>,
-        through: Through<'a>,
+        (through, events): (Through<'a>, bool),
         band: &Band,
         longest: u32,
     ) -> Result<(), Error> {
@@ -110,7 +111,12 @@ impl LinkedList {
         let pixels = u64::from(band.pixels[1] - band.pixels[0]);
         recorder.fill("linked-list/clear", heads.skip(band.pixels[0].into()).first(pixels), NONE)?;
         recorder.fill("linked-list/clear", node_count, 0)?;
-        raster.record(recorder, band, |chunk: Chunk<'a>| Store { chunk, heads, node_count, nodes, links })?;
+        if events {
+            let link = |chunk: Chunk<'a>| ellipsoids::Link { chunk, heads, node_count, nodes, links };
+            raster.record(recorder, band, link)?;
+        } else {
+            raster.record(recorder, band, |chunk: Chunk<'a>| Store { chunk, heads, node_count, nodes, links })?;
+        }
         for done in (0..longest).step_by(GATHER_STEP as usize) {
             let [band_start, band_end] = band.pixels;
             let push = GatherPush { band_start, band_end, first_fragment: band.first_fragment, done };

@@ -7,6 +7,7 @@ pub mod brightness;
 mod bytes;
 pub mod cost;
 pub(crate) mod edl;
+pub mod ellipsoids;
 mod engine;
 mod error;
 pub(crate) mod explain;
@@ -104,6 +105,7 @@ pub(crate) fn pass_groups() -> Vec<PassGroup> {
         soft::sphere_group(),
         abuffer::count_group(),
         abuffer::list_group(),
+        abuffer::ellipsoid_group(),
         peel::pass_group(),
         splats::pass_group(),
         one_layer::pass_group(),

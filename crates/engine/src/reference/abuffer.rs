@@ -74,7 +74,13 @@ pub fn lists_at(
 }
 
 /// The fragments of a point's disc, each with its pixel: row · width + column.
-fn of_disc(camera: &Camera, size: [u32; 2], points: &Points, index: usize, discs: &Discs) -> Vec<(usize, Fragment)> {
+pub(super) fn of_disc(
+    camera: &Camera,
+    size: [u32; 2],
+    points: &Points,
+    index: usize,
+    discs: &Discs,
+) -> Vec<(usize, Fragment)> {
     let opacity = f64::from(points.opacities[index]);
     let covered = footprint(camera, size, &splat(points, index, discs.shape));
     let fragment = |pixel: &Coverage| {
@@ -136,6 +142,9 @@ pub fn mean_depth(list: &[Fragment]) -> f64 {
 /// The whole image. `colors` holds a color for each point, shaded and in the space that blending runs in
 /// ([`super::shading::shade`]).
 pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> Picture {
+    if gaussians::ellipsoid::are_drawn(points, discs) {
+        return gaussians::ellipsoid::render(camera, size, points, colors, discs);
+    }
     let lists = lists(camera, size, points, discs);
     let pixel =
         |list: &Vec<Fragment>| composite(&gaussians::with_depths(camera, points, &discs.gaussians, list), colors);

@@ -169,7 +169,12 @@ impl Method {
     /// What it orders Gaussians by: the centre, if it orders splats once.
     pub fn order(&self) -> Order {
         let default = if matches!(self, Self::Sorted(_)) { Order::Center } else { Order::Pixel };
-        self.discs().and_then(|discs| discs.gaussians.order).unwrap_or(default)
+        match self.discs().map(|discs| discs.gaussians) {
+            // Ellipsoids are entered and left: what they are ordered by is each pixel's.
+            Some(gaussians) if gaussians.kernel == Kernel::Ellipsoid => Order::Pixel,
+            Some(gaussians) => gaussians.order.unwrap_or(default),
+            None => default,
+        }
     }
 
     /// The displacement of its fragments toward the viewer.

@@ -8,6 +8,7 @@ mod colors;
 mod detail;
 mod edl;
 mod elementary;
+mod ellipsoids;
 mod gaussians;
 mod gpu;
 mod image_space;

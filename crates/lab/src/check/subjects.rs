@@ -220,6 +220,7 @@ fn gaussians() -> Vec<Subject> {
     let settings = GaussianSettings::default();
     let with = |gaussians| Discs { gaussians, ..Discs::default() };
     let by_ray = with(GaussianSettings { kernel: Kernel::Ray, ..settings });
+    let ellipsoids = with(GaussianSettings { kernel: Kernel::Ellipsoid, ..settings });
     let smooth = with(GaussianSettings { antialias: true, order: Some(Order::Distance), ..settings });
     let drawn = Discs { raster: Raster::Hardware, ..by_ray };
     let computed = Discs { raster: Raster::Compute, ..with(settings) };
@@ -228,7 +229,9 @@ fn gaussians() -> Vec<Subject> {
     vec![
         subject(Method::ABuffer(with(settings)), "Gaussians, encoded", many(), encoded),
         subject(Method::ABuffer(drawn), "Gaussians by ray, rasteriser", few(), orthographic),
+        subject(Method::ABuffer(ellipsoids), "ellipsoids, encoded", many(), encoded),
         subject(Method::LinkedList(by_ray), "Gaussians and discs", mixed(), as_it_is),
+        subject(Method::LinkedList(ellipsoids), "ellipsoids and discs", mixed(), as_it_is),
         subject(Method::Sorted(smooth), "Gaussians by distance", many(), encoded),
         subject(Method::Peel(Peel { discs: by_ray, layers: 0 }), "Gaussians by ray", few(), as_it_is),
         subject(Method::Stochastic(stochastic), "Gaussians, compute", few(), as_it_is),

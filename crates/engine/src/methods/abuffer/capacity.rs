@@ -5,14 +5,14 @@ use crate::gpu::{self, Device};
 use crate::methods::Error;
 use crate::methods::engine::Work;
 use crate::methods::linked_list;
-use crate::methods::soft::{self, Interior, Spheres};
+use crate::methods::soft::{self, Interior};
 use crate::passes::bands::{self, Band, Budget};
 use crate::scene::LongLists;
 
 impl ABuffer {
     /// Fragments that fit at a time: within the budget, and within a binding.
     fn capacity(device: &Device, job: &WindowJob<'_>, counted: &Counted) -> u64 {
-        let pixel_bytes = PIXEL_BYTES + job.storing.spheres().map_or(0, Spheres::pixel_bytes);
+        let pixel_bytes = PIXEL_BYTES + job.storing.pixel_bytes();
         let left = job.budget.left(bands::pixels(job.raster.window) * pixel_bytes);
         let need = Need::for_window(job, counted);
         let widest = if need.records { soft::RECORD_BYTES } else { need.fragment };
@@ -85,10 +85,14 @@ impl ABuffer {
         if need.links {
             self.linked.reserve(device, most, limit)?;
         }
+        let pixels = bands::pixels(job.raster.window);
+        if job.storing.are_ellipsoids() {
+            return Ok(self.blender.reserve_events(device, pixels, most)?);
+        }
         let long = if need.runs { most.min(counted.lengths.in_long_lists.into()) } else { 0 };
         let events = if need.segments { [most, limit] } else { [0, 0] };
         self.blender.reserve_spheres(device, job.storing.spheres().filter(|_| need.runs).map(|_| long), events)?;
-        Ok(self.blender.reserve(device, bands::pixels(job.raster.window), long)?)
+        Ok(self.blender.reserve(device, pixels, long)?)
     }
 }
 
@@ -111,7 +115,7 @@ pub(super) struct Need {
 
 impl Need {
     pub(super) fn for_window(job: &WindowJob<'_>, counted: &Counted) -> Self {
-        let links = matches!(job.storing, Storing::Links);
+        let links = job.storing.are_linked();
         let sorted = matches!(job.storing, Storing::Ordered(..));
         let runs = !sorted && counted.lengths.in_long_lists > 0;
         let fragment = if sorted { INDEX_BYTES } else { FRAGMENT_BYTES };

@@ -4,7 +4,7 @@ use super::capacity::Need;
 use super::passes::{Count, CountPush, CountTiles, Lengths, Measure};
 use super::{ABuffer, LOCAL_LENGTH, Storing, WindowJob};
 use crate::gpu::{Device, Dispatch, Run, Variant};
-use crate::methods::{Error, Facts, Timeline};
+use crate::methods::{Error, Facts, Timeline, ellipsoids};
 use crate::passes::bands::{self, Band};
 use crate::passes::foresight::Place;
 use crate::passes::raster::Chunk;
@@ -41,7 +41,7 @@ impl Counted {
 
     /// What adds the counts themselves to those of the frame.
     pub(super) fn noting(&self, job: &WindowJob<'_>, bands: Vec<Band>) -> impl FnOnce(&mut Facts, &Timeline) + 'static {
-        let (place, events, need) = (self.place, events(job), Need::for_window(job, self));
+        let (place, events, need) = (self.place, job.storing.counted_beside(), Need::for_window(job, self));
         move |facts, timeline| {
             let found = Self::new(timeline.found(place), place, events);
             found.note(&bands, facts);
@@ -79,10 +79,11 @@ impl ABuffer {
             Some(scan) => scan,
             None => Scan::new(device, pixels + 1)?,
         });
-        let counted = job.storing.spheres().filter(|spheres| spheres.kind.interior.counted());
-        self.spheres.reserve(device, if counted.is_some() { pixels } else { 1 })?;
+        let beside = job.storing.counted_beside() == Some(true);
+        self.beside = beside;
+        self.spheres.reserve(device, if beside { pixels } else { 1 })?;
         self.told_offsets.reserve(device, if told { pixels + 1 } else { 0 })?;
-        self.told_spheres.reserve(device, if told && counted.is_some() { pixels } else { 0 })?;
+        self.told_spheres.reserve(device, if told && beside { pixels } else { 0 })?;
         let (counts, offsets) = (self.counts.get(), self.offsets.get());
 
         let mut recorder = timeline.recorder(device)?;
@@ -99,13 +100,18 @@ impl ABuffer {
             recorder.fill("abuffer/clear", self.sphere_lengths.all(), 0)?;
             job.raster.record_tiles(&mut recorder)?;
             spheres.record_count(&mut recorder, &job.raster, counts.all(), self.spheres.get().all())?;
+        } else if job.storing.are_ellipsoids() {
+            recorder.fill("abuffer/clear", self.spheres.get().all(), 0)?;
+            recorder.fill("abuffer/clear", self.sphere_lengths.all(), 0)?;
+            job.raster.record_tiles(&mut recorder)?;
+            ellipsoids::record_count(&mut recorder, &job.raster, counts.all(), self.spheres.get().all())?;
         } else {
             job.raster.record_tiles(&mut recorder)?;
             job.raster.record(&mut recorder, &whole, |chunk: Chunk<'_>| Count { chunk, counts: counts.all() })?;
         }
         let measure = Run::new(Dispatch::Invocations(pixels.div_ceil(MEASURE_RUN)));
         let push = CountPush { count: pixels as u32 };
-        if counted.is_some() {
+        if beside {
             let run = measure.clone().variant(measure_variant(0));
             let of_spheres = Measure { counts: self.spheres.get().all(), lengths: self.sphere_lengths.all() };
             recorder.run(&of_spheres, push, &run)?;
@@ -113,25 +119,20 @@ impl ABuffer {
         let measure = measure.variant(measure_variant(LOCAL_LENGTH));
         recorder.run(&Measure { counts: counts.all(), lengths: self.lengths.all() }, push, &measure)?;
         scan.record(&mut recorder, counts.slice(0, pixels + 1), offsets.slice(0, pixels + 1), self.overflow.all())?;
-        if !matches!(job.storing, Storing::Links) {
+        if !job.storing.are_linked() {
             // From here on the counts are the cursors that hand out slots.
             recorder.copy("abuffer/cursors", offsets.slice(0, pixels + 1), counts.slice(0, pixels + 1))?;
         }
         self.told_offsets.record(&mut recorder, offsets);
         self.told_spheres.record(&mut recorder, self.spheres.get());
         let mut words = vec![self.overflow.all(), self.lengths.all().cast(), offsets.slice(pixels, 1)];
-        if counted.is_some() {
+        if beside {
             words.push(self.sphere_lengths.all().cast());
         }
         let names = ("abuffer/summary", "abuffer/count and scan");
         let answer = timeline.ask(device, recorder, names, &words)?;
-        Ok(Counted::new(&answer.words, answer.place, events(job)))
+        Ok(Counted::new(&answer.words, answer.place, job.storing.counted_beside()))
     }
-}
-
-/// Of spheres, whether they are counted beside their events.
-fn events(job: &WindowJob<'_>) -> Option<bool> {
-    job.storing.spheres().map(|spheres| spheres.kind.interior.counted())
 }
 
 /// The variant of `abuffer/measure`: lists longer than `long` are long.

@@ -7,7 +7,7 @@ use crate::methods::engine::{Channels, Counts, Engine, Work, project, windows_of
 use crate::methods::explain::Plan;
 use crate::methods::projecting::UNCLAMPED;
 use crate::methods::walker::walker;
-use crate::methods::{Buffers, Error, Frame, Machines, Outcome, Timeline, linked_list, sorted, tiled};
+use crate::methods::{Buffers, Error, Frame, Machines, Outcome, Timeline, ellipsoids, linked_list, sorted, tiled};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Bin, Bins, Order};
 use crate::passes::project::{DeviceCloud, Drawing, Footprint, Part, Projecting, Stats};
@@ -27,7 +27,8 @@ pub fn projecting(frame: &Frame, cloud: &DeviceCloud, discs: &Discs) -> Projecti
     let shape = if of_discs.footprint == Footprint::Oriented { DiscShape::Oriented } else { DiscShape::Flat };
     let flat = shape == DiscShape::Flat && settings.kernel == Kernel::Ewa && order != GaussianOrder::Pixel;
     let footprint = if flat { Footprint::FlatGaussian } else { Footprint::Gaussian };
-    Projecting { footprint, gaussians: Drawing { settings, order, discs: shape }, ..of_discs }
+    let relative_depth = settings.kernel == Kernel::Ellipsoid;
+    Projecting { footprint, relative_depth, gaussians: Drawing { settings, order, discs: shape }, ..of_discs }
 }
 
 /// Lists of fragments, each pixel's sorted and blended.
@@ -51,8 +52,21 @@ impl ListEngine {
         }
     }
 
-    fn storing(&self) -> Storing<'static> {
-        if self.linked { Storing::Links } else { Storing::Slots }
+    fn storing(&self, cloud: &DeviceCloud) -> Storing<'static> {
+        match self.linked {
+            linked if self.are_ellipsoids(cloud) => Storing::Ellipsoids { linked },
+            true => Storing::Links,
+            false => Storing::Slots,
+        }
+    }
+
+    fn are_ellipsoids(&self, cloud: &DeviceCloud) -> bool {
+        cloud.has_gaussians() && self.discs.gaussians.kernel == Kernel::Ellipsoid
+    }
+
+    /// Ellipsoids have no stage for the rasteriser.
+    fn walker(&self, device: &Device, cloud: &DeviceCloud, window: Window) -> Result<Walker, Error> {
+        if self.are_ellipsoids(cloud) { Ok(Walker::Compute) } else { walker(device, self.discs.raster, window) }
     }
 
     /// True if lists are filled tile by tile from sorted splats. Only flat discs then arrive in blending order, and it
@@ -83,19 +97,22 @@ impl ListEngine {
         let [width, height] = frame.size;
         let (window, how) = ([0, 0, width, height], projecting(frame, cloud, &self.discs));
         let stats = project(device, cloud, (frame, window), &how, timeline)?;
-        let walker = walker(device, self.discs.raster, window)?;
+        let walker = self.walker(device, cloud, window)?;
         buffers.tiles.reserve(device, &stats, window)?;
         let tiles = &buffers.tiles;
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
         let stop = sorted::stop(sorted::Stop::Exact, frame.color, 1.0);
-        let job = WindowJob { raster, discs: self.discs, storing: self.storing(), stop, median: false, budget };
+        let job = WindowJob { raster, discs: self.discs, storing: self.storing(cloud), stop, median: false, budget };
         buffers.machines.lists.lists(device, &job, timeline)
     }
 }
 
 impl Engine for ListEngine {
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
-        Ok(windows_of(frame, budget, PIXEL_BYTES))
+        // Whether there are some is known once the cloud is.
+        let ellipsoids = self.discs.gaussians.kernel == Kernel::Ellipsoid;
+        let events = if ellipsoids { ellipsoids::PIXEL_BYTES } else { 0 };
+        Ok(windows_of(frame, budget, PIXEL_BYTES + events))
     }
 
     fn channels(&self) -> Channels {
@@ -111,14 +128,14 @@ impl Engine for ListEngine {
         let (device, frame, window) = (work.device, work.frame, work.window);
         let how = projecting(frame, cloud, &self.discs);
         let stats = work.project(cloud, &how)?;
-        let walker = walker(device, self.discs.raster, window)?;
+        let walker = self.walker(device, cloud, window)?;
         let visited = walker == Walker::Compute;
         let Some(budget) = work.reserve_tiles(tiles, &stats, visited)? else {
             return Ok(Outcome::Overflow);
         };
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
         let stop = sorted::stop(frame.stop, frame.color, cloud.max_color(&how));
-        let (storing, median) = (self.storing(), self.median);
+        let (storing, median) = (self.storing(cloud), self.median);
         let mut job = WindowJob { raster, discs: self.discs, storing, stop, median, budget };
         let counted_bytes = bands::pixels(window) * PIXEL_BYTES;
         let bin = bin::Job { raster, order: Order::Depth, depth_range: frame.key_range(), budget, counted_bytes };
@@ -157,7 +174,11 @@ impl Engine for ListEngine {
 impl ABuffer {
     /// List lengths of the window that was counted last, if the frame asks for them.
     pub(crate) fn counts(&self, frame: &Frame, window: Window) -> Result<Counts, Error> {
-        let fragments = if frame.fragments { Some(self.read_counts(window)?) } else { None };
+        let fragments = match frame.fragments {
+            true if self.beside => Some(self.read_spheres(window)?),
+            true => Some(self.read_counts(window)?),
+            false => None,
+        };
         Ok(Counts { fragments, ..Counts::default() })
     }
 }

@@ -3,7 +3,7 @@
 use super::{CLASSES, LOCAL_LENGTH, lower_bound};
 use crate::methods::explain::{Absent, NOTHING, PassGroup, Plan};
 use crate::passes::bin::Order;
-use crate::scene::{Discs, LongLists};
+use crate::scene::{Discs, Kernel, LongLists};
 
 /// The passes that find the lengths of lists.
 pub(crate) const COUNT: [&str; 5] =
@@ -28,6 +28,19 @@ pub(crate) fn count_group() -> PassGroup {
     PassGroup::new(&COUNT, Absent::Discs("no lists"))
 }
 
+/// The passes of events of ellipsoids.
+pub(crate) fn ellipsoid_group() -> PassGroup {
+    let names = [
+        "ellipsoids/count",
+        "ellipsoids/store",
+        "ellipsoids/link",
+        "ellipsoids/split",
+        "ellipsoids/sum-runs",
+        "ellipsoids/blend-runs",
+    ];
+    PassGroup::new(&names, Absent::Discs("no ellipsoids"))
+}
+
 /// The passes of lists once their lengths are known.
 pub(crate) fn list_group() -> PassGroup {
     PassGroup { names: list_passes(), absent: Absent::Discs("no lists") }
@@ -44,6 +57,9 @@ pub(crate) fn list_passes() -> Vec<&'static str> {
 pub(super) fn lists(plan: &mut Plan<'_>, discs: &Discs, linked: bool) {
     let (facts, why) = (plan.facts, plan.why);
     plan.projected();
+    if facts.gaussians > 0 && discs.gaussians.kernel == Kernel::Ellipsoid {
+        return ellipsoids(plan, discs.long_lists, linked);
+    }
     // Windows whose splats are sorted need no tiles of large splats, and no sort of fragments.
     let (ordered, unordered) = (facts.ordered > 0, facts.windows > facts.ordered);
     let mut counters = 0;
@@ -68,6 +84,44 @@ pub(super) fn lists(plan: &mut Plan<'_>, discs: &Discs, linked: bool) {
         kernels(plan, facts.max_list, discs.long_lists);
     }
     plan.rest(&list_passes(), "no list has to be sorted, or none is in order");
+}
+
+/// The plan of a frame of lists of events: where rays enter and leave ellipsoids.
+fn ellipsoids(plan: &mut Plan<'_>, long_lists: LongLists, linked: bool) {
+    let facts = plan.facts;
+    let (any, several) = (facts.fragments > 0, facts.max_events > LOCAL_LENGTH);
+    let met = plan.if_seen(format!("{} ellipsoids and discs on all rays in {} band(s)", facts.fragments, facts.bands));
+    plan.add("abuffer/clear", true, "counters start at zero");
+    plan.add("ellipsoids/count", plan.seen(), plan.if_seen("an ellipsoid is entered and left".to_owned()));
+    plan.add("abuffer/measure", true, format!("the longest list has {} events", facts.max_events));
+    let counts = plan.pixels().div_ceil(facts.windows.max(1)) + 1;
+    let tiled = plan.tiles(facts.large);
+    plan.scan(counts.max(tiled), "counters of events and tiles");
+    let slots = if linked { "linked lists need no slots" } else { "the next free slot of each list is its first" };
+    plan.add("abuffer/cursors", !linked, slots);
+    plan.add("abuffer/summary", true, "the events' total decides the bands");
+    plan.add("image/clear", true, "pixels without events stay empty");
+    for (name, for_links) in [
+        ("ellipsoids/store", false),
+        ("linked-list/clear", true),
+        ("ellipsoids/link", true),
+        ("linked-list/gather", true),
+    ] {
+        let reason = if for_links == linked { met.clone() } else { plan.why.to_owned() };
+        plan.add(name, any && for_links == linked, reason);
+    }
+    let runs = plan.if_seen(format!("lists are sorted and composed in runs of {LOCAL_LENGTH} events"));
+    let longest = format!("the longest list has {} events", facts.max_events);
+    plan.add("ellipsoids/split", any, runs.clone());
+    plan.add("abuffer/run-groups", any, runs.clone());
+    plan.add("abuffer/sort-runs", any, runs.clone());
+    let merged = long_lists == LongLists::Merge;
+    plan.add("abuffer/merge", several && merged, longest.clone());
+    plan.add("abuffer/merge-in-place", several && !merged, longest.clone());
+    plan.add("ellipsoids/sum-runs", several, longest.clone());
+    plan.add("soft/carry", several, longest);
+    plan.add("ellipsoids/blend-runs", any, runs.clone());
+    plan.add("abuffer/combine", any, runs);
 }
 
 /// The lengths of lists, counted beside what the method does if they are asked for; `others` are elements of its prefix sums.

@@ -15,19 +15,20 @@ mod engine;
 mod explain;
 mod passes;
 
-pub use blend::{CLASSES, in_place_length, least_bytes, lower_bound, record_nothing};
+pub use blend::{CLASSES, in_place_length, least_bytes, long_groups, lower_bound, record_nothing};
 pub(crate) use blend::{CONSTANTS, Sorting};
 pub use engine::projecting;
 pub(crate) use engine::{ListEngine, ORDERED_AREA, list_bytes};
-pub(crate) use explain::{BY_LENGTH, COUNT, count_group, counted_beside, list_group, list_passes};
+pub(crate) use explain::{BY_LENGTH, COUNT, count_group, counted_beside, ellipsoid_group, list_group, list_passes};
 pub use passes::*;
 
 use self::blend::{Blender, Stored};
 use self::capacity::Need;
 use self::count::{Counted, measure_variant};
+use super::ellipsoids;
 use super::engine::Work;
 use super::linked_list::{self, LinkedList};
-use super::soft::{Interior, Spheres};
+use super::soft::Spheres;
 use super::told::Told;
 use super::{Error, Outcome, Timeline};
 use crate::gpu::shader::{Choices, Shader};
@@ -71,8 +72,10 @@ pub struct ABuffer {
     spare: Kept<[u32; 2]>,
     /// Records of packed events of spheres, at their fragments' slots.
     records: Kept<[u32; 4]>,
-    /// Spheres of each pixel, where they have several events, and what was found in them.
+    /// Spheres of each pixel, or what else events are of, where they are counted beside, and what was found in them.
     spheres: Kept<u32>,
+    /// True if they were, of the last window.
+    beside: bool,
     told_spheres: Told<u32>,
     sphere_lengths: Buffer<Lengths>,
     linked: LinkedList,
@@ -90,6 +93,11 @@ pub enum Storing<'a> {
     Links,
     /// Events of soft spheres, into slots as they come.
     Spheres(Spheres<'a>),
+    /// Events of ellipsoids and surfaces, into slots, or through linked lists.
+    Ellipsoids {
+        /// Through linked lists.
+        linked: bool,
+    },
 }
 
 impl<'a> Storing<'a> {
@@ -97,6 +105,32 @@ impl<'a> Storing<'a> {
         match self {
             Self::Spheres(spheres) => Some(spheres),
             _ => None,
+        }
+    }
+
+    fn are_ellipsoids(&self) -> bool {
+        matches!(self, Self::Ellipsoids { .. })
+    }
+
+    fn are_linked(&self) -> bool {
+        matches!(self, Self::Links | Self::Ellipsoids { linked: true })
+    }
+
+    /// Of events, whether what they are of is counted beside them: where some have two, and others another number.
+    fn counted_beside(&self) -> Option<bool> {
+        match self {
+            Self::Spheres(spheres) => Some(spheres.kind.interior.counted()),
+            Self::Ellipsoids { .. } => Some(true),
+            _ => None,
+        }
+    }
+
+    /// Device bytes of a pixel beside those of lists.
+    fn pixel_bytes(&self) -> u64 {
+        match self {
+            Self::Spheres(spheres) => spheres.pixel_bytes(),
+            Self::Ellipsoids { .. } => ellipsoids::PIXEL_BYTES,
+            _ => 0,
         }
     }
 }
@@ -141,6 +175,7 @@ impl ABuffer {
             spare: Kept::new("spare fragments", Memory::Device),
             records: Kept::new("event records", Memory::Device),
             spheres: Kept::new("sphere counts", Memory::Device),
+            beside: false,
             told_spheres: Told::new("sphere counts, host"),
             sphere_lengths: device.buffer("sphere lengths", 1, Memory::Device)?,
             linked: LinkedList::new(device)?,
@@ -219,8 +254,8 @@ impl ABuffer {
     }
 
     /// Spheres of every pixel of the window, in its order, as [`Self::read_counts`].
-    pub fn read_spheres(&self, window: Window, interior: Interior) -> Result<Vec<u32>, Error> {
-        if interior.counted() {
+    pub fn read_spheres(&self, window: Window) -> Result<Vec<u32>, Error> {
+        if self.beside {
             return self.told_spheres.read(self.spheres.get(), bands::pixels(window));
         }
         Ok(self.read_counts(window)?.into_iter().map(|events| events / 2).collect())
@@ -266,9 +301,13 @@ impl ABuffer {
                     indices: fragments.cast(),
                 })?;
             }
-            Storing::Links => {
+            Storing::Ellipsoids { linked: false } => {
+                ellipsoids::record_store(recorder, &job.raster, band, counts, fragments)?;
+            }
+            Storing::Links | Storing::Ellipsoids { linked: true } => {
                 let (offsets, nodes) = (self.offsets.get().all(), self.spare.get().all());
                 let through = linked_list::Through { offsets, heads: counts, nodes, fragments };
+                let through = (through, job.storing.are_ellipsoids());
                 return Ok(self.linked.record(recorder, &job.raster, through, band, counted.lengths.longest)?);
             }
         }
@@ -277,6 +316,7 @@ impl ABuffer {
             (self.counts.get().slice(start, end - start), self.offsets.get().slice(start + 1, end - start));
         let name = match job.storing {
             Storing::Spheres(_) => "soft/store",
+            Storing::Ellipsoids { .. } => "ellipsoids/store",
             _ => "abuffer/store",
         };
         Ok(recorder.agree(name, "pixel", ends, Expected::Words(next))?)

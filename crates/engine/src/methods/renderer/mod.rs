@@ -295,7 +295,8 @@ impl Renderer {
         let Drawing { engine, frame, windows, budget, learns } = *drawing;
         self.progress.set_length(u64::from(frame.size[0]) * u64::from(frame.size[1]));
         self.progress.set_position(0);
-        let mut facts = Facts { points: cloud.drawn(), ..Default::default() };
+        let (points, gaussians) = (cloud.drawn(), cloud.gaussian_count());
+        let mut facts = Facts { points, gaussians, ..Default::default() };
         self.whole = None;
         let mut windows = last_first(windows);
         while let Some(window) = windows.pop() {
@@ -453,7 +454,8 @@ impl Renderer {
             self.target.reserve(&self.device, largest(&windows))?;
         }
         let (light_views, samples) = (light_views(cloud, frame), engine.samples(frame).unwrap_or(0));
-        let mut facts = Facts { points: cloud.drawn(), light_views, ..Default::default() };
+        let (points, gaussians) = (cloud.drawn(), cloud.gaussian_count());
+        let mut facts = Facts { points, gaussians, light_views, ..Default::default() };
         let (mut windows, mut timeline) = (last_first(&windows), Timeline::new(&self.progress));
         while let Some(window) = windows.pop() {
             let part = Part { engine, frame, window, budget, samples, survey: true, learns: false };

@@ -125,7 +125,7 @@ pass! {
 }
 
 /// Constants that shaders share with this module.
-pub(crate) const CONSTANTS: [(&str, u32); 15] = [
+pub(crate) const CONSTANTS: [(&str, u32); 16] = [
     ("SHAPE_ORIENTED", Footprint::Oriented as u32),
     ("SHAPE_SQUARE", Footprint::Square as u32),
     ("SHAPE_POINT", Footprint::Point as u32),
@@ -134,6 +134,7 @@ pub(crate) const CONSTANTS: [(&str, u32); 15] = [
     ("SHAPE_GAUSSIAN_FLAT", Footprint::FlatGaussian as u32),
     ("SHAPE_GAUSSIAN", Footprint::Gaussian as u32),
     ("KERNEL_RAY", Kernel::Ray as u32),
+    ("KERNEL_ELLIPSOID", Kernel::Ellipsoid as u32),
     ("ORDER_DISTANCE", Order::Distance as u32),
     ("ORDER_PIXEL", Order::Pixel as u32),
     ("PART_SOLID", PART_SOLID),

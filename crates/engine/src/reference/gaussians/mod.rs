@@ -2,9 +2,10 @@
 //!
 //! A Gaussian has a centre μ and a covariance Σ = M Mᵀ, whose columns are the axes r_k scaled by the standard deviations s_k.
 //! On a pixel it has the opacity α = min(`alpha_max`, o·exp(−ρ²/2)), and none where that is less than `alpha_min`. ρ follows
-//! from the kernel: [`ewa`] or [`ray`]. Nothing else bounds a splat: neither tiles nor a number of standard deviations, and the
+//! from the kernel: [`ewa`] or [`ray`]; [`ellipsoid`] has its own rules. Nothing else bounds a splat: neither tiles nor a number of standard deviations, and the
 //! pixel of its centre is not covered for that alone.
 
+pub mod ellipsoid;
 pub mod ewa;
 pub mod harmonics;
 mod ranges;
@@ -12,7 +13,7 @@ pub mod ray;
 
 use glam::{DMat3, DVec2, DVec3};
 
-pub use ranges::{Possible, possible};
+pub use ranges::{Possible, PossibleChord, possible, possible_chords};
 
 use super::abuffer::Fragment;
 use crate::camera::{Camera, Projection};
@@ -73,6 +74,7 @@ pub fn footprint(
     match settings.kernel {
         Kernel::Ewa => ewa::footprint(&placed, settings, order),
         Kernel::Ray => ray::footprint(&placed, settings, order),
+        Kernel::Ellipsoid => ellipsoid::footprint(&placed, settings),
     }
 }
 
@@ -138,6 +140,11 @@ impl<'a> Placed<'a> {
             opacity: gaussian.opacity,
             distance: if is_orthographic(camera) { center.z } else { center.length() },
         })
+    }
+
+    /// The lengths of the axes.
+    fn lengths(&self) -> DVec3 {
+        DVec3::from([0, 1, 2].map(|k| self.axes.col(k).length()))
     }
 
     /// The key of a fragment whose Gaussian is densest at a depth of the pixel's ray.

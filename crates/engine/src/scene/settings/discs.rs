@@ -48,6 +48,8 @@ words! {
         Ewa = "ewa",
         /// By its largest value along the pixel's ray (Moënne-Loccoz et al. 2024).
         Ray = "ray",
+        /// An ellipsoid of constant density, as a ray goes through it (Mai et al. 2025): abuffer and linked-list.
+        Ellipsoid = "ellipsoid",
     }
 }
 

@@ -9,6 +9,7 @@ use pellucid_engine::scene::{GaussianSettings, Kernel, Order};
 use super::*;
 
 mod bounds;
+mod ellipsoid;
 mod ewa;
 mod harmonics;
 mod lists;

@@ -2,6 +2,7 @@
 
 mod alone;
 mod colors;
+mod ellipsoids;
 mod ends;
 mod faint;
 mod order;
@@ -17,7 +18,7 @@ use super::lists::{approximations, exact, with_peel};
 use super::verdict::Trouble;
 use super::{Case, Finding, each};
 use pellucid_engine::camera::{Camera, Projection};
-use pellucid_engine::scene::{Hybrid, Method};
+use pellucid_engine::scene::{Discs, Hybrid, Method};
 
 type CaseResult = Result<Finding, Trouble>;
 
@@ -25,6 +26,7 @@ pub(super) fn cases() -> Vec<Case> {
     let mut all = shapes();
     all.extend(ends());
     all.extend(lists());
+    all.extend(ellipsoids());
     all
 }
 
@@ -150,6 +152,46 @@ fn lists() -> Vec<Case> {
             "gaussian-colors",
             "display values above 1 are kept, those below 0 are 0, over what is allowed",
             colors::beyond,
+        ),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// Ellipsoids of constant density, of the methods that draw some.
+fn ellipsoids() -> Vec<Case> {
+    let methods = [Method::ABuffer(Discs::default()), Method::LinkedList(Discs::default())];
+    [
+        each(
+            &methods,
+            "ellipsoid-faint",
+            "100 000 ellipsoids of opacity 1e-5 that overlap: 1 - (1 - 1e-5)^100000",
+            ellipsoids::faint,
+        ),
+        each(
+            &methods,
+            "ellipsoid-thin",
+            "plates of 1e-8 at a depth of 10, whose ends are one depth: each has its opacity",
+            ellipsoids::thin,
+        ),
+        each(
+            &methods,
+            "ellipsoid-dense-within",
+            "a plate 1e8 times as dense as the ball around it: the density behind it is the ball's",
+            ellipsoids::dense_within,
+        ),
+        each(
+            &methods,
+            "ellipsoid-around-the-eye",
+            "the eye within an ellipsoid: what lies before near is not seen",
+            ellipsoids::around_the_eye,
+        ),
+        each(
+            &methods,
+            "ellipsoid-georeferenced",
+            "two of a centimeter at 5e6, half within each other: three segments",
+            ellipsoids::georeferenced,
         ),
     ]
     .into_iter()

@@ -126,10 +126,7 @@ pub(super) fn by_both(stage: &mut Stage, method: Method, camera: Camera, splats:
     let mut shares = Shares::NOTHING;
     for kernel in KERNELS {
         let view = View::new(camera, SIZE, by(kernel), &method);
-        let naive = |splat: &Splat| match kernel {
-            Kernel::Ewa => Vec::new(),
-            Kernel::Ray => along_rays(splat, &view),
-        };
+        let naive = |splat: &Splat| if kernel == Kernel::Ray { along_rays(splat, &view) } else { Vec::new() };
         shares = shares.larger(alone(stage, method, &view, splats, least, naive)?);
     }
     Ok(shares.finding())

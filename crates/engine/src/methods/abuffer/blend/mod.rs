@@ -15,9 +15,9 @@ use super::passes::*;
 use super::{Counted, LOCAL_LENGTH, Storing, WindowJob};
 use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
-use crate::methods::Target;
 use crate::methods::soft::{self, LongSpheres, Spheres};
 use crate::methods::sorted::{STOP_EXACT, STOPS};
+use crate::methods::{Target, ellipsoids};
 use crate::passes::bands::{self, Band};
 use crate::passes::bin::OrderedTiles;
 use crate::passes::compose::{self, Composing, Cut};
@@ -42,6 +42,7 @@ pub struct Blender {
     partials: Kept<Partial>,
     work: Buffer<LongWork>,
     spheres: LongSpheres,
+    ellipsoids: ellipsoids::Sums,
     /// Whether workgroups share lists.
     shared: bool,
 }
@@ -72,6 +73,7 @@ impl Blender {
             partials: Kept::new("partial sums", Memory::Device),
             work: device.buffer("long work", 1, Memory::Device)?,
             spheres: LongSpheres::default(),
+            ellipsoids: ellipsoids::Sums::default(),
             shared: device.info().prefers.shared_work,
         })
     }
@@ -88,6 +90,15 @@ impl Blender {
             self.partials.reserve(device, runs)?;
         }
         Ok(())
+    }
+
+    /// Room for a band of so many events in so many pixels' lists, each of which has a run.
+    pub fn reserve_events(&mut self, device: &Device, pixels: u64, events: u64) -> Result<(), super::Error> {
+        let runs = pixels + events / u64::from(LOCAL_LENGTH);
+        self.runs.reserve(device, runs)?;
+        self.lists.reserve(device, pixels)?;
+        self.partials.reserve(device, runs)?;
+        self.ellipsoids.reserve(device, runs)
     }
 
     /// Room for what long lists of spheres need besides: in them at most `long` events, if there are any; and for the segments
@@ -128,6 +139,9 @@ impl Blender {
         if let Storing::Spheres(spheres) = &job.storing {
             return self.record_spheres(recorder, job, stored, spheres, target, band, counted);
         }
+        if job.storing.are_ellipsoids() {
+            return self.record_ellipsoids(recorder, job, stored, target, band, counted);
+        }
         self.record_classes(recorder, offsets, band)?;
         let (classes, pixels) = (self.classes.all(), self.pixels.get().all());
         let lists = Resolving { composing, offsets, classes, pixels, fragments, image, depths };
@@ -155,11 +169,7 @@ impl Blender {
         }
 
         self.record_split(recorder, stored, band)?;
-        let longest = counted.lengths.longest;
-        let sorted = match (job.discs.long_lists, stored.spare) {
-            (LongLists::Merge, Some(spare)) => self.record_merge_sort(recorder, fragments, spare, longest)?,
-            _ => self.record_in_place_sort(recorder, fragments, longest)?,
-        };
+        let sorted = self.record_sort(recorder, job, stored, counted.lengths.longest)?;
         let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
         let partials = self.partials.get().all();
         let blend = BlendRuns { composing, work, runs, fragments: sorted, partials };
@@ -170,6 +180,29 @@ impl Blender {
             recorder.run(&median, (), &self.over_lists().variant(variant))?;
         }
         Ok(())
+    }
+
+    /// Records the sorting and blending of events of ellipsoids: every list goes in runs.
+    fn record_ellipsoids<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        stored: Stored<'a>,
+        target: &'a Target,
+        band: &Band,
+        counted: &Counted,
+    ) -> Result<(), super::Error> {
+        let (cut, falloff, longest) = (stored.cut, job.discs.falloff, counted.lengths.longest);
+        let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
+        recorder.fill("abuffer/clear", work, 0)?;
+        ellipsoids::record_split(recorder, ellipsoids::Split { offsets: stored.offsets, work, runs, lists }, band)?;
+        recorder.run(&RunGroups { work }, (), &Run::new(Dispatch::Groups(1)))?;
+        let fragments = self.record_sort(recorder, job, stored, longest)?;
+        let (composing, partials) = (Composing::new(job.raster.cloud, cut), self.partials.get().all());
+        let sorted = ellipsoids::Sorted { composing, cut, falloff, work, runs, lists, fragments, partials };
+        self.ellipsoids.record(recorder, &sorted, longest > LOCAL_LENGTH)?;
+        let (image, depths) = (target.image(), target.depths());
+        Ok(recorder.run(&Combine { work, lists, partials, image, depths }, (), &self.over_lists())?)
     }
 
     /// Records the sorting and blending of events of soft spheres.
@@ -287,6 +320,20 @@ impl Blender {
         Ok(())
     }
 
+    /// Records lists in runs sorted as the settings say; returns where they end up.
+    fn record_sort<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        stored: Stored<'a>,
+        longest: u32,
+    ) -> Result<Slice<'a, [u32; 2]>, Error> {
+        match (job.discs.long_lists, stored.spare) {
+            (LongLists::Merge, Some(spare)) => self.record_merge_sort(recorder, stored.fragments, spare, longest),
+            _ => self.record_in_place_sort(recorder, stored.fragments, longest),
+        }
+    }
+
     /// Records the sorting of the runs of long lists, each by itself.
     fn record_sort_runs<'a>(
         &'a self,
@@ -357,12 +404,17 @@ impl Blender {
     }
 
     fn over_runs(&self) -> Run<'_> {
-        Run::new(Dispatch::Indirect(self.work.all().cast().first(3)))
+        Run::new(long_groups(self.work.all(), 0))
     }
 
     fn over_lists(&self) -> Run<'_> {
-        Run::new(Dispatch::Indirect(self.work.all().cast().skip(4).first(3)))
+        Run::new(long_groups(self.work.all(), 4))
     }
+}
+
+/// The indirect dispatch whose arguments begin at a word of [`LongWork`].
+pub fn long_groups(work: Slice<'_, LongWork>, word: u64) -> Dispatch<'_> {
+    Dispatch::Indirect(work.cast().skip(word).first(3))
 }
 
 /// The classes that lists of up to `longest` fragments are in, by their numbers.

@@ -15,7 +15,9 @@ pub struct GaussianColumns {
     pub harmonics: Buffer<f32>,
     /// Degree of the harmonics.
     pub degree: u32,
-    /// True if every point is a Gaussian.
+    /// How many points are Gaussians.
+    pub count: u64,
+    /// True if every point is one.
     pub are_all: bool,
     /// The largest component that a display color may have, from whatever direction.
     pub brightest: f32,
@@ -39,6 +41,7 @@ impl GaussianColumns {
                 Memory::Device,
             )?,
             degree: gaussians.degree,
+            count: (0..gaussians.len()).into_par_iter().filter(|i| gaussians.is_one(*i)).count() as u64,
             are_all: gaussians.are_all(),
             brightest: brightest(gaussians),
         };

@@ -386,6 +386,11 @@ impl DeviceCloud {
     pub fn has_gaussians(&self) -> bool {
         self.gaussians.is_some()
     }
+
+    /// How many of the points are Gaussians.
+    pub fn gaussian_count(&self) -> u64 {
+        self.gaussians.as_ref().map_or(0, |gaussians| gaussians.count)
+    }
 }
 
 /// Brings the ids of all points to the front of a buffer.

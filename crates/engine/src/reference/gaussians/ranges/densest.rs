@@ -8,7 +8,7 @@
 use glam::{DMat3, DVec2, DVec3};
 
 use super::super::Placed;
-use super::factor::{AXIS, Factor};
+use super::factor::{AXIS, Factor, Met};
 use super::{Bounded, is_orthographic};
 use crate::reference::range::{DEPTH_ERROR, ROUNDING, Range};
 
@@ -47,9 +47,28 @@ pub(super) fn errors(placed: &Placed, axes: DMat3) -> [DVec2; 3] {
     super::errors(placed, axes, slope(placed))
 }
 
-/// At an offset in pixels from the projected centre.
-pub(super) fn range(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Possible {
-    let Some(factor) = &bounded.depth_factor else { return Possible::ANYTHING };
+/// What float32 may make of a chord through an ellipsoid, as depths along the viewing axis.
+#[derive(Clone, Copy)]
+pub(super) struct Chord {
+    pub middle: Range,
+    /// Half its length; from 0 where roundings decide whether there is one.
+    pub half: Range,
+}
+
+/// The numbers of a ray at an offset.
+struct Line {
+    met: Met,
+    /// r·Y and its error.
+    along: Range,
+    /// w, |n·r/z| and D; of parallel rays 1, |n·r| and 1.
+    w: Range,
+    across: Range,
+    shared: Range,
+}
+
+/// At an offset in pixels from the projected centre; `None` where roundings leave nothing.
+fn line(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Option<Line> {
+    let factor = bounded.depth_factor.as_ref()?;
     let (u, z) = (ROUNDING, bounded.placed.center.z);
     let met = factor.meet(offset, screen_error);
     let rows = bounded.depth_axes.transpose();
@@ -60,18 +79,70 @@ pub(super) fn range(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Po
     let along_error = within(factor, r) * met.error
         + met.length * turned
         + u * (AXIS * lengths.dot(met.nearest.abs()) + 4.0 * r.length() * met.length);
-    if is_orthographic(bounded.placed.camera) {
-        let depth = z + along;
-        let error = along_error + DEPTH_ERROR * z.abs() + u * depth.abs();
-        return Possible { rho2: met.rho2, depth: Range::around(depth, error) };
-    }
-    let w = Range::around(1.0 - along / z, along_error / z + 4.0 * u * (1.0 + along.abs() / z));
-    let across = across(factor, r) / z;
-    let across = Range::around(across, (turned + AXIS * u * lengths.length()) / z + 4.0 * u * across);
+    let along = Range::around(along, along_error);
+    let parallel = is_orthographic(bounded.placed.camera);
+    let over = if parallel { 1.0 } else { z };
+    let across = across(factor, r) / over;
+    let across = Range::around(across, (turned + AXIS * u * lengths.length()) / over + 4.0 * u * across);
     let across = Range { low: across.low.max(0.0), high: across.high };
+    if parallel {
+        return Some(Line { met, along, w: Range::only(1.0), across, shared: Range::only(1.0) });
+    }
+    let middle = 0.5 * (along.low + along.high);
+    let w = Range::around(1.0 - middle / z, along_error / z + 4.0 * u * (1.0 + middle.abs() / z));
     let shared = squared(w) + across.times(across).times(met.rho2);
     let shared = Range { low: shared.low * (1.0 - 6.0 * u), high: shared.high * (1.0 + 6.0 * u) };
+    Some(Line { met, along, w, across, shared })
+}
+
+/// At an offset in pixels from the projected centre.
+pub(super) fn range(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Possible {
+    let Some(Line { met, along, w, shared, .. }) = line(bounded, offset, screen_error) else {
+        return Possible::ANYTHING;
+    };
+    let (u, z) = (ROUNDING, bounded.placed.center.z);
+    if is_orthographic(bounded.placed.camera) {
+        let depth = along + Range::only(z);
+        return Possible { rho2: met.rho2, depth: depth.widened(DEPTH_ERROR * z.abs() + u * depth.high.abs()) };
+    }
     Possible { rho2: quotient(met.rho2, shared, 4.0 * u), depth: depth(z, w, shared) }
+}
+
+/// The chord of the ellipsoid of ρ² = 1 at an offset; `None` where there is none for sure. With D of parallel rays 1, half of it goes
+/// through the depth |n·r| √(D − |Y|²) / D.
+pub(super) fn chord(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Option<Chord> {
+    let placed = bounded.placed;
+    let (u, z) = (ROUNDING, placed.center.z);
+    let Some(Line { met, along, w, across, shared }) = line(bounded, offset, screen_error) else {
+        return Some(Chord { middle: Possible::ANYTHING.depth, half: Possible::ANYTHING.rho2 });
+    };
+    // D − |Y|² = w² + (t² − 1)|Y|², whose first rounding is of the larger of the two.
+    let rest = if is_orthographic(placed.camera) {
+        Range { low: 1.0 - met.rho2.high, high: 1.0 - met.rho2.low }
+    } else {
+        let steep = across.times(across);
+        let factor = Range { low: steep.low - 1.0, high: steep.high - 1.0 };
+        let ends = [
+            factor.low * met.rho2.low,
+            factor.low * met.rho2.high,
+            factor.high * met.rho2.low,
+            factor.high * met.rho2.high,
+        ];
+        let low = ends.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = ends.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        squared(w) + Range { low, high }
+    };
+    let rest = rest.widened(6.0 * u * (shared.high + met.rho2.high));
+    if rest.high < 0.0 {
+        return None;
+    }
+    let root = Range { low: rest.low.max(0.0).sqrt(), high: rest.high.sqrt() };
+    let over = if is_orthographic(placed.camera) { 1.0 } else { z };
+    let half = quotient(across.scaled(over).times(root), shared, 8.0 * u);
+    let middle = range(bounded, offset, screen_error).depth;
+    // Relative to the centre: what is added to it has roundings of its own.
+    let own = 8.0 * u * (along.low.abs().max(along.high.abs()) + half.high);
+    Some(Chord { middle: middle.widened(own), half })
 }
 
 /// The length of r within the plane of the rows.

@@ -32,6 +32,39 @@ pub struct Possible {
     pub sure: bool,
 }
 
+/// A pixel in which an ellipsoid may be met.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PossibleChord {
+    /// Column, from the left.
+    pub x: u32,
+    /// Row, from the top.
+    pub y: u32,
+    /// Depth along the viewing axis of the chord's middle.
+    pub middle: Range,
+    /// Half of the chord as depth along the viewing axis. From 0 where roundings decide whether there is one.
+    pub half: Range,
+}
+
+/// The pixels in which an ellipsoid with a thickness may be met ([`super::ellipsoid`]). Near and far have to be clear of its centre's depth.
+pub fn possible_chords(
+    camera: &Camera,
+    size: [u32; 2],
+    gaussian: &Gaussian,
+    settings: &GaussianSettings,
+) -> Vec<PossibleChord> {
+    let Some(placed) = Placed::new(camera, size, gaussian) else { return Vec::new() };
+    let found = Bounded::new(&placed, settings, Order::Pixel);
+    // Errors of a large share of the whole may put it anywhere.
+    let fine = found.depth_factor.as_ref().is_some_and(|factor| factor.epsilon < 0.01);
+    let window = if fine { ray::bounds(&placed, 1.1) } else { [DVec2::NEG_INFINITY, DVec2::INFINITY] };
+    let chord = |[x, y]: [u32; 2]| {
+        let (offset, screen) = found.offset([x, y]);
+        let densest::Chord { middle, half } = densest::chord(&found, offset, screen)?;
+        Some(PossibleChord { x, y, middle, half })
+    };
+    placed.window(window).filter_map(chord).collect()
+}
+
 /// Roundings in an opacity over itself, beside those of ρ²: two in the exponential, one in its product with the opacity, up to five
 /// in the opacity's factor for the dilation.
 const ALPHA: f64 = 8.0;
@@ -72,7 +105,7 @@ struct Bounded<'a> {
 impl<'a> Bounded<'a> {
     fn new(placed: &'a Placed<'a>, settings: &'a GaussianSettings, order: Order) -> Self {
         let projected = Projected::new(placed, settings);
-        let depth_axes = if settings.kernel == Kernel::Ray { placed.axes } else { thickened(placed.axes) };
+        let depth_axes = if settings.kernel == Kernel::Ewa { thickened(placed.axes) } else { placed.axes };
         let columns = densest::columns(placed, depth_axes);
         let depth_factor = Factor::new(Rows::new(columns, densest::errors(placed, depth_axes), 0.0));
         let errors = errors(placed, placed.axes, projected.slope);
@@ -83,7 +116,7 @@ impl<'a> Bounded<'a> {
                 (Factor::new(rows(projected.dilation)), factor.scaled(placed.opacity))
             }
             Kernel::Ewa => (Factor::new(rows(projected.dilation)), Range::only(placed.opacity)),
-            Kernel::Ray => (None, Range::only(placed.opacity)),
+            Kernel::Ray | Kernel::Ellipsoid => (None, Range::only(placed.opacity)),
         };
         Self { placed, settings, order, projected, opacity, factor, depth_axes, depth_factor }
     }
@@ -107,11 +140,16 @@ impl<'a> Bounded<'a> {
         }
     }
 
-    fn possible(&self, [x, y]: [u32; 2]) -> Option<Possible> {
+    /// From the projected centre to a pixel's, and the error of that.
+    fn offset(&self, [x, y]: [u32; 2]) -> (DVec2, DVec2) {
         let place = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
-        let offset = place - self.projected.center;
         let size = self.placed.size;
         let screen = DVec2::from([0, 1].map(|axis| screen_error(self.projected.center[axis], size[axis])));
+        (place - self.projected.center, screen)
+    }
+
+    fn possible(&self, [x, y]: [u32; 2]) -> Option<Possible> {
+        let (offset, screen) = self.offset([x, y]);
         let by_ray = self.settings.kernel == Kernel::Ray;
         let densest = if by_ray || self.order == Order::Pixel {
             densest::range(self, offset, screen)

@@ -43,11 +43,13 @@ pub(in super::super) fn changes(discs: &Discs, order: Order, degree: u32, projec
         "The exact image once more: its time is what those below are to be compared with.",
         own,
     )];
-    all.extend(orders(order).map(|(changed, cause, meaning)| {
+    // Ellipsoids are entered and left: neither one depth nor a fainter rim.
+    let has_rims = own.kernel != Kernel::Ellipsoid;
+    all.extend(orders(order).filter(|_| has_rims).map(|(changed, cause, meaning)| {
         let settings = GaussianSettings { order: Some(changed), ..own };
         of(cause, &format!("method.order={}", changed.word()), meaning, settings)
     }));
-    if own.alpha_min > FAINTEST {
+    if has_rims && own.alpha_min > FAINTEST {
         let meaning = format!("What the end of every Gaussian at opacity {} takes from its rim.", share(own.alpha_min));
         let settings = GaussianSettings { alpha_min: FAINTEST, ..own };
         all.push(of("cut of faint rims", &format!("method.alpha_min={FAINTEST:e}"), &meaning, settings));
@@ -93,17 +95,32 @@ fn projections(
     of: impl Fn(&'static str, &str, &str, GaussianSettings) -> Change,
 ) -> Vec<Change> {
     let other = |kernel| GaussianSettings { kernel, ..*own };
-    if own.kernel == Kernel::Ray {
-        let meaning = "Gaussians projected by what the perspective does at their centres, and widened by the dilation: both are \
-                       approximations that the scene's kernel does without.";
-        return vec![of("kernel ewa", "method.kernel=ewa", meaning, other(Kernel::Ewa))];
-    }
-    let mut all = vec![of(
+    let along_rays = of(
         "kernel ray",
         "method.kernel=ray",
         "Gaussians as they are along each pixel's ray, without a projection and without its dilation.",
         other(Kernel::Ray),
-    )];
+    );
+    let projected = of(
+        "kernel ewa",
+        "method.kernel=ewa",
+        "Gaussians projected by what the perspective does at their centres, and widened by the dilation: both are approximations that \
+         the scene's kernel does without.",
+        other(Kernel::Ewa),
+    );
+    let dense = of(
+        "density, not opacity",
+        "method.kernel=ellipsoid",
+        "Ellipsoids of constant density, which rays go through, in place of an opacity for each Gaussian: no order is left to be wrong, but \
+         shapes and rims are others than those that the model was trained with.",
+        other(Kernel::Ellipsoid),
+    );
+    match own.kernel {
+        Kernel::Ray => return vec![projected, dense],
+        Kernel::Ellipsoid => return vec![projected, along_rays],
+        Kernel::Ewa => {}
+    }
+    let mut all = vec![along_rays, dense];
     let bare = GaussianSettings { dilation: 0.0, ..*own };
     if own.dilation > 0.0 {
         if matches!(projection, Projection::Perspective { .. }) {
@@ -176,6 +193,7 @@ mod tests {
             "alpha_min=1e-6",
             "alpha_max=1",
             "kernel=ray",
+            "kernel=ellipsoid",
             "kernel=ray dilation=0",
             "dilation=0",
             "antialias=true",
@@ -189,10 +207,15 @@ mod tests {
     #[test]
     fn what_a_scene_does_without_is_no_cause() {
         let own = GaussianSettings { alpha_min: 1e-6, alpha_max: 1.0, dilation: 0.0, ..GaussianSettings::default() };
-        assert_eq!(settings(own, Order::Center, 0, &WIDE), ["", "order=distance", "order=pixel", "kernel=ray"]);
+        assert_eq!(
+            settings(own, Order::Center, 0, &WIDE),
+            ["", "order=distance", "order=pixel", "kernel=ray", "kernel=ellipsoid"]
+        );
         let ray = GaussianSettings { kernel: Kernel::Ray, ..GaussianSettings::default() };
         let found = settings(ray, Order::Pixel, 0, &WIDE);
-        assert_eq!(found[3..], ["alpha_min=1e-6", "alpha_max=1", "kernel=ewa"]);
+        assert_eq!(found[3..], ["alpha_min=1e-6", "alpha_max=1", "kernel=ewa", "kernel=ellipsoid"]);
+        let ellipsoids = GaussianSettings { kernel: Kernel::Ellipsoid, ..GaussianSettings::default() };
+        assert_eq!(settings(ellipsoids, Order::Pixel, 0, &WIDE), ["", "alpha_max=1", "kernel=ewa", "kernel=ray"]);
         // Without a perspective the projection is the same everywhere.
         let flat = settings(GaussianSettings::default(), Order::Pixel, 0, &Projection::Orthographic { height: 1.0 });
         assert!(

@@ -1,0 +1,43 @@
+// ellipsoids/split: lists the runs of every list of events, short ones too. One invocation per pixel of the band. The order of the lists depends
+// on arrival, but every run writes only what belongs to its own list.
+#import long_list
+#import dispatch
+
+struct Push {
+    band_start: u32,
+    band_end: u32,
+    first_fragment: u32,
+}
+
+@group(0) @binding(0) var<storage, read> offsets: array<u32>;
+@group(0) @binding(1) var<storage, read_write> work: LongWork;
+@group(0) @binding(2) var<storage, read_write> runs: array<ListRun>;
+@group(0) @binding(3) var<storage, read_write> lists: array<LongList>;
+var<immediate> push: Push;
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let p = push.band_start + invocation_index(workgroup, groups, local);
+    if p >= push.band_end {
+        return;
+    }
+    let n = offsets[p + 1u] - offsets[p];
+    if n == 0u {
+        return;
+    }
+    let start = offsets[p] - push.first_fragment;
+    let count = (n + RUN_LENGTH - 1u) / RUN_LENGTH;
+    let first = atomicAdd(&work.run_count, count);
+    let list = atomicAdd(&work.list_count, 1u);
+    // The host took room for as many as the counts allow; should they ever be wrong, nothing is written outside.
+    if list < arrayLength(&lists) {
+        lists[list] = LongList(p, first, count);
+    }
+    for (var k = 0u; k < min(count, arrayLength(&runs) - min(first, arrayLength(&runs))); k++) {
+        runs[first + k] = ListRun(start, n, k, p);
+    }
+}

@@ -1,0 +1,40 @@
+// ellipsoids/sum-runs: what the events of each run of a sorted list add to the sums over what is open. One invocation per run. A list of one run
+// has no use for its sum.
+#import ellipsoid_events
+#import long_list
+#import run_sums
+#import dispatch
+
+@group(0) @binding(17) var<storage, read_write> work: LongWork;
+@group(0) @binding(18) var<storage, read> runs: array<ListRun>;
+@group(0) @binding(19) var<storage, read> fragments: array<vec2<u32>>;
+@group(0) @binding(20) var<storage, read_write> sums: array<RunSums>;
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let item = invocation_index(workgroup, groups, local);
+    if item >= atomicLoad(&work.run_count) {
+        return;
+    }
+    let run = runs[item];
+    if run.length <= RUN_LENGTH {
+        return;
+    }
+    let width = view.window.z - view.window.x;
+    let pixel = view.window.xy + vec2<u32>(run.pixel % width, run.pixel / width);
+    let ray = ray_of(pixel);
+    let first = run.start + run.run * RUN_LENGTH;
+    let last = run.start + min((run.run + 1u) * RUN_LENGTH, run.length);
+    var found = no_sums();
+    for (var i = first; i < last; i++) {
+        let event = event_at(fragments[i], pixel, ray);
+        if !event.surface {
+            found = plus_terms(found, terms_of(event), select(1.0, -1.0, is_exit(fragments[i].y)));
+        }
+    }
+    sums[item] = RunSums(found.high, found.low, vec4<f32>(found.density, found.open, 0.0));
+}

@@ -1,0 +1,78 @@
+//! The passes.
+
+use crate::methods::abuffer::{ListRun, LongList, LongWork, Partial};
+use crate::methods::soft::RunSums;
+use crate::passes::compose::ComposingGroup;
+use crate::passes::raster::{ChunkGroup, RasterPush};
+use crate::{gpu_struct, pass};
+
+gpu_struct! {
+    /// Push constants: a band of pixels, and its first event.
+    pub struct SplitPush {
+        band_start: u32,
+        band_end: u32,
+        first_fragment: u32,
+    }
+}
+
+pass! {
+    /// Counts the events of each pixel, and what they are of: an ellipsoid that its ray enters and leaves, or a surface.
+    pub Count(RasterPush) = "ellipsoids/count" {
+        chunk: Shared<ChunkGroup>,
+        counts: ReadWrite<u32>,
+        bodies: ReadWrite<u32>,
+    }
+}
+
+pass! {
+    /// Stores the depth key and index of each event in a slot of its pixel's range.
+    pub Store(RasterPush) = "ellipsoids/store" {
+        chunk: Shared<ChunkGroup>,
+        cursors: ReadWrite<u32>,
+        fragments: ReadWrite<[u32; 2]>,
+    }
+}
+
+pass! {
+    /// Takes a node for each event, and puts it before the pixel's list, for `linked-list`.
+    pub Link(RasterPush) = "ellipsoids/link" {
+        chunk: Shared<ChunkGroup>,
+        heads: ReadWrite<u32>,
+        node_count: ReadWrite<u32>,
+        nodes: ReadWrite<[u32; 2]>,
+        links: ReadWrite<u32>,
+    }
+}
+
+pass! {
+    /// Puts the runs of 256 of each list, and those of a shorter one, into a work list.
+    pub Split(SplitPush) = "ellipsoids/split" {
+        offsets: Read<u32>,
+        work: ReadWrite<LongWork>,
+        runs: ReadWrite<ListRun>,
+        lists: ReadWrite<LongList>,
+    }
+}
+
+pass! {
+    /// Sums what the events of each run of a sorted list of several add to color and density of what is open.
+    pub SumRuns = "ellipsoids/sum-runs" in "ellipsoids/sum_runs" {
+        composing: Shared<ComposingGroup>,
+        work: ReadWrite<LongWork>,
+        runs: Read<ListRun>,
+        fragments: Read<[u32; 2]>,
+        sums: ReadWrite<RunSums>,
+    }
+}
+
+pass! {
+    /// Composes the surfaces of each run, and the segments between events.
+    pub BlendRuns = "ellipsoids/blend-runs" in "ellipsoids/blend_runs" {
+        composing: Shared<ComposingGroup>,
+        work: ReadWrite<LongWork>,
+        runs: Read<ListRun>,
+        fragments: Read<[u32; 2]>,
+        sums: Read<RunSums>,
+        partials: ReadWrite<Partial>,
+    }
+}
