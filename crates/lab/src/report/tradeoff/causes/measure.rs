@@ -212,7 +212,9 @@ mod tests {
     fn pictures_have_names_of_their_own() {
         let all = changes(&Discs::default(), Order::Pixel, 3, &Projection::Perspective { fov_y: 1.0 });
         let mut names: Vec<String> = all.iter().map(stem).collect();
-        assert_eq!((names[1].as_str(), names[9].as_str()), ("order-of-centres-order-center", "harmonics-sh-degree-0"));
+        for name in ["order-of-centres-order-center", "harmonics-sh-degree-0"] {
+            assert!(names.iter().any(|other| other == name), "{name} of {names:?}");
+        }
         names.sort();
         names.dedup();
         assert_eq!(names.len(), all.len());
