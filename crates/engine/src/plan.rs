@@ -121,7 +121,8 @@ pub fn may_cross(method: &Method, points: &Points) -> bool {
 }
 
 fn has_gaussians(points: &Points) -> bool {
-    points.gaussians.as_ref().is_some_and(|all| (0..all.len()).any(|i| all.is_one(i)))
+    let is_there = || points.gaussians.as_ref().is_some_and(|all| (0..all.len()).any(|i| all.is_one(i)));
+    points.whole.as_ref().map_or_else(is_there, |whole| whole.splats.is_some())
 }
 
 /// The passes of a frame whose facts were surveyed (see [`Renderer::survey`]), in the order of their first run. `why` is the

@@ -1,5 +1,7 @@
 //! The points of a whole scene, ready for the device: merged, with every setting applied, in canonical order.
 
+use std::collections::HashMap;
+use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -8,7 +10,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::cloud::Bounds;
-use crate::cloud::gaussians::Gaussians;
+use crate::cloud::gaussians::{Gaussians, MAX_DEGREE};
 use crate::cloud::sampling::Sampling;
 
 /// All points of a scene in one list. All columns have the same length.
@@ -60,8 +62,33 @@ pub struct Whole {
     pub is_transparent: bool,
     /// What identifies them: the same text for the same points.
     pub identity: String,
+    /// What is known of those that are Gaussians; `None` if none is.
+    pub splats: Option<WholeSplats>,
     /// Where all of them are.
     pub spheres: Arc<dyn Spheres>,
+}
+
+/// What is known of all Gaussians of a scene that are not in one list.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WholeSplats {
+    /// How many they are.
+    pub count: u64,
+    /// The highest degree of their harmonics, 0 to 4.
+    pub degree: u32,
+    /// A bound on their display values, from whatever direction.
+    pub brightest: f32,
+}
+
+impl WholeSplats {
+    /// What is known of two parts together.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            count: self.count + other.count,
+            degree: self.degree.max(other.degree),
+            brightest: self.brightest.max(other.brightest),
+        }
+    }
 }
 
 impl PartialEq for Whole {
@@ -96,6 +123,12 @@ impl Anchor {
         // Of 0 and of denormal sides any will do.
         let exponent = if side.is_normal() { side.log2().floor() as i32 } else { 0 };
         Self { origin: middle(sampled), exponent }
+    }
+
+    /// Bits of a length in units of about the scene's size.
+    fn relative_length(&self, length: f32) -> u64 {
+        let [half, rest] = [self.exponent / 2, self.exponent - self.exponent / 2].map(|part| 2f64.powi(-part));
+        (f64::from(length) * half * rest).to_bits()
     }
 
     /// Bits of a position relative to the origin, in units of about the scene's size.
@@ -183,6 +216,25 @@ impl Points {
         is_disc.then_some(self.radii[index])
     }
 
+    /// How far a Gaussian reaches; `None` for a disc.
+    pub fn reach(&self, index: usize) -> Option<f32> {
+        let is_one = self.gaussians.as_ref().is_some_and(|gaussians| gaussians.is_one(index));
+        is_one.then(|| self.radii[index])
+    }
+
+    /// What is known of the Gaussians among all points; `None` if none is one.
+    pub fn splats(&self) -> Option<WholeSplats> {
+        if let Some(whole) = &self.whole {
+            return whole.splats;
+        }
+        let of = |all: &Gaussians| WholeSplats {
+            count: all.count(),
+            degree: all.degree,
+            brightest: all.brightest()[MAX_DEGREE as usize],
+        };
+        self.gaussians.as_ref().map(of)
+    }
+
     /// Number of points, those that these stand for included.
     pub fn count(&self) -> u64 {
         self.whole.as_ref().map_or(self.len() as u64, |whole| whole.count)
@@ -215,15 +267,19 @@ impl Points {
     /// one place, from their canonical order; not from what else there is, so that any part of a scene has the ids of the whole.
     /// A scene of up to 2¹⁸ points that is moved, or scaled by a power of two, without a rounding keeps its ids. Two of 2³² points in different
     /// places share an id by chance.
+    ///
+    /// Gaussians in one place are told apart by how far they reach before they are counted: a part of a scene may hold the large ones
+    /// alone.
     pub fn ids(&self, anchor: &Anchor, range: Range<usize>) -> Vec<u32> {
         if !self.dealt_ids.is_empty() {
             return self.dealt_ids[range].to_vec();
         }
         let bits = |i: usize| self.positions[i].to_array().map(f64::to_bits);
+        let first_there = |i: usize| (0..i).rev().take_while(|before| bits(*before) == bits(i)).last().unwrap_or(i);
         let part = |part: Range<usize>| {
-            let mut first = part.start;
-            while first > 0 && bits(first - 1) == bits(part.start) {
-                first -= 1;
+            let mut first = first_there(part.start);
+            if self.gaussians.is_some() {
+                return self.mixed_ids(anchor, first, part);
             }
             let mut found = Vec::with_capacity(part.len());
             for i in part {
@@ -236,6 +292,37 @@ impl Points {
         };
         let starts = range.clone().into_par_iter().step_by(IDS_AT_ONCE);
         starts.flat_map_iter(|start| part(start..range.end.min(start + IDS_AT_ONCE))).collect()
+    }
+
+    /// Ids of a part of a list with Gaussians. `first`: the first point in the place where the part begins.
+    fn mixed_ids(&self, anchor: &Anchor, first: usize, part: Range<usize>) -> Vec<u32> {
+        let is_there = |i: usize, other: Option<&DVec3>| {
+            other.is_some_and(|other| {
+                other.to_array().map(f64::to_bits) == self.positions[i].to_array().map(f64::to_bits)
+            })
+        };
+        let mut counted: HashMap<u64, u64> = HashMap::new();
+        let mut found = Vec::with_capacity(part.len());
+        for i in first..part.end {
+            // Discs are of one kind.
+            let kind = self.reach(i).map_or(0, |reach| anchor.relative_length(reach));
+            let follows = i > first && is_there(i, self.positions.get(i - 1));
+            if !follows {
+                counted.clear();
+            }
+            let mut nth = 0;
+            // Most are alone in their place.
+            if follows || is_there(i, self.positions.get(i + 1)) {
+                let count = counted.entry(kind).or_default();
+                nth = *count;
+                *count += 1;
+            }
+            if i >= part.start {
+                // The last bits of the kind are 0: it was a float32.
+                found.push(anchor.id(self.positions[i], kind.wrapping_add(nth)));
+            }
+        }
+        found
     }
 
     /// The box of the points that are drawn; `None` without any.
@@ -303,7 +390,7 @@ impl Points {
         }
     }
 
-    /// Some points of parts of a scene, which have the same columns but for normals: each by the number of its part and its place there.
+    /// Some points of parts of a scene, which have the same columns but for normals and Gaussians: each by the number of its part and its place there.
     pub(crate) fn gather(parts: &[Arc<Self>], picked: &[[u32; 2]]) -> Self {
         fn pick<'a, T: Copy + Send + Sync + 'a>(
             parts: &'a [Arc<Points>],
@@ -317,7 +404,9 @@ impl Points {
             picked.par_iter().with_min_len(1 << 12).map(|[part, at]| columns[*part as usize][*at as usize]).collect()
         }
         let has_normals = parts.iter().any(|points| points.normals.is_some());
+        let degree = parts.iter().filter_map(|points| Some(points.gaussians.as_ref()?.degree)).max();
         Self {
+            gaussians: degree.map(|degree| Self::gathered_gaussians(parts, picked, degree)),
             positions: pick(parts, picked, |points| &points.positions),
             colors: pick(parts, picked, |points| &points.colors),
             opacities: pick(parts, picked, |points| &points.opacities),
@@ -328,6 +417,27 @@ impl Points {
             fields: pick(parts, picked, |points| &points.fields),
             ..Self::default()
         }
+    }
+
+    /// Gaussians of parts, some of which may have none.
+    fn gathered_gaussians(parts: &[Arc<Self>], picked: &[[u32; 2]], degree: u32) -> Gaussians {
+        let mut all = Gaussians::none(picked.len()).with_degree(degree);
+        let of = |[part, at]: [u32; 2]| Some((parts[part as usize].gaussians.as_ref()?, at as usize));
+        let columns = all.extents.par_iter_mut().zip(&mut all.rotations).zip(&mut all.bases).zip(picked);
+        columns.with_min_len(1 << 12).for_each(|(((extents, rotation), base), from)| {
+            if let Some((own, at)) = of(*from) {
+                (*extents, *rotation, *base) = (own.extents[at], own.rotations[at], own.bases[at]);
+            }
+        });
+        if let Some(count) = NonZeroUsize::new(all.coefficients()) {
+            let each = all.harmonics.par_chunks_mut(count.get()).zip(picked).with_min_len(1 << 12);
+            each.for_each(|(harmonics, from)| {
+                if let Some((own, at)) = of(*from) {
+                    harmonics.iter_mut().zip(own.harmonics_of(at)).for_each(|(to, from)| *to = *from);
+                }
+            });
+        }
+        all
     }
 
     /// Normals of parts of which some have none, which are zeros.
@@ -415,6 +525,7 @@ impl Changes {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cloud::gaussians::{coefficients, reach};
 
     #[test]
     fn parts_without_normals_get_none() {
@@ -428,6 +539,53 @@ mod tests {
         };
         let parts = [Arc::new(point(None)), Arc::new(point(Some(vec![Vec3::X])))];
         assert_eq!(Points::gather(&parts, &[[1, 0], [0, 0]]).normals, Some(vec![Vec3::X, Vec3::ZERO]));
+    }
+
+    /// Points with Gaussians of these extents; of 0 they are discs.
+    fn splats(positions: Vec<DVec3>, extents: &[f32], degree: u32) -> Points {
+        let gaussians = Gaussians {
+            extents: extents.iter().map(|extent| Vec3::splat(*extent)).collect(),
+            harmonics: vec![Vec3::ONE; positions.len() * coefficients(degree)],
+            degree,
+            ..Gaussians::none(positions.len())
+        };
+        let radii = gaussians.extents.iter().map(|extents| reach(*extents)).collect();
+        Points { positions, radii, gaussians: Some(gaussians), ..Points::default() }
+    }
+
+    #[test]
+    fn parts_of_several_degrees_and_of_discs_are_gathered() {
+        let disc = Points { positions: vec![DVec3::ZERO], radii: vec![1.0], ..Points::default() };
+        let parts = [
+            Arc::new(splats(vec![DVec3::X; 2], &[1.0, 2.0], 1)),
+            Arc::new(disc),
+            Arc::new(splats(vec![DVec3::Y], &[3.0], 2)),
+        ];
+        let all = Points::gather(&parts, &[[2, 0], [1, 0], [0, 1]]).gaussians.unwrap();
+        assert_eq!(all.extents, [3.0, 0.0, 2.0].map(Vec3::splat));
+        assert_eq!((all.degree, all.harmonics_of(0)), (2, [Vec3::ONE; 8].as_slice()));
+        assert_eq!(all.harmonics_of(1), [Vec3::ZERO; 8]);
+        assert_eq!(all.harmonics_of(2), [[Vec3::ONE; 3].as_slice(), &[Vec3::ZERO; 5]].concat());
+    }
+
+    #[test]
+    fn ids_of_gaussians_do_not_depend_on_smaller_ones_and_discs_there() {
+        let mut positions: Vec<DVec3> = (0..9).map(|i| DVec3::splat(f64::from(i))).collect();
+        positions[2..8].fill(DVec3::splat(2.0));
+        let extents = [1.0, 0.0, 2.0, 0.5, 2.0, 0.0, 4.0, 0.0, 1.0];
+        let points = splats(positions, &extents, 0);
+        let anchor = points.anchor();
+        let all = points.ids(&anchor, 0..9);
+        let distinct: std::collections::HashSet<u32> = all.iter().copied().collect();
+        assert_eq!(distinct.len(), 9);
+        assert_eq!((points.ids(&anchor, 4..9), points.ids(&anchor, 5..6)), (all[4..].to_vec(), vec![all[5]]));
+        let of = |kept: &[u32]| points.subset(kept, 1.0).ids(&anchor, 0..kept.len());
+        assert_eq!(of(&[2, 4, 6]), [all[2], all[4], all[6]], "without small ones and discs");
+        assert_eq!(of(&[5, 7, 8]), [all[5], all[7], all[8]], "discs alone");
+        // Scaled without a rounding they keep them.
+        let half: Vec<DVec3> = points.positions.iter().map(|p| 0.5 * *p).collect();
+        let half = splats(half, &extents.map(|extent| 0.5 * extent), 0);
+        assert_eq!(half.ids(&half.anchor(), 0..9), all);
     }
 
     #[test]

@@ -225,6 +225,11 @@ struct Made {
     shadow_texture: Option<ShadowTexture>,
 }
 
+/// What is said of a scene of Gaussians alone.
+fn blended_displays() -> String {
+    "colors are blended encoded, since every cloud is of Gaussians".to_owned()
+}
+
 /// Makes points of clouds in memory.
 fn made(
     mut scene: Scene,
@@ -239,9 +244,7 @@ fn made(
     note.iter().for_each(|note| console.note(note));
     let up = scene::up_axis(&clouds);
     let mut colorings = colorings(&scene, &scene::colorings(&scene, &clouds));
-    if scene.settle(&clouds) {
-        colorings.push("colors are blended encoded, since every cloud is of Gaussians".to_owned());
-    }
+    colorings.extend(scene.settle(&clouds).then(blended_displays));
     let (arranged, legend) = if legend {
         let (arranged, legend) = scene::arrange_with_legend(&scene, clouds, seed, progress)?;
         (arranged, Some(legend))
@@ -261,11 +264,13 @@ fn made_of_stores(stored: &Stored, legend: bool, seed: u64, console: Console, pr
     } else {
         stored.arranged()
     };
+    let mut colorings = colorings(stored.scene(), &stored.colorings());
+    colorings.extend(stored.blends_displays().then(blended_displays));
     Ok(Made {
         scene: stored.scene().clone(),
         arranged,
         legend: legend.then(|| stored.legend().clone()),
-        colorings: colorings(stored.scene(), &stored.colorings()),
+        colorings,
         up: stored.up(),
         shadow_texture: None,
     })

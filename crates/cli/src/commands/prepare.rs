@@ -30,7 +30,8 @@ use super::prepare_store;
 /// With --light or --light-position it also finds, on the device, which share of the light reaches each point, and stores it. A
 /// scene of this one cloud with [shadows] of the same settings then casts none anew.
 ///
-/// Gaussian splats of any format become a PLY file of them as other programs read it. Nothing is computed of them.
+/// Gaussian splats of any format become a PLY file of them as other programs read it, or a store with every number as it was. Nothing is
+/// computed of them.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("any_light").args(["light", "light_position"])))]
 pub struct PrepareArgs {
@@ -123,6 +124,19 @@ impl PrepareArgs {
             }
         }
         Ok(overrides)
+    }
+
+    /// True if options ask for values of points to be computed, or say how.
+    fn asks_for_values(&self) -> bool {
+        let asked = [
+            &self.neighbors,
+            &self.radius_cap,
+            &self.field,
+            &self.soft_classes,
+            &self.axis_point,
+            &self.axis_direction,
+        ];
+        self.normals || asked.into_iter().any(Option::is_some)
     }
 
     /// The options of the light as keys of a scene with shadows; `None` without a light.
@@ -229,7 +243,7 @@ fn run_store(args: &PrepareArgs, console: Console) -> Result<ExitCode> {
     let settings = prepare_store::settings(args.host_memory, args.node_points)?;
     let scene = Scene::from_clouds(&args.inputs, &args.overrides()?)?;
     scene.warnings.iter().for_each(|warning| console.warn(warning));
-    prepare_store::run(&args.inputs, &args.output, &scene, args.normals, &settings, console)
+    prepare_store::run(&args.inputs, &args.output, &scene, args.normals, &settings, args.asks_for_values(), console)
 }
 
 /// Writes a PLY file.
@@ -270,17 +284,14 @@ fn run_ply(args: &PrepareArgs, input: &PathBuf, console: Console) -> Result<Exit
 
 /// Writes Gaussian splats, which have nothing to be prepared.
 fn write_splats(args: &PrepareArgs, input: &Path, cloud: &Cloud, console: Console) -> Result<()> {
-    let input = input.display();
+    let shown = input.display();
     if args.light.is_some() || args.light_position.is_some() {
         return Err(usage(format!(
-            "{input}: shadows are stored with points, but these are Gaussian splats; leave the light out"
+            "{shown}: shadows are stored with points, but these are Gaussian splats; leave the light out"
         )));
     }
-    let asked =
-        [&args.neighbors, &args.radius_cap, &args.field, &args.soft_classes, &args.axis_point, &args.axis_direction];
-    if args.normals || asked.into_iter().any(Option::is_some) {
-        console
-            .warn(format_args!("{input}: Gaussian splats are written as they are, without radii, field and normals"));
+    if args.asks_for_values() {
+        console.warn(prepare_store::prepare_without(input));
     }
     io::ply::write(&args.output, cloud)?;
     console.detail(format_args!("{}: written", args.output.display()));

@@ -68,17 +68,26 @@ fn open(inputs: &[PathBuf], scene: &Scene, progress: &Bar, console: Console) -> 
     inputs.iter().zip(&scene.clouds).map(open).collect()
 }
 
-/// Writes the store.
+/// Says that options that ask for values have no effect on splats.
+pub fn prepare_without(splats: &Path) -> String {
+    format!("{}: Gaussian splats are written as they are, without radii, field and normals", splats.display())
+}
+
+/// Writes the store. `asks`: whether options ask for values to be computed.
 pub fn run(
     inputs: &[PathBuf],
     output: &Path,
     scene: &Scene,
     normals: bool,
     settings: &Settings,
+    asks: bool,
     console: Console,
 ) -> Result<ExitCode> {
     let progress = console.progress();
     let stores = open(inputs, scene, &progress, console)?;
+    if asks && let Some(splats) = stores.iter().find(|store| store.summary().like.gaussians.is_some()) {
+        console.warn(prepare_without(&splats.summary().path));
+    }
     let cloud = scene.clouds.first();
     let request = Request {
         neighbors: cloud.and_then(|cloud| cloud.neighbors),

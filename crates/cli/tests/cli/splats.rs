@@ -52,19 +52,63 @@ fn prepare_writes_splats_as_ply() {
 }
 
 #[test]
+fn a_store_of_splats_has_their_picture() {
+    let folder = folder();
+    let soup = splats("soup.sog");
+    let (code, _, errors) =
+        run(&folder, &["prepare", &soup, "-o", "store", "--node-points", "100", "--neighbors", "7"]);
+    assert_eq!(code, 0, "{errors}");
+    assert!(errors.contains("Gaussian splats are written as they are, without radii, field and normals"), "{errors}");
+    let info = |path: &str| {
+        let (code, text, errors) = run(&folder, &["info", "--json", path]);
+        assert_eq!((code, errors.as_str()), (0, ""), "{text}");
+        let mut value: Value = serde_json::from_str(&text).unwrap();
+        value["file"].take();
+        value
+    };
+    let (of_store, of_file) = (info("store"), info(&soup));
+    assert_eq!(of_store, of_file);
+    assert_eq!((&of_store["gaussians"]["count"], &of_store["gaussians"]["degree"]), (&json!(40), &json!(2)));
+    let render = |path: &str, name: &str, more: &[&str]| {
+        let all = [&["render", path, "-o", name, "--size", "64x48", "-v"], more].concat();
+        let (code, _, errors) = run(&folder, &all);
+        assert_eq!(code, 0, "{errors}");
+        assert!(errors.contains("every cloud is of Gaussians"), "{errors}");
+        image_of(&inside(&folder, name))
+    };
+    for method in ["abuffer", "sorted", "stochastic"] {
+        let more = ["--method", method];
+        let expected = render(&soup, "file.png", &more);
+        assert!(render("store", "store.png", &more) == expected, "{method}");
+    }
+    // A store that is made of one is that store, and splats of it are written as a file.
+    let (code, _, errors) = run(&folder, &["prepare", "store", "-o", "out.ply"]);
+    assert_eq!(code, 0, "{errors}");
+    let load = |path: &std::path::Path| io::load(path, &Progress::hidden()).unwrap();
+    assert_eq!(load(&inside(&folder, "out.ply")).positions, load(soup.as_ref()).positions);
+}
+
+/// The bytes of a PNG file behind its metadata, which name the input.
+fn image_of(path: &std::path::Path) -> Vec<u8> {
+    let bytes = std::fs::read(path).unwrap();
+    let at = bytes.windows(4).position(|four| four == b"IDAT").unwrap();
+    bytes[at..].to_vec()
+}
+
+#[test]
 fn what_splats_are_not_made_into() {
     let folder = folder();
     let soup = splats("soup.sog");
-    let (code, _, errors) = run(&folder, &["prepare", &soup, "-o", "store/"]);
+    std::fs::write(inside(&folder, "points.xyz"), "0 0 0\n1 2 3\n").unwrap();
+    let (code, _, errors) = run(&folder, &["prepare", &soup, "points.xyz", "-o", "store/"]);
     assert_eq!(code, 1, "{errors}");
     assert!(
-        errors.contains("soup.sog: Gaussian splats, of which no store can be made yet; `pellucid prepare "),
+        errors.contains(
+            "soup.sog holds Gaussian splats, points.xyz other points: one store holds either; make a store of each"
+        ),
         "{errors}"
     );
-    assert!(
-        errors.contains("-o NAME.ply` writes them as a PLY file") && !inside(&folder, "store").exists(),
-        "{errors}"
-    );
+    assert!(!inside(&folder, "store").exists());
     let (code, _, errors) = run(&folder, &["prepare", &soup, "-o", "out.ply", "--light", "0,-1,0"]);
     assert_eq!(code, 2, "{errors}");
     assert!(errors.contains("shadows are stored with points, but these are Gaussian splats"), "{errors}");

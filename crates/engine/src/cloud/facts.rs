@@ -4,6 +4,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::gaussians::{ByDegree, Gaussians, reach};
 use super::{Bounds, Cloud};
 
 /// Facts about a cloud, or about a part of one.
@@ -29,8 +30,11 @@ pub struct Facts {
     pub is_transparent: bool,
     /// The largest component of a color, linear; 0 without colors.
     pub brightest: f32,
-    /// The largest radius that a point has; 0 without radii.
+    /// The largest radius that a point has; of a Gaussian how far it reaches; 0 without radii.
     pub largest_radius: f32,
+    /// Bounds on the display values of Gaussians by the degree that is drawn ([`Gaussians::brightest`]); 0 without any.
+    #[serde(default)]
+    pub brightest_splats: ByDegree,
 }
 
 impl Default for Facts {
@@ -47,6 +51,7 @@ impl Default for Facts {
             is_transparent: false,
             brightest: 0.0,
             largest_radius: 0.0,
+            brightest_splats: ByDegree::default(),
         }
     }
 }
@@ -60,6 +65,7 @@ impl Facts {
         }
         let colors = || cloud.colors.par_iter().flatten();
         let normals = || cloud.normals.par_iter().flatten();
+        let reaches = cloud.gaussians.iter().flat_map(|all| &all.extents).map(|extents| reach(*extents));
         Self {
             points: cloud.len() as u64,
             bounds: cloud.bounds(),
@@ -71,7 +77,8 @@ impl Facts {
             lacks_normals: normals().any(|normal| *normal == Vec3::ZERO),
             is_transparent: cloud.alphas.iter().flatten().any(|alpha| *alpha < 1.0),
             brightest: colors().map(|color| color.max_element()).reduce(|| 0.0, f32::max),
-            largest_radius: cloud.radii.iter().flatten().copied().fold(0.0, f32::max),
+            largest_radius: cloud.radii.iter().flatten().copied().chain(reaches).fold(0.0, f32::max),
+            brightest_splats: cloud.gaussians.as_ref().map(Gaussians::brightest).unwrap_or_default(),
         }
     }
 
@@ -90,6 +97,9 @@ impl Facts {
             is_transparent: self.is_transparent || other.is_transparent,
             brightest: self.brightest.max(other.brightest),
             largest_radius: self.largest_radius.max(other.largest_radius),
+            brightest_splats: std::array::from_fn(|degree| {
+                self.brightest_splats[degree].max(other.brightest_splats[degree])
+            }),
         }
     }
 
@@ -133,6 +143,9 @@ mod tests {
             assert_eq!(first.clone().and(&rest), whole, "{part}");
             assert_eq!(rest.and(&first), whole, "{part}");
         }
+        let splats = Gaussians { extents: vec![Vec3::new(1.0, 3.0, 0.0)], ..Gaussians::none(1) };
+        let splat = Cloud { positions: vec![DVec3::ZERO], gaussians: Some(splats), ..Cloud::default() };
+        assert_eq!(Facts::of(&splat).largest_radius, reach(Vec3::splat(3.0)));
         let dark = Facts::of(&cloud.subset(&[0]));
         assert!(dark.is_blank() && !dark.has_intensity && !dark.is_transparent && !dark.has_normals);
     }

@@ -3,6 +3,8 @@
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
 
+use crate::color::decode_srgb;
+
 /// The spherical harmonic of degree 0, 1 / (2√π).
 pub const Y0: f64 = 0.282_094_791_773_878_14;
 
@@ -11,6 +13,19 @@ pub const MAX_DEGREE: u32 = 4;
 
 /// How far a Gaussian reaches at most, in its largest standard deviations: where opacity 1 falls below 1/255.
 pub const REACH: f32 = 3.33;
+
+/// A number for each degree, from 0 on.
+pub type ByDegree = [f32; MAX_DEGREE as usize + 1];
+
+/// How far a Gaussian with these extents reaches at most ([`REACH`]), in their unit; finite.
+pub fn reach(extents: Vec3) -> f32 {
+    (REACH * extents.max_element()).min(f32::MAX)
+}
+
+/// The linear color of a display value, which may lie beyond 0 and 1.
+pub fn linear(base: Vec3) -> Vec3 {
+    base.clamp(Vec3::ZERO, Vec3::ONE).to_array().map(decode_srgb).into()
+}
 
 /// Columns of Gaussian splats, each as long as the positions of the points that they belong to. A point that is none has extents of
 /// zero, and no harmonics.
@@ -63,6 +78,11 @@ impl Gaussians {
     /// True if a point is a Gaussian.
     pub fn is_one(&self, index: usize) -> bool {
         self.extents[index] != Vec3::ZERO
+    }
+
+    /// How many points are Gaussians.
+    pub fn count(&self) -> u64 {
+        self.extents.par_iter().filter(|extents| **extents != Vec3::ZERO).count() as u64
     }
 
     /// True if every point is a Gaussian.
@@ -146,6 +166,33 @@ impl Gaussians {
         Some(all)
     }
 
+    /// Bounds on the display value of all splats from any direction, drawn with harmonics up to each degree: element d is that of degree
+    /// d. Of degrees that they don't have it is that of their own; at least 0.
+    pub fn brightest(&self) -> ByDegree {
+        // A bound on each harmonic is its norm, √((2l + 1) / 4π) (addition theorem).
+        let norm = |degree: u32| ((2 * degree + 1) as f32 / (4.0 * std::f32::consts::PI)).sqrt();
+        let norms: Vec<f32> =
+            (1..=self.degree).flat_map(|degree| vec![norm(degree); 2 * degree as usize + 1]).collect();
+        let of_splat = |i: usize| {
+            let (mut most, mut sum, mut next) = (ByDegree::default(), self.bases[i], 0);
+            for (degree, most) in most.iter_mut().enumerate() {
+                let end = coefficients(degree as u32).min(norms.len());
+                let added = self.harmonics_of(i)[next..end].iter().zip(&norms[next..end]);
+                sum = added.fold(sum, |sum, (color, norm)| sum + *norm * color.abs());
+                next = end;
+                *most = sum.max_element().max(0.0);
+            }
+            most
+        };
+        let larger = |a: ByDegree, b: ByDegree| std::array::from_fn(|degree| a[degree].max(b[degree]));
+        (0..self.len()).into_par_iter().with_min_len(1 << 10).map(of_splat).reduce(ByDegree::default, larger)
+    }
+
+    /// Bytes of each splat in these columns.
+    pub fn bytes_each(degree: u32) -> u64 {
+        (size_of::<Quat>() + (2 + coefficients(degree)) * size_of::<Vec3>()) as u64
+    }
+
     /// All numbers of a splat, for comparisons of content.
     pub fn bits(&self, index: usize) -> impl Iterator<Item = u32> + '_ {
         let extents = self.extents[index].to_array().into_iter();
@@ -179,6 +226,19 @@ mod tests {
         let three = one.with_degree(3);
         assert_eq!(three.harmonics_of(1)[..3], two.harmonics_of(1)[..3]);
         assert!(three.harmonics_of(1)[3..].iter().all(|c| *c == Vec3::ZERO));
+    }
+
+    #[test]
+    fn brightness_grows_with_the_degree_that_is_drawn() {
+        let mut all = some(1, 2);
+        all.harmonics.fill(Vec3::ZERO);
+        (all.harmonics[0], all.harmonics[7]) = (Vec3::new(-1.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0));
+        let norm = |degree: f32| ((2.0 * degree + 1.0) / (4.0 * std::f32::consts::PI)).sqrt();
+        let [zero, one, two] = [1.0, 1.0 + norm(1.0), 1.0 + norm(1.0) + norm(2.0)];
+        assert_eq!(all.brightest(), [zero, one, two, two, two]);
+        all.bases[0] = Vec3::splat(-9.0);
+        assert_eq!(all.brightest(), ByDegree::default());
+        assert_eq!(Gaussians::default().brightest(), ByDegree::default());
     }
 
     #[test]

@@ -157,14 +157,16 @@ pub enum Error {
         /// The system's reason.
         source: std::io::Error,
     },
-    /// Gaussian splats were to become a store.
+    /// Gaussian splats and other points were to become one store.
     #[error(
-        "{}: Gaussian splats, of which no store can be made yet; `pellucid prepare {} -o NAME.ply` writes them as a PLY file",
-        path.display(), path.display()
+        "{} holds Gaussian splats, {} other points: one store holds either; make a store of each, a scene can have both",
+        splats.display(), points.display()
     )]
-    Splats {
-        /// Their file.
-        path: PathBuf,
+    Mixed {
+        /// A file of splats.
+        splats: PathBuf,
+        /// A file of other points.
+        points: PathBuf,
     },
     /// Points could not be put into a temporary file.
     #[error("{}: no room for points that are dealt to ensembles: {source}; TMPDIR names another folder", folder.display())]
@@ -265,7 +267,7 @@ pub fn load(path: &Path, progress: &Progress) -> Result<Cloud, Error> {
 /// number of names.
 pub fn load_with(path: &Path, hints: Hints, progress: &Progress) -> Result<Cloud, Error> {
     if store::is_folder(path) {
-        return store::whole(&*store::open(path, hints, progress)?, progress);
+        return check_some(path, store::whole(&*store::open(path, hints, progress)?, progress)?);
     }
     if splats::is_folder(path) {
         let path = path.join(splats::META);
@@ -288,16 +290,20 @@ pub fn load_with(path: &Path, hints: Hints, progress: &Progress) -> Result<Cloud
         Format::Splats(kind) => splats::read(source, kind, progress)?,
         Format::Text(kind) => text::read(&mut source, &start, kind, hints.columns, progress)?,
     };
-    if cloud.is_empty() {
-        if let Some(why) = splats::reason(&cloud) {
-            return Err(Error::Malformed { path, place: "splats".to_owned(), cause: why.to_owned() });
-        }
-        return Err(Error::NoPoints { path, non_finite: cloud.non_finite });
-    }
     if hints.columns.is_some() && !matches!(format, Format::Text(_)) {
         cloud.warnings.push(NAMES_WITHOUT_EFFECT.to_owned());
     }
-    Ok(cloud)
+    check_some(&path, cloud)
+}
+
+/// A cloud with points; the error says why it has none.
+fn check_some(path: &Path, cloud: Cloud) -> Result<Cloud, Error> {
+    let path = path.to_path_buf();
+    match splats::reason(&cloud) {
+        _ if !cloud.is_empty() => Ok(cloud),
+        Some(why) => Err(Error::Malformed { path, place: "splats".to_owned(), cause: why.to_owned() }),
+        None => Err(Error::NoPoints { path, non_finite: cloud.non_finite }),
+    }
 }
 
 /// A format of files.

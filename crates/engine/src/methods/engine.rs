@@ -31,8 +31,12 @@ pub(crate) trait Engine {
     }
 
     /// How far beyond its place a point may show in a frame, for clouds whose points come to the device window by window.
-    fn extent(&self, frame: &Frame, _cloud: &DeviceCloud) -> Extent {
-        Extent::discs(frame.factors.radius)
+    fn extent(&self, frame: &Frame, cloud: &DeviceCloud) -> Extent {
+        let discs = Extent::discs(frame.factors.radius);
+        match frame.method.discs().filter(|_| cloud.has_gaussians()) {
+            Some(of) => discs.or(Extent::gaussians(&of.gaussians, &frame.camera, frame.size)),
+            None => discs,
+        }
     }
 
     /// Brings to the device what frames need of a cloud: its points, and room for their splats. A survey may do with less.

@@ -68,10 +68,12 @@ pub(super) fn by_look(a: (&Points, usize), b: (&Points, usize)) -> Ordering {
     color(a).cmp(&color(b)).then_with(|| others(a).cmp(&others(b))).then_with(|| by_gaussian(a, b))
 }
 
-/// By shape and color of Gaussians; lists that are compared have them or not together.
+/// By shape and color of Gaussians. A list without any may be part of a scene that has some: its points are none.
 fn by_gaussian(a: (&Points, usize), b: (&Points, usize)) -> Ordering {
     match (&a.0.gaussians, &b.0.gaussians) {
         (Some(first), Some(second)) => first.bits(a.1).cmp(second.bits(b.1)),
+        (Some(first), None) if first.is_one(a.1) => Ordering::Greater,
+        (None, Some(second)) if second.is_one(b.1) => Ordering::Less,
         _ => Ordering::Equal,
     }
 }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::settings::{CloudSettings, Primitive, Scene};
 use crate::cloud::Cloud;
-use crate::cloud::gaussians::{Gaussians, REACH};
+use crate::cloud::gaussians::{self, Gaussians};
 use crate::color::encode_srgb_f64;
 
 /// True if a cloud's points are drawn as the Gaussians that its file has.
@@ -52,7 +52,17 @@ pub(super) fn placed(
 
 /// How far a Gaussian reaches at most, in a cloud that is scaled.
 pub(super) fn reach(extents: Vec3, scale: f64) -> f32 {
-    (REACH * scaled(extents, scale).max_element()).min(f32::MAX)
+    gaussians::reach(scaled(extents, scale))
+}
+
+/// The same of one that reaches so far in its file.
+pub(super) fn scaled_reach(reach: f32, scale: f64) -> f32 {
+    ((f64::from(reach) * scale) as f32).min(f32::MAX)
+}
+
+/// The display value of a linear component.
+pub(super) fn display(linear: f32) -> f32 {
+    encode_srgb_f64(linear.into()) as f32
 }
 
 fn scaled(extents: Vec3, factor: f64) -> Vec3 {
@@ -61,8 +71,8 @@ fn scaled(extents: Vec3, factor: f64) -> Vec3 {
 }
 
 /// How far Gaussians reach at most.
-pub(super) fn radii(gaussians: &Gaussians) -> Vec<f32> {
-    gaussians.extents.par_iter().map(|extents| reach(*extents, 1.0)).collect()
+pub(super) fn radii(all: &Gaussians) -> Vec<f32> {
+    all.extents.par_iter().map(|extents| gaussians::reach(*extents)).collect()
 }
 
 #[cfg(test)]
@@ -70,6 +80,7 @@ mod tests {
     use glam::Quat;
 
     use super::*;
+    use crate::cloud::gaussians::REACH;
 
     fn two() -> Gaussians {
         Gaussians {

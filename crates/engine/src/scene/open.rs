@@ -8,6 +8,7 @@ use super::document::Document;
 use super::procedural::Generated;
 use super::{Error, Overrides, load_clouds, procedural, take_generated};
 use crate::cloud::Cloud;
+use crate::cloud::gaussians::Gaussians;
 use crate::io::store;
 
 /// The built-in scene used without input.
@@ -54,28 +55,24 @@ impl Named {
         Ok(Opened { name: self.name, document: self.document, clouds, generated: self.generated.is_some() })
     }
 
-    /// The points that the clouds announce, as far as their files say how many they have; `None` of the built-in scene.
+    /// Bytes of memory for all points that the clouds announce, as far as their files say how many they have; `None` of the built-in
+    /// scene.
     ///
     /// # Errors
     /// Files that can't be opened.
-    pub fn announced(&self) -> crate::Result<Option<u64>> {
+    pub fn needed_memory(&self) -> crate::Result<Option<u64>> {
         if self.generated.is_some() {
             return Ok(None);
         }
         let scene = self.document.scene()?;
         let mut all = 0_u64;
         for cloud in &scene.clouds {
-            all = all.saturating_add(store::announced(&cloud.path, &cloud.hints())?.unwrap_or(0));
+            let (points, degree) = store::announced(&cloud.path, &cloud.hints())?.unwrap_or_default();
+            // Splats are in the columns of the file and in those of the scene at once.
+            let bytes = BYTES_OF_POINT + degree.map_or(0, |degree| 2 * Gaussians::bytes_each(degree));
+            all = all.saturating_add(points.saturating_mul(bytes));
         }
         Ok(Some(all))
-    }
-
-    /// Bytes of memory for all points that the clouds announce; `None` of the built-in scene.
-    ///
-    /// # Errors
-    /// Files that can't be opened.
-    pub fn needed_memory(&self) -> crate::Result<Option<u64>> {
-        Ok(self.announced()?.map(|points| points.saturating_mul(BYTES_OF_POINT)))
     }
 }
 

@@ -193,7 +193,7 @@ impl Supply for Cut {
         // Numbers ascend.
         let place = |number: u32| self.numbers.partition_point(|other| *other < number) as u32;
         let keeps =
-            |position: DVec3, number: u32| self.keeps(position, number) && (keep.keeps)(position, place(number));
+            |p: DVec3, number: u32, reach: Option<f32>| self.keeps(p, number) && (keep.keeps)(p, place(number), reach);
         let grows = |position: DVec3, number: u32| {
             let more = keep.grows.map_or(1.0, |grows| grows(position, place(number)));
             self.growth(position, number) * more
@@ -241,7 +241,7 @@ fn counts(
     let mut counts = vec![0; bin(f64::INFINITY) + 1];
     let (mut some, mut points) = (Vec::new(), 0);
     let mut look = |some: &mut Vec<u32>| -> Result<(), Failure> {
-        let points = whole.take(some, Keep::those(&|position, _| (picture.shows)(position)), progress)?;
+        let points = whole.take(some, Keep::those(&|position, _, _| (picture.shows)(position)), progress)?;
         let bins: Vec<usize> = points.positions.par_iter().map(|position| bin(random.own_px(*position))).collect();
         bins.into_iter().for_each(|bin| counts[bin] += 1);
         some.clear();

@@ -18,8 +18,9 @@ pub use cut::{Cut, Limits, Picture};
 pub use scale::Scale;
 pub(crate) use spacing::spacing;
 
-/// A scene's points in blocks. Points in one place are either in one block, or in blocks of which each holds the largest radius
-/// there: who takes all blocks that reach a part of the image has all points in a place, or none of those that show.
+/// A scene's points in blocks. Discs in one place are either in one block, or in blocks of which each holds the largest radius
+/// there: who takes all blocks that reach a part of the image has all discs in a place, or none of those that show. Gaussians are taken by
+/// how far they reach themselves, since a few reach across most scenes.
 pub trait Supply: Debug + Send + Sync {
     /// The blocks.
     fn blocks(&self) -> &[Block];
@@ -65,25 +66,35 @@ pub fn each(
     Ok(())
 }
 
-/// Which points are taken, and how much larger than they are: by their place and the number of their block. Points in one place of a
-/// block are taken together.
+/// Which points are taken, and how much larger than they are: by their place and the number of their block. Discs in one place of a
+/// block are taken together, and Gaussians that reach as far.
 #[derive(Clone, Copy)]
 pub struct Keep<'a> {
-    /// True of those that are.
-    pub keeps: &'a (dyn Fn(DVec3, u32) -> bool + Sync),
+    /// True of those that are: by place, block, and of a Gaussian how far it reaches. One that reaches farther is taken before others.
+    pub keeps: &'a (dyn Fn(DVec3, u32, Option<f32>) -> bool + Sync),
     /// True if all points of a block are taken whose box has corners that would be: no part of space is left out between them.
     pub convex: bool,
-    /// The factor on their radius, if any has one.
+    /// The factor on the radius of discs, if any has one.
     pub grows: Option<&'a (dyn Fn(DVec3, u32) -> f32 + Sync)>,
 }
 
 impl<'a> Keep<'a> {
     /// All of them.
-    pub const ALL: Keep<'static> = Keep { keeps: &|_, _| true, convex: true, grows: None };
+    pub const ALL: Keep<'static> = Keep { keeps: &|_, _, _| true, convex: true, grows: None };
 
     /// Those in a convex part of space, as they are. Points may be taken as well that don't show.
-    pub fn those(keeps: &'a (dyn Fn(DVec3, u32) -> bool + Sync)) -> Self {
+    pub fn those(keeps: &'a (dyn Fn(DVec3, u32, Option<f32>) -> bool + Sync)) -> Self {
         Self { keeps, convex: true, grows: None }
+    }
+}
+
+impl Points {
+    /// Makes discs larger by a factor each. Gaussians stay as they are.
+    pub(crate) fn grow(&mut self, factors: &[f32]) {
+        let Self { radii, gaussians, .. } = self;
+        let is_disc = |i: usize| gaussians.as_ref().is_none_or(|all| !all.is_one(i));
+        let discs = radii.par_iter_mut().zip(factors).enumerate().with_min_len(1 << 12).filter(|(i, _)| is_disc(*i));
+        discs.for_each(|(_, (radius, factor))| *radius = grown(*radius, *factor));
     }
 }
 
@@ -122,7 +133,8 @@ impl From<Cancelled> for Failure {
 pub struct Block {
     /// A box around them, in world coordinates.
     pub bounds: Bounds,
-    /// The largest radius of all points in that box that aren't farther apart than points in one place, in world units.
+    /// The largest radius of all points in that box that aren't farther apart than points in one place, in world units. Of Gaussians the
+    /// farthest that one of its own reaches.
     pub radius: f32,
     /// Number of points.
     pub points: u64,
@@ -200,7 +212,8 @@ impl Supply for Held {
         let positions = &self.points.positions;
         let places = |block: &u32| -> Vec<u32> {
             let all = self.starts[*block as usize]..self.starts[*block as usize + 1];
-            all.filter(|place| (keep.keeps)(positions[*place], *block)).map(|place| place as u32).collect()
+            let keeps = |place: &usize| (keep.keeps)(positions[*place], *block, self.points.reach(*place));
+            all.filter(keeps).map(|place| place as u32).collect()
         };
         let places: Vec<Vec<u32>> = blocks.par_iter().map(places).collect();
         let factors: Option<Vec<f32>> = keep.grows.map(|grows| {
@@ -210,8 +223,8 @@ impl Supply for Held {
             blocks.par_iter().zip(&places).flat_map_iter(of_block).collect()
         });
         let mut taken = self.points.subset(&places.concat(), 1.0);
-        for (radius, factor) in taken.radii.iter_mut().zip(factors.iter().flatten()) {
-            *radius = grown(*radius, *factor);
+        if let Some(factors) = factors {
+            taken.grow(&factors);
         }
         Ok(Points { unseen: Arc::<Unseen>::default(), ..taken })
     }
@@ -242,11 +255,11 @@ mod tests {
         let taken = held.take(&[0, 2], Keep::ALL, &Progress::hidden()).unwrap();
         assert_eq!(taken.len(), BLOCK + 5 + BLOCK - 5);
         assert_eq!(taken.radii[BLOCK + 4..BLOCK + 6], [BLOCK as f32 + 4.0, 2.0 * BLOCK as f32 + 5.0]);
-        let few = held.take(&[0, 1], Keep::those(&|p, block| p.x < 2.0 && block == 0), &Progress::hidden()).unwrap();
+        let few = held.take(&[0, 1], Keep::those(&|p, block, _| p.x < 2.0 && block == 0), &Progress::hidden()).unwrap();
         assert_eq!(few.radii, [0.0, 1.0]);
-        let keep = Keep { keeps: &|p, _| p.x < 2.0, convex: true, grows: Some(&|p, _| 2.0 + p.x as f32) };
+        let keep = Keep { keeps: &|p, _, _| p.x < 2.0, convex: true, grows: Some(&|p, _| 2.0 + p.x as f32) };
         assert_eq!(held.take(&[0, 1], keep, &Progress::hidden()).unwrap().radii, [0.0, 3.0]);
-        let none = held.take(&[0, 1], Keep::those(&|_, _| false), &Progress::hidden()).unwrap();
+        let none = held.take(&[0, 1], Keep::those(&|_, _, _| false), &Progress::hidden()).unwrap();
         assert!(none.is_empty());
     }
 }

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Quat, Vec3};
+use pellucid_engine::cloud::gaussians::{Gaussians, coefficients, linear};
 use pellucid_engine::cloud::{Cloud, UpAxis};
 use pellucid_engine::gpu::Device;
 use pellucid_engine::io::store::build::Settings;
@@ -122,6 +123,140 @@ fn every_method_renders_a_store_with_the_bytes_of_memory() {
     let path = store(folder.path(), "one", cloud(1, 20_000));
     let text = format!("[image]\nsize = [96, 72]\n[[cloud]]\npath = '{}'\nopacity = 0.4\n", path.display());
     assert_same(&text, "one store");
+}
+
+/// Splats in a cube, most of them small and few of them huge, some in one place.
+fn splats(seed: u64, count: usize, degree: u32) -> Cloud {
+    let mut random = random(seed);
+    let mut vector = |range: std::ops::Range<f32>| Vec3::from([(); 3].map(|()| random.random_range(range.clone())));
+    let mut cloud = Cloud { up: UpAxis::Z, ..Cloud::default() };
+    let mut gaussians = Gaussians { degree, ..Gaussians::default() };
+    for i in 0..count {
+        cloud.positions.push(DVec3::from(vector(-1.0..1.0)));
+        let larger = if i % 500 == 3 { 2.5 } else { 0.0 };
+        gaussians.extents.push((vector(-6.5..-4.0) + larger).exp());
+        let [axis, turn] = [vector(-1.0..1.0), vector(0.0..6.0)];
+        gaussians.rotations.push(Quat::from_axis_angle(axis.normalize(), turn.x));
+        gaussians.bases.push(vector(-0.25..1.25));
+        gaussians.harmonics.extend((0..coefficients(degree)).map(|_| vector(-0.3..0.3)));
+    }
+    for i in (0..count / 2).step_by(50) {
+        cloud.positions[count - 1 - i] = cloud.positions[i];
+    }
+    let mut random = pellucid_testing::random(seed + 1);
+    cloud.alphas = Some((0..count).map(|_| random.random()).collect());
+    cloud.colors = Some(gaussians.bases.iter().map(|base| linear(*base)).collect());
+    cloud.gaussians = Some(gaussians);
+    cloud
+}
+
+/// Methods of discs by their names.
+fn named(names: &[&str]) -> impl Iterator<Item = Method> {
+    let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+    Method::all().into_iter().filter(move |method| names.iter().any(|name| name == method.name()))
+}
+
+const EXACT: [&str; 3] = ["abuffer", "sorted", "stochastic"];
+
+#[test]
+fn stores_of_splats_have_the_bytes_of_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = store(folder.path(), "one", splats(1, 20_000, 2));
+    let text = format!("[image]\nsize = [96, 72]\n[[cloud]]\npath = '{}'\n", path.display());
+    assert_same_of(&text, "splats", Method::all().into_iter().filter(|method| method.discs().is_some()));
+}
+
+#[test]
+fn splats_reach_as_far_as_their_least_opacity_and_kernel_say() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = store(folder.path(), "one", splats(2, 20_000, 1));
+    for settings in ["alpha_min = 1e-5\ndilation = 3.0", "kernel = 'ray'\nalpha_min = 1e-3", "order = 'distance'"] {
+        for view in ["", "fov_y = 95\neye = [0.3, 0.2, -0.9]\ntarget = [0, 0, 0.2]", "ortho = true"] {
+            let text = format!(
+                "[image]\nsize = [96, 72]\n[method]\nname = 'abuffer'\n{settings}\n[camera]\n{view}\n[[cloud]]\npath = '{}'\n",
+                path.display()
+            );
+            assert_same_of(&text, &format!("{settings}, {view}"), named(&["abuffer"]));
+        }
+    }
+}
+
+#[test]
+fn stores_of_splats_and_of_points_share_a_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let [one, two] = [(3, 12_000, 0), (4, 12_000, 3)]
+        .map(|(seed, count, degree)| store(folder.path(), &format!("store{seed}"), splats(seed, count, degree)));
+    let points = store(folder.path(), "points", cloud(5, 8_000));
+    let text = format!(
+        "[image]\nsize = [96, 72]\n[[clip]]\nslab = {{ axis = 'z', min = -0.6, max = 0.9 }}\n\
+         [[cloud]]\npath = '{}'\nopacity = 0.8\nscale = 0.5\ntranslate = [0.2, 0, 0.1]\n\
+         [[cloud]]\npath = '{}'\nsh_degree = 1\n\
+         [[cloud]]\npath = '{}'\nopacity = 0.4\n",
+        one.display(),
+        two.display(),
+        points.display()
+    );
+    assert_same_of(&text, "splats and points", named(&EXACT));
+    let painted = format!("[image]\nsize = [96, 72]\n[[cloud]]\npath = '{}'\ncolor = [1, 0.5, 0]\n", two.display());
+    assert_same_of(&painted, "splats of one color", named(&EXACT));
+}
+
+/// A picture of a file in memory, and one of its store, of which some comes at a time.
+#[test]
+fn the_picture_of_a_store_is_that_of_the_file_that_it_was_made_of() {
+    let soups = pellucid_testing::root().join("tests/data/splats");
+    let hidden = Progress::hidden();
+    for name in ["soup.sog", "soup.ply", "soup-v4.spz", "soup.compressed.ply", "soup.glb", "soup-mode2.ksplat"] {
+        let (folder, file) = (tempfile::tempdir().unwrap(), soups.join(name));
+        let target = folder.path().join("store");
+        let input = [pellucid_engine::io::store::open(&file, Default::default(), &hidden).unwrap()];
+        prepare::store::prepare(&input, &target, &Request::default(), &TIGHT, &hidden).unwrap();
+        let scene = |path: &Path, method: &str| {
+            let mut overrides = Overrides::default();
+            overrides.set_pair(&format!("method.name={method}")).unwrap();
+            let text = format!("[image]\nsize = [64, 48]\n[[cloud]]\npath = '{}'\n", path.display());
+            Scene::from_toml_with(&text, Path::new("scene.toml"), &overrides).unwrap()
+        };
+        for method in EXACT {
+            let mut of_file = scene(&file, method);
+            let clouds = scene::load_clouds(&of_file, &hidden).unwrap();
+            let up = scene::up_axis(&clouds);
+            assert!(of_file.settle(&clouds));
+            let whole = scene::arrange(&of_file, clouds, 3, &hidden).unwrap();
+            let of_store = scene(&target, method);
+            let stored = Stored::new(&of_store, &open_stores(&of_store, &hidden).unwrap(), HOST, &hidden).unwrap();
+            assert!(stored.blends_displays());
+            let (camera, _) = scene::camera(&of_file, whole.points(), up).unwrap();
+            assert_eq!(scene::camera(stored.scene(), stored.sample(), stored.up()).unwrap().0, camera, "{name}");
+            let (of_file, of_store) =
+                (Frame::of_scene(&of_file, camera, 3), Frame::of_scene(stored.scene(), camera, 3));
+            with_device(|device| {
+                let expected = rendered(device, &whole, &of_file).expect("a frame");
+                let found = rendered(device, &stored.arranged(), &of_store).expect("a frame");
+                assert!(bits(&found.image) == bits(&expected.image), "{name}, {method}");
+            });
+        }
+    }
+}
+
+/// Levels leave nodes out; splats that are left stay as they are, and no budget changes a byte.
+#[test]
+fn levels_of_splats_leave_some_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = store(folder.path(), "one", splats(6, 20_000, 0));
+    let text =
+        format!("[image]\nsize = [96, 72]\n[detail]\nmax_points = 9000\n[[cloud]]\npath = '{}'\n", path.display());
+    let (scene, whole, stored) = both(&text, &named(&["stochastic"]).next().unwrap());
+    let (camera, _) = scene::camera(&scene, whole.points(), UpAxis::Z).unwrap();
+    let frame = Frame::of_scene(&scene, camera, 3);
+    with_device(|device| {
+        let all = rendered(device, &whole, &Frame { detail: Default::default(), ..frame }).expect("a frame");
+        let roomy = rendered(device, &stored.arranged(), &frame).expect("a frame");
+        let tight = Frame { memory_budget: Some(2 << 20), ..frame };
+        let tight = rendered(device, &stored.arranged(), &tight).expect("a frame");
+        assert!(bits(&roomy.image) == bits(&tight.image) && tight.facts.windows > roomy.facts.windows);
+        assert!(bits(&roomy.image) != bits(&all.image));
+    });
 }
 
 #[test]

@@ -15,6 +15,7 @@ mod photo;
 mod prepare;
 mod prepare_store;
 mod procedural;
+mod reach;
 mod reference;
 mod rooms;
 mod scene;

@@ -3,9 +3,8 @@
 use glam::{DQuat, DVec3, Quat, Vec3};
 use rayon::prelude::*;
 
-use crate::cloud::gaussians::{Gaussians, Y0, coefficients};
+use crate::cloud::gaussians::{Gaussians, Y0, coefficients, linear};
 use crate::cloud::{Cloud, UpAxis};
-use crate::color::decode_srgb;
 use crate::io::columns::joined;
 use crate::progress::Progress;
 
@@ -141,11 +140,10 @@ impl Splats {
 
     /// The cloud of all of them.
     pub fn finish(self, up: UpAxis) -> Cloud {
-        let linear = |base: &Vec3| Vec3::from(base.clamp(Vec3::ZERO, Vec3::ONE).to_array().map(decode_srgb));
-        let warning = (self.odd > 0).then(|| format!("{} {LEFT_OUT}", self.odd));
+        let warning = (self.odd > 0).then(|| left_out(self.odd as u64));
         Cloud {
             positions: self.positions,
-            colors: Some(self.gaussians.bases.par_iter().map(linear).collect()),
+            colors: Some(self.gaussians.bases.par_iter().map(|base| linear(*base)).collect()),
             alphas: Some(self.alphas),
             gaussians: Some(self.gaussians),
             non_finite: self.without_center,
@@ -154,6 +152,11 @@ impl Splats {
             ..Cloud::default()
         }
     }
+}
+
+/// The warning that so many splats that have a centre are left out.
+pub(in crate::io) fn left_out(count: u64) -> String {
+    format!("{count} {LEFT_OUT}")
 }
 
 /// Why splats of a cloud were left out that have a centre.

@@ -20,7 +20,7 @@ mod sog;
 mod spz;
 
 pub(super) use bytes::{float, short, word};
-pub(super) use gather::{Splat, Splats, from_coefficient, reason};
+pub(super) use gather::{Splat, Splats, from_coefficient, left_out, reason};
 pub(super) use sog::{META, is_folder};
 
 use std::path::Path;

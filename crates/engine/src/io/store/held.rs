@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::{Grid, Node, Piece, Store, Summary};
 use crate::cloud::Cloud;
+use crate::cloud::gaussians::reach;
 use crate::io::Error;
 
 /// A cloud in memory.
@@ -66,7 +67,10 @@ fn range(values: &[f32]) -> Option<[f64; 2]> {
 }
 
 fn largest(cloud: &Cloud) -> Option<f32> {
-    cloud.radii.as_ref().map(|radii| radii.iter().copied().fold(0.0, f32::max))
+    let radii = cloud.radii.as_ref().map(|radii| radii.iter().copied().fold(0.0, f32::max));
+    let splats = cloud.gaussians.as_ref();
+    let reaches = splats.map(|splats| splats.extents.iter().map(|extents| reach(*extents)).fold(0.0, f32::max));
+    [radii, reaches].into_iter().flatten().reduce(f32::max)
 }
 
 #[cfg(test)]

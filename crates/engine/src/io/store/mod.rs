@@ -42,7 +42,7 @@ pub trait Store: Debug + Send + Sync {
     /// The nodes, parents before their children. Each point of the cloud is in one of them.
     fn nodes(&self) -> &[Node];
 
-    /// Reads the points of a node: as many as it says, all within its bounds.
+    /// Reads the points of a node: as many as it says, all within its bounds. Splats that are none are left out.
     ///
     /// # Errors
     /// The node can't be read, is damaged, or isn't as [`Self::nodes`] describes it.
@@ -101,7 +101,7 @@ pub struct Node {
     pub bytes: u64,
     /// The typical distance of its points and those of the levels above, in the file's units; 0 if the store has no levels.
     pub spacing: f64,
-    /// The largest radius of its own points, in the file's units, where the store knows it.
+    /// The largest radius of its own points, of Gaussians how far they reach, in the file's units, where the store knows it.
     pub largest_radius: Option<f32>,
 }
 

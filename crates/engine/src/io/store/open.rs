@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Copc, Ept, Held, LasPieces, Octree, PlyPieces, Store};
+use super::{Copc, Ept, Held, LasPieces, Octree, PlyPieces, Store, Summary};
 use crate::io::las::LasFile;
 use crate::io::ply::{Vertices, is_prepared};
 use crate::io::{Error, Format, Hints, NAMES_WITHOUT_EFFECT, Source, load_with, splats};
@@ -58,16 +58,18 @@ pub fn open(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn St
     }
 }
 
-/// The points that a cloud announces, without a look at them; `None` of files that say nothing of it, or that are read as a whole.
+/// The points that a cloud announces, without a look at them, and the degree of the harmonics if they are Gaussians; `None` of files that
+/// say nothing of it, or that are read as a whole.
 ///
 /// # Errors
 /// It can't be opened.
-pub fn announced(path: &Path, hints: &Hints) -> Result<Option<u64>, Error> {
+pub fn announced(path: &Path, hints: &Hints) -> Result<Option<(u64, Option<u32>)>, Error> {
     if is_ept(path) {
-        return Ok(Some(Ept::open(path, hints.las)?.summary().points));
+        return Ok(Some((Ept::open(path, hints.las)?.summary().points, None)));
     }
     if Octree::is_one(path) {
-        return Ok(Some(Octree::open(path)?.summary().points));
+        let Summary { points, like, .. } = Octree::open(path)?.summary;
+        return Ok(Some((points, like.gaussians.map(|splats| splats.degree))));
     }
     if splats::is_folder(path) {
         return Ok(None);
@@ -75,9 +77,9 @@ pub fn announced(path: &Path, hints: &Hints) -> Result<Option<u64>, Error> {
     let mut source = Source::open(path)?;
     let start = source.peek()?;
     match Format::detect(&source, &start) {
-        Ok(Format::Las) => Ok(Some(LasFile::open(source, hints.las)?.header.count)),
+        Ok(Format::Las) => Ok(Some((LasFile::open(source, hints.las)?.header.count, None))),
         Ok(Format::Ply) => match Vertices::find(source)? {
-            (Vertices::Rows(rows), comments) if !is_prepared(&comments) => Ok(Some(rows.count)),
+            (Vertices::Rows(rows), comments) if !is_prepared(&comments) => Ok(Some((rows.count, None))),
             _ => Ok(None),
         },
         _ => Ok(None),

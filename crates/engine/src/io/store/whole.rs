@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::{Piece, Store};
 use crate::cloud::Cloud;
-use crate::io::Error;
+use crate::io::{Error, splats};
 use crate::progress::Progress;
 
 /// All points of a store in the order of its source, with what the store knows of all of them.
@@ -24,6 +24,10 @@ pub fn whole(store: &dyn Store, progress: &Progress) -> Result<Cloud, Error> {
     for piece in pieces {
         cloud.append(piece.cloud);
         places.extend(piece.places);
+    }
+    let left_out = summary.points.saturating_sub(places.len() as u64);
+    if left_out > 0 {
+        cloud.warnings.push(splats::left_out(left_out));
     }
     if places.is_sorted() {
         return Ok(cloud);

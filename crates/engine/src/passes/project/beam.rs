@@ -4,7 +4,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::camera::{Camera, Projection};
+use crate::cloud::gaussians::REACH;
 use crate::passes::bands::Window;
+use crate::scene::{GaussianSettings, Kernel};
 use crate::supply::Block;
 
 /// How far a point reaches beyond its place.
@@ -21,6 +23,9 @@ const ONE: f64 = 1.0;
 /// What roundings of float32 and here may move a point, as a share of its coordinates from the eye.
 const ROUNDING: f64 = 1e-6;
 
+/// Slopes of a Gaussian's centre are clamped to so many times those of the image's sides (`clamped_slopes` in WGSL).
+const SLOPE: f64 = 1.3;
+
 impl Extent {
     /// Discs of the cloud's radii times a factor.
     pub fn discs(factor: f32) -> Self {
@@ -30,6 +35,36 @@ impl Extent {
     /// Squares whose half sides are these.
     pub fn squares(factor: f32) -> Self {
         Self { radius: std::f64::consts::SQRT_2 * f64::from(factor), pixels: ONE }
+    }
+
+    /// Gaussians whose radii are their [`REACH`], at the least opacity of a fragment that settings name.
+    pub fn gaussians(settings: &GaussianSettings, camera: &Camera, size: [u32; 2]) -> Self {
+        let GaussianSettings { alpha_min, dilation, kernel, .. } = *settings;
+        // Standard deviations at which opacity 1 falls to the least one.
+        let deviations = (-2.0 * f64::from(alpha_min).ln()).max(0.0).sqrt();
+        let radius = deviations / f64::from(REACH);
+        match kernel {
+            // Where a ray passes the ellipsoid, and where it is densest along the ray, is a matter of space alone.
+            Kernel::Ray => Self { radius, pixels: ONE },
+            // Along an axis of the screen an ellipse reaches √(σ²·(1 + slope²)·(focal / z)² + dilation) deviations at most. The slope is
+            // that of the centre, but at most 1.3 times that of the image's side.
+            Kernel::Ewa => {
+                let slope = match camera.projection {
+                    Projection::Perspective { .. } => {
+                        let side = f64::from(size[0].max(size[1]));
+                        SLOPE * 0.5 * side / camera.focal_px(size[1])
+                    }
+                    Projection::Orthographic { .. } => 0.0,
+                };
+                Self { radius: radius * slope.hypot(1.0), pixels: ONE + deviations * f64::from(dilation).sqrt() }
+            }
+        }
+    }
+
+    /// The farther of two reaches.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self { radius: self.radius.max(other.radius), pixels: self.pixels.max(other.pixels) }
     }
 
     /// Points without a radius that show this many pixels around their own.

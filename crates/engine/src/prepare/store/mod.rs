@@ -66,7 +66,7 @@ struct Plan {
 /// Writes some clouds as one store with radii and the field of [`Request::field`], and with normals if they are asked for, as
 /// [`prepared`](super::prepared) does for a cloud in memory. Positions count as the store has them. Shadows of a prepared input stay
 /// unless normals are asked for. Settings and the rest as in [`build`](build::build); a run that ended early goes on where it was when
-/// points were put into nodes, and computes values anew.
+/// points were put into nodes, and computes values anew. Of Gaussian splats nothing is computed.
 ///
 /// # Errors
 /// Those of [`build`](build::build); the clouds lack the property of the field.
@@ -78,6 +78,9 @@ pub fn prepare(
     progress: &Progress,
 ) -> Result<Built, Error> {
     build::check_target(folder)?;
+    if inputs.iter().any(|input| input.summary().like.gaussians.is_some()) {
+        return Ok(build::build(inputs, folder, settings, progress)?);
+    }
     let raw = beside(folder);
     let raw_built = points(inputs, &raw, settings, progress)?;
     let octree = Octree::open(&raw)?;

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::{DVec3, Vec3};
 
+use crate::cloud::gaussians::Gaussians;
 use crate::points::Points;
 use crate::supply::Failure;
 
@@ -100,7 +101,8 @@ fn bytes_of(points: &Points) -> u64 {
     let positions = points.positions.len() + points.unseen.positions.len();
     let floats = points.opacities.len() + points.radii.len() + points.fields.len() + points.unseen.radii.len();
     let numbers = points.file_order.len() + points.dealt_ids.len();
-    (positions * size_of::<DVec3>() + vectors * size_of::<Vec3>() + 4 * (floats + numbers)) as u64
+    let splats = points.gaussians.as_ref().map_or(0, |all| all.len() as u64 * Gaussians::bytes_each(all.degree));
+    (positions * size_of::<DVec3>() + vectors * size_of::<Vec3>() + 4 * (floats + numbers)) as u64 + splats
 }
 
 #[cfg(test)]

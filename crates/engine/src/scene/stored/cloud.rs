@@ -6,6 +6,7 @@ use super::super::assemble::{self, Known, Source, placed, radius, transformed};
 use super::super::clip::Clips;
 use super::super::coloring::Coloring;
 use super::super::error::Error;
+use super::super::gaussians;
 use super::super::legend::Legend;
 use super::super::settings::Scene;
 use super::levels::branches;
@@ -14,7 +15,7 @@ use crate::cloud::facts::Facts;
 use crate::cloud::{Bounds, Cloud};
 use crate::io;
 use crate::io::store::{Node, Piece, Store, Summary, Survey};
-use crate::points::Points;
+use crate::points::{Points, WholeSplats};
 use crate::prepare;
 use crate::progress::Progress;
 use crate::supply::Block;
@@ -45,6 +46,8 @@ pub(super) struct StoredCloud {
     fixed_radius: Option<f32>,
     /// The largest component that a color of its points may have.
     pub brightest: f32,
+    /// What is known of its Gaussians, if that is what its points are drawn as.
+    pub splats: Option<WholeSplats>,
     pub is_transparent: bool,
     /// How it is colored and why, a phrase.
     pub coloring: String,
@@ -75,16 +78,19 @@ impl StoredCloud {
         let known = Known { scales, request, bounds, range, has_normals: facts.has_normals };
         // Without one of their own, points have none here, whatever is stored.
         let has_own = known.request.radii && like.radii.is_some() || like.own_radii().is_some();
-        let of_scene = |own: Option<f32>| radius(settings, own);
-        let fixed_radius = (settings.radius.is_some() || !has_own).then(|| of_scene(None));
-        let largest_radius = fixed_radius.unwrap_or_else(|| of_scene(Some(facts.largest_radius)));
+        let drawn = gaussians::are_drawn(scene, settings, like);
+        let fixed_radius = (!drawn && (settings.radius.is_some() || !has_own)).then(|| radius(settings, None));
+        let largest_radius = fixed_radius.unwrap_or_else(|| match drawn {
+            true => gaussians::scaled_reach(facts.largest_radius, settings.scale),
+            false => radius(settings, Some(facts.largest_radius)),
+        });
         let is_transparent = settings.opacity < 1.0
             || settings.surface_opacity.is_some_and(|opacity| opacity < 1.0)
             || settings.class.iter().any(|class| class.opacity.is_some_and(|opacity| opacity < 1.0))
             || facts.is_transparent;
         let colors = settings.color.iter().chain(settings.class.iter().filter_map(|class| class.color.as_ref()));
         let brightest = colors.map(|color| color.max_element()).fold(facts.brightest, f32::max);
-        let cloud = Self {
+        let mut cloud = Self {
             bounds: in_scene(scene, index, &bounds),
             store,
             index,
@@ -94,10 +100,17 @@ impl StoredCloud {
             largest_radius,
             fixed_radius,
             brightest,
+            splats: None,
             is_transparent,
             coloring: described,
         };
         let points = cloud.transformed(scene, clips, sample, &[])?;
+        cloud.splats = points.gaussians.as_ref().map(|all| WholeSplats {
+            count: cloud.facts.points,
+            degree: all.degree,
+            // A color of the scene is the display value of a linear one.
+            brightest: cloud.facts.brightest_splats[all.degree as usize].max(gaussians::display(brightest)),
+        });
         Ok((cloud, points))
     }
 
@@ -123,11 +136,16 @@ impl StoredCloud {
         with_points.map(block).collect()
     }
 
-    /// For each node the largest radius of all points that may be in the places of its own: those above and below it.
+    /// For each node the largest radius of all points that may be in the places of its own: those above and below it. Of Gaussians how
+    /// far its own reach.
     fn radii(&self, nodes: &[Node], scene: &Scene) -> Vec<f32> {
         let settings = &scene.clouds[self.index];
         if let Some(radius) = self.fixed_radius {
             return vec![radius; nodes.len()];
+        }
+        if self.splats.is_some() {
+            let reach = |own: f32| gaussians::scaled_reach(own, settings.scale);
+            return nodes.iter().map(|node| node.largest_radius.map_or(self.largest_radius, reach)).collect();
         }
         let own = |node: &Node| node.largest_radius.map(|own| radius(settings, Some(own)));
         let has_levels = nodes.iter().any(|node| node.parent.is_some());
@@ -151,7 +169,7 @@ impl StoredCloud {
 
     /// What identifies its points.
     pub fn identity(&self) -> String {
-        format!("{:?} {:?}", self.store.summary(), self.known)
+        format!("{:?} {:?} {:?}", self.store.summary(), self.known, self.splats)
     }
 
     /// The points of a node in the scene.
@@ -183,7 +201,8 @@ fn request(scene: &Scene, index: usize, like: &Cloud) -> Result<prepare::Request
     let coloring = Coloring::of_sample(scene, index, like, &Facts::default());
     let method = scene.method;
     let fields = method.needs_field() || coloring.needs_field();
-    let request = assemble::request(scene, settings, method.needs_radii(), fields);
+    let mut request = assemble::request(scene, settings, method.needs_radii(), fields);
+    request.forgo_shapes(gaussians::are_drawn(scene, settings, like));
     Ok(prepare::Request { shading: None, ..request })
 }
 

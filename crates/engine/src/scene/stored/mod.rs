@@ -21,17 +21,18 @@ pub use self::survey::OpenStore;
 use super::assemble::{most_frequent, no_points};
 use super::clip::Clips;
 use super::error::Error;
+use super::gaussians;
 use super::legend::Legend;
 use super::settings::{CloudSettings, Scene, ShadingModel};
 use crate::cloud::sampling::Sampling;
 use crate::cloud::{Bounds, UpAxis};
 use crate::io;
 use crate::io::store;
-use crate::points::{Anchor, Points, Spheres, Unseen, Whole};
+use crate::points::{Anchor, Points, Spheres, Unseen, Whole, WholeSplats};
 use crate::prepare::dealt_file::{self, DealtFile};
 use crate::prepare::{Arranged, Supplied, order};
 use crate::progress::{Phase, Progress};
-use crate::supply::{Block, Branch, Failure, Keep, Supply, grown};
+use crate::supply::{Block, Branch, Failure, Keep, Supply};
 
 /// Stores of a scene, in the order of its clouds.
 pub type Stores = Vec<OpenStore>;
@@ -80,6 +81,8 @@ pub struct Stored {
     /// What the colors of the points mean, by those that stand for all.
     legend: Legend,
     notes: Vec<String>,
+    /// True if colors are blended encoded because all clouds are Gaussians.
+    displays: bool,
 }
 
 /// The nodes of all clouds.
@@ -111,6 +114,9 @@ impl Stored {
     pub fn new(scene: &Scene, stores: &[OpenStore], memory: u64, progress: &Progress) -> Result<Self, crate::Error> {
         progress.begin(Phase::Prepare);
         let (mut scene, clips) = (scene.clone(), Clips::load(&scene.clips)?);
+        let has_gaussians =
+            |index: usize| stores.get(index).is_some_and(|store| store.summary().like.gaussians.is_some());
+        let displays = scene.settle_for(has_gaussians);
         let mut notes = Vec::new();
         let is_unlit = is_unlit(&scene, stores);
         if is_unlit {
@@ -152,11 +158,12 @@ impl Stored {
             largest_radius: clouds.iter().map(|cloud| cloud.largest_radius).fold(0.0, f32::max),
             brightest: clouds.iter().map(|cloud| cloud.brightest).fold(1.0, f32::max),
             is_transparent: clouds.iter().any(|cloud| cloud.is_transparent),
+            splats: clouds.iter().filter_map(|cloud| cloud.splats).reduce(WholeSplats::and),
             identity: clouds.iter().map(StoredCloud::identity).collect::<Vec<_>>().join("\n"),
             spheres: Arc::clone(&nodes) as Arc<dyn Spheres>,
         };
         let sample = Arc::new(stand_ins(&sample, &seen, &unseen, whole));
-        Ok(Self { nodes, sample, legend, notes })
+        Ok(Self { nodes, sample, legend, notes, displays })
     }
 
     /// The scene, without shading where points have no normals to shade by.
@@ -233,6 +240,11 @@ impl Stored {
         self.nodes.clouds.iter().map(|cloud| cloud.coloring.clone()).collect()
     }
 
+    /// True if colors are blended encoded because every cloud is of Gaussians, and the scene says nothing of it.
+    pub fn blends_displays(&self) -> bool {
+        self.displays
+    }
+
     /// Bytes that were read of nodes so far, and those of all nodes.
     pub fn bytes_read(&self) -> [u64; 2] {
         let nodes = self.nodes.clouds.iter().flat_map(|cloud| cloud.store.nodes());
@@ -282,22 +294,25 @@ impl Supply for Nodes {
             progress.check()?;
             let points = self.part(*block as usize)?;
             let corners = self.blocks[*block as usize].bounds.corners();
-            if keep.convex && corners.into_iter().all(|corner| (keep.keeps)(corner, *block)) {
+            // Whoever is taken without reaching anywhere is taken whatever the reach.
+            let reach = points.gaussians.is_some().then_some(0.0);
+            if keep.convex && corners.into_iter().all(|corner| (keep.keeps)(corner, *block, reach)) {
                 return Ok(points);
             }
-            let each = points.positions.iter().enumerate();
-            let kept: Vec<u32> = each.filter(|(_, p)| (keep.keeps)(**p, *block)).map(|(at, _)| at as u32).collect();
+            let keeps = |at: &u32| {
+                let at = *at as usize;
+                (keep.keeps)(points.positions[at], *block, points.reach(at))
+            };
+            let kept: Vec<u32> = (0..points.len() as u32).filter(keeps).collect();
             Ok(Arc::new(Points { unseen: Arc::default(), ..points.subset(&kept, 1.0) }))
         };
         let parts = blocks.par_iter().map(read).collect::<Result<Vec<_>, Failure>>()?;
         let picked = order::merged(&parts, &self.bounds);
         let mut points = Points::gather(&parts, &picked);
         if let Some(grows) = keep.grows {
-            let Points { positions, radii, .. } = &mut points;
-            let all = radii.par_iter_mut().zip(&*positions).zip(&picked).with_min_len(1 << 12);
-            all.for_each(|((radius, position), [part, _])| {
-                *radius = grown(*radius, grows(*position, blocks[*part as usize]));
-            });
+            let all = points.positions.par_iter().zip(&picked).with_min_len(1 << 12);
+            let factors: Vec<f32> = all.map(|(position, [part, _])| grows(*position, blocks[*part as usize])).collect();
+            points.grow(&factors);
         }
         Ok(points)
     }
@@ -318,7 +333,12 @@ impl Spheres for Nodes {
 
 /// True if a cloud has no normals where the scene shades by them.
 fn is_unlit(scene: &Scene, stores: &[OpenStore]) -> bool {
-    scene.shading_normals().is_some() && stores.iter().any(|store| store.summary().like.normals.is_none())
+    let lacks = |(settings, store): (&CloudSettings, &OpenStore)| {
+        let like = &store.summary().like;
+        // Lights don't shade Gaussians.
+        like.normals.is_none() && !gaussians::are_drawn(scene, settings, like)
+    };
+    scene.shading_normals().is_some() && scene.clouds.iter().zip(stores).any(lacks)
 }
 
 /// The places in a list of the points that stand for all of the scene: those that are drawn, and the others.
@@ -342,14 +362,15 @@ fn stand_ins(points: &Points, seen: &[u32], unseen: &[u32], whole: Whole) -> Poi
 fn blocks(scene: &Scene, clouds: &[StoredCloud]) -> (Vec<Block>, Vec<[u32; 2]>) {
     let (mut blocks, mut nodes) = (Vec::new(), Vec::new());
     for (index, cloud) in clouds.iter().enumerate() {
-        let others = clouds.iter().enumerate().filter(|(other, _)| *other != index);
+        let is_other = |(other, of): &(usize, &StoredCloud)| *other != index && of.splats.is_none();
+        let others = clouds.iter().enumerate().filter(is_other).filter(|_| cloud.splats.is_none());
         let others: Vec<(Bounds, f32)> =
             others.filter_map(|(_, other)| Some((other.bounds()?, other.largest_radius))).collect();
         let before = blocks.len() as u32;
         for (node, mut block) in cloud.blocks(scene) {
             let of_scene = |branch: Branch| Branch { parent: branch.parent.map(|parent| before + parent), ..branch };
             block.branch = block.branch.map(of_scene);
-            // Points of another cloud may be in the same places.
+            // Discs of another cloud may be in the same places.
             let meets =
                 |bounds: &Bounds| bounds.min.cmple(block.bounds.max).all() && block.bounds.min.cmple(bounds.max).all();
             let there = others.iter().filter(|(bounds, _)| meets(bounds)).map(|(_, radius)| *radius);

@@ -43,7 +43,7 @@ impl Supply for Nodes {
         for number in blocks {
             let own = &self.points[*number as usize];
             let kept: Vec<u32> =
-                (0..own.len() as u32).filter(|i| (keep.keeps)(own.positions[*i as usize], *number)).collect();
+                (0..own.len() as u32).filter(|i| (keep.keeps)(own.positions[*i as usize], *number, None)).collect();
             let mut own = own.subset(&kept, 1.0);
             for (radius, position) in own.radii.iter_mut().zip(&own.positions) {
                 *radius *= keep.grows.map_or(1.0, |grows| grows(*position, *number));

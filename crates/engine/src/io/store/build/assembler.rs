@@ -211,8 +211,7 @@ impl Assembler {
 
     fn metadata(&self, told: &Told, hierarchy: &hierarchy::Bytes) -> Metadata {
         let bounds = self.rules.cube.bounds(Cell::ROOT);
-        let like = told.like;
-        let about = About::new(like.up, &self.layout, like.prepared.as_ref(), told.rounding, like.non_finite as u64);
+        let about = About::new(told.like, &self.layout, told.rounding);
         let grid = self.rules.cube.grid;
         let described = self.layout.attributes.iter().zip(self.ranges.by_attribute(&self.layout));
         let position = |ranges: &[[f64; 2]]| -> Vec<[f64; 2]> {

@@ -53,11 +53,11 @@ pub struct Built {
 ///
 /// The bytes depend on the points, their places in the inputs, and the points of a node, not on memory, threads or the order in which
 /// nodes are read. Positions stay on the grid of the inputs if they share one, else they are put on one of powers of two, as fine as 30
-/// bits allow. Until it is done everything is in a folder beside, `.NAME.pellucid-unfinished`; if the work ends early, the same
+/// bits allow; Gaussians have exact ones besides. Until it is done everything is in a folder beside, `.NAME.pellucid-unfinished`; if the work ends early, the same
 /// call goes on after the last pass or chunk that was done.
 ///
 /// # Errors
-/// An input can't be read, or has points outside of the box that it announced; the folder holds something else, or can't be written;
+/// An input can't be read, or has points outside of the box that it announced; some inputs are Gaussians and others are not; the folder holds something else, or can't be written;
 /// `progress` was cancelled; there are no points.
 pub fn build(
     inputs: &[Box<dyn Store>],
@@ -66,9 +66,7 @@ pub fn build(
     progress: &Progress,
 ) -> Result<Built, Error> {
     let none = || Error::NoPoints { path: folder.to_path_buf(), non_finite: 0 };
-    if let Some(splats) = inputs.iter().map(|input| input.summary()).find(|summary| summary.like.gaussians.is_some()) {
-        return Err(Error::Splats { path: splats.path.clone() });
-    }
+    check_kind(inputs)?;
     let input = Input::new(inputs).ok_or_else(none)?;
     // Records in files by chunk and in nodes.
     let stride = Types::default().layout(&input.like, input.points).stride as u64;
@@ -76,6 +74,18 @@ pub fn build(
     target::make(folder, &state::key(inputs, settings), bytes, |work, state| {
         Build::new(&input, work, folder, settings, progress, state).and_then(Build::run)
     })
+}
+
+/// Refuses Gaussians beside points that are none: a store has the same columns for all, and radii mean nothing to Gaussians.
+fn check_kind(inputs: &[Box<dyn Store>]) -> Result<(), Error> {
+    let find = |are_splats: bool| {
+        let summaries = inputs.iter().map(|input| input.summary());
+        summaries.into_iter().find(|summary| summary.like.gaussians.is_some() == are_splats)
+    };
+    match (find(true), find(false)) {
+        (Some(splats), Some(points)) => Err(Error::Mixed { splats: splats.path.clone(), points: points.path.clone() }),
+        _ => Ok(()),
+    }
 }
 
 /// A build.
@@ -140,7 +150,8 @@ impl<'a> Build<'a> {
         }
         self.progress.set_message("looking at the points");
         // The record isn't known yet; columns take about as much.
-        let memory = Memory::new(self.settings.host_memory, 64);
+        let stride = Types::default().layout(&self.input.like, self.input.points).stride;
+        let memory = Memory::new(self.settings.host_memory, stride.max(64));
         let survey = survey(self.input, &self.cube, memory, self.progress)?;
         self.state.survey = Some(survey.clone());
         self.state.save(self.work)?;

@@ -2,6 +2,7 @@
 
 use super::super::Store;
 use crate::cloud::Cloud;
+use crate::cloud::gaussians::Gaussians;
 
 /// A cloud without points that has the columns of all stores, and notes on what can't be kept, one sentence each.
 ///
@@ -10,7 +11,10 @@ pub(super) fn union(inputs: &[Box<dyn Store>]) -> (Cloud, Vec<String>) {
     let likes = || inputs.iter().map(|input| &input.summary().like);
     let mut notes = Vec::new();
     let mut like = likes().next().cloned().unwrap_or_default();
+    like.filter = like.filter.filter(|_| likes().all(|other| other.filter == like.filter));
     for other in likes().skip(1) {
+        // All of them have splats, or none.
+        like.gaussians = Gaussians::joined((like.gaussians, 0), (other.gaussians.clone(), 0));
         like.colors = like.colors.or_else(|| other.colors.clone());
         like.alphas = like.alphas.or_else(|| other.alphas.clone());
         like.normals = like.normals.or_else(|| other.normals.clone());

@@ -1,18 +1,19 @@
 //! From the columns of a cloud to records.
 
-use glam::DVec3;
+use glam::{DVec3, Quat, Vec3};
 
 use super::super::octree::attributes::{Attribute, Kind, Layout, Role};
 use super::cube::Cube;
 use super::types::nearest_srgb;
 use crate::cloud::Cloud;
+use crate::cloud::gaussians::Gaussians;
 
 /// Records, and what was rounded for them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Encoded {
     /// The points' records, one behind the other.
     pub records: Vec<u8>,
-    /// The largest distance of a position from its place on the grid.
+    /// The largest distance of a position from its place on the grid; 0 if the layout has exact positions.
     pub rounding: f64,
 }
 
@@ -23,13 +24,14 @@ pub struct Encoded {
 pub fn encode(layout: &Layout, cube: &Cube, cloud: &Cloud, places: &[u64]) -> Result<Encoded, DVec3> {
     let mut records = vec![0; layout.stride * cloud.len()];
     let mut rounding = 0.0_f64;
+    let splats = || cloud.gaussians.iter();
     for attribute in &layout.attributes {
         let mut writer = Writer { records: &mut records, stride: layout.stride, attribute };
         match &attribute.role {
             Role::Position => rounding = positions(&mut writer, cube, &cloud.positions)?,
             Role::Rgb => {
                 let colors = cloud.colors.iter().flatten();
-                let rgb = |color: &glam::Vec3| color.to_array().map(nearest_srgb).map(u16::to_le_bytes);
+                let rgb = |color: &Vec3| color.to_array().map(nearest_srgb).map(u16::to_le_bytes);
                 writer.each(colors.map(rgb), |bytes, rgb| bytes.copy_from_slice(rgb.as_flattened()));
             }
             Role::Linear(axis) => {
@@ -41,6 +43,11 @@ pub fn encode(layout: &Layout, cube: &Cube, cloud: &Cloud, places: &[u64]) -> Re
             Role::Classification => {
                 writer.each(cloud.classification.iter().flatten(), |bytes, code| bytes[0] = *code);
             }
+            Role::Exact => writer.exact(&cloud.positions),
+            Role::Extents => writer.singles(splats().flat_map(|splats| &splats.extents).map(Vec3::to_array)),
+            Role::Rotation => writer.singles(splats().flat_map(|splats| &splats.rotations).map(Quat::to_array)),
+            Role::Base => writer.singles(splats().flat_map(|splats| &splats.bases).map(Vec3::to_array)),
+            Role::Harmonics(_) => splats().for_each(|splats| writer.harmonics(splats)),
             Role::Place => writer.places(places),
             Role::Alpha => writer.floats(cloud.alphas.iter().flatten().copied()),
             Role::Radius => writer.floats(cloud.radii.iter().flatten().copied()),
@@ -57,6 +64,10 @@ pub fn encode(layout: &Layout, cube: &Cube, cloud: &Cloud, places: &[u64]) -> Re
             // A layout of this program has none of them.
             Role::NormalVector | Role::Time | Role::Ignored => {}
         }
+    }
+    if layout.find(&Role::Exact).is_some() {
+        // Beside them those on the grid are for other programs.
+        rounding = 0.0;
     }
     Ok(Encoded { records, rounding })
 }
@@ -94,6 +105,28 @@ impl Writer<'_> {
             Kind::Uint8 => self.each(values, |bytes, value| bytes[0] = value as u8),
             Kind::Uint16 => self.each(values, |bytes, value| bytes.copy_from_slice(&(value as u16).to_le_bytes())),
             _ => self.each(values, |bytes, value| bytes.copy_from_slice(&value.to_le_bytes())),
+        }
+    }
+
+    /// Several float32 numbers of each point.
+    fn singles<const N: usize>(&mut self, values: impl Iterator<Item = [f32; N]>) {
+        self.each(values, |bytes, value| bytes.copy_from_slice(value.map(f32::to_le_bytes).as_flattened()));
+    }
+
+    fn harmonics(&mut self, splats: &Gaussians) {
+        self.each(0..splats.len(), |bytes, splat| {
+            let colors = splats.harmonics_of(splat).iter().flat_map(|color| color.to_array());
+            bytes.chunks_exact_mut(4).zip(colors).for_each(|(bytes, x)| bytes.copy_from_slice(&x.to_le_bytes()));
+        });
+    }
+
+    fn exact(&mut self, positions: &[DVec3]) {
+        if self.attribute.kind == Kind::Double {
+            self.each(positions.iter(), |bytes, position| {
+                bytes.copy_from_slice(position.to_array().map(f64::to_le_bytes).as_flattened());
+            });
+        } else {
+            self.singles(positions.iter().map(|position| position.as_vec3().to_array()));
         }
     }
 

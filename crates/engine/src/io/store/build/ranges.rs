@@ -1,8 +1,11 @@
 //! Ranges of what a store holds.
 
+use glam::Vec3;
+
 use super::super::octree::attributes::{Kind, Layout, Role};
 use super::super::octree::integers;
 use super::super::octree::nodes::Extent;
+use crate::cloud::gaussians::reach;
 
 /// Least and largest value of each number of a record, those of positions on the grid.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +33,7 @@ impl Ranges {
         })
     }
 
-    /// Those of some records, and the box and largest radius of their points; `None` without points. The offset is 0.
+    /// Those of some records, and the box and largest radius or reach of their points; `None` without points. The offset is 0.
     pub fn of(layout: &Layout, records: &[u8]) -> (Self, Option<Extent>) {
         let mut ranges = Self::new(layout);
         if records.is_empty() {
@@ -55,9 +58,12 @@ impl Ranges {
                         finite_range(attribute.kind, records.chunks_exact(layout.stride).map(|record| &record[at..]))
                     }
                 };
-                if attribute.role == Role::Radius {
-                    largest_radius = Some(range[1].max(0.0) as f32);
-                }
+                let radius = match attribute.role {
+                    Role::Radius => Some(range[1].max(0.0) as f32),
+                    Role::Extents => Some(reach(Vec3::splat(range[1].max(0.0) as f32))),
+                    _ => None,
+                };
+                largest_radius = [largest_radius, radius].into_iter().flatten().reduce(f32::max);
                 ranges.0[number] = range;
                 number += 1;
             }

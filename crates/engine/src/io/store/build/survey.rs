@@ -75,7 +75,7 @@ pub(super) fn survey(input: &Input, cube: &Cube, memory: Memory, progress: &Prog
         };
         let codes: Vec<u64> = piece.cloud.positions.iter().map(code).collect::<Result<_, _>>()?;
         let radii = piece.cloud.radii.iter().flatten().copied().filter(|radius| *radius > 0.0);
-        Ok((Types::of(&piece.cloud), codes, radii.reduce(f32::min)))
+        Ok((Types::of(&piece.cloud, &cube.grid), codes, radii.reduce(f32::min)))
     };
     input.each(memory.batch_points, progress, see, |(types, codes, radius)| {
         survey.types = std::mem::take(&mut survey.types).and(&types);

@@ -59,7 +59,7 @@ impl Source {
     fn new(cloud: &Cloud) -> Self {
         let bounds = cloud.bounds().unwrap();
         let cube = Cube::around(Grid::around(&bounds).unwrap(), &bounds).unwrap();
-        let layout = Types::of(cloud).layout(cloud, cloud.len() as u64);
+        let layout = Types::of(cloud, &cube.grid).layout(cloud, cloud.len() as u64);
         let places: Vec<u64> = (0..cloud.len() as u64).collect();
         let encoded = encode(&layout, &cube, cloud, &places).unwrap();
         let records = encoded.records.chunks_exact(layout.stride).map(<[u8]>::to_vec).collect();

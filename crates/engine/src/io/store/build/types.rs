@@ -2,12 +2,14 @@
 
 use std::sync::OnceLock;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::super::Grid;
 use super::super::octree::attributes::{Kind, Layout, Role};
 use crate::cloud::Cloud;
+use crate::cloud::gaussians::linear;
 use crate::color::{decode_srgb, encode_srgb};
 
 /// The type of a column of float32 numbers.
@@ -43,11 +45,53 @@ impl Narrow {
     }
 }
 
+/// The type of coordinates that stand beside those on the grid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Exact {
+    /// None, since the grid rounds no position.
+    #[default]
+    None,
+    /// Float32, which all positions are.
+    Float,
+    /// Float64.
+    Double,
+}
+
+impl Exact {
+    /// The smallest that keeps some positions.
+    pub fn of(positions: &[DVec3], grid: &Grid) -> Self {
+        let exact = |position: &DVec3| match position {
+            p if grid.nearest(*p).is_some_and(|at| same(grid.position(at), *p)) => Self::None,
+            p if same(p.as_vec3().as_dvec3(), *p) => Self::Float,
+            _ => Self::Double,
+        };
+        positions.par_iter().with_min_len(1 << 14).map(exact).max().unwrap_or_default()
+    }
+
+    fn kind(self) -> Option<Kind> {
+        match self {
+            Self::None => None,
+            Self::Float => Some(Kind::Float),
+            Self::Double => Some(Kind::Double),
+        }
+    }
+}
+
+/// True of the same bits: zeros of two signs are two places.
+fn same(a: DVec3, b: DVec3) -> bool {
+    a.to_array().map(f64::to_bits) == b.to_array().map(f64::to_bits)
+}
+
 /// The types of the columns that allow several.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Types {
-    /// True if 16-bit sRGB rounds a color, so that linear float32 colors stand beside it.
+    /// True if 16-bit sRGB rounds a color, so that linear float32 colors stand beside it. Colors of Gaussians follow from their bases:
+    /// true if one doesn't.
     pub linear_colors: bool,
+    /// The exact positions of Gaussians, beside those on the grid: a picture of them is to be that of their file.
+    #[serde(default)]
+    pub exact: Exact,
     /// The type of the intensity.
     pub intensity: Narrow,
     /// Those of the scalars.
@@ -55,11 +99,18 @@ pub struct Types {
 }
 
 impl Types {
-    /// The smallest ones that keep a cloud exactly.
-    pub fn of(cloud: &Cloud) -> Self {
+    /// The smallest ones that keep a cloud exactly; positions of points that are no Gaussians are those of the grid.
+    pub fn of(cloud: &Cloud, grid: &Grid) -> Self {
         let is_rounded = |color: &Vec3| color.to_array().iter().any(|linear| exact_srgb(*linear).is_none());
+        let differs = |(color, base): (&Vec3, &Vec3)| *color != linear(*base);
+        let linear_colors = match (&cloud.colors, &cloud.gaussians) {
+            (None, _) => false,
+            (Some(colors), None) => colors.par_iter().any(is_rounded),
+            (Some(colors), Some(splats)) => colors.par_iter().zip(&splats.bases).any(differs),
+        };
         Self {
-            linear_colors: cloud.colors.as_ref().is_some_and(|colors| colors.par_iter().any(is_rounded)),
+            linear_colors,
+            exact: cloud.gaussians.as_ref().map(|_| Exact::of(&cloud.positions, grid)).unwrap_or_default(),
             intensity: cloud.intensity.as_deref().map(Narrow::of).unwrap_or_default(),
             scalars: cloud.scalars.iter().map(|(_, values)| Narrow::of(values)).collect(),
         }
@@ -69,6 +120,7 @@ impl Types {
     #[must_use]
     pub fn and(mut self, other: &Self) -> Self {
         self.linear_colors |= other.linear_colors;
+        self.exact = self.exact.max(other.exact);
         self.intensity = self.intensity.max(other.intensity);
         for (index, narrow) in other.scalars.iter().enumerate() {
             match self.scalars.get_mut(index) {
@@ -121,6 +173,16 @@ impl Types {
         }
         if like.colors.is_some() && self.linear_colors {
             (0..3).for_each(|axis| layout.add(Role::Linear(axis), Kind::Float));
+        }
+        if let Some(splats) = &like.gaussians {
+            let shape = [Role::Extents, Role::Rotation, Role::Base];
+            shape.into_iter().for_each(|role| layout.add(role, Kind::Float));
+            if splats.degree > 0 {
+                layout.add(Role::Harmonics(splats.degree as u8), Kind::Float);
+            }
+        }
+        if let Some(kind) = self.exact.kind() {
+            layout.add(Role::Exact, kind);
         }
         layout
     }
@@ -176,6 +238,13 @@ mod tests {
             assert_eq!(exact_srgb(rounded), None, "{rounded}");
         }
         assert_eq!([nearest_srgb(2.0), nearest_srgb(-1.0), nearest_srgb(f32::NAN)], [65535, 0, 0]);
+    }
+
+    #[test]
+    fn positions_that_the_grid_rounds_get_a_type_of_their_own() {
+        let grid = Grid { scale: DVec3::splat(0.25), offset: DVec3::ZERO };
+        let of = |x: f64| Exact::of(&[DVec3::ONE, DVec3::new(1.0, x, 0.0)], &grid);
+        assert_eq!([of(0.5), of(0.125), of(0.1), of(-0.0)], [Exact::None, Exact::Float, Exact::Double, Exact::Float]);
     }
 
     #[test]

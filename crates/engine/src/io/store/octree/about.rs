@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::attributes::{Layout, Role};
 use crate::cloud::field::Field;
 use crate::cloud::shadow_texture::{CastingRecord, ShadowTexture};
-use crate::cloud::{Prepared, UpAxis};
+use crate::cloud::{Cloud, Prepared, UpAxis};
 
 /// Its version.
 pub(crate) const VERSION: u64 = 1;
@@ -24,6 +24,9 @@ pub(crate) struct About {
     /// Points of the source that were dropped because a coordinate is not finite.
     #[serde(default)]
     pub non_finite: u64,
+    /// The filter that Gaussian splats were trained for, as PLY files name it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub filter: Option<String>,
 }
 
 /// The vertical.
@@ -98,9 +101,16 @@ impl PreparedRecord {
 }
 
 impl About {
-    pub fn new(up: UpAxis, layout: &Layout, prepared: Option<&Prepared>, rounding: f64, non_finite: u64) -> Self {
-        let roles = layout.attributes.iter().map(|attribute| attribute.role.clone()).collect();
-        let prepared = prepared.map(PreparedRecord::of);
-        Self { version: VERSION, up: up.into(), roles, rounding, prepared, non_finite }
+    /// What is said of a store of clouds like this one. `rounding`: how far positions moved at most.
+    pub fn new(like: &Cloud, layout: &Layout, rounding: f64) -> Self {
+        Self {
+            version: VERSION,
+            up: like.up.into(),
+            roles: layout.attributes.iter().map(|attribute| attribute.role.clone()).collect(),
+            rounding,
+            prepared: like.prepared.as_ref().map(PreparedRecord::of),
+            non_finite: like.non_finite as u64,
+            filter: like.filter.map(|filter| filter.name().to_owned()),
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::cloud::gaussians::{MAX_DEGREE, coefficients};
 use crate::cloud::{GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER};
 
 /// Bytes of a point at most.
@@ -100,6 +101,16 @@ pub enum Role {
     Scalar(String),
     /// Seconds; a scalar of those since the first.
     Time,
+    /// All three coordinates of a position that the grid would round.
+    Exact,
+    /// The standard deviations of a Gaussian along its three axes.
+    Extents,
+    /// The unit quaternion that turns x, y and z into these axes: x, y, z, w.
+    Rotation,
+    /// The display color of a Gaussian without harmonics of higher degree, not clamped.
+    Base,
+    /// The harmonics of a Gaussian from degree 1 to this one: red, green and blue of each.
+    Harmonics(u8),
     /// The point's place in its source.
     Place,
     /// Nothing that a cloud has.
@@ -150,6 +161,11 @@ impl Role {
             Self::Scalar(name) if name == POINT_SOURCE => "point source id",
             Self::Scalar(name) => name,
             Self::Time => GPS_TIME,
+            Self::Exact => "exact_position",
+            Self::Extents => "extents",
+            Self::Rotation => "rotation",
+            Self::Base => "base",
+            Self::Harmonics(_) => "harmonics",
             Self::Place => "place",
             Self::Ignored => "",
         }
@@ -158,7 +174,9 @@ impl Role {
     /// How many numbers it takes.
     fn elements(&self) -> usize {
         match self {
-            Self::Position | Self::Rgb | Self::NormalVector => 3,
+            Self::Position | Self::Rgb | Self::NormalVector | Self::Exact | Self::Extents | Self::Base => 3,
+            Self::Rotation => 4,
+            Self::Harmonics(degree) => 3 * coefficients(u32::from(*degree).min(MAX_DEGREE)),
             _ => 1,
         }
     }
@@ -169,7 +187,13 @@ impl Role {
             Self::Position => kind == Kind::Int32 && elements == 3,
             Self::Rgb => matches!(kind, Kind::Uint8 | Kind::Uint16) && matches!(elements, 3 | 4),
             Self::Linear(axis) | Self::Normal(axis) => *axis < 3 && kind == Kind::Float && elements == 1,
-            Self::NormalVector => kind == Kind::Float && elements == 3,
+            Self::NormalVector | Self::Extents | Self::Rotation | Self::Base => {
+                kind == Kind::Float && elements == self.elements()
+            }
+            Self::Exact => matches!(kind, Kind::Float | Kind::Double) && elements == 3,
+            Self::Harmonics(degree) => {
+                (1..=MAX_DEGREE).contains(&u32::from(*degree)) && kind == Kind::Float && elements == self.elements()
+            }
             Self::Classification => kind == Kind::Uint8 && elements == 1,
             Self::Ignored => true,
             _ => kind != Kind::Undefined && elements == 1,
@@ -194,6 +218,23 @@ pub struct Attribute {
     pub bytes: usize,
     /// Factor and summand of its values.
     pub transform: [f64; 2],
+}
+
+/// The attributes that make Gaussians of points.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SplatAttributes<'a> {
+    pub extents: &'a Attribute,
+    pub rotation: &'a Attribute,
+    pub base: &'a Attribute,
+    /// With their degree; `None` of degree 0.
+    pub harmonics: Option<(&'a Attribute, u32)>,
+}
+
+impl SplatAttributes<'_> {
+    /// The degree of the harmonics.
+    pub fn degree(&self) -> u32 {
+        self.harmonics.map_or(0, |(_, degree)| degree)
+    }
 }
 
 /// Factor and summand of values that are stored as they are.
@@ -252,6 +293,28 @@ impl Layout {
         self.attributes.iter().find(|attribute| attribute.role == *role)
     }
 
+    /// The attributes of Gaussians; `None` without any.
+    ///
+    /// # Errors
+    /// Some of them are missing.
+    pub(crate) fn splats(&self) -> Result<Option<SplatAttributes<'_>>, String> {
+        let harmonics = self.attributes.iter().find_map(|attribute| match attribute.role {
+            Role::Harmonics(degree) => Some((attribute, u32::from(degree))),
+            _ => None,
+        });
+        let roles = [Role::Extents, Role::Rotation, Role::Base];
+        let found = roles.each_ref().map(|role| self.find(role));
+        if let [Some(extents), Some(rotation), Some(base)] = found {
+            return Ok(Some(SplatAttributes { extents, rotation, base, harmonics }));
+        }
+        if harmonics.is_none() && found.iter().all(Option::is_none) {
+            return Ok(None);
+        }
+        let missing = roles.iter().zip(found).filter(|(_, found)| found.is_none());
+        let missing: Vec<_> = missing.map(|(role, _)| role.attribute_name()).collect();
+        Err(format!("Gaussian splats have extents, rotation and base, but here is no {}", missing.join(" and no ")))
+    }
+
     /// Three attributes of one role each, if all are there.
     pub(crate) fn three(&self, role: fn(u8) -> Role) -> Option<[&Attribute; 3]> {
         Some([self.find(&role(0))?, self.find(&role(1))?, self.find(&role(2))?])
@@ -275,6 +338,21 @@ mod tests {
     }
 
     #[test]
+    fn splats_have_all_of_their_attributes() {
+        let layout = |roles: &[Role]| {
+            let mut layout = Layout::default();
+            roles.iter().for_each(|role| layout.add(role.clone(), Kind::Float));
+            layout
+        };
+        let all = layout(&[Role::Extents, Role::Rotation, Role::Base, Role::Harmonics(2)]);
+        let splats = all.splats().unwrap().unwrap();
+        assert_eq!((all.stride, splats.degree()), (4 * (3 + 4 + 3 + 24), 2));
+        assert!(layout(&[Role::Alpha]).splats().unwrap().is_none());
+        let error = layout(&[Role::Extents, Role::Harmonics(1)]).splats().unwrap_err();
+        assert!(error.ends_with("here is no rotation and no base"), "{error}");
+    }
+
+    #[test]
     fn sizes_that_lie_are_refused() {
         let attribute = |name: &str, kind, elements, bytes| Attribute {
             name: name.to_owned(),
@@ -292,6 +370,14 @@ mod tests {
         assert!(add(attribute("position", Kind::Double, 3, 24), 8).is_err());
         assert!(add(attribute("x", Kind::Undefined, usize::MAX, 12), 16).is_err());
         assert!(add(attribute("x", Kind::Undefined, 1, 1 << 20), 1 << 20).is_err());
+        let harmonics = |degree, elements| {
+            let role = Role::Harmonics(degree);
+            add(Attribute { role, ..attribute("harmonics", Kind::Float, elements, 4 * elements) }, 4)
+        };
+        assert_eq!((harmonics(1, 9), harmonics(4, 72)), (Ok(()), Ok(())));
+        for (degree, elements) in [(0, 0), (1, 24), (2, 9), (5, 105), (255, 72)] {
+            assert!(harmonics(degree, elements).is_err(), "{elements} numbers of degree {degree}");
+        }
         let mut layout = Layout::default();
         for _ in 0..2 {
             layout.add_foreign(attribute("position", Kind::Int32, 3, 12), 4).unwrap();

@@ -1,12 +1,16 @@
 //! From the bytes of octree.bin to the columns of a cloud.
 
-use glam::{DVec3, Vec3};
+use glam::{DQuat, DVec3, Quat, Vec3};
 
 use super::attributes::{Attribute, Kind, Layout, Role};
+use crate::cloud::gaussians::{Gaussians, coefficients, linear};
 use crate::cloud::{Cloud, GPS_TIME, Prepared};
 use crate::color::decode_srgb;
 use crate::io::columns::unit_or_zero;
 use crate::io::store::Grid;
+
+/// How far the square of a quaternion's length may be from 1. Those of our own stores are as close as float32 allows.
+const UNIT: f64 = 1e-5;
 
 /// Largest value of colors that have 8 bits.
 const BYTE: u16 = 255;
@@ -36,15 +40,20 @@ impl Decoder {
         self.layout.stride as u64
     }
 
-    /// The points of some records; the columns are there whatever their number.
+    /// The points of some records; the columns are there whatever their number. Splats that are none have extents of zero
+    /// ([`splats_of`]).
     pub fn cloud(&self, records: &[u8]) -> Cloud {
         let columns = Columns { records, stride: self.layout.stride };
         let find = |role: Role| self.layout.find(&role);
         let floats = |role: Role| find(role).map(|attribute| columns.floats(attribute));
+        let positions = self.positions(&columns);
+        let alphas = floats(Role::Alpha);
+        let gaussians = self.gaussians(&columns, &positions, alphas.as_deref());
         Cloud {
-            positions: find(Role::Position).map(|attribute| self.positions(&columns, attribute)).unwrap_or_default(),
-            colors: self.colors(&columns),
-            alphas: floats(Role::Alpha).map(|alphas| alphas.into_iter().map(unit).collect()),
+            colors: self.colors(&columns, gaussians.as_ref()),
+            alphas: alphas.map(|alphas| alphas.into_iter().map(unit).collect()),
+            positions,
+            gaussians,
             normals: self.normals(&columns),
             radii: floats(Role::Radius).map(|radii| radii.into_iter().map(radius).collect()),
             classification: find(Role::Classification).map(|a| columns.each(a).map(|bytes| bytes[0]).collect()),
@@ -65,17 +74,57 @@ impl Decoder {
         }
     }
 
-    fn positions(&self, columns: &Columns, attribute: &Attribute) -> Vec<DVec3> {
+    fn positions(&self, columns: &Columns) -> Vec<DVec3> {
+        if let Some(exact) = self.layout.find(&Role::Exact) {
+            let size = exact.bytes / 3;
+            let position = |bytes: &[u8]| DVec3::from([0, 1, 2].map(|axis| exact.kind.read(&bytes[size * axis..])));
+            return columns.each(exact).map(position).collect();
+        }
+        let Some(attribute) = self.layout.find(&Role::Position) else { return Vec::new() };
         columns.each(attribute).map(|bytes| self.grid.position(integers(bytes))).collect()
     }
 
-    fn colors(&self, columns: &Columns) -> Option<Vec<Vec3>> {
+    /// Gaussians, of which those are none that have a number that no splat has.
+    fn gaussians(&self, columns: &Columns, positions: &[DVec3], alphas: Option<&[f32]>) -> Option<Gaussians> {
+        let splats = self.layout.splats().ok().flatten()?;
+        let degree = splats.degree();
+        let mut all = Gaussians::none(positions.len()).with_degree(degree);
+        let count = coefficients(degree);
+        let mut shapes = columns.each(splats.extents).zip(columns.each(splats.rotation));
+        let mut bases = columns.each(splats.base);
+        let mut harmonics = splats.harmonics.map(|(attribute, _)| columns.each(attribute));
+        for (i, position) in positions.iter().enumerate() {
+            let (Some((extents, turn)), Some(base)) = (shapes.next(), bases.next()) else { break };
+            let [extents, base] = [extents, base].map(|bytes| Vec3::from(singles(bytes)));
+            let own = &mut all.harmonics[i * count..(i + 1) * count];
+            let stored = harmonics.as_mut().and_then(Iterator::next).unwrap_or_default();
+            own.iter_mut().zip(stored.chunks_exact(12)).for_each(|(color, bytes)| *color = singles(bytes).into());
+            let is_one = position.is_finite()
+                && extents.is_finite()
+                && base.is_finite()
+                && own.iter().all(|color| color.is_finite())
+                && alphas.is_none_or(|alphas| !alphas[i].is_nan());
+            match rotation(Quat::from_array(singles(turn))).filter(|_| is_one) {
+                Some(rotation) => {
+                    (all.extents[i], all.rotations[i], all.bases[i]) = (extents.abs(), rotation, base);
+                }
+                None => own.fill(Vec3::ZERO),
+            }
+        }
+        Some(all)
+    }
+
+    fn colors(&self, columns: &Columns, splats: Option<&Gaussians>) -> Option<Vec<Vec3>> {
         if let Some(linear) = self.layout.three(Role::Linear) {
             let color =
                 |color: Vec3| Vec3::from(color.to_array().map(|x| if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) }));
             return Some(columns.vectors(linear).map(color).collect());
         }
         let rgb = self.layout.find(&Role::Rgb)?;
+        if let Some(splats) = splats {
+            // Beside them `rgb` is for other programs.
+            return Some(splats.bases.iter().map(|base| linear(*base)).collect());
+        }
         let last = self.table.len().checked_sub(1)?;
         let size = rgb.kind.bytes()?;
         let channel = |bytes: &[u8], i: usize| {
@@ -124,6 +173,27 @@ impl Decoder {
         let values = self.layout.find(role).map(|attribute| columns.floats(attribute)).unwrap_or_default();
         values.into_iter().map(|value| if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) }).collect()
     }
+}
+
+/// Those of a cloud's points that are splats, if some are none; `None` of other clouds.
+pub(super) fn splats_of(cloud: &Cloud) -> Option<Vec<u32>> {
+    let splats = cloud.gaussians.as_ref().filter(|splats| !splats.are_all())?;
+    Some((0..splats.len() as u32).filter(|at| splats.is_one(*at as usize)).collect())
+}
+
+/// The first float32 numbers of some bytes, of which there are enough.
+fn singles<const N: usize>(bytes: &[u8]) -> [f32; N] {
+    std::array::from_fn(|at| f32::from_le_bytes(std::array::from_fn(|i| bytes[4 * at + i])))
+}
+
+/// A unit quaternion as it is stored, or the one of another length; `None` of zero and of what is not finite.
+fn rotation(stored: Quat) -> Option<Quat> {
+    let exact = stored.as_dquat();
+    if (exact.length_squared() - 1.0).abs() < UNIT {
+        return Some(stored);
+    }
+    let unit = DQuat::from_array(exact.to_array().map(|x| x / exact.length()));
+    (exact.is_finite() && unit.is_finite()).then(|| unit.as_quat())
 }
 
 /// The three integers of a position.

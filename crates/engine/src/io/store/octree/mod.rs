@@ -10,6 +10,7 @@
 //! | normal | `NormalX`, `NormalY`, `NormalZ`, or `normal` |
 //! | intensity, classification, alpha, radius | the same names |
 //! | scalars | all others of one number; `gps-time` counts from the first |
+//! | Gaussian | of `pellucid prepare`: `extents`, `rotation`, `base`, `harmonics`, and `exact_position` where the grid rounds |
 //!
 //! What `pellucid prepare` adds stands in an object `pellucid` of metadata.json and in nodes.bin, which Potree ignores.
 
@@ -27,12 +28,14 @@ use glam::DVec3;
 
 use super::keys::cut;
 use super::{Node, Piece, Store, Summary, Survey};
+use crate::cloud::filter::Filter;
+use crate::cloud::gaussians::reach;
 use crate::cloud::{Bounds, Cloud, GPS_TIME, UpAxis};
 use crate::io::{Error, SharedFile};
 use about::About;
 use attributes::Role;
 pub(crate) use decode::integers;
-use decode::{Decoder, full_scale};
+use decode::{Decoder, full_scale, splats_of};
 use hierarchy::Listed;
 use metadata::{Checked, METADATA};
 use nodes::{Extent, NODES};
@@ -119,20 +122,27 @@ impl Octree {
     }
 
     /// The points of a node from their bytes.
-    fn decode(&self, node: usize, records: &[u8]) -> Result<Cloud, Error> {
+    fn decode(&self, node: usize, records: &[u8]) -> Result<Piece, Error> {
         let about = &self.nodes[node];
         let mut cloud = self.decoder.cloud(records);
-        cloud.up = self.summary.up;
+        let mut places = self.decoder.places(records, self.first_point(node));
+        if let Some(splats) = splats_of(&cloud) {
+            cloud = cloud.subset(&splats);
+            places = splats.iter().map(|at| places[*at as usize]).collect();
+        }
+        (cloud.up, cloud.filter) = (self.summary.up, self.summary.like.filter);
         let Bounds { min, max } = about.bounds;
         let is_outside = |p: &&DVec3| !(p.cmpge(min) & p.cmple(max)).all();
         if let Some(outside) = cloud.positions.iter().find(is_outside) {
             return Err(self.damaged(node, format!("a point at {outside}, outside of its box from {min} to {max}")));
         }
-        let larger = |largest: f32| cloud.radii.iter().flatten().copied().find(|radius| *radius > largest);
+        let reaches = cloud.gaussians.iter().flat_map(|splats| &splats.extents).map(|extents| reach(*extents));
+        let mut radii = cloud.radii.iter().flatten().copied().chain(reaches);
+        let mut larger = |largest: f32| radii.find(|radius| *radius > largest);
         if let Some((radius, largest)) = about.largest_radius.and_then(|largest| Some((larger(largest)?, largest))) {
             return Err(self.damaged(node, format!("a radius of {radius}, but the largest should be {largest}")));
         }
-        Ok(cloud)
+        Ok(Piece { cloud, places })
     }
 
     fn damaged(&self, node: usize, cause: String) -> Error {
@@ -151,9 +161,7 @@ impl Store for Octree {
 
     fn read(&self, node: usize) -> Result<Piece, Error> {
         let records = self.records(node)?;
-        let cloud = self.decode(node, &records)?;
-        let places = self.decoder.places(&records, self.first_point(node));
-        Ok(Piece { cloud, places })
+        self.decode(node, &records)
     }
 
     fn survey(&self) -> Result<Option<Survey>, Error> {
@@ -255,7 +263,9 @@ fn nodes_of(
                 return Err(refused("its box is outside of its part of the octree"));
             }
             largest_radius = extents[extent].largest_radius;
-            bounds = Some(own);
+            // The grid rounds by half a step, and that is rounded.
+            let around = if checked.layout.find(&Role::Exact).is_some() { checked.grid.scale } else { DVec3::ZERO };
+            bounds = Some(Bounds { min: own.min - around, max: own.max + around });
         }
         let spacing = checked.metadata.spacing * (-f64::from(node.level)).exp2();
         let Listed { level, parent, points, bytes, .. } = *node;
@@ -287,6 +297,7 @@ fn around_children(mut nodes: Vec<(Node, Option<Bounds>)>) -> Vec<Node> {
 /// What decodes points, and a cloud without points but with all that they have in common.
 fn decoder(checked: &Checked, points: u64) -> Result<(Decoder, Cloud), String> {
     let Checked { metadata, about, layout, grid, .. } = checked;
+    layout.splats()?;
     let described = |role: &Role| {
         let at = layout.attributes.iter().position(|attribute| attribute.role == *role)?;
         metadata.attributes.get(at)
@@ -304,6 +315,7 @@ fn decoder(checked: &Checked, points: u64) -> Result<(Decoder, Cloud), String> {
     like.up = about.as_ref().map_or(UpAxis::Z, |About { up, .. }| (*up).into());
     // A file may claim any number, and those of several files are added.
     like.non_finite = about.as_ref().map_or(0, |about| about.non_finite.min(MOST_DROPPED) as usize);
+    like.filter = about.as_ref().and_then(|about| Filter::named(about.filter.as_deref()?));
     like.warnings.clone_from(&checked.warnings);
     if metadata.points != points {
         like.warnings.push(format!("{METADATA} announces {} points, the nodes have {points}", metadata.points));

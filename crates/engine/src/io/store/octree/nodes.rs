@@ -11,7 +11,8 @@ pub(crate) const NODES: &str = "nodes.bin";
 /// First bytes of the file, the last one of which is the version.
 const MAGIC: [u8; 8] = *b"pellucd\x01";
 
-/// Bytes of a node: the first of its points in octree.bin (u64), the largest radius (f32, NaN without radii), the corners of its box
+/// Bytes of a node: the first of its points in octree.bin (u64), the largest radius, of Gaussians how
+/// far they reach (f32, NaN without either), the corners of its box
 /// on the grid (6 i32).
 const RECORD: usize = 36;
 
@@ -20,7 +21,7 @@ const RECORD: usize = 36;
 pub(crate) struct Extent {
     /// First byte of its points in octree.bin.
     pub offset: u64,
-    /// The largest radius of its points, if they have radii.
+    /// The largest radius of its points, if they have radii; of Gaussians how far they reach.
     pub largest_radius: Option<f32>,
     /// Least and largest integers of its points.
     pub corners: [[i32; 3]; 2],

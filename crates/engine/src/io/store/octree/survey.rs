@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use super::attributes::{Layout, Role};
-use super::decode::{Decoder, full_scale};
+use super::decode::{Decoder, full_scale, splats_of};
 use super::{Octree, malformed};
 use crate::cloud::facts::Facts;
 use crate::cloud::sampling::Sampling;
@@ -95,7 +95,9 @@ pub(super) fn read(octree: &Octree) -> Result<Option<Survey>, Error> {
     if !(records.len() as u64).is_multiple_of(stride) {
         return Err(refused("it ends within a point"));
     }
-    let sample = Cloud { up: octree.summary.up, ..octree.decoder.cloud(records) };
+    let decoded = octree.decoder.cloud(records);
+    let decoded = splats_of(&decoded).map(|splats| decoded.subset(&splats)).unwrap_or(decoded);
+    let sample = Cloud { up: octree.summary.up, filter: octree.summary.like.filter, ..decoded };
     if sample.bounds().is_some_and(|bounds| !all.holds(&bounds)) {
         return Err(refused("it has points outside of the octree"));
     }

@@ -2,8 +2,14 @@
 
 use rayon::prelude::*;
 
-use crate::cloud::gaussians::{Gaussians, coefficients};
+use super::empty;
+use crate::cloud::gaussians::{Gaussians, MAX_DEGREE, coefficients};
 use crate::gpu::{Buffer, Device, Error, Memory};
+use crate::points::{Points, WholeSplats};
+
+const EXTENTS: &str = "Gaussians, extents";
+const ROTATIONS: &str = "Gaussians, rotations";
+const HARMONICS: &str = "Gaussians, harmonics";
 
 /// Shapes and colors of Gaussians, an element or more for each point of the cloud.
 pub struct GaussianColumns {
@@ -15,9 +21,9 @@ pub struct GaussianColumns {
     pub harmonics: Buffer<f32>,
     /// Degree of the harmonics.
     pub degree: u32,
-    /// How many points are Gaussians.
+    /// How many points of the scene are Gaussians.
     pub count: u64,
-    /// True if every point is one.
+    /// True if every point on the device is one.
     pub are_all: bool,
     /// The largest component that a display color may have, from whatever direction.
     pub brightest: f32,
@@ -31,22 +37,61 @@ pub(super) fn words(degree: u32) -> u64 {
 impl GaussianColumns {
     /// Uploads those of a scene's points.
     pub(super) fn new(device: &Device, gaussians: &Gaussians) -> Result<Self, Error> {
-        let count = gaussians.len() as u64;
-        let columns = Self {
-            extents: device.buffer("Gaussians, extents", count.max(1), Memory::Device)?,
-            rotations: device.buffer("Gaussians, rotations", count.max(1), Memory::Device)?,
-            harmonics: device.buffer(
-                "Gaussians, harmonics",
-                (count * words(gaussians.degree)).max(1),
-                Memory::Device,
-            )?,
-            degree: gaussians.degree,
-            count: (0..gaussians.len()).into_par_iter().filter(|i| gaussians.is_one(*i)).count() as u64,
-            are_all: gaussians.are_all(),
-            brightest: brightest(gaussians),
-        };
+        let brightest = gaussians.brightest()[MAX_DEGREE as usize];
+        let mut columns =
+            Self::empty(device, WholeSplats { count: gaussians.count(), degree: gaussians.degree, brightest })?;
+        columns.make(device, gaussians.len() as u64)?;
+        columns.are_all = gaussians.are_all();
         columns.upload(gaussians)?;
         Ok(columns)
+    }
+
+    /// Columns of a scene's points before any of them is on the device.
+    pub(super) fn empty(device: &Device, splats: WholeSplats) -> Result<Self, Error> {
+        Ok(Self {
+            extents: empty(device, EXTENTS)?,
+            rotations: empty(device, ROTATIONS)?,
+            harmonics: empty(device, HARMONICS)?,
+            degree: splats.degree,
+            count: splats.count,
+            are_all: false,
+            brightest: splats.brightest,
+        })
+    }
+
+    /// Makes room for so many points, unless there is.
+    fn make(&mut self, device: &Device, count: u64) -> Result<(), Error> {
+        let count = count.max(1);
+        if self.extents.len() < count {
+            // What was there goes first: both may not fit.
+            self.extents = empty(device, EXTENTS)?;
+            self.rotations = empty(device, ROTATIONS)?;
+            self.harmonics = empty(device, HARMONICS)?;
+            self.extents = device.buffer(EXTENTS, count, Memory::Device)?;
+            self.rotations = device.buffer(ROTATIONS, count, Memory::Device)?;
+            self.harmonics = device.buffer(HARMONICS, count * self.words(), Memory::Device)?;
+        }
+        Ok(())
+    }
+
+    /// Puts the columns of points on the device in place of those that are there. Those of a part of a scene may have a lower degree, or
+    /// no Gaussian among them.
+    pub(super) fn put(&mut self, device: &Device, points: &Points) -> Result<(), Error> {
+        let none = || Gaussians::none(points.len()).with_degree(self.degree);
+        let wider = points.gaussians.as_ref().filter(|own| own.degree != self.degree);
+        let made = match &points.gaussians {
+            None => Some(none()),
+            Some(_) => wider.map(|own| own.clone().with_degree(self.degree)),
+        };
+        let Some(all) = made.as_ref().or(points.gaussians.as_ref()) else { return Ok(()) };
+        self.make(device, all.len() as u64)?;
+        self.are_all = all.are_all();
+        self.upload(all)
+    }
+
+    /// Device bytes of each point in these columns.
+    pub fn bytes_each(&self) -> u64 {
+        2 * size_of::<[f32; 4]>() as u64 + 4 * self.words()
     }
 
     /// Numbers of each splat's color.
@@ -84,18 +129,4 @@ fn word(gaussians: &Gaussians, splat: usize, at: usize) -> f32 {
         None => gaussians.bases[splat][channel],
         Some(k) => gaussians.harmonics_of(splat)[k][channel],
     }
-}
-
-/// A bound on each harmonic is its norm, √((2l + 1) / 4π) (addition theorem).
-fn brightest(gaussians: &Gaussians) -> f32 {
-    let norm = |k: usize| {
-        let degree = ((k + 1) as f32).sqrt().floor();
-        ((2.0 * degree + 1.0) / (4.0 * std::f32::consts::PI)).sqrt()
-    };
-    let norms: Vec<f32> = (0..gaussians.coefficients()).map(norm).collect();
-    let most = |i: usize| {
-        let all = gaussians.harmonics_of(i).iter().zip(&norms);
-        all.fold(gaussians.bases[i], |sum, (color, norm)| sum + *norm * color.abs()).max_element()
-    };
-    (0..gaussians.len()).into_par_iter().map(most).reduce(|| 0.0, f32::max)
 }

@@ -160,7 +160,7 @@ impl DeviceCloud {
         let has_normals = points.normals.as_ref().is_some_and(|normals| !normals.is_empty());
         // No element is wider than a splat, but for a Gaussian's color; a chunk starts at a multiple of any device's offset alignment.
         let binding_bytes = device.limits().binding_bytes;
-        let chunk_len = match &points.gaussians {
+        let chunk_len = match points.splats() {
             Some(all) => ((binding_bytes / (4 * gaussians::words(all.degree).max(8))) & !0x3f).max(0x40),
             None => ((binding_bytes / size_of::<Splat>() as u64) & !0xffff).max(0x1_0000),
         };

@@ -6,7 +6,7 @@ use glam::DVec3;
 use rayon::iter::ParallelIterator;
 
 use super::super::{Beam, Bounds, Extent, Footprint, Splat, Tilt};
-use super::{COLUMN_BYTES, Column, DeviceCloud, empty, upload_ids};
+use super::{COLUMN_BYTES, Column, DeviceCloud, GaussianColumns, empty, upload_ids};
 use crate::camera::Camera;
 use crate::gpu::{Device, Error, Memory};
 use crate::points::Points;
@@ -59,7 +59,7 @@ impl Present {
     /// All points.
     pub const ALL: Self = Self { within: None };
 
-    /// True if a point in a block of this radius is among them.
+    /// True if a Gaussian of this reach, or a disc in a block of this radius, is among them.
     fn keeps(&self, position: DVec3, radius: f32) -> bool {
         self.within.is_none_or(|beam| beam.meets_point(position, radius))
     }
@@ -70,6 +70,7 @@ impl DeviceCloud {
     pub fn of_supply(device: &Device, points: &Points, supply: Arc<dyn Supply>) -> Result<Self, Error> {
         let mut cloud = Self::without_columns(device, points)?;
         cloud.len = 0;
+        cloud.gaussians = points.splats().map(|splats| GaussianColumns::empty(device, splats)).transpose()?;
         let sampled: Vec<DVec3> = points.sampled().copied().collect();
         let spacing = supply::spacing(&sampled, points.count());
         let max_radius = cloud.max_radius;
@@ -117,10 +118,12 @@ impl DeviceCloud {
         Ok(())
     }
 
-    /// Device bytes of a point with its splat.
+    /// Device bytes of a point with its splat, by the widest footprint if some points are Gaussians.
     pub fn point_bytes(&self, footprint: Footprint) -> u64 {
         let columns = self.columns().len() as u64 * COLUMN_BYTES + 4 + if self.has_fields { 8 } else { 0 };
+        let footprint = if self.has_gaussians() { Footprint::Gaussian } else { footprint };
         let tilts = footprint.tilt_stride().max(u64::from(self.has_normals)) * size_of::<Tilt>() as u64;
+        let columns = columns + self.gaussians.as_ref().map_or(0, GaussianColumns::bytes_each);
         // Depth, color, place among the large ones and number of their tiles.
         columns + tilts + (size_of::<Splat>() + size_of::<Bounds>()) as u64 + 4 + 16 + 4 + 4
     }
@@ -145,7 +148,9 @@ impl DeviceCloud {
         let Some(supplied) = &mut self.supplied else { return Ok(true) };
         let supply = supplied.drawn();
         let all = supply.blocks();
-        let keeps = |position, block: u32| wanted.keeps(position, all[block as usize].radius);
+        let keeps = |position, block: u32, reach: Option<f32>| {
+            wanted.keeps(position, reach.unwrap_or(all[block as usize].radius))
+        };
         let mut points = supply.take(blocks, Keep::those(&keeps), progress).map_err(failed)?;
         if points.len() as u64 > room {
             return Ok(false);
@@ -231,13 +236,16 @@ impl DeviceCloud {
     }
 
     /// Fills the columns with points.
-    fn put_columns(&mut self, _device: &Device, points: &Points) -> Result<(), Error> {
+    fn put_columns(&mut self, device: &Device, points: &Points) -> Result<(), Error> {
         Column::High.upload(points, self.origin, &self.points_hi)?;
         Column::Low.upload(points, self.origin, &self.points_lo)?;
         Column::Color.upload(points, self.origin, &self.point_colors)?;
         upload_ids(points, &self.anchor, &self.ids)?;
         if self.has_normals {
             Column::Normal.upload(points, self.origin, &self.normals)?;
+        }
+        if let Some(gaussians) = &mut self.gaussians {
+            gaussians.put(device, points)?;
         }
         if self.has_fields {
             self.fields.upload(&points.fields)?;

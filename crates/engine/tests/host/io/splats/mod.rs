@@ -6,6 +6,7 @@ mod converted;
 mod gltf;
 mod minimal;
 mod ply;
+mod stores;
 mod written;
 
 use std::path::PathBuf;
