@@ -35,6 +35,8 @@ settings! {
         dilation: f32 = 0.3, in Range::NOT_NEGATIVE, unit "px²", slider Slider::Linear(0.0, 2.0);
         /// Takes back the opacity that the dilation adds (ewa).
         antialias: bool = false;
+        /// A list ends at the first fragment that would leave less than this share of the light, which isn't added; 0 ends none.
+        stop: f32 = 0.0, in Range::below(0.0, 1.0), slider Slider::Powers(0.0, 0.1), only &["auto", "abuffer", "linked-list", "sorted", "peel"];
     }
 }
 

@@ -6,6 +6,9 @@ use pellucid_engine::scene::{Discs, GaussianSettings, Kernel, Order};
 /// So little that what is left out below it can't be seen.
 const FAINTEST: f32 = 1e-6;
 
+/// The share of the light at which lists end in the original (Kerbl et al. 2023).
+const EARLY_END: f32 = 1e-4;
+
 /// One thing that is changed.
 #[derive(Debug, Clone, PartialEq)]
 pub(in super::super) struct Change {
@@ -56,6 +59,10 @@ pub(in super::super) fn changes(discs: &Discs, order: Order, degree: u32, projec
         let meaning = format!("What shows through Gaussians because none is more opaque than {}.", own.alpha_max);
         let settings = GaussianSettings { alpha_max: 1.0, ..own };
         all.push(of("cap of opacity", "method.alpha_max=1", &meaning, settings));
+    }
+    if own.stop == 0.0 {
+        let meaning = "What is left out where a pixel is done once less than a ten-thousandth of the light is left, as in the original.";
+        all.push(of("early end", "method.stop=1e-4", meaning, GaussianSettings { stop: EARLY_END, ..own }));
     }
     all.extend(projections(&own, projection, of));
     all.extend((0..degree).map(|less| Change { degree: Some(less), ..of_degree(own, less) }));
@@ -175,6 +182,7 @@ mod tests {
             "order=distance",
             "alpha_min=1e-6",
             "alpha_max=1",
+            "stop=1e-4",
             "kernel=ray",
             "kernel=ray dilation=0",
             "dilation=0",
@@ -188,11 +196,17 @@ mod tests {
 
     #[test]
     fn what_a_scene_does_without_is_no_cause() {
-        let own = GaussianSettings { alpha_min: 1e-6, alpha_max: 1.0, dilation: 0.0, ..GaussianSettings::default() };
+        let own = GaussianSettings {
+            alpha_min: 1e-6,
+            alpha_max: 1.0,
+            dilation: 0.0,
+            stop: 1e-3,
+            ..GaussianSettings::default()
+        };
         assert_eq!(settings(own, Order::Center, 0, &WIDE), ["", "order=distance", "order=pixel", "kernel=ray"]);
         let ray = GaussianSettings { kernel: Kernel::Ray, ..GaussianSettings::default() };
         let found = settings(ray, Order::Pixel, 0, &WIDE);
-        assert_eq!(found[3..], ["alpha_min=1e-6", "alpha_max=1", "kernel=ewa"]);
+        assert_eq!(found[3..], ["alpha_min=1e-6", "alpha_max=1", "stop=1e-4", "kernel=ewa"]);
         // Without a perspective the projection is the same everywhere.
         let flat = settings(GaussianSettings::default(), Order::Pixel, 0, &Projection::Orthographic { height: 1.0 });
         assert!(
@@ -212,6 +226,7 @@ mod tests {
                 a.alpha_min != b.alpha_min,
                 a.dilation != b.dilation,
                 a.antialias != b.antialias,
+                a.stop != b.stop,
             ]
             .map(u32::from)
             .iter()
