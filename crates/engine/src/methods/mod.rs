@@ -76,7 +76,7 @@ pub(crate) fn engine_of(method: &Method) -> Box<dyn Engine> {
         Method::Sorted(discs) => Box::new(sorted::SortedEngine { discs }),
         Method::Peel(peel) => Box::new(peel::PeelEngine { peel }),
         Method::Stochastic(settings) => Box::new(stochastic::StochasticEngine { settings }),
-        Method::Hybrid(Hybrid { discs, k }) => approximate(discs, Kind::Hybrid(k)),
+        Method::Hybrid(Hybrid { discs, k, core_alpha_min }) => approximate(discs, Kind::Hybrid { k, core_alpha_min }),
         Method::Weighted(discs) => approximate(discs, Kind::Weighted),
         Method::Average(discs) => approximate(discs, Kind::Average),
         Method::Unsorted(discs) => approximate(discs, Kind::Unsorted),

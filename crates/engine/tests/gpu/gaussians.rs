@@ -352,6 +352,7 @@ fn neither_order_of_input_nor_budget_changes_a_byte() {
             Method::Peel(Peel { discs: discs(Kernel::Ray, Order::Pixel), ..Peel::default() }),
             Method::Hybrid(Hybrid { discs: discs(Kernel::Ewa, Order::Pixel), ..Hybrid::default() }),
             Method::Hybrid(Hybrid { discs: discs(Kernel::Ewa, Order::Distance), ..Hybrid::default() }),
+            Method::Hybrid(Hybrid { discs: discs(Kernel::Ewa, Order::Pixel), k: 11, core_alpha_min: 0.05 }),
             Method::Weighted(discs(Kernel::Ray, Order::Pixel)),
             Method::Average(discs(Kernel::Ewa, Order::Center)),
             Method::Stochastic(Stochastic {
@@ -379,7 +380,7 @@ fn approximations_are_those_of_the_reference() {
         let points = Soup { seed: 51, count: 100, degree: 1, ..Soup::default() }.points();
         for order in ORDERS {
             let discs = discs(Kernel::Ewa, order);
-            let hybrid = |k| Method::Hybrid(Hybrid { discs, k });
+            let hybrid = |k| Method::Hybrid(Hybrid { discs, k, ..Hybrid::default() });
             for method in [Method::Weighted(discs), Method::Average(discs), hybrid(3), hybrid(11)] {
                 let frame = encoded(perspective(), size, method);
                 let image = render(device, &points, &frame);

@@ -166,6 +166,8 @@ settings! {
         discs: Discs = Discs::default();
         /// So many of the nearest fragments are exact, those behind are averaged.
         k: u32 = 8, in 1..=MAX_K, tried NEAREST;
+        /// Fragments of less opacity are none of the nearest, but averaged, wherever they lie.
+        core_alpha_min: f32 = 0.0, in Range::UNIT, slider Slider::Linear(0.0, 0.25);
     }
 }
 

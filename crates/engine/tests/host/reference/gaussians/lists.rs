@@ -86,7 +86,7 @@ fn images_by_distance_show_depths_along_the_axis() {
     let (camera, colors, discs) = (perspective(), [DVec3::X, DVec3::Y], by(Kernel::Ewa, Order::Distance));
     assert_eq!(lists(&camera, SIZE, &points, &discs)[MIDDLE][0].z, 5.0);
     let stochastic = Stochastic { discs, samples: 64, alpha_correction: true };
-    let hybrid = Method::Hybrid(Hybrid { discs, k: 1 });
+    let hybrid = Method::Hybrid(Hybrid { discs, k: 1, ..Hybrid::default() });
     let pictures = [
         abuffer::render(&camera, SIZE, &points, &colors, &discs),
         sorted::render(&camera, SIZE, &points, &colors, &discs),
