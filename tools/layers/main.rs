@@ -138,6 +138,7 @@ impl Stage {
                 method,
                 memory_budget: None,
                 fragments: false,
+                depths: false,
                 stop: Stop::default(),
                 seed,
                 max_error: None,

@@ -73,6 +73,7 @@ impl Stage {
             method,
             memory_budget: None,
             fragments: false,
+            depths: false,
             stop: Stop::Exact,
             seed: self.seed,
             max_error: None,

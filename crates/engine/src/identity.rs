@@ -22,6 +22,7 @@ pub fn hash(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &st
         detail,
         memory_budget,
         fragments: _,
+        depths: _,
         stop,
         seed,
         max_error: _,

@@ -51,6 +51,7 @@
 //!     method,
 //!     memory_budget: None,
 //!     fragments: true,
+//!     depths: false,
 //!     stop: Stop::Exact,
 //!     seed: 0,
 //!     max_error: None,

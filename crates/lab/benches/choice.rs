@@ -73,6 +73,7 @@ fn compare(device: &Device, name: &str, keys: &[(&str, &str)]) -> Result<()> {
         detail: Default::default(),
         memory_budget: None,
         fragments: false,
+        depths: false,
         stop: Stop::Exact,
         max_error: None,
         spread: false,

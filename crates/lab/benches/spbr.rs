@@ -215,6 +215,7 @@ fn frame(method: Method, perspective: bool) -> Frame {
         detail: Default::default(),
         memory_budget: None,
         fragments: false,
+        depths: false,
         stop: Stop::Exact,
         seed: 0,
         max_error: None,

@@ -43,6 +43,13 @@ impl<'a> FrameBuilder<'a> {
         self
     }
 
+    /// Has the picture carry the median and the mean depth of each pixel, of methods whose pictures follow from sorted lists of all
+    /// fragments: `abuffer`, `linked-list`, `peel` of all layers and `sorted` of flat discs. Each takes the time of another picture.
+    pub fn depths(mut self) -> Self {
+        self.frame.depths = true;
+        self
+    }
+
     /// Has stochastic methods take fewer samples than their settings say once the standard error of the image (root mean
     /// square over pixels and R, G, B) is at most this.
     pub fn max_error(mut self, error: f32) -> Self {

@@ -55,6 +55,18 @@ impl Picture {
         &self.image.depth
     }
 
+    /// Depth of each pixel at which half of the light or less is left, in world units along the view; infinity where opacity is less
+    /// than 1/2. `None` unless [`depths`](crate::FrameBuilder::depths) were asked for and the method has them.
+    pub fn median_depth(&self) -> Option<&[f32]> {
+        self.image.depth_median.as_deref()
+    }
+
+    /// Mean depth of each pixel's fragments, each weighted by what it adds to opacity; infinity for empty pixels. `None` as of
+    /// [`median_depth`](Self::median_depth).
+    pub fn mean_depth(&self) -> Option<&[f32]> {
+        self.image.depth_mean.as_deref()
+    }
+
     /// Fragments of each pixel, if [`counts`](crate::FrameBuilder::counts) were asked for and the method has lists.
     pub fn fragments(&self) -> Option<&[u32]> {
         self.image.fragments.as_deref()
@@ -75,7 +87,7 @@ impl Picture {
         self.over_background().into_iter().map(|pixel| pixel.map(|linear| to_byte(encode_srgb(linear)))).collect()
     }
 
-    /// Writes a PNG (8-bit sRGB over the background) or an EXR (float32 with A, Z and counts), by the file's extension.
+    /// Writes a PNG (8-bit sRGB over the background) or an EXR (float32 with A, Z, and depths and counts that were asked for), by the file's extension.
     ///
     /// # Errors
     /// Another extension, a missing folder, and errors of the system while writing; an earlier file then remains

@@ -138,6 +138,7 @@ pub fn frame(camera: Camera, size: [u32; 2], method: Method) -> Frame {
         detail: Default::default(),
         memory_budget: None,
         fragments: true,
+        depths: false,
         stop: Stop::Exact,
         seed: 0,
         max_error: None,

@@ -183,6 +183,7 @@ impl PrepareArgs {
             detail: Default::default(),
             memory_budget: self.device.memory_budget.map(|budget| budget.as_u64()),
             fragments: false,
+            depths: false,
             stop: Stop::Exact,
             seed: self.seed.unwrap_or(0),
             max_error: None,

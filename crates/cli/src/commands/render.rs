@@ -40,7 +40,10 @@ pub struct RenderArgs {
     output: Option<PathBuf>,
     /// EXR: also write the length of each pixel's fragment list, as channel `fragments.Y`, with peel and peel-layers the
     /// layers that were blended, as `layers.Y`, and with stochastic and spbr the standard error of color, as `stderr.R`,
-    /// `stderr.G`, `stderr.B`.
+    /// `stderr.G`, `stderr.B`. With abuffer, linked-list, peel of all layers and sorted of flat discs two more depths:
+    /// `depth.median`, at which half of the light or less is left (+inf where more is left behind everything), and
+    /// `depth.mean`, the mean of all fragments by what each adds to A (+inf where A is 0). Each of the two takes the time of another
+    /// picture.
     #[arg(long)]
     pub aov: bool,
     /// PNG: straight alpha instead of the background. (An EXR always has both: R, G, B over the background, and A.)
@@ -239,7 +242,7 @@ impl Target {
     }
 }
 
-fn is_png(path: &Path) -> bool {
+pub fn is_png(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
 }
 
@@ -365,7 +368,9 @@ fn picture(
     if last {
         session.warn(resolved, console);
     }
+    session.frame.depths = args.aov && !is_png(output);
     let mut rendered = session.render()?;
+    session.frame.depths = false;
     if last {
         opacity_notes::judge(&mut session, resolved, &rendered.image, console)?;
     }

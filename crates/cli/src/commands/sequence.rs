@@ -18,7 +18,7 @@ use super::interrupt;
 use super::loaded::Resolved;
 use super::measured::{Journal, Measured};
 use super::popped::Popped;
-use super::render::{RenderArgs, finish};
+use super::render::{RenderArgs, finish, is_png};
 use super::session::Session;
 use crate::legend;
 
@@ -54,6 +54,7 @@ pub fn run(args: &RenderArgs, along: &Along, pattern: &Pattern, console: Console
     legend::check(&resolved, console)?;
     let counts = args.aov || args.measure.profile.is_some();
     let mut session = Session::open(&args.device, &resolved, counts, args.stop(&pattern.file(0)), &progress)?;
+    session.frame.depths = args.aov && !is_png(&pattern.file(0));
     session.describe(console);
     session.warn(&resolved, console);
     session.renderer.timed = args.measure.is_asked() || console.is_verbose();

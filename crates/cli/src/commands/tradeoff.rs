@@ -209,6 +209,7 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
         detail: Default::default(),
         memory_budget: args.device.memory_budget.map(|b| b.as_u64()),
         fragments: false,
+        depths: false,
         stop: Stop::Exact,
         max_error: None,
         spread: false,

@@ -130,6 +130,8 @@ fn write_picture(path: &Path, width: u32, red: f32) {
         height: 2,
         rgba: vec![[0.0, 0.0, 0.0, 1.0]; pixels],
         depth: vec![1.0; pixels],
+        depth_median: None,
+        depth_mean: None,
         fragments: None,
         layers: None,
         stderr: None,

@@ -57,7 +57,7 @@ fn both_formats_with_metadata_and_the_same_bytes_again() {
     assert_eq!((color, bytes.len()), (png::ColorType::Rgb, 64 * 48 * 3));
     let (channels, of_exr) = exr(&a_exr);
     let found: Vec<_> = channels.keys().map(String::as_str).collect();
-    assert_eq!(found, ["A", "B", "G", "R", "Z", "fragments.Y"]);
+    assert_eq!(found, ["A", "B", "G", "R", "Z", "depth.mean", "depth.median", "fragments.Y"]);
     let keys: Vec<_> = KEYS.iter().map(|key| format!("pellucid:{key}")).collect();
     for key in &keys {
         assert!(of_png.contains_key(key), "{key} in {of_png:?}");
@@ -74,6 +74,40 @@ fn both_formats_with_metadata_and_the_same_bytes_again() {
         covered += usize::from(*length > 0.0);
     }
     assert!((500..2500).contains(&covered), "{covered} of 3072 pixels are covered");
+}
+
+#[test]
+fn depths_of_exact_methods_are_channels() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let tori = builtin(&folder, "tori", &["points=2000"]);
+    let render = |more: &[&str]| {
+        done(&folder, &[&["render", &tori, "--size", "64x48", "--opacity", "0.4", "-o", "a.exr"], more].concat());
+        exr(&inside(&folder, "a.exr")).0
+    };
+    let flat = ["--aov", "--set", "method.shape=flat"];
+    let all = render(&[&["--method", "abuffer"], &flat[..]].concat());
+    let (mut halves, mut apart) = (0, 0);
+    for (i, alpha) in all["A"].iter().enumerate() {
+        let [first, median, mean] = ["Z", "depth.median", "depth.mean"].map(|channel| all[channel][i]);
+        // The first fragment lets through 0.6 of the light; from the second on it is 0.36.
+        assert_eq!(median.is_finite(), *alpha >= 0.5, "pixel {i}");
+        assert_eq!(mean.is_finite(), *alpha > 0.0, "pixel {i}");
+        assert!(first <= median && first <= mean * 1.000_001, "pixel {i}: {first} {median} {mean}");
+        halves += usize::from(median.is_finite());
+        apart += usize::from(median.is_finite() && median > first && (mean - median).abs() > 0.01);
+    }
+    assert!(halves > 500 && apart > 100, "{halves} medians, {apart} of them apart from the first depth and the mean");
+    for method in ["linked-list", "peel", "sorted"] {
+        let other = render(&[&["--method", method], &flat[..]].concat());
+        assert!(["depth.median", "depth.mean"].iter().all(|channel| other[*channel] == all[*channel]), "{method}");
+    }
+    let has = |args: &[&str]| render(args).contains_key("depth.median");
+    assert!(!has(&["--method", "abuffer"]) && !has(&["--method", "abuffer", "--profile", "p.json"]));
+    assert!(!has(&["--method", "stochastic", "--aov"]));
+    assert!(!has(&["--method", "peel", "--set", "method.layers=2", "--aov"]));
 }
 
 #[test]

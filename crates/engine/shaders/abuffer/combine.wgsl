@@ -1,6 +1,6 @@
 // abuffer/combine: composes the runs of each long list, front to back: composition is associative. One invocation per list.
 #import view
-#import splat
+#import over
 #import long_list
 #import dispatch
 
@@ -9,8 +9,6 @@
 @group(0) @binding(2) var<storage, read> partials: array<Partial>;
 @group(0) @binding(3) var<storage, read_write> image: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read_write> depths: array<f32>;
-
-const NOTHING = 0xffffffffu;
 
 @compute @workgroup_size(WG_SIZE)
 fn main(
@@ -23,13 +21,11 @@ fn main(
         return;
     }
     let list = lists[item];
-    var rgba = vec4<f32>(0.0);
-    var key = NOTHING;
+    var sum = Composed(vec4<f32>(0.0), NOTHING);
     for (var k = 0u; k < list.runs; k++) {
         let part = partials[list.first_run + k];
-        rgba += (1.0 - rgba.a) * part.rgba;
-        key = select(key, part.key.x, key == NOTHING);
+        sum = run_behind(sum, Composed(part.rgba, part.key.x));
     }
-    image[list.pixel] = rgba;
-    depths[list.pixel] = bitcast<f32>(select(bitcast<u32>(key_depth(key)), 0x7f800000u, key == NOTHING));
+    image[list.pixel] = sum.rgba;
+    depths[list.pixel] = list_depth(sum);
 }

@@ -2,6 +2,7 @@
 // say in which of them that is, whose fragments are looked at once more. One invocation per list.
 // Reference: reference::abuffer::median.
 #import compose
+#import early_end
 #import long_list
 #import dispatch
 
@@ -17,7 +18,7 @@ fn joined(front: f32, part: f32) -> f32 {
     return front + (1.0 - front) * part;
 }
 
-// The key of the fragment of a run at which A reaches a half, behind what lies in front.
+// The key of the fragment of a run at which A reaches a half, behind what lies in front; NOTHING if the list ends before.
 fn key_within(run: ListRun, front: f32, pixel: vec2<u32>) -> u32 {
     let first = run.start + run.run * RUN_LENGTH;
     let last = run.start + min((run.run + 1u) * RUN_LENGTH, run.length);
@@ -25,7 +26,11 @@ fn key_within(run: ListRun, front: f32, pixel: vec2<u32>) -> u32 {
     for (var i = first; i < last; i++) {
         let fragment = fragments[i];
         sum = behind(sum, fragment.x, fragment_color(fragment.y, pixel));
-        if joined(front, sum.rgba.a) >= 0.5 {
+        let a = joined(front, sum.rgba.a);
+        if is_end(a) {
+            break;
+        }
+        if a >= 0.5 {
             return shown_key(fragment.x, fragment.y);
         }
     }
@@ -49,7 +54,7 @@ fn main(
     var key = NOTHING;
     for (var k = list.first_run; k < list.first_run + list.runs; k++) {
         let next = joined(front, partials[k].rgba.a);
-        if next >= 0.5 {
+        if next >= 0.5 || is_end(next) {
             key = key_within(runs[k], front, pixel);
             break;
         }

@@ -23,5 +23,5 @@ fn main(
     let sorted = sort_local(&list, n);
     let sum = blend_sorted(&list, sorted, n, pixel_place(p));
     image[p] = sum.rgba;
-    depths[p] = composed_depth(sum.key);
+    depths[p] = list_depth(sum);
 }

@@ -8,11 +8,19 @@ fn slot(start: u32, i: u32, n: u32) -> vec2<u32> {
     return select(vec2<u32>(NOTHING), fragments[start + min(i, n - 1u)], i < n);
 }
 
+// Of Gaussians: true once the list has ended early.
+var<private> ended: bool = false;
+
 fn blend(front: Composed, fragment: vec2<u32>, present: bool, pixel: vec2<u32>) -> Composed {
     // The first splat stands in for none. It need not be drawn, and then nothing was written there: not even a number.
     let i = select(0u, fragment.y, present);
     let color = fragment_color(i, pixel);
-    return behind(front, shown_key(fragment.x, i), select(vec4<f32>(0.0), color, present));
+    let next = behind(front, shown_key(fragment.x, i), select(vec4<f32>(0.0), color, present));
+    if !has_gaussians() {
+        return next;
+    }
+    ended = ended || is_end(next.rgba.a);
+    return Composed(select(next.rgba, front.rgba, ended), select(next.key, front.key, ended));
 }
 
 @compute @workgroup_size(WG_SIZE)
@@ -33,5 +41,5 @@ fn main(
     var sum = Composed(vec4<f32>(0.0), NOTHING);
 #repeat     sum = blend(sum, x{i}, {i}u < n, pixel);
     image[p] = sum.rgba;
-    depths[p] = composed_depth(sum.key);
+    depths[p] = list_depth(sum);
 }

@@ -18,5 +18,5 @@ fn main(
     let start = offsets[p] - push.first_fragment;
     let sum = blend_sorted(start, 0u, n, pixel_place(p));
     image[p] = sum.rgba;
-    depths[p] = composed_depth(sum.key);
+    depths[p] = list_depth(sum);
 }

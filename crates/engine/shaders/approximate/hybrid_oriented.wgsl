@@ -1,6 +1,7 @@
 // hybrid/accumulate for oriented discs, whose order differs from pixel to pixel: the nearest fragments are kept in a few slots by
 // insertion, and what falls out of them is the tail. Where k is larger than the number of slots, further rounds keep the
-// nearest of those behind the last one of the round before, and only the last round has a tail.
+// nearest of those behind the last one of the round before, and only the last round has a tail. Fragments that are too faint for the
+// slots go to the tail at once (HTGS, Hahlbohm et al. 2025).
 // Reference: reference::approximate::hybrid.
 #import splat
 #import tile_state
@@ -8,6 +9,8 @@
 
 struct Push {
     walk: TileWalk,
+    // The least opacity of a fragment that is composed exactly.
+    core_alpha_min: f32,
 }
 
 // Rank of the last fragment that earlier rounds composed.
@@ -94,8 +97,9 @@ fn begin(pixel: vec2<u32>) {
 fn visit(pixel: vec2<u32>, f: Fragment) {
     var s = nearest;
     let rank = Rank(f.depth_key, f.index);
+    let faint = f.color.a < push.core_alpha_min;
     // The first round has no last fragment.
-    let taken = f.hit && (BEHIND == 0u || before(s.last, rank));
+    let taken = f.hit && !faint && (BEHIND == 0u || before(s.last, rank));
     // Slots are in order: from the first one behind the fragment on, each takes what was in the one before.
     let found = Slot(select(NO_RANK, rank, taken), vec4<f32>(f.color.rgb, select(0.0, f.color.a, taken)));
     var carried = found;
@@ -105,8 +109,10 @@ fn visit(pixel: vec2<u32>, f: Fragment) {
 #each slot     s.slot{slot} = either(here{slot}, either(found, carried, moved), moves{slot}); moved = moves{slot}; carried = here{slot};
     carried = either(found, carried, moved);
     if TAIL != 0u {
-        state.sum = plus(state.sum, carried.color.a * vec4<f32>(carried.color.rgb, 1.0));
-        state.coverage = covered(state.coverage, carried.color.a);
+        // One that is too faint moved nothing; one that misses the pixel has no opacity.
+        let left = select(carried.color, f.color, faint);
+        state.sum = plus(state.sum, left.a * vec4<f32>(left.rgb, 1.0));
+        state.coverage = covered(state.coverage, left.a);
     }
     state = nearer(state, f);
     nearest = s;

@@ -2,6 +2,7 @@
 // layer. One invocation per pixel. The arithmetic and its order are abuffer's: both call `behind` for fragment after fragment.
 // Reference: reference::peel::render.
 #import compose
+#import early_end
 #import dispatch
 #import peel_work
 
@@ -46,9 +47,14 @@ fn main(
     let depth = depths[p];
     let front = Composed(image[p], select(depth_key(depth), NOTHING, bitcast<u32>(depth) == INFINITY_BITS));
     let sum = behind(front, shown_key(found.key, found.id), fragment_color(found.id, pixel));
+    nearest[p] = Nearest(NOTHING, NOTHING);
+    if is_end(sum.rgba.a) {
+        // Done, as below, and not a layer.
+        last[p] = vec2<u32>(NOTHING);
+        return;
+    }
     image[p] = sum.rgba;
     depths[p] = composed_depth(sum.key);
-    nearest[p] = Nearest(NOTHING, NOTHING);
     // Behind A = 1 nothing changes a bit: the pixel is done, as if its last fragment were the farthest.
     last[p] = select(vec2<u32>(found.key, found.id), vec2<u32>(NOTHING), sum.rgba.a == 1.0);
     if COUNTED == 1u {

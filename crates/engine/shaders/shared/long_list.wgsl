@@ -28,7 +28,7 @@ struct LongList {
     runs: u32,
 }
 
-// One run composed: premultiplied color and A, and the depth key of its first fragment with opacity.
+// One run composed: premultiplied color and A, and in x the key of what it shows (shared/over.wgsl).
 struct Partial {
     rgba: vec4<f32>,
     key: vec4<u32>,

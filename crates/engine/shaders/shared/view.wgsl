@@ -1,6 +1,6 @@
 // The camera and the part of the image in work. Camera axes: x right, y down, z forward.
 struct View {
-    // Axes as sums of two floats.
+    // Axes as sums of two floats. In w of `forward` the share of light at which lists with Gaussians end, 0 for none.
     right: vec4<f32>,
     right_lo: vec4<f32>,
     down: vec4<f32>,

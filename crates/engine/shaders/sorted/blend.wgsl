@@ -4,6 +4,7 @@
 #import over
 #import folding
 #import stop
+#import early_end
 #import hand_over
 
 struct Push {
@@ -21,18 +22,28 @@ var<immediate> push: Push;
 struct PixelState {
     sum: Composed,
     front: Composed,
+    // Of Gaussians: true once the list has ended early.
+    ended: bool,
 }
 
 const STOPS = true;
+// The sign bit of a float. Between two runs A has it where the list has ended.
+const SIGN = 0x80000000u;
 // Largest opacity of the splats behind: another run may be opaque.
 var<private> max_opacity: f32;
+// True if another run follows.
+var<private> is_cut: bool;
 
 fn begin(pixel: vec2<u32>) -> PixelState {
-    return PixelState(Composed(vec4<f32>(0.0), NOTHING), left_by_others(pixel));
+    var front = left_by_others(pixel);
+    let a = bitcast<u32>(front.rgba.a);
+    front.rgba.a = bitcast<f32>(a & ~SIGN);
+    return PixelState(Composed(vec4<f32>(0.0), NOTHING), front, (a & SIGN) != 0u);
 }
 
 fn begin_run(cut: bool) {
     max_opacity = select(push.max_opacity, 1.0, LATER != 0u || cut);
+    is_cut = cut;
 }
 
 fn take(i: u32, corner: vec2<u32>) -> Handed {
@@ -47,7 +58,11 @@ fn show(held: PixelState, h: Handed, i: u32, pixel: vec2<u32>) -> PixelState {
     let fragment = fragment_of(h, place(0u, i), pixel);
     // A flat splat's index stands for its key: one look-up at the end gives the depth.
     let key = select(h.index, fragment.shown_key, may_cross());
-    return PixelState(behind(held.sum, key, fragment.color), held.front);
+    let next = PixelState(behind(held.sum, key, fragment.color), held.front, false);
+    if has_gaussians() && (held.ended || is_end(joined(next).rgba.a)) {
+        return PixelState(held.sum, held.front, true);
+    }
+    return next;
 }
 
 // This run's composition, behind that of the runs in front of it.
@@ -59,7 +74,7 @@ fn joined(held: PixelState) -> Composed {
 }
 
 fn is_done(held: PixelState) -> bool {
-    return done(joined(held), max_opacity, push.max_color);
+    return (has_gaussians() && held.ended) || done(joined(held), max_opacity, push.max_color);
 }
 
 // Result of the runs before for a pixel. A depth stands for its key: nothing behind asks for the index again.
@@ -76,7 +91,11 @@ fn finish(held: PixelState, pixel: vec2<u32>) {
         return;
     }
     let p = window_index(pixel, view.window);
-    image[p] = joined(held).rgba;
+    var rgba = joined(held).rgba;
+    if has_gaussians() && held.ended && is_cut {
+        rgba.a = bitcast<f32>(bitcast<u32>(rgba.a) | SIGN);
+    }
+    image[p] = rgba;
     if LATER == 0u || (held.front.key == NOTHING && held.sum.key != NOTHING) {
         var key = held.sum.key;
         if !may_cross() && key != NOTHING {

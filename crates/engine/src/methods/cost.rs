@@ -175,6 +175,7 @@ fn frame(side: u32, method: Method) -> Frame {
         detail: Default::default(),
         memory_budget: None,
         fragments: false,
+        depths: false,
         stop: Stop::Exact,
         seed: 0,
         max_error: None,

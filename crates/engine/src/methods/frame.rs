@@ -28,6 +28,9 @@ pub struct Frame {
     pub memory_budget: Option<u64>,
     /// True if the image carries the length of each pixel's list, and its number of peeled layers.
     pub fragments: bool,
+    /// True if the image carries median and mean depths, of methods whose images follow from sorted lists of all fragments. They take
+    /// further passes: each of the two as many as such an image by `abuffer` or `linked-list`.
+    pub depths: bool,
     /// The allowed omissions, none of them visible.
     pub stop: Stop,
     /// Seed of stochastic methods.
@@ -73,6 +76,7 @@ impl Frame {
             detail: scene.detail,
             memory_budget: None,
             fragments: false,
+            depths: false,
             stop: Stop::Exact,
             seed,
             max_error: None,

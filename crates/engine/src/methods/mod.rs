@@ -53,6 +53,7 @@ use crate::passes::bin::Bins;
 use crate::passes::project::Footprint;
 use crate::passes::tiles::Tiles;
 use crate::scene::{Hybrid, Interpolated, Method};
+use abuffer::Shown;
 use engine::Engine;
 use explain::{Absent, CLEAR, PassGroup, SCAN};
 
@@ -71,12 +72,12 @@ pub(crate) fn engine_of(method: &Method) -> Box<dyn Engine> {
         Method::Squares(splats) => nearest(splats, Footprint::Square),
         Method::Circles(splats) | Method::Sphere(splats) => nearest(splats, Footprint::Disc),
         Method::Paraboloid(settings) | Method::Cone(settings) => outlined(settings),
-        Method::ABuffer(discs) => Box::new(abuffer::ListEngine { discs, linked: false, median: false }),
-        Method::LinkedList(discs) => Box::new(abuffer::ListEngine { discs, linked: true, median: false }),
+        Method::ABuffer(discs) => Box::new(abuffer::ListEngine { discs, linked: false, shown: Shown::First }),
+        Method::LinkedList(discs) => Box::new(abuffer::ListEngine { discs, linked: true, shown: Shown::First }),
         Method::Sorted(discs) => Box::new(sorted::SortedEngine { discs }),
         Method::Peel(peel) => Box::new(peel::PeelEngine { peel }),
         Method::Stochastic(settings) => Box::new(stochastic::StochasticEngine { settings }),
-        Method::Hybrid(Hybrid { discs, k }) => approximate(discs, Kind::Hybrid(k)),
+        Method::Hybrid(Hybrid { discs, k, core_alpha_min }) => approximate(discs, Kind::Hybrid { k, core_alpha_min }),
         Method::Weighted(discs) => approximate(discs, Kind::Weighted),
         Method::Average(discs) => approximate(discs, Kind::Average),
         Method::Unsorted(discs) => approximate(discs, Kind::Unsorted),

@@ -9,7 +9,7 @@ use crate::color::decode_srgb;
 use crate::image::Image as Frame;
 use crate::scene::ColorSpace;
 
-/// R, G, B composed and linear, A, Z and, if present, the list lengths, layers and standard errors.
+/// R, G, B composed and linear, A, Z and, if present, other depths, list lengths, layers and standard errors.
 pub(super) fn encode(mut out: impl Out, image: &Frame, options: &WriteOptions) -> io::Result<()> {
     let composed = image.composed(background(options.background, options.color));
     let linear = |value: f32| match options.color {
@@ -20,6 +20,11 @@ pub(super) fn encode(mut out: impl Out, image: &Frame, options: &WriteOptions) -
     let alpha = FlatSamples::F32(image.rgba.iter().map(|pixel| pixel[3]).collect());
     let mut channels = smallvec_of([("R", plane(0)), ("G", plane(1)), ("B", plane(2)), ("A", alpha)]);
     channels.push(AnyChannel::new("Z", FlatSamples::F32(image.depth.clone())));
+    for (name, depths) in [("depth.median", &image.depth_median), ("depth.mean", &image.depth_mean)] {
+        if let Some(depths) = depths {
+            channels.push(AnyChannel::new(name, FlatSamples::F32(depths.clone())));
+        }
+    }
     for (name, counts) in [("fragments.Y", &image.fragments), ("layers.Y", &image.layers)] {
         if let Some(counts) = counts {
             let values = counts.iter().map(|count| *count as f32).collect();

@@ -101,6 +101,17 @@ pub fn depth_margin(lists: &[Vec<Fragment>]) -> f64 {
     gaps.filter(|&gap| gap != 0.0).fold(f64::INFINITY, f64::min)
 }
 
+/// The fragments of a sorted list that are added where it ends early (Kerbl et al. 2023): those in front of the first that would leave less
+/// than `stop` of the light. 0 ends no list.
+pub fn before_end(list: &[Fragment], stop: f64) -> &[Fragment] {
+    let mut transmittance = 1.0;
+    let end = list.iter().position(|fragment| {
+        transmittance *= 1.0 - fragment.alpha;
+        transmittance < stop
+    });
+    &list[..end.unwrap_or(list.len())]
+}
+
 /// Blends a sorted list front to back. `colors` holds a color for each point.
 ///
 /// Transmittance is kept as Σ ln(1−αᵢ): neither 100 000 factors of 1−10⁻⁷ nor a single one of 1−10⁻²⁰ lose digits.
@@ -146,8 +157,10 @@ pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3]
         return gaussians::ellipsoid::render(camera, size, points, colors, discs);
     }
     let lists = lists(camera, size, points, discs);
-    let pixel =
-        |list: &Vec<Fragment>| composite(&gaussians::with_depths(camera, points, &discs.gaussians, list), colors);
+    let stop = gaussians::stop(points, &discs.gaussians);
+    let pixel = |list: &Vec<Fragment>| {
+        composite(before_end(&gaussians::with_depths(camera, points, &discs.gaussians, list), stop), colors)
+    };
     let pixels: Vec<Composite> = lists.iter().map(pixel).collect();
     Picture {
         width: size[0],

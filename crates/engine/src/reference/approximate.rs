@@ -59,12 +59,16 @@ pub fn unsorted(list: &[Fragment], colors: &[DVec3], places: &[u32]) -> Composit
 }
 
 /// Hybrid transparency (Maule et al. 2013): the first k fragments composed exactly, and behind them a tail of color
-/// Σαc / Σα and coverage 1 − ∏(1−α).
-pub fn hybrid(list: &[Fragment], colors: &[DVec3], k: u32) -> Composite {
-    let (front, tail) = list.split_at(list.len().min(k as usize));
-    let front = composite(front, colors);
+/// Σαc / Σα and coverage 1 − ∏(1−α). Of fragments fainter than `core_alpha_min` all are in the tail, wherever they lie (Hahlbohm et al. 2025).
+pub fn hybrid(list: &[Fragment], colors: &[DVec3], k: u32, core_alpha_min: f64) -> Composite {
+    let (mut front, mut tail) = (Vec::new(), Vec::new());
+    for fragment in list {
+        let exact = front.len() < k as usize && fragment.alpha >= core_alpha_min;
+        if exact { front.push(*fragment) } else { tail.push(*fragment) }
+    }
+    let front = composite(&front, colors);
     let through = 1.0 - front.alpha;
-    let behind = coverage(tail) * mean(tail, colors, |f| f.alpha);
+    let behind = coverage(&tail) * mean(&tail, colors, |f| f.alpha);
     Composite { color: front.color + through * behind, alpha: coverage(list), depth: nearest(list) }
 }
 
@@ -77,7 +81,7 @@ pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3]
         Method::Weighted(_) => Some(weighted(list, colors, [camera.near, camera.far])),
         Method::Average(_) => Some(average(list, colors)),
         Method::Unsorted(_) => Some(unsorted(list, colors, &points.file_order)),
-        Method::Hybrid(Hybrid { k, .. }) => Some(hybrid(list, colors, *k)),
+        Method::Hybrid(Hybrid { k, core_alpha_min, .. }) => Some(hybrid(list, colors, *k, f64::from(*core_alpha_min))),
         _ => None,
     };
     let shown = |list: &[Fragment], key| gaussians::depth_of_key(camera, points, &discs.gaussians, list, key);

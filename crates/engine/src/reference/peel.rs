@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::abuffer::{Fragment, splat};
+use super::abuffer::{Fragment, before_end, splat};
 use super::coverage::footprint;
 use super::{Picture, gaussians};
 use crate::camera::Camera;
@@ -61,17 +61,19 @@ pub fn render(
     layers: u32,
 ) -> Picture {
     let (mut rgba, mut depth, mut counts) = (Vec::new(), Vec::new(), Vec::new());
+    let stop = gaussians::stop(points, &discs.gaussians);
     for pixel in fragments(camera, size, points, discs) {
-        let peeled = peel(&pixel, layers);
+        let all = peel(&pixel, layers);
+        let peeled = before_end(&all, stop);
         let mut color = DVec3::ZERO;
         let mut transmittance = 1.0;
-        for fragment in &peeled {
+        for fragment in peeled {
             color += transmittance * fragment.alpha * colors[fragment.index as usize];
             transmittance *= 1.0 - fragment.alpha;
         }
         rgba.push(color.extend(1.0 - transmittance).to_array());
         counts.push(peeled.len() as u32);
-        let shown = gaussians::with_depths(camera, points, &discs.gaussians, &peeled);
+        let shown = gaussians::with_depths(camera, points, &discs.gaussians, peeled);
         depth.push(shown.iter().find(|f| f.alpha > 0.0).map_or(f64::INFINITY, |f| f.z));
     }
     Picture { width: size[0], height: size[1], rgba, depth, counts }

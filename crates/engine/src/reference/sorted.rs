@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::abuffer::{Composite, Fragment, composite, splat};
+use super::abuffer::{Composite, Fragment, before_end, composite, splat};
 use super::coverage::footprint;
 use super::{Picture, gaussians};
 use crate::camera::{Camera, Projection};
@@ -65,7 +65,8 @@ pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) ->
 /// ([`super::shading::shade`]).
 pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> Picture {
     let lists = lists(camera, size, points, discs);
-    let pixels: Vec<Composite> = lists.iter().map(|list| composite(list, colors)).collect();
+    let stop = gaussians::stop(points, &discs.gaussians);
+    let pixels: Vec<Composite> = lists.iter().map(|list| composite(before_end(list, stop), colors)).collect();
     Picture {
         width: size[0],
         height: size[1],

@@ -13,7 +13,12 @@ use rand::RngExt;
 use rand::seq::SliceRandom;
 
 fn hybrid(discs: Discs, k: u32) -> Method {
-    Method::Hybrid(Hybrid { discs, k })
+    Method::Hybrid(Hybrid { discs, k, ..Hybrid::default() })
+}
+
+/// With a core of fragments of at least this opacity.
+fn gated(discs: Discs, k: u32, core_alpha_min: f32) -> Method {
+    Method::Hybrid(Hybrid { discs, k, core_alpha_min })
 }
 
 /// All four; two numbers of fragments for `hybrid`, of which one takes several rounds where discs are oriented.
@@ -57,6 +62,61 @@ fn coverage_safe_scenes_equal_the_reference_to_3e_5() {
                     assert_equals(&image, &reference(&points, &camera, size, &method), 3e-5, &method);
                 }
             }
+        }
+    });
+}
+
+#[test]
+fn faint_fragments_are_in_the_tail_wherever_they_lie() {
+    with_device(|device| {
+        let size = [120, 90];
+        let mixed = [soup(6, 900, 0.02..0.15, 0.0..1.0, true), soup(7, 40, 0.2..1.5, 0.0..0.3, true)].concat();
+        for shape in SHAPES {
+            // Without a falloff only a point's own opacity decides.
+            let discs = Discs { shape, ..Discs::default() };
+            let points = scene(&safe(&mixed, &perspective(), size, shape));
+            let of = |method: Method| render(device, &points, &frame(perspective(), size, method));
+            // The second takes two rounds where discs are oriented.
+            for (k, least) in [(3, 0.2), (11, 0.2), (3, 1.0)] {
+                let method = gated(discs, k, least);
+                assert_equals(&of(method), &reference(&points, &perspective(), size, &method), 3e-5, &method);
+                assert!(bits(&of(method)) != bits(&of(hybrid(discs, k))), "{method:?} has faint ones before others");
+            }
+            let smooth = Discs { falloff: Falloff::Gaussian, ..discs };
+            let method = gated(smooth, 4, 0.1);
+            let (_, share) = difference(&of(method), &reference(&points, &perspective(), size, &method), 3e-5);
+            // Opacities that are as near to the least as roundings.
+            assert!(share < 1e-3, "{shape:?}: {share}");
+        }
+    });
+}
+
+#[test]
+fn a_gate_by_hand() {
+    with_device(|device| {
+        // Faint red before green and blue: by a core of one it is in the tail with blue.
+        let at = |depth: f64, color: Vec3, opacity: f32| P {
+            position: at_pixel(0.5, 0.5, depth),
+            color,
+            opacity,
+            radius: 0.0,
+            normal: Vec3::ZERO,
+        };
+        let points = scene(&[at(1.0, Vec3::X, 0.25), at(2.0, Vec3::Y, 0.5), at(3.0, Vec3::Z, 0.5)]);
+        for shape in SHAPES {
+            let discs = Discs { shape, ..Discs::default() };
+            let of = |least: f32| render(device, &points, &frame(pixel_camera([1, 1]), [1, 1], gated(discs, 1, least)));
+            // Half of a tail that covers 1 − 3/4 · 1/2 = 5/8, a third of it red.
+            let [red, blue] = [0.5 * 0.625 / 3.0, 0.5 * 0.625 * 2.0 / 3.0];
+            let close = |a: [f32; 4], b: [f32; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6);
+            let found = of(0.3);
+            assert!(close(found.rgba[0], [red, 0.5, blue, 0.8125]), "{:?}", found.rgba);
+            assert_eq!(found.depth, [1.0], "the nearest fragment is the nearest");
+            // As opaque as the least is opaque enough.
+            assert!(close(of(0.25).rgba[0], of(0.0).rgba[0]) && close(of(0.5).rgba[0], found.rgba[0]));
+            // Nothing is exact.
+            let all = of(0.6).rgba[0];
+            assert!(close(all, [0.8125 * 0.2, 0.8125 * 0.4, 0.8125 * 0.4, 0.8125]), "{all:?}");
         }
     });
 }

@@ -65,7 +65,8 @@ fn colors_come_where_the_device_has_not_all_of_them() {
         let edl = Edl { edl: true, ..Edl::default() };
         let lit = Frame { shading: Shading { edl, ..plain.shading }, ..plain };
         let cut = Frame { size: [600, 500], memory_budget: Some(1 << 20), ..plain };
-        for (frame, windows) in [(lit, 1..2), (cut, 2..1000)] {
+        let deep = Frame { depths: true, ..plain };
+        for (frame, windows) in [(lit, 1..2), (deep, 1..2), (cut, 2..1000)] {
             let there = renderer.render(&mut cloud, &frame).expect("renders");
             assert!(windows.contains(&there.facts.windows), "{}", there.facts.windows);
             assert!(there.image.has_colors() && renderer.colors().is_none());
@@ -88,9 +89,6 @@ fn colors_are_gone_once_anything_else_is_rendered() {
         };
         left(&mut renderer, &mut cloud);
         renderer.survey(&mut cloud, &frame).expect("surveys");
-        assert!(renderer.colors().is_none());
-        left(&mut renderer, &mut cloud);
-        renderer.medians(&mut cloud, &frame).expect("renders");
         assert!(renderer.colors().is_none());
         left(&mut renderer, &mut cloud);
         device.allow_submissions(Some(0));

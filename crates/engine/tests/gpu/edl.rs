@@ -30,9 +30,8 @@ fn slack(strength: f64, x: f64) -> f64 {
 
 /// The depths that a frame of these points is shaded by.
 fn surface(device: &Device, points: &Points, frame: &Frame) -> Vec<f32> {
-    let mut renderer = Renderer::new(device).unwrap();
-    let mut cloud = renderer.upload(points).unwrap();
-    renderer.medians(&mut cloud, frame).unwrap().unwrap_or_else(|| render(device, points, frame).depth)
+    let image = render(device, points, &Frame { depths: true, ..*frame });
+    image.depth_median.unwrap_or(image.depth)
 }
 
 fn assert_lit(plain: &Rendered, found: &Rendered, depths: &[f32], (strength, radius): (f32, f32), what: &str) {

@@ -9,6 +9,7 @@ use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Error, Frame, Renderer};
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::order;
+use pellucid_engine::reference::abuffer::Fragment;
 use pellucid_engine::reference::gaussians::{self, Possible};
 use pellucid_engine::reference::range::ROUNDING;
 use pellucid_engine::reference::{self, Picture};
@@ -154,8 +155,8 @@ fn flat_gaussians_are_discs_to_rays() {
     });
 }
 
-/// Where neither coverage nor order depends on roundings, the most that they change each component.
-fn clear_pixels(points: &Points, frame: &Frame, settings: &GaussianSettings, colors: &[DVec3]) -> Vec<Option<f64>> {
+/// The fragments of each pixel in their order, where neither coverage nor order depends on roundings.
+fn clear_lists(points: &Points, frame: &Frame, settings: &GaussianSettings) -> Vec<Option<Vec<(Possible, usize)>>> {
     let mut lists: Vec<Vec<(Possible, usize)>> = vec![Vec::new(); (frame.size[0] * frame.size[1]) as usize];
     let order = settings.order.unwrap_or(Order::Pixel);
     for index in 0..points.len() {
@@ -164,16 +165,28 @@ fn clear_pixels(points: &Points, frame: &Frame, settings: &GaussianSettings, col
             lists[(pixel.y * frame.size[0] + pixel.x) as usize].push((pixel, index));
         }
     }
-    let bound = |list: &mut Vec<(Possible, usize)>| {
+    let clear = |mut list: Vec<(Possible, usize)>| {
         list.sort_by(|a, b| a.0.key.low.total_cmp(&b.0.key.low));
         let in_order = list.windows(2).all(|pair| pair[0].0.key.high < pair[1].0.key.low);
         let sure = list.iter().all(|(pixel, _)| pixel.sure);
-        let brightest = list.iter().map(|(_, i)| colors[*i].max_element()).fold(1.0, f64::max);
-        // An opacity that is off by e changes what lies behind by as much; three roundings for each fragment, and those of colors.
-        let off: f64 = list.iter().map(|(pixel, _)| pixel.alpha.high - pixel.alpha.low + 220.0 * ROUNDING).sum();
-        (in_order && sure).then_some(2.0 * brightest * off)
+        (in_order && sure).then_some(list)
     };
-    lists.iter_mut().map(bound).collect()
+    lists.into_iter().map(clear).collect()
+}
+
+/// How far T and what each fragment adds may be off. An opacity that is off by e changes what lies behind by as much; three roundings
+/// for each fragment, and those of colors.
+fn off(list: &[(Possible, usize)]) -> f64 {
+    list.iter().map(|(pixel, _)| pixel.alpha.high - pixel.alpha.low + 220.0 * ROUNDING).sum()
+}
+
+/// Where neither coverage nor order depends on roundings, the most that they change each component.
+fn clear_pixels(points: &Points, frame: &Frame, settings: &GaussianSettings, colors: &[DVec3]) -> Vec<Option<f64>> {
+    let bound = |list: Vec<(Possible, usize)>| {
+        let brightest = list.iter().map(|(_, i)| colors[*i].max_element()).fold(1.0, f64::max);
+        2.0 * brightest * off(&list)
+    };
+    clear_lists(points, frame, settings).into_iter().map(|list| list.map(bound)).collect()
 }
 
 #[track_caller]
@@ -219,6 +232,80 @@ fn soups_are_those_of_the_reference() {
     });
 }
 
+/// Between which depths half of the light or less is left for the first time: `share` more or less than a half may be taken for it.
+/// They are those of all fragments from the first that it may be to the last, since depths that show are not in order by distance.
+fn possible_median(list: &[(Possible, usize)], share: f64) -> [f64; 2] {
+    let first = |alpha: fn(&Possible) -> f64, most: f64| {
+        let mut left = 1.0;
+        list.iter().position(|(pixel, _)| {
+            left *= 1.0 - alpha(pixel);
+            left <= most
+        })
+    };
+    let Some(start) = first(|pixel| pixel.alpha.high, 0.5 + share) else { return [f64::INFINITY; 2] };
+    let last = first(|pixel| pixel.alpha.low, 0.5 - share);
+    let all = || list[start..=last.unwrap_or(list.len() - 1)].iter().map(|(pixel, _)| pixel.z);
+    let far = if last.is_some() { f64::NEG_INFINITY } else { f64::INFINITY };
+    [all().map(|z| z.low).fold(f64::INFINITY, f64::min), all().map(|z| z.high).fold(far, f64::max)]
+}
+
+/// The mean depth, and how far it may be off: Σ wz / Σ w, with the same weights above and below, so that what they are off only moves it
+/// within the list's own span. Besides there are the errors of depths and two for each summand.
+fn possible_mean(list: &[(Possible, usize)]) -> [f64; 2] {
+    let middle = |low: f64, high: f64| 0.5 * (low + high);
+    let fragment = |(pixel, index): &(Possible, usize)| {
+        let (z, alpha) = (middle(pixel.z.low, pixel.z.high), middle(pixel.alpha.low, pixel.alpha.high));
+        Fragment { z, index: *index as u32, alpha }
+    };
+    let fragments: Vec<Fragment> = list.iter().map(fragment).collect();
+    let depths = || fragments.iter().map(|f| f.z);
+    let (near, far) = (depths().fold(f64::INFINITY, f64::min), depths().fold(f64::NEG_INFINITY, f64::max));
+    let width = list.iter().map(|(pixel, _)| pixel.z.high - pixel.z.low).fold(0.0, f64::max);
+    let alpha = 1.0 - fragments.iter().map(|f| 1.0 - f.alpha).product::<f64>();
+    let sums = 2.0 * (list.len() + 4) as f64 * ROUNDING * far;
+    [reference::abuffer::mean_depth(&fragments), 2.0 * off(list) * (far - near) / alpha + width + sums]
+}
+
+#[test]
+fn depths_of_lists_are_where_roundings_leave_them() {
+    with_device(|device| {
+        let size = [80, 60];
+        let points = Soup { seed: 23, count: 150, ..Soup::default() }.points();
+        let faint = Soup { seed: 24, count: 900, extents: 0.2..0.6, opacities: 0.0..0.05, ..Soup::default() }.points();
+        let (mut known, mut longest) = (0, 0);
+        let cases = [(&points, size, &cameras()[..]), (&faint, [24, 18], &cameras()[..2])];
+        for (points, size, cameras) in cases {
+            for camera in cameras {
+                for (kernel, order) in KERNELS.into_iter().flat_map(|kernel| ORDERS.map(|order| (kernel, order))) {
+                    let discs = discs(kernel, order);
+                    let frame = Frame { depths: true, ..encoded(*camera, size, Method::ABuffer(discs)) };
+                    let image = render(device, points, &frame);
+                    let [median, mean] =
+                        [image.depth_median, image.depth_mean].map(|depths| depths.expect("asked for"));
+                    for (pixel, list) in clear_lists(points, &frame, &discs.gaussians).iter().enumerate() {
+                        let Some(list) = list.as_ref().filter(|list| !list.is_empty()) else { continue };
+                        let [near, far] = possible_median(list, off(list));
+                        let z = f64::from(median[pixel]);
+                        assert!(
+                            near <= z && z <= far,
+                            "{kernel:?} {order:?}, {pixel}: median {z}, from {near} to {far}"
+                        );
+                        let ([wanted, slack], z) = (possible_mean(list), f64::from(mean[pixel]));
+                        assert!(
+                            (z - wanted).abs() <= slack,
+                            "{kernel:?} {order:?}, {pixel}: mean {z}, not {wanted}, {slack}"
+                        );
+                        known += usize::from(near == far || far - near < 1e-2);
+                        longest = longest.max(list.len());
+                    }
+                }
+            }
+        }
+        println!("{known} medians are known, in lists of up to {longest}");
+        assert!(known > 20_000 && longest > 256, "{known} {longest}");
+    });
+}
+
 #[test]
 fn exact_methods_have_the_same_bytes() {
     with_device(|device| {
@@ -227,7 +314,8 @@ fn exact_methods_have_the_same_bytes() {
         for camera in [cameras()[0], cameras()[1]] {
             for (kernel, order) in KERNELS.into_iter().flat_map(|kernel| ORDERS.map(|order| (kernel, order))) {
                 let discs = discs(kernel, order);
-                let first = render(device, &points, &encoded(camera, size, Method::ABuffer(discs)));
+                let asked = |method| Frame { depths: true, ..encoded(camera, size, method) };
+                let first = render(device, &points, &asked(Method::ABuffer(discs)));
                 let hardware = Discs { raster: Raster::Hardware, ..discs };
                 let mut others = vec![
                     Method::ABuffer(hardware),
@@ -239,9 +327,10 @@ fn exact_methods_have_the_same_bytes() {
                     others.push(Method::Sorted(discs));
                 }
                 for method in others {
-                    let other = render(device, &points, &encoded(camera, size, method));
+                    let other = render(device, &points, &asked(method));
                     assert!(bits(&other) == bits(&first), "{method:?}");
                     assert_eq!(other.fragments, first.fragments);
+                    assert!(other.depth_median == first.depth_median && other.depth_mean == first.depth_mean);
                 }
             }
         }
@@ -263,6 +352,7 @@ fn neither_order_of_input_nor_budget_changes_a_byte() {
             Method::Peel(Peel { discs: discs(Kernel::Ray, Order::Pixel), ..Peel::default() }),
             Method::Hybrid(Hybrid { discs: discs(Kernel::Ewa, Order::Pixel), ..Hybrid::default() }),
             Method::Hybrid(Hybrid { discs: discs(Kernel::Ewa, Order::Distance), ..Hybrid::default() }),
+            Method::Hybrid(Hybrid { discs: discs(Kernel::Ewa, Order::Pixel), k: 11, core_alpha_min: 0.05 }),
             Method::Weighted(discs(Kernel::Ray, Order::Pixel)),
             Method::Average(discs(Kernel::Ewa, Order::Center)),
             Method::Stochastic(Stochastic {
@@ -290,7 +380,7 @@ fn approximations_are_those_of_the_reference() {
         let points = Soup { seed: 51, count: 100, degree: 1, ..Soup::default() }.points();
         for order in ORDERS {
             let discs = discs(Kernel::Ewa, order);
-            let hybrid = |k| Method::Hybrid(Hybrid { discs, k });
+            let hybrid = |k| Method::Hybrid(Hybrid { discs, k, ..Hybrid::default() });
             for method in [Method::Weighted(discs), Method::Average(discs), hybrid(3), hybrid(11)] {
                 let frame = encoded(perspective(), size, method);
                 let image = render(device, &points, &frame);

@@ -33,6 +33,8 @@ fn frame() -> Image {
             [1e-7, 0.0, 0.0, 1e-7],
         ],
         depth: vec![1.0, 2.0, f32::INFINITY, 4.0, 5.0, 6.0],
+        depth_median: Some(vec![1.0, f32::INFINITY, f32::INFINITY, 4.0, 5.5, f32::INFINITY]),
+        depth_mean: Some(vec![1.0, 2.25, f32::INFINITY, 4.0, 5.25, 6.0]),
         fragments: Some(vec![1, 2, 0, 4, 5, 100_000]),
         layers: Some(vec![1, 2, 0, 3, 3, 3]),
         stderr: None,
@@ -92,6 +94,8 @@ fn encoded_values_go_into_a_png_as_they_are_and_into_an_exr_decoded() {
         height: 1,
         rgba: vec![[0.5, 0.0, 0.0, 0.5], [0.0; 4]],
         depth: vec![1.0; 2],
+        depth_median: None,
+        depth_mean: None,
         fragments: None,
         layers: None,
         stderr: None,
@@ -116,7 +120,7 @@ fn exr_holds_float_channels_and_the_metadata() {
     write_image(&path, &frame(), &options()).unwrap();
     let picture = read_first_flat_layer_from_file(&path).unwrap();
     let names: Vec<_> = picture.layer_data.channel_data.list.iter().map(|c| c.name.to_string()).collect();
-    assert_eq!(names, ["A", "B", "G", "R", "Z", "fragments.Y", "layers.Y"]);
+    assert_eq!(names, ["A", "B", "G", "R", "Z", "depth.mean", "depth.median", "fragments.Y", "layers.Y"]);
     let values = |name: &str| -> Vec<f32> {
         let channels = &picture.layer_data.channel_data.list;
         let channel = channels.iter().find(|c| c.name.to_string() == name).unwrap();
@@ -128,6 +132,8 @@ fn exr_holds_float_channels_and_the_metadata() {
     assert!(values("R")[3].is_nan(), "an EXR hides nothing");
     assert_eq!(values("A")[..3], [1.0, 0.5, 0.0]);
     assert_eq!(values("Z"), frame().depth);
+    assert_eq!(Some(values("depth.median")), frame().depth_median);
+    assert_eq!(Some(values("depth.mean")), frame().depth_mean);
     assert_eq!(values("fragments.Y"), [1.0, 2.0, 0.0, 4.0, 5.0, 100_000.0]);
     assert_eq!(values("layers.Y"), [1.0, 2.0, 0.0, 3.0, 3.0, 3.0]);
     for (name, value) in options().metadata {
@@ -135,7 +141,13 @@ fn exr_holds_float_channels_and_the_metadata() {
         let Some(AttributeValue::Text(text)) = found else { panic!("{name}: {found:?}") };
         assert_eq!(text.as_slice(), value.as_bytes(), "{name}");
     }
-    let without = pellucid_engine::image::Image { fragments: None, layers: None, ..frame() };
+    let without = pellucid_engine::image::Image {
+        depth_median: None,
+        depth_mean: None,
+        fragments: None,
+        layers: None,
+        ..frame()
+    };
     write_image(&path, &without, &options()).unwrap();
     assert_eq!(read_first_flat_layer_from_file(&path).unwrap().layer_data.channel_data.list.len(), 5);
 }
@@ -151,6 +163,8 @@ fn the_same_image_gives_the_same_bytes() {
         height: side,
         rgba: pixels.clone().map(|i| [(i as f32).sin(), (i % 7) as f32, 0.5, 1.0]).collect(),
         depth: pixels.clone().map(|i| i as f32).collect(),
+        depth_median: None,
+        depth_mean: None,
         fragments: Some(pixels.clone().collect()),
         layers: Some(pixels.collect()),
         stderr: None,

@@ -53,6 +53,7 @@ impl Subject {
             detail: Default::default(),
             memory_budget: None,
             fragments: false,
+            depths: false,
             stop: Stop::Exact,
             max_error: None,
             spread: false,

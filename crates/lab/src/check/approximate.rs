@@ -121,7 +121,7 @@ fn as_many_as_k(stage: &mut Stage, method: Method) -> CaseResult {
     let found = stage.pixel(&shuffled, method)?;
     let fragment = |i: usize| Fragment { z: i as f64, index: i as u32, alpha: 0.3f32.into() };
     let colors: Vec<DVec3> = dots.iter().map(|dot| dot.color.as_dvec3()).collect();
-    let mixed = approximate::hybrid(&(0..8).map(fragment).collect::<Vec<_>>(), &colors, 1);
+    let mixed = approximate::hybrid(&(0..8).map(fragment).collect::<Vec<_>>(), &colors, 1, 0.0);
     let mixed = [mixed.color.x, mixed.color.y, mixed.color.z, mixed.alpha].map(|c| c as f32);
     // Four roundings for each of 8.
     Ok(Finding { error: apart(&found, &wanted), bound: 32.0 * HALF_ULP, naive: Computed(apart(&mixed, &wanted)) })

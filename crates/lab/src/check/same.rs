@@ -9,7 +9,7 @@ use pellucid_engine::image::Image;
 pub struct Difference {
     /// Column and row; `None` if the images are not of one size, or one lacks what the other has.
     pub pixel: Option<[u32; 2]>,
-    /// `R`, `G`, `B`, `A`, `Z`, `fragments`, `layers`, `stderr.R` and so on, as in an EXR.
+    /// `R`, `G`, `B`, `A`, `Z`, `depth.median`, `depth.mean`, `fragments`, `layers`, `stderr.R` and so on, as in an EXR.
     pub channel: &'static str,
     /// The bits in the two.
     pub bits: [u32; 2],
@@ -41,6 +41,9 @@ fn channels(image: &Image) -> Vec<(&'static str, Vec<u32>)> {
         all.push((name, image.rgba.iter().map(|pixel| pixel[i].to_bits()).collect()));
     }
     all.push(("Z", image.depth.iter().map(|z| z.to_bits()).collect()));
+    for (name, depths) in [("depth.median", &image.depth_median), ("depth.mean", &image.depth_mean)] {
+        all.push((name, depths.iter().flatten().map(|z| z.to_bits()).collect()));
+    }
     all.push(("fragments", image.fragments.clone().unwrap_or_default()));
     all.push(("layers", image.layers.clone().unwrap_or_default()));
     for (i, name) in ERRORS.into_iter().enumerate() {
@@ -49,7 +52,7 @@ fn channels(image: &Image) -> Vec<(&'static str, Vec<u32>)> {
     all
 }
 
-/// Compares all that two images hold bit by bit: color, depth, list lengths, layers, standard errors. `None`: they are the same.
+/// Compares all that two images hold bit by bit: color, depths, list lengths, layers, standard errors. `None`: they are the same.
 pub fn difference(a: &Image, b: &Image) -> Option<Difference> {
     let (first, second) = (channels(a), channels(b));
     let pairs = || first.iter().zip(&second);
@@ -76,6 +79,8 @@ mod tests {
             height: 3,
             rgba: (0..15).map(|i| [value(i), value(i + 1), -0.0, f32::NAN]).collect(),
             depth: (0..15).map(|i| if i == 3 { f32::INFINITY } else { value(i) }).collect(),
+            depth_median: None,
+            depth_mean: Some((0..15).map(value).collect()),
             fragments: Some((0..15).collect()),
             layers: None,
             stderr: Some((0..15).map(|i| [value(i); 3]).collect()),
@@ -91,11 +96,12 @@ mod tests {
     fn one_bit_is_found_wherever_it_is() {
         let flip = |value: &mut f32| *value = f32::from_bits(value.to_bits() ^ 1);
         type Change = fn(&mut Image, usize, fn(&mut f32));
-        let changes: [(&str, Change); 7] = [
+        let changes: [(&str, Change); 8] = [
             ("R", |image, i, flip| flip(&mut image.rgba[i][0])),
             ("B", |image, i, flip| flip(&mut image.rgba[i][2])),
             ("A", |image, i, flip| flip(&mut image.rgba[i][3])),
             ("Z", |image, i, flip| flip(&mut image.depth[i])),
+            ("depth.mean", |image, i, flip| flip(&mut image.depth_mean.as_mut().expect("there")[i])),
             ("fragments", |image, i, _| image.fragments.as_mut().expect("there")[i] ^= 1),
             ("stderr.R", |image, i, flip| flip(&mut image.stderr.as_mut().expect("there")[i][0])),
             ("stderr.B", |image, i, flip| flip(&mut image.stderr.as_mut().expect("there")[i][2])),

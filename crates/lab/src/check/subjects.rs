@@ -208,7 +208,12 @@ fn discs() -> Vec<Subject> {
         subject(Method::Stochastic(sampled(computed)), "oriented, compute", few(), orthographic),
         subject(Method::Stochastic(sampled(drawn(oriented))), "oriented, rasteriser", few(), as_it_is),
         subject(Method::Hybrid(Hybrid::default()), "", many(), as_it_is),
-        subject(Method::Hybrid(Hybrid { discs: oriented, k: 11 }), "oriented, k = 11", few(), as_it_is),
+        subject(
+            Method::Hybrid(Hybrid { discs: oriented, k: 11, ..Hybrid::default() }),
+            "oriented, k = 11",
+            few(),
+            as_it_is,
+        ),
         subject(Method::Weighted(flat), "", many(), as_it_is),
         subject(Method::Average(soft_edged), "Gaussian", many(), as_it_is),
         subject(Method::Unsorted(flat), "", many(), as_it_is),
@@ -235,7 +240,12 @@ fn gaussians() -> Vec<Subject> {
         subject(Method::Sorted(smooth), "Gaussians by distance", many(), encoded),
         subject(Method::Peel(Peel { discs: by_ray, layers: 0 }), "Gaussians by ray", few(), as_it_is),
         subject(Method::Stochastic(stochastic), "Gaussians, compute", few(), as_it_is),
-        subject(Method::Hybrid(Hybrid { discs: smooth, k: 11 }), "Gaussians by distance", many(), encoded),
+        subject(
+            Method::Hybrid(Hybrid { discs: smooth, k: 11, ..Hybrid::default() }),
+            "Gaussians by distance",
+            many(),
+            encoded,
+        ),
         subject(Method::Weighted(with(settings)), "Gaussians and discs", mixed(), as_it_is),
     ]
 }

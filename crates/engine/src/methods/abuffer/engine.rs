@@ -1,6 +1,6 @@
 //! The engine of lists of fragments: `abuffer` and `linked-list`.
 
-use super::{ABuffer, Lists, PIXEL_BYTES, Storing, WindowJob, explain, footprint};
+use super::{ABuffer, Lists, PIXEL_BYTES, Shown, Storing, WindowJob, explain, footprint};
 use crate::gpu::Device;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work, project, windows_of};
@@ -12,7 +12,7 @@ use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Bin, Bins, Order};
 use crate::passes::project::{DeviceCloud, Drawing, Footprint, Part, Projecting, Stats};
 use crate::passes::raster::{Raster, Walker};
-use crate::scene::{DiscShape, Discs, Kernel, LongLists, Method, Order as GaussianOrder};
+use crate::scene::{DiscShape, Discs, Kernel, LongLists, Method, Order as GaussianOrder, Peel, Raster as Way};
 
 /// Pixels of a splat's rectangle, on average, from which on an A-buffer is filled tile by tile (measured on lavapipe).
 pub const ORDERED_AREA: u64 = 32;
@@ -37,19 +37,26 @@ pub(crate) struct ListEngine {
     pub discs: Discs,
     /// True if fragments are stored in linked lists.
     pub linked: bool,
-    /// True if depths are those at which half of the light or less is left, instead of the first fragment's.
-    pub median: bool,
+    /// The depths that pixels get.
+    pub shown: Shown,
 }
 
 impl ListEngine {
-    /// The engine that finds the depths at which half of the light or less is left in the images of a method, for eye-dome
-    /// lighting. `None` for methods without lists.
-    pub fn of_medians(method: &Method) -> Option<Self> {
-        match *method {
-            Method::ABuffer(discs) => Some(Self { discs, linked: false, median: true }),
-            Method::LinkedList(discs) => Some(Self { discs, linked: true, median: true }),
-            _ => None,
-        }
+    /// The engine that finds other depths than the first fragment's in the images of a method, by the same fragments in the same
+    /// order. `None` for methods whose images don't follow from sorted lists of all fragments.
+    pub fn showing(method: &Method, shown: Shown) -> Option<Self> {
+        let merged = |discs| Discs { long_lists: LongLists::Merge, ..discs };
+        let (discs, linked) = match *method {
+            Method::ABuffer(discs) => (discs, false),
+            Method::LinkedList(discs) => (discs, true),
+            Method::Peel(Peel { discs, layers: 0 }) => (merged(discs), false),
+            // Oriented discs that cross are not in the order of their depths.
+            Method::Sorted(discs) if discs.shape == DiscShape::Flat => {
+                (Discs { raster: Way::Auto, ..merged(discs) }, false)
+            }
+            _ => return None,
+        };
+        Some(Self { discs, linked, shown })
     }
 
     fn storing(&self, cloud: &DeviceCloud) -> Storing<'static> {
@@ -73,10 +80,12 @@ impl ListEngine {
     /// only pays for large splats.
     fn in_order(&self, device: &Device, frame: &Frame, job: &bin::Job<'_>) -> bool {
         let visible: u64 = job.raster.stats.iter().map(|s| u64::from(s.visible)).sum();
-        // Only lists of fragments tell medians, and eye-dome lighting goes through the lists twice, in the same way.
+        // Only lists of fragments tell other depths than the first, and frames that ask for some go through the lists more than
+        // once, in the same way.
         !self.linked
-            && !self.median
+            && self.shown == Shown::First
             && !frame.shading.edl.edl
+            && !frame.depths
             && job.raster.footprint == Footprint::Disc
             && self.discs.long_lists == LongLists::Merge
             && job.raster.walker == Walker::Compute
@@ -102,7 +111,8 @@ impl ListEngine {
         let tiles = &buffers.tiles;
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
         let stop = sorted::stop(sorted::Stop::Exact, frame.color, 1.0);
-        let job = WindowJob { raster, discs: self.discs, storing: self.storing(cloud), stop, median: false, budget };
+        let job =
+            WindowJob { raster, discs: self.discs, storing: self.storing(cloud), stop, shown: self.shown, budget };
         buffers.machines.lists.lists(device, &job, timeline)
     }
 }
@@ -135,8 +145,8 @@ impl Engine for ListEngine {
         };
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
         let stop = sorted::stop(frame.stop, frame.color, cloud.max_color(&how));
-        let (storing, median) = (self.storing(cloud), self.median);
-        let mut job = WindowJob { raster, discs: self.discs, storing, stop, median, budget };
+        let (storing, shown) = (self.storing(cloud), self.shown);
+        let mut job = WindowJob { raster, discs: self.discs, storing, stop, shown, budget };
         let counted_bytes = bands::pixels(window) * PIXEL_BYTES;
         let bin = bin::Job { raster, order: Order::Depth, depth_range: frame.key_range(), budget, counted_bytes };
         let mut ordered = 0;

@@ -48,8 +48,10 @@ pub(crate) fn list_group() -> PassGroup {
 
 /// The passes of lists once their lengths are known.
 pub(crate) fn list_passes() -> Vec<&'static str> {
-    let kernels =
-        ["abuffer/resolve-ordered", "abuffer/median"].into_iter().chain(BY_LENGTH).chain(CLASSES.map(|(_, name)| name));
+    let kernels = ["abuffer/resolve-ordered", "abuffer/end", "abuffer/median"]
+        .into_iter()
+        .chain(BY_LENGTH)
+        .chain(CLASSES.map(|(_, name)| name));
     STORE.into_iter().chain(kernels).chain(LONG.map(|(name, _)| name)).collect()
 }
 
@@ -81,7 +83,7 @@ pub(super) fn lists(plan: &mut Plan<'_>, discs: &Discs, linked: bool) {
         for name in BY_LENGTH {
             plan.add(name, any, plan.if_seen("lists of each length get their own kernel".to_owned()));
         }
-        kernels(plan, facts.max_list, discs.long_lists);
+        kernels(plan, facts.max_list, discs);
     }
     plan.rest(&list_passes(), "no list has to be sorted, or none is in order");
 }
@@ -151,7 +153,8 @@ fn count(plan: &mut Plan<'_>, why: &str, visited: bool, others: u64, linked: boo
 }
 
 /// The kernels of the lengths that occur.
-fn kernels(plan: &mut Plan<'_>, longest: u32, long_lists: LongLists) {
+fn kernels(plan: &mut Plan<'_>, longest: u32, discs: &Discs) {
+    let long_lists = discs.long_lists;
     for (class, (most, name)) in CLASSES.into_iter().enumerate() {
         let least = lower_bound(class) + 1;
         let on = longest >= least;
@@ -175,7 +178,11 @@ fn kernels(plan: &mut Plan<'_>, longest: u32, long_lists: LongLists) {
         let reason = if taken { reason.clone() } else { format!("long_lists = \"{how}\"") };
         plan.add(name, long && taken, reason);
     }
-    let lit = plan.frame.shading.edl.edl;
-    let asked = if lit { reason } else { "no eye-dome lighting asked for (shading.edl)".to_owned() };
-    plan.add("abuffer/median", long && lit, asked);
+    let ends = discs.gaussians.stop > 0.0;
+    let end = if ends { reason.clone() } else { "no early end of lists asked for (stop)".to_owned() };
+    plan.add("abuffer/end", long && ends, end);
+    let wanted = plan.frame.shading.edl.edl || plan.frame.depths;
+    let asked =
+        if wanted { reason } else { "neither eye-dome lighting (shading.edl) nor median depths asked for".to_owned() };
+    plan.add("abuffer/median", long && wanted, asked);
 }

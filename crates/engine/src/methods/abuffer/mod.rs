@@ -82,6 +82,17 @@ pub struct ABuffer {
     blender: Blender,
 }
 
+/// Which depth of its list a pixel gets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shown {
+    /// That of the first fragment with opacity.
+    First,
+    /// That at which half of the light or less is left, +inf where more is left behind all fragments.
+    Median,
+    /// The mean of all, weighted by what each adds to A; +inf where A is 0.
+    Mean,
+}
+
 /// How fragments get to their pixels' ranges of the buffer.
 #[derive(Clone, Copy)]
 pub enum Storing<'a> {
@@ -146,8 +157,8 @@ pub struct WindowJob<'a> {
     pub storing: Storing<'a>,
     /// The value of `STOP` in WGSL, and the bound on colors that goes with it.
     pub stop: (u32, f32),
-    /// True if depths are those at which half of the light or less is left, instead of the first fragment's.
-    pub median: bool,
+    /// The depths that pixels get.
+    pub shown: Shown,
     /// The memory that may be used, without what tiles take.
     pub budget: Budget,
 }

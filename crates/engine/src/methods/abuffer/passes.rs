@@ -312,8 +312,8 @@ pass! {
 }
 
 pass! {
-    /// Finds the depth at which each long list first lets through half of the light or less, for eye-dome lighting, from its
-    /// composed runs and the fragments of one.
+    /// Finds the depth at which each long list first lets through half of the light or less, for eye-dome lighting and where
+    /// that depth is asked for, from its composed runs and the fragments of one.
     pub Median = "abuffer/median" {
         composing: Shared<ComposingGroup>,
         work: ReadWrite<LongWork>,
@@ -321,6 +321,21 @@ pass! {
         runs: Read<ListRun>,
         fragments: Read<[u32; 2]>,
         partials: Read<Partial>,
+        depths: ReadWrite<f32>,
+    }
+}
+
+pass! {
+    /// Composes each long list of Gaussians that ends early once more, up to its end, from its composed runs and the fragments of one, where
+    /// an early end is asked for.
+    pub End = "abuffer/end" {
+        composing: Shared<ComposingGroup>,
+        work: ReadWrite<LongWork>,
+        lists: Read<LongList>,
+        runs: Read<ListRun>,
+        fragments: Read<[u32; 2]>,
+        partials: Read<Partial>,
+        image: ReadWrite<[f32; 4]>,
         depths: ReadWrite<f32>,
     }
 }

@@ -29,7 +29,7 @@ impl Stage for ApproximateEngine {
         match self.kind {
             Kind::Weighted | Kind::Average => Order::Index,
             Kind::Unsorted => Order::File,
-            Kind::Hybrid(_) => Order::Depth,
+            Kind::Hybrid { .. } => Order::Depth,
         }
     }
 
@@ -76,7 +76,7 @@ impl Engine for ApproximateEngine {
             Kind::Weighted => "weighted/accumulate",
             Kind::Average => "average/accumulate",
             Kind::Unsorted => "unsorted/accumulate",
-            Kind::Hybrid(_) => "hybrid/accumulate",
+            Kind::Hybrid { .. } => "hybrid/accumulate",
         };
         tiled::explain(plan, stage, self.order());
     }

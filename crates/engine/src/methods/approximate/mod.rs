@@ -26,10 +26,19 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// The same for `hybrid`, and how many fragments are composed exactly.
+    /// The same for `hybrid`, how many fragments are composed exactly, and the least opacity of one.
     pub struct HybridPush {
         walk: TileWalk,
         k: u32,
+        core_alpha_min: f32,
+    }
+}
+
+gpu_struct! {
+    /// The same for a round of `hybrid` over oriented discs, which has as many as it has slots.
+    pub struct RoundPush {
+        walk: TileWalk,
+        core_alpha_min: f32,
     }
 }
 
@@ -82,7 +91,7 @@ pass! {
     /// Keeps the 8 nearest fragments of each pixel in slots by insertion, over oriented discs: one subgroup per block of
     /// a tile goes through it region by region. It runs once for every 8 of `k`; fragments that fall out in the last round
     /// are summed.
-    pub HybridOriented(SumPush) = "hybrid/accumulate" in "approximate/hybrid_oriented" {
+    pub HybridOriented(RoundPush) = "hybrid/accumulate" in "approximate/hybrid_oriented" {
         tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
         lasts: ReadWrite<[u32; 2]>,
@@ -102,7 +111,7 @@ const LAST_BYTES: u64 = 8;
 const SMALL_WINDOW: u64 = 256;
 
 /// An approximation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
     /// `weighted`
     Weighted,
@@ -110,8 +119,13 @@ pub enum Kind {
     Average,
     /// `unsorted`
     Unsorted,
-    /// `hybrid`, with so many fragments composed exactly.
-    Hybrid(u32),
+    /// `hybrid`
+    Hybrid {
+        /// So many fragments are composed exactly.
+        k: u32,
+        /// The least opacity of one.
+        core_alpha_min: f32,
+    },
 }
 
 /// Everything that stays the same while a window is rendered.
@@ -129,7 +143,7 @@ impl WindowJob<'_> {
     /// Slots of each round of `hybrid` over oriented discs; the last one has a tail. Empty for all else.
     fn rounds(&self) -> Vec<u32> {
         match self.kind {
-            Kind::Hybrid(k) if self.bin.raster.footprint.may_cross() => rounds(k),
+            Kind::Hybrid { k, .. } if self.bin.raster.footprint.may_cross() => rounds(k),
             _ => Vec::new(),
         }
     }
@@ -143,7 +157,7 @@ fn rounds(k: u32) -> Vec<u32> {
 /// Device bytes of a pixel that a method always needs.
 pub fn pixel_bytes(kind: Kind) -> u64 {
     match kind {
-        Kind::Hybrid(k) => round_bytes(&rounds(k)),
+        Kind::Hybrid { k, .. } => round_bytes(&rounds(k)),
         _ => 0,
     }
 }
@@ -253,8 +267,8 @@ impl Approximations {
             Kind::Weighted => stage.record(recorder, &Weighted { tiles, sums }),
             Kind::Average => stage.record(recorder, &Average { tiles, sums }),
             Kind::Unsorted => stage.record(recorder, &Unsorted { tiles, sums }),
-            Kind::Hybrid(k) if rounds.is_empty() => stage.each_run(|run| {
-                let push = HybridPush { walk: binned.walk(run.number), k };
+            Kind::Hybrid { k, core_alpha_min } if rounds.is_empty() => stage.each_run(|run| {
+                let push = HybridPush { walk: binned.walk(run.number), k, core_alpha_min };
                 let over = Run::new(binned.over_blocks());
                 Ok(recorder.run(
                     &HybridFlat { tiles, sums },
@@ -262,9 +276,9 @@ impl Approximations {
                     &over.variant(sum_variant(stage.shape.clone(), run)),
                 )?)
             }),
-            Kind::Hybrid(_) => {
+            Kind::Hybrid { core_alpha_min, .. } => {
                 let (lasts, slots) = (self.lasts.get().all(), self.slots.get().all());
-                stage.record_rounds(recorder, &HybridOriented { tiles, sums, lasts, slots }, rounds)
+                stage.record_rounds(recorder, &HybridOriented { tiles, sums, lasts, slots }, rounds, core_alpha_min)
             }
         }
     }
@@ -319,11 +333,12 @@ impl Stage {
         recorder: &mut Recorder<'a>,
         pass: &HybridOriented<'a>,
         rounds: &[u32],
+        core_alpha_min: f32,
     ) -> Result<(), Error> {
         rounds.iter().enumerate().try_for_each(|(i, slots)| {
             let round = Round { slots: *slots, behind: i > 0, tail: i + 1 == rounds.len() };
             self.each_run(|run| {
-                let push = SumPush { walk: self.binned.walk(run.number) };
+                let push = RoundPush { walk: self.binned.walk(run.number), core_alpha_min };
                 let over = Run::new(self.binned.over_blocks());
                 Ok(recorder.run(pass, push, &over.variant(round_variant(self.shape.clone(), run, round)))?)
             })
@@ -358,7 +373,7 @@ pub fn least_bytes(name: &str, facts: &Facts, kind: Kind, tilted: bool, pixels: 
         return None;
     }
     let rounds = match kind {
-        Kind::Hybrid(k) if tilted => rounds(k).len() as u64,
+        Kind::Hybrid { k, .. } if tilted => rounds(k).len() as u64,
         _ => 1,
     };
     // Index, then splat, depth and color.
@@ -414,8 +429,8 @@ mod tests {
         assert_eq!(rounds(9), [8, 1]);
         assert_eq!(rounds(24), [8, 8, 8]);
         assert!((1..=MAX_K).all(|k| rounds(k).iter().sum::<u32>() == k));
-        assert_eq!(pixel_bytes(Kind::Hybrid(9)), 8);
-        assert_eq!(pixel_bytes(Kind::Hybrid(8)), 0);
+        assert_eq!(pixel_bytes(Kind::Hybrid { k: 9, core_alpha_min: 0.0 }), 8);
+        assert_eq!(pixel_bytes(Kind::Hybrid { k: 8, core_alpha_min: 0.0 }), 0);
         assert_eq!((run_bytes(&[]), run_bytes(&[8, 1])), (64, 64 + 16 + 8 * 32));
     }
 
@@ -424,7 +439,7 @@ mod tests {
         let facts = Facts { tile_entries: 20, ..Facts::default() };
         let of = |kind, tilted| least_bytes("hybrid/accumulate", &facts, kind, tilted, 100);
         assert_eq!(of(Kind::Average, false), Some(20 * 40 + 2000));
-        let hybrid = Kind::Hybrid(9);
+        let hybrid = Kind::Hybrid { k: 9, core_alpha_min: 0.0 };
         assert_eq!(of(hybrid, false), Some(20 * 40 + 2000));
         assert_eq!(of(hybrid, true), Some(2 * (20 * 56 + 2000)));
         assert_eq!(least_bytes("sorted/blend", &facts, hybrid, true, 100), None);

@@ -46,8 +46,14 @@ fn count(
     work.budget = budget;
     let raster = Raster { cloud, stats, tiles, walker: Walker::Compute, footprint, window: work.window };
     let stop = sorted::stop(work.frame.stop, work.frame.color, 1.0);
-    let job =
-        abuffer::WindowJob { raster, discs: Discs::default(), storing: Storing::Slots, stop, median: false, budget };
+    let job = abuffer::WindowJob {
+        raster,
+        discs: Discs::default(),
+        storing: Storing::Slots,
+        stop,
+        shown: abuffer::Shown::First,
+        budget,
+    };
     machines.lists.tally(work, &job)
 }
 

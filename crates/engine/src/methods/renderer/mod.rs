@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use crate::progress::Progress;
 
-use super::abuffer::{self, ListEngine, Lists};
+use super::abuffer::{self, ListEngine, Lists, Shown};
 use super::brightness;
 use super::bytes::aggregate;
 use super::cost::Load;
@@ -200,7 +200,7 @@ impl Renderer {
         self.target.reserve(&self.device, largest(&windows))?;
 
         self.target.keeps_colors =
-            !self.host_colors && !frame.shading.edl.edl && !brightness::is_applied(&frame.method);
+            !self.host_colors && !frame.shading.edl.edl && !frame.depths && !brightness::is_applied(&frame.method);
         let mut image = blank(self.spare.take(), engine, frame);
         let drawing =
             Drawing { engine, frame, windows: &windows, budget, learns: self.learns(frame, cloud, &windows, timeline) };
@@ -223,13 +223,14 @@ impl Renderer {
         }
         image.stderr = image.stderr.filter(|_| frame.fragments || frame.spread);
         facts.light_views = light_views;
+        self.find_depths(cloud, frame, budget, &mut image, timeline)?;
         if frame.shading.edl.edl {
-            let medians = self.medians_of(cloud, frame, budget, timeline)?;
-            let Image { rgba, depth, .. } = &mut image;
-            let surface = Surface { size: frame.size, depths: medians.as_deref().unwrap_or(depth) };
+            let Image { rgba, depth, depth_median, .. } = &mut image;
+            let surface = Surface { size: frame.size, depths: depth_median.as_deref().unwrap_or(depth) };
             self.whole = None;
             self.eye_dome.apply(&self.device, &frame.shading.edl, shading, surface, rgba, timeline)?;
         }
+        image.depth_median = image.depth_median.filter(|_| frame.depths);
         let begin = timeline.start.unwrap_or_else(Instant::now);
         let wall = begin.elapsed();
         facts.peak_device_bytes = self.device.peak_bytes();
@@ -402,34 +403,45 @@ impl Renderer {
     /// The lists of a frame that fits in one window and band, before sorting: for tests and inspection.
     pub fn lists(&mut self, cloud: &mut DeviceCloud, frame: &Frame, discs: Discs) -> Result<Lists, Error> {
         frame.check()?;
-        let engine = ListEngine { discs, linked: matches!(frame.method, Method::LinkedList(_)), median: false };
+        let engine = ListEngine { discs, linked: matches!(frame.method, Method::LinkedList(_)), shown: Shown::First };
         let budget = self.budget(&engine, cloud, frame);
         let mut timeline = Timeline::new(&self.progress);
         engine.lists(&self.device, cloud, &mut self.buffers, (frame, budget), &mut timeline)
     }
 
-    /// For each pixel of a frame the depth at which T first is a half or less, +inf where it never is; `None` for methods
-    /// without lists of fragments.
-    ///
-    /// # Errors
-    /// Those of [`Renderer::render`].
-    pub fn medians(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Option<Vec<f32>>, Error> {
-        frame.check()?;
-        let engine = engine_of(&frame.method);
-        self.place(engine.as_ref(), cloud, frame, false)?;
-        let budget = self.budget(engine.as_ref(), cloud, frame);
-        self.medians_of(cloud, frame, edl::divided(budget, frame).0, &mut Timeline::new(&self.progress))
-    }
-
-    /// The same, of a frame that is being rendered.
-    fn medians_of(
+    /// Finds the depths that a frame asks for beside those of first fragments, as far as its method has them: medians, where eye-dome
+    /// lighting goes by them too, and means.
+    fn find_depths(
         &mut self,
         cloud: &mut DeviceCloud,
         frame: &Frame,
         budget: Budget,
+        image: &mut Image,
+        timeline: &mut Timeline,
+    ) -> Result<(), Error> {
+        if frame.depths || frame.shading.edl.edl {
+            image.depth_median = self.depths_of(cloud, frame, Shown::Median, budget, timeline)?;
+        }
+        if frame.depths {
+            image.depth_mean = self.depths_of(cloud, frame, Shown::Mean, budget, timeline)?;
+        }
+        Ok(())
+    }
+
+    /// One of them for each pixel; `None` for methods whose images don't follow from sorted lists of all fragments.
+    fn depths_of(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        shown: Shown,
+        budget: Budget,
         timeline: &mut Timeline,
     ) -> Result<Option<Vec<f32>>, Error> {
-        let Some(engine) = ListEngine::of_medians(&frame.method) else { return Ok(None) };
+        let Some(engine) = ListEngine::showing(&frame.method, shown) else { return Ok(None) };
+        if !matches!(frame.method, Method::ABuffer(_) | Method::LinkedList(_)) {
+            // The budget is for the buffers of lists as it was for those of the image.
+            self.buffers = Buffers::new(&self.device)?;
+        }
         let frame = Frame { fragments: false, ..*frame };
         let windows = engine.windows(&frame, budget)?;
         self.target.reserve(&self.device, largest(&windows))?;
@@ -586,10 +598,11 @@ fn blank(spare: Option<Image>, engine: &dyn Engine, frame: &Frame) -> Image {
     let fragments = (frame.fragments && channels.fragments != Fragments::Never).then(|| vec![0; pixels]);
     let layers = (frame.fragments && channels.layers).then(|| vec![0; pixels]);
     let stderr = (engine.samples(frame).is_some() && frame.wants_spread()).then(|| vec![[0.0; 3]; pixels]);
-    match spare {
+    let (rgba, depth) = match spare {
         Some(image) if image.has_colors() && (image.width, image.height) == (width, height) => {
-            Image { fragments, layers, stderr, ..image }
+            (image.rgba, image.depth)
         }
-        _ => Image { width, height, rgba: vec![[0.0; 4]; pixels], depth: vec![0.0; pixels], fragments, layers, stderr },
-    }
+        _ => (vec![[0.0; 4]; pixels], vec![0.0; pixels]),
+    };
+    Image { width, height, rgba, depth, depth_median: None, depth_mean: None, fragments, layers, stderr }
 }

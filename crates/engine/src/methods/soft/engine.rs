@@ -65,7 +65,8 @@ impl SpheresEngine {
         spheres.check(&frame.method, cloud.len())?;
         let stop = sorted::stop(frame.stop, frame.color, cloud.max_color(&how));
         let storing = Storing::Spheres(spheres);
-        let job = abuffer::WindowJob { raster, discs: Discs::default(), storing, stop, median: false, budget };
+        let job =
+            abuffer::WindowJob { raster, discs: Discs::default(), storing, stop, shown: abuffer::Shown::First, budget };
         let outcome =
             if work.survey { machines.lists.survey(work, &job)? } else { machines.lists.render(work, &job)? };
         machines.soft_counted = true;

@@ -58,7 +58,8 @@ impl DeviceCloud {
         eye_lo[3] = (camera.near - f64::from(eye_hi[3])) as f32;
         let (right, right_lo) = rows(camera.right);
         let (down, down_lo) = rows(-camera.up);
-        let (forward, forward_lo) = rows(camera.forward);
+        let (mut forward, forward_lo) = rows(camera.forward);
+        forward[3] = how.gaussians.settings.stop;
         let (focal, focal_lo) = split(DVec3::splat(camera.focal_px(size[1])));
         let view = View {
             right,

@@ -62,6 +62,11 @@ pub fn order(settings: &GaussianSettings) -> Order {
     settings.order.unwrap_or(Order::Pixel)
 }
 
+/// The share of the light at which lists end: 0, which ends none, where no point is a Gaussian.
+pub fn stop(points: &Points, settings: &GaussianSettings) -> f64 {
+    if points.gaussians.is_some() { f64::from(settings.stop) } else { 0.0 }
+}
+
 /// The pixels that a Gaussian covers, row by row.
 pub fn footprint(
     camera: &Camera,

@@ -26,7 +26,7 @@ pub struct Key {
     pub slider: Slider,
     /// The key in whose place it stands: a scene has at most one of the two.
     pub rival: Option<&'static str>,
-    /// The methods that use it, of those that share these settings; empty: all of them.
+    /// The methods that use it, of those that share these settings, `auto` among them; empty: all of them.
     pub only: &'static [&'static str],
     /// True if larger numbers only make the image better and slower, so that a draft may use fewer.
     pub refines: bool,

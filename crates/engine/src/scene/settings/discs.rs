@@ -35,6 +35,8 @@ settings! {
         dilation: f32 = 0.3, in Range::NOT_NEGATIVE, unit "px²", slider Slider::Linear(0.0, 2.0);
         /// Takes back the opacity that the dilation adds (ewa).
         antialias: bool = false;
+        /// A list ends at the first fragment that would leave less than this share of the light, which isn't added; 0 ends none.
+        stop: f32 = 0.0, in Range::below(0.0, 1.0), slider Slider::Powers(0.0, 0.1), only &["auto", "abuffer", "linked-list", "sorted", "peel"];
     }
 }
 
@@ -166,6 +168,8 @@ settings! {
         discs: Discs = Discs::default();
         /// So many of the nearest fragments are exact, those behind are averaged.
         k: u32 = 8, in 1..=MAX_K, tried NEAREST;
+        /// Fragments of less opacity are none of the nearest, but averaged, wherever they lie.
+        core_alpha_min: f32 = 0.0, in Range::UNIT, slider Slider::Linear(0.0, 0.25);
     }
 }
 

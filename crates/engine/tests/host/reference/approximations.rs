@@ -20,7 +20,7 @@ fn assert_composite(got: Composite, color: [f64; 3], alpha: f64, depth: f64) {
 
 #[test]
 fn nothing_is_nothing() {
-    for got in [weighted(&[], &[], [1.0, 2.0]), average(&[], &[]), unsorted(&[], &[], &[]), hybrid(&[], &[], 3)] {
+    for got in [weighted(&[], &[], [1.0, 2.0]), average(&[], &[]), unsorted(&[], &[], &[]), hybrid(&[], &[], 3, 0.0)] {
         assert_composite(got, [0.0; 3], 0.0, f64::INFINITY);
     }
 }
@@ -66,15 +66,29 @@ fn the_last_of_the_files_lies_on_top() {
 fn a_hybrid_has_an_exact_front_and_a_mean_tail() {
     let all = list([1.0, 2.0, 3.0], [0.5, 0.5, 0.25]);
     // Behind half of red a tail of (0, 2/3, 1/3) that covers 5/8.
-    assert_composite(hybrid(&all, &COLORS, 1), [0.5, 0.5 * 0.625 * 2.0 / 3.0, 0.5 * 0.625 / 3.0], 0.8125, 1.0);
+    assert_composite(hybrid(&all, &COLORS, 1, 0.0), [0.5, 0.5 * 0.625 * 2.0 / 3.0, 0.5 * 0.625 / 3.0], 0.8125, 1.0);
     // A tail of one fragment is exact, and so is none.
     for k in [2, 3, 64] {
-        assert_composite(hybrid(&all, &COLORS, k), [0.5, 0.25, 0.0625], 0.8125, 1.0);
+        assert_composite(hybrid(&all, &COLORS, k, 0.0), [0.5, 0.25, 0.0625], 0.8125, 1.0);
     }
     // A fragment without opacity takes one of the k places.
     let clear = list([1.0, 2.0, 3.0], [0.0, 0.5, 0.5]);
-    assert_composite(hybrid(&clear, &COLORS, 1), [0.0, 0.375, 0.375], 0.75, 2.0);
-    assert_composite(hybrid(&list([1.0, 2.0, 3.0], [1.0, 0.5, 0.5]), &COLORS, 1), [1.0, 0.0, 0.0], 1.0, 1.0);
+    assert_composite(hybrid(&clear, &COLORS, 1, 0.0), [0.0, 0.375, 0.375], 0.75, 2.0);
+    assert_composite(hybrid(&list([1.0, 2.0, 3.0], [1.0, 0.5, 0.5]), &COLORS, 1, 0.0), [1.0, 0.0, 0.0], 1.0, 1.0);
+}
+
+#[test]
+fn faint_fragments_are_in_the_tail_of_a_hybrid_wherever_they_lie() {
+    let all = list([1.0, 2.0, 3.0], [0.25, 0.5, 0.5]);
+    // Half of green, and behind it a tail that covers 1 − 3/4 · 1/2 = 5/8: a third of it is red, from before green.
+    let wanted = [0.5 * 0.625 / 3.0, 0.5, 0.5 * 0.625 * 2.0 / 3.0];
+    assert_composite(hybrid(&all, &COLORS, 1, 0.3), wanted, 0.8125, 1.0);
+    assert_composite(hybrid(&all, &COLORS, 1, 0.5), wanted, 0.8125, 1.0);
+    // A core of two: green and blue, and the red one alone behind them.
+    assert_composite(hybrid(&all, &COLORS, 2, 0.3), [0.25 * 0.25, 0.5, 0.25], 0.8125, 1.0);
+    // As opaque as the least is opaque enough; with none opaque enough all are averaged.
+    assert_eq!(hybrid(&all, &COLORS, 1, 0.25), hybrid(&all, &COLORS, 1, 0.0));
+    assert_composite(hybrid(&all, &COLORS, 3, 0.6), [0.2, 0.4, 0.4].map(|share| share * 0.8125), 0.8125, 1.0);
 }
 
 #[test]
@@ -98,7 +112,7 @@ fn images_of_approximations() {
     assert_eq!((picture.rgba[0], picture.depth[0], picture.counts[0]), ([0.0; 4], f64::INFINITY, 0));
     assert_close(of(Method::Average(discs)).unwrap().rgba[on][1], 1.0 / 3.0, ROUNDING);
     // Blue, then green and red in equal parts.
-    let hybrid = of(Method::Hybrid(Hybrid { discs, k: 1 })).unwrap().rgba[on];
+    let hybrid = of(Method::Hybrid(Hybrid { discs, k: 1, ..Hybrid::default() })).unwrap().rgba[on];
     assert!(hybrid.iter().zip([0.1875, 0.1875, 0.5, 0.875]).all(|(a, b)| (a - b).abs() < ROUNDING), "{hybrid:?}");
     // Near is 0.5, far 100.
     let weights = [5.0, 4.0, 3.0].map(|z| weight(z, [0.5, 100.0]));

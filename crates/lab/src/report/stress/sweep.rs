@@ -81,6 +81,7 @@ impl Place {
             detail: Default::default(),
             memory_budget: settings.memory_budget,
             fragments: false,
+            depths: false,
         };
         let mut renderer = Renderer::new(device)?;
         let mut cloud = match renderer.upload(&points) {

@@ -12,11 +12,11 @@ pub use least_bytes::least_bytes;
 use self::classes::{CLASS_PLACED, CLASS_START, CLASS_TOTAL, CLASS_WORDS, class_variant, sort_runs_variant};
 use self::in_place::in_place_merges;
 use super::passes::*;
-use super::{Counted, LOCAL_LENGTH, Storing, WindowJob};
+use super::{Counted, LOCAL_LENGTH, Shown, Storing, WindowJob};
 use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::soft::{self, LongSpheres, Spheres};
-use crate::methods::sorted::{STOP_EXACT, STOPS};
+use crate::methods::sorted::{STOP_EXACT, STOP_NEVER, STOPS};
 use crate::methods::{Target, ellipsoids};
 use crate::passes::bands::{self, Band};
 use crate::passes::bin::OrderedTiles;
@@ -145,8 +145,7 @@ impl Blender {
         self.record_classes(recorder, offsets, band)?;
         let (classes, pixels) = (self.classes.all(), self.pixels.get().all());
         let lists = Resolving { composing, offsets, classes, pixels, fragments, image, depths };
-        let stopping =
-            if job.median { median_variant(variant.clone()) } else { variant.clone().with("STOP", job.stop.0) };
+        let stopping = resolving_variant(variant.clone(), job.shown, job.stop.0);
         let classes = || occurring(CLASSES.into_iter().enumerate(), counted.lengths.longest);
         self.record_sort_lists(recorder, classes(), stored, band)?;
         for (index, (capacity, name)) in classes() {
@@ -173,9 +172,14 @@ impl Blender {
         let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
         let partials = self.partials.get().all();
         let blend = BlendRuns { composing, work, runs, fragments: sorted, partials };
-        recorder.run(&blend, (), &self.over_runs().variant(variant.clone()))?;
-        recorder.run(&Combine { work, lists, partials, image, depths }, (), &self.over_lists())?;
-        if job.median {
+        recorder.run(&blend, (), &self.over_runs().variant(composing_variant(variant.clone(), job.shown)))?;
+        let combine = self.over_lists().variant(composing_variant(Variant::plain(), job.shown));
+        recorder.run(&Combine { work, lists, partials, image, depths }, (), &combine)?;
+        if job.discs.gaussians.stop > 0.0 {
+            let end = End { composing, work, lists, runs, fragments: sorted, partials, image, depths };
+            recorder.run(&end, (), &self.over_lists().variant(composing_variant(variant.clone(), job.shown)))?;
+        }
+        if job.shown == Shown::Median {
             let median = Median { composing, work, lists, runs, fragments: sorted, partials, depths };
             recorder.run(&median, (), &self.over_lists().variant(variant))?;
         }
@@ -425,9 +429,19 @@ fn occurring(
     classes.take_while(move |(index, _)| longest > lower_bound(*index))
 }
 
-/// The variant of a kernel whose depths are those at which half of the light or less is left, from the one that composes.
-fn median_variant(compose: Variant) -> Variant {
-    compose.with("STOP", STOP_EXACT).with("MEDIAN", 1u32)
+/// The variant of a kernel that sorts and blends whole lists, from the one that composes; `stop` holds for depths of first
+/// fragments alone. Behind what changes no bit of A the median has no fragment; the mean may have some that are very far away.
+fn resolving_variant(compose: Variant, shown: Shown, stop: u32) -> Variant {
+    match shown {
+        Shown::First => compose.with("STOP", stop),
+        Shown::Median => compose.with("STOP", STOP_EXACT).with("SHOWN", shown as u32),
+        Shown::Mean => compose.with("STOP", STOP_NEVER).with("SHOWN", shown as u32),
+    }
+}
+
+/// The variant of a pass that composes parts of long lists, of which those with medians are looked at once more.
+fn composing_variant(compose: Variant, shown: Shown) -> Variant {
+    if shown == Shown::Mean { compose.with("SHOWN", shown as u32) } else { compose }
 }
 
 /// The variant of `abuffer/resolve-ordered`.
@@ -443,21 +457,28 @@ pub fn record_nothing<'a>(recorder: &mut Recorder<'a>, target: &'a Target, windo
 }
 
 /// Constants that shaders share with this module.
-pub(crate) const CONSTANTS: [(&str, u32); 6] = [
+pub(crate) const CONSTANTS: [(&str, u32); 8] = [
     ("CLASS_WORDS", CLASS_WORDS as u32),
     ("CLASS_TOTAL", CLASS_TOTAL as u32),
     ("CLASS_START", CLASS_START as u32),
     ("CLASS_PLACED", CLASS_PLACED as u32),
     ("CLASSIFY_RUN", CLASSIFY_RUN as u32),
     ("RUN_LENGTH", LOCAL_LENGTH),
+    ("SHOWN_MEDIAN", Shown::Median as u32),
+    ("SHOWN_MEAN", Shown::Mean as u32),
 ];
 
 /// The passes of sorting and blending with their variants.
 pub(super) fn shaders() -> Vec<Shader> {
-    let stops = || compose::variants().into_iter().flat_map(|v| STOPS.map(|stop| v.clone().with("STOP", stop)));
-    let stopping = || stops().chain(compose::variants().into_iter().map(median_variant));
+    let firsts = STOPS.map(|stop| (Shown::First, stop));
+    let kinds = || firsts.into_iter().chain([Shown::Median, Shown::Mean].map(|shown| (shown, STOP_EXACT)));
+    let stopping = || {
+        let composed = compose::variants().into_iter();
+        composed.flat_map(move |v| kinds().map(move |(shown, stop)| resolving_variant(v.clone(), shown, stop)))
+    };
     let resolving =
         |sorting: Sorting, capacity: u32| stopping().map(|v| sorting.resolve_variant(v, capacity)).collect::<Vec<_>>();
+    let runs = |v: Variant| [Shown::First, Shown::Mean].map(|shown| composing_variant(v.clone(), shown));
     let choices = <(Cut, Falloff)>::all().into_iter();
     let ordered = choices.flat_map(|(cut, falloff)| STOPS.map(|stop| ordered_variant(cut, falloff, stop)));
     vec![
@@ -475,8 +496,9 @@ pub(super) fn shaders() -> Vec<Shader> {
         Shader::plain::<SortRunsGroup>(),
         Shader::plain::<Merge>(),
         Shader::plain::<MergeInPlace>(),
-        Shader::new::<BlendRuns>(compose::variants()),
-        Shader::plain::<Combine>(),
+        Shader::new::<BlendRuns>(compose::variants().into_iter().flat_map(runs)),
+        Shader::new::<Combine>(runs(Variant::plain())),
+        Shader::new::<End>(compose::variants().into_iter().flat_map(runs)),
         Shader::new::<Median>(compose::variants()),
     ]
 }

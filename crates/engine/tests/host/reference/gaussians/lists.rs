@@ -86,7 +86,7 @@ fn images_by_distance_show_depths_along_the_axis() {
     let (camera, colors, discs) = (perspective(), [DVec3::X, DVec3::Y], by(Kernel::Ewa, Order::Distance));
     assert_eq!(lists(&camera, SIZE, &points, &discs)[MIDDLE][0].z, 5.0);
     let stochastic = Stochastic { discs, samples: 64, alpha_correction: true };
-    let hybrid = Method::Hybrid(Hybrid { discs, k: 1 });
+    let hybrid = Method::Hybrid(Hybrid { discs, k: 1, ..Hybrid::default() });
     let pictures = [
         abuffer::render(&camera, SIZE, &points, &colors, &discs),
         sorted::render(&camera, SIZE, &points, &colors, &discs),
@@ -140,6 +140,37 @@ fn discs_and_gaussians_share_a_list() {
             }
         }
     }
+}
+
+#[test]
+fn lists_with_gaussians_end_early_and_others_do_not() {
+    let points = mixed();
+    let colors = [DVec3::X, DVec3::Y, DVec3::ONE, DVec3::Z];
+    let ending = |stop: f32| {
+        let discs = by(Kernel::Ewa, Order::Center);
+        Discs { gaussians: GaussianSettings { stop, ..discs.gaussians }, ..discs }
+    };
+    // A half is left behind the first, a quarter behind the disc, 3/16 behind the last.
+    for (stop, wanted) in [(0.1, 0.8125), (0.2, 0.75), (0.3, 0.5), (0.6, 0.0)] {
+        let discs = ending(stop);
+        let pictures = [
+            abuffer::render(&orthographic(), SIZE, &points, &colors, &discs),
+            sorted::render(&orthographic(), SIZE, &points, &colors, &discs),
+            peel::render(&orthographic(), SIZE, &points, &colors, &discs, 0),
+        ];
+        for picture in &pictures {
+            assert_close(picture.rgba[MIDDLE][3], wanted, ROUNDING);
+            assert_eq!(picture.depth[MIDDLE], if stop > 0.5 { f64::INFINITY } else { 4.0 });
+        }
+        // Lists have their whole length, layers are those that were blended.
+        assert_eq!((pictures[0].counts[MIDDLE], pictures[1].counts[MIDDLE]), (3, 3));
+        let layers = [0.8125, 0.75, 0.5, 0.0].iter().position(|a| *a == wanted).map(|ended| 3 - ended as u32);
+        assert_eq!(Some(pictures[2].counts[MIDDLE]), layers);
+    }
+    let mut alone = mixed();
+    alone.gaussians = None;
+    let of = |stop: f32| abuffer::render(&orthographic(), SIZE, &alone, &colors, &ending(stop));
+    assert_eq!(of(0.6), of(0.0));
 }
 
 #[test]

@@ -15,7 +15,7 @@ use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{Discs, GaussianSettings, Method};
+use pellucid_engine::scene::{Discs, GaussianSettings, Hybrid, Method};
 
 use super::{Cause, Change};
 use crate::report::tradeoff::surfaces::Clouds;
@@ -97,10 +97,10 @@ impl Studio<'_> {
     fn cause(&mut self, clouds: &mut Clouds<'_>, change: &Change) -> Result<Found, methods::Error> {
         let (image, gpu_ms) = match change.degree {
             Some(degree) => self.of_degree(clouds, change.settings, degree)?,
-            None => self.changed(clouds, change.settings)?,
+            None => self.changed(clouds, self.method(change))?,
         };
         let base = match change.base {
-            Some(settings) => Some(self.changed(clouds, settings)?.0),
+            Some(settings) => Some(self.changed(clouds, self.exact(settings))?.0),
             None => None,
         };
         let base = base.as_ref().unwrap_or(self.effort.reference);
@@ -108,13 +108,9 @@ impl Studio<'_> {
         Ok(Found { figures: compared(change, base, &image, gpu_ms), difference })
     }
 
-    /// The image with other settings of Gaussians, and its device time in ms.
-    fn changed(
-        &mut self,
-        clouds: &mut Clouds<'_>,
-        settings: GaussianSettings,
-    ) -> Result<(LinearImage, f64), methods::Error> {
-        let frame = self.frame(settings);
+    /// The image by another method or settings, and its device time in ms.
+    fn changed(&mut self, clouds: &mut Clouds<'_>, method: Method) -> Result<(LinearImage, f64), methods::Error> {
+        let frame = Frame { method, ..*self.effort.frame };
         let cloud = clouds.on_device(&self.renderer, 1, &frame.detail)?;
         self.timed(cloud, &frame)
     }
@@ -129,15 +125,27 @@ impl Studio<'_> {
         // The memory of the others first.
         clouds.forget();
         let points = with_degree(self.effort.arranged.points(), degree);
-        let frame = self.frame(settings);
+        let frame = Frame { method: self.exact(settings), ..*self.effort.frame };
         let arranged = Arranged::Canonical(Arc::new(points));
         let mut cloud = self.renderer.upload_for(&frame.detail, &arranged, None)?;
         self.timed(&mut cloud, &frame)
     }
 
-    fn frame(&self, gaussians: GaussianSettings) -> Frame {
+    /// The exact method with other settings of Gaussians.
+    fn exact(&self, gaussians: GaussianSettings) -> Method {
         let discs = self.effort.frame.method.discs().copied().unwrap_or_default();
-        Frame { method: Method::ABuffer(Discs { gaussians, ..discs }), ..*self.effort.frame }
+        Method::ABuffer(Discs { gaussians, ..discs })
+    }
+
+    /// The method of a changed image.
+    fn method(&self, change: &Change) -> Method {
+        let exact = self.exact(change.settings);
+        match (change.core_alpha_min, exact.discs()) {
+            (Some(core_alpha_min), Some(discs)) => {
+                Method::Hybrid(Hybrid { discs: *discs, core_alpha_min, ..Hybrid::default() })
+            }
+            _ => exact,
+        }
     }
 
     /// A frame's image, and the least device time of the two that follow it, in ms: the first one pays for shaders and buffers.

@@ -13,7 +13,7 @@ pub(super) use rows::{Change, changes};
 pub(super) use table::{csv, page};
 pub use text::causes_table;
 
-/// The image of `abuffer` with one thing changed.
+/// The image of `abuffer` with one thing changed, or that of `hybrid`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Cause {
     /// What the difference comes from, in a few words.

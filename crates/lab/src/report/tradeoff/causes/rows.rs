@@ -6,6 +6,12 @@ use pellucid_engine::scene::{Discs, GaussianSettings, Kernel, Order};
 /// So little that what is left out below it can't be seen.
 const FAINTEST: f32 = 1e-6;
 
+/// The share of the light at which lists end in the original (Kerbl et al. 2023).
+const EARLY_END: f32 = 1e-4;
+
+/// The least opacity of a fragment in the exact core of HTGS (Hahlbohm et al. 2025).
+const CORE_ALPHA_MIN: f32 = 0.05;
+
 /// One thing that is changed.
 #[derive(Debug, Clone, PartialEq)]
 pub(in super::super) struct Change {
@@ -23,6 +29,8 @@ pub(in super::super) struct Change {
     pub base: Option<GaussianSettings>,
     /// Harmonics up to this degree alone.
     pub degree: Option<u32>,
+    /// By `hybrid` with a core of fragments of at least this opacity, in place of `abuffer`.
+    pub core_alpha_min: Option<f32>,
 }
 
 /// The changes of a scene's exact image, itself first: `discs` and `order` are the scene's, `degree` is that of its harmonics.
@@ -36,6 +44,7 @@ pub(in super::super) fn changes(discs: &Discs, order: Order, degree: u32, projec
         settings,
         base: None,
         degree: None,
+        core_alpha_min: None,
     };
     let mut all = vec![of(
         "the exact image",
@@ -59,7 +68,12 @@ pub(in super::super) fn changes(discs: &Discs, order: Order, degree: u32, projec
         let settings = GaussianSettings { alpha_max: 1.0, ..own };
         all.push(of("cap of opacity", "method.alpha_max=1", &meaning, settings));
     }
+    if own.stop == 0.0 {
+        let meaning = "What is left out where a pixel is done once less than a ten-thousandth of the light is left, as in the original.";
+        all.push(of("early end", "method.stop=1e-4", meaning, GaussianSettings { stop: EARLY_END, ..own }));
+    }
     all.extend(projections(&own, projection, of));
+    all.extend(hybrids(own));
     all.extend((0..degree).map(|less| Change { degree: Some(less), ..of_degree(own, less) }));
     all
 }
@@ -150,6 +164,36 @@ fn projections(
     all
 }
 
+/// An average behind the nearest fragments in place of all in order, of which faint ones are or are not.
+fn hybrids(own: GaussianSettings) -> impl Iterator<Item = Change> {
+    let all = [
+        (
+            "average behind the nearest",
+            0.0,
+            "By hybrid: only the nearest fragments of each pixel in order, and the average of those behind (Maule et al. 2013).",
+        ),
+        (
+            "average behind the nearest opaque",
+            CORE_ALPHA_MIN,
+            "The same, but fragments of less opacity are averaged wherever they lie, so that they take no place among the nearest \
+             (Hahlbohm et al. 2025).",
+        ),
+    ];
+    all.into_iter().map(move |(cause, least, meaning)| Change {
+        cause,
+        setting: match least {
+            0.0 => "method.name=hybrid".to_owned(),
+            _ => format!("method.name=hybrid method.core_alpha_min={least}"),
+        },
+        against: "",
+        meaning: meaning.to_owned(),
+        settings: own,
+        base: None,
+        degree: None,
+        core_alpha_min: Some(least),
+    })
+}
+
 fn of_degree(own: GaussianSettings, degree: u32) -> Change {
     let meaning = match degree {
         0 => "One color for every direction: what is lost of gloss and reflections without any harmonics.".to_owned(),
@@ -163,6 +207,7 @@ fn of_degree(own: GaussianSettings, degree: u32) -> Change {
         settings: own,
         base: None,
         degree: Some(degree),
+        core_alpha_min: None,
     }
 }
 
@@ -192,11 +237,14 @@ mod tests {
             "order=distance",
             "alpha_min=1e-6",
             "alpha_max=1",
+            "stop=1e-4",
             "kernel=ray",
             "kernel=ellipsoid",
             "kernel=ray dilation=0",
             "dilation=0",
             "antialias=true",
+            "name=hybrid",
+            "name=hybrid core_alpha_min=0.05",
             "cloud.*.sh_degree=0",
             "cloud.*.sh_degree=1",
             "cloud.*.sh_degree=2",
@@ -206,14 +254,28 @@ mod tests {
 
     #[test]
     fn what_a_scene_does_without_is_no_cause() {
-        let own = GaussianSettings { alpha_min: 1e-6, alpha_max: 1.0, dilation: 0.0, ..GaussianSettings::default() };
+        let own = GaussianSettings {
+            alpha_min: 1e-6,
+            alpha_max: 1.0,
+            dilation: 0.0,
+            stop: 1e-3,
+            ..GaussianSettings::default()
+        };
         assert_eq!(
             settings(own, Order::Center, 0, &WIDE),
-            ["", "order=distance", "order=pixel", "kernel=ray", "kernel=ellipsoid"]
+            [
+                "",
+                "order=distance",
+                "order=pixel",
+                "kernel=ray",
+                "kernel=ellipsoid",
+                "name=hybrid",
+                "name=hybrid core_alpha_min=0.05"
+            ]
         );
         let ray = GaussianSettings { kernel: Kernel::Ray, ..GaussianSettings::default() };
         let found = settings(ray, Order::Pixel, 0, &WIDE);
-        assert_eq!(found[3..], ["alpha_min=1e-6", "alpha_max=1", "kernel=ewa", "kernel=ellipsoid"]);
+        assert_eq!(found[3..8], ["alpha_min=1e-6", "alpha_max=1", "stop=1e-4", "kernel=ewa", "kernel=ellipsoid"]);
         let ellipsoids = GaussianSettings { kernel: Kernel::Ellipsoid, ..GaussianSettings::default() };
         assert_eq!(settings(ellipsoids, Order::Pixel, 0, &WIDE), ["", "alpha_max=1", "kernel=ewa", "kernel=ray"]);
         // Without a perspective the projection is the same everywhere.
@@ -235,15 +297,16 @@ mod tests {
                 a.alpha_min != b.alpha_min,
                 a.dilation != b.dilation,
                 a.antialias != b.antialias,
+                a.stop != b.stop,
             ]
             .map(u32::from)
             .iter()
             .sum::<u32>()
         };
         for change in changes(&Discs::default(), Order::Pixel, 2, &WIDE).iter().skip(1) {
-            let degree = u32::from(change.degree.is_some());
+            let [degree, hybrid] = [change.degree.is_some(), change.core_alpha_min.is_some()].map(u32::from);
             // The kernel along the ray has no dilation: that both lack it is no second change.
-            assert_eq!(number(change.settings, own) + degree, 1, "{change:?}");
+            assert_eq!(number(change.settings, own) + degree + hybrid, 1, "{change:?}");
             assert!(change.meaning.ends_with('.') && !change.meaning.contains("  "), "{change:?}");
         }
     }
