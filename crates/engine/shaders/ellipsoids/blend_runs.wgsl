@@ -3,7 +3,6 @@
 // Reference: reference::gaussians::ellipsoid.
 #import ellipsoid_events
 #import long_list
-#import run_sums
 #import dispatch
 
 @group(0) @binding(17) var<storage, read_write> work: LongWork;
@@ -26,28 +25,28 @@ fn main(
     let width = view.window.z - view.window.x;
     let pixel = view.window.xy + vec2<u32>(run.pixel % width, run.pixel / width);
     let ray = ray_of(pixel);
-    var open = no_sums();
-    if run.run > 0u {
-        let before = sums[item];
-        open = Sums(before.high, before.low, before.rest.xy, before.rest.z);
-    }
     var sum = Composed(vec4<f32>(0.0), NOTHING);
     let start = run.start + run.run * RUN_LENGTH;
     let end = run.start + min((run.run + 1u) * RUN_LENGTH, run.length);
     let final_event = run.start + run.length - 1u;
-    var event = event_at(fragments[start], pixel, ray);
+    var walk = Walk(open_before(sums[item], run.run), event_at(fragments[start], pixel, ray));
     for (var i = start; i < end; i++) {
         let fragment = fragments[i];
-        if event.surface {
-            sum = behind(sum, fragment.x, event.color);
-        } else {
-            open = after_event(open, terms_of(event), is_exit(fragment.y));
-        }
-        // Behind the last event nothing is open.
-        let next = event_at(fragments[min(i + 1u, final_event)], pixel, ray);
-        sum = behind(sum, fragment.x, between(open, event.depth, next.depth, ray));
-        event = next;
+        let step = step_on(&walk, fragment, fragments[min(i + 1u, final_event)], pixel, ray);
+        let depth = key_depth(fragment.x) + depth_origin();
+        sum = behind(sum, depth_key(depth), step.surface);
+        sum = behind(sum, depth_key(depth + shown_place(step.segment)), step.segment.color);
     }
-    let key = select(depth_key(key_depth(sum.key) + depth_origin()), NOTHING, sum.key == NOTHING);
-    partials[item] = Partial(sum.rgba, vec4<u32>(key, 0u, 0u, 0u));
+    partials[item] = Partial(sum.rgba, vec4<u32>(sum.key, 0u, 0u, 0u));
+}
+
+// How far behind its beginning a segment shows: nothing, or, for the mean, where light ends in it on average,
+// length (1 / x - 1 / (exp(x) - 1)) for its optical depth x.
+fn shown_place(segment: Segment) -> f32 {
+    if SHOWN != SHOWN_MEAN {
+        return 0.0;
+    }
+    let x = segment.depth;
+    let a = segment.color.a;
+    return segment.length * select(1.0 / x - (1.0 - a) / a, 0.5 - x / 12.0, x < 0.05);
 }

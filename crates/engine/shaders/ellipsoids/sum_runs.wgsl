@@ -2,7 +2,6 @@
 // has no use for its sum.
 #import ellipsoid_events
 #import long_list
-#import run_sums
 #import dispatch
 
 @group(0) @binding(17) var<storage, read_write> work: LongWork;

@@ -3,6 +3,7 @@
 #import compose
 #import ellipsoid
 #import open_sums
+#import run_sums
 
 struct Event {
     // A sum of two floats.
@@ -40,8 +41,46 @@ fn terms_of(event: Event) -> Terms {
     return Terms(event.color, 0.0, 0.0);
 }
 
-// Color and opacity between two depths.
-fn between(open: Sums, first: vec2<f32>, last: vec2<f32>, ray: vec4<f32>) -> vec4<f32> {
+// A piece of a ray between two events: color and opacity, optical depth, and what it goes through along the axis.
+struct Segment {
+    color: vec4<f32>,
+    depth: f32,
+    length: f32,
+}
+
+fn between(open: Sums, first: vec2<f32>, last: vec2<f32>, ray: vec4<f32>) -> Segment {
     let length = max((last.x - first.x) + (last.y - first.y), 0.0);
-    return segment_color(open, max(open.high.a + open.low.a, 0.0) * (length * ray.w));
+    let depth = max(open.high.a + open.low.a, 0.0) * (length * ray.w);
+    return Segment(segment_color(open, depth), depth, length);
+}
+
+// Where on a ray the next event is, and what is open there.
+struct Walk {
+    open: Sums,
+    event: Event,
+}
+
+// An event: the surface that it is, if it is one, and the segment that it begins.
+struct Step {
+    surface: vec4<f32>,
+    segment: Segment,
+}
+
+// Goes from a fragment's event to the next one. Behind the last event nothing is open.
+fn step_on(walk: ptr<function, Walk>, fragment: vec2<u32>, next: vec2<u32>, pixel: vec2<u32>, ray: vec4<f32>) -> Step {
+    let event = (*walk).event;
+    if !event.surface {
+        (*walk).open = after_event((*walk).open, terms_of(event), is_exit(fragment.y));
+    }
+    (*walk).event = event_at(next, pixel, ray);
+    let segment = between((*walk).open, event.depth, (*walk).event.depth, ray);
+    return Step(select(vec4<f32>(0.0), event.color, event.surface), segment);
+}
+
+// The sums before a run.
+fn open_before(before: RunSums, run: u32) -> Sums {
+    if run == 0u {
+        return no_sums();
+    }
+    return Sums(before.high, before.low, before.rest.xy, before.rest.z);
 }

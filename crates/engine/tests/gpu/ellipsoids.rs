@@ -183,6 +183,46 @@ fn soups_are_those_of_the_reference() {
     });
 }
 
+/// Of one body and of lists of more than a run.
+#[test]
+fn depths_are_those_of_the_reference() {
+    with_device(|device| {
+        let soups = [
+            Soup { seed: 91, count: 60, extents: 0.1..0.4, ..Soup::default() },
+            Soup { seed: 92, count: 1200, extents: 0.4..1.2, opacities: 0.0..0.05, ..Soup::default() },
+        ];
+        for soup in soups {
+            let points = soup.points();
+            let discs = settings(0.99);
+            for camera in cameras() {
+                let frame = Frame { depths: true, ..encoded(camera, [16, 12], Method::ABuffer(discs)) };
+                let image = render(device, &points, &frame);
+                let plain = render(device, &points, &Frame { depths: false, ..frame });
+                assert!(bits(&image) == bits(&plain) && plain.depth_median.is_none(), "asking changes nothing else");
+                let (median, mean) = (image.depth_median.as_ref(), image.depth_mean.as_ref());
+                let (median, mean) = (median.expect("asked for"), mean.expect("asked for"));
+                let lists = ellipsoid::bodies(&camera, frame.size, &points, &discs);
+                for (pixel, list) in lists.iter().enumerate() {
+                    let stretch = ellipsoid::ray(&camera, frame.size, [pixel as u32 % 16, pixel as u32 / 16]).stretch;
+                    // Roundings and rims move T by some thousandths of itself, and means by as much of what the list goes through.
+                    let slack = 2e-3;
+                    let [low, high] = [1.0 + slack, 1.0 - slack].map(|s| ellipsoid::median(list, stretch, 0.5 * s));
+                    let found = f64::from(median[pixel]);
+                    let deep = found >= low * (1.0 - 1e-5) && (found <= high * (1.0 + 1e-5) || high.is_infinite());
+                    assert!(deep, "{} pixel {pixel}: median {found}, {low} to {high}", soup.seed);
+                    let wanted = ellipsoid::mean_depth(list, stretch);
+                    let found = f64::from(mean[pixel]);
+                    let close = (found - wanted).abs() <= 4e-3 * wanted.abs() + 4e-3;
+                    let nothing = image.rgba[pixel][3] < 1e-6;
+                    assert!(close || found == wanted || nothing, "{} pixel {pixel}: mean {found} {wanted}", soup.seed);
+                }
+                let linked = render(device, &points, &Frame { method: Method::LinkedList(discs), ..frame });
+                assert_eq!((&linked.depth_median, &linked.depth_mean), (&image.depth_median, &image.depth_mean));
+            }
+        }
+    });
+}
+
 #[test]
 fn slots_and_links_budgets_and_shuffles_have_the_same_bytes() {
     with_device(|device| {

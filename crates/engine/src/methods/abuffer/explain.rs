@@ -37,6 +37,7 @@ pub(crate) fn ellipsoid_group() -> PassGroup {
         "ellipsoids/split",
         "ellipsoids/sum-runs",
         "ellipsoids/blend-runs",
+        "ellipsoids/median",
     ];
     PassGroup::new(&names, Absent::Discs("no ellipsoids"))
 }
@@ -123,7 +124,9 @@ fn ellipsoids(plan: &mut Plan<'_>, long_lists: LongLists, linked: bool) {
     plan.add("ellipsoids/sum-runs", several, longest.clone());
     plan.add("soft/carry", several, longest);
     plan.add("ellipsoids/blend-runs", any, runs.clone());
-    plan.add("abuffer/combine", any, runs);
+    plan.add("abuffer/combine", any, runs.clone());
+    let wanted = wants_medians(plan);
+    plan.add("ellipsoids/median", any && wanted, if wanted { runs } else { NO_MEDIANS.to_owned() });
 }
 
 /// The lengths of lists, counted beside what the method does if they are asked for; `others` are elements of its prefix sums.
@@ -181,8 +184,14 @@ fn kernels(plan: &mut Plan<'_>, longest: u32, discs: &Discs) {
     let ends = discs.gaussians.stop > 0.0;
     let end = if ends { reason.clone() } else { "no early end of lists asked for (stop)".to_owned() };
     plan.add("abuffer/end", long && ends, end);
-    let wanted = plan.frame.shading.edl.edl || plan.frame.depths;
-    let asked =
-        if wanted { reason } else { "neither eye-dome lighting (shading.edl) nor median depths asked for".to_owned() };
-    plan.add("abuffer/median", long && wanted, asked);
+    let wanted = wants_medians(plan);
+    plan.add("abuffer/median", long && wanted, if wanted { reason } else { NO_MEDIANS.to_owned() });
+}
+
+/// Why no medians are found.
+const NO_MEDIANS: &str = "neither eye-dome lighting (shading.edl) nor median depths asked for";
+
+/// True if the depths are wanted at which half of the light or less is left.
+fn wants_medians(plan: &Plan<'_>) -> bool {
+    plan.frame.shading.edl.edl || plan.frame.depths
 }

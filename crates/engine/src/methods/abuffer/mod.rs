@@ -16,7 +16,7 @@ mod explain;
 mod passes;
 
 pub use blend::{CLASSES, in_place_length, least_bytes, long_groups, lower_bound, record_nothing};
-pub(crate) use blend::{CONSTANTS, Sorting};
+pub(crate) use blend::{CONSTANTS, Sorting, composing_variant};
 pub use engine::projecting;
 pub(crate) use engine::{ListEngine, ORDERED_AREA, list_bytes};
 pub(crate) use explain::{BY_LENGTH, COUNT, count_group, counted_beside, ellipsoid_group, list_group, list_passes};

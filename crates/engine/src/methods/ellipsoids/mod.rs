@@ -14,7 +14,7 @@ mod passes;
 pub use passes::*;
 
 use super::Error;
-use super::abuffer::{ListRun, LongList, LongWork, Partial, long_groups};
+use super::abuffer::{ListRun, LongList, LongWork, Partial, Shown, composing_variant, long_groups};
 use super::soft::{Carry, RunSums};
 use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
@@ -69,7 +69,13 @@ impl Sums {
     }
 
     /// Records the composition of each run; `several` if a list has more than one.
-    pub fn record<'a>(&'a self, recorder: &mut Recorder<'a>, sorted: &Sorted<'a>, several: bool) -> Result<(), Error> {
+    pub fn record<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        sorted: &Sorted<'a>,
+        several: bool,
+        shown: Shown,
+    ) -> Result<(), Error> {
         let Sorted { composing, cut, falloff, work, runs, lists, fragments, partials } = *sorted;
         let sums = self.0.get().all();
         let over_runs = || Run::new(long_groups(work, 0)).variant(run_variant(cut, falloff));
@@ -77,7 +83,21 @@ impl Sums {
             recorder.run(&SumRuns { composing, work, runs, fragments, sums }, (), &over_runs())?;
             recorder.run(&Carry { work, lists, sums }, (), &Run::new(long_groups(work, 4)))?;
         }
-        Ok(recorder.run(&BlendRuns { composing, work, runs, fragments, sums, partials }, (), &over_runs())?)
+        let blend = BlendRuns { composing, work, runs, fragments, sums, partials };
+        let variant = composing_variant(run_variant(cut, falloff), shown);
+        Ok(recorder.run(&blend, (), &Run::new(long_groups(work, 0)).variant(variant))?)
+    }
+
+    /// Records the depths at which half of the light or less is left, from the composed runs.
+    pub fn record_medians<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        sorted: &Sorted<'a>,
+        depths: Slice<'a, f32>,
+    ) -> Result<(), Error> {
+        let Sorted { composing, cut, falloff, work, runs, lists, fragments, partials } = *sorted;
+        let median = Median { composing, work, lists, runs, fragments, sums: self.0.get().all(), partials, depths };
+        Ok(recorder.run(&median, (), &Run::new(long_groups(work, 4)).variant(run_variant(cut, falloff)))?)
     }
 }
 
@@ -125,6 +145,9 @@ pub fn shaders() -> Vec<Shader> {
         Shader::new::<Link>(walked()),
         Shader::plain::<Split>(),
         Shader::new::<SumRuns>(runs()),
-        Shader::new::<BlendRuns>(runs()),
+        Shader::new::<BlendRuns>(
+            runs().flat_map(|run| [Shown::First, Shown::Mean].map(|shown| composing_variant(run.clone(), shown))),
+        ),
+        Shader::new::<Median>(runs()),
     ]
 }

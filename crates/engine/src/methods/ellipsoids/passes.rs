@@ -66,6 +66,21 @@ pass! {
 }
 
 pass! {
+    /// Finds the depth at which each list first lets through half of the light or less, for eye-dome lighting and `depth.median`, from its
+    /// composed runs and the events of one.
+    pub Median = "ellipsoids/median" {
+        composing: Shared<ComposingGroup>,
+        work: ReadWrite<LongWork>,
+        lists: Read<LongList>,
+        runs: Read<ListRun>,
+        fragments: Read<[u32; 2]>,
+        sums: Read<RunSums>,
+        partials: Read<Partial>,
+        depths: ReadWrite<f32>,
+    }
+}
+
+pass! {
     /// Composes the surfaces of each run, and the segments between events.
     pub BlendRuns = "ellipsoids/blend-runs" in "ellipsoids/blend_runs" {
         composing: Shared<ComposingGroup>,

@@ -138,50 +138,120 @@ pub fn bodies(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -
     pixels
 }
 
-/// Composes the bodies on a ray. `colors` holds a color for each point, `stretch` is length over depth.
-pub fn blend(bodies: &[Body], colors: &[DVec3], stretch: f64) -> Composite {
+/// A piece of a ray, from near to far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Piece {
+    /// Of a length, with the sum of the densities and their mean color.
+    Dense { start: f64, length: f64, density: f64, color: DVec3 },
+    /// A surface.
+    Surface { at: f64, opacity: f64, color: DVec3 },
+}
+
+/// The pieces that the bodies on a ray divide it into, without those that are clear.
+fn pieces(bodies: &[Body], colors: &[DVec3]) -> Vec<Piece> {
+    let color = |body: &Body| colors[body.index as usize];
     let mut places: Vec<f64> = bodies.iter().flat_map(|body| [body.start, body.end]).collect();
     places.sort_by(f64::total_cmp);
     places.dedup();
-    let mut light = Light { color: DVec3::ZERO, log_transmittance: 0.0 };
+    let mut pieces = Vec::new();
     for (k, place) in places.iter().enumerate() {
-        for body in bodies.iter().filter(|body| body.start == *place) {
-            if let Matter::Surface(opacity) = body.matter {
-                light.meet(opacity.min(1.0), (-opacity).ln_1p(), colors[body.index as usize]);
-            }
-        }
+        pieces.extend(bodies.iter().filter(|body| body.start == *place).filter_map(|body| match body.matter {
+            Matter::Surface(opacity) => Some(Piece::Surface { at: *place, opacity, color: color(body) }),
+            Matter::Density(_) => None,
+        }));
         let Some(next) = places.get(k + 1) else { break };
         let open = bodies.iter().filter(|body| body.start <= *place && body.end >= *next);
         let dense = open.filter_map(|body| match body.matter {
-            Matter::Density(density) => Some((density, colors[body.index as usize])),
+            Matter::Density(density) => Some((density, color(body))),
             Matter::Surface(_) => None,
         });
-        let (sum, tinted) = dense.fold((0.0, DVec3::ZERO), |(sum, tinted), (d, c)| (sum + d, tinted + d * c));
-        if sum > 0.0 {
-            let depth = sum * (next - place);
-            light.meet(-(-depth).exp_m1(), -depth, tinted / sum);
+        let (density, tinted) = dense.fold((0.0, DVec3::ZERO), |(sum, tinted), (d, c)| (sum + d, tinted + d * c));
+        if density > 0.0 {
+            pieces.push(Piece::Dense { start: *place, length: next - place, density, color: tinted / density });
         }
     }
+    pieces
+}
+
+impl Piece {
+    /// ln of what it lets through.
+    fn log_transmittance(&self) -> f64 {
+        match *self {
+            Self::Dense { length, density, .. } => -length * density,
+            Self::Surface { opacity, .. } => (-opacity).ln_1p(),
+        }
+    }
+
+    fn color(&self) -> DVec3 {
+        match *self {
+            Self::Dense { color, .. } | Self::Surface { color, .. } => color,
+        }
+    }
+
+    /// Where of the light that reaches it so much is left, if it doesn't let more through.
+    fn place_of(&self, left: f64) -> f64 {
+        match *self {
+            Self::Dense { start, length, density, .. } => start + (-left.ln() / density).clamp(0.0, length),
+            Self::Surface { at, .. } => at,
+        }
+    }
+
+    /// ∫ s dA over it, for light of 1 that reaches it.
+    fn moment(&self) -> f64 {
+        let opacity = -self.log_transmittance().exp_m1();
+        match *self {
+            Self::Surface { at, .. } => at * opacity,
+            Self::Dense { start, length, density, .. } => {
+                let x = length * density;
+                // x exp(-x) is nearly 1 - exp(-x) where there is little of either.
+                let beyond = if x < 1e-4 { length * x * (0.5 - x / 3.0) } else { (opacity - x * (-x).exp()) / density };
+                start * opacity + beyond
+            }
+        }
+    }
+}
+
+/// Composes the bodies on a ray. `colors` holds a color for each point, `stretch` is length over depth.
+pub fn blend(bodies: &[Body], colors: &[DVec3], stretch: f64) -> Composite {
+    let (mut color, mut log_transmittance) = (DVec3::ZERO, 0.0f64);
+    for piece in pieces(bodies, colors) {
+        let own = piece.log_transmittance();
+        color -= piece.color() * (own.exp_m1() * log_transmittance.exp());
+        log_transmittance += own;
+    }
     let first = bodies.iter().filter(|body| body.opacity() > 0.0).map(|body| body.start / stretch);
-    Composite {
-        color: light.color,
-        // From zero, so that nothing drawn is 0 and not the −0 that −expm1(0) yields.
-        alpha: 0.0 - light.log_transmittance.exp_m1(),
-        depth: first.fold(f64::INFINITY, f64::min),
-    }
+    // From zero, so that nothing drawn is 0 and not the −0 that −expm1(0) yields.
+    let alpha = 0.0 - log_transmittance.exp_m1();
+    Composite { color, alpha, depth: first.fold(f64::INFINITY, f64::min) }
 }
 
-/// What has been seen so far.
-struct Light {
-    color: DVec3,
-    log_transmittance: f64,
+/// The depth along the viewing axis at which `share` of the light or less is first left; +inf if more is left behind all bodies.
+pub fn median(bodies: &[Body], stretch: f64, share: f64) -> f64 {
+    let mut transmittance = 1.0f64;
+    for piece in pieces(bodies, &colorless(bodies)) {
+        let behind = transmittance * piece.log_transmittance().exp();
+        if behind <= share {
+            return piece.place_of(share / transmittance) / stretch;
+        }
+        transmittance = behind;
+    }
+    f64::INFINITY
 }
 
-impl Light {
-    fn meet(&mut self, opacity: f64, log_transmittance: f64, color: DVec3) {
-        self.color += color * (opacity * self.log_transmittance.exp());
-        self.log_transmittance += log_transmittance;
+/// The mean depth, ∫ z dA / A; +inf where A is 0.
+pub fn mean_depth(bodies: &[Body], stretch: f64) -> f64 {
+    let (mut sum, mut log_transmittance) = (0.0, 0.0f64);
+    for piece in pieces(bodies, &colorless(bodies)) {
+        sum += piece.moment() * log_transmittance.exp();
+        log_transmittance += piece.log_transmittance();
     }
+    let alpha = -log_transmittance.exp_m1();
+    if alpha > 0.0 { sum / alpha / stretch } else { f64::INFINITY }
+}
+
+/// A color for each point, of no effect.
+fn colorless(bodies: &[Body]) -> Vec<DVec3> {
+    vec![DVec3::ZERO; bodies.iter().map(|body| body.index as usize + 1).max().unwrap_or(0)]
 }
 
 /// True if a picture is made of ellipsoids.

@@ -204,9 +204,14 @@ impl Blender {
         let fragments = self.record_sort(recorder, job, stored, longest)?;
         let (composing, partials) = (Composing::new(job.raster.cloud, cut), self.partials.get().all());
         let sorted = ellipsoids::Sorted { composing, cut, falloff, work, runs, lists, fragments, partials };
-        self.ellipsoids.record(recorder, &sorted, longest > LOCAL_LENGTH)?;
+        self.ellipsoids.record(recorder, &sorted, longest > LOCAL_LENGTH, job.shown)?;
         let (image, depths) = (target.image(), target.depths());
-        Ok(recorder.run(&Combine { work, lists, partials, image, depths }, (), &self.over_lists())?)
+        let combine = self.over_lists().variant(composing_variant(Variant::plain(), job.shown));
+        recorder.run(&Combine { work, lists, partials, image, depths }, (), &combine)?;
+        if job.shown == Shown::Median {
+            self.ellipsoids.record_medians(recorder, &sorted, depths)?;
+        }
+        Ok(())
     }
 
     /// Records the sorting and blending of events of soft spheres.
@@ -440,7 +445,7 @@ fn resolving_variant(compose: Variant, shown: Shown, stop: u32) -> Variant {
 }
 
 /// The variant of a pass that composes parts of long lists, of which those with medians are looked at once more.
-fn composing_variant(compose: Variant, shown: Shown) -> Variant {
+pub(crate) fn composing_variant(compose: Variant, shown: Shown) -> Variant {
     if shown == Shown::Mean { compose.with("SHOWN", shown as u32) } else { compose }
 }
 

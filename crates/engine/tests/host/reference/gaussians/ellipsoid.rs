@@ -1,7 +1,7 @@
 //! The kernel `ellipsoid`, by chords and by hand.
 
 use pellucid_engine::reference::abuffer;
-use pellucid_engine::reference::gaussians::ellipsoid::{Body, Matter, blend, bodies, render};
+use pellucid_engine::reference::gaussians::ellipsoid::{Body, Matter, blend, bodies, mean_depth, median, render};
 use pellucid_engine::reference::gaussians::possible_chords;
 use pellucid_engine::scene::Discs;
 
@@ -161,6 +161,33 @@ fn a_disc_within_divides_what_it_is_in() {
     assert_close(g, 0.25, 1e-12);
     assert_close(a, 1.0 - 0.125, 1e-12);
     assert_eq!(picture.counts[MIDDLE], 2);
+}
+
+#[test]
+fn median_and_mean_depth_by_hand() {
+    let all = |opacity| [ball(-5.0 * DVec3::Z, 1.0, opacity)];
+    let of = |splats: &[Splatted], stretch: f64| {
+        let list = bodies(&orthographic(), SIZE, &scene(splats), &discs(1.0)).swap_remove(MIDDLE);
+        (median(&list, stretch, 0.5), mean_depth(&list, stretch))
+    };
+    // From z = 4 to 6 of optical depth ln 4: a half is left in the middle. The mean is 4 + 2 (1 / x - 1 / (exp(x) - 1)).
+    let (half, mean) = of(&all(0.75), 1.0);
+    assert_close(half, 5.0, 1e-9);
+    assert_close(mean, 4.0 + 2.0 * (1.0 / 4f64.ln() - 1.0 / 3.0), 1e-9);
+    // Lengths over depths.
+    assert_close(of(&all(0.75), 2.0).0, 2.5, 1e-9);
+    // Hardly anything: the middle of the chord on average, and a half nowhere.
+    let (half, mean) = of(&all(1e-6), 1.0);
+    assert!(half.is_infinite());
+    assert_close(mean, 5.0, 1e-6);
+    // A disc behind it takes what is left to less than a half.
+    let mut splats = all(0.25).to_vec();
+    splats.push(pancake(-8.0 * DVec3::Z, 1.0, 0.0, 0.5));
+    let (half, mean) = of(&splats, 1.0);
+    let alone = 4.0 + 2.0 * (1.0 / (4f64 / 3.0).ln() - 3.0);
+    assert_close(half, 8.0, 1e-9);
+    assert_close(mean, (0.25 * alone + 0.375 * 8.0) / 0.625, 1e-9);
+    assert_eq!(of(&[], 1.0), (f64::INFINITY, f64::INFINITY));
 }
 
 #[test]

@@ -68,12 +68,13 @@ pub(in super::super) fn changes(discs: &Discs, order: Order, degree: u32, projec
         let settings = GaussianSettings { alpha_max: 1.0, ..own };
         all.push(of("cap of opacity", "method.alpha_max=1", &meaning, settings));
     }
-    if own.stop == 0.0 {
+    if has_rims && own.stop == 0.0 {
         let meaning = "What is left out where a pixel is done once less than a ten-thousandth of the light is left, as in the original.";
         all.push(of("early end", "method.stop=1e-4", meaning, GaussianSettings { stop: EARLY_END, ..own }));
     }
     all.extend(projections(&own, projection, of));
-    all.extend(hybrids(own));
+    // Methods of other lists refuse ellipsoids.
+    all.extend(hybrids(own).into_iter().filter(|_| has_rims));
     all.extend((0..degree).map(|less| Change { degree: Some(less), ..of_degree(own, less) }));
     all
 }
