@@ -63,7 +63,8 @@ fn a_store_of_splats_has_their_picture() {
         let (code, text, errors) = run(&folder, &["info", "--json", path]);
         assert_eq!((code, errors.as_str()), (0, ""), "{text}");
         let mut value: Value = serde_json::from_str(&text).unwrap();
-        value["file"].take();
+        // Both name the input.
+        (value["file"].take(), value["command"].take());
         value
     };
     let (of_store, of_file) = (info("store"), info(&soup));

@@ -239,6 +239,26 @@ fn the_picture_of_a_store_is_that_of_the_file_that_it_was_made_of() {
     }
 }
 
+/// Gaussians that stay in the host's memory, and come some at a time.
+#[test]
+fn splats_in_memory_come_window_by_window() {
+    let path = PathBuf::from("splats");
+    let text = "[image]\nsize = [96, 72]\n[method]\nname = 'stochastic'\n[[cloud]]\npath = 'splats'\n";
+    let scene = Scene::from_toml_with(text, &path, &Overrides::default()).unwrap();
+    let whole = scene::arrange(&scene, vec![splats(7, 20_000, 1)], 3, &Progress::hidden()).unwrap();
+    let (camera, _) = scene::camera(&scene, whole.points(), UpAxis::Z).unwrap();
+    let frame = Frame::of_scene(&scene, camera, 3);
+    let Arranged::Canonical(points) = &whole else { panic!("an order by content") };
+    with_device(|device| {
+        let expected = rendered(device, &whole, &frame).expect("a frame");
+        let mut renderer = Renderer::new(device).expect("a renderer");
+        let mut cloud = renderer.supply_held(points).expect("small buffers");
+        let small = Frame { memory_budget: Some(DEVICE), ..frame };
+        let found = renderer.render(&mut cloud, &small).expect("a frame");
+        assert!(bits(&found.image) == bits(&expected.image) && found.facts.windows > 1);
+    });
+}
+
 /// Levels leave nodes out; splats that are left stay as they are, and no budget changes a byte.
 #[test]
 fn levels_of_splats_leave_some_out() {

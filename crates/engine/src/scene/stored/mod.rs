@@ -24,6 +24,7 @@ use super::error::Error;
 use super::gaussians;
 use super::legend::Legend;
 use super::settings::{CloudSettings, Scene, ShadingModel};
+use crate::cloud::gaussians::Gaussians;
 use crate::cloud::sampling::Sampling;
 use crate::cloud::{Bounds, UpAxis};
 use crate::io;
@@ -51,7 +52,9 @@ pub fn open_stores(scene: &Scene, progress: &Progress) -> Result<Stores, io::Err
 }
 
 /// Bytes of memory for each point that is taken at a time: as it is read, put into order, and taken. Half of the memory keeps nodes.
-const TAKEN_BYTES: u64 = 2 * 150;
+fn taken_bytes(splats: Option<WholeSplats>) -> u64 {
+    2 * (150 + splats.map_or(0, |splats| Gaussians::bytes_each(splats.degree)))
+}
 
 /// True if a cloud of the scene has levels of detail where it is stored.
 ///
@@ -149,7 +152,8 @@ impl Stored {
         let sampling = Sampling::of(count);
         let (seen, unseen) = within(&sample, sampling);
         let sampled = (seen.iter().map(|at| sample.positions[*at as usize]).collect(), sampling.every());
-        let (cache, most) = (Cache::new(memory / 2), (memory / TAKEN_BYTES).max(1));
+        let splats = clouds.iter().filter_map(|cloud| cloud.splats).reduce(WholeSplats::and);
+        let (cache, most) = (Cache::new(memory / 2), (memory / taken_bytes(splats)).max(1));
         let nodes = Arc::new(Nodes { scene, clips, clouds, anchors, bounds, blocks, places, cache, sampled, most });
         let clouds = &nodes.clouds;
         let whole = Whole {
@@ -158,7 +162,7 @@ impl Stored {
             largest_radius: clouds.iter().map(|cloud| cloud.largest_radius).fold(0.0, f32::max),
             brightest: clouds.iter().map(|cloud| cloud.brightest).fold(1.0, f32::max),
             is_transparent: clouds.iter().any(|cloud| cloud.is_transparent),
-            splats: clouds.iter().filter_map(|cloud| cloud.splats).reduce(WholeSplats::and),
+            splats,
             identity: clouds.iter().map(StoredCloud::identity).collect::<Vec<_>>().join("\n"),
             spheres: Arc::clone(&nodes) as Arc<dyn Spheres>,
         };

@@ -182,12 +182,12 @@ fn at(metadata: &serde_json::Value, name: &str) -> usize {
 
 #[test]
 fn stores_of_splats_that_lie_are_refused() {
-    type Change = fn(&mut serde_json::Value);
+    type Change<'a> = &'a dyn Fn(&mut serde_json::Value);
     let role = |metadata: &mut serde_json::Value, name: &str, role: serde_json::Value| {
         let at = at(metadata, name);
         metadata["pellucid"]["roles"][at] = role;
     };
-    let cases: [(&dyn Fn(&mut serde_json::Value), &str); 5] = [
+    let cases: [(Change<'_>, &str); 5] = [
         // Of another degree, of one that no format has, and of more numbers than there are.
         (&|m| role(m, "harmonics", serde_json::json!({"harmonics": 1})), "24 of type Float can't be Harmonics(1)"),
         (&|m| role(m, "harmonics", serde_json::json!({"harmonics": 200})), "24 of type Float can't be Harmonics(200)"),
@@ -211,8 +211,7 @@ fn stores_of_splats_that_lie_are_refused() {
         assert!(error.starts_with(&path.display().to_string()) && error.contains(says), "{says}: {error}");
     }
     // A version that is not known makes them points.
-    let newer: Change = |m| m["pellucid"]["version"] = 9.into();
-    let (_folder, path) = changed(newer);
+    let (_folder, path) = changed(|m| m["pellucid"]["version"] = 9.into());
     let cloud = load(&path).unwrap();
     assert!(cloud.gaussians.is_none() && cloud.warnings[0].contains("prepared in format 9"), "{:?}", cloud.warnings);
 }
