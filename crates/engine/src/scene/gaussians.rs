@@ -37,8 +37,9 @@ pub(super) fn placed(
     let degree = settings.sh_degree.map_or(gaussians.degree, |most| most.min(gaussians.degree));
     let degree = if paint.own { degree } else { 0 };
     let mut placed = gaussians.clone().with_degree(degree);
-    if settings.scale != 1.0 {
-        placed.extents.par_iter_mut().for_each(|extents| *extents = scaled(*extents, settings.scale));
+    let growth = growth(settings);
+    if growth != 1.0 {
+        placed.extents.par_iter_mut().for_each(|extents| *extents = scaled(*extents, growth));
     }
     let own = |i: usize| paint.own && !painted(i);
     placed.bases.par_iter_mut().enumerate().filter(|(i, _)| !own(*i)).for_each(|(i, base)| {
@@ -50,14 +51,19 @@ pub(super) fn placed(
     placed
 }
 
-/// How far a Gaussian reaches at most, in a cloud that is scaled.
-pub(super) fn reach(extents: Vec3, scale: f64) -> f32 {
-    gaussians::reach(scaled(extents, scale))
+/// The factor on the extents of a cloud's Gaussians.
+fn growth(settings: &CloudSettings) -> f64 {
+    settings.scale * f64::from(settings.radius_factor)
+}
+
+/// How far a Gaussian reaches at most, as the cloud's settings have it.
+pub(super) fn reach(extents: Vec3, settings: &CloudSettings) -> f32 {
+    gaussians::reach(scaled(extents, growth(settings)))
 }
 
 /// The same of one that reaches so far in its file.
-pub(super) fn scaled_reach(reach: f32, scale: f64) -> f32 {
-    ((f64::from(reach) * scale) as f32).min(f32::MAX)
+pub(super) fn scaled_reach(reach: f32, settings: &CloudSettings) -> f32 {
+    ((f64::from(reach) * growth(settings)) as f32).min(f32::MAX)
 }
 
 /// The display value of a linear component.
@@ -102,6 +108,10 @@ mod tests {
             (Vec3::new(6.0, 4.0, 0.0), Vec3::splat(0.25), Vec3::ONE)
         );
         assert_eq!((own.harmonics_of(0)[0], own.harmonics_of(1)[2]), (Vec3::ONE, Vec3::ZERO));
+        let larger = CloudSettings { radius_factor: 1.5, ..settings };
+        let grown = placed(&larger, &two(), Paint { colors: &colors, own: true }, |_| false);
+        assert_eq!(grown.extents[1], Vec3::new(9.0, 6.0, 0.0));
+        assert_eq!(reach(two().extents[1], &larger), scaled_reach(gaussians::reach(two().extents[1]), &larger));
         let settings = CloudSettings { sh_degree: Some(0), ..CloudSettings::default() };
         assert!(placed(&settings, &two(), Paint { colors: &colors, own: true }, |_| false).harmonics.is_empty());
         let given = placed(&settings, &two(), Paint { colors: &colors, own: false }, |_| false);

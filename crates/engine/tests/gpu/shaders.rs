@@ -68,10 +68,16 @@ fn every_compute_shader_has_the_common_workgroup_or_subgroups() {
 const NUMBERS: [&str; 7] = ["PART_LENGTH", "RUN", "SEGMENT", "SHARED", "STEP", "STRIPES", "TAKEN"];
 
 /// Choices that a shader shares with others and that its pass makes in one way alone: flat discs in order of depth, spheres and opaque splats without a falloff.
-const FIXED: [(&str, &str); 12] = [
+const FIXED: [(&str, &str); 18] = [
     ("abuffer/count_tiles", "SHAPE"),
     ("abuffer/resolve_ordered", "SHAPE"),
     ("abuffer/store_tiles", "SHAPE"),
+    ("ellipsoids/blend_runs", "SHAPE"),
+    ("ellipsoids/count", "SHAPE"),
+    ("ellipsoids/link", "SHAPE"),
+    ("ellipsoids/median", "SHAPE"),
+    ("ellipsoids/store", "SHAPE"),
+    ("ellipsoids/sum_runs", "SHAPE"),
     ("soft/blend_runs", "FALLOFF"),
     ("soft/express", "SHAPE"),
     ("soft/resolve_merge", "FALLOFF"),

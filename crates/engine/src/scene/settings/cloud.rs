@@ -37,7 +37,7 @@ settings! {
         /// One radius for all points, not scaled.
         radius: Option<f32> = None, in Range::NOT_NEGATIVE, unit "world units",
             without "the file's, else estimated from neighbors", start 0.003, slider Slider::Lengths(1e-5, 0.1);
-        /// Factor on the radii, wherever they come from.
+        /// Factor on the radii, wherever they come from, and on the extents of Gaussians.
         radius_factor: f32 = 1.0, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 4.0);
         /// K: neighbors that radii and uncertainty are estimated from.
         neighbors: Option<usize> = None, in 1..=65_535, without "those of a prepared file, else 24", start 24.0,

@@ -81,7 +81,7 @@ impl StoredCloud {
         let drawn = gaussians::are_drawn(scene, settings, like);
         let fixed_radius = (!drawn && (settings.radius.is_some() || !has_own)).then(|| radius(settings, None));
         let largest_radius = fixed_radius.unwrap_or_else(|| match drawn {
-            true => gaussians::scaled_reach(facts.largest_radius, settings.scale),
+            true => gaussians::scaled_reach(facts.largest_radius, settings),
             false => radius(settings, Some(facts.largest_radius)),
         });
         let is_transparent = settings.opacity < 1.0
@@ -144,7 +144,7 @@ impl StoredCloud {
             return vec![radius; nodes.len()];
         }
         if self.splats.is_some() {
-            let reach = |own: f32| gaussians::scaled_reach(own, settings.scale);
+            let reach = |own: f32| gaussians::scaled_reach(own, settings);
             return nodes.iter().map(|node| node.largest_radius.map_or(self.largest_radius, reach)).collect();
         }
         let own = |node: &Node| node.largest_radius.map(|own| radius(settings, Some(own)));

@@ -69,6 +69,7 @@ struct PlacementKey {
 /// What the Gaussians of a cloud follow from, but for its scale.
 #[derive(Debug, Clone, PartialEq)]
 struct GaussianKey {
+    radius_factor: u32,
     sh_degree: Option<u32>,
     color: Option<[u32; 3]>,
     coloring: ColorSettings,
@@ -78,6 +79,7 @@ struct GaussianKey {
 impl GaussianKey {
     fn of(settings: &CloudSettings) -> Self {
         Self {
+            radius_factor: settings.radius_factor.to_bits(),
             sh_degree: settings.sh_degree,
             color: settings.color.map(bits_of),
             coloring: settings.coloring.clone(),
@@ -166,7 +168,7 @@ impl CloudView<'_> {
 
     fn radius(&self, i: usize) -> f32 {
         if let Some(gaussians) = self.gaussians {
-            return gaussians::reach(gaussians.extents[i], self.settings.scale);
+            return gaussians::reach(gaussians.extents[i], self.settings);
         }
         radius(self.settings, self.radii.map(|radii| radii[i]))
     }
