@@ -44,6 +44,7 @@ fn errors_of_gaussians_by_cause() {
         "alpha_max=1",
         "stop=1e-4",
         "kernel=ray",
+        "kernel=ellipsoid",
         "kernel=ray",
         "dilation=0",
         "antialias=true",

@@ -119,10 +119,12 @@ impl ListEngine {
 
 impl Engine for ListEngine {
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
-        // Whether there are some is known once the cloud is.
-        let ellipsoids = self.discs.gaussians.kernel == Kernel::Ellipsoid;
-        let events = if ellipsoids { ellipsoids::PIXEL_BYTES } else { 0 };
-        Ok(windows_of(frame, budget, PIXEL_BYTES + events))
+        if self.discs.gaussians.kernel == Kernel::Ellipsoid {
+            // Should there be some: each pixel has a run, whose sums take three times as much of a binding as a pixel's color.
+            let budget = Budget { binding: budget.binding / 4, ..budget };
+            return Ok(windows_of(frame, budget, PIXEL_BYTES + ellipsoids::PIXEL_BYTES));
+        }
+        Ok(windows_of(frame, budget, PIXEL_BYTES))
     }
 
     fn channels(&self) -> Channels {

@@ -124,7 +124,7 @@ fn projections(
         other(Kernel::Ewa),
     );
     let dense = of(
-        "density, not opacity",
+        "density in place of opacity",
         "method.kernel=ellipsoid",
         "Ellipsoids of constant density, which rays go through, in place of an opacity for each Gaussian: no order is left to be wrong, but \
          shapes and rims are others than those that the model was trained with.",
