@@ -64,7 +64,8 @@ fn a_store_of_splats_has_their_picture() {
         assert_eq!((code, errors.as_str()), (0, ""), "{text}");
         let mut value: Value = serde_json::from_str(&text).unwrap();
         // Both name the input.
-        (value["file"].take(), value["command"].take());
+        value["file"].take();
+        value["command"].take();
         value
     };
     let (of_store, of_file) = (info("store"), info(&soup));

@@ -87,7 +87,7 @@ impl ABuffer {
         }
         let pixels = bands::pixels(job.raster.window);
         if job.storing.are_ellipsoids() {
-            return Ok(self.blender.reserve_events(device, pixels, most)?);
+            return self.blender.reserve_events(device, pixels, most);
         }
         let long = if need.runs { most.min(counted.lengths.in_long_lists.into()) } else { 0 };
         let events = if need.segments { [most, limit] } else { [0, 0] };

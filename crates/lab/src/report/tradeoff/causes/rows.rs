@@ -74,7 +74,7 @@ pub(in super::super) fn changes(discs: &Discs, order: Order, degree: u32, projec
     }
     all.extend(projections(&own, projection, of));
     // Methods of other lists refuse ellipsoids.
-    all.extend(hybrids(own).into_iter().filter(|_| has_rims));
+    all.extend(hybrids(own).filter(|_| has_rims));
     all.extend((0..degree).map(|less| Change { degree: Some(less), ..of_degree(own, less) }));
     all
 }
