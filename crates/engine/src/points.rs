@@ -62,13 +62,13 @@ pub struct Whole {
     pub is_transparent: bool,
     /// What identifies them: the same text for the same points.
     pub identity: String,
-    /// What is known of those that are Gaussians; `None` if none is.
+    /// Count and bounds of those that are Gaussians; `None` if none is.
     pub splats: Option<WholeSplats>,
     /// Where all of them are.
     pub spheres: Arc<dyn Spheres>,
 }
 
-/// What is known of all Gaussians of a scene that are not in one list.
+/// Count and bounds of all Gaussians of a scene that are not in one list.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WholeSplats {
     /// How many they are.
@@ -80,7 +80,7 @@ pub struct WholeSplats {
 }
 
 impl WholeSplats {
-    /// What is known of two parts together.
+    /// Count and bounds of two parts together.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self {
@@ -222,7 +222,7 @@ impl Points {
         is_one.then(|| self.radii[index])
     }
 
-    /// What is known of the Gaussians among all points; `None` if none is one.
+    /// Count and bounds of the Gaussians among all points; `None` if none is one.
     pub fn splats(&self) -> Option<WholeSplats> {
         if let Some(whole) = &self.whole {
             return whole.splats;

@@ -20,8 +20,8 @@ pub(super) struct Counted {
     pub(super) total: u32,
     pub(super) lengths: Lengths,
     /// As the last two, but a sphere counts once, however many events it has.
-    spheres: u32,
-    most_spheres: u32,
+    bodies: u32,
+    most_bodies: u32,
     /// Where the counts are found.
     place: Place,
 }
@@ -30,13 +30,13 @@ impl Counted {
     /// From the words of the answer; `events` says of spheres whether they were counted beside their events.
     fn new(words: &[u32], place: Place, events: Option<bool>) -> Self {
         let (longest, total) = (words[1], words[3]);
-        let [most_spheres, spheres] = match events {
+        let [most_bodies, bodies] = match events {
             Some(true) => [words[4], words[5]],
             Some(false) => [longest / 2, total / 2],
             None => [longest, total],
         };
         let lengths = Lengths { longest, in_long_lists: words[2] };
-        Self { overflow: words[0] != 0, lengths, total, spheres, most_spheres, place }
+        Self { overflow: words[0] != 0, lengths, total, bodies, most_bodies, place }
     }
 
     /// What adds the counts themselves to those of the frame.
@@ -55,8 +55,8 @@ impl Counted {
 
     pub(super) fn note(&self, bands: &[Band], facts: &mut Facts) {
         facts.bands += bands.len() as u64;
-        facts.fragments += u64::from(self.spheres);
-        facts.max_list = facts.max_list.max(self.most_spheres);
+        facts.fragments += u64::from(self.bodies);
+        facts.max_list = facts.max_list.max(self.most_bodies);
         facts.max_events = facts.max_events.max(self.lengths.longest);
     }
 }
@@ -81,9 +81,9 @@ impl ABuffer {
         });
         let beside = job.storing.counted_beside() == Some(true);
         self.beside = beside;
-        self.spheres.reserve(device, if beside { pixels } else { 1 })?;
+        self.bodies.reserve(device, if beside { pixels } else { 1 })?;
         self.told_offsets.reserve(device, if told { pixels + 1 } else { 0 })?;
-        self.told_spheres.reserve(device, if told && beside { pixels } else { 0 })?;
+        self.told_bodies.reserve(device, if told && beside { pixels } else { 0 })?;
         let (counts, offsets) = (self.counts.get(), self.offsets.get());
 
         let mut recorder = timeline.recorder(device)?;
@@ -96,15 +96,15 @@ impl ABuffer {
             let tiles = bins.record_tiles(&mut recorder, job.raster.cloud, binned)?;
             tiles.record(&mut recorder, job.raster.window, &whole, |tiles| CountTiles { tiles, counts })?;
         } else if let Some(spheres) = job.storing.spheres() {
-            recorder.fill("abuffer/clear", self.spheres.get().all(), 0)?;
-            recorder.fill("abuffer/clear", self.sphere_lengths.all(), 0)?;
+            recorder.fill("abuffer/clear", self.bodies.get().all(), 0)?;
+            recorder.fill("abuffer/clear", self.body_lengths.all(), 0)?;
             job.raster.record_tiles(&mut recorder)?;
-            spheres.record_count(&mut recorder, &job.raster, counts.all(), self.spheres.get().all())?;
+            spheres.record_count(&mut recorder, &job.raster, counts.all(), self.bodies.get().all())?;
         } else if job.storing.are_ellipsoids() {
-            recorder.fill("abuffer/clear", self.spheres.get().all(), 0)?;
-            recorder.fill("abuffer/clear", self.sphere_lengths.all(), 0)?;
+            recorder.fill("abuffer/clear", self.bodies.get().all(), 0)?;
+            recorder.fill("abuffer/clear", self.body_lengths.all(), 0)?;
             job.raster.record_tiles(&mut recorder)?;
-            ellipsoids::record_count(&mut recorder, &job.raster, counts.all(), self.spheres.get().all())?;
+            ellipsoids::record_count(&mut recorder, &job.raster, counts.all(), self.bodies.get().all())?;
         } else {
             job.raster.record_tiles(&mut recorder)?;
             job.raster.record(&mut recorder, &whole, |chunk: Chunk<'_>| Count { chunk, counts: counts.all() })?;
@@ -113,8 +113,8 @@ impl ABuffer {
         let push = CountPush { count: pixels as u32 };
         if beside {
             let run = measure.clone().variant(measure_variant(0));
-            let of_spheres = Measure { counts: self.spheres.get().all(), lengths: self.sphere_lengths.all() };
-            recorder.run(&of_spheres, push, &run)?;
+            let of_bodies = Measure { counts: self.bodies.get().all(), lengths: self.body_lengths.all() };
+            recorder.run(&of_bodies, push, &run)?;
         }
         let measure = measure.variant(measure_variant(LOCAL_LENGTH));
         recorder.run(&Measure { counts: counts.all(), lengths: self.lengths.all() }, push, &measure)?;
@@ -124,10 +124,10 @@ impl ABuffer {
             recorder.copy("abuffer/cursors", offsets.slice(0, pixels + 1), counts.slice(0, pixels + 1))?;
         }
         self.told_offsets.record(&mut recorder, offsets);
-        self.told_spheres.record(&mut recorder, self.spheres.get());
+        self.told_bodies.record(&mut recorder, self.bodies.get());
         let mut words = vec![self.overflow.all(), self.lengths.all().cast(), offsets.slice(pixels, 1)];
         if beside {
-            words.push(self.sphere_lengths.all().cast());
+            words.push(self.body_lengths.all().cast());
         }
         let names = ("abuffer/summary", "abuffer/count and scan");
         let answer = timeline.ask(device, recorder, names, &words)?;

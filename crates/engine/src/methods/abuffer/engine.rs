@@ -187,7 +187,7 @@ impl ABuffer {
     /// List lengths of the window that was counted last, if the frame asks for them.
     pub(crate) fn counts(&self, frame: &Frame, window: Window) -> Result<Counts, Error> {
         let fragments = match frame.fragments {
-            true if self.beside => Some(self.read_spheres(window)?),
+            true if self.beside => Some(self.read_bodies(window)?),
             true => Some(self.read_counts(window)?),
             false => None,
         };

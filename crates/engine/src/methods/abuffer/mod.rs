@@ -72,12 +72,12 @@ pub struct ABuffer {
     spare: Kept<[u32; 2]>,
     /// Records of packed events of spheres, at their fragments' slots.
     records: Kept<[u32; 4]>,
-    /// Spheres of each pixel, or what else events are of, where they are counted beside, and what was found in them.
-    spheres: Kept<u32>,
+    /// Bodies of each pixel that events are of (spheres, ellipsoids, discs), where they are counted beside, and their lengths.
+    bodies: Kept<u32>,
     /// True if they were, of the last window.
     beside: bool,
-    told_spheres: Told<u32>,
-    sphere_lengths: Buffer<Lengths>,
+    told_bodies: Told<u32>,
+    body_lengths: Buffer<Lengths>,
     linked: LinkedList,
     blender: Blender,
 }
@@ -185,10 +185,10 @@ impl ABuffer {
             fragments: Kept::new("fragments", Memory::Device),
             spare: Kept::new("spare fragments", Memory::Device),
             records: Kept::new("event records", Memory::Device),
-            spheres: Kept::new("sphere counts", Memory::Device),
+            bodies: Kept::new("sphere counts", Memory::Device),
             beside: false,
-            told_spheres: Told::new("sphere counts, host"),
-            sphere_lengths: device.buffer("sphere lengths", 1, Memory::Device)?,
+            told_bodies: Told::new("sphere counts, host"),
+            body_lengths: device.buffer("sphere lengths", 1, Memory::Device)?,
             linked: LinkedList::new(device)?,
             blender: Blender::new(device)?,
         })
@@ -264,10 +264,10 @@ impl ABuffer {
         Ok(offsets.windows(2).map(|w| w[1] - w[0]).collect())
     }
 
-    /// Spheres of every pixel of the window, in its order, as [`Self::read_counts`].
-    pub fn read_spheres(&self, window: Window) -> Result<Vec<u32>, Error> {
+    /// Bodies of every pixel of the window, in its order, as [`Self::read_counts`].
+    pub fn read_bodies(&self, window: Window) -> Result<Vec<u32>, Error> {
         if self.beside {
-            return self.told_spheres.read(self.spheres.get(), bands::pixels(window));
+            return self.told_bodies.read(self.bodies.get(), bands::pixels(window));
         }
         Ok(self.read_counts(window)?.into_iter().map(|events| events / 2).collect())
     }

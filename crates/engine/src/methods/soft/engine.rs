@@ -107,7 +107,7 @@ impl Engine for SpheresEngine {
     fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
         let Machines { lists, soft_counted, .. } = &buffers.machines;
         let asked = frame.fragments && *soft_counted;
-        let fragments = if asked { Some(lists.read_spheres(window)?) } else { None };
+        let fragments = if asked { Some(lists.read_bodies(window)?) } else { None };
         Ok(Counts { fragments, ..Counts::default() })
     }
 

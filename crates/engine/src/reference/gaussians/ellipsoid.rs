@@ -17,7 +17,7 @@ use crate::camera::Camera;
 use crate::points::Points;
 use crate::scene::{Discs, GaussianSettings, Kernel};
 
-/// What a ray meets of a splat.
+/// The part of a splat on a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Body {
     /// The point's place in the canonical order.
@@ -26,11 +26,11 @@ pub struct Body {
     pub start: f64,
     /// Where it ends; a surface ends where it begins.
     pub end: f64,
-    /// What it does to light.
+    /// Its effect on light.
     pub matter: Matter,
 }
 
-/// What a body does to light.
+/// The effect of a body on light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Matter {
     /// Optical depth of a unit of length.
@@ -62,7 +62,7 @@ pub fn ray(camera: &Camera, size: [u32; 2], pixel: [u32; 2]) -> Ray {
     Ray::new(camera, size, pixel)
 }
 
-/// What a pixel's ray meets of a Gaussian.
+/// The part of a Gaussian on a pixel's ray; `None` where the ray misses it.
 pub fn meet(placed: &Placed, settings: &GaussianSettings, pixel: [u32; 2], index: u32) -> Option<Body> {
     let ray = ray(placed.camera, placed.size, pixel);
     let near = placed.camera.near * ray.stretch;
@@ -116,7 +116,7 @@ pub(super) fn footprint(placed: &Placed, settings: &GaussianSettings) -> Vec<Hit
     placed.window(super::ray::bounds(placed, 1.0)).filter_map(hit).collect()
 }
 
-/// What the rays of all pixels meet, row by row: Gaussians and discs, by the order of their points.
+/// The bodies on the rays of all pixels, row by row: Gaussians and discs, by the order of their points.
 pub fn bodies(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -> Vec<Vec<Body>> {
     let mut pixels = vec![Vec::new(); size[0] as usize * size[1] as usize];
     for index in 0..points.len() {

@@ -46,7 +46,7 @@ pub(super) struct StoredCloud {
     fixed_radius: Option<f32>,
     /// The largest component that a color of its points may have.
     pub brightest: f32,
-    /// What is known of its Gaussians, if that is what its points are drawn as.
+    /// Count and bounds of its Gaussians, if its points are drawn as such.
     pub splats: Option<WholeSplats>,
     pub is_transparent: bool,
     /// How it is colored and why, a phrase.

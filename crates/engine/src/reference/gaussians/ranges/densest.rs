@@ -47,7 +47,7 @@ pub(super) fn errors(placed: &Placed, axes: DMat3) -> [DVec2; 3] {
     super::errors(placed, axes, slope(placed))
 }
 
-/// What float32 may make of a chord through an ellipsoid, as depths along the viewing axis.
+/// The range in which float32 leaves a chord through an ellipsoid, as depths along the viewing axis.
 #[derive(Clone, Copy)]
 pub(super) struct Chord {
     pub middle: Range,
