@@ -5,8 +5,8 @@ use include_dir::include_dir;
 use crate::gpu::Variant;
 use crate::gpu::shader::{Shader, Sources};
 use crate::methods::{
-    abuffer, approximate, edl, image_space, linked_list, one_layer, opaque, peel, peel_layers, points, shadows, soft,
-    sorted, spbr, splats, stochastic,
+    abuffer, approximate, edl, fading, image_space, linked_list, one_layer, opaque, peel, peel_layers, points, shadows,
+    soft, sorted, spbr, splats, stochastic,
 };
 use crate::output::encode;
 use crate::passes::{bin, compose, project, radix, scan, tiles};
@@ -53,6 +53,7 @@ pub fn shaders() -> Vec<Shader> {
         approximate::shaders,
         edl::shaders,
         encode::shaders,
+        fading::shaders,
         image_space::shaders,
         linked_list::shaders,
         one_layer::shaders,

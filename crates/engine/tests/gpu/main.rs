@@ -8,6 +8,7 @@ mod colors;
 mod detail;
 mod edl;
 mod elementary;
+mod fading;
 mod gaussians;
 mod gpu;
 mod image_space;
