@@ -2,7 +2,11 @@
 #import splat
 #import region_fold
 #import fade
-#import cell
+
+struct Push {
+    walk: TileWalk,
+}
+var<immediate> push: Push;
 
 @group(0) @binding(20) var<storage, read_write> ranges: array<vec2<f32>>;
 
