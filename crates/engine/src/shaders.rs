@@ -5,7 +5,7 @@ use include_dir::include_dir;
 use crate::gpu::Variant;
 use crate::gpu::shader::{Shader, Sources};
 use crate::methods::{
-    abuffer, approximate, edl, ellipsoids, image_space, linked_list, one_layer, opaque, peel, peel_layers, points,
+    abuffer, approximate, edl, ellipsoids, fading, image_space, linked_list, one_layer, opaque, peel, peel_layers, points,
     shadows, soft, sorted, spbr, splats, stochastic,
 };
 use crate::output::encode;
@@ -54,6 +54,7 @@ pub fn shaders() -> Vec<Shader> {
         edl::shaders,
         ellipsoids::shaders,
         encode::shaders,
+        fading::shaders,
         image_space::shaders,
         linked_list::shaders,
         one_layer::shaders,

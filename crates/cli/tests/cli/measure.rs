@@ -401,7 +401,7 @@ fn the_plan_is_what_runs() {
             assert_eq!(has(&planned, "soft/compose"), has(&planned, "splats/normalise"), "{planned:?}");
         }
     }
-    for method in ["hybrid", "weighted", "average", "unsorted"] {
+    for method in ["hybrid", "mlab", "moments", "wavelet", "weighted", "average", "unsorted"] {
         let stage = format!("{method}/accumulate");
         for (args, more) in [
             ([&tori, "--size", "40x30"], &["--set", "method.shape=oriented"][..]),
@@ -446,7 +446,19 @@ fn the_plan_is_what_runs() {
     for method in ["points", "peel"] {
         assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--method", method]);
     }
-    for method in ["hybrid", "weighted", "average", "unsorted", "hqs", "splats", "one-layer", "soft-express"] {
+    for method in [
+        "hybrid",
+        "mlab",
+        "moments",
+        "wavelet",
+        "weighted",
+        "average",
+        "unsorted",
+        "hqs",
+        "splats",
+        "one-layer",
+        "soft-express",
+    ] {
         assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--method", method]);
     }
     let away = assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--method", "sorted"]);

@@ -99,7 +99,20 @@ fn a_report_holds_every_setting_once() {
     keys.sort();
     keys.dedup();
     assert_eq!(keys.len(), count, "each setting once");
-    let names = ["abuffer", "linked-list", "sorted", "peel", "stochastic", "hybrid", "weighted", "average", "unsorted"];
+    let names = [
+        "abuffer",
+        "linked-list",
+        "sorted",
+        "peel",
+        "stochastic",
+        "hybrid",
+        "mlab",
+        "moments",
+        "wavelet",
+        "weighted",
+        "average",
+        "unsorted",
+    ];
     for name in names.iter().chain(&["points", "squares", "circles"]) {
         assert!(keys.iter().any(|(method, _)| method == name), "{name} is measured or listed as skipped: {keys:?}");
     }
@@ -136,7 +149,19 @@ fn a_quick_look_leaves_out_what_does_not_fit() {
     assert_eq!((&rows[0]["frames"], &rows[0]["front"]), (&1.into(), &true.into()));
     let (late, others): (Vec<&Value>, Vec<&Value>) =
         report["skipped"].as_array().unwrap().iter().partition(|skipped| skipped["for_time"] == true);
-    for method in ["linked-list", "sorted", "peel", "stochastic", "hybrid", "weighted", "average", "unsorted"] {
+    for method in [
+        "linked-list",
+        "sorted",
+        "peel",
+        "stochastic",
+        "hybrid",
+        "mlab",
+        "moments",
+        "wavelet",
+        "weighted",
+        "average",
+        "unsorted",
+    ] {
         assert!(late.iter().any(|skipped| text(skipped, "method") == method), "{method}: {late:?}");
     }
     assert!(late.iter().all(|skipped| text(skipped, "reason").contains(" s are left of 0.001 s")), "{late:?}");

@@ -28,8 +28,11 @@ fn key(i: u32) -> u32 {
     if ORDER == ORDER_INDEX {
         return 0u;
     }
-    // The last one of the files comes first.
-    return push.none - 1u - points[i].w;
+    if ORDER == ORDER_FILE {
+        // The last one of the files comes first.
+        return push.none - 1u - points[i].w;
+    }
+    return points[i].w;
 }
 
 @compute @workgroup_size(WG_SIZE)

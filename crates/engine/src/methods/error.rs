@@ -156,7 +156,7 @@ pub enum Error {
     NotDealt,
     /// The device has no shuffles.
     #[error(
-        "methods that go through tiles of splats (sorted, stochastic, hybrid, weighted, average, unsorted, hqs, splats, the soft ones where there are solid points, one-layer) need subgroups of a known size from 8 to 32 with ballots and shuffles, which {device} lacks; use abuffer or circles"
+        "methods that go through tiles of splats (sorted, stochastic, hybrid, mlab, moments, wavelet, weighted, average, unsorted, hqs, splats, the soft ones where there are solid points, one-layer) need subgroups of a known size from 8 to 32 with ballots and shuffles, which {device} lacks; use abuffer or circles"
     )]
     NoSubgroups {
         /// The device.

@@ -250,7 +250,7 @@ impl Plan<'_> {
         let by = match order {
             Order::Depth => "in order of depth",
             Order::Index => "in canonical order",
-            Order::File => "in the files' order",
+            Order::File | Order::Arrival => "in the files' order",
             Order::Along(_) => "along an axis",
         };
         let by_digit = format!("keys have {bits} bits: {digits} digit(s) of {digit}");

@@ -12,6 +12,7 @@ mod engine;
 mod error;
 pub(crate) mod explain;
 mod facts;
+pub mod fading;
 mod frame;
 mod frame_profile;
 pub mod image_space;
@@ -52,7 +53,7 @@ use crate::gpu::Device;
 use crate::passes::bin::Bins;
 use crate::passes::project::Footprint;
 use crate::passes::tiles::Tiles;
-use crate::scene::{Hybrid, Interpolated, Method};
+use crate::scene::{Hybrid, Interpolated, Method, Mlab, Wavelet};
 use abuffer::Shown;
 use engine::Engine;
 use explain::{Absent, CLEAR, PassGroup, SCAN};
@@ -60,12 +61,14 @@ use explain::{Absent, CLEAR, PassGroup, SCAN};
 /// The engine of a method.
 pub(crate) fn engine_of(method: &Method) -> Box<dyn Engine> {
     use approximate::{ApproximateEngine, Kind};
+    use fading::{Fading, FadingEngine};
     use soft::{ExpressEngine, Interior, SpheresEngine};
     let relief = method.relief();
     let nearest = |splats, footprint| Box::new(opaque::NearestEngine { splats, footprint, relief });
     let outlined = |of: Interpolated| nearest(of.splats, projecting::outlined(of.shape));
     let three_pass = |settings, footprint| Box::new(splats::SplatsEngine { settings, footprint });
     let approximate = |discs, kind| Box::new(ApproximateEngine { discs, kind });
+    let fading = |discs, fading| Box::new(FadingEngine { discs, fading });
     let ensembles = |ensembles| Box::new(spbr::EnsembleEngine { ensembles });
     match *method {
         Method::Points => Box::new(points::PointsEngine),
@@ -78,6 +81,9 @@ pub(crate) fn engine_of(method: &Method) -> Box<dyn Engine> {
         Method::Peel(peel) => Box::new(peel::PeelEngine { peel }),
         Method::Stochastic(settings) => Box::new(stochastic::StochasticEngine { settings }),
         Method::Hybrid(Hybrid { discs, k, core_alpha_min }) => approximate(discs, Kind::Hybrid { k, core_alpha_min }),
+        Method::Mlab(Mlab { discs, nodes }) => approximate(discs, Kind::Mlab(nodes)),
+        Method::Moments(settings) => fading(settings.discs, Fading::Moments(settings)),
+        Method::Wavelet(Wavelet { discs, rank }) => fading(discs, Fading::Wavelet(rank)),
         Method::Weighted(discs) => approximate(discs, Kind::Weighted),
         Method::Average(discs) => approximate(discs, Kind::Average),
         Method::Unsorted(discs) => approximate(discs, Kind::Unsorted),
@@ -145,6 +151,8 @@ pub(crate) struct Machines {
     pub filterer: image_space::Filterer,
     /// Sums for each pixel.
     pub approximations: approximate::Approximations,
+    /// How the light of each pixel fades.
+    pub fadings: fading::Fadings,
     /// Samples of pixels.
     pub sampler: stochastic::Sampler,
     /// Layers of discs.
@@ -173,6 +181,7 @@ impl Buffers {
             opaque: opaque::Opaque::default(),
             filterer: image_space::Filterer::new(device)?,
             approximations: approximate::Approximations::default(),
+            fadings: fading::Fadings::default(),
             sampler: stochastic::Sampler::new(),
             peeler: peel::Peeler::new(device)?,
             layer_peeler: peel_layers::LayerPeeler::new(device)?,

@@ -101,8 +101,19 @@ pub(super) fn counts(buffers: &Buffers, frame: &Frame, window: Window) -> Result
 }
 
 /// The stages that go through tiles of ordered splats.
-const STAGES: [&str; 5] =
-    ["sorted/blend", "hybrid/accumulate", "weighted/accumulate", "average/accumulate", "unsorted/accumulate"];
+const STAGES: [&str; 11] = [
+    "sorted/blend",
+    "hybrid/accumulate",
+    "mlab/accumulate",
+    "moments/gather",
+    "moments/accumulate",
+    "wavelet/range",
+    "wavelet/gather",
+    "wavelet/accumulate",
+    "weighted/accumulate",
+    "average/accumulate",
+    "unsorted/accumulate",
+];
 
 /// The passes that sort splats and put them into tiles.
 pub(super) fn order_group() -> PassGroup {
@@ -121,12 +132,19 @@ pub(super) fn stage_group() -> PassGroup {
 
 /// The plan of a frame of one of these stages: the sort of splats, the stage, and the counting of lists.
 pub(super) fn explain(plan: &mut Plan<'_>, name: &'static str, order: Order) {
+    explain_stages(plan, &[name], order);
+}
+
+/// The same of several of them, one after the other.
+pub(super) fn explain_stages(plan: &mut Plan<'_>, names: &[&'static str], order: Order) {
     let (facts, why) = (plan.facts, plan.why);
     plan.projected();
     let counters = if plan.seen() { plan.order(order, why) } else { 0 };
     abuffer::counted_beside(plan, counters);
     let windows = plan.if_seen(format!("{} window(s) with splats", facts.bands));
-    plan.add(name, plan.seen(), windows);
+    for name in names {
+        plan.add(name, plan.seen(), windows.clone());
+    }
     plan.emptied();
     plan.rest(&ORDER, NOTHING);
     without_lists(plan, &format!("splats are sorted, not fragments: {why}"));

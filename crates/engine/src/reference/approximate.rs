@@ -5,18 +5,18 @@
 use glam::DVec3;
 
 use super::abuffer::{Composite, Fragment, composite, lists};
-use super::{Picture, gaussians};
+use super::{Picture, gaussians, mlab, moments, wavelet};
 use crate::camera::Camera;
 use crate::points::Points;
-use crate::scene::{Hybrid, Method};
+use crate::scene::{Hybrid, Method, Mlab, Wavelet};
 
 /// z of the nearest fragment with α > 0, +inf if none has.
-fn nearest(list: &[Fragment]) -> f64 {
+pub(super) fn nearest(list: &[Fragment]) -> f64 {
     list.iter().filter(|f| f.alpha > 0.0).map(|f| f.z).fold(f64::INFINITY, f64::min)
 }
 
 /// 1 − ∏(1−αᵢ).
-fn coverage(list: &[Fragment]) -> f64 {
+pub(super) fn coverage(list: &[Fragment]) -> f64 {
     0.0 - list.iter().map(|f| (-f.alpha).ln_1p()).sum::<f64>().exp_m1()
 }
 
@@ -48,11 +48,15 @@ pub fn average(list: &[Fragment], colors: &[DVec3]) -> Composite {
     Composite { color: mean(list, colors, |_| 1.0), alpha, depth: nearest(list) }
 }
 
+/// Where in the files a fragment's point stood.
+pub(super) fn place(f: &Fragment, places: &[u32]) -> u32 {
+    places.get(f.index as usize).copied().unwrap_or(f.index)
+}
+
 /// Blended over one another in the order of `places`, where in the files each point stood: later over earlier.
 pub fn unsorted(list: &[Fragment], colors: &[DVec3], places: &[u32]) -> Composite {
-    let place = |f: &Fragment| places.get(f.index as usize).copied().unwrap_or(f.index);
     let mut by_place = list.to_vec();
-    by_place.sort_by_key(place);
+    by_place.sort_by_key(|f| place(f, places));
     let color =
         by_place.iter().fold(DVec3::ZERO, |below, f| f.alpha * colors[f.index as usize] + (1.0 - f.alpha) * below);
     Composite { color, alpha: coverage(list), depth: nearest(list) }
@@ -72,16 +76,21 @@ pub fn hybrid(list: &[Fragment], colors: &[DVec3], k: u32, core_alpha_min: f64) 
     Composite { color: front.color + through * behind, alpha: coverage(list), depth: nearest(list) }
 }
 
-/// The whole image by one of the methods of this module; `None` for others. `colors` holds a color for each point, shaded
+/// The whole image by one of the methods of this module, or by `mlab`, `moments` or `wavelet`; `None` for others. `colors` holds a color for each point, shaded
 /// and in the space that blending runs in ([`super::shading::shade`]).
 pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], method: &Method) -> Option<Picture> {
     let discs = method.discs()?;
     let lists = lists(camera, size, points, discs);
+    let range = [camera.near, camera.far];
+    let with_depths = |list: &[Fragment]| gaussians::with_depths(camera, points, &discs.gaussians, list);
     let pixel = |list: &Vec<Fragment>| match method {
-        Method::Weighted(_) => Some(weighted(list, colors, [camera.near, camera.far])),
+        Method::Weighted(_) => Some(weighted(list, colors, range)),
         Method::Average(_) => Some(average(list, colors)),
         Method::Unsorted(_) => Some(unsorted(list, colors, &points.file_order)),
         Method::Hybrid(Hybrid { k, core_alpha_min, .. }) => Some(hybrid(list, colors, *k, f64::from(*core_alpha_min))),
+        Method::Mlab(Mlab { nodes, .. }) => Some(mlab::mlab(list, colors, &points.file_order, *nodes)),
+        Method::Moments(settings) => Some(moments::moments(&with_depths(list), colors, range, settings)),
+        Method::Wavelet(Wavelet { rank, .. }) => Some(wavelet::wavelet(&with_depths(list), colors, range, *rank)),
         _ => None,
     };
     let shown = |list: &[Fragment], key| gaussians::depth_of_key(camera, points, &discs.gaussians, list, key);

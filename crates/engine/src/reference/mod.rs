@@ -11,6 +11,8 @@ pub mod edl;
 pub mod field;
 pub mod gaussians;
 pub mod image_space;
+pub mod mlab;
+pub mod moments;
 pub mod one_layer;
 pub mod opaque;
 pub mod peel;
@@ -24,6 +26,7 @@ pub mod sorted;
 pub mod spbr;
 pub mod splats;
 pub mod stochastic;
+pub mod wavelet;
 
 use glam::DVec3;
 

@@ -4,8 +4,8 @@
 
 use super::schema::{Key, Settings};
 use super::settings::{
-    BlendedSplats, Discs, Hybrid, ImageSpace, Interpolated, OneLayer, Peel, PeelLayers, ScreenSplats, Soft, SoftLayout,
-    Spbr, SpbrSimplified, Stochastic,
+    BlendedSplats, Discs, Hybrid, ImageSpace, Interpolated, Mlab, Moments, OneLayer, Peel, PeelLayers, ScreenSplats,
+    Soft, SoftLayout, Spbr, SpbrSimplified, Stochastic, Wavelet,
 };
 
 /// The name that leaves the method to the scene.
@@ -117,6 +117,12 @@ methods! {
     "stochastic" => Stochastic(Stochastic), Discs, for Approximate, also &["alpha_correction=false", "raster=hardware"];
     /// The nearest discs of each pixel exactly, the mean of those behind (Maule et al. 2013).
     "hybrid" => Hybrid(Hybrid), Discs, for Approximate;
+    /// A few layers for each pixel, of which the last two are merged as discs come in the order of the files (Salvi and Vaidyanathan 2014).
+    "mlab" => Mlab(Mlab), Discs, for Approximate;
+    /// Discs weighted by the light before them, as bounded by power moments of each pixel's optical depth (Münstermann et al. 2018).
+    "moments" => Moments(Moments), Discs, for Approximate;
+    /// Discs weighted by the light before them, by wavelets of each pixel's optical depth (Aizenshtein et al. 2022).
+    "wavelet" => Wavelet(Wavelet), Discs, for Approximate;
     /// Discs averaged with weights that fall with depth (McGuire and Bavoil 2013): an approximation with exact opacity.
     "weighted" => Weighted(Discs), Discs, for Approximate;
     /// The mean color of all discs, opaque: a wrong picture to compare with.

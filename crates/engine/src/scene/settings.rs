@@ -24,8 +24,8 @@ pub use cloud::{CloudSettings, Primitive};
 pub use coloring::{ColorBy, ColorSettings, ColormapName};
 pub use detail::Detail;
 pub use discs::{
-    DiscShape, Discs, Falloff, GaussianSettings, Hybrid, Kernel, LongLists, MAX_K, MAX_LAYERS, MAX_SAMPLES, Order,
-    Peel, Raster, Stochastic,
+    DiscShape, Discs, Falloff, GaussianSettings, Hybrid, Kernel, LongLists, MAX_K, MAX_LAYERS, MAX_NODES, MAX_RANK,
+    MAX_SAMPLES, Mlab, MomentCount, Moments, Order, Peel, Raster, Stochastic, Wavelet,
 };
 pub use ensembles::{Brightness, MAX_ENSEMBLES, Spbr, SpbrSimplified};
 pub use image::{ColorSpace, ImageSettings};

@@ -7,7 +7,7 @@ use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_engine::points::Points;
 use pellucid_engine::reference::{self, Picture};
-use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Falloff, Hybrid, Method, Shading, ShadingModel};
+use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Falloff, Hybrid, Method, Mlab, Shading, ShadingModel};
 use pellucid_testing::*;
 use rand::RngExt;
 use rand::seq::SliceRandom;
@@ -21,9 +21,22 @@ fn gated(discs: Discs, k: u32, core_alpha_min: f32) -> Method {
     Method::Hybrid(Hybrid { discs, k, core_alpha_min })
 }
 
-/// All four; two numbers of fragments for `hybrid`, of which one takes several rounds where discs are oriented.
-fn methods(discs: Discs) -> [Method; 5] {
-    [Method::Weighted(discs), Method::Average(discs), Method::Unsorted(discs), hybrid(discs, 3), hybrid(discs, 11)]
+fn mlab(discs: Discs, nodes: u32) -> Method {
+    Method::Mlab(Mlab { discs, nodes })
+}
+
+/// All five; two numbers of fragments for `hybrid`, of which one takes several rounds where discs are oriented; as many layers as `mlab` has
+/// slots, and fewer.
+fn methods(discs: Discs) -> [Method; 7] {
+    [
+        Method::Weighted(discs),
+        Method::Average(discs),
+        Method::Unsorted(discs),
+        hybrid(discs, 3),
+        hybrid(discs, 11),
+        mlab(discs, 3),
+        mlab(discs, 16),
+    ]
 }
 
 fn shapes() -> impl Iterator<Item = Discs> {
@@ -291,7 +304,7 @@ fn a_hundred_thousand_thin_layers_and_huge_weights() {
 }
 
 #[test]
-fn only_unsorted_asks_for_the_order_of_the_files() {
+fn only_unsorted_and_mlab_ask_for_the_order_of_the_files() {
     with_device(|device| {
         let size = [96, 96];
         // Depths on few levels and coincident positions: plenty of ties between different colors.
@@ -309,17 +322,18 @@ fn only_unsorted_asks_for_the_order_of_the_files() {
                 let mut shuffled = points.clone();
                 shuffled.shuffle(&mut random(1));
                 let found = bits(&render(device, &scene(&shuffled), &frame));
-                assert_eq!(found == first, !matches!(method, Method::Unsorted(_)), "{method:?}");
+                assert_eq!(found == first, !matches!(method, Method::Unsorted(_) | Method::Mlab(_)), "{method:?}");
             }
         }
         // The order is that of the files, whatever the canonical one.
         let camera = orthographic();
         let mut shuffled = safe(&soup(22, 1500, 0.02..0.2, 0.1..0.9, false), &camera, size, DiscShape::Flat);
-        let method = Method::Unsorted(Discs::default());
         for _ in 0..2 {
             let points = scene(&shuffled);
-            let image = render(device, &points, &frame(camera, size, method));
-            assert_equals(&image, &reference(&points, &camera, size, &method), 3e-5, &method);
+            for method in [Method::Unsorted(Discs::default()), mlab(Discs::default(), 1), mlab(Discs::default(), 2)] {
+                let image = render(device, &points, &frame(camera, size, method));
+                assert_equals(&image, &reference(&points, &camera, size, &method), 3e-5, &method);
+            }
             shuffled.shuffle(&mut random(2));
         }
     });
@@ -374,10 +388,69 @@ fn the_state_of_pixels_is_within_the_budget() {
         };
         let budget = Some(8 << 20);
         assert_eq!(of(Method::Sorted(discs), budget).facts.windows, 1, "binning alone fits");
-        for method in [Method::Weighted(discs), hybrid(discs, 11)] {
+        for method in [Method::Weighted(discs), hybrid(discs, 11), mlab(discs, 4)] {
             let (whole, cut) = (of(method, None), of(method, budget));
             assert!(whole.facts.windows == 1 && cut.facts.windows > 1, "{:?} {:?}", whole.facts, cut.facts);
             assert!(bits(&cut.image) == bits(&whole.image), "{method:?}");
+        }
+    });
+}
+
+#[test]
+fn layers_of_all_fragments_are_exact_and_fewer_are_not() {
+    with_device(|device| {
+        let size = [64, 48];
+        let points = soup(63, 700, 0.05..0.2, 0.05..0.3, true);
+        for shape in SHAPES {
+            let discs = Discs { shape, ..Discs::default() };
+            let points = scene(&safe(&points, &perspective(), size, shape));
+            let of = |method| render(device, &points, &frame(perspective(), size, method));
+            let exact = of(Method::ABuffer(discs));
+            let lengths = exact.fragments.as_deref().expect("lengths");
+            assert!(lengths.iter().any(|n| *n > 9), "{:?}", lengths.iter().max());
+            for nodes in [1, 2, 5, 8] {
+                let found = of(mlab(discs, nodes));
+                for ((a, b), n) in found.rgba.iter().zip(&exact.rgba).zip(lengths) {
+                    let off = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+                    // Up to ten sums and products, each rounded.
+                    assert!(*n > nodes + 1 || off < 1e-6, "{n} fragments, {nodes} layers: {off}");
+                }
+                // Few lists are as long as the most layers.
+                assert!(nodes > 2 || apart(&found, &exact) > 1e-4, "{nodes} layers");
+            }
+        }
+    });
+}
+
+#[test]
+fn what_comes_in_order_is_exact_in_a_single_layer() {
+    with_device(|device| {
+        let mut r = random(72);
+        // More than a run takes.
+        let mut layers: Vec<P> = (0..3000)
+            .map(|i| {
+                dot(
+                    0.5,
+                    0.5,
+                    1.0 + f64::from(i),
+                    Vec3::new(r.random(), r.random(), r.random()),
+                    0.002 * r.random::<f32>(),
+                )
+            })
+            .collect();
+        let exact = one_pixel(device, &layers, Method::ABuffer(Discs::default()));
+        for _ in 0..2 {
+            let found = one_pixel(device, &layers, mlab(Discs::default(), 1));
+            for (a, b) in found.0.iter().zip(exact.0) {
+                assert!((a - b).abs() < 1e-6, "{found:?} {exact:?}");
+            }
+            assert_eq!(found.1, exact.1);
+            layers.reverse();
+        }
+        // Of equal depths the last to come lies in front.
+        let equal = [dot(0.5, 0.5, 2.0, Vec3::X, 0.5), dot(0.5, 0.5, 2.0, Vec3::Y, 0.5)];
+        for nodes in [1, 2, 4] {
+            assert_eq!(one_pixel(device, &equal, mlab(Discs::default(), nodes)).0, [0.25, 0.5, 0.0, 0.75]);
         }
     });
 }

@@ -14,7 +14,7 @@ use pellucid_engine::reference::gaussians::{self, Possible};
 use pellucid_engine::reference::range::ROUNDING;
 use pellucid_engine::reference::{self, Picture};
 use pellucid_engine::scene::{
-    ColorSpace, Discs, GaussianSettings, Hybrid, Kernel, Method, Order, Peel, Raster, Shading, Stochastic,
+    ColorSpace, Discs, GaussianSettings, Hybrid, Kernel, Method, Mlab, Order, Peel, Raster, Shading, Stochastic,
 };
 use pellucid_testing::gaussians::Soup;
 use pellucid_testing::*;
@@ -381,7 +381,8 @@ fn approximations_are_those_of_the_reference() {
         for order in ORDERS {
             let discs = discs(Kernel::Ewa, order);
             let hybrid = |k| Method::Hybrid(Hybrid { discs, k, ..Hybrid::default() });
-            for method in [Method::Weighted(discs), Method::Average(discs), hybrid(3), hybrid(11)] {
+            let mlab = Method::Mlab(Mlab { discs, nodes: 3 });
+            for method in [Method::Weighted(discs), Method::Average(discs), hybrid(3), hybrid(11), mlab] {
                 let frame = encoded(perspective(), size, method);
                 let image = render(device, &points, &frame);
                 let colors = shaded(&points, &frame);

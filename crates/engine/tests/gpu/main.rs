@@ -11,6 +11,7 @@ mod early_end;
 mod edl;
 mod elementary;
 mod ellipsoids;
+mod fading;
 mod gaussians;
 mod gpu;
 mod image_space;

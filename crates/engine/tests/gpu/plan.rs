@@ -5,8 +5,8 @@ use pellucid_engine::methods::{Facts, Renderer};
 use pellucid_engine::plan::{plan, resolve};
 use pellucid_engine::points::Points;
 use pellucid_engine::scene::{
-    BlendedSplats, DiscShape, Discs, Hybrid, ImageSpace, LongLists, Method, MethodChoice, OneLayer, Peel, PeelLayers,
-    Raster, ScreenSplats, Soft, Stochastic,
+    BlendedSplats, DiscShape, Discs, Hybrid, ImageSpace, LongLists, Method, MethodChoice, Mlab, Moments, OneLayer,
+    Peel, PeelLayers, Raster, ScreenSplats, Soft, Stochastic, Wavelet,
 };
 use pellucid_testing::{P, at_pixel, frame, perspective, pixel_camera, scene, soup, with_device};
 
@@ -75,6 +75,9 @@ fn a_survey_finds_what_a_frame_meets() {
             Method::Stochastic(Stochastic::default()),
             Method::Stochastic(in_hardware()),
             Method::Hybrid(Hybrid::default()),
+            Method::Mlab(Mlab::default()),
+            Method::Moments(Moments::default()),
+            Method::Wavelet(Wavelet::default()),
             Method::Weighted(Discs::default()),
             Method::Average(Discs::default()),
             Method::Unsorted(Discs::default()),
@@ -152,6 +155,9 @@ fn every_pass_is_listed_once_with_a_reason_whatever_the_method() {
             Method::Stochastic(Stochastic::default()),
             Method::Stochastic(in_hardware()),
             Method::Hybrid(Hybrid::default()),
+            Method::Mlab(Mlab::default()),
+            Method::Moments(Moments::default()),
+            Method::Wavelet(Wavelet::default()),
             Method::Weighted(Discs::default()),
             Method::Average(Discs::default()),
             Method::Unsorted(Discs::default()),

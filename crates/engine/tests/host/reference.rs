@@ -67,10 +67,13 @@ mod coverage;
 mod gaussians;
 mod image_space;
 mod margins;
+mod mlab;
+mod moments;
 mod opaque;
 mod oriented_discs;
 mod peel_layers;
 mod peeling;
+mod random_stacks;
 mod ranges;
 mod shaded;
 mod shadows;
@@ -80,6 +83,7 @@ mod soft_spheres;
 mod sorted_splats;
 mod spbr_images;
 mod stochastic_samples;
+mod wavelet;
 
 #[test]
 fn prefix_sums() {

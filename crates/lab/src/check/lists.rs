@@ -31,7 +31,7 @@ pub(super) fn exact() -> Vec<Method> {
 
 /// The methods of discs that approximate, for any order of the points.
 pub(super) fn approximations() -> Vec<Method> {
-    let follows_files = |method: &Method| matches!(method, Method::Unsorted(_));
+    let follows_files = |method: &Method| matches!(method, Method::Unsorted(_) | Method::Mlab(_));
     Family::Discs.methods().filter(|method| !method.is_exact(false) && !follows_files(method)).collect()
 }
 

@@ -18,9 +18,9 @@ use pellucid_engine::prepare::Arranged;
 use pellucid_engine::prepare::{ensembles, order};
 use pellucid_engine::scene::{
     BlendedSplats, ColorSpace, Density, DiscShape, Discs, Falloff, Family, GaussianSettings, Hybrid, ImageSpace,
-    Interpolated, Kernel, Light, LongLists, Method, MethodChoice, OneLayer, Order, Peel, PeelLayers, Raster,
-    ScreenSplats, Shading, ShadingModel, Shadows, Shells, Soft, SoftLayout, Spbr, SpbrSimplified, SplatShape,
-    Stochastic,
+    Interpolated, Kernel, Light, LongLists, Method, MethodChoice, Mlab, MomentCount, Moments, OneLayer, Order, Peel,
+    PeelLayers, Raster, ScreenSplats, Shading, ShadingModel, Shadows, Shells, Soft, SoftLayout, Spbr, SpbrSimplified,
+    SplatShape, Stochastic, Wavelet,
 };
 
 /// A scene for a method.
@@ -45,7 +45,7 @@ pub enum Follows {
     /// The order of the clouds, not that of the points within: the random words that shuffle and deal a cloud's points
     /// depend on its place among the others (`spbr`, `spbr-simplified`).
     Clouds,
-    /// The order of the points, file after file, which is the order of blending (`unsorted`).
+    /// The order of the points, file after file, which is the order of blending (`unsorted`) or of arrival (`mlab`).
     Points,
 }
 
@@ -53,7 +53,7 @@ impl Subject {
     /// Which order of the input shows.
     pub fn follows(&self) -> Follows {
         match self.frame.method {
-            Method::Unsorted(_) => Follows::Points,
+            Method::Unsorted(_) | Method::Mlab(_) => Follows::Points,
             method if method.is_dealt() => Follows::Clouds,
             _ => Follows::Nothing,
         }
@@ -190,6 +190,7 @@ fn discs() -> Vec<Subject> {
     let drawn = |discs| Discs { raster: Raster::Hardware, ..discs };
     let in_place = Discs { long_lists: LongLists::InPlace, ..oriented };
     let computed = Discs { raster: Raster::Compute, ..oriented };
+    let moments = Moments { discs: oriented, moments: MomentCount::Eight, ..Moments::default() };
     let sampled = |discs| Stochastic { discs, samples: 24, alpha_correction: true };
     let (few, many) = (clouds::few, clouds::many);
     vec![
@@ -214,6 +215,12 @@ fn discs() -> Vec<Subject> {
             few(),
             as_it_is,
         ),
+        subject(Method::Mlab(Mlab::default()), "", many(), as_it_is),
+        subject(Method::Mlab(Mlab { discs: oriented, nodes: 3 }), "oriented, 3 nodes", few(), as_it_is),
+        subject(Method::Moments(Moments::default()), "", many(), as_it_is),
+        subject(Method::Moments(moments), "oriented, 8 moments", few(), orthographic),
+        subject(Method::Wavelet(Wavelet::default()), "", many(), as_it_is),
+        subject(Method::Wavelet(Wavelet { discs: soft_edged, rank: 5 }), "Gaussian, rank 5", many(), as_it_is),
         subject(Method::Weighted(flat), "", many(), as_it_is),
         subject(Method::Average(soft_edged), "Gaussian", many(), as_it_is),
         subject(Method::Unsorted(flat), "", many(), as_it_is),

@@ -1,4 +1,4 @@
-//! The engine of `weighted`, `average`, `unsorted` and `hybrid`.
+//! The engine of `weighted`, `average`, `unsorted`, `hybrid` and `mlab`.
 
 use super::{Kind, WindowJob, least_bytes, pixel_bytes};
 use crate::gpu::DeviceInfo;
@@ -30,6 +30,7 @@ impl Stage for ApproximateEngine {
             Kind::Weighted | Kind::Average => Order::Index,
             Kind::Unsorted => Order::File,
             Kind::Hybrid { .. } => Order::Depth,
+            Kind::Mlab(_) => Order::Arrival,
         }
     }
 
@@ -77,6 +78,7 @@ impl Engine for ApproximateEngine {
             Kind::Average => "average/accumulate",
             Kind::Unsorted => "unsorted/accumulate",
             Kind::Hybrid { .. } => "hybrid/accumulate",
+            Kind::Mlab(_) => "mlab/accumulate",
         };
         tiled::explain(plan, stage, self.order());
     }

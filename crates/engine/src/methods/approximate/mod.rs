@@ -1,5 +1,5 @@
 //! Approximations of transparency that go through tiles of splats once and keep a few sums for each pixel: `weighted`,
-//! `average`, `unsorted` and `hybrid`. Sums are compensated, so that neither the number of fragments nor where a run
+//! `average`, `unsorted`, `hybrid` and `mlab`. Sums are compensated, so that neither the number of fragments nor where a run
 //! over a tile's splats ends shows in them.
 
 mod engine;
@@ -15,7 +15,7 @@ use crate::passes::bands::{self, Budget};
 use crate::passes::bin::{self, Bin, Binned, Bins, Lanes, TileWalk, TiledGroup};
 use crate::passes::compose::{self, Cut};
 use crate::passes::project::{DISCS, Footprint};
-use crate::scene::{Discs, Falloff};
+use crate::scene::{Discs, Falloff, MAX_NODES};
 use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
@@ -39,6 +39,14 @@ gpu_struct! {
     pub struct RoundPush {
         walk: TileWalk,
         core_alpha_min: f32,
+    }
+}
+
+gpu_struct! {
+    /// The same for `mlab`, and how many slots stay empty.
+    pub struct LayerPush {
+        walk: TileWalk,
+        unused: u32,
     }
 }
 
@@ -99,10 +107,23 @@ pass! {
     }
 }
 
+pass! {
+    /// Keeps the nearest fragments of each pixel in slots by insertion, in the order of the files, and merges what falls out of
+    /// them into one last layer: region by region, as `hybrid/accumulate` over oriented discs.
+    pub Layers(LayerPush) = "mlab/accumulate" in "mlab/accumulate" {
+        tiles: Shared<TiledGroup>,
+        sums: Shared<SumsGroup>,
+        slots: ReadWrite<[u32; 4]>,
+    }
+}
+
 /// Bytes of a pixel's state between two runs.
-const STATE_BYTES: u64 = 64;
+pub(super) const STATE_BYTES: u64 = 64;
 /// Slots for the nearest fragments of a pixel: in registers, hence few.
 const MOST_SLOTS: u32 = 8;
+/// Slots that `mlab` has beside its last layer, in variants of a shader: some may stay empty.
+const LAYER_SLOTS: [u32; 4] = [1, 3, 7, 15];
+const _: () = assert!(MAX_NODES <= LAYER_SLOTS[3] + 1);
 /// Bytes of a slot between two runs; one more holds where the round begins.
 const SLOT_BYTES: u64 = 32;
 /// Bytes of the rank of the last fragment that is composed.
@@ -126,6 +147,8 @@ pub enum Kind {
         /// The least opacity of one.
         core_alpha_min: f32,
     },
+    /// `mlab`, with so many layers.
+    Mlab(u32),
 }
 
 /// Everything that stays the same while a window is rendered.
@@ -140,10 +163,12 @@ pub struct WindowJob<'a> {
 }
 
 impl WindowJob<'_> {
-    /// Slots of each round of `hybrid` over oriented discs; the last one has a tail. Empty for all else.
+    /// Slots of each round of `hybrid` over oriented discs, the last of which has a tail, and of the only one of `mlab`. Empty
+    /// for all else.
     fn rounds(&self) -> Vec<u32> {
         match self.kind {
             Kind::Hybrid { k, .. } if self.bin.raster.footprint.may_cross() => rounds(k),
+            Kind::Mlab(nodes) => vec![layer_slots(nodes)],
             _ => Vec::new(),
         }
     }
@@ -152,6 +177,11 @@ impl WindowJob<'_> {
 /// k fragments in rounds of as many slots as there are.
 fn rounds(k: u32) -> Vec<u32> {
     (0..k).step_by(MOST_SLOTS as usize).map(|first| MOST_SLOTS.min(k - first)).collect()
+}
+
+/// Slots for all but the last of so many layers.
+fn layer_slots(nodes: u32) -> u32 {
+    LAYER_SLOTS.into_iter().find(|slots| slots + 1 >= nodes).unwrap_or(MAX_NODES - 1)
 }
 
 /// Device bytes of a pixel that a method always needs.
@@ -173,7 +203,7 @@ fn run_bytes(rounds: &[u32]) -> u64 {
 }
 
 /// An error whose budget leaves room for `more` bytes besides.
-fn beside(error: Error, more: u64) -> Error {
+pub(super) fn beside(error: Error, more: u64) -> Error {
     match error {
         Error::SortOverBudget { points, needed, available, .. } => {
             Error::SortOverBudget { points, needed, available, budget: Budget::wanted(needed + more) }
@@ -276,6 +306,13 @@ impl Approximations {
                     &over.variant(sum_variant(stage.shape.clone(), run)),
                 )?)
             }),
+            Kind::Mlab(nodes) => stage.each_run(|run| {
+                let slots = layer_slots(nodes);
+                let push = LayerPush { walk: binned.walk(run.number), unused: slots + 1 - nodes };
+                let over = Run::new(binned.over_blocks());
+                let layers = Layers { tiles, sums, slots: self.slots.get().all() };
+                Ok(recorder.run(&layers, push, &over.variant(layer_variant(stage.shape.clone(), run, slots)))?)
+            }),
             Kind::Hybrid { core_alpha_min, .. } => {
                 let (lasts, slots) = (self.lasts.get().all(), self.slots.get().all());
                 stage.record_rounds(recorder, &HybridOriented { tiles, sums, lasts, slots }, rounds, core_alpha_min)
@@ -366,6 +403,14 @@ fn round_variant(shape: Variant, run: OneRun, round: Round) -> Variant {
         .each("slot", round.slots)
 }
 
+/// A variant of `mlab`.
+fn layer_variant(shape: Variant, run: OneRun, slots: u32) -> Variant {
+    bin::region_variant(shape, run.number > 0, run.lanes)
+        .with("KEPT", u32::from(run.of > 1))
+        .constant("SLOTS", slots)
+        .each("slot", slots)
+}
+
 /// Bytes that a stage must at least read and write: `tilted` whether discs are oriented. Of splats each pair with a tile, in
 /// each round, and the window's pixels.
 pub fn least_bytes(name: &str, facts: &Facts, kind: Kind, tilted: bool, pixels: u64) -> Option<u64> {
@@ -407,6 +452,9 @@ pub fn shaders() -> Vec<Shader> {
     let in_rounds = |footprint| {
         variants(footprint, |shape, run| rounds.iter().map(|round| round_variant(shape.clone(), run, *round)).collect())
     };
+    let in_layers = |footprint| {
+        variants(footprint, |shape, run| LAYER_SLOTS.map(|slots| layer_variant(shape.clone(), run, slots)).to_vec())
+    };
     let (crossing, flat): (Vec<Footprint>, Vec<Footprint>) = DISCS.iter().partition(|disc| disc.may_cross());
     vec![
         Shader::new::<Weighted>(both()),
@@ -414,6 +462,7 @@ pub fn shaders() -> Vec<Shader> {
         Shader::new::<Unsorted>(both()),
         Shader::new::<HybridFlat>(flat.into_iter().flat_map(sums)),
         Shader::new::<HybridOriented>(crossing.into_iter().flat_map(in_rounds)),
+        Shader::new::<Layers>(DISCS.into_iter().flat_map(in_layers)),
     ]
 }
 
@@ -432,6 +481,13 @@ mod tests {
         assert_eq!(pixel_bytes(Kind::Hybrid { k: 9, core_alpha_min: 0.0 }), 8);
         assert_eq!(pixel_bytes(Kind::Hybrid { k: 8, core_alpha_min: 0.0 }), 0);
         assert_eq!((run_bytes(&[]), run_bytes(&[8, 1])), (64, 64 + 16 + 8 * 32));
+    }
+
+    #[test]
+    fn every_number_of_layers_has_its_slots() {
+        assert_eq!([1, 2, 3, 4, 5, 8, 9, 16].map(layer_slots), [1, 1, 3, 3, 7, 7, 15, 15]);
+        assert!((1..=MAX_NODES).all(|nodes| layer_slots(nodes) + 1 >= nodes));
+        assert_eq!(pixel_bytes(Kind::Mlab(16)), 0);
     }
 
     #[test]

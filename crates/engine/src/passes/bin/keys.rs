@@ -5,7 +5,8 @@ use crate::gpu::Variant;
 
 pub(super) const ORDER_DEPTH: u32 = 0;
 pub(super) const ORDER_INDEX: u32 = 1;
-const ORDER_FILE: u32 = 2;
+pub(super) const ORDER_FILE: u32 = 2;
+const ORDER_ARRIVAL: u32 = 3;
 
 /// The variant of `bin/keys`.
 pub(super) fn keys_variant(order: Order) -> Variant {
@@ -13,6 +14,7 @@ pub(super) fn keys_variant(order: Order) -> Variant {
         Order::Depth | Order::Along(_) => ORDER_DEPTH,
         Order::Index => ORDER_INDEX,
         Order::File => ORDER_FILE,
+        Order::Arrival => ORDER_ARRIVAL,
     };
     Variant::plain().with("ORDER", value)
 }
@@ -28,7 +30,7 @@ pub(super) fn keys(order: Order, depth_range: [f32; 2], points: u64) -> [u32; 2]
     match order {
         Order::Depth | Order::Along(_) => depth_keys(depth_range),
         Order::Index => [0, 1],
-        Order::File => [0, points as u32],
+        Order::File | Order::Arrival => [0, points as u32],
     }
 }
 
@@ -56,6 +58,7 @@ mod tests {
         assert_eq!((depth_keys([1.0, 2.0])[1], key_bits(Order::Depth, [1.0, 2.0], 5)), ((1 << 23) + 1, 24));
         assert_eq!(key_bits(Order::Depth, [f32::NEG_INFINITY, f32::INFINITY], 5), 32);
         // Indices are in order already: one bit says what is drawn. In a file of 5 points keys go from 0 to 5.
-        assert_eq!([Order::Index, Order::File].map(|order| key_bits(order, [1.0, 2.0], 5)), [1, 3]);
+        let bits = [Order::Index, Order::File, Order::Arrival].map(|order| key_bits(order, [1.0, 2.0], 5));
+        assert_eq!(bits, [1, 3, 3]);
     }
 }

@@ -21,7 +21,7 @@ pub use passes::*;
 pub use sort::{order_runs, sort_bytes};
 
 use self::binning::{BLOCK_SIDE, Binning, INDEX_BITS, TILE_SIDE};
-use self::keys::{ORDER_DEPTH, ORDER_INDEX, keys_variant};
+use self::keys::{ORDER_DEPTH, ORDER_FILE, ORDER_INDEX, keys_variant};
 use self::sort::{order_bytes, presorted_variant};
 use self::tile_lists::store_variant;
 use super::Error;
@@ -47,6 +47,8 @@ pub enum Order {
     Index,
     /// As they stand in the files, the last one first: over-blending front to back.
     File,
+    /// As they stand in the files, the first one first.
+    Arrival,
     /// Along an axis of the world, in an order that the cloud brings ([`DeviceCloud::sort_along`]): nothing is sorted.
     Along(Axis),
 }
@@ -234,19 +236,20 @@ impl Bins {
 }
 
 /// Constants that shaders share with this module.
-pub(crate) const CONSTANTS: [(&str, u32); 5] = [
+pub(crate) const CONSTANTS: [(&str, u32); 6] = [
     ("TILE_SIDE", TILE_SIDE),
     ("BLOCK_SIDE", BLOCK_SIDE),
     ("INDEX_BITS", INDEX_BITS),
     ("ORDER_DEPTH", ORDER_DEPTH),
     ("ORDER_INDEX", ORDER_INDEX),
+    ("ORDER_FILE", ORDER_FILE),
 ];
 
 /// The passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let presorted = || SUBGROUPS.map(presorted_variant);
     vec![
-        Shader::new::<Keys>([Order::Depth, Order::Index, Order::File].map(keys_variant)),
+        Shader::new::<Keys>([Order::Depth, Order::Index, Order::File, Order::Arrival].map(keys_variant)),
         Shader::new::<Pick>(presorted()),
         Shader::new::<Place>(presorted()),
         Shader::plain::<TileCount>(),

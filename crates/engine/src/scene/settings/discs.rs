@@ -1,6 +1,9 @@
 //! Transparent discs, and the methods that blend them.
 
-use crate::scene::schema::{Ladder, Range, Slider, settings, words};
+use crate::scene::Setting;
+use crate::scene::error::Error;
+use crate::scene::schema::{Kind, Ladder, Range, Slider, Value, settings, words};
+use crate::scene::table::Table;
 
 settings! {
     /// Settings of the disc family (`abuffer` and its relatives).
@@ -178,6 +181,128 @@ const NEAREST: Ladder = Ladder {
     quick: &[1, 8],
     fine: &[1, 2, 4, 8, 16, 32],
     ends_at_longest_list: true,
+    at_once: 1,
+    only: &[],
+};
+
+/// Layers that `mlab` keeps at most.
+pub const MAX_NODES: u32 = 16;
+
+settings! {
+    /// Settings of multi-layer alpha blending.
+    #[derive(Copy)]
+    pub struct Mlab {
+        /// Which discs are blended.
+        discs: Discs = Discs::default();
+        /// Layers that each pixel keeps while discs come in the order of the files; up to one fragment more is exact.
+        nodes: u32 = 4, in 1..=MAX_NODES, tried NODES;
+    }
+}
+
+const NODES: Ladder = Ladder {
+    full: &[1, 2, 4, 8, 16],
+    quick: &[1, 4],
+    fine: &[1, 2, 4, 8, 16],
+    ends_at_longest_list: true,
+    at_once: 1,
+    only: &[],
+};
+
+settings! {
+    /// Settings of moment-based transparency.
+    #[derive(Copy)]
+    pub struct Moments {
+        /// Which discs are blended.
+        discs: Discs = Discs::default();
+        /// Power moments that each pixel knows its optical depth by.
+        moments: MomentCount = MomentCount::Four, tried MOMENTS;
+        /// Where between its bounds the light before a fragment is taken to be: 0 is the most light, 1 the least.
+        overestimation: f32 = 0.1, in Range::UNIT;
+        /// Share by which moments are moved toward those of a smooth distribution: more is smoother, less is sharper.
+        bias: Option<f32> = None, in Range::UNIT, without "`5e-7`, `5e-6`, `5e-5` for 4, 6, 8 moments", start 5e-6, slider Slider::Powers(1e-8, 0.1);
+    }
+}
+
+impl Moments {
+    /// The bias in force.
+    pub fn bias(&self) -> f32 {
+        let default = match self.moments {
+            MomentCount::Four => 5e-7,
+            MomentCount::Six => 5e-6,
+            MomentCount::Eight => 5e-5,
+        };
+        self.bias.unwrap_or(default)
+    }
+}
+
+const MOMENTS: Ladder =
+    Ladder { full: &[4, 6, 8], quick: &[4, 8], fine: &[4, 6, 8], ends_at_longest_list: false, at_once: 1, only: &[] };
+
+/// How many power moments there are, besides the sum itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MomentCount {
+    /// 4
+    Four,
+    /// 6
+    Six,
+    /// 8
+    Eight,
+}
+
+impl MomentCount {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Four, Self::Six, Self::Eight];
+
+    /// The number.
+    pub fn get(self) -> u32 {
+        match self {
+            Self::Four => 4,
+            Self::Six => 6,
+            Self::Eight => 8,
+        }
+    }
+}
+
+impl Value for MomentCount {
+    type Allowed = ();
+
+    fn kind((): ()) -> Kind {
+        Kind::Other("`4`, `6` or `8`")
+    }
+
+    fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
+        let Some(number) = table.integer(key, 4, 8)? else { return Ok(None) };
+        let found = Self::ALL.into_iter().find(|count| count.get() == number);
+        match (found, table.get(key)) {
+            (None, Some(node)) => Err(table.error(key, node, format!("must be 4, 6 or 8, found {number}"))),
+            _ => Ok(found),
+        }
+    }
+
+    fn setting(&self) -> Option<Setting> {
+        Some(Setting::Integer(self.get()))
+    }
+}
+
+/// Largest rank of `wavelet`.
+pub const MAX_RANK: u32 = 5;
+
+settings! {
+    /// Settings of transparency by wavelets.
+    #[derive(Copy)]
+    pub struct Wavelet {
+        /// Which discs are blended.
+        discs: Discs = Discs::default();
+        /// Each pixel knows its optical depth by 2^(rank + 1) coefficients.
+        rank: u32 = 3, in 1..=MAX_RANK, tried RANKS;
+    }
+}
+
+const RANKS: Ladder = Ladder {
+    full: &[1, 2, 3, 4, 5],
+    quick: &[1, 3],
+    fine: &[1, 2, 3, 4, 5],
+    ends_at_longest_list: false,
     at_once: 1,
     only: &[],
 };

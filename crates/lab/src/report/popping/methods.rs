@@ -83,7 +83,7 @@ mod tests {
     #[test]
     fn what_is_exact_is_followed_only_if_it_is_named() {
         let discs = Method::ABuffer(Discs::default());
-        let approximate = ["stochastic", "hybrid", "weighted", "average", "unsorted"];
+        let approximate = ["stochastic", "hybrid", "mlab", "moments", "wavelet", "weighted", "average", "unsorted"];
         assert_eq!(names(discs, &Points::default(), &[]), approximate);
         assert_eq!(names(discs, &Points::default(), &["peel", "sorted"]), ["sorted", "peel"]);
         let gaussians = Points { gaussians: Some(Gaussians::default()), ..Points::default() };

@@ -1,0 +1,244 @@
+//! Approximations that go through the tiles of splats twice and more: first they find how the light of each pixel fades with depth, as
+//! far as a few numbers tell, then they sum colors weighted by it. `moments` and `wavelet`. No order of splats is needed, and no memory
+//! that grows with fragments.
+
+mod engine;
+mod passes;
+
+pub(crate) use engine::FadingEngine;
+pub use passes::*;
+
+use self::passes::{OneRun, learning, leaving, with_cells, with_moments};
+use super::abuffer::record_nothing;
+use super::approximate::{STATE_BYTES, Sums, beside};
+use super::engine::Work;
+use super::{Error, Facts, Outcome, Target};
+use crate::gpu::{Device, Kept, Memory, Pass, Recorder, Run, Variant};
+use crate::passes::bands::{self, Budget};
+use crate::passes::bin::{self, Bin, Binned, Bins};
+use crate::passes::compose;
+use crate::scene::{Discs, Moments};
+
+/// The numbers that tell how the light of a pixel fades.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fading {
+    /// `moments`
+    Moments(Moments),
+    /// `wavelet`, by its rank.
+    Wavelet(u32),
+}
+
+impl Fading {
+    /// The stages, in the order in which they run.
+    fn stages(self) -> &'static [&'static str] {
+        match self {
+            Self::Moments(_) => &["moments/gather", "moments/accumulate"],
+            Self::Wavelet(_) => &["wavelet/range", "wavelet/gather", "wavelet/accumulate"],
+        }
+    }
+
+    /// Pairs of floats for each pixel: the moments and the nearest place; or the cells.
+    fn pairs(self) -> u64 {
+        match self {
+            Self::Moments(moments) => u64::from(moments.moments.get()) + 2,
+            Self::Wavelet(rank) => 2 << rank,
+        }
+    }
+}
+
+/// Bytes of a pair of floats, as also the range of depths of a pixel is.
+const PAIR_BYTES: u64 = 8;
+/// Up to so many pixels a window has room for what is known of them whatever else there is.
+const SMALL_WINDOW: u64 = 256;
+
+/// Device bytes of a pixel while a window is rendered.
+pub fn pixel_bytes(fading: Fading) -> u64 {
+    STATE_BYTES + PAIR_BYTES * (fading.pairs() + 1)
+}
+
+/// Most pixels of a window: what is known of them fits a binding, and a quarter of the budget.
+fn most_pixels(budget: Budget, fading: Fading, other_bytes: u64) -> u64 {
+    let bound = (budget.binding / (PAIR_BYTES * fading.pairs())).max(1);
+    budget.window_pixels(other_bytes + pixel_bytes(fading)).min(bound)
+}
+
+/// Everything that stays the same while a window is rendered.
+#[derive(Clone, Copy)]
+pub struct WindowJob<'a> {
+    /// The splats to bin.
+    pub bin: bin::Job<'a>,
+    /// Shape and falloff.
+    pub discs: Discs,
+    /// The numbers.
+    pub fading: Fading,
+}
+
+/// Buffers, kept from frame to frame.
+pub struct Fadings {
+    known: Kept<[f32; 2]>,
+    ranges: Kept<[f32; 2]>,
+    state: Kept<[f32; 4]>,
+}
+
+impl Default for Fadings {
+    fn default() -> Self {
+        Self {
+            known: Kept::new("fading of pixels", Memory::Device),
+            ranges: Kept::new("ranges of depths of pixels", Memory::Device),
+            state: Kept::new("weighted sums of pixels", Memory::Device),
+        }
+    }
+}
+
+impl Fadings {
+    /// Bins a window's splats, finds how its light fades and sums its colors into the target.
+    pub(crate) fn render(
+        &mut self,
+        bins: &mut Bins,
+        work: &mut Work<'_>,
+        job: &WindowJob<'_>,
+    ) -> Result<Outcome, Error> {
+        let (device, target, window) = (work.device, work.target, job.bin.raster.window);
+        let pixels = bands::pixels(window);
+        let mut bin = job.bin;
+        bin.counted_bytes += pixels * pixel_bytes(job.fading);
+        let small = SMALL_WINDOW * pixel_bytes(job.fading);
+        let mut recorder;
+        match bins.bin(device, &bin, work.timeline).map_err(|error| beside(error.into(), small))? {
+            Bin::TooLarge => return Ok(Outcome::Overflow),
+            Bin::Nothing => {
+                recorder = work.timeline.recorder(device)?;
+                record_nothing(&mut recorder, target, window)?;
+            }
+            Bin::Done(binned) => {
+                work.note_binned(binned);
+                self.reserve(device, pixels, job.fading, binned.region_segments() > 1)?;
+                work.facts.bands += 1;
+                recorder = work.timeline.recorder(device)?;
+                self.record(bins, &mut recorder, job, binned, target)?;
+            }
+        }
+        target.record_read_back(&mut recorder, pixels)?;
+        work.timeline.submit(recorder, "accumulate")?;
+        Ok(Outcome::Done)
+    }
+
+    fn reserve(&mut self, device: &Device, pixels: u64, fading: Fading, kept: bool) -> Result<(), Error> {
+        let ranged = matches!(fading, Fading::Wavelet(_));
+        self.known.reserve(device, pixels * fading.pairs())?;
+        self.ranges.reserve(device, if ranged { pixels } else { 1 })?;
+        self.state.reserve(device, if kept { pixels * STATE_BYTES / 16 } else { 1 })?;
+        Ok(())
+    }
+
+    /// Records the stages one after the other, each over all tiles.
+    fn record<'a>(
+        &'a self,
+        bins: &'a Bins,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        binned: Binned,
+        target: &'a Target,
+    ) -> Result<(), Error> {
+        let tiles = bins.record_tiles(recorder, job.bin.raster.cloud, binned)?.tiled;
+        let sums = Sums { image: target.image(), depths: target.depths(), kept: self.state.get().all() };
+        let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.discs.falloff);
+        let (known, ranges) = (self.known.get().all(), self.ranges.get().all());
+        let stages = Stages { shape, binned };
+        match job.fading {
+            Fading::Moments(moments) => {
+                let [near, far] = job.bin.depth_range.map(f64::from);
+                let push = |number| MomentPush {
+                    walk: binned.walk(number),
+                    scale: (2.0 / (far / near).ln()) as f32,
+                    overestimation: moments.overestimation,
+                    bias: moments.bias(),
+                };
+                let counted = |variant| with_moments(variant, moments.moments.get());
+                stages.record(recorder, &GatherMoments { tiles, known }, push, |s, run| counted(learning(s, run)))?;
+                stages.record(recorder, &WeighByMoments { tiles, sums, known }, push, |s, run| counted(leaving(s, run)))
+            }
+            Fading::Wavelet(rank) => {
+                let push = |number| WaveletPush { walk: binned.walk(number) };
+                let cut = |variant| with_cells(variant, 2 << rank);
+                let weigh = WeighByCells { tiles, sums, ranges, cells: known };
+                stages.record(recorder, &FindRange { tiles, ranges }, push, learning)?;
+                stages.record(recorder, &GatherCells { tiles, ranges, cells: known }, push, |s, run| {
+                    cut(learning(s, run))
+                })?;
+                stages.record(recorder, &weigh, push, |s, run| cut(leaving(s, run)))
+            }
+        }
+    }
+}
+
+/// Stages over all tiles.
+struct Stages {
+    shape: Variant,
+    binned: Binned,
+}
+
+impl Stages {
+    /// Runs a stage until the longest list of a tile is done.
+    fn record<'a, P: Pass + 'a>(
+        &self,
+        recorder: &mut Recorder<'a>,
+        pass: &P,
+        push: impl Fn(u32) -> P::Push,
+        variant: impl Fn(Variant, OneRun) -> Variant,
+    ) -> Result<(), Error> {
+        let of = self.binned.region_segments();
+        (0..of).try_for_each(|number| {
+            let run = OneRun { later: number > 0, kept: of > 1, lanes: self.binned.lanes() };
+            let over = Run::new(self.binned.over_blocks());
+            Ok(recorder.run(pass, push(number), &over.variant(variant(self.shape.clone(), run)))?)
+        })
+    }
+}
+
+/// Bytes that a stage must at least read and write: `tilted` whether discs are oriented. Of splats each pair with a tile, and
+/// what it reads, leaves or both of the window's pixels.
+pub fn least_bytes(name: &str, facts: &Facts, fading: Fading, tilted: bool, pixels: u64) -> Option<u64> {
+    let known = PAIR_BYTES * fading.pairs();
+    let (color, pixel) = match name {
+        "moments/gather" => (4, known),
+        "moments/accumulate" => (16, known + 20),
+        "wavelet/range" => (4, PAIR_BYTES),
+        "wavelet/gather" => (4, PAIR_BYTES + known),
+        "wavelet/accumulate" => (16, PAIR_BYTES + known + 20),
+        _ => return None,
+    };
+    // Index, then splat, depth, and color or opacity.
+    let splat = 4 + 16 + 4 + color + if tilted { 16 } else { 0 };
+    Some(facts.tile_entries * splat + pixels * pixel)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::MomentCount;
+
+    fn eight() -> Fading {
+        Fading::Moments(Moments { moments: MomentCount::Eight, ..Moments::default() })
+    }
+
+    #[test]
+    fn bytes_of_pixels() {
+        assert_eq!((pixel_bytes(eight()), pixel_bytes(Fading::Wavelet(5))), (64 + 11 * 8, 64 + 65 * 8));
+        let budget = Budget { bytes: 1 << 30, tiles: 0, binding: 1 << 20 };
+        assert_eq!(most_pixels(budget, Fading::Wavelet(5), 0), (1 << 20) / 512);
+        assert_eq!(most_pixels(Budget { bytes: 1 << 20, ..budget }, eight(), 8), (1 << 18) / 160);
+    }
+
+    #[test]
+    fn least_bytes_by_hand() {
+        let facts = Facts { tile_entries: 20, ..Facts::default() };
+        let of = |name, tilted| least_bytes(name, &facts, eight(), tilted, 100);
+        assert_eq!(of("moments/gather", false), Some(20 * 28 + 100 * 80));
+        assert_eq!(of("moments/accumulate", true), Some(20 * 56 + 100 * 100));
+        let cells = |name| least_bytes(name, &facts, Fading::Wavelet(1), false, 100);
+        assert_eq!(cells("wavelet/range"), Some(20 * 28 + 800));
+        assert_eq!(cells("wavelet/gather"), Some(20 * 28 + 100 * (8 + 32)));
+        assert_eq!(cells("sorted/blend"), None);
+    }
+}

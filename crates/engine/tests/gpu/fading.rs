@@ -1,0 +1,419 @@
+//! `moments` and `wavelet`: images against their float64 references within bounds that follow from float32; what they are exact
+//! for; near singular moments; the same bytes whatever the order of input, the cut of the image and the runs over a tile.
+//!
+//! Arithmetic on moments runs in sums of two floats, so that what differs from the reference is what fragments come with: depths and
+//! opacities of float32. How much a pixel changes with these, the reference says itself.
+
+use glam::{DVec3, Vec3};
+use pellucid_engine::camera::Camera;
+use pellucid_engine::gpu::Device;
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::{Error, Frame, Renderer};
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::order;
+use pellucid_engine::reference::abuffer::{Composite, Fragment, composite, lists};
+use pellucid_engine::reference::moments::{moments, optical_depth};
+use pellucid_engine::reference::range::ROUNDING;
+use pellucid_engine::reference::wavelet::wavelet;
+use pellucid_engine::reference::{Picture, approximate, gaussians, shading};
+use pellucid_engine::scene::{
+    ColorSpace, DiscShape, Discs, Falloff, GaussianSettings, Method, MomentCount, Moments, Order, Shading, Wavelet,
+};
+use pellucid_testing::gaussians::Soup;
+use pellucid_testing::*;
+use rand::RngExt;
+use rand::seq::SliceRandom;
+
+fn by_moments(discs: Discs, moments: MomentCount) -> Method {
+    Method::Moments(Moments { discs, moments, ..Moments::default() })
+}
+
+fn by_wavelets(discs: Discs, rank: u32) -> Method {
+    Method::Wavelet(Wavelet { discs, rank })
+}
+
+fn methods(discs: Discs) -> Vec<Method> {
+    let moments = MomentCount::ALL.map(|count| by_moments(discs, count));
+    moments.into_iter().chain([1, 3, 5].map(|rank| by_wavelets(discs, rank))).collect()
+}
+
+/// A list by the reference of a method.
+fn composed(list: &[Fragment], colors: &[DVec3], camera: &Camera, method: &Method) -> Composite {
+    match method {
+        Method::Moments(settings) => moments(list, colors, [camera.near, camera.far], settings),
+        Method::Wavelet(Wavelet { rank, .. }) => wavelet(list, colors, [camera.near, camera.far], *rank),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Relative errors that a fragment comes with.
+#[derive(Clone, Copy)]
+struct Off {
+    depth: f64,
+    alpha: f64,
+}
+
+/// The most that float32 may change a component of a pixel, given what it does to its fragments: of equal depths all the same.
+fn bound(list: &[Fragment], colors: &[DVec3], camera: &Camera, method: &Method, off: impl Fn(&Fragment) -> Off) -> f64 {
+    let seen: Vec<Fragment> = list.iter().filter(|f| f.alpha > 0.0).copied().collect();
+    let whole = composed(&seen, colors, camera, method);
+    // Logarithms of ratios of depths have some five roundings, of numbers up to ln(far / near); places are these by a factor.
+    let of_place = 6.0 * ROUNDING * (camera.far / camera.near).ln();
+    let mut moved = 0.0;
+    let mut of_alpha = 0.0f64;
+    for (i, f) in seen.iter().enumerate() {
+        let Off { depth, alpha } = off(f);
+        of_alpha = of_alpha.max(alpha);
+        if seen[..i].iter().any(|other| other.z == f.z) {
+            continue;
+        }
+        let with = |factor: f64| {
+            let at = |other: &Fragment| if other.z == f.z { other.z * factor } else { other.z };
+            let list: Vec<Fragment> = seen.iter().map(|other| Fragment { z: at(other), ..*other }).collect();
+            (composed(&list, colors, camera, method).color - whole.color).abs().max_element()
+        };
+        let by = depth + of_place;
+        moved += with(1.0 + by).max(with(1.0 - by));
+    }
+    let total: f64 = seen.iter().map(|f| optical_depth(f.alpha)).sum();
+    let brightest = seen.iter().map(|f| colors[f.index as usize].max_element()).fold(1.0, f64::max);
+    // Shares of the optical depth have some twenty roundings, and are times it in an exponent, as errors of opacities are. A mean of
+    // colors changes by at most twice the relative error of its weights; ten more roundings are those of sums, products and A.
+    let of_weights = total * (20.0 * ROUNDING + of_alpha) + of_alpha + 10.0 * ROUNDING;
+    2.0 * moved + 2.0 * brightest * whole.alpha * of_weights
+}
+
+/// Asserts that an image is that of the reference; returns the median bound of pixels with fragments.
+#[track_caller]
+fn assert_like(image: &Image, wanted: &Picture, bounds: &[Option<f64>], what: &Method) -> f64 {
+    for (pixel, (found, wanted)) in image.rgba.iter().zip(&wanted.rgba).enumerate() {
+        let Some(bound) = bounds[pixel] else { continue };
+        let off = found.iter().zip(wanted).map(|(a, b)| (f64::from(*a) - b).abs()).fold(0.0, f64::max);
+        assert!(
+            off <= bound && found.iter().all(|v| v.is_finite()),
+            "{pixel}: {found:?} {wanted:?}, {bound}: {what:?}"
+        );
+    }
+    let mut known: Vec<f64> = bounds.iter().flatten().copied().filter(|bound| *bound > 0.0).collect();
+    known.sort_by(f64::total_cmp);
+    known[known.len() / 2]
+}
+
+/// Errors of flat discs: a depth is rounded once or twice. The polynomial of the falloff and its argument have some ten roundings.
+/// An oriented disc adds a slope of at most some hundred to a few roundings.
+fn off(discs: &Discs) -> impl Fn(&Fragment) -> Off {
+    let depth = if discs.shape == DiscShape::Oriented { 2e-5 } else { 2.0 * ROUNDING };
+    let alpha = if discs.falloff == Falloff::Gaussian { 2e-5 } else { ROUNDING };
+    move |_| Off { depth, alpha }
+}
+
+fn shapes() -> impl Iterator<Item = Discs> {
+    SHAPES.into_iter().flat_map(|shape| FALLOFFS.map(|falloff| Discs { shape, falloff, ..Discs::default() }))
+}
+
+#[test]
+fn soups_and_crossing_discs_are_those_of_the_reference() {
+    with_device(|device| {
+        let size = [36, 28];
+        let mixed = [soup(3, 700, 0.02..0.15, 0.0..1.0, true), soup(4, 12, 0.2..2.0, 0.05..0.4, true)].concat();
+        for camera in [perspective(), orthographic()] {
+            for discs in shapes() {
+                let points = scene(&safe(&mixed, &camera, size, discs.shape));
+                let (lists, colors) = (lists(&camera, size, &points, &discs), colors(&points));
+                assert!(lists.iter().map(Vec::len).max() > Some(9));
+                for method in methods(discs) {
+                    let image = render(device, &points, &frame(camera, size, method));
+                    let wanted = approximate::render(&camera, size, &points, &colors, &method).expect("one");
+                    let bounds: Vec<_> =
+                        lists.iter().map(|list| Some(bound(list, &colors, &camera, &method, off(&discs)))).collect();
+                    let median = assert_like(&image, &wanted, &bounds, &method);
+                    println!("{method:?}: median bound {median:e}");
+                    assert!(median < 2e-2, "a bound that says something: {median}");
+                    assert_eq!(image.fragments.as_deref(), Some(&wanted.counts[..]), "{method:?}");
+                    for (found, wanted) in image.depth.iter().zip(&wanted.depth) {
+                        let close = (f64::from(*found) - wanted).abs() <= 2e-5 * wanted.abs();
+                        assert!(close || (found.is_infinite() && wanted.is_infinite()), "{method:?}: {found} {wanted}");
+                    }
+                }
+            }
+        }
+    });
+}
+
+/// A point that covers one pixel of [`pixel_camera`].
+fn dot(depth: f64, color: Vec3, opacity: f32) -> P {
+    P { position: at_pixel(0.5, 0.5, depth), color, opacity, radius: 0.0, normal: Vec3::ZERO }
+}
+
+fn near_camera() -> Camera {
+    Camera { near: 1.0, far: 1024.0, ..pixel_camera([1, 1]) }
+}
+
+fn one_pixel(device: &Device, layers: &[P], method: Method) -> [f64; 4] {
+    let image = render(device, &scene(layers), &frame(near_camera(), [1, 1], method));
+    image.rgba[0].map(f64::from)
+}
+
+/// Lists whose moments are near singular, and long ones: their depths are floats.
+fn stacks() -> Vec<(&'static str, Vec<P>)> {
+    let mut r = random(5);
+    let mut color = move || Vec3::new(r.random(), r.random(), r.random());
+    let mut layers =
+        |depths: &[f64], opacity: f32| -> Vec<P> { depths.iter().map(|depth| dot(*depth, color(), opacity)).collect() };
+    let even: Vec<f64> = (0..16).map(|i| 1.0 + 4.0 * f64::from(i)).collect();
+    let many: Vec<f64> = (0..10_000).map(|i| 1.0 + f64::from(i) / 16.0).collect();
+    vec![
+        ("one depth", layers(&[7.0], 0.4)),
+        ("two equal depths", layers(&[7.0, 7.0], 0.4)),
+        (
+            "five times three depths",
+            layers(&[3.0, 3.0, 3.0, 3.0, 3.0, 17.0, 17.0, 17.0, 17.0, 17.0, 90.0, 90.0, 90.0, 90.0, 90.0], 0.1),
+        ),
+        ("near and far", layers(&[1.0, 1024.0], 0.4)),
+        ("near, middle and far", layers(&[1.0, 32.0, 1024.0], 0.4)),
+        ("close together", layers(&[7.0, 7.0625, 7.125, 7.25], 0.3)),
+        ("sixteen", layers(&even, 0.2)),
+        ("opaque", layers(&even, 1.0)),
+        ("faint", layers(&even, 1e-20)),
+        ("ten thousand faint", layers(&many, 1e-4)),
+        ("ten thousand opaque", layers(&many, 1.0)),
+    ]
+}
+
+#[test]
+fn near_singular_moments_and_long_lists() {
+    with_device(|device| {
+        let camera = near_camera();
+        for (name, layers) in stacks() {
+            let points = scene(&layers);
+            let (list, colors) = (&lists(&camera, [1, 1], &points, &Discs::default())[0], colors(&points));
+            for method in methods(Discs::default()) {
+                let found = one_pixel(device, &layers, method);
+                let wanted = composed(list, &colors, &camera, &method);
+                // Depths and opacities are floats as they are.
+                let exact = |_: &Fragment| Off { depth: 0.0, alpha: ROUNDING };
+                // Of long lists, all of whose places are off by roundings in their own way, some.
+                let bound = if list.len() > 100 { 1e-4 } else { bound(list, &colors, &camera, &method, exact) };
+                for (found, wanted) in found.iter().zip(wanted.color.extend(wanted.alpha).to_array()) {
+                    let off = (found - wanted).abs();
+                    assert!(
+                        off <= bound * wanted.abs().max(wanted.min(1.0)).max(if name == "faint" { 1e-18 } else { 1.0 }),
+                        "{name}: {found} {wanted}, {off} over {bound}: {method:?}"
+                    );
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn few_fragments_are_exact() {
+    with_device(|device| {
+        let camera = near_camera();
+        let mut r = random(8);
+        for count in MomentCount::ALL {
+            let most = count.get() / 2 + 1;
+            for n in 1..=most {
+                let layers: Vec<P> = (0..n)
+                    .map(|i| {
+                        dot(
+                            2f64.powi(1 + 2 * i as i32),
+                            Vec3::new(r.random(), r.random(), r.random()),
+                            r.random_range(0.2..0.8),
+                        )
+                    })
+                    .collect();
+                let points = scene(&layers);
+                let exact = composite(&lists(&camera, [1, 1], &points, &Discs::default())[0], &colors(&points));
+                let method = Method::Moments(Moments {
+                    moments: count,
+                    overestimation: 0.0,
+                    bias: Some(1e-8),
+                    ..Moments::default()
+                });
+                let found = one_pixel(device, &layers, method);
+                // The bias itself moves a share by its square root at most where a fragment more would be too many.
+                for (found, wanted) in found.iter().zip(exact.color.extend(exact.alpha).to_array()) {
+                    assert!((found - wanted).abs() < 1e-4, "{n} fragments: {found} {wanted}: {method:?}");
+                }
+            }
+        }
+        // At the edges of 15 cells from 1 to 2^10.
+        for rank in 1..=5 {
+            let last = (2u32 << rank) - 1;
+            let layers: Vec<P> = (0..=last)
+                .map(|i| {
+                    dot(
+                        1024f64.powf(f64::from(i) / f64::from(last)),
+                        Vec3::new(r.random(), r.random(), r.random()),
+                        0.2,
+                    )
+                })
+                .collect();
+            let points = scene(&layers);
+            let exact = composite(&lists(&camera, [1, 1], &points, &Discs::default())[0], &colors(&points));
+            let found = one_pixel(device, &layers, by_wavelets(Discs::default(), rank));
+            for (found, wanted) in found.iter().zip(exact.color.extend(exact.alpha).to_array()) {
+                // Rounded depths lie off the edges by as much as a cell has roundings: 64 cells of ln 2^10, six roundings each.
+                assert!((found - wanted).abs() < 1e-4, "rank {rank}: {found} {wanted}");
+            }
+        }
+    });
+}
+
+#[test]
+fn opacities_of_0_and_1() {
+    with_device(|device| {
+        for method in methods(Discs::default()) {
+            let clear = [dot(1.0, Vec3::X, 0.0), dot(2.0, Vec3::Y, 0.0)];
+            let image = render(device, &scene(&clear), &frame(near_camera(), [1, 1], method));
+            assert_eq!((image.rgba[0], image.depth[0]), ([0.0; 4], f32::INFINITY), "{method:?}");
+            // One fragment is what it is, opaque or not.
+            for opacity in [1.0, 0.3, 1e-20] {
+                let color = Vec3::new(0.7, 0.2, 0.1);
+                let image = render(device, &scene(&[dot(3.0, color, opacity)]), &frame(near_camera(), [1, 1], method));
+                for (a, b) in image.rgba[0].iter().zip((opacity * color.extend(1.0)).to_array()) {
+                    assert!((a - b).abs() <= 4.0 * f32::EPSILON * b, "{method:?}: {:?}, {opacity}", image.rgba[0]);
+                }
+                assert_eq!(image.depth[0], 3.0);
+            }
+            // In front of everything lies something without opacity.
+            let mixed = [dot(1.0, Vec3::ONE, 0.0), dot(2.0, Vec3::X, 1.0), dot(4.0, Vec3::X, 0.5)];
+            let image = render(device, &scene(&mixed), &frame(near_camera(), [1, 1], method));
+            let [red, green, _, a] = image.rgba[0];
+            assert_eq!((a, green, image.depth[0]), (1.0, 0.0, 2.0), "{method:?}");
+            assert!((red - 1.0).abs() < 1e-6, "{method:?}: {red}");
+        }
+    });
+}
+
+#[test]
+fn neither_order_of_input_nor_windows_nor_runs_over_a_tile_change_a_byte() {
+    with_device(|device| {
+        let size = [48, 32];
+        // Every tile has some 2500 splats, of which a run takes 1024 or 2048; depths on few levels, so that there are ties.
+        let mut soup = [soup(41, 2300, 2.0..3.0, 0.001..0.02, true), soup(42, 300, 0.0..0.1, 0.1..0.9, true)].concat();
+        for p in &mut soup {
+            p.position = (p.position * 16.0).round() / 16.0;
+        }
+        let points = scene(&soup);
+        let mut shuffled = soup.clone();
+        shuffled.shuffle(&mut random(1));
+        let shuffled = scene(&shuffled);
+        let oriented = Discs { shape: DiscShape::Oriented, falloff: Falloff::Gaussian, ..Discs::default() };
+        let flat = Discs::default();
+        let all = [
+            by_moments(flat, MomentCount::Four),
+            by_moments(oriented, MomentCount::Eight),
+            by_wavelets(oriented, 3),
+            by_wavelets(flat, 5),
+        ];
+        for method in all {
+            let mut renderer = Renderer::new(device).expect("a renderer");
+            let mut cloud = renderer.upload(&points).expect("fits");
+            let mut frame = frame(perspective(), size, method);
+            let whole = renderer.render(&mut cloud, &frame).expect("renders");
+            let accumulated =
+                whole.profile.timeline.iter().filter(|(time, _)| time.name.ends_with("/accumulate")).count();
+            assert!(accumulated > 1 && whole.facts.windows == 1, "{:?}", whole.facts);
+            assert!(bits(&render(device, &shuffled, &frame)) == bits(&whole.image), "{method:?}: shuffled");
+            frame.fragments = false;
+            frame.memory_budget = Some(100 << 10);
+            let named = match renderer.render(&mut cloud, &frame) {
+                Err(Error::SortOverBudget { budget, .. }) => budget,
+                other => panic!("expected the sort over budget, got {:?}", other.map(|r| r.facts)),
+            };
+            let mut cuts = 0;
+            for budget in [named, named * 3 / 2] {
+                frame.memory_budget = Some(budget);
+                let cut = renderer.render(&mut cloud, &frame).expect("the budget that the error names does");
+                cuts += usize::from(cut.facts.windows > 1);
+                assert!(bits(&cut.image) == bits(&whole.image), "{method:?}, budget {budget}: {:?}", cut.facts);
+            }
+            assert!(cuts > 0, "{method:?}: some budget cuts the image");
+        }
+    });
+}
+
+#[test]
+fn nothing_in_view_is_nothing() {
+    with_device(|device| {
+        let behind =
+            P { position: perspective().eye * 2.0, color: Vec3::ONE, opacity: 1.0, radius: 1.0, normal: Vec3::ZERO };
+        for method in methods(Discs::default()) {
+            let found = rendered(device, &scene(&[behind; 3]), &frame(perspective(), [64, 48], method));
+            assert!(found.image.rgba.iter().all(|c| *c == [0.0; 4]), "{method:?}");
+            assert!(found.image.depth.iter().all(|z| *z == f32::INFINITY), "{method:?}");
+            assert_eq!((found.facts.visible, found.facts.bands), (0, 0));
+        }
+    });
+}
+
+/// Errors of a pixel's Gaussians by their indices, where neither coverage nor depth is a matter of chance; `None` elsewhere.
+fn gaussian_offs(points: &Points, frame: &Frame, settings: &GaussianSettings) -> Vec<Option<Vec<(u32, Off)>>> {
+    let mut pixels = vec![Some(Vec::new()); (frame.size[0] * frame.size[1]) as usize];
+    for index in 0..points.len() {
+        let gaussian = gaussians::gaussian(points, index).expect("a Gaussian");
+        let order = settings.order.unwrap_or(Order::Pixel);
+        for found in gaussians::possible(&frame.camera, frame.size, &gaussian, settings, order, 0..frame.size[1]) {
+            let pixel = &mut pixels[(found.y * frame.size[0] + found.x) as usize];
+            let relative = |low: f64, high: f64| (high - low) / low;
+            let off =
+                Off { depth: relative(found.z.low, found.z.high), alpha: relative(found.alpha.low, found.alpha.high) };
+            match pixel {
+                Some(offs) if found.sure => offs.push((index as u32, off)),
+                _ => *pixel = None,
+            }
+        }
+    }
+    pixels
+}
+
+#[test]
+fn gaussians_are_those_of_the_reference() {
+    with_device(|device| {
+        let size = [48, 36];
+        let soup = Soup { seed: 51, count: 80, degree: 1, ..Soup::default() };
+        let points = soup.points();
+        let mut places: Vec<u32> = (0..80).collect();
+        places.shuffle(&mut random(1));
+        let shuffled = order::canonical(soup.unordered().subset(&places, 1.0));
+        for order in [Order::Center, Order::Distance, Order::Pixel] {
+            let settings = GaussianSettings { order: Some(order), ..Default::default() };
+            let discs = Discs { gaussians: settings, ..Discs::default() };
+            for method in
+                [by_moments(discs, MomentCount::Four), by_moments(discs, MomentCount::Six), by_wavelets(discs, 3)]
+            {
+                let frame = Frame { color: ColorSpace::Encoded, ..frame(perspective(), size, method) };
+                let image = render(device, &points, &frame);
+                assert!(bits(&render(device, &shuffled, &frame)) == bits(&image), "{method:?}: shuffled");
+                let colors = shading::shade(&points, &frame.camera, &Shading::NONE, frame.color);
+                let wanted = approximate::render(&frame.camera, size, &points, &colors, &method).expect("one");
+                let lists = lists(&frame.camera, size, &points, &discs);
+                let offs = gaussian_offs(&points, &frame, &settings);
+                let bounds: Vec<Option<f64>> = lists
+                    .iter()
+                    .zip(&offs)
+                    .map(|(list, offs)| {
+                        let offs = offs.as_ref()?;
+                        let shown = gaussians::with_depths(&frame.camera, &points, &settings, list);
+                        let of = |f: &Fragment| offs.iter().find(|(index, _)| *index == f.index).map(|(_, off)| *off);
+                        let known = shown.iter().all(|f| of(f).is_some());
+                        // Colors by harmonics have some 200 roundings.
+                        let of_colors = 400.0 * ROUNDING;
+                        known.then(|| {
+                            of_colors
+                                + bound(&shown, &colors, &frame.camera, &method, |f| {
+                                    of(f).unwrap_or(Off { depth: 1.0, alpha: 1.0 })
+                                })
+                        })
+                    })
+                    .collect();
+                let sure = bounds.iter().flatten().count();
+                let median = assert_like(&image, &wanted, &bounds, &method);
+                println!("{method:?}: {sure} pixels, median bound {median:e}");
+                assert!(sure > 600 && median < 5e-2, "{sure} pixels, {median}");
+            }
+        }
+    });
+}
