@@ -5,6 +5,7 @@
 // Reference: reference::approximate::hybrid.
 #import splat
 #import tile_state
+#import rank
 #import region_fold
 
 struct Push {
@@ -24,10 +25,6 @@ override BEHIND: u32 = 0u;
 // 1: the round that has a tail.
 override TAIL: u32 = 0u;
 
-// Depth key, and index: what breaks ties.
-alias Rank = vec2<u32>;
-const NO_RANK = Rank(NOTHING, NOTHING);
-
 struct Slot {
     rank: Rank,
     color: vec4<f32>,
@@ -41,10 +38,6 @@ struct Slots {
 
 var<private> state: State;
 var<private> nearest: Slots;
-
-fn before(a: Rank, b: Rank) -> bool {
-    return a.x < b.x || (a.x == b.x && a.y < b.y);
-}
 
 // The second if `second`.
 fn either(a: Slot, b: Slot, second: bool) -> Slot {
@@ -82,13 +75,7 @@ fn begin(pixel: vec2<u32>) {
             state = kept_state(p);
             nearest = kept_slots(p);
         } else if BEHIND != 0u {
-            state.front = image[p];
-            state.key = depth_key(depths[p]);
-            state.shown = state.key;
-            if has_gaussians() && depths[p] <= 3.4e38 {
-                // Nothing behind is nearer, whatever depth shows.
-                state.key = 0u;
-            }
+            state = behind_front(p);
             nearest.last = lasts[p];
         }
     }
@@ -96,7 +83,7 @@ fn begin(pixel: vec2<u32>) {
 
 fn visit(pixel: vec2<u32>, f: Fragment) {
     var s = nearest;
-    let rank = Rank(f.depth_key, f.index);
+    let rank = rank_of(f);
     let faint = f.color.a < push.core_alpha_min;
     // The first round has no last fragment.
     let taken = f.hit && !faint && (BEHIND == 0u || before(s.last, rank));

@@ -33,6 +33,19 @@ fn kept_state(p: u32) -> State {
     return State(sum, rest.xy, kept[4u * p + 2u], rest.z, bitcast<u32>(rest.w), depth_key(depths[p]));
 }
 
+// What goes on behind the front that other stages left in the image.
+fn behind_front(p: u32) -> State {
+    var state = empty_state();
+    state.front = image[p];
+    state.key = depth_key(depths[p]);
+    state.shown = state.key;
+    if has_gaussians() && depths[p] <= 3.4e38 {
+        // Nothing behind is nearer, whatever depth shows.
+        state.key = 0u;
+    }
+    return state;
+}
+
 // The pixel as it is if nothing comes after this run, and what the next one goes on from.
 fn leave(p: u32, state: State, rgba: vec4<f32>) {
     image[p] = rgba;

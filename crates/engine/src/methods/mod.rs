@@ -53,7 +53,7 @@ use crate::gpu::Device;
 use crate::passes::bin::Bins;
 use crate::passes::project::Footprint;
 use crate::passes::tiles::Tiles;
-use crate::scene::{Hybrid, Interpolated, Method, Mlab, Wavelet};
+use crate::scene::{Hybrid, Interpolated, Method, Mlab, Tail, Wavelet};
 use abuffer::Shown;
 use engine::Engine;
 use explain::{Absent, CLEAR, PassGroup, SCAN};
@@ -80,7 +80,10 @@ pub(crate) fn engine_of(method: &Method) -> Box<dyn Engine> {
         Method::Sorted(discs) => Box::new(sorted::SortedEngine { discs }),
         Method::Peel(peel) => Box::new(peel::PeelEngine { peel }),
         Method::Stochastic(settings) => Box::new(stochastic::StochasticEngine { settings }),
-        Method::Hybrid(Hybrid { discs, k, core_alpha_min }) => approximate(discs, Kind::Hybrid { k, core_alpha_min }),
+        Method::Hybrid(Hybrid { discs, k, core_alpha_min, tail, moments }) => {
+            let tail = (tail == Tail::Moments).then_some(moments);
+            approximate(discs, Kind::Hybrid { k, core_alpha_min, tail })
+        }
         Method::Mlab(Mlab { discs, nodes }) => approximate(discs, Kind::Mlab(nodes)),
         Method::Moments(settings) => fading(settings.discs, Fading::Moments(settings)),
         Method::Wavelet(Wavelet { discs, rank }) => fading(discs, Fading::Wavelet(rank)),

@@ -101,9 +101,11 @@ pub(super) fn counts(buffers: &Buffers, frame: &Frame, window: Window) -> Result
 }
 
 /// The stages that go through tiles of ordered splats.
-const STAGES: [&str; 11] = [
+const STAGES: [&str; 13] = [
     "sorted/blend",
     "hybrid/accumulate",
+    "hybrid/gather",
+    "hybrid/weigh",
     "mlab/accumulate",
     "moments/gather",
     "moments/accumulate",

@@ -8,7 +8,7 @@ use super::abuffer::{Composite, Fragment, composite, lists};
 use super::{Picture, gaussians, mlab, moments, wavelet};
 use crate::camera::Camera;
 use crate::points::Points;
-use crate::scene::{Hybrid, Method, Mlab, Wavelet};
+use crate::scene::{Hybrid, Method, Mlab, Moments, Tail, Wavelet};
 
 /// z of the nearest fragment with α > 0, +inf if none has.
 pub(super) fn nearest(list: &[Fragment]) -> f64 {
@@ -65,6 +65,16 @@ pub fn unsorted(list: &[Fragment], colors: &[DVec3], places: &[u32]) -> Composit
 /// Hybrid transparency (Maule et al. 2013): the first k fragments composed exactly, and behind them a tail of color
 /// Σαc / Σα and coverage 1 − ∏(1−α). Of fragments fainter than `core_alpha_min` all are in the tail, wherever they lie (Hahlbohm et al. 2025).
 pub fn hybrid(list: &[Fragment], colors: &[DVec3], k: u32, core_alpha_min: f64) -> Composite {
+    hybrid_before(list, colors, (k, core_alpha_min), |tail| coverage(tail) * mean(tail, colors, |f| f.alpha))
+}
+
+/// The same before a tail whose premultiplied color a function finds from its fragments.
+pub fn hybrid_before(
+    list: &[Fragment],
+    colors: &[DVec3],
+    (k, core_alpha_min): (u32, f64),
+    tail_color: impl Fn(&[Fragment]) -> DVec3,
+) -> Composite {
     let (mut front, mut tail) = (Vec::new(), Vec::new());
     for fragment in list {
         let exact = front.len() < k as usize && fragment.alpha >= core_alpha_min;
@@ -72,8 +82,7 @@ pub fn hybrid(list: &[Fragment], colors: &[DVec3], k: u32, core_alpha_min: f64) 
     }
     let front = composite(&front, colors);
     let through = 1.0 - front.alpha;
-    let behind = coverage(&tail) * mean(&tail, colors, |f| f.alpha);
-    Composite { color: front.color + through * behind, alpha: coverage(list), depth: nearest(list) }
+    Composite { color: front.color + through * tail_color(&tail), alpha: coverage(list), depth: nearest(list) }
 }
 
 /// The whole image by one of the methods of this module, or by `mlab`, `moments` or `wavelet`; `None` for others. `colors` holds a color for each point, shaded
@@ -87,7 +96,14 @@ pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3]
         Method::Weighted(_) => Some(weighted(list, colors, range)),
         Method::Average(_) => Some(average(list, colors)),
         Method::Unsorted(_) => Some(unsorted(list, colors, &points.file_order)),
-        Method::Hybrid(Hybrid { k, core_alpha_min, .. }) => Some(hybrid(list, colors, *k, f64::from(*core_alpha_min))),
+        Method::Hybrid(Hybrid { k, core_alpha_min, tail: Tail::Average, .. }) => {
+            Some(hybrid(list, colors, *k, (*core_alpha_min).into()))
+        }
+        Method::Hybrid(Hybrid { k, core_alpha_min, tail: Tail::Moments, moments: count, .. }) => {
+            let settings = Moments { moments: *count, ..Moments::default() };
+            let color = |tail: &[Fragment]| moments::moments(&with_depths(tail), colors, range, &settings).color;
+            Some(hybrid_before(list, colors, (*k, (*core_alpha_min).into()), color))
+        }
         Method::Mlab(Mlab { nodes, .. }) => Some(mlab::mlab(list, colors, &points.file_order, *nodes)),
         Method::Moments(settings) => Some(moments::moments(&with_depths(list), colors, range, settings)),
         Method::Wavelet(Wavelet { rank, .. }) => Some(wavelet::wavelet(&with_depths(list), colors, range, *rank)),

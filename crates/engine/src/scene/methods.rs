@@ -115,8 +115,8 @@ methods! {
     "peel-layers" => PeelLayers(PeelLayers), Surfaces, for Surfaces;
     /// Random samples of the same discs in each pixel, without sorting, with a standard error (Enderton et al. 2011).
     "stochastic" => Stochastic(Stochastic), Discs, for Approximate, also &["alpha_correction=false", "raster=hardware"];
-    /// The nearest discs of each pixel exactly, the mean of those behind (Maule et al. 2013).
-    "hybrid" => Hybrid(Hybrid), Discs, for Approximate;
+    /// The nearest discs of each pixel exactly, the mean of those behind (Maule et al. 2013), or what their moments tell.
+    "hybrid" => Hybrid(Hybrid), Discs, for Approximate, also &["tail=moments"];
     /// A few layers for each pixel, of which the last two are merged as discs come in the order of the files (Salvi and Vaidyanathan 2014).
     "mlab" => Mlab(Mlab), Discs, for Approximate;
     /// Discs weighted by the light before them, as bounded by power moments of each pixel's optical depth (Münstermann et al. 2018).

@@ -25,7 +25,7 @@ pub use coloring::{ColorBy, ColorSettings, ColormapName};
 pub use detail::Detail;
 pub use discs::{
     DiscShape, Discs, Falloff, GaussianSettings, Hybrid, Kernel, LongLists, MAX_K, MAX_LAYERS, MAX_NODES, MAX_RANK,
-    MAX_SAMPLES, Mlab, MomentCount, Moments, Order, Peel, Raster, Stochastic, Wavelet,
+    MAX_SAMPLES, Mlab, MomentCount, Moments, Order, Peel, Raster, Stochastic, Tail, Wavelet,
 };
 pub use ensembles::{Brightness, MAX_ENSEMBLES, Spbr, SpbrSimplified};
 pub use image::{ColorSpace, ImageSettings};

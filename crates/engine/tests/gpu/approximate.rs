@@ -18,7 +18,7 @@ fn hybrid(discs: Discs, k: u32) -> Method {
 
 /// With a core of fragments of at least this opacity.
 fn gated(discs: Discs, k: u32, core_alpha_min: f32) -> Method {
-    Method::Hybrid(Hybrid { discs, k, core_alpha_min })
+    Method::Hybrid(Hybrid { discs, k, core_alpha_min, ..Hybrid::default() })
 }
 
 fn mlab(discs: Discs, nodes: u32) -> Method {

@@ -352,7 +352,12 @@ fn neither_order_of_input_nor_budget_changes_a_byte() {
             Method::Peel(Peel { discs: discs(Kernel::Ray, Order::Pixel), ..Peel::default() }),
             Method::Hybrid(Hybrid { discs: discs(Kernel::Ewa, Order::Pixel), ..Hybrid::default() }),
             Method::Hybrid(Hybrid { discs: discs(Kernel::Ewa, Order::Distance), ..Hybrid::default() }),
-            Method::Hybrid(Hybrid { discs: discs(Kernel::Ewa, Order::Pixel), k: 11, core_alpha_min: 0.05 }),
+            Method::Hybrid(Hybrid {
+                discs: discs(Kernel::Ewa, Order::Pixel),
+                k: 11,
+                core_alpha_min: 0.05,
+                ..Hybrid::default()
+            }),
             Method::Weighted(discs(Kernel::Ray, Order::Pixel)),
             Method::Average(discs(Kernel::Ewa, Order::Center)),
             Method::Stochastic(Stochastic {

@@ -41,7 +41,8 @@ impl Stage for ApproximateEngine {
         bin: bin::Job<'_>,
         _max_color: f32,
     ) -> Result<Outcome, Error> {
-        approximations.render(bins, work, &WindowJob { bin, discs: self.discs, kind: self.kind })
+        let depth_range = work.frame.depth_range();
+        approximations.render(bins, work, &WindowJob { bin, discs: self.discs, kind: self.kind, depth_range })
     }
 }
 
@@ -77,7 +78,11 @@ impl Engine for ApproximateEngine {
             Kind::Weighted => "weighted/accumulate",
             Kind::Average => "average/accumulate",
             Kind::Unsorted => "unsorted/accumulate",
-            Kind::Hybrid { .. } => "hybrid/accumulate",
+            Kind::Hybrid { tail: None, .. } => "hybrid/accumulate",
+            Kind::Hybrid { tail: Some(_), .. } => {
+                let stages = ["hybrid/accumulate", "hybrid/gather", "hybrid/weigh"];
+                return tiled::explain_stages(plan, &stages, self.order());
+            }
             Kind::Mlab(_) => "mlab/accumulate",
         };
         tiled::explain(plan, stage, self.order());

@@ -1,13 +1,17 @@
-//! Approximations of transparency that go through tiles of splats once and keep a few sums for each pixel: `weighted`,
+//! Approximations of transparency that keep a few sums for each pixel, most of which go through tiles of splats once: `weighted`,
 //! `average`, `unsorted`, `hybrid` and `mlab`. Sums are compensated, so that neither the number of fragments nor where a run
 //! over a tile's splats ends shows in them.
 
 mod engine;
+mod tail;
 
 pub(crate) use engine::ApproximateEngine;
+pub use tail::{GatherTail, TailPush, WeighTail};
 
+use self::tail::Tail;
 use super::abuffer::record_nothing;
 use super::engine::Work;
+use super::fading::{self, Stages};
 use super::{Error, Facts, Outcome, Target};
 use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Device, Kept, Memory, Pass, Recorder, Run, Variant};
@@ -15,7 +19,7 @@ use crate::passes::bands::{self, Budget};
 use crate::passes::bin::{self, Bin, Binned, Bins, Lanes, TileWalk, TiledGroup};
 use crate::passes::compose::{self, Cut};
 use crate::passes::project::{DISCS, Footprint};
-use crate::scene::{Discs, Falloff, MAX_NODES};
+use crate::scene::{Discs, Falloff, MAX_NODES, MomentCount};
 use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
@@ -96,6 +100,15 @@ pass! {
 }
 
 pass! {
+    /// Composes the first `k` fragments of each pixel front to back before a tail by moments, over flat discs.
+    pub HybridFront(HybridPush) = "hybrid/accumulate" in "approximate/hybrid_front" {
+        tiles: Shared<TiledGroup>,
+        sums: Shared<SumsGroup>,
+        lasts: ReadWrite<[u32; 2]>,
+    }
+}
+
+pass! {
     /// Keeps the 8 nearest fragments of each pixel in slots by insertion, over oriented discs: one subgroup per block of
     /// a tile goes through it region by region. It runs once for every 8 of `k`; fragments that fall out in the last round
     /// are summed.
@@ -146,6 +159,8 @@ pub enum Kind {
         k: u32,
         /// The least opacity of one.
         core_alpha_min: f32,
+        /// By how many moments the others are weighted, which are averaged otherwise.
+        tail: Option<MomentCount>,
     },
     /// `mlab`, with so many layers.
     Mlab(u32),
@@ -160,6 +175,8 @@ pub struct WindowJob<'a> {
     pub discs: Discs,
     /// The approximation.
     pub kind: Kind,
+    /// Near and far.
+    pub depth_range: [f32; 2],
 }
 
 impl WindowJob<'_> {
@@ -170,6 +187,26 @@ impl WindowJob<'_> {
             Kind::Hybrid { k, .. } if self.bin.raster.footprint.may_cross() => rounds(k),
             Kind::Mlab(nodes) => vec![layer_slots(nodes)],
             _ => Vec::new(),
+        }
+    }
+
+    /// Moments of the tail.
+    fn tail(&self) -> Option<MomentCount> {
+        let Kind::Hybrid { tail, .. } = self.kind else { return None };
+        tail
+    }
+
+    /// Device bytes of a pixel from stage to stage.
+    fn kept_bytes(&self, rounds: &[u32]) -> u64 {
+        self.tail().map_or_else(|| round_bytes(rounds), tail::pixel_bytes)
+    }
+
+    /// The most runs over all tiles that it takes to get a stage through the longest list.
+    fn runs_over(&self, binned: Binned, rounds: &[u32]) -> u32 {
+        if self.tail().is_some() {
+            binned.region_segments().max(runs_over(binned, rounds))
+        } else {
+            runs_over(binned, rounds)
         }
     }
 }
@@ -187,12 +224,13 @@ fn layer_slots(nodes: u32) -> u32 {
 /// Device bytes of a pixel that a method always needs.
 pub fn pixel_bytes(kind: Kind) -> u64 {
     match kind {
-        Kind::Hybrid { k, .. } => round_bytes(&rounds(k)),
+        Kind::Hybrid { tail: Some(moments), .. } => tail::pixel_bytes(moments),
+        Kind::Hybrid { k, tail: None, .. } => round_bytes(&rounds(k)),
         _ => 0,
     }
 }
 
-/// Device bytes of a pixel between two rounds.
+/// Device bytes of a pixel between two rounds that have a tail at once.
 fn round_bytes(rounds: &[u32]) -> u64 {
     if rounds.len() > 1 { LAST_BYTES } else { 0 }
 }
@@ -217,6 +255,7 @@ pub struct Approximations {
     state: Kept<[f32; 4]>,
     lasts: Kept<[u32; 2]>,
     slots: Kept<[u32; 4]>,
+    moments: Kept<[f32; 2]>,
 }
 
 impl Default for Approximations {
@@ -225,6 +264,7 @@ impl Default for Approximations {
             state: Kept::new("sums of pixels", Memory::Device),
             lasts: Kept::new("last ranks of pixels", Memory::Device),
             slots: Kept::new("nearest fragments of pixels, by slot", Memory::Device),
+            moments: Kept::new("moments of tails", Memory::Device),
         }
     }
 }
@@ -241,7 +281,7 @@ impl Approximations {
         let (window, rounds) = (job.bin.raster.window, job.rounds());
         let pixels = bands::pixels(window);
         let mut bin = job.bin;
-        bin.counted_bytes += pixels * round_bytes(&rounds) + pixels.min(SMALL_WINDOW) * run_bytes(&rounds);
+        bin.counted_bytes += pixels * job.kept_bytes(&rounds) + pixels.min(SMALL_WINDOW) * run_bytes(&rounds);
         let mut recorder;
         let runs = SMALL_WINDOW * run_bytes(&rounds);
         match bins.bin(device, &bin, work.timeline).map_err(|error| beside(error.into(), runs))? {
@@ -252,13 +292,13 @@ impl Approximations {
             }
             Bin::Done(binned) => {
                 work.note_binned(binned);
-                if runs_over(binned, &rounds) > 1 && pixels > SMALL_WINDOW {
+                if job.runs_over(binned, &rounds) > 1 && pixels > SMALL_WINDOW {
                     let left = bin.budget.left(bin.counted_bytes).saturating_sub(bins.bytes());
                     if pixels * run_bytes(&rounds) > left.min(bin.budget.binding) {
                         return Ok(Outcome::Overflow);
                     }
                 }
-                self.reserve(device, pixels, binned, &rounds)?;
+                self.reserve(device, pixels, job.runs_over(binned, &rounds) > 1, &rounds, job.tail())?;
                 work.facts.bands += 1;
                 recorder = work.timeline.recorder(device)?;
                 self.record(bins, &mut recorder, job, binned, &rounds, target)?;
@@ -269,13 +309,20 @@ impl Approximations {
         Ok(Outcome::Done)
     }
 
-    fn reserve(&mut self, device: &Device, pixels: u64, binned: Binned, rounds: &[u32]) -> Result<(), Error> {
-        let kept = if runs_over(binned, rounds) > 1 { pixels } else { 0 };
+    fn reserve(
+        &mut self,
+        device: &Device,
+        pixels: u64,
+        kept: bool,
+        rounds: &[u32],
+        tail: Option<MomentCount>,
+    ) -> Result<(), Error> {
+        let kept = if kept { pixels } else { 0 };
         self.state.reserve(device, (kept * STATE_BYTES / 16).max(1))?;
-        if let Some(slots) = rounds.first() {
-            self.slots.reserve(device, (kept * (1 + 2 * u64::from(*slots))).max(1))?;
-            self.lasts.reserve(device, if rounds.len() > 1 { pixels } else { 1 })?;
-        }
+        let slots = rounds.first().map_or(0, |slots| 1 + 2 * u64::from(*slots));
+        self.slots.reserve(device, (kept * slots).max(1))?;
+        self.lasts.reserve(device, if rounds.len() > 1 || tail.is_some() { pixels } else { 1 })?;
+        self.moments.reserve(device, tail.map_or(1, |moments| pixels * fading::pairs(moments)))?;
         Ok(())
     }
 
@@ -293,29 +340,36 @@ impl Approximations {
         let sums = Sums { image: target.image(), depths: target.depths(), kept: self.state.get().all() };
         let shape = compose::variant(binned.cut(), job.bin.raster.footprint, job.discs.falloff);
         let stage = Stage { shape, binned, runs: runs_over(binned, rounds) };
+        let (lasts, slots) = (self.lasts.get().all(), self.slots.get().all());
         match job.kind {
             Kind::Weighted => stage.record(recorder, &Weighted { tiles, sums }),
             Kind::Average => stage.record(recorder, &Average { tiles, sums }),
             Kind::Unsorted => stage.record(recorder, &Unsorted { tiles, sums }),
-            Kind::Hybrid { k, core_alpha_min } if rounds.is_empty() => stage.each_run(|run| {
-                let push = HybridPush { walk: binned.walk(run.number), k, core_alpha_min };
-                let over = Run::new(binned.over_blocks());
-                Ok(recorder.run(
-                    &HybridFlat { tiles, sums },
-                    push,
-                    &over.variant(sum_variant(stage.shape.clone(), run)),
-                )?)
-            }),
+            Kind::Hybrid { k, core_alpha_min, tail: None } if rounds.is_empty() => {
+                stage.record_hybrid(recorder, &HybridFlat { tiles, sums }, k, core_alpha_min)
+            }
             Kind::Mlab(nodes) => stage.each_run(|run| {
-                let slots = layer_slots(nodes);
-                let push = LayerPush { walk: binned.walk(run.number), unused: slots + 1 - nodes };
-                let over = Run::new(binned.over_blocks());
-                let layers = Layers { tiles, sums, slots: self.slots.get().all() };
-                Ok(recorder.run(&layers, push, &over.variant(layer_variant(stage.shape.clone(), run, slots)))?)
+                let count = layer_slots(nodes);
+                let push = LayerPush { walk: binned.walk(run.number), unused: count + 1 - nodes };
+                let over = Run::new(binned.over_blocks()).variant(layer_variant(stage.shape.clone(), run, count));
+                Ok(recorder.run(&Layers { tiles, sums, slots }, push, &over)?)
             }),
-            Kind::Hybrid { core_alpha_min, .. } => {
-                let (lasts, slots) = (self.lasts.get().all(), self.slots.get().all());
-                stage.record_rounds(recorder, &HybridOriented { tiles, sums, lasts, slots }, rounds, core_alpha_min)
+            Kind::Hybrid { core_alpha_min, tail: None, .. } => stage.record_rounds(
+                recorder,
+                &HybridOriented { tiles, sums, lasts, slots },
+                rounds,
+                (core_alpha_min, true),
+            ),
+            Kind::Hybrid { k, core_alpha_min, tail: Some(moments) } => {
+                if rounds.is_empty() {
+                    stage.record_hybrid(recorder, &HybridFront { tiles, sums, lasts }, k, core_alpha_min)?;
+                } else {
+                    let front = HybridOriented { tiles, sums, lasts, slots };
+                    stage.record_rounds(recorder, &front, rounds, (core_alpha_min, false))?;
+                }
+                let (known, depth_range) = (self.moments.get().all(), job.depth_range);
+                let tail = Tail { tiles, sums, lasts, known, moments, core_alpha_min, depth_range };
+                tail.record(recorder, &Stages { shape: stage.shape, binned })
             }
         }
     }
@@ -339,7 +393,7 @@ pub struct Round {
     pub slots: u32,
     /// True if other runs came before.
     pub behind: bool,
-    /// True if it is the last run.
+    /// True if it is the last one, and what falls out of it is averaged.
     pub tail: bool,
 }
 
@@ -365,15 +419,30 @@ impl Stage {
         })
     }
 
+    fn record_hybrid<'a, P: Pass<Push = HybridPush> + 'a>(
+        &self,
+        recorder: &mut Recorder<'a>,
+        pass: &P,
+        k: u32,
+        core_alpha_min: f32,
+    ) -> Result<(), Error> {
+        self.each_run(|run| {
+            let push = HybridPush { walk: self.binned.walk(run.number), k, core_alpha_min };
+            let over = Run::new(self.binned.over_blocks());
+            Ok(recorder.run(pass, push, &over.variant(sum_variant(self.shape.clone(), run)))?)
+        })
+    }
+
+    /// `averaged`: the last round has a tail.
     fn record_rounds<'a>(
         &self,
         recorder: &mut Recorder<'a>,
         pass: &HybridOriented<'a>,
         rounds: &[u32],
-        core_alpha_min: f32,
+        (core_alpha_min, averaged): (f32, bool),
     ) -> Result<(), Error> {
         rounds.iter().enumerate().try_for_each(|(i, slots)| {
-            let round = Round { slots: *slots, behind: i > 0, tail: i + 1 == rounds.len() };
+            let round = Round { slots: *slots, behind: i > 0, tail: averaged && i + 1 == rounds.len() };
             self.each_run(|run| {
                 let push = RoundPush { walk: self.binned.walk(run.number), core_alpha_min };
                 let over = Run::new(self.binned.over_blocks());
@@ -414,6 +483,15 @@ fn layer_variant(shape: Variant, run: OneRun, slots: u32) -> Variant {
 /// Bytes that a stage must at least read and write: `tilted` whether discs are oriented. Of splats each pair with a tile, in
 /// each round, and the window's pixels.
 pub fn least_bytes(name: &str, facts: &Facts, kind: Kind, tilted: bool, pixels: u64) -> Option<u64> {
+    // Index, then splat, depth and color.
+    let splat = 4 + 16 + 4 + 16 + if tilted { 16 } else { 0 };
+    if let Kind::Hybrid { tail: Some(moments), .. } = kind
+        && matches!(name, "hybrid/gather" | "hybrid/weigh")
+    {
+        // A tail is known by moments that one stage leaves and the other reads, with the image in front of it.
+        let (color, image) = if name == "hybrid/gather" { (12, 0) } else { (0, 36) };
+        return Some(facts.tile_entries * (splat - color) + pixels * (tail::pixel_bytes(moments) + image));
+    }
     if !name.ends_with("/accumulate") {
         return None;
     }
@@ -421,48 +499,49 @@ pub fn least_bytes(name: &str, facts: &Facts, kind: Kind, tilted: bool, pixels: 
         Kind::Hybrid { k, .. } if tilted => rounds(k).len() as u64,
         _ => 1,
     };
-    // Index, then splat, depth and color.
-    let splat = 4 + 16 + 4 + 16 + if tilted { 16 } else { 0 };
     Some(rounds * (facts.tile_entries * splat + pixels * 20))
 }
 
-/// The variants of a pass: a footprint and all falloffs with one run, and the first and second of two.
-fn variants(footprint: Footprint, of: impl Fn(Variant, OneRun) -> Vec<Variant>) -> Vec<Variant> {
+/// The variants of a pass: footprints and all falloffs with the first of some ways, and all ways with the first of those, each with one
+/// run, and the first and second of two.
+fn variants<W>(footprints: &[Footprint], ways: &[W], of: impl Fn(Variant, OneRun, &W) -> Variant) -> Vec<Variant> {
     let runs: Vec<OneRun> = [(0, 1), (0, 2), (1, 2)]
         .into_iter()
         .flat_map(|(number, of)| Lanes::all().into_iter().map(move |lanes| OneRun { number, of, lanes }))
         .collect();
+    let shapes =
+        footprints.iter().flat_map(|footprint| <(Cut, Falloff)>::all().into_iter().map(move |o| (*footprint, o)));
     let mut all = Vec::new();
-    for (cut, falloff) in <(Cut, Falloff)>::all() {
+    for (i, (footprint, (cut, falloff))) in shapes.enumerate() {
         let shape = compose::variant(cut, footprint, falloff);
-        runs.iter().for_each(|run| all.extend(of(shape.clone(), *run)));
+        for way in &ways[..if i == 0 { ways.len() } else { 1 }] {
+            all.extend(runs.iter().map(|run| of(shape.clone(), *run, way)));
+        }
     }
     all
 }
 
 /// The passes with their variants.
 pub fn shaders() -> Vec<Shader> {
-    let sums = |footprint| variants(footprint, |shape, run| vec![sum_variant(shape, run)]);
-    let both = || DISCS.iter().flat_map(|disc| sums(*disc)).collect::<Vec<_>>();
-    // One round; the first and the middle ones of several, and the last one, which has the slots that are left.
-    let round = |slots, behind, tail| Round { slots, behind, tail };
-    let last = (1..=MOST_SLOTS).flat_map(|slots| [round(slots, false, true), round(slots, true, true)]);
-    let rounds: Vec<Round> =
-        [round(MOST_SLOTS, false, false), round(MOST_SLOTS, true, false)].into_iter().chain(last).collect();
-    let in_rounds = |footprint| {
-        variants(footprint, |shape, run| rounds.iter().map(|round| round_variant(shape.clone(), run, *round)).collect())
-    };
-    let in_layers = |footprint| {
-        variants(footprint, |shape, run| LAYER_SLOTS.map(|slots| layer_variant(shape.clone(), run, slots)).to_vec())
-    };
+    let sums = |footprints: &[Footprint]| variants(footprints, &[()], |shape, run, ()| sum_variant(shape, run));
+    // The last round, which is the first one or not, has the slots that are left, and a tail or not.
+    let flags = [false, true].into_iter().flat_map(|behind| [false, true].map(|tail| (behind, tail)));
+    let round = |slots| flags.clone().map(move |(behind, tail)| Round { slots, behind, tail });
+    let rounds: Vec<Round> = (1..=MOST_SLOTS).rev().flat_map(round).collect();
     let (crossing, flat): (Vec<Footprint>, Vec<Footprint>) = DISCS.iter().partition(|disc| disc.may_cross());
+    let [gather, weigh] = tail::shaders();
     vec![
-        Shader::new::<Weighted>(both()),
-        Shader::new::<Average>(both()),
-        Shader::new::<Unsorted>(both()),
-        Shader::new::<HybridFlat>(flat.into_iter().flat_map(sums)),
-        Shader::new::<HybridOriented>(crossing.into_iter().flat_map(in_rounds)),
-        Shader::new::<Layers>(DISCS.into_iter().flat_map(in_layers)),
+        Shader::new::<Weighted>(sums(&DISCS)),
+        Shader::new::<Average>(sums(&DISCS)),
+        Shader::new::<Unsorted>(sums(&DISCS)),
+        Shader::new::<HybridFlat>(sums(&flat)),
+        Shader::new::<HybridFront>(sums(&flat)),
+        Shader::new::<HybridOriented>(variants(&crossing, &rounds, |shape, run, round| {
+            round_variant(shape, run, *round)
+        })),
+        gather,
+        weigh,
+        Shader::new::<Layers>(variants(&DISCS, &LAYER_SLOTS, |shape, run, slots| layer_variant(shape, run, *slots))),
     ]
 }
 
@@ -478,8 +557,9 @@ mod tests {
         assert_eq!(rounds(9), [8, 1]);
         assert_eq!(rounds(24), [8, 8, 8]);
         assert!((1..=MAX_K).all(|k| rounds(k).iter().sum::<u32>() == k));
-        assert_eq!(pixel_bytes(Kind::Hybrid { k: 9, core_alpha_min: 0.0 }), 8);
-        assert_eq!(pixel_bytes(Kind::Hybrid { k: 8, core_alpha_min: 0.0 }), 0);
+        assert_eq!(pixel_bytes(Kind::Hybrid { k: 9, core_alpha_min: 0.0, tail: None }), 8);
+        assert_eq!(pixel_bytes(Kind::Hybrid { k: 8, core_alpha_min: 0.0, tail: None }), 0);
+        assert_eq!(pixel_bytes(Kind::Hybrid { k: 8, core_alpha_min: 0.0, tail: Some(MomentCount::Eight) }), 10 * 8 + 8);
         assert_eq!((run_bytes(&[]), run_bytes(&[8, 1])), (64, 64 + 16 + 8 * 32));
     }
 
@@ -495,9 +575,16 @@ mod tests {
         let facts = Facts { tile_entries: 20, ..Facts::default() };
         let of = |kind, tilted| least_bytes("hybrid/accumulate", &facts, kind, tilted, 100);
         assert_eq!(of(Kind::Average, false), Some(20 * 40 + 2000));
-        let hybrid = Kind::Hybrid { k: 9, core_alpha_min: 0.0 };
+        let hybrid = Kind::Hybrid { k: 9, core_alpha_min: 0.0, tail: None };
         assert_eq!(of(hybrid, false), Some(20 * 40 + 2000));
         assert_eq!(of(hybrid, true), Some(2 * (20 * 56 + 2000)));
+        let by_moments = Kind::Hybrid { k: 9, core_alpha_min: 0.0, tail: Some(MomentCount::Four) };
+        assert_eq!(of(by_moments, false), Some(20 * 40 + 2000));
+        let stage = |name| least_bytes(name, &facts, by_moments, true, 100);
+        // 6 pairs of floats, and the last rank.
+        assert_eq!(stage("hybrid/gather"), Some(20 * 44 + 100 * 56));
+        assert_eq!(stage("hybrid/weigh"), Some(20 * 56 + 100 * (56 + 36)));
+        assert_eq!(least_bytes("hybrid/gather", &facts, hybrid, true, 100), None);
         assert_eq!(least_bytes("sorted/blend", &facts, hybrid, true, 100), None);
     }
 }

@@ -36,7 +36,8 @@ impl Stage for FadingEngine {
         bin: bin::Job<'_>,
         _max_color: f32,
     ) -> Result<Outcome, Error> {
-        fadings.render(bins, work, &WindowJob { bin, discs: self.discs, fading: self.fading })
+        let depth_range = work.frame.depth_range();
+        fadings.render(bins, work, &WindowJob { bin, discs: self.discs, fading: self.fading, depth_range })
     }
 }
 

@@ -8,7 +8,8 @@ mod passes;
 pub(crate) use engine::FadingEngine;
 pub use passes::*;
 
-use self::passes::{OneRun, learning, leaving, with_cells, with_moments};
+use self::passes::with_cells;
+pub(super) use self::passes::{OneRun, by_moments, learning, leaving, with_moments};
 use super::abuffer::record_nothing;
 use super::approximate::{STATE_BYTES, Sums, beside};
 use super::engine::Work;
@@ -17,7 +18,7 @@ use crate::gpu::{Device, Kept, Memory, Pass, Recorder, Run, Variant};
 use crate::passes::bands::{self, Budget};
 use crate::passes::bin::{self, Bin, Binned, Bins};
 use crate::passes::compose;
-use crate::scene::{Discs, Moments};
+use crate::scene::{Discs, MomentCount, Moments};
 
 /// The numbers that tell how the light of a pixel fades.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,14 +41,19 @@ impl Fading {
     /// Pairs of floats for each pixel: the moments and the nearest place; or the cells.
     fn pairs(self) -> u64 {
         match self {
-            Self::Moments(moments) => u64::from(moments.moments.get()) + 2,
+            Self::Moments(moments) => pairs(moments.moments),
             Self::Wavelet(rank) => 2 << rank,
         }
     }
 }
 
+/// Pairs of floats of a pixel's moments, and of its nearest place.
+pub(super) fn pairs(moments: MomentCount) -> u64 {
+    u64::from(moments.get()) + 2
+}
+
 /// Bytes of a pair of floats, as also the range of depths of a pixel is.
-const PAIR_BYTES: u64 = 8;
+pub(super) const PAIR_BYTES: u64 = 8;
 /// Up to so many pixels a window has room for what is known of them whatever else there is.
 const SMALL_WINDOW: u64 = 256;
 
@@ -71,6 +77,8 @@ pub struct WindowJob<'a> {
     pub discs: Discs,
     /// The numbers.
     pub fading: Fading,
+    /// Near and far.
+    pub depth_range: [f32; 2],
 }
 
 /// Buffers, kept from frame to frame.
@@ -147,13 +155,8 @@ impl Fadings {
         let stages = Stages { shape, binned };
         match job.fading {
             Fading::Moments(moments) => {
-                let [near, far] = job.bin.depth_range.map(f64::from);
-                let push = |number| MomentPush {
-                    walk: binned.walk(number),
-                    scale: (2.0 / (far / near).ln()) as f32,
-                    overestimation: moments.overestimation,
-                    bias: moments.bias(),
-                };
+                let estimate = Estimate::new(&moments, job.depth_range);
+                let push = |number| MomentPush { walk: binned.walk(number), estimate };
                 let counted = |variant| with_moments(variant, moments.moments.get());
                 stages.record(recorder, &GatherMoments { tiles, known }, push, |s, run| counted(learning(s, run)))?;
                 stages.record(recorder, &WeighByMoments { tiles, sums, known }, push, |s, run| counted(leaving(s, run)))
@@ -173,14 +176,16 @@ impl Fadings {
 }
 
 /// Stages over all tiles.
-struct Stages {
-    shape: Variant,
-    binned: Binned,
+pub(super) struct Stages {
+    /// Shape and falloff.
+    pub shape: Variant,
+    /// The tiles.
+    pub binned: Binned,
 }
 
 impl Stages {
     /// Runs a stage until the longest list of a tile is done.
-    fn record<'a, P: Pass + 'a>(
+    pub fn record<'a, P: Pass + 'a>(
         &self,
         recorder: &mut Recorder<'a>,
         pass: &P,
@@ -216,8 +221,6 @@ pub fn least_bytes(name: &str, facts: &Facts, fading: Fading, tilted: bool, pixe
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::MomentCount;
-
     fn eight() -> Fading {
         Fading::Moments(Moments { moments: MomentCount::Eight, ..Moments::default() })
     }

@@ -6,16 +6,32 @@ use crate::methods::approximate::SumsGroup;
 use crate::passes::bin::{self, Lanes, TileWalk, TiledGroup};
 use crate::passes::compose::{self, Cut};
 use crate::passes::project::DISCS;
-use crate::scene::{Falloff, MAX_RANK, MomentCount};
+use crate::scene::{Falloff, MAX_RANK, MomentCount, Moments};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
-    /// Push constants of `moments`; shaders/shared/moment.wgsl explains the members.
-    pub struct MomentPush {
-        walk: TileWalk,
+    /// How light follows from moments; shaders/shared/moment.wgsl explains the members.
+    pub struct Estimate {
         scale: f32,
         overestimation: f32,
         bias: f32,
+    }
+}
+
+impl Estimate {
+    /// That of settings, over depths from near to far.
+    pub fn new(settings: &Moments, depth_range: [f32; 2]) -> Self {
+        let [near, far] = depth_range.map(f64::from);
+        let scale = (2.0 / (far / near).ln()) as f32;
+        Self { scale, overestimation: settings.overestimation, bias: settings.bias() }
+    }
+}
+
+gpu_struct! {
+    /// Push constants of `moments`.
+    pub struct MomentPush {
+        walk: TileWalk,
+        estimate: Estimate,
     }
 }
 
@@ -73,27 +89,27 @@ pass! {
 
 /// One of the runs that it takes to get through the tiles' splats.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct OneRun {
+pub(in crate::methods) struct OneRun {
     /// True if it goes on from the result of others.
-    pub(super) later: bool,
+    pub(in crate::methods) later: bool,
     /// True if there are several, so that each leaves what it knows.
-    pub(super) kept: bool,
+    pub(in crate::methods) kept: bool,
     /// The invocations that go through the tiles.
-    pub(super) lanes: Lanes,
+    pub(in crate::methods) lanes: Lanes,
 }
 
 /// A variant of the stages that only learn of a pixel.
-pub(super) fn learning(shape: Variant, run: OneRun) -> Variant {
+pub(in crate::methods) fn learning(shape: Variant, run: OneRun) -> Variant {
     bin::region_variant(shape, run.later, run.lanes)
 }
 
 /// A variant of the stages that leave colors.
-pub(super) fn leaving(shape: Variant, run: OneRun) -> Variant {
+pub(in crate::methods) fn leaving(shape: Variant, run: OneRun) -> Variant {
     learning(shape, run).with("KEPT", u32::from(run.kept))
 }
 
 /// Adds the number of moments.
-pub(super) fn with_moments(variant: Variant, moments: u32) -> Variant {
+pub(in crate::methods) fn with_moments(variant: Variant, moments: u32) -> Variant {
     variant.constant("MOMENTS", moments).each("moment", moments + 1)
 }
 
@@ -102,37 +118,42 @@ pub(super) fn with_cells(variant: Variant, cells: u32) -> Variant {
     variant.constant("CELLS", cells)
 }
 
-/// The variants of a stage over all discs, with the first of one run, and the first and the second of two.
-fn variants(of: impl Fn(Variant, OneRun) -> Vec<Variant>) -> Vec<Variant> {
+/// The variants of a stage: all discs with the first of some numbers, and all numbers with the first discs, each with the first of one
+/// run, and the first and the second of two.
+fn variants<N: Copy>(numbers: &[N], of: impl Fn(Variant, OneRun, N) -> Variant) -> Vec<Variant> {
     let runs: Vec<OneRun> = [(false, false), (false, true), (true, true)]
         .into_iter()
         .flat_map(|(later, kept)| Lanes::all().into_iter().map(move |lanes| OneRun { later, kept, lanes }))
         .collect();
+    let discs = DISCS.into_iter().flat_map(|disc| <(Cut, Falloff)>::all().into_iter().map(move |o| (disc, o)));
     let mut all = Vec::new();
-    for (footprint, (cut, falloff)) in
-        DISCS.into_iter().flat_map(|disc| <(Cut, Falloff)>::all().into_iter().map(move |o| (disc, o)))
-    {
+    for (i, (footprint, (cut, falloff))) in discs.enumerate() {
         let shape = compose::variant(cut, footprint, falloff);
-        runs.iter().for_each(|run| all.extend(of(shape.clone(), *run)));
+        for number in &numbers[..if i == 0 { numbers.len() } else { 1 }] {
+            all.extend(runs.iter().map(|run| of(shape.clone(), *run, *number)));
+        }
     }
     all
 }
 
+/// Those of a stage with moments.
+pub(in crate::methods) fn by_moments(of: fn(Variant, OneRun) -> Variant) -> Vec<Variant> {
+    variants(&MomentCount::ALL, |shape, run, count| with_moments(of(shape, run), count.get()))
+}
+
+/// Those of a stage with cells.
+fn by_cells(of: fn(Variant, OneRun) -> Variant) -> Vec<Variant> {
+    let ranks: Vec<u32> = (1..=MAX_RANK).collect();
+    variants(&ranks, |shape, run, rank| with_cells(of(shape, run), 2 << rank))
+}
+
 /// The passes with their variants.
 pub fn shaders() -> Vec<Shader> {
-    let moments = |of: fn(Variant, OneRun) -> Variant| {
-        variants(move |shape, run| {
-            MomentCount::ALL.map(|count| with_moments(of(shape.clone(), run), count.get())).to_vec()
-        })
-    };
-    let cells = |of: fn(Variant, OneRun) -> Variant| {
-        variants(move |shape, run| (1..=MAX_RANK).map(|rank| with_cells(of(shape.clone(), run), 2 << rank)).collect())
-    };
     vec![
-        Shader::new::<GatherMoments>(moments(learning)),
-        Shader::new::<WeighByMoments>(moments(leaving)),
-        Shader::new::<FindRange>(variants(|shape, run| vec![learning(shape, run)])),
-        Shader::new::<GatherCells>(cells(learning)),
-        Shader::new::<WeighByCells>(cells(leaving)),
+        Shader::new::<GatherMoments>(by_moments(learning)),
+        Shader::new::<WeighByMoments>(by_moments(leaving)),
+        Shader::new::<FindRange>(variants(&[()], |shape, run, ()| learning(shape, run))),
+        Shader::new::<GatherCells>(by_cells(learning)),
+        Shader::new::<WeighByCells>(by_cells(leaving)),
     ]
 }

@@ -169,10 +169,24 @@ settings! {
     pub struct Hybrid {
         /// Which discs are blended.
         discs: Discs = Discs::default();
-        /// So many of the nearest fragments are exact, those behind are averaged.
+        /// So many of the nearest fragments are exact; those behind are the tail.
         k: u32 = 8, in 1..=MAX_K, tried NEAREST;
-        /// Fragments of less opacity are none of the nearest, but averaged, wherever they lie.
+        /// Fragments of less opacity are none of the nearest, but belong to the tail, wherever they lie.
         core_alpha_min: f32 = 0.0, in Range::UNIT, slider Slider::Linear(0.0, 0.25);
+        /// How the fragments behind are composed.
+        tail: Tail = Tail::Average;
+        /// Power moments of a tail by moments.
+        moments: MomentCount = MomentCount::Four;
+    }
+}
+
+words! {
+    /// How `hybrid` composes the fragments behind the exact ones.
+    pub enum Tail {
+        /// Their mean color under their exact opacity (Maule et al. 2013).
+        Average = "average",
+        /// Each weighted by the light that power moments leave before it, under their exact opacity.
+        Moments = "moments",
     }
 }
 

@@ -1,8 +1,10 @@
 //! Approximations of one list.
 
 use super::*;
+use glam::DVec4;
 use pellucid_engine::reference::approximate::{average, hybrid, render, unsorted, weight, weighted};
-use pellucid_engine::scene::{Hybrid, Method};
+use pellucid_engine::reference::moments::moments;
+use pellucid_engine::scene::{Hybrid, Method, MomentCount, Moments, Tail};
 
 const COLORS: [DVec3; 3] = [DVec3::X, DVec3::Y, DVec3::Z];
 
@@ -89,6 +91,46 @@ fn faint_fragments_are_in_the_tail_of_a_hybrid_wherever_they_lie() {
     // As opaque as the least is opaque enough; with none opaque enough all are averaged.
     assert_eq!(hybrid(&all, &COLORS, 1, 0.25), hybrid(&all, &COLORS, 1, 0.0));
     assert_composite(hybrid(&all, &COLORS, 3, 0.6), [0.2, 0.4, 0.4].map(|share| share * 0.8125), 0.8125, 1.0);
+}
+
+#[test]
+fn a_tail_by_moments_is_that_method_behind_an_exact_front() {
+    // Three discs of radius 2 over the middle, green, red and blue from near to far, and a fainter white one before all.
+    let points = Points {
+        positions: [4.0, 5.0, 6.0, 3.0].map(|z| -z * DVec3::Z).to_vec(),
+        colors: vec![Vec3::ONE; 4],
+        opacities: vec![0.5, 0.5, 0.5, 0.125],
+        radii: vec![2.0; 4],
+        ..Points::default()
+    };
+    let colors = [DVec3::Y, DVec3::X, DVec3::Z, DVec3::ONE];
+    let on = 4 * 9 + 4;
+    let of = |k, core_alpha_min, moments| {
+        let hybrid = Hybrid { k, core_alpha_min, tail: Tail::Moments, moments, ..Hybrid::default() };
+        DVec4::from(render(&orthographic(), SIZE, &points, &colors, &Method::Hybrid(hybrid)).unwrap().rgba[on])
+    };
+    let at = |index: u32| Fragment {
+        z: -points.positions[index as usize].z,
+        index,
+        alpha: points.opacities[index as usize].into(),
+    };
+    let near_far = [orthographic().near, orthographic().far];
+    for count in MomentCount::ALL {
+        let tail = |indices: &[u32]| {
+            let list: Vec<Fragment> = indices.iter().map(|index| at(*index)).collect();
+            moments(&list, &colors, near_far, &Moments { moments: count, ..Moments::default() }).color
+        };
+        let white = DVec3::splat(0.125);
+        let alpha = 1.0 - 0.875 / 8.0;
+        assert!((of(1, 0.0, count) - (white + 0.875 * tail(&[0, 1, 2])).extend(alpha)).abs().max_element() < ROUNDING);
+        // White is too faint to be in front, and stands before the others in the tail.
+        let gated = (DVec3::Y * 0.5 + 0.5 * tail(&[3, 1, 2])).extend(alpha);
+        assert!((of(1, 0.25, count) - gated).abs().max_element() < ROUNDING);
+        // A tail of one, and none.
+        let exact = (white + 0.875 * DVec3::new(0.25, 0.5, 0.125)).extend(alpha);
+        assert!([3, 4].iter().all(|k| (of(*k, 0.0, count) - exact).abs().max_element() < ROUNDING));
+        assert!((of(1, 0.0, count) - exact).abs().max_element() > 1e-4, "more than one are estimated");
+    }
 }
 
 #[test]

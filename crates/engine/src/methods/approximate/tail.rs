@@ -1,0 +1,75 @@
+//! The tail of `hybrid` by moments: two stages behind those that compose the first fragments. The first sums the moments of each
+//! pixel's other fragments, the second their colors, weighted by the light that moments leave before them.
+
+use super::{Sums, SumsGroup};
+use crate::gpu::shader::Shader;
+use crate::gpu::{Recorder, Slice};
+use crate::methods::Error;
+use crate::methods::fading::{self, Estimate, Stages, learning, leaving, with_moments};
+use crate::passes::bin::{TileWalk, Tiled, TiledGroup};
+use crate::scene::{MomentCount, Moments};
+use crate::{gpu_struct, pass};
+
+gpu_struct! {
+    /// Push constants: those of moments, and the least opacity of a fragment that is composed exactly.
+    pub struct TailPush {
+        walk: TileWalk,
+        estimate: Estimate,
+        core_alpha_min: f32,
+    }
+}
+
+pass! {
+    /// Sums the moments of the fragments behind the last one that `hybrid/accumulate` composed, as `moments/gather` those of all.
+    pub GatherTail(TailPush) = "hybrid/gather" in "approximate/hybrid_gather" {
+        tiles: Shared<TiledGroup>,
+        lasts: Read<[u32; 2]>,
+        known: ReadWrite<[f32; 2]>,
+    }
+}
+
+pass! {
+    /// Sums the colors of the same fragments, weighted by the light before them, and puts them behind the others.
+    pub WeighTail(TailPush) = "hybrid/weigh" in "approximate/hybrid_weigh" {
+        tiles: Shared<TiledGroup>,
+        sums: Shared<SumsGroup>,
+        lasts: Read<[u32; 2]>,
+        known: Read<[f32; 2]>,
+    }
+}
+
+/// The buffers of both stages.
+#[derive(Clone, Copy)]
+pub(super) struct Tail<'a> {
+    pub tiles: Tiled<'a>,
+    pub sums: Sums<'a>,
+    pub lasts: Slice<'a, [u32; 2]>,
+    pub known: Slice<'a, [f32; 2]>,
+    /// How many moments.
+    pub moments: MomentCount,
+    pub core_alpha_min: f32,
+    /// Near and far.
+    pub depth_range: [f32; 2],
+}
+
+impl<'a> Tail<'a> {
+    /// Records both stages over all tiles.
+    pub fn record(&self, recorder: &mut Recorder<'a>, stages: &Stages) -> Result<(), Error> {
+        let Self { tiles, sums, lasts, known, moments, core_alpha_min, depth_range } = *self;
+        let estimate = Estimate::new(&Moments { moments, ..Moments::default() }, depth_range);
+        let push = |number| TailPush { walk: stages.binned.walk(number), estimate, core_alpha_min };
+        let counted = |variant| with_moments(variant, moments.get());
+        stages.record(recorder, &GatherTail { tiles, lasts, known }, push, |s, run| counted(learning(s, run)))?;
+        stages.record(recorder, &WeighTail { tiles, sums, lasts, known }, push, |s, run| counted(leaving(s, run)))
+    }
+}
+
+/// Bytes of a pixel: its moments, and the rank of the last fragment in front of the tail.
+pub(super) fn pixel_bytes(moments: MomentCount) -> u64 {
+    fading::PAIR_BYTES * fading::pairs(moments) + super::LAST_BYTES
+}
+
+/// The passes with their variants.
+pub(super) fn shaders() -> [Shader; 2] {
+    [Shader::new::<GatherTail>(fading::by_moments(learning)), Shader::new::<WeighTail>(fading::by_moments(leaving))]
+}
