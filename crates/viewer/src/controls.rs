@@ -30,6 +30,8 @@ pub enum Control {
     Opacity,
     /// A slider over integers, logarithmic for wide ranges.
     Count(u32, u32),
+    /// A choice between whole numbers.
+    OneOf(&'static [u32]),
     /// A check box.
     Flag,
     /// A choice between words.
@@ -83,6 +85,7 @@ pub fn entry(key: &Key, extent: Extent) -> Option<Entry> {
     let start = match (control, key.slider) {
         (Control::Color, _) => Setting::Numbers(vec![1.0; 3]),
         (Control::Count(..), _) => Setting::Integer(key.start as u32),
+        (Control::OneOf(numbers), _) => Setting::Integer(numbers.first().copied().unwrap_or_default()),
         (Control::Choice(words), _) => {
             Setting::Word(words.first().map_or_else(String::new, |word| word.name.to_owned()))
         }
@@ -110,6 +113,7 @@ fn control(kind: Kind, slider: Slider, extent: Extent) -> Option<Control> {
         (Kind::Integer(..), Slider::Count(from, to)) | (Kind::Integer(from, to), Slider::Whole) => {
             Control::Count(from, to)
         }
+        (Kind::OneOf(numbers), _) => Control::OneOf(numbers),
         (Kind::Flag, _) => Control::Flag,
         (Kind::Words(words) | Kind::WordsOr(words, _), _) => Control::Choice(words),
         (Kind::Color, _) => Control::Color,

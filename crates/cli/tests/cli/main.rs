@@ -23,6 +23,7 @@ mod info;
 mod interrupted;
 mod iso;
 mod legend;
+mod looks;
 mod measure;
 mod old_scenes;
 mod opacity;

@@ -120,7 +120,7 @@ methods! {
     /// A few layers for each pixel, of which the last two are merged as discs come in the order of the files (Salvi and Vaidyanathan 2014).
     "mlab" => Mlab(Mlab), Discs, for Approximate;
     /// Discs weighted by the light before them, as bounded by power moments of each pixel's optical depth (Münstermann et al. 2018).
-    "moments" => Moments(Moments), Discs, for Approximate;
+    "moments" => Moments(Moments), Discs, for Approximate, also &["overestimation=0", "overestimation=0.25"];
     /// Discs weighted by the light before them, by wavelets of each pixel's optical depth (Aizenshtein et al. 2022).
     "wavelet" => Wavelet(Wavelet), Discs, for Approximate;
     /// Discs averaged with weights that fall with depth (McGuire and Bavoil 2013): an approximation with exact opacity.

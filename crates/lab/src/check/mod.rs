@@ -9,9 +9,11 @@ mod clipped;
 mod colored;
 mod cuts;
 mod discs;
+mod fading;
 mod gaussians;
 mod lists;
 mod machinery;
+mod mlab;
 mod moved;
 mod naive;
 mod opaque;
@@ -58,6 +60,8 @@ pub fn cases() -> Vec<Case> {
     let families = [
         discs::cases(),
         approximate::cases(),
+        fading::cases(),
+        mlab::cases(),
         stochastic::cases(),
         spbr::cases(),
         soft::cases(),

@@ -7,7 +7,10 @@ mod sample;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use browser::Browser;
+use pellucid_engine::output::read_image;
 use pellucid_lab::report::tradeoff;
 use pellucid_testing::skip::{NO_BROWSER, skip};
 use serde_json::Value;
@@ -85,8 +88,10 @@ fn findings(browser: &mut Browser, file: &Path) -> Vec<String> {
     let broken = browser.evaluate(
         "[...document.images].filter((i) => !i.hidden && !(i.complete && i.naturalWidth > 0 && i.clientWidth > 0)).length",
     );
-    if broken != 0 || browser.evaluate("[...document.images].filter((i) => !i.hidden).length") != 3 {
-        found.push(format!("pictures: {broken} of 3 are not shown"));
+    // The compared ones, and three around the worst place of each approximation.
+    let shown = 3 + 3 * sample::LOOKS.len();
+    if broken != 0 || browser.evaluate("[...document.images].filter((i) => !i.hidden).length") != shown {
+        found.push(format!("pictures: {broken} of {shown} are not shown"));
     }
     found
 }
@@ -272,6 +277,43 @@ fn tables_sort_and_pictures_are_compared() {
             assert!(check(browser).is_err(), "{good}");
         }
     });
+}
+
+#[test]
+fn how_errors_look_is_told_in_two_sentences_with_the_worst_place() {
+    let report = sample::report([660, 495]);
+    let page = std::fs::read_to_string(folder().join("report.html")).unwrap();
+    let start = page.find("How errors look").expect("the section");
+    let section = &page[start..start + page[start..].find("<h2>").expect("another one")];
+    let parts: Vec<&str> = section.split("<div class=\"look\">").skip(1).collect();
+    assert_eq!(parts.len(), sample::LOOKS.len());
+    for (part, (method, _)) in parts.iter().zip(sample::LOOKS) {
+        let rows = report.rows.iter().filter(|row| row.method == method);
+        let best = rows.min_by(|a, b| a.errors.rmse.total_cmp(&b.errors.rmse)).unwrap();
+        let name = format!("{method} {}", best.setting.replace("method.", ""));
+        assert!(part.starts_with(&format!("<h3>{}</h3>", name.trim_end())), "{name}: {}", &part[..80]);
+        let text = &part[part.find("<p>").unwrap() + 3..part.find("</p>").unwrap()];
+        assert_eq!(text.matches(". ").count() + usize::from(text.ends_with('.')), 2, "two sentences: {text}");
+        let worst = best.look.unwrap().worst;
+        let [exact, own, difference] = [&report.reference.picture, &best.picture, &best.difference].map(|name| {
+            let image = read_image(&folder().join(name)).unwrap();
+            let row = |y: u32| &image.pixels[(y * image.width + worst.x) as usize..][..worst.side as usize];
+            (worst.y..worst.y + worst.side).flat_map(row).copied().collect::<Vec<_>>()
+        });
+        let embedded = part.split("data:image/png;base64,").skip(1).map(|rest| {
+            let file = tempfile::Builder::new().suffix(".png").tempfile().unwrap();
+            std::fs::write(file.path(), STANDARD.decode(&rest[..rest.find('"').unwrap()]).unwrap()).unwrap();
+            read_image(file.path()).unwrap().pixels
+        });
+        assert!(embedded.eq([exact, own, difference]), "{name}");
+    }
+    let texts = ["98 % noise", "75 % leak", "60 % the opposite of leak", "90 % leak", "70 % ghosts"];
+    for (part, text) in parts.iter().zip(texts) {
+        assert!(part.contains(text), "{text}: {part}");
+    }
+    for term in ["Bias", "Even", "Leak", "Ghosts", "Noise"] {
+        assert!(section.contains(&format!("<b>{term} </b>")), "{term} is not said to be something");
+    }
 }
 
 #[test]

@@ -16,6 +16,7 @@ fn ends(control: Control) -> Vec<Setting> {
         Control::Slider(from, to) | Control::Powers(from, to) => vec![Setting::Number(from), Setting::Number(to)],
         Control::Opacity => vec![Setting::Number(0.0), Setting::Number(1.0)],
         Control::Count(from, to) => vec![Setting::Integer(from), Setting::Integer(to)],
+        Control::OneOf(numbers) => numbers.iter().copied().map(Setting::Integer).collect(),
         Control::Flag => vec![Setting::Flag(false), Setting::Flag(true)],
         Control::Choice(words) => words.iter().map(|word| Setting::Word(word.name.to_owned())).collect(),
         Control::Color => vec![Setting::Numbers(vec![0.0; 3]), Setting::Numbers(vec![1.0; 3])],

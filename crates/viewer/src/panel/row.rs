@@ -151,6 +151,12 @@ fn change(ui: &mut Ui, key: &str, label: &str, control: Control, value: Setting)
             let changed = response.changed().then_some(Setting::Integer(n));
             (response, changed)
         }
+        (Control::OneOf(numbers), Setting::Integer(n)) => {
+            let words: Vec<String> = numbers.iter().map(u32::to_string).collect();
+            let (own, words) = (n.to_string(), words.iter().map(String::as_str).collect::<Vec<_>>());
+            let (response, chosen) = choice(ui, key, &own, &words);
+            (response, chosen.and_then(|word| word.parse().ok()).map(Setting::Integer))
+        }
         (Control::Flag, Setting::Flag(mut flag)) => {
             let response = ui.checkbox(&mut flag, label);
             let changed = response.changed().then_some(Setting::Flag(flag));

@@ -58,6 +58,34 @@ fn centres_pop_and_exact_methods_do_not() {
     assert!(page.contains("<h2>Popping</h2>") && page.contains("does not pop"));
 }
 
+/// What fades with depth and what keeps a few layers are followed like the others, each with its defaults.
+#[test]
+fn approximations_are_followed_along_a_path_of_discs() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let scene = builtin(&folder, "tori", &["points=1500", "opacity=0.4"]);
+    let start = ["tradeoff", &scene, "-q", "--size", "48x32", "-o", "report", "--quick", "--time", "900", "--json"];
+    let methods = ["moments", "wavelet", "mlab", "abuffer"];
+    let only = methods.map(|method| ["--only", method]).concat();
+    let args = [&start[..], &only, &["--turntable", "--frames", "4"]].concat();
+    let report: Value = serde_json::from_str(&done(&folder, &args)).unwrap();
+    let curves = report["popping"]["curves"].as_array().unwrap();
+    assert_eq!((curves.len(), &report["popping"]["refused"]), (4, &Value::Array(Vec::new())));
+    for method in methods {
+        let curve = curve(&report, method, "");
+        let errors: Vec<f64> =
+            curve["frames"].as_array().unwrap().iter().map(|frame| frame["error"].as_f64().unwrap()).collect();
+        let changes = curve["mean_rmse"].as_f64().unwrap();
+        assert_eq!(errors.len(), 4);
+        // The error of another frame is another one, of what has an error.
+        let has_error = method != "abuffer";
+        assert!((errors.iter().all(|e| *e > 1e-4) && changes > 1e-4) == has_error, "{method}: {errors:?} {changes}");
+    }
+    assert_eq!(lines(&folder, "report/popping.csv").len(), 4 * 4);
+}
+
 #[test]
 fn a_rendered_path_tells_how_it_pops() {
     if !has_device() {

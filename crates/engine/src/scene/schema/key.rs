@@ -61,6 +61,8 @@ pub enum Kind {
     Number(Range),
     /// A whole number from the first to the second.
     Integer(u32, u32),
+    /// One of some whole numbers.
+    OneOf(&'static [u32]),
     /// True or false.
     Flag,
     /// One of some words.
@@ -92,6 +94,7 @@ impl std::fmt::Display for Kind {
             Self::Number(range) if *range == Range::UNIT => f.write_str("number from 0 to 1"),
             Self::Number(range) => write!(f, "number{}", range.describe()),
             Self::Integer(min, max) => write!(f, "integer from {min} to {max}"),
+            Self::OneOf(numbers) => f.write_str(&one_of(numbers)),
             Self::Flag => f.write_str("`true` or `false`"),
             Self::Words(words) => f.write_str(&listed(words)),
             Self::WordsOr(words, other) => write!(f, "{}, or {other}", listed(words)),
@@ -111,6 +114,15 @@ impl std::fmt::Display for Kind {
 fn listed(words: &[Word]) -> String {
     let words: Vec<_> = words.iter().map(|word| format!("`\"{}\"`", word.name)).collect();
     words.join(", ")
+}
+
+/// Numbers in a sentence.
+fn one_of(numbers: &[u32]) -> String {
+    let numbers: Vec<_> = numbers.iter().map(|number| format!("`{number}`")).collect();
+    match &numbers[..] {
+        [first @ .., last] if !first.is_empty() => format!("{} or {last}", first.join(", ")),
+        _ => numbers.concat(),
+    }
 }
 
 /// A word that a key takes.

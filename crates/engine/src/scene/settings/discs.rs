@@ -281,7 +281,7 @@ impl Value for MomentCount {
     type Allowed = ();
 
     fn kind((): ()) -> Kind {
-        Kind::Other("`4`, `6` or `8`")
+        Kind::OneOf(&[4, 6, 8])
     }
 
     fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {

@@ -1,7 +1,9 @@
 //! Formulas as they are written first, in float32 on the host. The cases must tell them from what the device does.
 
+mod fading;
 mod filters;
 pub mod gaussians;
+mod mlab;
 mod points;
 mod soft;
 
@@ -9,7 +11,9 @@ use glam::Vec3;
 
 use super::stage::Dot;
 
+pub use fading::{moments, wavelet};
 pub use filters::Filtered;
+pub use mlab::mlab;
 pub use points::{blended, covers, gaussian, half, is_between, pixel, weighted};
 pub use soft::{Soft, disc};
 

@@ -64,7 +64,7 @@ impl ApplicableSettings {
         for also in method.also() {
             let Some((key, value)) = also.split_once('=') else { continue };
             let text = format!("method.{also} {rest}").trim_end().to_owned();
-            let other = method.with(key, word(value)).unwrap_or(method);
+            let other = method.with(key, value_of(value)).unwrap_or(method);
             match pointless(occasion, &other, also) {
                 Some(reason) => self.skipped.push(Setting::single(other, &text).skipped(reason)),
                 None => self.climb(occasion, ladders, other, &text),
@@ -160,10 +160,11 @@ fn on_top(occasion: &Occasion, method: Method, key: &Key, ladder: &Ladder, rest:
     }
 }
 
-fn word(value: &str) -> scene::Setting {
-    match value.parse() {
-        Ok(flag) => scene::Setting::Flag(flag),
-        Err(_) => scene::Setting::Word(value.to_owned()),
+fn value_of(text: &str) -> scene::Setting {
+    match (text.parse(), text.parse()) {
+        (Ok(flag), _) => scene::Setting::Flag(flag),
+        (_, Ok(number)) => scene::Setting::Number(number),
+        _ => scene::Setting::Word(text.to_owned()),
     }
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::pictures::Pictures;
-use super::{Row, Shaded, ShadedStep, Skipped, Tradeoff, causes, figures, page};
+use super::{Row, Shaded, ShadedStep, Skipped, Tradeoff, causes, figures, looks, page};
 use crate::report::popping;
 use pellucid_engine::output::{self, Files};
 
@@ -133,7 +133,7 @@ fn csv(report: &Tradeoff, file: impl Write) -> io::Result<()> {
 pub fn write(folder: &Path, report: &Tradeoff) -> Result<(), output::Error> {
     let figures = figures::draw(report)?;
     let pictures = Pictures::read(folder, report)?;
-    let html = page::html(report, &figures, &pictures);
+    let html = page::html(report, &figures, &pictures, &looks::Crops::read(folder, report)?);
     let mut files = Files::default();
     files.add(&folder.join("tradeoff.csv"), |file| csv(report, file))?;
     if !report.causes.is_empty() {

@@ -140,6 +140,7 @@ mod tests {
             rmse_analytic: None,
             holes: None,
             rmse_inside: None,
+            look: None,
             thinning: 1,
             front: false,
             picture: String::new(),

@@ -7,6 +7,7 @@ mod causes;
 mod figures;
 mod files;
 mod findings;
+mod looks;
 mod measure;
 mod page;
 mod partial;
@@ -21,6 +22,7 @@ use serde::{Deserialize, Serialize};
 
 pub use causes::{Cause, causes_table};
 pub use files::write;
+pub use looks::{Look, Worst};
 pub use measure::{ALONE_SHARE, FRAME_SHARE, Options, Subject, run};
 pub use partial::discard;
 
@@ -96,6 +98,9 @@ pub struct Row {
     pub holes: Option<f64>,
     /// RMSE of those pixels alone. It measures a surface's detail, and not how far splats extend beyond its outline.
     pub rmse_inside: Option<f64>,
+    /// How the error of an approximation looks; `None` of what is exact, and of opaque points.
+    #[serde(default)]
+    pub look: Option<Look>,
     /// True if no other row is at least as fast and as accurate, and better in one of the two.
     pub front: bool,
     /// File names, relative to the report's folder: the picture (PNG over the scene's background) and the absolute

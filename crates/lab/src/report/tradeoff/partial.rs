@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Cause, Errors, Reference, Repeats, Shaded};
+use super::{Cause, Errors, Look, Reference, Repeats, Shaded};
 use pellucid_engine::atomic::Staged;
 use pellucid_engine::output;
 
@@ -22,6 +22,8 @@ pub(super) struct Trial {
     pub rmse_analytic: Option<f64>,
     pub holes: Option<f64>,
     pub rmse_inside: Option<f64>,
+    #[serde(default)]
+    pub look: Option<Look>,
     pub picture: String,
     pub difference: String,
     /// Host time of a frame whose buffers and shaders were ready.
@@ -125,6 +127,7 @@ mod tests {
             rmse_analytic: None,
             holes: None,
             rmse_inside: None,
+            look: None,
             picture: picture.to_owned(),
             difference: picture.to_owned(),
             seconds: 0.25,

@@ -80,14 +80,18 @@ fn factor(size: [u32; 2], rows: usize) -> u32 {
 }
 
 fn embedded(path: &Path, factor: u32, how: Reduce) -> Result<String, output::Error> {
-    let picture = Picture::read(path)?.reduced(factor, how);
+    uri(path, &Picture::read(path)?.reduced(factor, how))
+}
+
+/// A picture of a file as a data URI.
+pub(super) fn uri(path: &Path, picture: &Picture) -> Result<String, output::Error> {
     let encoded = picture.encoded().map_err(|source| output::Error::Write { path: path.to_owned(), source })?;
     Ok(format!("data:image/png;base64,{}", STANDARD.encode(encoded)))
 }
 
 /// 8 bits of red, green and blue, sRGB-encoded.
 #[derive(Debug, Clone, PartialEq)]
-struct Picture {
+pub(super) struct Picture {
     width: u32,
     height: u32,
     /// Row by row from the top.
@@ -96,7 +100,7 @@ struct Picture {
 
 impl Picture {
     /// Reads a PNG of 8 bits, red, green and blue, as the report writes them.
-    fn read(path: &Path) -> Result<Self, output::Error> {
+    pub(super) fn read(path: &Path) -> Result<Self, output::Error> {
         let unreadable = |source| output::Error::Read { path: path.to_owned(), source };
         let failed = |error: DecodingError| match error {
             DecodingError::IoError(source) => unreadable(source),
@@ -127,6 +131,15 @@ impl Picture {
         writer.write_image_data(self.pixels.as_flattened())?;
         writer.finish()?;
         Ok(bytes)
+    }
+
+    /// A square of it, cut off where the picture ends.
+    pub(super) fn cropped(&self, [x, y]: [u32; 2], side: u32) -> Self {
+        let columns = x.min(self.width)..x.saturating_add(side).min(self.width);
+        let rows = y.min(self.height)..y.saturating_add(side).min(self.height);
+        let at = |x: u32, y: u32| self.pixels[y as usize * self.width as usize + x as usize];
+        let pixels = rows.clone().flat_map(|y| columns.clone().map(move |x| at(x, y))).collect();
+        Self { width: columns.len() as u32, height: rows.len() as u32, pixels }
     }
 
     /// One pixel for each block of `factor` × `factor`; blocks at the right and lower end are cut off with the picture.
@@ -176,6 +189,13 @@ mod tests {
         assert_eq!((mean[0][0], mean[0][2], mean[1][0]), (188, 7, 9));
         assert_eq!(picture.reduced(1, Reduce::Mean), picture);
         assert_eq!(picture.reduced(1, Reduce::Max), picture);
+    }
+
+    #[test]
+    fn a_square_is_cut_out() {
+        let picture = Picture { width: 3, height: 2, pixels: (0..6).map(|i| [i, 0, 0]).collect() };
+        let red = |x, y, side| picture.cropped([x, y], side).pixels.iter().map(|pixel| pixel[0]).collect::<Vec<_>>();
+        assert_eq!((red(1, 0, 2), red(2, 1, 9), red(0, 0, 1)), (vec![1, 2, 4, 5], vec![5], vec![0]));
     }
 
     #[test]

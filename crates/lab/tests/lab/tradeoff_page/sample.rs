@@ -7,7 +7,9 @@ use pellucid_engine::scene::{Discs, Method, Stochastic};
 use pellucid_lab::report::fit::power_law;
 use pellucid_lab::report::popping::{Candidate, Curve, FrameError, Popping, Refused};
 use pellucid_lab::report::stress::Spread;
-use pellucid_lab::report::tradeoff::{Cause, Convergence, Errors, Finding, Reference, Repeats, Row, Skipped, Tradeoff};
+use pellucid_lab::report::tradeoff::{
+    Cause, Convergence, Errors, Finding, Look, Reference, Repeats, Row, Skipped, Tradeoff, Worst,
+};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -43,6 +45,7 @@ pub fn report(size: [u32; 2]) -> Tradeoff {
             t <= time && e <= error && (t < time || e < error)
         };
         rows[index].front = !rows.iter().any(beats);
+        rows[index].look = looks(&rows[index], size);
         rows[index].picture = format!("picture-{index}.png");
         rows[index].difference = format!("difference-{index}.png");
     }
@@ -100,6 +103,22 @@ pub fn report(size: [u32; 2]) -> Tradeoff {
             holds: Some(true),
         }],
     }
+}
+
+/// The approximations whose errors are shown, and the shares of each: even, leak, ghost, noise.
+pub const LOOKS: [(&str, [f64; 4]); 5] = [
+    ("stochastic", [0.0, 0.01, 0.01, 0.98]),
+    ("hybrid", [0.05, 0.75, 0.15, 0.05]),
+    ("weighted", [0.1, -0.6, 0.2, 0.1]),
+    ("average", [0.02, 0.9, 0.06, 0.02]),
+    ("unsorted", [0.0, 0.2, 0.7, 0.1]),
+];
+
+fn looks(row: &Row, [width, height]: [u32; 2]) -> Option<Look> {
+    let (_, [even, leak, ghost, noise]) = *LOOKS.iter().find(|(method, _)| *method == row.method)?;
+    let side = width.min(height).min(64);
+    let worst = Worst { x: (width - side) / 2, y: (height - side) / 3, side, share: 0.125 };
+    Some(Look { bias: 0.5 * row.errors.rmse, even, leak: Some(leak), ghost, noise, worst })
 }
 
 fn cause((cause, setting, rmse): (&str, &str, f64)) -> Cause {
@@ -169,6 +188,7 @@ fn row(method: &str, step: Option<(&str, f64)>, ms: f64, rmse: f64, mib: u64) ->
         rmse_analytic: None,
         holes: None,
         rmse_inside: None,
+        look: None,
         thinning: 1,
         front: false,
         picture: String::new(),

@@ -49,6 +49,7 @@ fn every_method_can_be_chosen_from_every_other() {
             Setting::Number(if last { to } else { from })
         }
         controls::Control::Count(from, to) => Setting::Integer(if last { to } else { from }),
+        controls::Control::OneOf(numbers) => Setting::Integer(numbers[if last { numbers.len() - 1 } else { 0 }]),
         controls::Control::Flag => Setting::Flag(last),
         controls::Control::Choice(words) => word(words[if last { words.len() - 1 } else { 0 }].name),
         controls::Control::Opacity => Setting::Number(if last { 1.0 } else { 0.0 }),

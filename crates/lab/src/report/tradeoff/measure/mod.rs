@@ -1,6 +1,7 @@
 //! Measures the settings of a scene on a device.
 
 mod limit;
+mod looks;
 mod reference;
 mod rounds;
 mod trial;
@@ -125,6 +126,8 @@ pub fn run(
         partial,
         clouds,
         made,
+        occasion,
+        unordered: None,
         analytic,
         surveyed,
         skipped,
@@ -158,6 +161,9 @@ struct Run<'a> {
     partial: Partial,
     clouds: Clouds<'a>,
     made: Made,
+    occasion: Occasion,
+    /// The image without order, once it was tried.
+    unordered: Option<Option<LinearImage>>,
     analytic: Option<Analytic>,
     surveyed: Option<Surveyed>,
     skipped: Vec<Skipped>,

@@ -23,6 +23,8 @@ pub(super) struct Made {
     /// For opaque points.
     pub(super) silhouette: Option<Silhouette>,
     pub(super) samples_across: u32,
+    /// Pixels on which something is drawn, of methods that are compared with an exact one.
+    pub(super) covered: Vec<bool>,
 }
 
 impl Made {
@@ -46,6 +48,7 @@ impl Made {
                 facts: Facts::default(),
                 silhouette: Some(made.silhouette),
                 samples_across: across,
+                covered: Vec::new(),
             });
         }
         let Rendered { image, facts, .. } = renderer.render(cloud, frame)?;
@@ -59,8 +62,10 @@ impl Made {
             (Formation::Ensembles(_), _) => format!("{name} with ever more ensembles, in float64"),
             _ => format!("{name} in float64, before the solid points as the device splats them"),
         };
-        let reference = linear(in_float64.as_ref().unwrap_or(&image), background, frame.color);
+        let exact = in_float64.as_ref().unwrap_or(&image);
+        let reference = linear(exact, background, frame.color);
+        let covered = exact.rgba.iter().map(|pixel| pixel[3] > 0.0).collect();
         let unchecked = in_float64.is_none().then_some(image);
-        Ok(Self { reference, unchecked, method, facts, silhouette: None, samples_across: 1 })
+        Ok(Self { reference, unchecked, method, facts, silhouette: None, samples_across: 1, covered })
     }
 }

@@ -130,6 +130,7 @@ impl Run<'_> {
         let silhouette = self.made.silhouette.as_ref();
         let holes = silhouette.and_then(|silhouette| silhouette.holes(&first.image));
         let rmse_inside = silhouette.and_then(|silhouette| silhouette.rmse(&self.made.reference, &image));
+        let look = self.look(setting, &image)?;
         renderer.recycle(first.image);
         // The first one paid for shaders and buffers.
         let start = Instant::now();
@@ -165,6 +166,7 @@ impl Run<'_> {
             rmse_analytic,
             holes,
             rmse_inside,
+            look,
             picture,
             difference,
             seconds,

@@ -15,6 +15,7 @@ use self::passes::passes;
 use self::surfaces::{about_surfaces, iterations, shaded};
 use super::causes;
 use super::figures::{Drawn, short};
+use super::looks;
 use super::pictures::Pictures;
 use super::{Row, Tradeoff};
 use crate::report::page::{Cell, Column, Line, digits, facts, grouped, page, script, sortable, sorting, table};
@@ -35,10 +36,14 @@ const STYLE: &str = "
 .tag.right { right: .5rem; }
 .slider { width: 100%; margin: .5rem 0; }
 select { font: inherit; max-width: 100%; }
+.crops { display: flex; flex-wrap: wrap; gap: 1rem; }
+.crop { max-width: 100%; }
+.crop img { display: block; max-width: 100%; height: auto; image-rendering: pixelated; background: #000; }
+.crop span { font-size: .8rem; }
 ";
 
 /// The whole page.
-pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures) -> String {
+pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures, crops: &looks::Crops) -> String {
     let body = html! {
         style { (PreEscaped(STYLE)) }
         p {
@@ -62,6 +67,7 @@ pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures) ->
             (findings(report))
         }
         (causes::page(&report.causes))
+        (looks::section(report, crops))
         h2 { "Error over time" }
         @for drawn in named(figures, &["error.svg", "flip.svg"]) { (shown(drawn, report)) }
         @if let Some(surveyed) = &report.surveyed {

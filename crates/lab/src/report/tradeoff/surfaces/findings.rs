@@ -134,6 +134,7 @@ pub(in super::super) mod tests {
             rmse_analytic: None,
             holes: Some(holes),
             rmse_inside: Some(rmse),
+            look: None,
             front: false,
             picture: String::new(),
             difference: String::new(),

@@ -1,0 +1,135 @@
+//! Multi-layer alpha blending: exact for as many layers as it keeps and one more, and for any number that comes in order.
+
+use glam::Vec3;
+
+use super::naive;
+use super::stage::{Dot, HALF_ULP, apart, at, composed, dot, pixels, pixels_apart};
+use super::verdict::Naive::Computed;
+use super::verdict::Trouble;
+use super::{Case, Finding, Stage, each};
+use pellucid_engine::scene::{Method, Mlab};
+
+type CaseResult = Result<Finding, Trouble>;
+
+const NODES: u32 = 4;
+const COLORS: [Vec3; 5] = [
+    Vec3::new(0.9, 0.1, 0.2),
+    Vec3::new(0.1, 0.8, 0.3),
+    Vec3::new(0.3, 0.2, 1.0),
+    Vec3::new(0.7, 0.6, 0.1),
+    Vec3::new(0.2, 0.4, 0.5),
+];
+
+pub(super) fn cases() -> Vec<Case> {
+    let mlab = [Method::Mlab(Mlab { nodes: NODES, ..Mlab::default() })];
+    [
+        each(
+            &mlab,
+            "faint-from-near",
+            "10 000 layers of opacity 1e-4 that come from near to far: as composed",
+            from_near,
+        ),
+        each(
+            &mlab,
+            "faint-from-far",
+            "10 000 layers of opacity 1e-4 that come from far to near: as composed",
+            from_far,
+        ),
+        each(&mlab, "one-more-than-nodes", "5 layers with 4 nodes, in each of 120 orders: as composed", any_order),
+        each(&mlab, "equal-depths", "5 layers at one depth: later over earlier", equal_depths),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// A run merges each layer into the last node, a change of a compensated sum: 2 units of it for any number (Kahan 1965), of color and of
+/// what passes. Nodes before it have four roundings each.
+fn bound(wanted: &[f64; 4]) -> f64 {
+    let most = wanted.iter().copied().fold(0.0, f64::max);
+    (8.0 + 4.0 * f64::from(NODES)) * HALF_ULP * most + MERGED
+}
+
+/// A layer that is merged has an error of a few roundings relative to itself, and all of them together have an opacity of 1 at most.
+const MERGED: f64 = 8.0 * HALF_ULP;
+
+fn faint() -> Vec<Dot> {
+    (0..10_000u32).map(|i| dot(1.0 + f64::from(i), COLORS[i as usize % 5], 1e-4)).collect()
+}
+
+fn as_composed(stage: &mut Stage, method: Method, dots: &[Dot], wanted: [f64; 4]) -> CaseResult {
+    let found = stage.pixel(dots, method)?;
+    let naive = apart(&naive::mlab(dots, NODES as usize), &wanted);
+    Ok(Finding { error: apart(&found, &wanted), bound: bound(&wanted), naive: Computed(naive) })
+}
+
+/// What comes is behind all that is there, so that the last node is a part of the exact pixel from behind.
+fn from_near(stage: &mut Stage, method: Method) -> CaseResult {
+    let dots = faint();
+    as_composed(stage, method, &dots, composed(&dots))
+}
+
+/// What comes is before all that is there, and the farthest nodes are merged in their order.
+fn from_far(stage: &mut Stage, method: Method) -> CaseResult {
+    let mut dots = faint();
+    let wanted = composed(&dots);
+    dots.reverse();
+    as_composed(stage, method, &dots, wanted)
+}
+
+/// All orders of the numbers from 0 to 4.
+fn orders() -> Vec<Vec<usize>> {
+    let mut orders: Vec<Vec<usize>> = vec![Vec::new()];
+    for next in 0..COLORS.len() {
+        let with = |order: &Vec<usize>, at: usize| {
+            let mut longer = order.clone();
+            longer.insert(at, next);
+            longer
+        };
+        orders = orders.iter().flat_map(|order| (0..=next).map(move |at| with(order, at))).collect();
+    }
+    orders
+}
+
+/// A pixel for each order.
+fn any_order(stage: &mut Stage, method: Method) -> CaseResult {
+    let orders = orders();
+    let layer = |x: usize, i: usize| Dot {
+        position: at(x as u32, 0, 1.0 + i as f64),
+        color: COLORS[i],
+        opacity: 0.3,
+        ..Dot::default()
+    };
+    let lists: Vec<Vec<Dot>> =
+        orders.iter().enumerate().map(|(x, order)| order.iter().map(|i| layer(x, *i)).collect()).collect();
+    let size = [orders.len() as u32, 1];
+    let found = stage.image(&lists.concat(), pixels(size), size, method)?.rgba;
+    let sorted: Vec<Dot> = (0..COLORS.len()).map(|i| layer(0, i)).collect();
+    let wanted = vec![composed(&sorted); lists.len()];
+    // Without the one in transit, a node less.
+    let naive: Vec<[f32; 4]> = lists.iter().map(|list| naive::mlab(list, NODES as usize - 1)).collect();
+    let error = pixels_apart(&found, &wanted);
+    Ok(Finding { error, bound: bound(&wanted[0]), naive: Computed(pixels_apart(&naive, &wanted)) })
+}
+
+fn equal_depths(stage: &mut Stage, method: Method) -> CaseResult {
+    let dots = COLORS.map(|color| dot(7.0, color, 0.4));
+    let mut wanted = dots;
+    wanted.reverse();
+    // The naive one puts the later behind those of its depth.
+    as_composed(stage, method, &dots, composed(&wanted))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_order_is_there_once() {
+        let mut all = orders();
+        all.sort();
+        all.dedup();
+        assert_eq!(all.len(), 120);
+        assert!(all.iter().all(|order| (0..5).all(|i| order.contains(&i))));
+    }
+}
