@@ -1,5 +1,6 @@
 //! Files that come out: PNG and EXR with their metadata, written whole or not at all, and read back for comparison.
 
+pub mod deep;
 pub mod encode;
 mod exr;
 mod file;
