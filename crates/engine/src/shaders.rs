@@ -5,8 +5,8 @@ use include_dir::include_dir;
 use crate::gpu::Variant;
 use crate::gpu::shader::{Shader, Sources};
 use crate::methods::{
-    abuffer, approximate, edl, ellipsoids, fading, image_space, linked_list, one_layer, opaque, peel, peel_layers, points,
-    shadows, soft, sorted, spbr, splats, stochastic,
+    abuffer, approximate, edl, ellipsoids, fading, image_space, linked_list, one_layer, opaque, peel, peel_layers,
+    points, shadows, soft, sorted, spbr, splats, stochastic,
 };
 use crate::output::encode;
 use crate::passes::{bin, compose, project, radix, scan, tiles};

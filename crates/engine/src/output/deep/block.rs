@@ -109,7 +109,8 @@ mod tests {
 
     #[test]
     fn halves_are_the_nearest_and_finite() {
-        for (value, half) in [(1.0, 1.0), (65_504.0, 65_504.0), (65_520.0, 65_504.0), (1e30, 65_504.0), (-1e30, -65_504.0)]
+        for (value, half) in
+            [(1.0, 1.0), (65_504.0, 65_504.0), (65_520.0, 65_504.0), (1e30, 65_504.0), (-1e30, -65_504.0)]
         {
             assert_eq!(finite_half(value).to_f32(), half, "{value}");
         }

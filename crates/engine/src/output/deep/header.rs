@@ -64,7 +64,9 @@ pub(super) fn bytes(layout: &Layout) -> io::Result<Header> {
     for (name, kind, value) in attributes {
         let length = i32::try_from(value.len()).map_err(|_| invalid(format!("{name} has more than 2 GiB")))?;
         if name.is_empty() || name.len() > NAME_BYTES[1] || name.contains('\0') {
-            return Err(invalid(format!("{name:?} is no name of an attribute: it has 1 to 255 bytes, none of them zero")));
+            return Err(invalid(format!(
+                "{name:?} is no name of an attribute: it has 1 to 255 bytes, none of them zero"
+            )));
         }
         for text in [name, kind] {
             header.bytes.extend_from_slice(text.as_bytes());

@@ -157,7 +157,7 @@ impl<'a, W: Write + Seek> Writer<'a, W> {
         let width = self.layout.size[0] as usize;
         let first = self.table.len();
         let complete = self.lengths.len() / width;
-        if first + complete > self.layout.size[1] as usize {
+        if self.lengths.len() > (self.layout.size[1] as usize - first) * width {
             return Err(invalid("more pixels than the image has"));
         }
         let mut rest = self.samples.as_slice();

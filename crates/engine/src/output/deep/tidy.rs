@@ -8,7 +8,8 @@ pub fn tidy(samples: &mut Vec<Sample>) {
     let mut next = 0;
     while next < samples.len() {
         let first = samples[next];
-        let at_once = samples[next..].iter().take_while(|other| is_surface(other) && other.depth == first.depth).count();
+        let at_once =
+            samples[next..].iter().take_while(|other| is_surface(other) && other.depth == first.depth).count();
         samples[kept] = match at_once {
             0 | 1 => first,
             _ => composed(&samples[next..next + at_once]),
@@ -45,7 +46,8 @@ mod tests {
     fn surfaces_at_a_depth_become_one_by_hand() {
         let red = [0.5, 0.0, 0.0, 0.5];
         let blue = [0.0, 0.0, 0.25, 0.25];
-        let mut samples = vec![sample(1.0, 1.0, red), sample(2.0, 2.0, red), sample(2.0, 2.0, blue), sample(2.0, 3.0, blue)];
+        let mut samples =
+            vec![sample(1.0, 1.0, red), sample(2.0, 2.0, red), sample(2.0, 2.0, blue), sample(2.0, 3.0, blue)];
         tidy(&mut samples);
         // Blue behind red: 0.5 · 0.25 of it shows. The volume behind both stays.
         let both = [0.5, 0.0, 0.125, 0.625];
