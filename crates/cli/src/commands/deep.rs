@@ -103,13 +103,13 @@ pub fn check(args: &RenderArgs, output: &Path, several: bool, console: Console) 
 /// Writes the samples of a scene.
 pub fn run(args: &RenderArgs, resolved: &Resolved, output: &Path, progress: &Bar, console: Console) -> Result<()> {
     let Some(state) = args.deep.state() else { return Ok(()) };
+    let frame = Frame::of_scene(&resolved.scene, resolved.camera, resolved.seed);
+    deep::check(&frame, resolved.points().splats().is_some(), state)?;
     let mut session = Session::upload(&args.device, resolved, false, methods::Stop::Exact, progress)?;
     session.find_opacity(resolved, progress)?;
     if matches!(resolved.scene.method, MethodChoice::Auto(_)) {
         session.why = "--deep needs lists of fragments".to_owned();
     }
-    let gaussians = session.cloud.has_gaussians();
-    deep::check(&session.frame, gaussians, state)?;
     session.renderer.progress = (**progress).clone();
     session.describe(console);
     session.warn(resolved, console);
