@@ -1,6 +1,6 @@
 //! How many fragments the memory has room for, and the bands of pixels that follow from it.
 
-use super::samples::{COLOR_BYTES, SAMPLE_BYTES};
+use super::samples::{COLOR_BYTES, MOST_SAMPLES, SAMPLE_BYTES};
 use super::{ABuffer, Counted, FRAGMENT_BYTES, INDEX_BYTES, PIXEL_BYTES, Storing, WindowJob, in_place_length};
 use crate::gpu::{self, Device};
 use crate::methods::Error;
@@ -18,7 +18,12 @@ impl ABuffer {
         let need = Need::for_window(job, counted);
         let widest = if need.records { soft::RECORD_BYTES } else { need.fragment };
         let widest = widest.max(need.samples * COLOR_BYTES);
-        (left / need.bytes()).min(device.limits().binding_bytes.saturating_sub(gpu::GUARD_BYTES) / widest)
+        // Samples are on the host as well, more than once while they are packed.
+        let most = match need.samples {
+            0 => u64::MAX,
+            samples => (MOST_SAMPLES / samples).max(counted.lengths.longest.into()),
+        };
+        (left / need.bytes()).min(most).min(device.limits().binding_bytes.saturating_sub(gpu::GUARD_BYTES) / widest)
     }
 
     pub(super) fn plan_bands(

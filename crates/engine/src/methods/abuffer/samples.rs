@@ -14,6 +14,9 @@ pub(super) const COLOR_BYTES: u64 = 16;
 /// Bytes of a sample on the device and in the host memory that it sees.
 pub(super) const SAMPLE_BYTES: u64 = 2 * (COLOR_BYTES + 8);
 
+/// Samples of a band at most, unless a pixel has more: 96 MiB of them.
+pub(super) const MOST_SAMPLES: u64 = 1 << 22;
+
 /// How samples are taken.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sampling {
