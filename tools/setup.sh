@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what pellucid needs beside Rust: a Vulkan loader, a Vulkan driver, a C compiler; with --tests the validation
 # layers, a browser, jq and a display without a screen with a window manager as well; in CI (CI=true) also a Wayland
-# compositor, which takes 95 MB. On Debian and Ubuntu missing packages are installed with apt, elsewhere they are named. Does
+# compositor, which takes 95 MB, and OpenEXR for Python, which comes from PyPI and goes to target/openexr. On Debian and Ubuntu missing packages are installed with apt, elsewhere they are named. Does
 # nothing, at once, where nothing is missing.
 set -euo pipefail
 
@@ -94,6 +94,10 @@ has_x11() {
     done
 }
 
+# Whether tests can read deep EXR files by OpenEXR's own library.
+openexr=$(dirname "$0")/../target/openexr
+has_openexr() { [[ -x $openexr/bin/python ]] && "$openexr/bin/python" -c "import OpenEXR, numpy" 2>/dev/null; }
+
 # Fills `names` and `packages` with what is missing.
 find_missing() {
     names=() packages=()
@@ -120,6 +124,10 @@ find_missing() {
     fi
     if $for_tests && [[ ${CI:-} == true ]] && ! command -v python3 >/dev/null; then
         names+=("python3, for the tests of tools/peers") packages+=(python3)
+    fi
+    # Debian's python3 makes no environments by itself.
+    if $for_tests && [[ ${CI:-} == true ]] && ! has_openexr && ! python3 -c "import ensurepip" 2>/dev/null; then
+        names+=("python3-venv, for an environment with OpenEXR") packages+=(python3-venv)
     fi
     if $for_tests && ! has_x11; then
         names+=("the X11 libraries of a window") packages+=(libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0)
@@ -186,5 +194,12 @@ if ((${#packages[@]} > 0)); then
         list "${names[@]}"
         exit 1
     fi
+fi
+if $for_tests && [[ ${CI:-} == true ]] && ! has_openexr; then
+    say "downloading OpenEXR and numpy from PyPI to target/openexr"
+    python3 -m venv "$openexr" &&
+        "$openexr/bin/pip" install -q --disable-pip-version-check --only-binary :all: \
+            -r "$(dirname "$0")/../crates/cli/tests/cli/deep/requirements.txt" >&2 ||
+        fail "pip could not install OpenEXR, by which tests read deep EXR files"
 fi
 say_mesa

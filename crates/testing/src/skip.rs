@@ -19,6 +19,8 @@ pub const NO_COMPOSITOR: &str = "no compositor";
 pub const NO_BROWSER: &str = "no browser";
 /// No program of another name.
 pub const NO_PROGRAM: &str = "no program";
+/// No Python with OpenEXR, which comes from PyPI.
+pub const NO_OPENEXR: &str = "no OpenEXR";
 /// A user may not mount file systems in a namespace of their own.
 pub const NO_MOUNTS: &str = "no mounts";
 /// The device itself needs larger files than a limit on their size allows.
@@ -28,7 +30,7 @@ pub const NO_MANIFEST: &str = "no driver to take away";
 
 /// Reasons that don't count where only a device is required (`PELLUCID_REQUIRE_GPU`): `tools/setup.sh --tests` can't provide
 /// what is missing, or leaves it out.
-const OPTIONAL: [&str; 6] = [NO_DATA, NO_PRESENTING, NO_COMPOSITOR, NO_MOUNTS, NO_FILE_LIMIT, NO_MANIFEST];
+const OPTIONAL: [&str; 7] = [NO_DATA, NO_PRESENTING, NO_COMPOSITOR, NO_OPENEXR, NO_MOUNTS, NO_FILE_LIMIT, NO_MANIFEST];
 
 /// Says that a test, or a part of it, is skipped: `skipped: <test>: <reason>: <detail>` on standard error, even if the test's
 /// output is captured. The reason is one of this module's constants.

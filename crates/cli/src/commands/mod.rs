@@ -6,6 +6,7 @@ mod check;
 mod compare;
 mod compare_profiles;
 pub mod console;
+mod deep;
 mod devices;
 mod ensemble_warnings;
 mod filters;

@@ -15,6 +15,7 @@ use pellucid_lab::report::tradeoff::settings::formation;
 
 use super::along::PathArgs;
 use super::console::Console;
+use super::deep::{self, DeepArgs};
 use super::frames::{Naming, Pattern};
 use super::input::InputArgs;
 use super::loaded::{Loaded, Resolved, read};
@@ -75,6 +76,8 @@ pub struct RenderArgs {
     pub overwrite: bool,
     #[command(flatten)]
     choice: ChoiceArgs,
+    #[command(flatten)]
+    pub deep: DeepArgs,
 }
 
 /// The method by what it must keep to.
@@ -252,6 +255,11 @@ impl RenderArgs {
         self.legend && is_png(output)
     }
 
+    /// True if the method is chosen by what it must keep to.
+    pub fn chooses(&self) -> bool {
+        self.choice.is_given()
+    }
+
     /// The accuracy at which blending may stop for an output of this name.
     pub fn stop(&self, output: &Path) -> Stop {
         if is_png(output) { Stop::EightBit { transparent: self.transparent } } else { Stop::Exact }
@@ -262,6 +270,9 @@ pub fn run(args: RenderArgs, console: Console) -> Result<ExitCode> {
     let target = Target::from_args(&args)?;
     args.measure.check()?;
     let png = is_png(&target.first());
+    if args.deep.is_asked() {
+        deep::check(&args, &target.first(), !matches!(target, Target::One(_)), console)?;
+    }
     if args.aov && png {
         console.warn("--aov has no effect on a PNG; write an .exr");
     }
@@ -282,6 +293,10 @@ pub fn run(args: RenderArgs, console: Console) -> Result<ExitCode> {
     match &target {
         Target::One(path) => {
             let resolved = loaded.resolve(None, console, &progress)?;
+            if args.deep.is_asked() {
+                deep::run(&args, &resolved, path, &progress, console)?;
+                return Ok(ExitCode::SUCCESS);
+            }
             legend::check(&resolved, console)?;
             picture(&args, &resolved, path, None, &mut profile, &progress, console)?;
         }

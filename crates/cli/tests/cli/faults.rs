@@ -48,6 +48,10 @@ const RENDER_PNG: Case =
     Case::new(&["render", "in/scene.toml", "-q", "--size", "40x30", "-o", "out/a.png"], &["a.png"]);
 const RENDER_EXR: Case =
     Case::new(&["render", "in/scene.toml", "-q", "--size", "40x30", "-o", "out/a.exr"], &["a.exr"]);
+const RENDER_DEEP: Case = Case::new(
+    &["render", "in/scene.toml", "-q", "--size", "40x30", "--method", "abuffer", "--deep", "-o", "out/a.exr"],
+    &["a.exr"],
+);
 const MEASURED: Case = Case {
     together: false,
     repeats: false,
@@ -95,7 +99,7 @@ const PREPARE: Case =
 const COMPARE: Case =
     Case { needs_device: false, ..Case::new(&["compare", "in/a.png", "in/b.png", "-o", "out/d.png"], &["d.png"]) };
 
-const CASES: [Case; 8] = [SCENE, PREPARE, COMPARE, RENDER_PNG, RENDER_EXR, MEASURED, PROFILE, STEPS];
+const CASES: [Case; 9] = [SCENE, PREPARE, COMPARE, RENDER_PNG, RENDER_EXR, RENDER_DEEP, MEASURED, PROFILE, STEPS];
 
 /// A folder with inputs in `in`, and an empty one called `out`.
 fn place() -> TempDir {

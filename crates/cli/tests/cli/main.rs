@@ -10,6 +10,7 @@ mod ci;
 mod compare;
 mod data;
 mod dealt;
+mod deep;
 mod detail;
 mod failures;
 #[cfg(unix)]

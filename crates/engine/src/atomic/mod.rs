@@ -8,7 +8,7 @@
 mod unfinished;
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, ErrorKind, Write};
+use std::io::{self, BufWriter, ErrorKind, Seek, SeekFrom, Write};
 use std::path::Path;
 
 pub use unfinished::{NewFolder, Unfinished, discard_unfinished};
@@ -92,6 +92,13 @@ impl Write for Draft {
     }
 }
 
+/// For formats that put tables before what they count. A pipe has no places to go back to, which the system says.
+impl Seek for Draft {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file().seek(to)
+    }
+}
+
 /// A complete file without its final name yet. Dropping it removes it.
 #[derive(Debug)]
 pub struct Staged(Draft);
@@ -163,6 +170,11 @@ pub fn folder(path: &Path) -> &Path {
 /// Errors of the system.
 pub fn probe(folder: &Path) -> io::Result<()> {
     tempfile::tempfile_in(folder).map(drop)
+}
+
+/// Bytes that a file in a folder may still take; `None` where the system doesn't say.
+pub fn free_bytes(folder: &Path) -> Option<u64> {
+    fs4::available_space(folder).ok()
 }
 
 /// Advice to end an error message with; empty if the reason already says everything.

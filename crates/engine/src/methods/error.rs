@@ -57,6 +57,17 @@ pub enum Error {
         /// The largest number of distinguishable points.
         limit: u64,
     },
+    /// Samples could not be taken by whom they are for.
+    #[error(transparent)]
+    Samples(std::io::Error),
+    /// A deep image of a method that has no samples.
+    #[error(
+        "method {method} has no list of samples for each pixel; abuffer, linked-list, sorted, peel and soft-concentric have"
+    )]
+    NoSamples {
+        /// The method.
+        method: &'static str,
+    },
     /// Points that come from a file while a frame is rendered can't be read.
     #[error("{0}")]
     Store(Arc<crate::io::Error>),

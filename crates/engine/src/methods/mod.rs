@@ -6,6 +6,7 @@ pub mod approximate;
 pub mod brightness;
 mod bytes;
 pub mod cost;
+pub mod deep;
 pub(crate) mod edl;
 pub mod ellipsoids;
 mod engine;
@@ -116,6 +117,7 @@ pub(crate) fn pass_groups() -> Vec<PassGroup> {
         abuffer::count_group(),
         abuffer::list_group(),
         abuffer::ellipsoid_group(),
+        deep::pass_group(),
         peel::pass_group(),
         splats::pass_group(),
         one_layer::pass_group(),

@@ -79,8 +79,15 @@ pub(super) fn render(
     let mut counted_bytes = pixels * stage.used_bytes(frame);
     if frame.fragments {
         let stop = sorted::stop(frame.stop, frame.color, max_color);
-        let lists =
-            abuffer::WindowJob { raster, discs, storing: Storing::Slots, stop, shown: abuffer::Shown::First, budget };
+        let lists = abuffer::WindowJob {
+            raster,
+            discs,
+            storing: Storing::Slots,
+            stop,
+            shown: abuffer::Shown::First,
+            budget,
+            samples: None,
+        };
         if machines.lists.tally(work, &lists)? == Outcome::Overflow {
             return Ok(Outcome::Overflow);
         }

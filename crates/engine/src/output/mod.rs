@@ -1,14 +1,17 @@
 //! Files that come out: PNG and EXR with their metadata, written whole or not at all, and read back for comparison.
 
+pub mod deep;
 pub mod encode;
 mod exr;
 mod file;
 mod png;
 mod read;
+pub mod room;
 mod tag;
 
 use std::path::{Path, PathBuf};
 
+use bytesize::ByteSize;
 use glam::Vec3;
 
 pub use file::{Files, check_folder, check_report_folder, make_folder, write_atomically};
@@ -61,6 +64,20 @@ pub enum Error {
         path: PathBuf,
         /// The system's or the encoder's reason.
         source: std::io::Error,
+    },
+    /// The file system has too little room for a file.
+    #[error(
+        "{path}: may take {bytes}, and {free} are free there; free some space, write elsewhere, or make it smaller: fewer pixels, fewer \
+         points, --deep-type half",
+        path = path.display()
+    )]
+    NoRoom {
+        /// The file.
+        path: PathBuf,
+        /// Bytes that it takes at most.
+        bytes: ByteSize,
+        /// Bytes that are free.
+        free: ByteSize,
     },
     /// The file could not be opened or read.
     #[error("{path}: can't be read: {source}", path = path.display())]

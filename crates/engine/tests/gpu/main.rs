@@ -5,6 +5,7 @@ mod approximate;
 mod brightness;
 mod cancelled;
 mod colors;
+mod deep;
 mod depths;
 mod detail;
 mod early_end;

@@ -4,6 +4,7 @@ mod camera_paths;
 mod classes;
 mod clips;
 mod coloring;
+mod deep;
 mod edl;
 mod ensembles;
 mod in_place;

@@ -9,8 +9,8 @@ use pellucid_testing::skip::{NO_FILE_LIMIT, NO_MOUNTS, skip};
 
 use super::checker::{Allowed, complaints};
 use super::{
-    COMPARE, Case, PREPARE, RENDER_EXR, RENDER_PNG, SCENE, assert_failed, cases, command, done, files, has_device,
-    place, put_old, text, with_fault,
+    COMPARE, Case, PREPARE, RENDER_DEEP, RENDER_EXR, RENDER_PNG, SCENE, assert_failed, cases, command, done, files,
+    has_device, place, put_old, text, with_fault,
 };
 
 fn allowed(case: Case) -> Allowed {
@@ -140,7 +140,7 @@ fn mounted(case: Case, free: usize, options: &str) -> Option<(i32, String, Strin
 
 #[test]
 fn a_file_system_without_room_is_an_error() {
-    let cases = [SCENE, PREPARE, COMPARE, RENDER_EXR];
+    let cases = [SCENE, PREPARE, COMPARE, RENDER_EXR, RENDER_DEEP];
     for case in cases.into_iter().filter(|case| !case.needs_device || has_device()) {
         // The smaller files would find room.
         for free in if case.together && case.files.len() > 1 { vec![0, 4, 8] } else { vec![0] } {
@@ -156,6 +156,21 @@ fn a_file_system_without_room_is_an_error() {
             assert_eq!(left, format!("{}\n{}\nold", names[0], names[1]), "{what}");
         }
     }
+}
+
+#[test]
+fn samples_that_may_find_no_room_are_refused_before_they_are_rendered() {
+    if !has_device() {
+        return;
+    }
+    // The header has room, and the rows would not.
+    let Some((status, stderr, left)) = mounted(RENDER_DEEP, 8, "") else {
+        skip(NO_MOUNTS, "`unshare -rm` or `mount` is refused");
+        return;
+    };
+    assert_eq!(status, 1, "{stderr}");
+    assert!(stderr.starts_with("error: out/a.exr: may take ") && stderr.contains("free some space"), "{stderr}");
+    assert_eq!(left, "a.exr\nfiller\nold");
 }
 
 #[test]

@@ -3,3 +3,5 @@
 mod causes;
 mod popping;
 mod splats;
+
+pub use splats::write as write_splats;

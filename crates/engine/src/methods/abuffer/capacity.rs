@@ -1,5 +1,6 @@
 //! How many fragments the memory has room for, and the bands of pixels that follow from it.
 
+use super::samples::{COLOR_BYTES, MOST_SAMPLES, SAMPLE_BYTES};
 use super::{ABuffer, Counted, FRAGMENT_BYTES, INDEX_BYTES, PIXEL_BYTES, Storing, WindowJob, in_place_length};
 use crate::gpu::{self, Device};
 use crate::methods::Error;
@@ -12,11 +13,17 @@ use crate::scene::LongLists;
 impl ABuffer {
     /// Fragments that fit at a time: within the budget, and within a binding.
     fn capacity(device: &Device, job: &WindowJob<'_>, counted: &Counted) -> u64 {
-        let pixel_bytes = PIXEL_BYTES + job.storing.pixel_bytes();
+        let pixel_bytes = PIXEL_BYTES + job.storing.pixel_bytes() + job.run_bytes();
         let left = job.budget.left(bands::pixels(job.raster.window) * pixel_bytes);
         let need = Need::for_window(job, counted);
         let widest = if need.records { soft::RECORD_BYTES } else { need.fragment };
-        (left / need.bytes()).min(device.limits().binding_bytes.saturating_sub(gpu::GUARD_BYTES) / widest)
+        let widest = widest.max(need.samples * COLOR_BYTES);
+        // Samples are on the host as well, more than once while they are packed.
+        let most = match need.samples {
+            0 => u64::MAX,
+            samples => (MOST_SAMPLES / samples).max(counted.lengths.longest.into()),
+        };
+        (left / need.bytes()).min(most).min(device.limits().binding_bytes.saturating_sub(gpu::GUARD_BYTES) / widest)
     }
 
     pub(super) fn plan_bands(
@@ -40,7 +47,8 @@ impl ABuffer {
             let (pixel, length) = bands::longest(&offsets);
             let [x, y] = bands::place(window, pixel);
             let need = Need::for_window(job, counted);
-            let (bytes, limit) = (u64::from(length) * need.fragment, device.limits().binding_bytes);
+            let widest = need.fragment.max(need.samples * COLOR_BYTES);
+            let (bytes, limit) = (u64::from(length) * widest, device.limits().binding_bytes);
             if bytes > limit {
                 let name = format!("the list of pixel ({x}, {y}) with {length} fragments");
                 return gpu::Error::TooLarge { name, bytes, limit, limit_name: "maxStorageBufferRange" }.into();
@@ -86,7 +94,10 @@ impl ABuffer {
             self.linked.reserve(device, most, limit)?;
         }
         let pixels = bands::pixels(job.raster.window);
-        if job.storing.are_ellipsoids() {
+        if let Some(samples) = job.samples {
+            self.taken.reserve(device, [most, limit].map(|fragments| fragments * u64::from(samples)))?;
+        }
+        if job.storing.are_ellipsoids() || job.samples.is_some() {
             return self.blender.reserve_events(device, pixels, most);
         }
         let long = if need.runs { most.min(counted.lengths.in_long_lists.into()) } else { 0 };
@@ -111,6 +122,8 @@ pub(super) struct Need {
     segments: bool,
     /// Records of packed events.
     pub(super) records: bool,
+    /// Samples.
+    samples: u64,
 }
 
 impl Need {
@@ -122,7 +135,7 @@ impl Need {
         let segments = runs && job.storing.spheres().is_some_and(|spheres| spheres.kind.interior.is_integrated());
         let records = job.storing.spheres().is_some_and(|spheres| spheres.kind.interior == Interior::Packed);
         let spare = links || (runs && job.discs.long_lists == LongLists::Merge);
-        Self { fragment, spare, links, runs, segments, records }
+        Self { fragment, spare, links, runs, segments, records, samples: job.samples.unwrap_or(0).into() }
     }
 
     /// Bytes of so many fragments as they are stored.
@@ -137,6 +150,7 @@ impl Need {
         let links = if self.links { linked_list::LINK_BYTES } else { 0 };
         let segments = if self.segments { soft::SEGMENT_BYTES } else { 0 };
         let records = if self.records { soft::RECORD_BYTES } else { 0 };
-        self.fragment + spare + links + segments + records + u64::from(self.runs)
+        let samples = self.samples * SAMPLE_BYTES;
+        self.fragment + spare + links + segments + records + samples + u64::from(self.runs)
     }
 }

@@ -20,7 +20,7 @@ pub(super) struct Counted {
     pub(super) total: u32,
     pub(super) lengths: Lengths,
     /// As the last two, but a sphere counts once, however many events it has.
-    bodies: u32,
+    pub(super) bodies: u32,
     most_bodies: u32,
     /// Where the counts are found.
     place: Place,

@@ -111,8 +111,15 @@ impl ListEngine {
         let tiles = &buffers.tiles;
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
         let stop = sorted::stop(sorted::Stop::Exact, frame.color, 1.0);
-        let job =
-            WindowJob { raster, discs: self.discs, storing: self.storing(cloud), stop, shown: self.shown, budget };
+        let job = WindowJob {
+            raster,
+            discs: self.discs,
+            storing: self.storing(cloud),
+            stop,
+            shown: self.shown,
+            budget,
+            samples: None,
+        };
         buffers.machines.lists.lists(device, &job, timeline)
     }
 }
@@ -148,7 +155,7 @@ impl Engine for ListEngine {
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
         let stop = sorted::stop(frame.stop, frame.color, cloud.max_color(&how));
         let (storing, shown) = (self.storing(cloud), self.shown);
-        let mut job = WindowJob { raster, discs: self.discs, storing, stop, shown, budget };
+        let mut job = WindowJob { raster, discs: self.discs, storing, stop, shown, budget, samples: None };
         let counted_bytes = bands::pixels(window) * PIXEL_BYTES;
         let bin = bin::Job { raster, order: Order::Depth, depth_range: frame.key_range(), budget, counted_bytes };
         let mut ordered = 0;

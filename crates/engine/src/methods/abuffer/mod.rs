@@ -14,6 +14,7 @@ mod count;
 mod engine;
 mod explain;
 mod passes;
+mod samples;
 
 pub use blend::{CLASSES, in_place_length, least_bytes, long_groups, lower_bound, record_nothing};
 pub(crate) use blend::{CONSTANTS, Sorting, composing_variant};
@@ -21,6 +22,7 @@ pub use engine::projecting;
 pub(crate) use engine::{ListEngine, ORDERED_AREA, list_bytes};
 pub(crate) use explain::{BY_LENGTH, COUNT, count_group, counted_beside, ellipsoid_group, list_group, list_passes};
 pub use passes::*;
+pub(crate) use samples::{Sampling, Taken};
 
 use self::blend::{Blender, Stored};
 use self::capacity::Need;
@@ -80,6 +82,7 @@ pub struct ABuffer {
     body_lengths: Buffer<Lengths>,
     linked: LinkedList,
     blender: Blender,
+    taken: samples::Buffers,
 }
 
 /// Which depth of its list a pixel gets.
@@ -161,6 +164,8 @@ pub struct WindowJob<'a> {
     pub shown: Shown,
     /// The memory that may be used, without what tiles take.
     pub budget: Budget,
+    /// How many samples each fragment has room for, where samples are asked for and no image.
+    pub samples: Option<u32>,
 }
 
 /// Lists as the stages before blending leave them, for tests and inspection.
@@ -191,6 +196,7 @@ impl ABuffer {
             body_lengths: device.buffer("sphere lengths", 1, Memory::Device)?,
             linked: LinkedList::new(device)?,
             blender: Blender::new(device)?,
+            taken: samples::Buffers::new(),
         })
     }
 

@@ -350,3 +350,15 @@ pass! {
         depths: ReadWrite<f32>,
     }
 }
+
+pass! {
+    /// Writes color times opacity and depth of each fragment of each run of a sorted list, for a deep EXR.
+    pub Samples = "abuffer/samples" {
+        composing: Shared<ComposingGroup>,
+        work: ReadWrite<LongWork>,
+        runs: Read<ListRun>,
+        fragments: Read<[u32; 2]>,
+        sample_colors: ReadWrite<[f32; 4]>,
+        sample_depths: ReadWrite<[f32; 2]>,
+    }
+}

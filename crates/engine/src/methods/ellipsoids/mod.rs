@@ -76,16 +76,46 @@ impl Sums {
         several: bool,
         shown: Shown,
     ) -> Result<(), Error> {
-        let Sorted { composing, cut, falloff, work, runs, lists, fragments, partials } = *sorted;
+        let Sorted { composing, cut, falloff, work, runs, fragments, partials, .. } = *sorted;
         let sums = self.0.get().all();
-        let over_runs = || Run::new(long_groups(work, 0)).variant(run_variant(cut, falloff));
         if several {
-            recorder.run(&SumRuns { composing, work, runs, fragments, sums }, (), &over_runs())?;
-            recorder.run(&Carry { work, lists, sums }, (), &Run::new(long_groups(work, 4)))?;
+            self.record_sums(recorder, sorted)?;
         }
         let blend = BlendRuns { composing, work, runs, fragments, sums, partials };
         let variant = composing_variant(run_variant(cut, falloff), shown);
         Ok(recorder.run(&blend, (), &Run::new(long_groups(work, 0)).variant(variant))?)
+    }
+
+    /// Records what is open before each run.
+    fn record_sums<'a>(&'a self, recorder: &mut Recorder<'a>, sorted: &Sorted<'a>) -> Result<(), Error> {
+        let Sorted { composing, cut, falloff, work, runs, lists, fragments, .. } = *sorted;
+        let sums = self.0.get().all();
+        let over_runs = Run::new(long_groups(work, 0)).variant(run_variant(cut, falloff));
+        recorder.run(&SumRuns { composing, work, runs, fragments, sums }, (), &over_runs)?;
+        Ok(recorder.run(&Carry { work, lists, sums }, (), &Run::new(long_groups(work, 4)))?)
+    }
+
+    /// The sums themselves.
+    pub fn sums(&self) -> Slice<'_, RunSums> {
+        self.0.get().all()
+    }
+
+    /// Records samples of each run; `several` if a list has more than one, `bodies` if each ellipsoid is one sample.
+    pub fn record_samples<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        sorted: &Sorted<'a>,
+        (several, bodies): (bool, bool),
+        (sample_colors, sample_depths): (Slice<'a, [f32; 4]>, Slice<'a, [f32; 2]>),
+    ) -> Result<(), Error> {
+        let Sorted { composing, cut, falloff, work, runs, fragments, .. } = *sorted;
+        if several && !bodies {
+            self.record_sums(recorder, sorted)?;
+        }
+        let samples =
+            Samples { composing, work, runs, fragments, sums: self.0.get().all(), sample_colors, sample_depths };
+        let variant = samples_variant(run_variant(cut, falloff), bodies);
+        Ok(recorder.run(&samples, (), &Run::new(long_groups(work, 0)).variant(variant))?)
     }
 
     /// Records the depths at which half of the light or less is left, from the composed runs.
@@ -135,6 +165,11 @@ fn run_variant(cut: Cut, falloff: Falloff) -> Variant {
     compose::variant(cut, Footprint::Gaussian, falloff)
 }
 
+/// The variant of `ellipsoids/samples`.
+fn samples_variant(run: Variant, bodies: bool) -> Variant {
+    run.with("BODIES", u32::from(bodies))
+}
+
 /// The passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let walked = || raster::computed_variants(&[Footprint::Gaussian], SEGMENT);
@@ -149,5 +184,6 @@ pub fn shaders() -> Vec<Shader> {
             runs().flat_map(|run| [Shown::First, Shown::Mean].map(|shown| composing_variant(run.clone(), shown))),
         ),
         Shader::new::<Median>(runs()),
+        Shader::new::<Samples>(runs().flat_map(|run| [false, true].map(|bodies| samples_variant(run.clone(), bodies)))),
     ]
 }

@@ -91,3 +91,17 @@ pass! {
         partials: ReadWrite<Partial>,
     }
 }
+
+pass! {
+    /// Writes the surfaces of each run of a sorted list and the pieces of the ray between events, for a deep EXR; or each ellipsoid as a
+    /// whole, where no sample is to be split.
+    pub Samples = "ellipsoids/samples" {
+        composing: Shared<ComposingGroup>,
+        work: ReadWrite<LongWork>,
+        runs: Read<ListRun>,
+        fragments: Read<[u32; 2]>,
+        sums: Read<RunSums>,
+        sample_colors: ReadWrite<[f32; 4]>,
+        sample_depths: ReadWrite<[f32; 2]>,
+    }
+}

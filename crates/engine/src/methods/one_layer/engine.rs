@@ -53,6 +53,7 @@ fn count(
         stop,
         shown: abuffer::Shown::First,
         budget,
+        samples: None,
     };
     machines.lists.tally(work, &job)
 }

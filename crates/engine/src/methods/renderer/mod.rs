@@ -1,6 +1,7 @@
 //! The renderer: from points, camera and method to an image and a profile, window by window.
 
 mod arranged;
+mod deep;
 mod supplied;
 
 use std::sync::Arc;

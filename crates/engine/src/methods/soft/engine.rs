@@ -5,7 +5,7 @@
 use super::express::{self, COUNT_BYTES};
 use super::{Interior, Kind, Layer, SoftModel, Spheres, explain, pixel_bytes, record_compose};
 use crate::gpu::Device;
-use crate::methods::abuffer::{self, Storing, list_bytes, record_nothing};
+use crate::methods::abuffer::{self, ABuffer, Sampling, Storing, Taken, list_bytes, record_nothing};
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
 use crate::methods::explain::Plan;
@@ -38,14 +38,15 @@ impl SpheresEngine {
         Projecting { relative_depth: true, ..projecting(frame, cloud, &self.soft, kind.footprint()) }
     }
 
-    /// The soft points of a window before its layer, and the window from both.
-    fn soft_points(
+    /// Hands the lists of a window's soft points, which lie before its layer, to `go_on`; `None` if the window must be cut.
+    fn soft_points<T>(
         &self,
         cloud: &mut DeviceCloud,
         Buffers { tiles, machines }: &mut Buffers,
         work: &mut Work<'_>,
         parts: Parts,
-    ) -> Result<Outcome, Error> {
+        go_on: impl FnOnce(&mut ABuffer, &mut Work<'_>, &abuffer::WindowJob<'_>) -> Result<T, Error>,
+    ) -> Result<Option<T>, Error> {
         let (frame, window, interior) = (work.frame, work.window, self.interior);
         let model = SoftModel::new(&frame.method, &self.soft, parts.median_radius * frame.factors.radius);
         let max_radius = cloud.max_radius() * frame.factors.radius;
@@ -53,7 +54,7 @@ impl SpheresEngine {
         let kind = Kind { interior, exact, modulated: self.soft.modulation.is_some() };
         let how = self.projecting(frame, cloud, kind);
         let stats = work.project(cloud, &how)?;
-        let Some(mut budget) = work.reserve_tiles(tiles, &stats, true)? else { return Ok(Outcome::Overflow) };
+        let Some(mut budget) = work.reserve_tiles(tiles, &stats, true)? else { return Ok(None) };
         let solid = parts.solid > 0;
         if solid {
             budget.tiles += machines.bins.bytes();
@@ -64,20 +65,72 @@ impl SpheresEngine {
         let spheres = Spheres { kind, model, max_radius, origin: cloud.depth_origin(), layer };
         spheres.check(&frame.method, cloud.len())?;
         let stop = sorted::stop(frame.stop, frame.color, cloud.max_color(&how));
-        let storing = Storing::Spheres(spheres);
-        let job =
-            abuffer::WindowJob { raster, discs: Discs::default(), storing, stop, shown: abuffer::Shown::First, budget };
-        let outcome =
-            if work.survey { machines.lists.survey(work, &job)? } else { machines.lists.render(work, &job)? };
+        let (discs, storing, shown) = (Discs::default(), Storing::Spheres(spheres), abuffer::Shown::First);
+        let job = abuffer::WindowJob { raster, discs, storing, stop, shown, budget, samples: None };
+        let found = go_on(&mut machines.lists, work, &job)?;
         machines.soft_counted = true;
-        let found = stats.found;
+        let seen = stats.found;
         work.note_later(move |facts, timeline| {
-            let stats = found.stats(timeline);
+            let stats = seen.stats(timeline);
             facts.soft_visible += visible(&stats);
             facts.soft_large += stats.iter().map(|s| u64::from(s.large)).sum::<u64>();
         });
         work.note(&stats, walker);
-        Ok(outcome)
+        Ok(Some(found))
+    }
+
+    /// The samples of a window's soft points, with its solid ones behind them; how many there are at most, or `None` if the window must
+    /// be cut.
+    pub fn samples(
+        &self,
+        cloud: &mut DeviceCloud,
+        buffers: &mut Buffers,
+        work: &mut Work<'_>,
+        take: &mut dyn FnMut(&Taken<'_>, Option<&Solids>) -> Result<(), Error>,
+    ) -> Result<Option<u64>, Error> {
+        let parts = cloud.parts(self.soft.threshold);
+        let how = Projecting { relative_depth: true, ..solids(work.frame, cloud, &self.soft) };
+        if draw_solids(cloud, buffers, work, (parts, &how, true))? == Outcome::Overflow {
+            return Ok(None);
+        }
+        let (origin, pixels, survey) = (cloud.depth_origin(), work.pixels(), work.survey);
+        let most_solid = if parts.solid > 0 { pixels } else { 0 };
+        if parts.soft == 0 {
+            if !survey {
+                let found = Solids::read(&buffers.machines.layer, [0, pixels], origin, parts)?;
+                take(&Taken::nothing(pixels), found.as_ref())?;
+            }
+            return Ok(Some(most_solid));
+        }
+        let found = self.soft_points(cloud, buffers, work, parts, |lists, work, job| {
+            let Storing::Spheres(Spheres { layer, .. }) = job.storing else { return Ok(Some(0)) };
+            let job = abuffer::WindowJob { samples: Some(1), ..*job };
+            lists.samples(work, &job, Sampling { bodies: false }, &mut |taken| {
+                let [start, end] = taken.pixels.map(u64::from);
+                let solids = layer.map(|layer| Solids::read(layer, [start, end - start], origin, parts)).transpose()?;
+                take(taken, solids.flatten().as_ref())
+            })
+        })?;
+        Ok(found.flatten().map(|most| most + most_solid))
+    }
+}
+
+/// The solid points of some pixels, on the host.
+pub(crate) struct Solids {
+    /// Premultiplied color, and A.
+    pub colors: Vec<[f32; 4]>,
+    /// Depths along the viewing axis, +inf where nothing is.
+    pub depths: Vec<f32>,
+}
+
+impl Solids {
+    /// Those of a layer; `None` if no point is solid.
+    fn read(layer: &Layer, range: [u64; 2], origin: f32, parts: Parts) -> Result<Option<Self>, Error> {
+        if parts.solid == 0 {
+            return Ok(None);
+        }
+        let (colors, relative) = layer.read(range)?;
+        Ok(Some(Self { colors, depths: relative.into_iter().map(|depth| depth + origin).collect() }))
     }
 }
 
@@ -100,7 +153,13 @@ impl Engine for SpheresEngine {
         }
         match parts.soft {
             0 => only_solids(cloud, &buffers.machines.layer, work),
-            _ => self.soft_points(cloud, buffers, work, parts),
+            _ => {
+                let render = |lists: &mut ABuffer, work: &mut Work<'_>, job: &abuffer::WindowJob<'_>| {
+                    if work.survey { lists.survey(work, job) } else { lists.render(work, job) }
+                };
+                let found = self.soft_points(cloud, buffers, work, parts, render)?;
+                Ok(found.unwrap_or(Outcome::Overflow))
+            }
         }
     }
 

@@ -5,7 +5,7 @@ mod explain;
 pub mod express;
 mod spheres;
 
-pub(crate) use engine::{ExpressEngine, SpheresEngine};
+pub(crate) use engine::{ExpressEngine, Solids, SpheresEngine};
 pub(crate) use explain::{disc_group, sphere_group};
 pub use spheres::*;
 
@@ -45,6 +45,11 @@ impl Layer {
     /// Depths along the viewing axis, +inf where nothing is.
     pub fn depths(&self) -> Slice<'_, f32> {
         self.depths.get().all()
+    }
+
+    /// Both of `len` pixels from `start`, on the host.
+    pub fn read(&self, [start, len]: [u64; 2]) -> Result<(Vec<[f32; 4]>, Vec<f32>), Error> {
+        Ok((self.image.get().read(start, len)?, self.depths.get().read(start, len)?))
     }
 
     /// Both.

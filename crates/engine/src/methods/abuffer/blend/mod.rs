@@ -3,6 +3,7 @@
 mod classes;
 mod in_place;
 mod least_bytes;
+mod samples;
 
 pub(crate) use classes::Sorting;
 pub use classes::{CLASSES, lower_bound};
@@ -196,15 +197,10 @@ impl Blender {
         band: &Band,
         counted: &Counted,
     ) -> Result<(), super::Error> {
-        let (cut, falloff, longest) = (stored.cut, job.discs.falloff, counted.lengths.longest);
-        let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
-        recorder.fill("abuffer/clear", work, 0)?;
-        ellipsoids::record_split(recorder, ellipsoids::Split { offsets: stored.offsets, work, runs, lists }, band)?;
-        recorder.run(&RunGroups { work }, (), &Run::new(Dispatch::Groups(1)))?;
-        let fragments = self.record_sort(recorder, job, stored, longest)?;
-        let (composing, partials) = (Composing::new(job.raster.cloud, cut), self.partials.get().all());
-        let sorted = ellipsoids::Sorted { composing, cut, falloff, work, runs, lists, fragments, partials };
+        let longest = counted.lengths.longest;
+        let sorted = self.record_every_list(recorder, job, stored, band, longest)?;
         self.ellipsoids.record(recorder, &sorted, longest > LOCAL_LENGTH, job.shown)?;
+        let ellipsoids::Sorted { work, lists, partials, .. } = sorted;
         let (image, depths) = (target.image(), target.depths());
         let combine = self.over_lists().variant(composing_variant(Variant::plain(), job.shown));
         recorder.run(&Combine { work, lists, partials, image, depths }, (), &combine)?;
@@ -212,6 +208,25 @@ impl Blender {
             self.ellipsoids.record_medians(recorder, &sorted, depths)?;
         }
         Ok(())
+    }
+
+    /// Records every list in sorted runs, short ones too.
+    fn record_every_list<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        stored: Stored<'a>,
+        band: &Band,
+        longest: u32,
+    ) -> Result<ellipsoids::Sorted<'a>, super::Error> {
+        let (cut, falloff) = (stored.cut, job.discs.falloff);
+        let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
+        recorder.fill("abuffer/clear", work, 0)?;
+        ellipsoids::record_split(recorder, ellipsoids::Split { offsets: stored.offsets, work, runs, lists }, band)?;
+        recorder.run(&RunGroups { work }, (), &Run::new(Dispatch::Groups(1)))?;
+        let fragments = self.record_sort(recorder, job, stored, longest)?;
+        let (composing, partials) = (Composing::new(job.raster.cloud, cut), self.partials.get().all());
+        Ok(ellipsoids::Sorted { composing, cut, falloff, work, runs, lists, fragments, partials })
     }
 
     /// Records the sorting and blending of events of soft spheres.
@@ -505,5 +520,6 @@ pub(super) fn shaders() -> Vec<Shader> {
         Shader::new::<Combine>(runs(Variant::plain())),
         Shader::new::<End>(compose::variants().into_iter().flat_map(runs)),
         Shader::new::<Median>(compose::variants()),
+        Shader::new::<Samples>(compose::variants()),
     ]
 }

@@ -2,10 +2,10 @@
 
 use super::Spheres;
 use super::interior::Kind;
-use super::passes::{BlendRuns, Carry, RunSums, Segments, SoftPush, SumRuns};
+use super::passes::{BlendRuns, Carry, RunSums, Samples, Segments, SoftPush, SumRuns};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::Error;
-use crate::methods::abuffer::{LOCAL_LENGTH, ListRun, LongList, LongWork, Partial};
+use crate::methods::abuffer::{LOCAL_LENGTH, ListRun, LongList, LongWork, Partial, long_groups};
 use crate::passes::compose::{self, Cut};
 use crate::scene::Falloff;
 
@@ -85,6 +85,25 @@ impl LongSpheres {
         let blend = BlendRuns { composing, work, runs, fragments, sums, segments, partials, records };
         Ok(recorder.run(&blend, push, &over_runs())?)
     }
+}
+
+/// Records samples of each run of lists of events of concentric shells; `several` if a list has more than one.
+pub fn record_samples<'a>(
+    recorder: &mut Recorder<'a>,
+    spheres: &Spheres<'a>,
+    sorted: &Sorted<'a>,
+    (several, sums): (bool, Slice<'a, RunSums>),
+    (sample_colors, sample_depths): (Slice<'a, [f32; 4]>, Slice<'a, [f32; 2]>),
+) -> Result<(), Error> {
+    let Sorted { composing, cut, work, runs, lists, fragments, records, .. } = *sorted;
+    let push = spheres.push(0, 0, 0.0);
+    let over_runs = || Run::new(long_groups(work, 0)).variant(run_variant(spheres.kind, cut));
+    if several {
+        recorder.run(&SumRuns { composing, work, runs, fragments, sums, records }, push, &over_runs())?;
+        recorder.run(&Carry { work, lists, sums }, (), &Run::new(long_groups(work, 4)))?;
+    }
+    let samples = Samples { composing, work, runs, fragments, sums, sample_colors, sample_depths, records };
+    Ok(recorder.run(&samples, push, &over_runs())?)
 }
 
 /// Runs of long lists of so many events at most.

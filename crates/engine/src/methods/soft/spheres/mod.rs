@@ -14,7 +14,7 @@ mod long_lists;
 mod passes;
 
 pub use interior::{Interior, Kind};
-pub use long_lists::{LongSpheres, Sorted, long_runs};
+pub use long_lists::{LongSpheres, Sorted, long_runs, record_samples};
 pub use passes::*;
 
 use self::interior::MODEL_BASE;
@@ -216,6 +216,7 @@ pub(super) fn shaders() -> Vec<Shader> {
         Shader::plain::<Carry>(),
         Shader::new::<Segments>(blended(&|kind, cut| vec![segments_variant(kind, cut)])),
         Shader::new::<BlendRuns>(runs()),
+        Shader::new::<Samples>(runs()),
         Shader::plain::<Compose>(),
     ]
 }

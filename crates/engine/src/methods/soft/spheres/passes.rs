@@ -126,6 +126,20 @@ pass! {
     }
 }
 
+pass! {
+    /// Writes the pieces of the ray between the events of each run of a sorted list of concentric shells, for a deep EXR.
+    pub Samples(SoftPush) = "soft/samples" {
+        composing: Shared<ComposingGroup>,
+        work: ReadWrite<LongWork>,
+        runs: Read<ListRun>,
+        fragments: Read<[u32; 2]>,
+        sums: Read<RunSums>,
+        sample_colors: ReadWrite<[f32; 4]>,
+        sample_depths: ReadWrite<[f32; 2]>,
+        records: Read<[u32; 4]>,
+    }
+}
+
 gpu_struct! {
     /// Push constants: pixels, and the depth that those of solid points are relative to.
     pub struct ComposePush {

@@ -1,0 +1,196 @@
+//! `pellucid render --deep`: samples in place of pixels.
+
+use std::io;
+use std::path::Path;
+
+use bytesize::ByteSize;
+use clap::Args;
+use pellucid_engine::gpu::Device;
+use pellucid_engine::methods::{self, Renderer, deep};
+use pellucid_engine::output::deep::{Layout, Numbers, Packing, State, Writer, Written};
+use pellucid_engine::output::{self, room};
+use pellucid_engine::passes::project::DeviceCloud;
+use pellucid_engine::scene::MethodChoice;
+use pellucid_engine::{Result, methods::Frame};
+
+use super::bar::Bar;
+use super::console::Console;
+use super::limit::usage;
+use super::loaded::Resolved;
+use super::opacity_notes;
+use super::render::{RenderArgs, is_png};
+use super::session::Session;
+
+/// Samples of each pixel.
+#[derive(Debug, Args)]
+pub struct DeepArgs {
+    /// EXR: write what each pixel is blended of instead of the blend, as a deep scanline image for compositing: linear R, G, B times A, A and
+    /// Z of each fragment, without the background. Of abuffer, linked-list, sorted and peel; ellipsoids and the shells of soft-concentric
+    /// are volumes, with ZBack. tidy merges fragments at one depth and cuts volumes where others begin or end; sorted keeps each as it is.
+    #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "tidy")]
+    deep: Option<DeepState>,
+    /// With --deep: float has every bit of a color and of A, half 11 of 24 of them in half of the room. Z and ZBack are always float.
+    #[arg(long, value_name = "NUMBERS", requires = "deep")]
+    deep_type: Option<DeepType>,
+    /// With --deep: zips packs each row without loss.
+    #[arg(long, value_name = "HOW", requires = "deep")]
+    deep_compression: Option<DeepCompression>,
+}
+
+/// How orderly samples are.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum DeepState {
+    Tidy,
+    Sorted,
+}
+
+/// The numbers of color and opacity.
+#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
+enum DeepType {
+    #[default]
+    Float,
+    Half,
+}
+
+/// How rows are packed.
+#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
+enum DeepCompression {
+    #[default]
+    Zips,
+    None,
+}
+
+impl DeepArgs {
+    /// How orderly samples are to be, if some are asked for.
+    fn state(&self) -> Option<State> {
+        self.deep.map(|state| match state {
+            DeepState::Tidy => State::Tidy,
+            DeepState::Sorted => State::Sorted,
+        })
+    }
+
+    /// True if samples are asked for.
+    pub fn is_asked(&self) -> bool {
+        self.deep.is_some()
+    }
+}
+
+/// Refuses options that don't go with samples, before anything is read; `several`: more than one picture is asked for.
+pub fn check(args: &RenderArgs, output: &Path, several: bool, console: Console) -> Result<()> {
+    if is_png(output) {
+        return Err(usage(format!(
+            "--deep: {} is a PNG, and only an .exr holds samples: give its name by -o",
+            output.display()
+        )));
+    }
+    if several {
+        return Err(usage("--deep writes one picture; --frames, --path and --turntable make several"));
+    }
+    if args.chooses() {
+        return Err(usage(
+            "--deep: --max-error, --budget and --recalibrate choose a method by its picture; give --method and settings instead",
+        ));
+    }
+    if args.measure.is_asked() {
+        return Err(usage("--deep: --profile and --trace measure the frame of a picture; measure it without --deep"));
+    }
+    if args.aov {
+        console.warn("--aov has no effect with --deep, which has the samples that depths and counts are of");
+    }
+    Ok(())
+}
+
+/// Writes the samples of a scene.
+pub fn run(args: &RenderArgs, resolved: &Resolved, output: &Path, progress: &Bar, console: Console) -> Result<()> {
+    let Some(state) = args.deep.state() else { return Ok(()) };
+    let frame = Frame::of_scene(&resolved.scene, resolved.camera, resolved.seed);
+    deep::check(&frame, resolved.points().splats().is_some(), state)?;
+    let mut session = Session::upload(&args.device, resolved, false, methods::Stop::Exact, progress)?;
+    session.find_opacity(resolved, progress)?;
+    if matches!(resolved.scene.method, MethodChoice::Auto(_)) {
+        session.why = "--deep needs lists of fragments".to_owned();
+    }
+    session.renderer.progress = (**progress).clone();
+    session.describe(console);
+    session.warn(resolved, console);
+    let layout = layout(args, state, &session, resolved);
+    progress.stage("counting");
+    let Session { renderer, cloud, frame, device, .. } = &mut session;
+    let most = renderer.most_samples(cloud, frame, state)?;
+    device.check_validation()?;
+    let bytes = layout.most_bytes(most).map_err(|source| unwritten(output, source))?;
+    console.note(format_args!(
+        "{}: at most {most} samples, {} (of {} bytes each) before packing",
+        output.display(),
+        ByteSize(bytes),
+        layout.sample_bytes()
+    ));
+    room::check(output, bytes)?;
+    progress.stage("rendering");
+    let written = write(output, &layout, (renderer, cloud, frame, device))?;
+    progress.finish_and_clear();
+    session.describe_detail(console);
+    console.detail(format_args!(
+        "{}: written, {} samples, at most {} in a pixel, {}",
+        output.display(),
+        written.samples,
+        written.longest,
+        ByteSize(written.bytes)
+    ));
+    Ok(())
+}
+
+fn layout(args: &RenderArgs, state: State, session: &Session, resolved: &Resolved) -> Layout {
+    let mut metadata = resolved.metadata(session.frame.method.name(), &session.device.info().name);
+    let found = session.see_through.map(|found| opacity_notes::json(&found, resolved));
+    metadata.extend(found.map(|json| ("pellucid:see-through".to_owned(), json.to_string())));
+    Layout {
+        size: session.frame.size,
+        state,
+        numbers: match args.deep.deep_type.unwrap_or_default() {
+            DeepType::Float => Numbers::Float,
+            DeepType::Half => Numbers::Half,
+        },
+        packing: match args.deep.deep_compression.unwrap_or_default() {
+            DeepCompression::Zips => Packing::Zips,
+            DeepCompression::None => Packing::Raw,
+        },
+        volumes: deep::has_volumes(&session.frame.method, session.cloud.has_gaussians()),
+        metadata,
+    }
+}
+
+/// Renders into the file, which appears whole or not at all.
+fn write(
+    output: &Path,
+    layout: &Layout,
+    (renderer, cloud, frame, device): (&mut Renderer, &mut DeviceCloud, &Frame, &Device),
+) -> Result<Written> {
+    let mut written = None;
+    // What isn't about the file keeps its own words.
+    let mut failed: Option<pellucid_engine::Error> = None;
+    let done = output::write_atomically(output, |file| {
+        let mut writer = Writer::begin(file, layout)?;
+        let rendered = renderer.deep(cloud, frame, layout.state, &mut |lengths, samples| writer.push(lengths, samples));
+        let checked = rendered.map_err(Into::into).and_then(|_| Ok(device.check_validation()?));
+        match checked {
+            Ok(()) => written = Some(writer.finish()?),
+            Err(pellucid_engine::Error::Render(methods::Error::Samples(error))) => return Err(error),
+            Err(error) => {
+                failed = Some(error);
+                return Err(io::ErrorKind::Interrupted.into());
+            }
+        }
+        Ok(())
+    });
+    match (failed, done, written) {
+        (Some(error), ..) => Err(error),
+        (None, Err(error), _) => Err(error.into()),
+        (None, Ok(()), Some(written)) => Ok(written),
+        (None, Ok(()), None) => Err(unwritten(output, io::ErrorKind::UnexpectedEof.into()).into()),
+    }
+}
+
+fn unwritten(path: &Path, source: io::Error) -> output::Error {
+    output::Error::Write { path: path.to_owned(), source }
+}

@@ -1,0 +1,34 @@
+// abuffer/samples: the samples of a deep EXR, of each run of a sorted list: color times opacity, and depth. One invocation per run.
+#import compose
+#import long_list
+#import dispatch
+
+@group(0) @binding(17) var<storage, read_write> work: LongWork;
+@group(0) @binding(18) var<storage, read> runs: array<ListRun>;
+@group(0) @binding(19) var<storage, read> fragments: array<vec2<u32>>;
+@group(0) @binding(20) var<storage, read_write> sample_colors: array<vec4<f32>>;
+// Where a sample begins and ends.
+@group(0) @binding(21) var<storage, read_write> sample_depths: array<vec2<f32>>;
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let item = invocation_index(workgroup, groups, local);
+    if item >= atomicLoad(&work.run_count) {
+        return;
+    }
+    let run = runs[item];
+    let width = view.window.z - view.window.x;
+    let pixel = view.window.xy + vec2<u32>(run.pixel % width, run.pixel / width);
+    let first = run.start + run.run * RUN_LENGTH;
+    let last = run.start + min((run.run + 1u) * RUN_LENGTH, run.length);
+    for (var i = first; i < last; i++) {
+        let fragment = fragments[i];
+        let color = fragment_color(fragment.y, pixel);
+        sample_colors[i] = vec4<f32>(color.a * color.rgb, color.a);
+        sample_depths[i] = vec2<f32>(key_depth(shown_key(fragment.x, fragment.y)));
+    }
+}

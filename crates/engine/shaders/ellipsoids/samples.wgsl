@@ -1,0 +1,81 @@
+// ellipsoids/samples: the samples of a deep EXR, of each run of a sorted list of events, two for each event: the surface that it is, and the
+// piece of the ray that it begins. BODIES: one for each event: an ellipsoid as a whole where it is entered, or a surface. What is not there has
+// the opacity NO_SAMPLE. One invocation per run.
+// Reference: reference::gaussians::ellipsoid.
+#import ellipsoid_events
+#import long_list
+#import dispatch
+
+@group(0) @binding(17) var<storage, read_write> work: LongWork;
+@group(0) @binding(18) var<storage, read> runs: array<ListRun>;
+@group(0) @binding(19) var<storage, read> fragments: array<vec2<u32>>;
+@group(0) @binding(20) var<storage, read> sums: array<RunSums>;
+@group(0) @binding(21) var<storage, read_write> sample_colors: array<vec4<f32>>;
+// Where a sample begins and ends.
+@group(0) @binding(22) var<storage, read_write> sample_depths: array<vec2<f32>>;
+override BODIES: u32 = 0u;
+
+const NO_SAMPLE = -1.0;
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let item = invocation_index(workgroup, groups, local);
+    if item >= atomicLoad(&work.run_count) {
+        return;
+    }
+    let run = runs[item];
+    let width = view.window.z - view.window.x;
+    let pixel = view.window.xy + vec2<u32>(run.pixel % width, run.pixel / width);
+    let ray = ray_of(pixel);
+    let start = run.start + run.run * RUN_LENGTH;
+    let end = run.start + min((run.run + 1u) * RUN_LENGTH, run.length);
+    if BODIES != 0u {
+        for (var i = start; i < end; i++) {
+            put_body(i, fragments[i], pixel, ray);
+        }
+        return;
+    }
+    let final_event = run.start + run.length - 1u;
+    // A list of one run has no sums.
+    var before = no_sums();
+    if run.run > 0u {
+        before = open_before(sums[item], run.run);
+    }
+    var walk = Walk(before, event_at(fragments[start], pixel, ray));
+    for (var i = start; i < end; i++) {
+        let is_surface = walk.event.surface;
+        let next = fragments[min(i + 1u, final_event)];
+        let step = step_on(&walk, fragments[i], next, pixel, ray);
+        let depth = key_depth(fragments[i].x) + depth_origin();
+        put(2u * i, step.surface, vec2<f32>(depth), is_surface);
+        let back = max(key_depth(next.x) + depth_origin(), depth);
+        put(2u * i + 1u, step.segment.color, vec2<f32>(depth, back), step.segment.color.a > 0.0);
+    }
+}
+
+fn put(at: u32, color: vec4<f32>, depths: vec2<f32>, is_there: bool) {
+    sample_colors[at] = vec4<f32>(color.a * color.rgb, select(NO_SAMPLE, color.a, is_there));
+    sample_depths[at] = depths;
+}
+
+fn put_body(at: u32, fragment: vec2<u32>, pixel: vec2<u32>, ray: vec4<f32>) {
+    let event = event_at(fragment, pixel, ray);
+    let depth = key_depth(fragment.x) + depth_origin();
+    if event.surface {
+        put(at, event.color, vec2<f32>(depth), true);
+        return;
+    }
+    let i = event_splat(fragment.y);
+    let tilt = tilt_at(i);
+    let color = color_at(i);
+    let chord = chord_of(splat_at(i), tilt, pixel);
+    let exit = met_of(chord, tilt).exit;
+    // What is nearer than near is cut off.
+    let length = min(2.0 * chord.half, max((chord.middle - view.eye_lo.w) + chord.half, 0.0));
+    let opacity = opacity_of(color.a * (length * ray.w));
+    put(at, vec4<f32>(color.rgb, opacity), vec2<f32>(depth, max(exit + depth_origin(), depth)), !is_exit(fragment.y));
+}

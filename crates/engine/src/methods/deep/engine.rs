@@ -1,0 +1,113 @@
+//! The engine of samples.
+
+use std::cell::{Cell, RefCell};
+
+use super::lists::{self, Wanted};
+use super::{Sink, Source};
+use crate::methods::abuffer::{self, Sampling, Shown, Storing, Taken, WindowJob, projecting};
+use crate::methods::bytes::PassRuns;
+use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
+use crate::methods::explain::Plan;
+use crate::methods::soft::Solids;
+use crate::methods::{Buffers, Error, Frame, Machines, Outcome, ellipsoids, sorted};
+use crate::output::deep::State;
+use crate::passes::bands::{Budget, Window};
+use crate::passes::project::DeviceCloud;
+use crate::passes::raster::{Raster, Walker};
+use crate::scene::{Discs, Kernel};
+
+/// Hands on the samples of each window.
+pub(crate) struct DeepEngine<'a> {
+    /// What they are of.
+    pub source: Source,
+    /// How orderly they are to be.
+    pub state: State,
+    /// Where they go; nobody asks for them if a frame is only surveyed.
+    pub sink: RefCell<&'a mut Sink<'a>>,
+    /// Samples at most, of the windows so far.
+    pub most: Cell<u64>,
+}
+
+impl DeepEngine<'_> {
+    fn take(&self, taken: &Taken<'_>, solids: Option<&Solids>, wanted: Wanted) -> Result<(), Error> {
+        let (lengths, samples) = lists::pixels(taken, solids, wanted);
+        let mut sink = self.sink.borrow_mut();
+        (**sink)(&lengths, &samples).map_err(Error::Samples)
+    }
+
+    /// The samples of a window of discs, Gaussians or ellipsoids; how many there are at most, or `None` if the window must be cut.
+    fn discs(
+        &self,
+        cloud: &mut DeviceCloud,
+        Buffers { tiles, machines: Machines { lists, .. } }: &mut Buffers,
+        work: &mut Work<'_>,
+        (discs, layers): (Discs, u32),
+    ) -> Result<Option<u64>, Error> {
+        let (frame, window) = (work.frame, work.window);
+        let how = projecting(frame, cloud, &discs);
+        let stats = work.project(cloud, &how)?;
+        let Some(budget) = work.reserve_tiles(tiles, &stats, true)? else { return Ok(None) };
+        let raster = Raster { cloud, stats: &stats, tiles, walker: Walker::Compute, footprint: how.footprint, window };
+        let gaussians = cloud.has_gaussians().then_some(discs.gaussians);
+        let (storing, stop) = match gaussians {
+            Some(settings) if settings.kernel == Kernel::Ellipsoid => (Storing::Ellipsoids { linked: false }, 0.0),
+            Some(settings) => (Storing::Slots, settings.stop),
+            None => (Storing::Slots, 0.0),
+        };
+        let bodies = self.state == State::Sorted;
+        // Of an event a surface, and what lies behind it.
+        let each = if matches!(storing, Storing::Ellipsoids { .. }) && !bodies { 2 } else { 1 };
+        let ends = sorted::stop(sorted::Stop::Exact, frame.color, 1.0);
+        let job = WindowJob { raster, discs, storing, stop: ends, shown: Shown::First, budget, samples: Some(each) };
+        let wanted = Wanted { state: self.state, layers, stop };
+        let most = lists.samples(work, &job, Sampling { bodies }, &mut |taken| self.take(taken, None, wanted))?;
+        if most.is_some() {
+            work.note(&stats, Walker::Compute);
+        }
+        Ok(most)
+    }
+}
+
+impl Engine for DeepEngine<'_> {
+    fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
+        match &self.source {
+            Source::Discs(..) => {
+                // Each pixel has a run, whose sums take three times as much of a binding as a pixel's color.
+                let budget = Budget { binding: budget.binding / 4, ..budget };
+                Ok(windows_of(frame, budget, abuffer::PIXEL_BYTES + ellipsoids::PIXEL_BYTES))
+            }
+            Source::Shells(spheres) => {
+                let budget = Budget { binding: budget.binding / 4, bytes: budget.bytes / 2, ..budget };
+                spheres.windows(frame, budget)
+            }
+        }
+    }
+
+    fn channels(&self) -> Channels {
+        Channels::NONE
+    }
+
+    fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
+        let most = match &self.source {
+            Source::Discs(discs, layers) => self.discs(cloud, buffers, work, (*discs, *layers))?,
+            Source::Shells(spheres) => {
+                let wanted = Wanted { state: self.state, layers: 0, stop: 0.0 };
+                spheres.samples(cloud, buffers, work, &mut |taken, solids| self.take(taken, solids, wanted))?
+            }
+        };
+        let Some(most) = most else { return Ok(Outcome::Overflow) };
+        self.most.set(self.most.get() + most);
+        Ok(Outcome::Done)
+    }
+
+    fn counts(&self, _buffers: &Buffers, _frame: &Frame, _window: Window) -> Result<Counts, Error> {
+        Ok(Counts::default())
+    }
+
+    fn least_bytes(&self, _pass: &PassRuns<'_>) -> Option<u64> {
+        None
+    }
+
+    /// Frames with plans are those of images.
+    fn explain(&self, _plan: &mut Plan<'_>) {}
+}

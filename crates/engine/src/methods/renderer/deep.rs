@@ -1,0 +1,78 @@
+//! Frames as samples.
+
+use std::cell::{Cell, RefCell};
+
+use super::{Part, Renderer, last_first};
+use crate::methods::deep::{DeepEngine, Sink, Source};
+use crate::methods::engine::Engine;
+use crate::methods::{Error, Facts, Frame, Outcome, Timeline};
+use crate::output::deep::State;
+use crate::passes::bands;
+use crate::passes::project::DeviceCloud;
+
+impl Renderer {
+    /// How many samples the deep image of a frame has at most, from projecting and counting alone.
+    ///
+    /// # Errors
+    /// Those of [`Self::deep`].
+    pub fn most_samples(&mut self, cloud: &mut DeviceCloud, frame: &Frame, state: State) -> Result<u64, Error> {
+        Ok(self.go_through(cloud, frame, state, (true, &mut |_, _| Ok(())))?.1)
+    }
+
+    /// Hands the samples of a frame to `sink`, the pixels row by row, whatever the windows: at most those of a band at a time.
+    ///
+    /// # Errors
+    /// A method without samples ([`crate::methods::deep::check`]), a frame that does not fit, a device that fails, a frame that
+    /// [`Self::progress`] cancels, and the errors of `sink`.
+    pub fn deep(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        state: State,
+        sink: &mut Sink<'_>,
+    ) -> Result<Facts, Error> {
+        Ok(self.go_through(cloud, frame, state, (false, sink))?.0)
+    }
+
+    /// The counts of a frame, and how many samples it has at most.
+    fn go_through(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        state: State,
+        (survey, sink): (bool, &mut Sink<'_>),
+    ) -> Result<(Facts, u64), Error> {
+        frame.check()?;
+        let source = Source::of(&frame.method).ok_or(Error::NoSamples { method: frame.method.name() })?;
+        let frame = &Frame { fragments: false, ..*frame };
+        // The lifetime of a sink's own borrows is no longer than that of the engine.
+        let mut forward = |lengths: &[u32], samples: &[_]| sink(lengths, samples);
+        let engine = DeepEngine { source, state, sink: RefCell::new(&mut forward), most: Cell::new(0) };
+        self.place(&engine, cloud, frame, false)?;
+        self.disown_colors();
+        self.device.reset_peak();
+        let mut timeline = Timeline::new(&self.progress);
+        timeline.timed = false;
+        self.cast_shadows(&engine, cloud, frame, &mut timeline)?;
+        let budget = self.budget(&engine, cloud, frame);
+        let windows = engine.windows(frame, budget)?;
+        self.progress.set_length(u64::from(frame.size[0]) * u64::from(frame.size[1]));
+        self.progress.set_position(0);
+        let (points, gaussians) = (cloud.drawn(), cloud.gaussian_count());
+        let mut facts = Facts { points, gaussians, ..Facts::default() };
+        let mut windows = last_first(&windows);
+        while let Some(window) = windows.pop() {
+            let part = Part { engine: &engine, frame, window, budget, samples: 0, survey, learns: false };
+            match self.window(cloud, &part, &mut timeline, &mut facts)? {
+                Outcome::Done => self.progress.check()?,
+                // By rows first, whatever is cheaper: pixels come row by row.
+                Outcome::Overflow => {
+                    let halves = bands::halves(window).ok_or(Error::PixelOverflow { x: window[0], y: window[1] })?;
+                    windows.extend(halves.into_iter().rev());
+                }
+            }
+        }
+        facts.peak_device_bytes = self.device.peak_bytes();
+        Ok((facts, engine.most.get()))
+    }
+}
