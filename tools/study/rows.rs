@@ -4,7 +4,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use pellucid_engine::output::{self, Error};
+use pellucid_engine::output::Error;
 use serde::{Deserialize, Serialize};
 
 /// The device, and how it was measured.
@@ -28,8 +28,14 @@ impl Device {
     /// The name of its file.
     pub fn file_name(&self) -> String {
         let text = format!("{} {}", self.device, self.driver).to_lowercase();
-        let words = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '.').filter(|word| !word.is_empty());
-        let mut name: String = words.collect::<Vec<_>>().join("-");
+        // A driver's name may begin with the device's.
+        let mut words: Vec<&str> = Vec::new();
+        for word in text.split(|c: char| !c.is_ascii_alphanumeric() && c != '.') {
+            if !word.is_empty() && !words.contains(&word) {
+                words.push(word);
+            }
+        }
+        let mut name = words.join("-");
         name.truncate(60);
         format!("{}.jsonl", name.trim_end_matches(['-', '.']))
     }
@@ -74,21 +80,27 @@ impl Row {
         self.3
     }
 
-    /// The method, and those of its keys that are not numbers: what the steps of a ladder share.
+    /// The method, and those of its keys that are not numbers: what the steps of a ladder share. One that leaves points out is another
+    /// than the same method with all of them.
     pub fn family(&self) -> String {
-        let is_step = |word: &&str| word.split_once('=').is_some_and(|(_, value)| value.parse::<f64>().is_ok());
-        let words = self.key().split(' ').filter(|word| !is_step(word));
-        words.map(|word| word.trim_start_matches("method.")).collect::<Vec<_>>().join(" ")
+        let word = |word: &str| match word.split_once('.') {
+            Some(("detail", _)) => Some("detail".to_owned()),
+            _ if is_step(word) => None,
+            _ => Some(word.trim_start_matches("method.").to_owned()),
+        };
+        self.key().split(' ').filter_map(word).collect::<Vec<_>>().join(" ")
     }
 
     /// Key and value of the step, as in `k=8`; empty without one.
     pub fn step(&self) -> String {
-        let words = self.key().split(' ').map(|word| word.trim_start_matches("method."));
-        words
-            .filter(|word| word.split_once('=').is_some_and(|(_, value)| value.parse::<f64>().is_ok()))
-            .collect::<Vec<_>>()
-            .join(" ")
+        let steps = self.key().split(' ').filter(|word| is_step(word));
+        steps.map(|word| word.split_once('.').map_or(word, |(_, step)| step)).collect::<Vec<_>>().join(" ")
     }
+}
+
+/// True of a key with a number.
+fn is_step(word: &str) -> bool {
+    word.split_once('=').is_some_and(|(_, value)| value.parse::<f64>().is_ok())
 }
 
 /// The end of a case: all of its settings are there.
@@ -189,7 +201,7 @@ impl Log {
     /// # Errors
     /// A file of another size of images or number of frames, one that is damaged, or one that can't be written.
     pub fn open(folder: &Path, device: Device) -> Result<Self, Error> {
-        output::make_folder(folder)?;
+        std::fs::create_dir_all(folder).map_err(|source| Error::Write { path: folder.to_owned(), source })?;
         let path = folder.join(device.file_name());
         let failed = |source| Error::Write { path: path.clone(), source };
         let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
@@ -286,7 +298,7 @@ mod tests {
     pub fn device() -> Device {
         Device {
             device: "llvmpipe (LLVM 15.0.6, 256 bits)".to_owned(),
-            driver: "Mesa 22.3.6".to_owned(),
+            driver: "llvmpipe Mesa 22.3.6 (LLVM 15.0.6)".to_owned(),
             kind: "CPU".to_owned(),
             pellucid: "0.1.0".to_owned(),
             size: [64, 48],
@@ -306,6 +318,8 @@ mod tests {
         assert_eq!((row.family().as_str(), row.step().as_str()), ("stochastic alpha_correction=false", "samples=64"));
         let row = Row("abuffer".to_owned(), 0.0, 1.0, 2);
         assert_eq!((row.family().as_str(), row.step().as_str()), ("abuffer", ""));
+        let row = Row("sorted detail.spacing_px=0.5".to_owned(), 0.1, 2.0, 3);
+        assert_eq!((row.family().as_str(), row.step().as_str()), ("sorted detail", "spacing_px=0.5"));
         assert_eq!((rounded(123_456.0), rounded(1.23456e-7), rounded(0.0)), (123_500.0, 1.235e-7, 0.0));
     }
 
