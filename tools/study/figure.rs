@@ -1,55 +1,106 @@
-//! The map as a figure: mean list × wanted error, a marker for the fastest method.
+//! The map as a picture: a cell for each mean list and wanted error, colored by the fastest method.
 
-use std::collections::BTreeMap;
-
-use pellucid_engine::output::Error;
+use maud::{Markup, html};
 use pellucid_lab::choice::EXACT;
-use pellucid_lab::report::plot::{Axis, Figure, Panel, Point, Series, Steps};
 
 use crate::map::{ERRORS, fastest, verdicts};
-use crate::rows::{Measured, Study};
+use crate::rows::{Measured, Row, Study};
 
-/// Width and height of a panel in pixels.
-const PANEL: [u32; 2] = [330, 270];
-/// Where exact images are drawn.
-const EXACT_AT: f64 = 1e-5;
+/// Width and height of a cell, in pixels.
+const CELL: [usize; 2] = [86, 29];
+/// Left of the cells stand the errors, above them title and means.
+const LEFT: usize = 46;
+const TOP: usize = 46;
+/// Between two panels.
+const GAP: usize = 22;
+/// Panels beside one another.
+const COLUMNS: usize = 2;
 
-/// A cell of the map: mean list, wanted error, the fastest method, its time over that of the fastest exact setting.
+/// Colors of methods, of Okabe and Ito's hues, light enough for dark text. The text of a cell says the same.
+const COLORS: [(&str, &str); 12] = [
+    ("abuffer", "#d9d9d9"),
+    ("linked-list", "#c6c6c6"),
+    ("sorted", "#eeeeee"),
+    ("peel", "#b3b3b3"),
+    ("hybrid", "#7fcdb2"),
+    ("mlab", "#f3c677"),
+    ("moments", "#ee9a6c"),
+    ("wavelet", "#dfaac8"),
+    ("stochastic", "#9fd3f2"),
+    ("weighted", "#7fb8dc"),
+    ("average", "#b9d6ea"),
+    ("unsorted", "#cfe3f0"),
+];
+const OTHER: &str = "#ffffff";
+
+/// A cell: the fastest setting, and its time over that of the fastest exact one.
 struct Cell {
-    mean: f64,
-    error: f64,
-    family: String,
+    row: Row,
     of_exact: f64,
 }
 
-/// The figure of a driver: a panel for all scenes, then one for each.
-///
-/// # Errors
-/// It can't be drawn.
-pub fn svg(study: &Study) -> Result<String, Error> {
-    let mut panels = vec![("all scenes".to_owned(), of_all(study))];
-    for scene in scenes(study) {
-        let cases = study.cases.iter().filter(|measured| measured.case.scene == scene);
-        panels.push((scene.clone(), cases.flat_map(of_case).collect()));
+/// A coordinate system with a row for each error and a column for each mean.
+struct Panel {
+    title: String,
+    cells: Vec<Vec<Option<Cell>>>,
+}
+
+/// The picture of a driver: a panel for all scenes, then one for each.
+pub fn svg(study: &Study) -> String {
+    let targets = targets(study);
+    let panels: Vec<Panel> = std::iter::once(of_all(study, &targets))
+        .chain(scenes(study).iter().map(|scene| of_scene(study, scene, &targets)))
+        .collect();
+    let [wide, high] = [LEFT + CELL[0] * targets.len() + GAP, TOP + CELL[1] * ERRORS.len() + GAP];
+    let (width, height) = (wide * COLUMNS.min(panels.len()), high * panels.len().div_ceil(COLUMNS));
+    let place = |number: usize| format!("translate({} {})", number % COLUMNS * wide, number / COLUMNS * high);
+    let picture = html! {
+        svg xmlns="http://www.w3.org/2000/svg" width=(width) height=(height) viewBox=(format!("0 0 {width} {height}"))
+            font-family="sans-serif" font-size="11" text-anchor="middle" fill="#222222" {
+            rect width="100%" height="100%" fill="#ffffff" {}
+            @for (number, panel) in panels.iter().enumerate() {
+                g transform=(place(number)) { (drawn(panel, &targets)) }
+            }
+        }
+    };
+    // One element a line, so that a change of one cell is one of a few lines.
+    picture.into_string().replace("><", ">\n<") + "\n"
+}
+
+fn drawn(panel: &Panel, targets: &[u32]) -> Markup {
+    let x = |column: usize| LEFT + CELL[0] * column;
+    let y = |row: usize| TOP + CELL[1] * row;
+    html! {
+        text x=(x(0)) y="18" font-size="14" font-weight="bold" text-anchor="start" { (panel.title) }
+        @for (column, target) in targets.iter().enumerate() {
+            text x=(x(column) + CELL[0] / 2) y=(TOP - 6) { "mean " (target) }
+        }
+        @for (row, (_, name)) in ERRORS.iter().enumerate() {
+            text x=(LEFT - 6) y=(y(row) + 18) text-anchor="end" { (name) }
+            @for (column, cell) in panel.cells[row].iter().enumerate() {
+                @if let Some(cell) = cell {
+                    rect x=(x(column)) y=(y(row)) width=(CELL[0] - 2) height=(CELL[1] - 2) fill=(color(&cell.row)) {}
+                    text x=(x(column) + CELL[0] / 2) y=(y(row) + 12) { (short(&cell.row)) }
+                    text x=(x(column) + CELL[0] / 2) y=(y(row) + 24) font-size="10" { (format!("{:.2}", cell.of_exact)) }
+                }
+            }
+        }
     }
-    let names = by_frequency(panels.iter().flat_map(|(_, cells)| cells));
-    let panel = |(title, cells): &(String, Vec<Cell>)| Panel {
-        title: title.clone(),
-        series: cells.iter().map(|cell| series(&names, cell)).collect(),
-        front: Vec::new(),
-        is_guided: false,
-    };
-    let figure = Figure {
-        x: Axis { label: "mean list", floor: 1.0, steps: Steps::Tens },
-        y: Axis { label: "largest RMSE (1e-5: exact)", floor: EXACT_AT, steps: Steps::Tens },
-        panels: panels.iter().map(panel).collect(),
-        names,
-        guide: None,
-        front: "",
-        panel: PANEL,
-        columns: 2,
-    };
-    figure.svg().map_err(|error| Error::Report { reason: error.to_string() })
+}
+
+fn color(row: &Row) -> &'static str {
+    let family = row.family();
+    let method = family.split(' ').next().unwrap_or_default();
+    COLORS.iter().find(|(name, _)| *name == method).map_or(OTHER, |(_, color)| *color)
+}
+
+/// Method and the number of its step, as in `hybrid 8`; a star stands for another setting of it.
+fn short(row: &Row) -> String {
+    let (family, step) = (row.family(), row.step());
+    let (method, rest) = family.split_once(' ').unwrap_or((&family, ""));
+    let star = if rest.is_empty() { "" } else { "*" };
+    let number = step.split_once('=').map_or("", |(_, number)| number);
+    format!("{method}{star} {number}").trim_end().to_owned()
 }
 
 /// The scenes of a study, in the order of its file.
@@ -71,48 +122,24 @@ pub fn targets(study: &Study) -> Vec<u32> {
     targets
 }
 
-/// A marker of its own: markers of one method are not joined by a line.
-fn series(names: &[String], cell: &Cell) -> Series {
-    let point = Point { label: format!("{:.2}", cell.of_exact), ..Point::new(cell.mean, cell.error) };
-    let name = names.iter().position(|name| *name == cell.family).unwrap_or_default();
-    Series { name, points: vec![point], note: String::new() }
-}
-
-fn at(error: f64) -> f64 {
-    if error <= EXACT { EXACT_AT } else { error }
-}
-
-fn of_case(measured: &Measured) -> Vec<Cell> {
-    let Some(exact) = fastest(measured, EXACT) else { return Vec::new() };
-    let cell = |(error, _): &(f64, &str)| {
-        let row = fastest(measured, *error)?;
-        let (mean, family) = (measured.case.mean, row.family());
-        Some(Cell { mean, error: at(*error), family, of_exact: row.ms() / exact.ms() })
+fn of_scene(study: &Study, scene: &str, targets: &[u32]) -> Panel {
+    let cell = |error: f64, target: u32| {
+        let measured = study.find(scene, target)?;
+        let (row, exact) = (fastest(measured, error)?, fastest(measured, EXACT)?);
+        Some(Cell { row: row.clone(), of_exact: row.ms() / exact.ms() })
     };
-    ERRORS.iter().filter_map(cell).collect()
+    Panel { title: scene.to_owned(), cells: cells(targets, cell) }
 }
 
-fn of_all(study: &Study) -> Vec<Cell> {
-    let mut cells = Vec::new();
-    for target in targets(study) {
+fn of_all(study: &Study, targets: &[u32]) -> Panel {
+    let cell = |error: f64, target: u32| {
         let cases: Vec<&Measured> = study.cases.iter().filter(|measured| measured.case.target == target).collect();
-        for (error, _) in ERRORS {
-            if let Some(best) = verdicts(&cases, error).into_iter().next() {
-                let (mean, error) = (target.into(), at(error));
-                cells.push(Cell { mean, error, family: best.family, of_exact: best.of_exact });
-            }
-        }
-    }
-    cells
+        let best = verdicts(&cases, error).into_iter().next()?;
+        Some(Cell { row: Row(best.key, 0.0, 0.0, 0), of_exact: best.of_exact })
+    };
+    Panel { title: "all scenes".to_owned(), cells: cells(targets, cell) }
 }
 
-/// The methods of cells, the most frequent first, so that they have the colors that differ most.
-fn by_frequency<'a>(cells: impl Iterator<Item = &'a Cell>) -> Vec<String> {
-    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    for cell in cells {
-        *counts.entry(&cell.family).or_default() += 1;
-    }
-    let mut names: Vec<(&str, usize)> = counts.into_iter().collect();
-    names.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(b.0)));
-    names.into_iter().map(|(name, _)| name.to_owned()).collect()
+fn cells(targets: &[u32], cell: impl Fn(f64, u32) -> Option<Cell>) -> Vec<Vec<Option<Cell>>> {
+    ERRORS.iter().map(|(error, _)| targets.iter().map(|target| cell(*error, *target)).collect()).collect()
 }

@@ -94,7 +94,7 @@ fn run(args: &Args) -> pellucid_engine::Result<()> {
     if let Some(path) = &args.page {
         let figures = path.parent().unwrap_or(Path::new("")).join(page::FIGURES);
         std::fs::create_dir_all(&figures).map_err(|source| Error::Write { path: figures.clone(), source })?;
-        for (name, svg) in page::figures(&studies)? {
+        for (name, svg) in page::figures(&studies) {
             write(&figures.join(name), &svg)?;
         }
         write(path, &page::text(&studies))?;

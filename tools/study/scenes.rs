@@ -13,6 +13,9 @@ use pellucid_engine::scene::{self, Overrides, Scene, procedural};
 use pellucid_engine::Result;
 use pellucid_lab::choice::Lists;
 use pellucid_lab::report::tradeoff::settings;
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_pcg::Pcg64;
 
 use crate::rows::{Case, rounded};
 
@@ -48,8 +51,12 @@ const SHINING_THROUGH: f64 = 0.1;
 const CLOSE: f64 = 0.05;
 /// The same where no radius comes closer; beyond it the case is left out.
 const FAR: f64 = 0.3;
+/// Pixels that a disc should cover: no disc has less than one, so that many points have no short lists.
+const DISC_PIXELS: f64 = 4.0;
 /// Radii that are tried.
-const TRIES: usize = 8;
+const TRIES: usize = 6;
+/// Thinned clouds that are tried.
+const THINNINGS: usize = 3;
 /// A factor between two radii is at most this.
 const STRIDE: f64 = 6.0;
 
@@ -62,6 +69,8 @@ pub fn names() -> Vec<&'static str> {
 pub struct Base {
     pub name: &'static str,
     points: Arc<Points>,
+    /// Places of points in random order: so many of the first ones are a thinned cloud.
+    places: Vec<u32>,
     pub frame: Frame,
     pub background: Vec3,
     /// Its `layers` have to be the wanted mean.
@@ -114,43 +123,101 @@ impl Base {
         frame.method = settings::formation(&frame.method, arranged.points())?.exact();
         let Arranged::Canonical(points) = arranged else { return Ok(None) };
         let layers = matches!(known.source, Source::Layers).then_some(target);
-        Ok(Some(Self { name: known.name, points, frame, background: scene.image.background, layers }))
+        // Places of points on a device are 32-bit numbers.
+        let mut places: Vec<u32> = (0..points.len() as u32).collect();
+        places.shuffle(&mut Pcg64::seed_from_u64(0));
+        Ok(Some(Self { name: known.name, points, places, frame, background: scene.image.background, layers }))
     }
 
-    /// Radii and opacities with which lists have the wanted mean; `None` if no radius comes near it.
+    /// Radii and opacities with which lists have the wanted mean, of fewer points if all are too many; `None` if no radius comes near it.
     pub fn fit(&self, device: &Device, target: u32) -> Result<Option<Fitted>> {
         let mut renderer = Renderer::new(device)?;
-        let mut tried: Vec<(f64, f64)> = Vec::new();
-        let mut nearest: Option<(f64, Fitted)> = None;
-        let tries = if self.layers.is_some() { 1 } else { TRIES };
-        while tried.len() < tries {
-            let factor = next(&tried, f64::from(target));
-            let opacity = self.opacity(target);
-            let points = Arc::new(scaled(&self.points, factor as f32, opacity.map(|opacity| opacity as f32)));
-            let mut cloud = renderer.upload(&points)?;
-            let rendered = renderer.render(&mut cloud, &self.frame)?;
-            let lists = Lists::of(&rendered);
-            renderer.recycle(rendered.image);
-            tried.push((factor, lists.mean()));
-            let distance = (lists.mean() / f64::from(target) - 1.0).abs();
-            if nearest.as_ref().is_none_or(|(least, _)| distance < *least) {
-                let case = Case {
-                    scene: self.name.to_owned(),
-                    target,
-                    mean: rounded(lists.mean()),
-                    longest: lists.longest,
-                    covered: lists.covered,
-                    points: points.len() as u64,
-                    radius_factor: rounded(factor),
-                    opacity: opacity.map(rounded),
-                };
-                nearest = Some((distance, Fitted { arranged: Arranged::Canonical(points), case }));
+        if self.layers.is_some() {
+            return Ok(Some(self.fitted(&mut renderer, self.points.clone(), 1.0, target)?.0));
+        }
+        let (_, lists) = self.fitted(&mut renderer, self.points.clone(), 1.0, target)?;
+        let mut most = match self.points.gaussians {
+            Some(_) => f64::INFINITY,
+            None => f64::from(target) * lists.covered as f64 / DISC_PIXELS,
+        };
+        for _ in 0..THINNINGS {
+            let (thinned, start) = self.thinned(most);
+            let (distance, fitted) = self.nearest(&mut renderer, &thinned, start, target)?;
+            if distance.abs() < FAR {
+                return Ok(Some(fitted));
             }
-            if distance < CLOSE {
-                break;
+            if distance < 0.0 {
+                return Ok(None);
+            }
+            // However small they are, Gaussians cover some pixels each.
+            most = thinned.len() as f64 * f64::from(target) / (2.0 * fitted.case.mean);
+        }
+        Ok(None)
+    }
+
+    /// The radii with which the mean comes nearest to the wanted one, and how far above it the mean is, relative to it.
+    fn nearest(
+        &self,
+        renderer: &mut Renderer,
+        points: &Arc<Points>,
+        start: f64,
+        target: u32,
+    ) -> Result<(f64, Fitted)> {
+        let mut try_factor = |factor: f64| -> Result<(f64, Fitted)> {
+            let (fitted, lists) = self.fitted(renderer, points.clone(), factor, target)?;
+            Ok((lists.mean() / f64::from(target) - 1.0, fitted))
+        };
+        let mut nearest = try_factor(start)?;
+        let mut tried = vec![(start, nearest.1.case.mean)];
+        while tried.len() < TRIES && nearest.0.abs() > CLOSE {
+            let factor = next(&tried, f64::from(target));
+            let found = try_factor(factor)?;
+            tried.push((factor, found.1.case.mean));
+            if found.0.abs() < nearest.0.abs() {
+                nearest = found;
             }
         }
-        Ok(nearest.filter(|(distance, _)| *distance < FAR).map(|(_, fitted)| fitted))
+        Ok(nearest)
+    }
+
+    /// At most about so many points, at least one, and the factor on radii that keeps lists about as long.
+    fn thinned(&self, most: f64) -> (Arc<Points>, f64) {
+        let all = self.places.len();
+        let count = (most as usize).clamp(1, all.max(1));
+        if count >= all {
+            return (self.points.clone(), 1.0);
+        }
+        let mut chosen = self.places[..count].to_vec();
+        // In the order of the scene's points, which keeps neighbors together.
+        chosen.sort_unstable();
+        (Arc::new(self.points.subset(&chosen, 1.0)), (all as f64 / count as f64).sqrt())
+    }
+
+    /// The points with radii times a factor, and the lists that they have.
+    fn fitted(
+        &self,
+        renderer: &mut Renderer,
+        points: Arc<Points>,
+        factor: f64,
+        target: u32,
+    ) -> Result<(Fitted, Lists)> {
+        let opacity = self.opacity(target);
+        let points = Arc::new(scaled(&points, factor as f32, opacity.map(|opacity| opacity as f32)));
+        let mut cloud = renderer.upload(&points)?;
+        let rendered = renderer.render(&mut cloud, &self.frame)?;
+        let lists = Lists::of(&rendered);
+        renderer.recycle(rendered.image);
+        let case = Case {
+            scene: self.name.to_owned(),
+            target,
+            mean: rounded(lists.mean()),
+            longest: lists.longest,
+            covered: lists.covered,
+            points: points.len() as u64,
+            radius_factor: rounded(factor),
+            opacity: opacity.map(rounded),
+        };
+        Ok((Fitted { arranged: Arranged::Canonical(points), case }, lists))
     }
 
     /// The opacity of discs; Gaussians keep theirs.
