@@ -168,12 +168,10 @@ pub mod tests {
     fn the_fastest_of_a_case() {
         let tori = tori();
         let key = |most| fastest(&tori, most).map_or("", |row| row.key());
-        assert_eq!([key(0.2), key(0.05), key(0.01), key(1e-4)], [
-            "weighted",
-            "mlab method.nodes=4",
-            "hybrid method.k=8",
-            "sorted"
-        ]);
+        assert_eq!(
+            [key(0.2), key(0.05), key(0.01), key(1e-4)],
+            ["weighted", "mlab method.nodes=4", "hybrid method.k=8", "sorted"]
+        );
         let keys = |rows: Vec<&Row>| rows.iter().map(|row| row.key().to_owned()).collect::<Vec<_>>();
         assert_eq!(keys(front(&tori)), ["average", "weighted", "mlab method.nodes=4", "hybrid method.k=8", "sorted"]);
         assert_eq!(keys(between(&tori)), ["mlab method.nodes=4", "hybrid method.k=8"]);

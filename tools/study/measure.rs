@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use pellucid_engine::Result;
 use pellucid_engine::gpu::{self, DeviceOptions};
 use pellucid_engine::methods::Renderer;
 use pellucid_engine::progress::Progress;
+use pellucid_engine::{Error, Result};
 use pellucid_lab::choice::{EXACT, Measured, Subject, Survey};
 use pellucid_lab::report::tradeoff::method_by_method;
 use pellucid_lab::report::tradeoff::settings::{Ladders, Setting};
@@ -47,14 +47,20 @@ pub fn run(args: &Args, folder: &Path) -> Result<()> {
             println!("{scene}: left out, since its file is not in the folder of --data");
             continue;
         };
-        let Some(fitted) = base.fit(&device, *target)? else {
-            println!("{scene}: left out, since no radius gives lists of a mean of {target}");
-            continue;
-        };
         // What is left is shared by the cases that are left.
         let share = end.map(|end| end.saturating_duration_since(Instant::now()) / (cases.len() - number) as u32);
-        let end = share.and_then(|share| Instant::now().checked_add(share));
-        measure(&device, base, &fitted, Part { frames: args.frames as usize, end }, &mut log)?;
+        let part =
+            Part { frames: args.frames as usize, end: share.and_then(|share| Instant::now().checked_add(share)) };
+        let fitted = base.fit(&device, *target);
+        match fitted.and_then(|fitted| fitted.map(|fitted| measure(&device, base, &fitted, part, &mut log)).transpose())
+        {
+            Ok(Some(())) => {}
+            Ok(None) => println!("{scene}: left out, since no radius gives lists of a mean of {target}"),
+            Err(Error::Render(error)) if error.is_refusal() => {
+                println!("{scene}, lists of {target}: left out, since the exact image is refused: {error}");
+            }
+            Err(error) => return Err(error),
+        }
     }
     Ok(())
 }

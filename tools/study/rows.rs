@@ -277,7 +277,8 @@ pub fn rounded(value: f64) -> f64 {
 pub fn read_all(folder: &Path) -> Result<Vec<Study>, Error> {
     let failed = |source| Error::Read { path: folder.to_owned(), source };
     let entries = std::fs::read_dir(folder).map_err(failed)?;
-    let mut paths = entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>().map_err(failed)?;
+    let mut paths =
+        entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>().map_err(failed)?;
     paths.retain(|path| path.extension().is_some_and(|extension| extension == "jsonl"));
     paths.sort();
     if paths.is_empty() {

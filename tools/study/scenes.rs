@@ -4,13 +4,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::Vec3;
+use pellucid_engine::Result;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{self, Overrides, Scene, procedural};
-use pellucid_engine::Result;
 use pellucid_lab::choice::Lists;
 use pellucid_lab::report::tradeoff::settings;
 use rand::SeedableRng;
@@ -156,13 +156,7 @@ impl Base {
     }
 
     /// The radii with which the mean comes nearest to the wanted one, and how far above it the mean is, relative to it.
-    fn nearest(
-        &self,
-        renderer: &mut Renderer,
-        points: &Arc<Points>,
-        start: f64,
-        target: u32,
-    ) -> Result<(f64, Fitted)> {
+    fn nearest(&self, renderer: &mut Renderer, points: &Arc<Points>, start: f64, target: u32) -> Result<(f64, Fitted)> {
         let mut try_factor = |factor: f64| -> Result<(f64, Fitted)> {
             let (fitted, lists) = self.fitted(renderer, points.clone(), factor, target)?;
             Ok((lists.mean() / f64::from(target) - 1.0, fitted))

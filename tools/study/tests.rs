@@ -58,7 +58,9 @@ fn a_scene_is_measured_once_and_a_page_made_of_it() {
         let of = |key: &str| measured.rows.iter().find(|row| row.key() == key).unwrap();
         assert_eq!(of("abuffer").rmse(), 0.0);
         assert!(of("weighted").rmse() > 1e-3 && of("abuffer").ms() > 0.0 && of("abuffer").bytes() > 0);
-        assert!(["mlab", "moments", "wavelet"].iter().all(|name| measured.rows.iter().any(|row| row.family() == *name)));
+        assert!(
+            ["mlab", "moments", "wavelet"].iter().all(|name| measured.rows.iter().any(|row| row.family() == *name))
+        );
     }
     let text = std::fs::read_to_string(&page).unwrap();
     assert!(text.contains("| stack | 5.0 |") && text.contains("24 × 16 pixels"), "{text}");

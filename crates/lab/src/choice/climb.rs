@@ -93,7 +93,10 @@ pub(super) fn by_time(trials: &mut Trials<'_>, all: &[Setting], budget: f64) -> 
 }
 
 /// The most accurate of those measured, of equally accurate ones the fastest.
-fn most_accurate<'a>(trials: &impl Measures, settings: impl Iterator<Item = &'a Setting>) -> Option<(Setting, Figures)> {
+fn most_accurate<'a>(
+    trials: &impl Measures,
+    settings: impl Iterator<Item = &'a Setting>,
+) -> Option<(Setting, Figures)> {
     let measured = settings.filter_map(|setting| Some((setting, trials.figures(setting)?)));
     let key = |figures: &Figures| (figures.rmse.max(EXACT), figures.gpu_ms);
     let best = measured.min_by(|(_, a), (_, b)| {
