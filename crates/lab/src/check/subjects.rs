@@ -20,7 +20,7 @@ use pellucid_engine::scene::{
     BlendedSplats, ColorSpace, Density, DiscShape, Discs, Falloff, Family, GaussianSettings, Hybrid, ImageSpace,
     Interpolated, Kernel, Light, LongLists, Method, MethodChoice, Mlab, MomentCount, Moments, OneLayer, Order, Peel,
     PeelLayers, Raster, ScreenSplats, Shading, ShadingModel, Shadows, Shells, Soft, SoftLayout, Spbr, SpbrSimplified,
-    SplatShape, Stochastic, Wavelet,
+    SplatShape, Stochastic, Tail, Wavelet,
 };
 
 /// A scene for a method.
@@ -191,6 +191,7 @@ fn discs() -> Vec<Subject> {
     let in_place = Discs { long_lists: LongLists::InPlace, ..oriented };
     let computed = Discs { raster: Raster::Compute, ..oriented };
     let moments = Moments { discs: oriented, moments: MomentCount::Eight, ..Moments::default() };
+    let tailed = Hybrid { k: 3, tail: Tail::Moments, ..Hybrid::default() };
     let sampled = |discs| Stochastic { discs, samples: 24, alpha_correction: true };
     let (few, many) = (clouds::few, clouds::many);
     vec![
@@ -215,6 +216,8 @@ fn discs() -> Vec<Subject> {
             few(),
             as_it_is,
         ),
+        subject(Method::Hybrid(tailed), "tail by moments", many(), as_it_is),
+        subject(Method::Hybrid(Hybrid { discs: oriented, ..tailed }), "oriented, tail by moments", few(), as_it_is),
         subject(Method::Mlab(Mlab::default()), "", many(), as_it_is),
         subject(Method::Mlab(Mlab { discs: oriented, nodes: 3 }), "oriented, 3 nodes", few(), as_it_is),
         subject(Method::Moments(Moments::default()), "", many(), as_it_is),

@@ -5,6 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use pellucid_engine::progress::Progress;
 use serde::{Deserialize, Serialize};
 
+use super::climb::Measures;
+use super::survey::{Lists, Measured};
 use super::table::Row;
 use super::{Figures, Subject};
 use crate::report::tradeoff::renderers::Renderers;
@@ -23,6 +25,8 @@ use pellucid_engine::{Result, gpu, identity, metrics};
 const FRAMES: usize = 7;
 /// The same if a frame takes more than a second.
 const SLOW_FRAMES: usize = 3;
+/// Timed frames of a first look at a setting.
+const LOOKS: usize = 2;
 /// How much slower than the best so far a setting may be at first and still get a second trial.
 const CLOSE: f64 = 1.4;
 /// Folder of the cache.
@@ -73,6 +77,9 @@ impl Record {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 struct CachedRecords {
     max_list: u32,
+    /// Of the pixels that hold any fragment; 0 where nobody counted.
+    #[serde(default)]
+    mean_list: f64,
     /// Keyed by [`Setting::key`].
     records: BTreeMap<String, Record>,
     /// The setting that was chosen, by what was wished for.
@@ -171,6 +178,25 @@ impl<'a> Trials<'a> {
         self.known.chosen.insert(wish, setting.key());
     }
 
+    /// The mean list of the pixels that hold any fragment, where it was counted.
+    pub fn mean_list(&self) -> Option<f64> {
+        Some(self.known.mean_list).filter(|mean| *mean > 0.0)
+    }
+
+    /// A setting by a median of so many frames, at least 1, whatever else is known of it; `None` if it can't be rendered.
+    /// One whose first frame takes more than `most` ms gets no other.
+    pub fn measure(&mut self, setting: &Setting, frames: usize, most: Option<f64>) -> Result<Option<Measured>> {
+        match self.first_frames(setting, frames, most.map(|most| most / CLOSE)) {
+            Ok(Record { rmse, gpu_ms, peak_device_bytes }) => {
+                self.device.check_validation()?;
+                let figures = Figures { rmse, gpu_ms: median(gpu_ms) };
+                Ok(Some(Measured { figures, peak_device_bytes }))
+            }
+            Err(pellucid_engine::Error::Render(error)) if error.is_refusal() => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
     /// The properties of the scene that decide which settings apply.
     pub fn occasion(&self) -> Occasion {
         Occasion::new(self.subject.arranged.points(), self.formation, self.known.max_list)
@@ -191,33 +217,8 @@ impl<'a> Trials<'a> {
         all.iter().filter_map(row).collect()
     }
 
-    /// The figures of a setting that was measured.
-    pub fn figures(&self, setting: &Setting) -> Option<Figures> {
-        self.known.records.get(&setting.key()).map(Record::figures)
-    }
-
-    /// The figures of a setting, measured now unless they are cached; `None` if it can't be rendered. `best` is the
-    /// time of the best setting so far. The first frame pays for buffers and shaders; after it, a much slower setting
-    /// gets one frame, others two.
-    pub fn look(&mut self, setting: &Setting, best: Option<f64>) -> Result<Option<Figures>> {
-        if self.figures(setting).is_none() && !self.refused.contains(&setting.key()) {
-            self.progress.set_message(format!("choosing the method: {}", setting.key()));
-            match self.first_frames(setting, best) {
-                Ok(record) => {
-                    self.device.check_validation()?;
-                    self.known.records.insert(setting.key(), record);
-                }
-                Err(pellucid_engine::Error::Render(error)) if error.is_refusal() => {
-                    self.refused.insert(setting.key());
-                    self.refusal = Some(error);
-                }
-                Err(error) => return Err(error),
-            }
-        }
-        Ok(self.figures(setting))
-    }
-
-    fn first_frames(&mut self, setting: &Setting, best: Option<f64>) -> Result<Record> {
+    /// A frame that pays for buffers and shaders, then so many that are timed: fewer from one on that is much slower than `best`.
+    fn first_frames(&mut self, setting: &Setting, frames: usize, best: Option<f64>) -> Result<Record> {
         let first = self.render(setting.method, setting.detail)?;
         let image = linear(&first.image, self.subject.background, self.frame.color);
         self.renderer.recycle(first.image);
@@ -226,7 +227,7 @@ impl<'a> Trials<'a> {
         let rmse = metrics::rmse(&reference.pixels, &image.pixels);
         let peak_device_bytes = first.facts.peak_device_bytes;
         let mut gpu_ms = Vec::new();
-        while gpu_ms.len() < 2 {
+        while gpu_ms.len() < frames {
             let rendered = self.render(setting.method, setting.detail)?;
             let ms = gpu(&rendered);
             self.renderer.recycle(rendered.image);
@@ -258,20 +259,10 @@ impl<'a> Trials<'a> {
             }
             let rendered = self.render(self.frame.method, Detail::default())?;
             self.known.max_list = rendered.facts.max_list;
+            self.known.mean_list = Lists::of(&rendered).mean();
             self.reference = Some(linear(&rendered.image, self.subject.background, self.frame.color));
         }
         Ok(())
-    }
-
-    /// The fastest of some measured settings: those close to it take turns until their medians are reliable.
-    pub fn fastest(&mut self, settings: &[&Setting]) -> Result<Option<(Setting, Figures)>> {
-        let ms = |trials: &Self, setting: &Setting| trials.figures(setting).map_or(f64::INFINITY, |f| f.gpu_ms);
-        let least = settings.iter().map(|setting| ms(self, setting)).fold(f64::INFINITY, f64::min);
-        let close: Vec<&Setting> =
-            settings.iter().copied().filter(|setting| ms(self, setting) <= CLOSE * least).collect();
-        self.settle(&close)?;
-        let fastest = close.into_iter().min_by(|a, b| ms(self, a).total_cmp(&ms(self, b)));
-        Ok(fastest.and_then(|setting| Some((setting.clone(), self.figures(setting)?))))
     }
 
     /// Times settings in turns until their medians are reliable.
@@ -313,6 +304,40 @@ impl<'a> Trials<'a> {
     }
 }
 
+impl Measures for Trials<'_> {
+    fn figures(&self, setting: &Setting) -> Option<Figures> {
+        self.known.records.get(&setting.key()).map(Record::figures)
+    }
+
+    fn look(&mut self, setting: &Setting, best: Option<f64>) -> Result<Option<Figures>> {
+        if self.figures(setting).is_none() && !self.refused.contains(&setting.key()) {
+            self.progress.set_message(format!("choosing the method: {}", setting.key()));
+            match self.first_frames(setting, LOOKS, best) {
+                Ok(record) => {
+                    self.device.check_validation()?;
+                    self.known.records.insert(setting.key(), record);
+                }
+                Err(pellucid_engine::Error::Render(error)) if error.is_refusal() => {
+                    self.refused.insert(setting.key());
+                    self.refusal = Some(error);
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(self.figures(setting))
+    }
+
+    fn fastest(&mut self, settings: &[&Setting]) -> Result<Option<(Setting, Figures)>> {
+        let ms = |trials: &Self, setting: &Setting| trials.figures(setting).map_or(f64::INFINITY, |f| f.gpu_ms);
+        let least = settings.iter().map(|setting| ms(self, setting)).fold(f64::INFINITY, f64::min);
+        let close: Vec<&Setting> =
+            settings.iter().copied().filter(|setting| ms(self, setting) <= CLOSE * least).collect();
+        self.settle(&close)?;
+        let fastest = close.into_iter().min_by(|a, b| ms(self, a).total_cmp(&ms(self, b)));
+        Ok(fastest.and_then(|setting| Some((setting.clone(), self.figures(setting)?))))
+    }
+}
+
 /// The points for frames that leave some out.
 fn leveled<'a>(
     cloud: &'a mut DeviceCloud,
@@ -345,6 +370,7 @@ mod tests {
         let records = [("calm", &[2.0, 2.5][..]), ("once", &[2.0]), ("busy", &[2.0, 3.1]), ("chosen", &[2.0, 9.0])];
         let known = CachedRecords {
             max_list: 3,
+            mean_list: 2.5,
             records: records.map(|(key, times)| (key.to_owned(), record(times))).into(),
             chosen: [("a wish".to_owned(), "chosen".to_owned())].into(),
         };

@@ -14,7 +14,7 @@ use pellucid_lab::check::{self, Follows, Lack, Subject};
 use pellucid_testing::{is_llvmpipe, long_or, with_device, with_device_that_binds, with_device_that_prefers};
 
 /// Subjects, all of which llvmpipe renders.
-const SUBJECTS: usize = 60;
+const SUBJECTS: usize = 62;
 
 /// A subject, its points in order, and its image as a renderer that has done nothing else makes it.
 struct Baseline {

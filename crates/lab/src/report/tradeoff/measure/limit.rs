@@ -64,7 +64,7 @@ pub(super) fn refusal(needed: f64, left: f64, all: f64) -> Option<String> {
 
 /// The order in which settings are tried where time may run out: the first of each method, then the second of each, and so
 /// on. Steps of a ladder stay in order.
-pub(super) fn method_by_method(settings: &[Setting]) -> Vec<usize> {
+pub fn method_by_method(settings: &[Setting]) -> Vec<usize> {
     let rank = |at: &usize| {
         let is_same = |other: &&Setting| other.method.name() == settings[*at].method.name();
         settings[..*at].iter().filter(is_same).count()

@@ -27,7 +27,7 @@ impl Run<'_> {
     /// nearest of `hybrid`. Only of discs, and if the device can draw it.
     fn render_unordered(&mut self) -> Result<Option<LinearImage>> {
         let Formation::Discs(discs) = self.occasion.formation else { return Ok(None) };
-        let method = Method::Hybrid(Hybrid { discs, k: 1, core_alpha_min: 1.0 });
+        let method = Method::Hybrid(Hybrid { discs, k: 1, core_alpha_min: 1.0, ..Hybrid::default() });
         let frame = Frame { method, ..self.frame };
         let mut renderer = Renderer::new(self.device)?;
         let cloud = self.clouds.on_device(&renderer, 1, &frame.detail)?;

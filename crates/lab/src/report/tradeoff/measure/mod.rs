@@ -20,6 +20,8 @@ use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{Detail, Method};
 use pellucid_engine::{Result, identity};
 
+pub use self::limit::method_by_method;
+
 use self::limit::Spent;
 use self::reference::Made;
 use super::analytic::{self, Planes};

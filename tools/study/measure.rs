@@ -1,0 +1,193 @@
+//! Measures what is missing in the file of this driver.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use pellucid_engine::gpu::{self, DeviceOptions};
+use pellucid_engine::methods::Renderer;
+use pellucid_engine::progress::Progress;
+use pellucid_engine::{Error, Result};
+use pellucid_lab::choice::{EXACT, Measured, Subject, Survey};
+use pellucid_lab::report::tradeoff::method_by_method;
+use pellucid_lab::report::tradeoff::settings::{Ladders, Setting};
+
+use crate::Args;
+use crate::rows::{Device, Log, Row, rounded};
+use crate::scenes::{self, Base, Fitted};
+
+/// A ladder ends at a step that takes so many times as long as the fastest exact setting.
+const TOO_SLOW: f64 = 4.0;
+
+/// Measures all scenes and means that are asked for, and not in the file yet.
+pub fn run(args: &Args, folder: &Path) -> Result<()> {
+    let device = gpu::Device::open(&DeviceOptions::from_env())?;
+    let info = device.info();
+    let about = Device {
+        device: info.name.clone(),
+        driver: info.driver.clone(),
+        kind: info.kind.to_owned(),
+        pellucid: env!("CARGO_PKG_VERSION").to_owned(),
+        size: args.size,
+        frames: args.frames,
+    };
+    let name = about.file_name();
+    let mut log = Log::open(folder, about)?;
+    println!("{} ({}): {}", info.name, info.driver, folder.join(name).display());
+    let budget = args.budget_minutes.map(|minutes| Duration::from_secs_f64(60.0 * minutes));
+    let end = budget.and_then(|budget| Instant::now().checked_add(budget));
+    let cases = cases(args, &log);
+    let mut bases: Vec<Option<Base>> = Vec::new();
+    for (number, (scene, target)) in cases.iter().enumerate() {
+        if end.is_some_and(|end| Instant::now() >= end) {
+            println!("{} cases are left: the time is over", cases.len() - number);
+            return Ok(());
+        }
+        let Some(base) = load(&mut bases, scene, *target, args)? else {
+            println!("{scene}: left out, since its file is not in the folder of --data");
+            continue;
+        };
+        // What is left is shared by the cases that are left.
+        let share = end.map(|end| end.saturating_duration_since(Instant::now()) / (cases.len() - number) as u32);
+        let part =
+            Part { frames: args.frames as usize, end: share.and_then(|share| Instant::now().checked_add(share)) };
+        let fitted = base.fit(&device, *target);
+        match fitted.and_then(|fitted| fitted.map(|fitted| measure(&device, base, &fitted, part, &mut log)).transpose())
+        {
+            Ok(Some(())) => {}
+            Ok(None) => println!("{scene}: left out, since no radius gives lists of a mean of {target}"),
+            Err(Error::Render(error)) if error.is_refusal() => {
+                println!("{scene}, lists of {target}: left out, since the exact image is refused: {error}");
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(())
+}
+
+/// The cases that are missing: the first mean of all scenes, then the second, so that any part of them tells of every scene.
+fn cases(args: &Args, log: &Log) -> Vec<(&'static str, u32)> {
+    let is_asked = |name: &&str| args.only.is_empty() || args.only.iter().any(|only| only == name);
+    let names: Vec<&str> = scenes::names().into_iter().filter(is_asked).collect();
+    let all = args.means.iter().flat_map(|mean| names.iter().map(|name| (*name, *mean)));
+    all.filter(|(name, mean)| !log.study.find(name, *mean).is_some_and(|measured| measured.done)).collect()
+}
+
+/// The scene, loaded unless it is there already.
+fn load<'a>(bases: &'a mut Vec<Option<Base>>, scene: &str, target: u32, args: &Args) -> Result<Option<&'a Base>> {
+    let serves = |base: &Option<Base>| base.as_ref().is_some_and(|base| base.name == scene && base.serves(target));
+    if !bases.iter().any(serves) {
+        bases.push(Base::load(scene, target, args.size, args.data.as_deref())?);
+    }
+    Ok(bases.iter().find(|base| serves(base)).and_then(Option::as_ref))
+}
+
+/// How much of a case is measured.
+#[derive(Debug, Clone, Copy)]
+struct Part {
+    frames: usize,
+    end: Option<Instant>,
+}
+
+fn measure(device: &gpu::Device, base: &Base, fitted: &Fitted, part: Part, log: &mut Log) -> Result<()> {
+    let Fitted { arranged, case } = fitted;
+    let (scene, target) = (base.name, case.target);
+    let begin = Instant::now();
+    let mut cloud = Renderer::new(device)?.upload_arranged(arranged)?;
+    let subject = Subject { arranged, frame: base.frame, background: base.background, only: None };
+    let progress = Progress::hidden();
+    let mut survey = Survey::open(device, &mut cloud, &subject, &progress)?;
+    let settings = survey.settings(&Ladders::FULL);
+    log.case(case.clone())?;
+    let mut ladders = Ladder::default();
+    let mut is_whole = true;
+    for at in method_by_method(&settings) {
+        let setting = &settings[at];
+        let key = setting.key();
+        let known = log.study.find(scene, target).and_then(|m| m.rows.iter().find(|row| row.key() == key)).cloned();
+        if known.is_none() && part.end.is_some_and(|end| Instant::now() >= end) {
+            is_whole = false;
+            break;
+        }
+        let row = match known {
+            Some(row) => Some(row),
+            None if ladders.is_over(setting) => None,
+            None => {
+                let found = survey.measure(setting, part.frames, ladders.most())?.map(|found| row(key, found));
+                if let Some(row) = &found {
+                    log.row(scene, target, row.clone())?;
+                }
+                found
+            }
+        };
+        if let Some(row) = row {
+            ladders.note(setting, &row);
+        }
+    }
+    if is_whole {
+        log.done(scene, target)?;
+    }
+    let (count, seconds) = (log.study.find(scene, target).map_or(0, |m| m.rows.len()), begin.elapsed().as_secs_f64());
+    let cut = if is_whole { "" } else { ", the others later" };
+    println!("{scene}, lists of {:.1}: {count} of {} settings in {seconds:.1} s{cut}", case.mean, settings.len());
+    Ok(())
+}
+
+fn row(key: String, Measured { figures, peak_device_bytes }: Measured) -> Row {
+    Row(key, rounded(figures.rmse), rounded(figures.gpu_ms), peak_device_bytes)
+}
+
+/// Which ladders have become too slow.
+#[derive(Debug, Default)]
+struct Ladder {
+    /// Of the fastest exact setting so far.
+    exact: Option<f64>,
+    over: BTreeSet<String>,
+}
+
+impl Ladder {
+    /// The time beyond which a setting is too slow.
+    fn most(&self) -> Option<f64> {
+        self.exact.map(|exact| TOO_SLOW * exact)
+    }
+
+    fn is_over(&self, setting: &Setting) -> bool {
+        self.over.contains(&setting.series)
+    }
+
+    fn note(&mut self, setting: &Setting, row: &Row) {
+        if row.rmse() <= EXACT {
+            self.exact = Some(self.exact.map_or(row.ms(), |exact| exact.min(row.ms())));
+        }
+        if self.most().is_some_and(|most| row.ms() > most) {
+            self.over.insert(setting.series.clone());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use pellucid_engine::points::Points;
+    use pellucid_engine::scene::Discs;
+    use pellucid_lab::report::tradeoff::settings::{Formation, Occasion, settings};
+
+    use super::*;
+
+    #[test]
+    fn a_ladder_ends_where_it_is_too_slow() {
+        let occasion = Occasion::new(&Points::default(), Formation::Discs(Discs::default()), 300);
+        let (all, _) = settings(&Occasion { opaque: false, ..occasion }, &Ladders::FULL);
+        let find = |key: &str| all.iter().find(|setting| setting.key() == key).unwrap();
+        let row = |rmse, ms| Row(String::new(), rmse, ms, 1);
+        let mut ladder = Ladder::default();
+        ladder.note(find("peel method.layers=1"), &row(0.1, 1e3));
+        assert!(!ladder.is_over(find("peel method.layers=2")), "nothing exact yet");
+        ladder.note(find("abuffer"), &row(0.0, 10.0));
+        ladder.note(find("linked-list"), &row(1e-7, 12.0));
+        assert_eq!(ladder.most(), Some(40.0));
+        ladder.note(find("peel method.layers=2"), &row(0.1, 39.0));
+        assert!(!ladder.is_over(find("peel method.layers=4")));
+        ladder.note(find("peel method.layers=4"), &row(0.1, 41.0));
+        assert!(ladder.is_over(find("peel method.layers=8")) && !ladder.is_over(find("hybrid method.k=8")));
+    }
+}
