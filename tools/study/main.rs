@@ -1,9 +1,9 @@
 //! Which method is the fastest, by the mean length of lists and the wanted error: measures every setting of every method on a few
-//! scenes, and writes docs/which-method.md and the settings with which `--max-error` begins.
+//! scenes, and writes docs/which-method.md.
 //!
 //! ```sh
 //! cargo run --release --example study -- -o tools/study/measured --data ../shared/data          # measures
-//! cargo run --release --example study -- --page docs/which-method.md --starts crates/lab/src/choice/starts.json
+//! cargo run --release --example study -- --page docs/which-method.md
 //! cargo run --release --example study -- -o DIR --only tori --means 5,50 --budget-minutes 4     # a part of it
 //! ```
 //!
@@ -17,7 +17,6 @@ mod measure;
 mod page;
 mod rows;
 mod scenes;
-mod starts;
 #[cfg(test)]
 mod tests;
 
@@ -34,7 +33,7 @@ const MEASURED: &str = "tools/study/measured";
 #[derive(Debug, Parser)]
 struct Args {
     /// Measures; the folder for a file of this driver, created if it isn't there.
-    #[arg(short, long, value_name = "DIR", required_unless_present_any = ["page", "starts"])]
+    #[arg(short, long, value_name = "DIR", required_unless_present = "page")]
     output: Option<PathBuf>,
     /// Only this scene; repeatable.
     #[arg(long, value_name = "SCENE", value_parser = PossibleValuesParser::new(scenes::names()))]
@@ -57,9 +56,6 @@ struct Args {
     /// Writes the page, and its figures to images/which-method beside it, from all files of DIR, or of tools/study/measured.
     #[arg(long, value_name = "FILE")]
     page: Option<PathBuf>,
-    /// Writes the settings with which a choice by error begins, from the same files.
-    #[arg(long, value_name = "FILE")]
-    starts: Option<PathBuf>,
 }
 
 fn size(text: &str) -> Result<[u32; 2], String> {
@@ -87,22 +83,14 @@ fn run(args: &Args) -> pellucid_engine::Result<()> {
     if let Some(folder) = &args.output {
         measure::run(args, folder)?;
     }
-    if args.page.is_none() && args.starts.is_none() {
-        return Ok(());
-    }
+    let Some(path) = &args.page else { return Ok(()) };
     let studies = rows::read_all(args.output.as_deref().unwrap_or(Path::new(MEASURED)))?;
-    if let Some(path) = &args.page {
-        let figures = path.parent().unwrap_or(Path::new("")).join(page::FIGURES);
-        std::fs::create_dir_all(&figures).map_err(|source| Error::Write { path: figures.clone(), source })?;
-        for (name, svg) in page::figures(&studies) {
-            write(&figures.join(name), &svg)?;
-        }
-        write(path, &page::text(&studies))?;
+    let figures = path.parent().unwrap_or(Path::new("")).join(page::FIGURES);
+    std::fs::create_dir_all(&figures).map_err(|source| Error::Write { path: figures.clone(), source })?;
+    for (name, svg) in page::figures(&studies) {
+        write(&figures.join(name), &svg)?;
     }
-    match &args.starts {
-        Some(path) => write(path, &starts::json(&studies)?),
-        None => Ok(()),
-    }
+    write(path, &page::text(&studies))
 }
 
 fn write(path: &Path, text: &str) -> pellucid_engine::Result<()> {

@@ -6,7 +6,7 @@ use clap::Parser;
 use pellucid_testing::{has_device, root, updates};
 
 use crate::rows::{Study, read_all};
-use crate::{Args, MEASURED, page, run, starts};
+use crate::{Args, MEASURED, page, run};
 
 const REWRITE: &str = "PELLUCID_UPDATE=1 cargo test -p pellucid-lab --example study";
 
@@ -24,7 +24,6 @@ fn agrees(path: &Path, text: &str) {
 fn documents_are_up_to_date() {
     let studies = read_all(&root().join(MEASURED)).unwrap();
     agrees(&root().join("docs/which-method.md"), &page::text(&studies));
-    agrees(&root().join("crates/lab/src/choice/starts.json"), &starts::json(&studies).unwrap());
     for (name, svg) in page::figures(&studies) {
         agrees(&root().join("docs").join(page::FIGURES).join(name), &svg);
     }
@@ -47,9 +46,9 @@ fn a_scene_is_measured_once_and_a_page_made_of_it() {
     studied(&[&words[..], &["--budget-minutes", "0"]].concat()).unwrap();
     let studies = |folder: &str| -> Vec<Study> { read_all(Path::new(folder)).unwrap() };
     assert!(studies(&measured)[0].cases.is_empty());
-    let (page, starts) = (path("docs/which-method.md"), path("starts.json"));
+    let page = path("docs/which-method.md");
     std::fs::create_dir(path("docs")).unwrap();
-    studied(&[&words[..], &["--page", &page, "--starts", &starts]].concat()).unwrap();
+    studied(&[&words[..], &["--page", &page]].concat()).unwrap();
     let found = studies(&measured);
     let [study] = &found[..] else { panic!("one driver") };
     let means: Vec<f64> = study.cases.iter().map(|m| m.case.mean).collect();
@@ -64,7 +63,6 @@ fn a_scene_is_measured_once_and_a_page_made_of_it() {
     }
     let text = std::fs::read_to_string(&page).unwrap();
     assert!(text.contains("| stack | 5.0 |") && text.contains("24 × 16 pixels"), "{text}");
-    assert!(std::fs::read_to_string(&starts).unwrap().contains("\"mean\":15.0"));
     // Nothing is measured again.
     studied(&words).unwrap();
     assert_eq!(studies(&measured), found);

@@ -8,13 +8,11 @@
 //!
 //! **By error**: the exact methods first; then each ladder of approximations from its cheap end, until a step is
 //! accurate enough or slower than the fastest accurate one. Stochastic errors fall as samples^(−1/2), so two small
-//! steps predict the next one to try, and that one is measured, too. Settings that a study found the fastest elsewhere
-//! ([`Starts`]) are tried before all others, so that slower ladders end early. **By time**: the fastest exact method if it fits,
+//! steps predict the next one to try, and that one is measured, too. **By time**: the fastest exact method if it fits,
 //! else each ladder until a step takes too long. In the end all candidates close to the best take turns with it for a
 //! few more frames.
 
 mod climb;
-mod starts;
 mod survey;
 mod table;
 mod trials;
@@ -30,7 +28,6 @@ use pellucid_engine::methods::{self, Frame};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::{self, Detail, Method};
-pub use starts::{Start, Starts};
 pub use survey::{Lists, Measured, Survey};
 pub use table::Row;
 use trials::Trials;
@@ -137,11 +134,7 @@ pub fn choose(
         format!("{:?} {:?} {:?}", wish.max_error, wish.budget_ms.filter(|_| wish.max_error.is_none()), subject.only);
     let found = match (trials.chosen(&asked, &all), wish.max_error, wish.budget_ms) {
         (Some(found), _, _) => Some(found),
-        (None, Some(most), _) => {
-            let starts = Starts::released();
-            let first = trials.mean_list().map(|mean| starts.first(device.info().kind, mean, most)).unwrap_or_default();
-            climb::by_error(&mut trials, &all, most, first)?
-        }
+        (None, Some(most), _) => climb::by_error(&mut trials, &all, most)?,
         (None, None, budget) => climb::by_time(&mut trials, &all, budget.unwrap_or(f64::INFINITY))?,
     };
     if let Some((setting, _)) = &found {

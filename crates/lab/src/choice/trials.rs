@@ -5,8 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use pellucid_engine::progress::Progress;
 use serde::{Deserialize, Serialize};
 
-use super::climb::Measures;
-use super::survey::{Lists, Measured};
+use super::survey::Measured;
 use super::table::Row;
 use super::{Figures, Subject};
 use crate::report::tradeoff::renderers::Renderers;
@@ -77,9 +76,6 @@ impl Record {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 struct CachedRecords {
     max_list: u32,
-    /// Of the pixels that hold any fragment; 0 where nobody counted.
-    #[serde(default)]
-    mean_list: f64,
     /// Keyed by [`Setting::key`].
     records: BTreeMap<String, Record>,
     /// The setting that was chosen, by what was wished for.
@@ -178,13 +174,8 @@ impl<'a> Trials<'a> {
         self.known.chosen.insert(wish, setting.key());
     }
 
-    /// The mean list of the pixels that hold any fragment, where it was counted.
-    pub fn mean_list(&self) -> Option<f64> {
-        Some(self.known.mean_list).filter(|mean| *mean > 0.0)
-    }
-
     /// A setting by a median of so many frames, at least 1, whatever else is known of it; `None` if it can't be rendered.
-    /// One whose first frame takes more than `most` ms gets no other.
+    /// A frame that takes more than `most` ms is the last one.
     pub fn measure(&mut self, setting: &Setting, frames: usize, most: Option<f64>) -> Result<Option<Measured>> {
         match self.first_frames(setting, frames, most.map(|most| most / CLOSE)) {
             Ok(Record { rmse, gpu_ms, peak_device_bytes }) => {
@@ -217,7 +208,33 @@ impl<'a> Trials<'a> {
         all.iter().filter_map(row).collect()
     }
 
-    /// A frame that pays for buffers and shaders, then so many that are timed: fewer from one on that is much slower than `best`.
+    /// The figures of a setting that was measured.
+    pub fn figures(&self, setting: &Setting) -> Option<Figures> {
+        self.known.records.get(&setting.key()).map(Record::figures)
+    }
+
+    /// The figures of a setting, measured now unless they are cached; `None` if it can't be rendered. `best` is the
+    /// time of the best setting so far. The first frame pays for buffers and shaders; after it, a much slower setting
+    /// gets one frame, others two.
+    pub fn look(&mut self, setting: &Setting, best: Option<f64>) -> Result<Option<Figures>> {
+        if self.figures(setting).is_none() && !self.refused.contains(&setting.key()) {
+            self.progress.set_message(format!("choosing the method: {}", setting.key()));
+            match self.first_frames(setting, LOOKS, best) {
+                Ok(record) => {
+                    self.device.check_validation()?;
+                    self.known.records.insert(setting.key(), record);
+                }
+                Err(pellucid_engine::Error::Render(error)) if error.is_refusal() => {
+                    self.refused.insert(setting.key());
+                    self.refusal = Some(error);
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(self.figures(setting))
+    }
+
+    /// A frame that pays for buffers and shaders, then so many that are timed, up to one that is much slower than `best`.
     fn first_frames(&mut self, setting: &Setting, frames: usize, best: Option<f64>) -> Result<Record> {
         let first = self.render(setting.method, setting.detail)?;
         let image = linear(&first.image, self.subject.background, self.frame.color);
@@ -259,10 +276,20 @@ impl<'a> Trials<'a> {
             }
             let rendered = self.render(self.frame.method, Detail::default())?;
             self.known.max_list = rendered.facts.max_list;
-            self.known.mean_list = Lists::of(&rendered).mean();
             self.reference = Some(linear(&rendered.image, self.subject.background, self.frame.color));
         }
         Ok(())
+    }
+
+    /// The fastest of some measured settings: those close to it take turns until their medians are reliable.
+    pub fn fastest(&mut self, settings: &[&Setting]) -> Result<Option<(Setting, Figures)>> {
+        let ms = |trials: &Self, setting: &Setting| trials.figures(setting).map_or(f64::INFINITY, |f| f.gpu_ms);
+        let least = settings.iter().map(|setting| ms(self, setting)).fold(f64::INFINITY, f64::min);
+        let close: Vec<&Setting> =
+            settings.iter().copied().filter(|setting| ms(self, setting) <= CLOSE * least).collect();
+        self.settle(&close)?;
+        let fastest = close.into_iter().min_by(|a, b| ms(self, a).total_cmp(&ms(self, b)));
+        Ok(fastest.and_then(|setting| Some((setting.clone(), self.figures(setting)?))))
     }
 
     /// Times settings in turns until their medians are reliable.
@@ -304,40 +331,6 @@ impl<'a> Trials<'a> {
     }
 }
 
-impl Measures for Trials<'_> {
-    fn figures(&self, setting: &Setting) -> Option<Figures> {
-        self.known.records.get(&setting.key()).map(Record::figures)
-    }
-
-    fn look(&mut self, setting: &Setting, best: Option<f64>) -> Result<Option<Figures>> {
-        if self.figures(setting).is_none() && !self.refused.contains(&setting.key()) {
-            self.progress.set_message(format!("choosing the method: {}", setting.key()));
-            match self.first_frames(setting, LOOKS, best) {
-                Ok(record) => {
-                    self.device.check_validation()?;
-                    self.known.records.insert(setting.key(), record);
-                }
-                Err(pellucid_engine::Error::Render(error)) if error.is_refusal() => {
-                    self.refused.insert(setting.key());
-                    self.refusal = Some(error);
-                }
-                Err(error) => return Err(error),
-            }
-        }
-        Ok(self.figures(setting))
-    }
-
-    fn fastest(&mut self, settings: &[&Setting]) -> Result<Option<(Setting, Figures)>> {
-        let ms = |trials: &Self, setting: &Setting| trials.figures(setting).map_or(f64::INFINITY, |f| f.gpu_ms);
-        let least = settings.iter().map(|setting| ms(self, setting)).fold(f64::INFINITY, f64::min);
-        let close: Vec<&Setting> =
-            settings.iter().copied().filter(|setting| ms(self, setting) <= CLOSE * least).collect();
-        self.settle(&close)?;
-        let fastest = close.into_iter().min_by(|a, b| ms(self, a).total_cmp(&ms(self, b)));
-        Ok(fastest.and_then(|setting| Some((setting.clone(), self.figures(setting)?))))
-    }
-}
-
 /// The points for frames that leave some out.
 fn leveled<'a>(
     cloud: &'a mut DeviceCloud,
@@ -370,7 +363,6 @@ mod tests {
         let records = [("calm", &[2.0, 2.5][..]), ("once", &[2.0]), ("busy", &[2.0, 3.1]), ("chosen", &[2.0, 9.0])];
         let known = CachedRecords {
             max_list: 3,
-            mean_list: 2.5,
             records: records.map(|(key, times)| (key.to_owned(), record(times))).into(),
             chosen: [("a wish".to_owned(), "chosen".to_owned())].into(),
         };
