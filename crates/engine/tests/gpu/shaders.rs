@@ -68,7 +68,7 @@ fn every_compute_shader_has_the_common_workgroup_or_subgroups() {
 const NUMBERS: [&str; 7] = ["PART_LENGTH", "RUN", "SEGMENT", "SHARED", "STEP", "STRIPES", "TAKEN"];
 
 /// Choices that a shader shares with others and that its pass makes in one way alone: flat discs in order of depth, spheres and opaque splats without a falloff.
-const FIXED: [(&str, &str); 18] = [
+const FIXED: [(&str, &str); 20] = [
     ("abuffer/count_tiles", "SHAPE"),
     ("abuffer/resolve_ordered", "SHAPE"),
     ("abuffer/store_tiles", "SHAPE"),
@@ -76,6 +76,7 @@ const FIXED: [(&str, &str); 18] = [
     ("ellipsoids/count", "SHAPE"),
     ("ellipsoids/link", "SHAPE"),
     ("ellipsoids/median", "SHAPE"),
+    ("ellipsoids/samples", "SHAPE"),
     ("ellipsoids/store", "SHAPE"),
     ("ellipsoids/sum_runs", "SHAPE"),
     ("soft/blend_runs", "FALLOFF"),
@@ -83,6 +84,7 @@ const FIXED: [(&str, &str); 18] = [
     ("soft/resolve_merge", "FALLOFF"),
     ("soft/resolve_network", "FALLOFF"),
     ("soft/resolve_sorted", "FALLOFF"),
+    ("soft/samples", "FALLOFF"),
     ("soft/segments", "FALLOFF"),
     ("soft/sum_runs", "FALLOFF"),
     ("splats/attributes", "FALLOFF"),
