@@ -92,6 +92,8 @@ fn over_region(region: u32, low: vec2<u32>, pixel: vec2<u32>, base: u32, count: 
         loop {
             let k = firstTrailingBit(left) & (SUBGROUP - 1u);
             visit(pixel, fragment_of(handed(own, k, left != 0u, first), vec2<u32>(0u), pixel));
+            // Where a stage branches, invocations must meet before the next shuffle.
+            subgroupBarrier();
             left &= left - 1u;
             if left == 0u {
                 break;
