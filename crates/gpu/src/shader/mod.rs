@@ -120,7 +120,8 @@ fn validated(stem: &str, source: &str, module: &naga::Module) -> Result<ModuleIn
         | Capabilities::SHADER_INT64
         | Capabilities::SHADER_INT64_ATOMIC_ALL_OPS
         | Capabilities::MULTISAMPLED_SHADING
-        | Capabilities::SUBGROUP;
+        | Capabilities::SUBGROUP
+        | Capabilities::SUBGROUP_BARRIER;
     Validator::new(ValidationFlags::all(), capabilities)
         .validate(module)
         .map_err(|e| error(stem, e.emit_to_string(source)))
