@@ -11,7 +11,7 @@ use pellucid_engine::output::deep::{Layout, Numbers, Packing, State, Writer, Wri
 use pellucid_engine::output::{self, room};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::scene::MethodChoice;
-use pellucid_engine::{Result, methods::Frame};
+use pellucid_engine::{Result, methods::Frame, plan};
 
 use super::bar::Bar;
 use super::console::Console;
@@ -107,9 +107,10 @@ pub fn run(args: &RenderArgs, resolved: &Resolved, output: &Path, progress: &Bar
     deep::check(&frame, resolved.points().splats().is_some(), state)?;
     let mut session = Session::upload(&args.device, resolved, false, methods::Stop::Exact, progress)?;
     session.find_opacity(resolved, progress)?;
-    if matches!(resolved.scene.method, MethodChoice::Auto(_)) {
-        session.why = "--deep needs lists of fragments".to_owned();
-    }
+    session.why = match resolved.scene.method {
+        MethodChoice::Auto(_) => "--deep needs lists of fragments".to_owned(),
+        method => plan::resolve(method, resolved.points()).1,
+    };
     session.renderer.progress = (**progress).clone();
     session.describe(console);
     session.warn(resolved, console);

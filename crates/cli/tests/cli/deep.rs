@@ -158,9 +158,34 @@ fn openexr_reads_what_flattens_to_the_flat_file() {
         }
     }
     // Of another scene it doesn't agree, nor with another number of samples.
-    let other = ["render", &garden, "--method", "abuffer", "-q", "--opacity", "0.31", "-o", "other.exr"];
+    let other = [
+        "render",
+        &garden,
+        "--method",
+        "abuffer",
+        "-q",
+        "--set",
+        "image.background=[0,0,0]",
+        "--opacity",
+        "0.31",
+        "-o",
+        "other.exr",
+    ];
     done(&folder, &[&other[..], &SIZE, &["--deep=tidy"]].concat());
-    let flat = ["render", &garden, "--method", "abuffer", "-q", "--opacity", "0.3", "-o", "flat.exr", "--aov"];
+    let flat = [
+        "render",
+        &garden,
+        "--method",
+        "abuffer",
+        "-q",
+        "--set",
+        "image.background=[0,0,0]",
+        "--opacity",
+        "0.3",
+        "-o",
+        "flat.exr",
+        "--aov",
+    ];
     done(&folder, &[&flat[..], &SIZE].concat());
     let (agree, words) = read(&python, &folder, ["other.exr", "flat.exr"], false);
     assert!(!agree && words.contains("samples, not"), "{words}");
@@ -170,6 +195,8 @@ fn openexr_reads_what_flattens_to_the_flat_file() {
         "--method",
         "peel",
         "-q",
+        "--set",
+        "image.background=[0,0,0]",
         "--opacity",
         "0.3",
         "-o",
