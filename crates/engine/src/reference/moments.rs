@@ -163,7 +163,14 @@ pub fn moments(list: &[Fragment], colors: &[DVec3], depth_range: [f64; 2], setti
     }
     let pairs: Vec<_> = seen.iter().map(|f| (place_of(f.z, depth_range), optical_depth(f.alpha))).collect();
     let absorption = Absorption::new(&power_moments(&pairs, settings.moments.get()), settings.bias().into());
-    let share = |z: f64| absorption.share(z, settings.overestimation.into());
-    let exponents: Vec<f64> = pairs.iter().map(|(z, _)| -absorption.total * share(*z)).collect();
+    // Equal depths, which come one after the other, share their light: finding it takes far longer than everything else.
+    let mut last = (f64::NAN, 0.0);
+    let exponent = |(z, _): &(f64, f64)| {
+        if *z != last.0 {
+            last = (*z, -absorption.total * absorption.share(*z, settings.overestimation.into()));
+        }
+        last.1
+    };
+    let exponents: Vec<f64> = pairs.iter().map(exponent).collect();
     Composite { color: weighed(&seen, colors, &exponents), alpha: coverage(list), depth: nearest(list) }
 }

@@ -316,7 +316,7 @@ fn ellipsoids_are_volumes_that_split_where_others_end() {
 /// Spheres, solid ones among them if `solid`.
 fn spheres(count: usize, solid: bool) -> Points {
     let all = soup(31, count, 0.1..0.5, 0.1..0.9, false);
-    let field = |i: usize| if solid && i % 9 == 0 { 0.1 } else { 0.9 };
+    let field = |i: usize| if solid && i.is_multiple_of(9) { 0.1 } else { 0.9 };
     order::canonical(Points {
         positions: all.iter().map(|p| p.position).collect(),
         colors: all.iter().map(|p| p.color).collect(),
@@ -342,7 +342,7 @@ fn shells_are_volumes_before_solid_points() {
                 assert_flattens(&image, &lists, over, |list| slack(list, 1.0) + 2.0 * moved(list));
                 let [walls, volumes] =
                     [|s: &Sample| s.back == s.depth && s.rgba[3] == 1.0, |s: &Sample| s.back > s.depth];
-                assert!(lists.iter().flatten().any(|s| walls(s)) == solid && lists.iter().flatten().any(volumes));
+                assert!(lists.iter().flatten().any(walls) == solid && lists.iter().flatten().any(volumes));
                 let longest = lists.iter().map(Vec::len).max().unwrap_or(0);
                 assert!(count_of < 2000 || longest > 256, "{longest}: more than a run");
             }

@@ -185,7 +185,7 @@ fn decoded(file: &[u8], [width, height]: [usize; 2]) -> (Vec<Vec<Sample>>, u8, u
 fn lists(count: usize, volumes: bool) -> Vec<Vec<Sample>> {
     let mut r = random(7);
     let mut each = |y: usize| {
-        let noisy = y % 3 == 0;
+        let noisy = y.is_multiple_of(3);
         let depth: f32 = r.random_range(1.0..9.0);
         let value = |r: &mut rand_pcg::Pcg64| if noisy { r.random() } else { 0.5 };
         let rgba = std::array::from_fn(|_| value(&mut r));

@@ -86,7 +86,7 @@ impl SpheresEngine {
         cloud: &mut DeviceCloud,
         buffers: &mut Buffers,
         work: &mut Work<'_>,
-        take: &mut dyn FnMut(&Taken<'_>, Option<&Solids>) -> Result<(), Error>,
+        take: &mut Take<'_>,
     ) -> Result<Option<u64>, Error> {
         let parts = cloud.parts(self.soft.threshold);
         let how = Projecting { relative_depth: true, ..solids(work.frame, cloud, &self.soft) };
@@ -114,6 +114,9 @@ impl SpheresEngine {
         Ok(found.flatten().map(|most| most + most_solid))
     }
 }
+
+/// Takes the samples of some pixels, and their solid points where there are any.
+type Take<'a> = dyn FnMut(&Taken<'_>, Option<&Solids>) -> Result<(), Error> + 'a;
 
 /// The solid points of some pixels, on the host.
 pub(crate) struct Solids {
