@@ -48,7 +48,7 @@ pub struct Absorption {
 }
 
 impl Absorption {
-    /// From moments, the first of which is above 0, moved toward those of [`bias_vector`] by the share `bias`.
+    /// From moments, the first of which is above 0, moved toward those of a smooth distribution by the share `bias`.
     pub fn new(moments: &[f64], bias: f64) -> Self {
         let total = moments[0];
         let toward = bias_vector(moments.len() as u32 - 1);
