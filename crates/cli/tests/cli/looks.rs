@@ -53,7 +53,8 @@ fn approximations_say_how_their_errors_look() {
     };
     // What is averaged behind the first fragment is the image without order, but for that one; samples are taken anew in each pixel.
     assert!(number(look("hybrid", "method.k=1"), "leak") > 0.5, "{}", look("hybrid", "method.k=1"));
-    assert!(number(look("stochastic", "method.samples=8"), "noise") > 0.8, "{rows:?}");
+    // Few samples show color that is off as a whole, too.
+    assert!(number(look("stochastic", "method.samples=64"), "noise") > 0.8, "{rows:?}");
     let page = fs::read_to_string(inside(&folder, "report/report.html")).unwrap();
     // One of which a setting is exact is no approximation.
     assert_eq!(page.matches("<div class=\"look\">").count(), methods.len() - 1);

@@ -61,6 +61,9 @@ pub fn is_whole(path: &Path, bytes: &[u8]) -> Result<(), String> {
             }
             pellucid_engine::output::read_image(&copy).map(drop).map_err(|error| error.to_string())
         }
+        Some("exr") if is_deep(bytes) => deep_ends(bytes)
+            .filter(|end| *end == bytes.len())
+            .map_or_else(|| Err("its rows don't end where it does".to_owned()), |_| Ok(())),
         Some("exr") => pellucid_engine::output::read_image(&copy).map(drop).map_err(|error| error.to_string()),
         Some("ply") => {
             pellucid_engine::io::load(&copy, &Progress::hidden()).map(drop).map_err(|error| error.to_string())
@@ -77,6 +80,31 @@ pub fn is_whole(path: &Path, bytes: &[u8]) -> Result<(), String> {
         }
         _ => Err("nobody knows what this is".to_owned()),
     }
+}
+
+/// True if the version of an EXR says that it holds samples (bit 11).
+fn is_deep(bytes: &[u8]) -> bool {
+    bytes.get(4..8).is_some_and(|version| version[1] & 8 != 0)
+}
+
+/// Where the last row of a deep EXR ends, by the table of its rows, all of which must be in it. The header is a list of name, type, length
+/// and value, up to an empty name; a row is its number, three lengths, and as many bytes as the first two say.
+fn deep_ends(bytes: &[u8]) -> Option<usize> {
+    let number = |at: usize| Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?) as usize);
+    let long = |at: usize| usize::try_from(u64::from_le_bytes(bytes.get(at..at + 8)?.try_into().ok()?)).ok();
+    let (mut at, mut rows) = (8, 0);
+    while *bytes.get(at)? != 0 {
+        let word = |from: usize| Some(from + bytes.get(from..)?.iter().position(|byte| *byte == 0)?);
+        let name = at..word(at)?;
+        let value = word(name.end + 1)? + 5;
+        if &bytes[name] == b"chunkCount" {
+            rows = number(value)?;
+        }
+        at = value + number(value - 4)?;
+    }
+    let offsets: Vec<usize> = (0..rows).map(|row| long(at + 1 + 8 * row)).collect::<Option<_>>()?;
+    let last = offsets.iter().copied().max().filter(|_| offsets.iter().all(|offset| *offset > at))?;
+    Some(last + 28 + long(last + 4)? + long(last + 12)?)
 }
 
 #[test]

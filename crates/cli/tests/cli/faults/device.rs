@@ -7,7 +7,7 @@ use pellucid_engine::scene::{Family, Method};
 use pellucid_testing::long_or;
 
 use super::checker::{Allowed, complaints};
-use super::{CASES, RENDER_EXR, assert_failed, command, files, has_device, place, text};
+use super::{PROFILE, RENDER_EXR, assert_failed, command, files, has_device, place, text};
 
 const LIGHT: [&str; 11] = [
     "prepare",
@@ -84,7 +84,7 @@ fn a_lost_device_is_an_error_that_says_what_helps() {
     }
     for_renders(Method::all(), |args| assert!(assert_lost(args, "device-lost@wait:3"), "{args:?}"));
     let others: [(&[&str], &str); 4] =
-        [(CASES[6].args, "wait:9"), (&LIGHT, "submit:3"), (&TRADEOFF, "wait:2"), (&STRESS, "wait:8")];
+        [(PROFILE.args, "wait:9"), (&LIGHT, "submit:3"), (&TRADEOFF, "wait:2"), (&STRESS, "wait:8")];
     for (args, point) in others {
         assert!(assert_lost(args, &format!("device-lost@{point}")), "{args:?}");
     }

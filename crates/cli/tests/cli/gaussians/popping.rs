@@ -65,11 +65,11 @@ fn approximations_are_followed_along_a_path_of_discs() {
         return;
     }
     let folder = folder();
-    let scene = builtin(&folder, "tori", &["points=1500", "opacity=0.4"]);
+    let scene = builtin(&folder, "tori", &["points=1500"]);
     let start = ["tradeoff", &scene, "-q", "--size", "48x32", "-o", "report", "--quick", "--time", "900", "--json"];
     let methods = ["moments", "wavelet", "mlab", "abuffer"];
     let only = methods.map(|method| ["--only", method]).concat();
-    let args = [&start[..], &only, &["--turntable", "--frames", "4"]].concat();
+    let args = [&start[..], &only, &["--opacity", "0.4", "--turntable", "--frames", "4"]].concat();
     let report: Value = serde_json::from_str(&done(&folder, &args)).unwrap();
     let curves = report["popping"]["curves"].as_array().unwrap();
     assert_eq!((curves.len(), &report["popping"]["refused"]), (4, &Value::Array(Vec::new())));
