@@ -7,7 +7,7 @@ use pellucid_lab::check::{self, Lack, Subject};
 use pellucid_testing::{is_llvmpipe, with_device};
 
 /// Frames that are stopped on llvmpipe, for all subjects together.
-const STOPS: u64 = 224;
+const STOPS: u64 = 256;
 
 /// The first submissions one by one, then fewer and fewer of them.
 fn places() -> impl Iterator<Item = u64> {

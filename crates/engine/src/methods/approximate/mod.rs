@@ -502,8 +502,7 @@ pub fn least_bytes(name: &str, facts: &Facts, kind: Kind, tilted: bool, pixels: 
     Some(rounds * (facts.tile_entries * splat + pixels * 20))
 }
 
-/// The variants of a pass: footprints and all falloffs with the first of some ways, and all ways with the first of those, each with one
-/// run, and the first and second of two.
+/// The variants of a pass: footprints and all falloffs with all of some ways, each with one run, and the first and second of two.
 fn variants<W>(footprints: &[Footprint], ways: &[W], of: impl Fn(Variant, OneRun, &W) -> Variant) -> Vec<Variant> {
     let runs: Vec<OneRun> = [(0, 1), (0, 2), (1, 2)]
         .into_iter()
@@ -512,9 +511,9 @@ fn variants<W>(footprints: &[Footprint], ways: &[W], of: impl Fn(Variant, OneRun
     let shapes =
         footprints.iter().flat_map(|footprint| <(Cut, Falloff)>::all().into_iter().map(move |o| (*footprint, o)));
     let mut all = Vec::new();
-    for (i, (footprint, (cut, falloff))) in shapes.enumerate() {
+    for (footprint, (cut, falloff)) in shapes {
         let shape = compose::variant(cut, footprint, falloff);
-        for way in &ways[..if i == 0 { ways.len() } else { 1 }] {
+        for way in ways {
             all.extend(runs.iter().map(|run| of(shape.clone(), *run, way)));
         }
     }

@@ -118,8 +118,7 @@ pub(super) fn with_cells(variant: Variant, cells: u32) -> Variant {
     variant.constant("CELLS", cells)
 }
 
-/// The variants of a stage: all discs with the first of some numbers, and all numbers with the first discs, each with the first of one
-/// run, and the first and the second of two.
+/// The variants of a stage: all discs with all of some numbers, each with the first of one run, and the first and the second of two.
 fn variants<N: Copy>(numbers: &[N], of: impl Fn(Variant, OneRun, N) -> Variant) -> Vec<Variant> {
     let runs: Vec<OneRun> = [(false, false), (false, true), (true, true)]
         .into_iter()
@@ -127,9 +126,9 @@ fn variants<N: Copy>(numbers: &[N], of: impl Fn(Variant, OneRun, N) -> Variant) 
         .collect();
     let discs = DISCS.into_iter().flat_map(|disc| <(Cut, Falloff)>::all().into_iter().map(move |o| (disc, o)));
     let mut all = Vec::new();
-    for (i, (footprint, (cut, falloff))) in discs.enumerate() {
+    for (footprint, (cut, falloff)) in discs {
         let shape = compose::variant(cut, footprint, falloff);
-        for number in &numbers[..if i == 0 { numbers.len() } else { 1 }] {
+        for number in numbers {
             all.extend(runs.iter().map(|run| of(shape.clone(), *run, *number)));
         }
     }
