@@ -3,11 +3,11 @@
 use super::{Kind, WindowJob, least_bytes, pixel_bytes};
 use crate::gpu::DeviceInfo;
 use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
+use crate::methods::engine::{Channels, Counts, Engine, Work};
 use crate::methods::explain::Plan;
 use crate::methods::tiled::{self, Stage};
 use crate::methods::{Buffers, Error, Frame, Machines, Outcome};
-use crate::passes::bands::{Budget, Window};
+use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Order};
 use crate::passes::project::DeviceCloud;
 use crate::scene::{DiscShape, Discs};
@@ -52,7 +52,11 @@ impl Engine for ApproximateEngine {
     }
 
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
-        Ok(windows_of(frame, budget, tiled::counted_bytes(frame) + pixel_bytes(self.kind)))
+        let bytes = pixel_bytes(self.kind);
+        let most = budget.window_pixels(tiled::counted_bytes(frame) + bytes);
+        // What is kept of a pixel from stage to stage fits a binding, which moments alone take more of than an image does.
+        let bound = budget.binding.checked_div(bytes).unwrap_or(u64::MAX).max(1);
+        Ok(bands::windows(frame.size, most.min(bound)))
     }
 
     fn channels(&self) -> Channels {
