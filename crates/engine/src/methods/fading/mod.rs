@@ -62,9 +62,9 @@ pub fn pixel_bytes(fading: Fading) -> u64 {
     STATE_BYTES + PAIR_BYTES * (fading.pairs() + 1)
 }
 
-/// Most pixels of a window: what is known of them fits a binding, and a quarter of the budget.
+/// Most pixels of a window: what is known of them and what runs leave fit a binding each, and a quarter of the budget.
 fn most_pixels(budget: Budget, fading: Fading, other_bytes: u64) -> u64 {
-    let bound = (budget.binding / (PAIR_BYTES * fading.pairs())).max(1);
+    let bound = (budget.binding / STATE_BYTES.max(PAIR_BYTES * fading.pairs())).max(1);
     budget.window_pixels(other_bytes + pixel_bytes(fading)).min(bound)
 }
 
