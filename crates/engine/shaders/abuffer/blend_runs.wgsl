@@ -1,6 +1,6 @@
 // abuffer/blend-runs: composes each run of a sorted long list by itself. One invocation per run.
 #import compose
-#import long_list
+#import run_of_list
 #import dispatch
 
 @group(0) @binding(17) var<storage, read_write> work: LongWork;
@@ -19,10 +19,9 @@ fn main(
         return;
     }
     let run = runs[item];
-    let width = view.window.z - view.window.x;
-    let pixel = view.window.xy + vec2<u32>(run.pixel % width, run.pixel / width);
-    let first = run.start + run.run * RUN_LENGTH;
-    let last = run.start + min((run.run + 1u) * RUN_LENGTH, run.length);
+    let pixel = pixel_of_run(run);
+    let first = start_of_run(run);
+    let last = end_of_run(run);
     var sum = Composed(vec4<f32>(0.0), NOTHING);
     for (var i = first; i < last; i++) {
         let fragment = fragments[i];

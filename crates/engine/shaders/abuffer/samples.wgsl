@@ -1,6 +1,7 @@
 // abuffer/samples: the samples of a deep EXR, of each run of a sorted list: color times opacity, and depth. One invocation per run.
 #import compose
-#import long_list
+#import run_of_list
+#import sample
 #import dispatch
 
 @group(0) @binding(17) var<storage, read_write> work: LongWork;
@@ -21,14 +22,13 @@ fn main(
         return;
     }
     let run = runs[item];
-    let width = view.window.z - view.window.x;
-    let pixel = view.window.xy + vec2<u32>(run.pixel % width, run.pixel / width);
-    let first = run.start + run.run * RUN_LENGTH;
-    let last = run.start + min((run.run + 1u) * RUN_LENGTH, run.length);
+    let pixel = pixel_of_run(run);
+    let first = start_of_run(run);
+    let last = end_of_run(run);
     for (var i = first; i < last; i++) {
         let fragment = fragments[i];
         let color = fragment_color(fragment.y, pixel);
-        sample_colors[i] = vec4<f32>(color.a * color.rgb, color.a);
+        sample_colors[i] = sample_of(color, true);
         sample_depths[i] = vec2<f32>(key_depth(shown_key(fragment.x, fragment.y)));
     }
 }

@@ -2,7 +2,7 @@
 // that the runs before have left. One invocation per run.
 // Reference: reference::gaussians::ellipsoid.
 #import ellipsoid_events
-#import long_list
+#import run_of_list
 #import dispatch
 
 @group(0) @binding(17) var<storage, read_write> work: LongWork;
@@ -22,12 +22,11 @@ fn main(
         return;
     }
     let run = runs[item];
-    let width = view.window.z - view.window.x;
-    let pixel = view.window.xy + vec2<u32>(run.pixel % width, run.pixel / width);
+    let pixel = pixel_of_run(run);
     let ray = ray_of(pixel);
     var sum = Composed(vec4<f32>(0.0), NOTHING);
-    let start = run.start + run.run * RUN_LENGTH;
-    let end = run.start + min((run.run + 1u) * RUN_LENGTH, run.length);
+    let start = start_of_run(run);
+    let end = end_of_run(run);
     let final_event = run.start + run.length - 1u;
     var walk = Walk(open_before(sums[item], run.run), event_at(fragments[start], pixel, ray));
     for (var i = start; i < end; i++) {

@@ -3,7 +3,8 @@
 // the opacity NO_SAMPLE. One invocation per run.
 // Reference: reference::gaussians::ellipsoid.
 #import ellipsoid_events
-#import long_list
+#import run_of_list
+#import sample
 #import dispatch
 
 @group(0) @binding(17) var<storage, read_write> work: LongWork;
@@ -14,8 +15,6 @@
 // Where a sample begins and ends.
 @group(0) @binding(22) var<storage, read_write> sample_depths: array<vec2<f32>>;
 override BODIES: u32 = 0u;
-
-const NO_SAMPLE = -1.0;
 
 @compute @workgroup_size(WG_SIZE)
 fn main(
@@ -28,11 +27,10 @@ fn main(
         return;
     }
     let run = runs[item];
-    let width = view.window.z - view.window.x;
-    let pixel = view.window.xy + vec2<u32>(run.pixel % width, run.pixel / width);
+    let pixel = pixel_of_run(run);
     let ray = ray_of(pixel);
-    let start = run.start + run.run * RUN_LENGTH;
-    let end = run.start + min((run.run + 1u) * RUN_LENGTH, run.length);
+    let start = start_of_run(run);
+    let end = end_of_run(run);
     if BODIES != 0u {
         for (var i = start; i < end; i++) {
             put_body(i, fragments[i], pixel, ray);
@@ -58,7 +56,7 @@ fn main(
 }
 
 fn put(at: u32, color: vec4<f32>, depths: vec2<f32>, is_there: bool) {
-    sample_colors[at] = vec4<f32>(color.a * color.rgb, select(NO_SAMPLE, color.a, is_there));
+    sample_colors[at] = sample_of(color, is_there);
     sample_depths[at] = depths;
 }
 

@@ -1,7 +1,7 @@
 // ellipsoids/sum-runs: what the events of each run of a sorted list add to the sums over what is open. One invocation per run. A list of one run
 // has no use for its sum.
 #import ellipsoid_events
-#import long_list
+#import run_of_list
 #import dispatch
 
 @group(0) @binding(17) var<storage, read_write> work: LongWork;
@@ -23,11 +23,10 @@ fn main(
     if run.length <= RUN_LENGTH {
         return;
     }
-    let width = view.window.z - view.window.x;
-    let pixel = view.window.xy + vec2<u32>(run.pixel % width, run.pixel / width);
+    let pixel = pixel_of_run(run);
     let ray = ray_of(pixel);
-    let first = run.start + run.run * RUN_LENGTH;
-    let last = run.start + min((run.run + 1u) * RUN_LENGTH, run.length);
+    let first = start_of_run(run);
+    let last = end_of_run(run);
     var found = no_sums();
     for (var i = first; i < last; i++) {
         let event = event_at(fragments[i], pixel, ray);

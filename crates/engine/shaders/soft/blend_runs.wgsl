@@ -2,7 +2,7 @@
 // the runs before have left. One invocation per run.
 #import soft_push
 #import soft_terms
-#import long_list
+#import run_of_list
 #import run_sums
 #import dispatch
 
@@ -25,14 +25,13 @@ fn main(
         return;
     }
     let run = runs[item];
-    let width = view.window.z - view.window.x;
-    let pixel = view.window.xy + vec2<u32>(run.pixel % width, run.pixel / width);
+    let pixel = pixel_of_run(run);
     let ray = ray_of(pixel);
     let before = sums[item];
     var open = Sums(before.high, before.low, before.rest.xy, before.rest.z);
     var sum = Composed(vec4<f32>(0.0), NOTHING);
-    let start = run.start + run.run * RUN_LENGTH;
-    let end = run.start + min((run.run + 1u) * RUN_LENGTH, run.length);
+    let start = start_of_run(run);
+    let end = end_of_run(run);
     let final_event = run.start + run.length - 1u;
     for (var i = start; i < end; i++) {
         let event = fragments[i];

@@ -3,7 +3,8 @@
 // Reference: reference::soft.
 #import soft_push
 #import soft_terms
-#import long_list
+#import run_of_list
+#import sample
 #import run_sums
 #import dispatch
 
@@ -16,8 +17,6 @@
 @group(0) @binding(22) var<storage, read_write> sample_depths: array<vec2<f32>>;
 @group(0) @binding(23) var<storage, read> records: array<vec4<u32>>;
 
-const NO_SAMPLE = -1.0;
-
 @compute @workgroup_size(WG_SIZE)
 fn main(
     @builtin(workgroup_id) workgroup: vec3<u32>,
@@ -29,11 +28,10 @@ fn main(
         return;
     }
     let run = runs[item];
-    let width = view.window.z - view.window.x;
-    let pixel = view.window.xy + vec2<u32>(run.pixel % width, run.pixel / width);
+    let pixel = pixel_of_run(run);
     let ray = ray_of(pixel);
-    let start = run.start + run.run * RUN_LENGTH;
-    let end = run.start + min((run.run + 1u) * RUN_LENGTH, run.length);
+    let start = start_of_run(run);
+    let end = end_of_run(run);
     let final_event = run.start + run.length - 1u;
     // A list of one run has no sums.
     var open = no_sums();
@@ -50,7 +48,7 @@ fn main(
         terms = terms_of(event, pixel, ray);
         let last = vec2<f32>(key_depth(event.x), terms.rest);
         let color = segment_color(open, segment_depth(open, first, last, ray));
-        sample_colors[i] = vec4<f32>(color.a * color.rgb, select(NO_SAMPLE, color.a, color.a > 0.0));
+        sample_colors[i] = sample_of(color, color.a > 0.0);
         let depth = first.x + depth_origin();
         sample_depths[i] = vec2<f32>(depth, max(last.x + depth_origin(), depth));
     }

@@ -5,7 +5,7 @@
 #import soft_push
 #import soft_terms
 #import segment
-#import long_list
+#import run_of_list
 #import dispatch
 
 @group(0) @binding(17) var<storage, read_write> work: LongWork;
@@ -70,8 +70,7 @@ fn main(
         range = select(vec2<u32>(0u), range_of(run), present);
     }
     let events = workgroupUniformLoad(&range);
-    let width = view.window.z - view.window.x;
-    let pixel = view.window.xy + vec2<u32>(run.pixel % width, run.pixel / width);
+    let pixel = pixel_of_run(run);
     let ray = ray_of(pixel);
     let start = run.run * RUN_LENGTH;
 

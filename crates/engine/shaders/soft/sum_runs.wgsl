@@ -1,7 +1,7 @@
 // soft/sum-runs: the sums that the events of each run of a sorted long list add to the running ones. One invocation per run.
 #import soft_push
 #import soft_terms
-#import long_list
+#import run_of_list
 #import run_sums
 #import dispatch
 
@@ -22,11 +22,10 @@ fn main(
         return;
     }
     let run = runs[item];
-    let width = view.window.z - view.window.x;
-    let pixel = view.window.xy + vec2<u32>(run.pixel % width, run.pixel / width);
+    let pixel = pixel_of_run(run);
     let ray = ray_of(pixel);
-    let first = run.start + run.run * RUN_LENGTH;
-    let last = run.start + min((run.run + 1u) * RUN_LENGTH, run.length);
+    let first = start_of_run(run);
+    let last = end_of_run(run);
     var found = no_sums();
     for (var i = first; i < last; i++) {
         let event = fragments[i];

@@ -93,7 +93,8 @@ fn whoever_is_killed_anywhere_leaves_the_old_output_or_the_new() {
             let submissions =
                 (1..30).step_by(long_or(1, 3)).map_while(|nth| kill_if_passed(case, &format!("submit:{nth}")));
             let left: Vec<usize> = submissions.collect();
-            assert!(left.len() >= long_or(4, 2) && left.iter().all(|left| *left == 0), "{:?}: {left:?}", case.args);
+            let most = usize::from(case.streams);
+            assert!(left.len() >= long_or(4, 2) && left.iter().all(|left| *left <= most), "{:?}: {left:?}", case.args);
         }
     }
 }
