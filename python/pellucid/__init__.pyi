@@ -43,6 +43,8 @@ class Cloud:
         intensity: ArrayLike | None = None,
         scalars: Mapping[str, ArrayLike] | None = None,
         z_up: bool | None = None,
+        # Of colors that are floats; integers are sRGB in any case. "srgb": as open3d and PLY files have them.
+        color_space: Literal["linear", "srgb"] = "linear",
         name: str | None = None,
     ) -> None: ...
     @classmethod
