@@ -1,0 +1,233 @@
+"""Clouds of other packages, told by the module of their class: none of these packages is imported here.
+
+What an array means is what the readers of files take the same column for (docs/formats.md), so that a picture of an object has the
+bytes of the picture of its file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _table
+
+# Names of an array that holds colors as rows.
+_COLORS = ("rgba", "rgb", "colors", "color")
+_NORMALS = ("normals", "normal")
+_ALPHAS = ("alpha", "diffuse_alpha")
+
+# The parts of a file of Gaussian splats: `chunk` and `sh` are those of a packed one.
+_PLY_ELEMENTS = ("vertex", "chunk", "sh")
+
+# Gaussian splats as Open3D holds them, and the properties of the PLY file that it read.
+_SPLATS = {"f_dc": "f_dc_", "scale": "scale_", "rot": "rot_"}
+
+
+def columns(object: Any) -> Any:
+    """The points of an object of laspy, open3d, pyvista, plyfile or pandas.
+
+    Returns arguments of `Cloud` by their names; or a `Cloud`, of objects that a reader of files takes as they are (PLY, Gaussian
+    splats); or `None` if the object is of none of these packages. Raises ValueError if it has no points, or lacks a coordinate.
+    """
+    for kind in type(object).__mro__:
+        package = kind.__module__.partition(".")[0]
+        if package == "laspy" and hasattr(object, "point_format"):
+            return _of_las(object)
+        if package == "open3d" and kind.__name__ == "PointCloud":
+            return _of_open3d_tensor(object) if hasattr(object, "point") else _of_open3d(object)
+        if package == "pyvista" and hasattr(object, "point_data") and hasattr(object, "points"):
+            return _of_pyvista(object)
+        if package == "plyfile" and kind.__name__ == "PlyData":
+            return _of_plyfile(object)
+        if package == "pandas" and kind.__name__ == "DataFrame":
+            return _of_pandas(object)
+    return None
+
+
+def _of_las(las: Any) -> dict[str, Any]:
+    """A `laspy.LasData`, or points of one: coordinates, colors, classes, intensity, returns, extra dimensions."""
+    names = set(las.point_format.dimension_names)
+    extra = list(las.point_format.extra_dimension_names)
+
+    def column(name: str, kind: Any) -> NDArray[Any]:
+        return np.asarray(las[name]).astype(kind)
+
+    points = np.stack([np.asarray(axis, dtype=np.float64) for axis in (las.x, las.y, las.z)], axis=1)
+    scalars = {
+        name: column(name, np.float32) for name in ("return_number", "number_of_returns", "point_source_id") if name in names
+    }
+    if "gps_time" in names:
+        scalars["gps_time"] = _since_first(column("gps_time", np.float64))
+    # Arrays of several numbers are left out, as of files.
+    scalars |= {name: column(name, np.float32) for name in extra if np.ndim(las[name]) == 1}
+    colors = None
+    if {"red", "green", "blue"} <= names:
+        colors = _eight_or_sixteen_bits(np.stack([column(name, np.uint16) for name in ("red", "green", "blue")], axis=1))
+    return _table.finish(
+        _table.Parts(
+            points=points,
+            colors=colors,
+            classification=column("classification", np.uint8),
+            intensity=column("intensity", np.float32),
+            scalars=scalars,
+        ),
+        what="laspy.LasData",
+        z_up=True,
+    )
+
+
+def _eight_or_sixteen_bits(rgb: NDArray[np.uint16]) -> NDArray[Any] | None:
+    """Colors of LAS: many writers put 8-bit values into the 16-bit fields. Colors that are all zero are none."""
+    largest = rgb.max(initial=0)
+    if largest == 0:
+        return None
+    return rgb.astype(np.uint8) if largest <= 255 else rgb
+
+
+def _since_first(times: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Seconds since the first time: a float32 of a GPS time is off by seconds."""
+    finite = times[np.isfinite(times)]
+    return (times - finite.min() if finite.size else times).astype(np.float32)
+
+
+def _of_open3d(cloud: Any) -> dict[str, Any]:
+    """An `open3d.geometry.PointCloud`: float64 arrays, colors from 0 to 1 and sRGB-encoded."""
+    parts = _table.Parts(points=np.asarray(cloud.points, dtype=np.float64))
+    if cloud.has_colors():
+        parts.colors = np.asarray(cloud.colors)
+    if cloud.has_normals():
+        parts.normals = np.asarray(cloud.normals)
+    return _table.finish(parts, what="open3d.geometry.PointCloud")
+
+
+def _of_open3d_tensor(cloud: Any) -> Any:
+    """An `open3d.t.geometry.PointCloud`, on any device: every attribute by its name."""
+    what = "open3d.t.geometry.PointCloud"
+    arrays = {str(name): cloud.point[name].cpu().numpy() for name in cloud.point}
+    points = arrays.pop("positions", None)
+    if points is None:
+        raise ValueError(f"points: {what} has no attribute 'positions'")
+    if {"f_dc", "opacity", "scale", "rot"} <= arrays.keys():
+        return _table.splats(_splat_columns(points, arrays), what=what)
+    return _named_arrays(points, arrays, what)
+
+
+def _splat_columns(points: NDArray[Any], arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Splats of Open3D as the columns of the file that they came from: harmonics are first all of red there."""
+    table = dict(zip("xyz", points.T, strict=True))
+    for name, stem in _SPLATS.items():
+        table |= {f"{stem}{at}": column for at, column in enumerate(np.atleast_2d(arrays[name].T))}
+    table["opacity"] = arrays["opacity"].reshape(len(points))
+    if (rest := arrays.get("f_rest")) is not None:
+        by_channel = rest.transpose(0, 2, 1).reshape(len(points), -1)
+        table |= {f"f_rest_{at}": column for at, column in enumerate(by_channel.T)}
+    return table
+
+
+def _of_pyvista(mesh: Any) -> dict[str, Any]:
+    """A `pyvista.PolyData`, `PointSet` or other data set with points: arrays of `point_data` by their names."""
+    arrays = {str(name): np.asarray(mesh.point_data[name]) for name in mesh.point_data}
+    found: dict[str, Any] = _named_arrays(np.asarray(mesh.points), arrays, f"pyvista.{type(mesh).__name__}")
+    return found
+
+
+def _named_arrays(points: NDArray[Any], arrays: dict[str, NDArray[Any]], what: str) -> dict[str, Any]:
+    """Points, and an array with a row for each of them under each name."""
+    arrays = {name: _flat(array) for name, array in arrays.items() if array.dtype.kind in "buif"}
+    parts = _table.Parts(points=points)
+    parts.colors, parts.alpha = _take_colors(arrays)
+    if (alpha := _take(arrays, _ALPHAS, width=1)) is not None:
+        parts.alpha = alpha
+    parts.normals = _take(arrays, _NORMALS, width=3)
+    table = dict(_single(arrays))
+    return _table.finish(_table.assign(table, parts, measured=False), what=what)
+
+
+def _flat(array: NDArray[Any]) -> NDArray[Any]:
+    """One number of each point as a list of numbers."""
+    return array[:, 0] if array.ndim == 2 and array.shape[1] == 1 else array
+
+
+def _take_colors(arrays: dict[str, NDArray[Any]]) -> tuple[NDArray[Any] | None, NDArray[Any] | None]:
+    """Takes the colors, and alphas if there are four numbers: by their name, else the first rows of three or four bytes."""
+    colors = _take(arrays, _COLORS, width=3)
+    colors = _take(arrays, _COLORS, width=4) if colors is None else colors
+    if colors is None:
+        rows_of_bytes = (name for name, array in arrays.items() if array.dtype == np.uint8 and _width(array) in (3, 4))
+        name = next(rows_of_bytes, None)
+        colors = None if name is None else arrays.pop(name)
+    if colors is None:
+        return None, None
+    return colors[:, :3], colors[:, 3] if colors.shape[1] == 4 else None
+
+
+def _take(arrays: dict[str, NDArray[Any]], names: Iterable[str], *, width: int) -> NDArray[Any] | None:
+    """Takes the first array with one of the names, in any case, and so many numbers a point."""
+    for wanted in names:
+        for name, array in arrays.items():
+            if name.lower() == wanted and _width(array) == width:
+                return arrays.pop(name)
+    return None
+
+
+def _width(array: NDArray[Any]) -> int:
+    """Numbers of each point; 0 of an array that is no table."""
+    if array.ndim == 1:
+        return 1
+    return int(array.shape[1]) if array.ndim == 2 else 0
+
+
+def _single(arrays: Mapping[str, NDArray[Any]]) -> Iterable[tuple[str, NDArray[Any]]]:
+    """Arrays of one number a point; those of several as so many, `NAME_0` and so on."""
+    for name, array in arrays.items():
+        if array.ndim == 1:
+            yield name, array
+        elif array.ndim == 2:
+            yield from ((f"{name}_{at}", column) for at, column in enumerate(array.T))
+
+
+def _of_plyfile(ply: Any) -> Any:
+    """A `plyfile.PlyData`: what the reader of PLY files makes of its bytes, so splats and prepared clouds, too."""
+    names = [element.name for element in ply.elements]
+    if "vertex" not in names:
+        raise ValueError(f"points: plyfile.PlyData has no element 'vertex', only {names}")
+    kept = [element for element in ply.elements if element.name in _PLY_ELEMENTS]
+    # As text it would be slow, and in the other byte order, too.
+    copy = type(ply)(kept, text=False, byte_order="=", comments=list(ply.comments))
+    return _table.read(copy.write, what="plyfile.PlyData")
+
+
+def _of_pandas(frame: Any) -> Any:
+    """A `pandas.DataFrame`: columns by their names, as of a text file with a header. Columns that hold no numbers are left out."""
+    table: dict[str, NDArray[Any]] = {}
+    for at, name in enumerate(frame.columns):
+        column = frame.iloc[:, at]
+        kind = getattr(column.dtype, "numpy_dtype", column.dtype)
+        if getattr(kind, "kind", "O") in "buif":
+            text = str(name)
+            table[f"{text}_{at}" if text in table else text] = _numbers(column)
+    what = "pandas.DataFrame"
+    missing = [name for name in "xyz" if name not in {known.lower() for known in table}]
+    if missing:
+        found = ", ".join(map(str, frame.columns))[:200]
+        raise ValueError(
+            f"points: {what} has no column of numbers {missing[0]!r}, only [{found}]; "
+            "rename some, as in frame.rename(columns={'X': 'x', 'Y': 'y', 'Z': 'z'})"
+        )
+    if _table.are_splats(table):
+        return _table.splats(table, what=what)
+    short = {"a": "alpha", "i": "intensity"}
+    table = {short.get(name.lower(), name): column for name, column in table.items()}
+    return _table.finish(_table.assign(table, None, measured=True), what=what, z_up=True)
+
+
+def _numbers(column: Any) -> NDArray[Any]:
+    """The numbers of a column; missing ones are NaN."""
+    if isinstance(column.dtype, np.dtype):
+        return np.asarray(column)
+    if column.isna().any():
+        return np.asarray(column.to_numpy(dtype=np.float64, na_value=np.nan))
+    return np.asarray(column.to_numpy(dtype=column.dtype.numpy_dtype))

@@ -1,0 +1,187 @@
+"""The window of `pellucid.view` in a real browser: JupyterLab, headless Chromium, a pointer."""
+
+import io
+import json
+import os
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import nbformat
+import numpy as np
+import pytest
+from matplotlib.image import imread
+from playwright.sync_api import Locator, Page, sync_playwright
+
+CHROMIUM = os.environ.get("PELLUCID_CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
+
+CELL = """
+import numpy as np, pellucid
+rng = np.random.default_rng(1)
+points = rng.random((20_000, 3)) * (3, 2, 1)
+colors = (points / points.max(axis=0) * 255).astype(np.uint8)
+cloud = pellucid.Cloud(points, colors=colors, radii=np.full(20_000, 0.03), opacity=0.3)
+window = pellucid.view(cloud, method="stochastic", size=(400, 300))
+window
+"""
+
+
+def free_port() -> int:
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return int(listener.getsockname()[1])
+
+
+@pytest.fixture
+def jupyter(tmp_path: Path) -> Iterator[str]:
+    """The address of a notebook with one cell, in a server that has nothing of the user's settings."""
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(CELL)])
+    notebook.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3", "language": "python"}
+    (tmp_path / "window.ipynb").write_text(nbformat.writes(notebook))
+    port, token = free_port(), "pellucid"
+    folders = {
+        name: str(tmp_path / name)
+        for name in ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "JUPYTERLAB_SETTINGS_DIR")
+    }
+    command = [
+        sys.executable,
+        "-m",
+        "jupyterlab",
+        "--no-browser",
+        "--allow-root",
+        f"--port={port}",
+        f"--IdentityProvider.token={token}",
+    ]
+    log = (tmp_path / "log").open("w")
+    server = subprocess.Popen([*command, f"--ServerApp.root_dir={tmp_path}"], env={**os.environ, **folders}, stdout=log, stderr=log)
+    try:
+        for _ in range(600):
+            with socket.socket() as probe:
+                if probe.connect_ex(("127.0.0.1", port)) == 0:
+                    break
+            assert server.poll() is None, (tmp_path / "log").read_text()
+            time.sleep(0.1)
+        yield f"http://127.0.0.1:{port}/doc/tree/window.ipynb?token={token}"
+    finally:
+        server.terminate()
+        server.wait(timeout=30)
+        log.close()
+
+
+@pytest.fixture
+def page(jupyter: str) -> Iterator[Page]:
+    if CHROMIUM is None:
+        pytest.skip("no Chromium: apt-get install chromium, or PELLUCID_CHROMIUM names one")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": 1100, "height": 900})
+        page.goto(jupyter, timeout=120_000)
+        yield page
+        browser.close()
+
+
+def seen(canvas: Locator) -> np.ndarray:
+    """What the browser shows of it, (h, w, 3) from 0 to 1."""
+    return imread(io.BytesIO(canvas.screenshot()))[..., :3]
+
+
+def difference(a: np.ndarray, b: np.ndarray) -> float:
+    return float(np.abs(a - b).mean())
+
+
+def wait_until_whole(page: Page, than: str | None = None) -> str:
+    """Waits for the caption of a whole picture that is another one than the given."""
+    limit = time.monotonic() + 60
+    while time.monotonic() < limit:
+        text = page.locator(".widget-label", has_text="· whole ·")
+        if text.count() and text.last.inner_text() != than:
+            page.wait_for_timeout(600)  # the picture without losses comes 0.3 s after the last one
+            return str(text.last.inner_text())
+        page.wait_for_timeout(100)
+    raise AssertionError(f"no whole picture within a minute: {page.locator('.widget-label').all_inner_texts()}")
+
+
+def drag(page: Page, canvas: Locator, by: tuple[int, int], key: str | None = None) -> None:
+    box = canvas.bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    if key is not None:
+        page.keyboard.down(key)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + by[0], y + by[1], steps=8)
+    page.mouse.up()
+    if key is not None:
+        page.keyboard.up(key)
+
+
+def test_the_window_follows_the_pointer(page: Page, tmp_path: Path) -> None:
+    pictures = Path(os.environ.get("PELLUCID_PICTURES", tmp_path))
+    page.locator(".jp-Notebook .cm-content").first.click(timeout=60_000)
+    page.keyboard.press("Shift+Enter")
+    canvas = page.locator("img.renderview-view")
+    canvas.wait_for(timeout=120_000)
+    first_caption = wait_until_whole(page)
+    assert first_caption.startswith("stochastic · 64 samples · whole · standard error 0.0"), first_caption
+    page.screenshot(path=pictures / "window.png")
+    first = seen(canvas)
+    assert first.std() > 0.05, "the points are there"
+
+    # A drag turns: the picture changes, and dragging back brings the first one back.
+    drag(page, canvas, (90, 30))
+    turned_caption = wait_until_whole(page, first_caption)
+    turned = seen(canvas)
+    page.screenshot(path=pictures / "turned.png")
+    assert difference(first, turned) > 0.03
+    drag(page, canvas, (-90, -30))
+    back_caption = wait_until_whole(page, turned_caption)
+    assert difference(first, seen(canvas)) < 0.2 * difference(first, turned)
+
+    # Shift moves: what stood left of the middle stands right of it.
+    drag(page, canvas, (60, 0), key="Shift")
+    moved_caption = wait_until_whole(page, back_caption)
+    moved = seen(canvas)
+    assert difference(first[:, :-60], moved[:, 60:]) < 0.3 * difference(first, moved)
+
+    # The wheel comes nearer, and a double click brings the first view back.
+    canvas.hover()
+    page.mouse.wheel(0, -400)
+    nearer_caption = wait_until_whole(page, moved_caption)
+    nearer = seen(canvas)
+    page.screenshot(path=pictures / "nearer.png")
+    black = lambda picture: float((picture.max(axis=2) < 0.02).mean())  # noqa: E731
+    assert black(nearer) < black(moved) - 0.05
+    canvas.dblclick()
+    home_caption = wait_until_whole(page, nearer_caption)
+    assert difference(first, seen(canvas)) < 0.2 * difference(first, turned)
+
+    # A slider: fewer samples are noisier, less opacity is darker.
+    samples = page.locator(".widget-inline-hbox", has_text="samples").locator(".noUi-handle")
+    samples.focus()
+    for _ in range(4):
+        page.keyboard.press("ArrowLeft")
+    noisy_caption = wait_until_whole(page, home_caption)
+    assert noisy_caption.startswith("stochastic · 4 samples · whole"), noisy_caption
+    opacity = page.locator(".widget-inline-hbox", has_text="opacity").locator(".noUi-handle")
+    opacity.focus()
+    for _ in range(10):
+        page.keyboard.press("PageDown")
+    wait_until_whole(page, noisy_caption)
+    assert seen(canvas).mean() < 0.7 * first.mean()
+    page.screenshot(path=pictures / "faint.png")
+
+
+def test_the_notebook_keeps_a_picture(jupyter: str, tmp_path: Path) -> None:
+    """What pages without a kernel show: the output holds a PNG beside the widget."""
+    from nbclient import NotebookClient
+
+    notebook = nbformat.read(tmp_path / "window.ipynb", as_version=4)
+    NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
+    outputs = [output for output in notebook.cells[0].outputs if "image/png" in output.get("data", {})]
+    assert len(outputs) == 1, json.dumps([list(output.get("data", {})) for output in notebook.cells[0].outputs])
+    assert re.match("application/vnd.jupyter.widget-view", next(kind for kind in outputs[0].data if "widget" in kind))
