@@ -3,6 +3,7 @@
 
 pub mod check;
 pub mod choice;
+pub mod ensemble_warnings;
 pub mod report;
 
 mod profile_table;

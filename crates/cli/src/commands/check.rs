@@ -6,7 +6,6 @@ use clap::Args;
 use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::{Result, scene};
 use pellucid_lab::check::{self, Case, Counts, Finding, Naive, Verdict};
-use serde_json::{Map, Value, json};
 
 use super::console::{Console, print, print_json};
 
@@ -59,7 +58,7 @@ pub fn run(args: CheckArgs, console: Console) -> Result<ExitCode> {
     let info = device.info();
     let counts = Counts::new(results.iter().map(|(_, verdict)| verdict));
     if args.json {
-        print_json(&document(&info.name, &info.driver, &counts, &results))?;
+        print_json(&check::document(&info.name, &info.driver, &counts, &results))?;
     } else if args.markdown {
         print(&check::markdown(&results))?;
     } else {
@@ -71,17 +70,6 @@ pub fn run(args: CheckArgs, console: Console) -> Result<ExitCode> {
 /// 1 if a case failed, and also if none passed: a device that can run no case is not verified.
 fn status(counts: &Counts) -> ExitCode {
     if counts.is_good() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
-}
-
-fn document(name: &str, driver: &str, counts: &Counts, results: &[(&Case, Verdict)]) -> Value {
-    let Counts { passed, failed, not_applicable } = counts;
-    let lacks: Map<String, Value> =
-        not_applicable.iter().map(|(lack, count)| (lack.name().to_owned(), json!(count))).collect();
-    let cases: Vec<Value> = results.iter().map(|(case, verdict)| row(case, verdict)).collect();
-    json!({
-        "device": { "name": name, "driver": driver }, "passed": passed, "failed": failed, "not_applicable": lacks,
-        "cases": cases,
-    })
 }
 
 /// The error in units in the last place of a float32 at 1, where it is that small.
@@ -110,39 +98,10 @@ fn line(case: &Case, verdict: &Verdict) -> String {
     }
 }
 
-fn row(case: &Case, verdict: &Verdict) -> Value {
-    let (name, about) = (&case.name, case.about);
-    match verdict {
-        Verdict::Found(finding) => {
-            let verdict = if finding.passes() { "pass" } else { "fail" };
-            let Finding { error, bound, naive } = *finding;
-            let mut row = json!({
-                "name": name, "about": about, "verdict": verdict,
-                "error": number(error), "released": check::released(name).map(number), "bound": number(bound),
-            });
-            match naive {
-                Naive::Computed(error) => row["naive"] = number(error),
-                Naive::Stated { why } => (row["naive"], row["stated"]) = (Value::Null, json!(why)),
-            }
-            row
-        }
-        Verdict::NotApplicable(lack, why) => {
-            json!({ "name": name, "about": about, "verdict": "not applicable", "lacks": lack.name(), "reason": why })
-        }
-        Verdict::Failed(error) => {
-            json!({ "name": name, "about": about, "verdict": "fail", "reason": error.to_string() })
-        }
-    }
-}
-
-/// JSON has no infinity.
-fn number(value: f64) -> Value {
-    if value.is_finite() { json!(value) } else { json!(value.to_string()) }
-}
-
 #[cfg(test)]
 mod tests {
     use pellucid_lab::check::Lack;
+    use serde_json::{Value, json};
 
     use super::*;
 
@@ -181,7 +140,7 @@ mod tests {
         let before = check::released(&cases[0].name).expect("measured");
         assert!(lines[0].contains(&format!("last release {:>9}", format!("{before:.2e}"))), "{}", lines[0]);
         let counts = Counts::new(results.iter().map(|(_, verdict)| verdict));
-        let document = document("a device", "its driver", &counts, &results);
+        let document = check::document("a device", "its driver", &counts, &results);
         assert_eq!((&document["passed"], &document["failed"]), (&1.into(), &3.into()));
         assert_eq!(document["not_applicable"], json!({ "subgroups": 1 }));
         let verdicts: Vec<&str> = (0..5).filter_map(|i| document["cases"][i]["verdict"].as_str()).collect();

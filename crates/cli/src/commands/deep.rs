@@ -17,7 +17,6 @@ use super::bar::Bar;
 use super::console::Console;
 use super::limit::usage;
 use super::loaded::Resolved;
-use super::opacity_notes;
 use super::render::{RenderArgs, is_png};
 use super::session::Session;
 
@@ -143,7 +142,7 @@ pub fn run(args: &RenderArgs, resolved: &Resolved, output: &Path, progress: &Bar
 
 fn layout(args: &RenderArgs, state: State, session: &Session, resolved: &Resolved) -> Layout {
     let mut metadata = resolved.metadata(session.frame.method.name(), &session.device.info().name);
-    let found = session.see_through.map(|found| opacity_notes::json(&found, resolved));
+    let found = session.see_through.map(|found| found.json(&resolved.scene.clouds));
     metadata.extend(found.map(|json| ("pellucid:see-through".to_owned(), json.to_string())));
     Layout {
         size: session.frame.size,

@@ -8,7 +8,6 @@ mod compare_profiles;
 pub mod console;
 mod deep;
 mod devices;
-mod ensemble_warnings;
 mod filters;
 mod frames;
 mod info;

@@ -4,7 +4,6 @@ use pellucid_engine::Result;
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::see_through::{self, Found};
 use pellucid_engine::scene::{CloudSettings, Family};
-use serde_json::{Value, json};
 
 use super::console::Console;
 use super::loaded::Resolved;
@@ -18,11 +17,6 @@ const NEARLY_ALL: f64 = 0.9;
 
 /// The share of light that an advice aims at.
 const ADVISED: f64 = 0.5;
-
-/// Each cloud's opacity with a factor, cut at 1.
-fn opacities(factor: f32, resolved: &Resolved) -> Vec<f32> {
-    resolved.scene.clouds.iter().map(|cloud| (cloud.opacity * factor).min(1.0)).collect()
-}
 
 /// `opacity 0.031`, or for clouds of several opacities `opacities 0.031, 0.0062 of the clouds in their order`.
 fn listed(opacities: &[f32]) -> String {
@@ -54,15 +48,6 @@ pub fn describe(share: f64, found: Option<Found>, resolved: &Resolved, console: 
              {transmittance:.3} of the light through"
         ));
     }
-}
-
-/// For an image's metadata: `{factor, opacities, transmittance}`.
-pub fn json(found: &Found, resolved: &Resolved) -> Value {
-    json!({
-        "factor": found.factor,
-        "opacities": opacities(found.factor, resolved),
-        "transmittance": found.transmittance,
-    })
 }
 
 /// Says so where a picture is empty, or where nearly every covered pixel looks opaque or empty though the points don't, and
@@ -136,5 +121,5 @@ fn said(factor: f32, resolved: &Resolved, rounded: impl Fn(f32) -> f32) -> Strin
     if has_own_opacities(resolved) {
         return format!("{} times the opacity of each point", rounded(factor));
     }
-    listed(&opacities(factor, resolved).into_iter().map(rounded).collect::<Vec<_>>())
+    listed(&see_through::opacities(factor, &resolved.scene.clouds).into_iter().map(rounded).collect::<Vec<_>>())
 }

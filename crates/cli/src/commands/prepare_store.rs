@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use bytesize::ByteSize;
+use pellucid_engine::io::LEAST_MEMORY;
 use pellucid_engine::io::store::build::{NODE_POINTS, Settings};
 use pellucid_engine::io::store::{self, Octree, Store};
 use pellucid_engine::prepare::{self, Request};
@@ -14,12 +15,6 @@ use super::bar::Bar;
 use super::console::Console;
 use super::limit::usage;
 use super::loaded::report_store;
-
-/// Memory where the system doesn't say how much is free.
-const HOST_MEMORY: u64 = 2 << 30;
-
-/// The least memory that is of use.
-const LEAST_MEMORY: u64 = 1 << 20;
 
 /// True if the output is to be a folder: it ends in `/`, has no extension, or is one, unless it is called like a file.
 pub fn is_store(output: &Path) -> bool {
@@ -35,16 +30,8 @@ pub fn host_memory(asked: Option<ByteSize>) -> Result<u64> {
             Err(usage(format!("--host-memory {}: at least 1 MiB is needed", ByteSize(bytes))))
         }
         Some(bytes) => Ok(bytes),
-        None => Ok(free_memory().map_or(HOST_MEMORY, |free| (free / 2).max(LEAST_MEMORY))),
+        None => Ok(io::memory_for_points()),
     }
-}
-
-/// What Linux says can be used without swapping.
-fn free_memory() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
-    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    kibibytes.checked_mul(1024)
 }
 
 /// How the store is made.

@@ -423,7 +423,7 @@ pub fn finish(
         applied.warning().iter().for_each(|warning| console.warn(warning));
         metadata.push(("pellucid:brightness".to_owned(), applied.json().to_string()));
     }
-    let found = session.see_through.map(|found| opacity_notes::json(&found, resolved));
+    let found = session.see_through.map(|found| found.json(&resolved.scene.clouds));
     metadata.extend(found.map(|json| ("pellucid:see-through".to_owned(), json.to_string())));
     metadata.extend(session.detail_json().map(|json| ("pellucid:detail".to_owned(), json.to_string())));
     metadata.extend(own);

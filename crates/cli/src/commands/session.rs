@@ -17,9 +17,9 @@ use pellucid_engine::profile::Profile;
 use pellucid_engine::progress::{Phase, Progress};
 use pellucid_engine::scene::Detail;
 use pellucid_engine::{Result, output, plan};
+use pellucid_lab::ensemble_warnings;
 
 use super::console::Console;
-use super::ensemble_warnings;
 use super::loaded::Resolved;
 use super::opacity_notes;
 use super::{DeviceArgs, MeasureArgs};

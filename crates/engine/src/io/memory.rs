@@ -23,12 +23,26 @@ fn free() -> Option<u64> {
 }
 
 fn parse(text: &str) -> Option<u64> {
-    let bytes = |name: &str| {
-        let line = text.lines().find_map(|line| line.strip_prefix(name))?;
-        let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-        kibibytes.checked_mul(1024)
-    };
-    bytes("MemAvailable:")?.checked_add(bytes("SwapFree:").unwrap_or(0))
+    bytes(text, "MemAvailable:")?.checked_add(bytes(text, "SwapFree:").unwrap_or(0))
+}
+
+fn bytes(text: &str, name: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    kibibytes.checked_mul(1024)
+}
+
+/// Memory for points where the system doesn't say how much is free.
+const UNKNOWN: u64 = 2 << 30;
+
+/// The least memory for points that is of use.
+pub const LEAST_MEMORY: u64 = 1 << 20;
+
+/// Bytes of memory for points where nobody asks for others: half of what Linux says can be used without swapping.
+pub fn memory_for_points() -> u64 {
+    let text = std::fs::read_to_string("/proc/meminfo").ok();
+    let free = text.and_then(|text| bytes(&text, "MemAvailable:"));
+    free.map_or(UNKNOWN, |free| (free / 2).max(LEAST_MEMORY))
 }
 
 #[cfg(test)]

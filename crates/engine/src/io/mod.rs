@@ -28,6 +28,7 @@ use crate::progress::Progress;
 
 use crate::cloud::{Cloud, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER, same_scalar};
 pub use decoder::silence_decoder_panics;
+pub use memory::{LEAST_MEMORY, memory_for_points};
 use photo::Photo;
 use shared::SharedFile;
 pub use text::ColumnNames;

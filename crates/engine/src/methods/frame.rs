@@ -7,7 +7,7 @@ use crate::image::MAX_SIDE;
 use crate::scene::{ColorSpace, Detail, Kernel, Method, Order, Scene, Shading, Shadows};
 
 /// The settings for rendering an uploaded cloud.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
     /// The camera.
     pub camera: Camera,

@@ -4,8 +4,11 @@
 //! ln f at a slope near 1, so that a few trials by the secant find it; bisection takes over where a trial is no help, since
 //! T is 0 or 1 to the last bit. Trials begin on a small image of the same view and end on one of the frame's size.
 
+use serde_json::{Value, json};
+
 use super::{Error, Frame, Renderer};
 use crate::passes::project::DeviceCloud;
+use crate::scene::CloudSettings;
 
 /// How near the median comes to the share that was asked for.
 pub const TOLERANCE: f64 = 0.004;
@@ -35,6 +38,20 @@ impl Found {
     pub fn meets(&self, share: f64) -> bool {
         (self.transmittance - share).abs() <= TOLERANCE
     }
+
+    /// For an image's metadata: `{factor, opacities, transmittance}`.
+    pub fn json(&self, clouds: &[CloudSettings]) -> Value {
+        json!({
+            "factor": self.factor,
+            "opacities": opacities(self.factor, clouds),
+            "transmittance": self.transmittance,
+        })
+    }
+}
+
+/// Each cloud's opacity with a factor, cut at 1.
+pub fn opacities(factor: f32, clouds: &[CloudSettings]) -> Vec<f32> {
+    clouds.iter().map(|cloud| (cloud.opacity * factor).min(1.0)).collect()
 }
 
 /// Finds the factor from 0 to `max_factor`, at which all opacities are cut at 1. `None` if no pixel is covered. Where no factor

@@ -239,6 +239,16 @@ pub fn raster(image: &Image, options: &WriteOptions) -> Raster {
     png::raster(image, options)
 }
 
+/// The bytes of the PNG that [`write_image`] writes.
+///
+/// # Errors
+/// A size that PNG can't have.
+pub fn png_bytes(image: &Image, options: &WriteOptions) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    png::encode(&mut bytes, &png::raster(image, options), &options.metadata)?;
+    Ok(bytes)
+}
+
 /// Writes pixels as a PNG, whatever the extension.
 ///
 /// # Errors

@@ -141,6 +141,18 @@ impl Document {
         overrides.apply(&mut self.root)
     }
 
+    /// Lays options over it, if what comes out is a scene; else all stays as it was.
+    ///
+    /// # Errors
+    /// Options for keys that can't be there, or whatever is wrong with the scene that they would make.
+    pub fn lay_over(&mut self, overrides: &Overrides) -> Result<Scene, Error> {
+        let mut changed = self.clone();
+        overrides.apply(&mut changed.root)?;
+        let scene = changed.scene()?;
+        *self = changed;
+        Ok(scene)
+    }
+
     /// Takes a key out of a table, if both are there. The table is named by its dotted path (`cloud.0`, `cloud.*` for all of
     /// them), the root by an empty one. In place of the two an array and a number take a table out of it.
     pub fn remove(&mut self, table: &str, key: &str) {
@@ -362,6 +374,21 @@ mod tests {
         document.remove("camera", "eye");
         assert_eq!(document.scene().unwrap().camera.eye, None);
         assert_eq!(document.scene().unwrap().camera.height, Some(3.0));
+    }
+
+    #[test]
+    fn options_are_laid_over_all_or_none() {
+        let mut document = document();
+        let mut overrides = Overrides::default();
+        overrides.set("opacity=0.5", "cloud.*.opacity", "0.5").unwrap();
+        overrides.append("class", "cloud.1.class", "{ id = \"building\", opacity = 0.1 }").unwrap();
+        let scene = document.lay_over(&overrides).unwrap();
+        assert_eq!((scene.clouds[0].opacity, scene.clouds[1].class[0].opacity), (0.5, Some(0.1)));
+        overrides.set("opacity=0.75", "cloud.*.opacity", "0.75").unwrap();
+        overrides.set("size=2", "image.size", "2").unwrap();
+        let error = document.lay_over(&overrides).unwrap_err().to_string();
+        assert!(error.starts_with("size=2: "), "{error}");
+        assert_eq!(document.scene().unwrap().clouds[0].opacity, 0.5);
     }
 
     #[test]

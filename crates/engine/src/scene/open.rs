@@ -42,6 +42,11 @@ pub struct Named {
 }
 
 impl Named {
+    /// A scene of that name, whose clouds are the files that it names.
+    pub fn of_files(name: String, document: Document) -> Self {
+        Self { name, document, generated: None }
+    }
+
     /// Reads the clouds.
     ///
     /// # Errors

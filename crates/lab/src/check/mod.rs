@@ -9,6 +9,7 @@ mod clipped;
 mod colored;
 mod cuts;
 mod discs;
+mod document;
 mod fading;
 mod gaussians;
 mod lists;
@@ -36,6 +37,7 @@ use pellucid_engine::gpu::Device;
 use pellucid_engine::methods;
 use pellucid_engine::scene::Method;
 
+pub use document::document;
 pub use released::{Regression, regression, released, released_table};
 pub use same::{Difference, difference};
 pub use stage::Stage;

@@ -60,13 +60,18 @@ pub(super) fn read(source: Source, progress: &Progress) -> Result<Cloud, Error> 
         cloud.filter = splats::filter(&comments);
         return Ok(cloud);
     }
+    find_vertical(&mut cloud);
+    prepared::recognize(&mut cloud, &comments);
+    Ok(cloud)
+}
+
+/// Tells the vertical of a cloud from its points, where nothing else says it.
+pub fn find_vertical(cloud: &mut Cloud) {
     if let Some(bounds) = cloud.bounds() {
         let step = step((cloud.len() + cloud.non_finite) as u64);
         let sample: Vec<_> = cloud.positions.iter().step_by(step).copied().collect();
         (cloud.up, cloud.up_reason) = vertical(&bounds, &sample);
     }
-    prepared::recognize(&mut cloud, &comments);
-    Ok(cloud)
 }
 
 /// The vertices of a file whose header is read.

@@ -1,0 +1,143 @@
+//! A cloud of points.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use numpy::{PyArray1, PyReadonlyArray1};
+use pellucid_engine::cloud::{Cloud as Columns, UpAxis};
+use pellucid_engine::io;
+use pyo3::prelude::*;
+
+use crate::arrays::{self, Colors, Floats};
+use crate::failure::Failure;
+use crate::{fork, work};
+
+/// The columns of a cloud; shared, and never changed.
+#[pyclass(frozen, module = "pellucid._pellucid")]
+pub struct Cloud(pub Arc<Columns>);
+
+/// What is given beside points.
+#[derive(FromPyObject)]
+pub struct Given<'py> {
+    #[pyo3(item)]
+    colors: Option<Colors<'py>>,
+    #[pyo3(item)]
+    srgb: bool,
+    #[pyo3(item)]
+    opacities: Option<PyReadonlyArray1<'py, f32>>,
+    #[pyo3(item)]
+    radii: Option<PyReadonlyArray1<'py, f32>>,
+    #[pyo3(item)]
+    normals: Option<Floats<'py>>,
+    #[pyo3(item)]
+    classification: Option<PyReadonlyArray1<'py, u8>>,
+    #[pyo3(item)]
+    intensity: Option<PyReadonlyArray1<'py, f32>>,
+    #[pyo3(item)]
+    scalars: Vec<(String, PyReadonlyArray1<'py, f32>)>,
+    #[pyo3(item)]
+    z_up: Option<bool>,
+}
+
+#[pymethods]
+impl Cloud {
+    /// A cloud of flat, contiguous arrays whose lengths and types Python has checked.
+    #[staticmethod]
+    fn of_arrays(py: Python<'_>, points: Floats<'_>, given: Given<'_>) -> PyResult<Self> {
+        let columns = fork::enter().and_then(|()| columns(&points, &given)).map_err(|failure| failure.raise(py))?;
+        Ok(Self(Arc::new(columns)))
+    }
+
+    /// The cloud of a file.
+    #[staticmethod]
+    #[pyo3(signature = (path, listener=None))]
+    fn read(py: Python<'_>, path: PathBuf, listener: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let columns = work::run(py, listener, move |talk| {
+            let columns = io::load(&path, &talk.progress)?;
+            if columns.non_finite > 0 {
+                let (path, count) = (path.display(), columns.non_finite);
+                talk.warn(format!("{path}: {count} points without finite coordinates are left out"));
+            }
+            columns.warnings.iter().for_each(|warning| talk.warn(format!("{}: {warning}", path.display())));
+            Ok(columns)
+        })?;
+        Ok(Self(Arc::new(columns)))
+    }
+
+    fn __len__(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Smallest and largest corner, six numbers; `None` without points.
+    fn bounds<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        let bounds = self.0.bounds()?;
+        Some(arrays::flat(py, vec![bounds.min.to_array(), bounds.max.to_array()]))
+    }
+
+    fn points<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::flat(py, self.0.positions.iter().map(|p| p.to_array()).collect())
+    }
+
+    fn colors<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f32>>> {
+        Some(arrays::flat(py, self.0.colors.as_ref()?.iter().map(|c| c.to_array()).collect()))
+    }
+
+    fn normals<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f32>>> {
+        Some(arrays::flat(py, self.0.normals.as_ref()?.iter().map(|n| n.to_array()).collect()))
+    }
+
+    fn opacities<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f32>>> {
+        Some(PyArray1::from_slice(py, self.0.alphas.as_ref()?))
+    }
+
+    fn radii<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f32>>> {
+        Some(PyArray1::from_slice(py, self.0.own_radii()?))
+    }
+
+    fn classification<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<u8>>> {
+        Some(PyArray1::from_slice(py, self.0.classification.as_ref()?))
+    }
+
+    fn intensity<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f32>>> {
+        Some(PyArray1::from_slice(py, self.0.intensity.as_ref()?))
+    }
+
+    /// Names and values of all other scalars.
+    fn scalars<'py>(&self, py: Python<'py>) -> Vec<(String, Bound<'py, PyArray1<f32>>)> {
+        self.0.scalars.iter().map(|(name, values)| (name.clone(), PyArray1::from_slice(py, values))).collect()
+    }
+
+    /// True if +Z points up.
+    fn z_up(&self) -> bool {
+        self.0.up == UpAxis::Z
+    }
+}
+
+fn columns(points: &Floats<'_>, given: &Given<'_>) -> Result<Columns, Failure> {
+    let scalars = given.scalars.iter().map(|(name, values)| Ok((name.clone(), arrays::values(name, values)?.to_vec())));
+    let mut columns = Columns {
+        positions: arrays::positions(points)?,
+        colors: given.colors.as_ref().map(|colors| arrays::colors(colors, given.srgb)).transpose()?,
+        alphas: optional(&given.opacities, |a| {
+            arrays::column("opacities", a, "numbers from 0 to 1", |a| (0.0..=1.0).contains(&a))
+        })?,
+        radii: optional(&given.radii, |r| {
+            arrays::column("radii", r, "finite numbers of at least 0", |r| r >= 0.0 && r.is_finite())
+        })?,
+        normals: optional(&given.normals, arrays::normals)?.flatten(),
+        classification: optional(&given.classification, |codes| Ok(arrays::values("classification", codes)?.to_vec()))?,
+        intensity: optional(&given.intensity, |values| Ok(arrays::values("intensity", values)?.to_vec()))?,
+        scalars: scalars.collect::<Result<_, Failure>>()?,
+        ..Columns::default()
+    };
+    match given.z_up {
+        Some(true) => columns.up = UpAxis::Z,
+        Some(false) => columns.up = UpAxis::Y,
+        None => io::ply::find_vertical(&mut columns),
+    }
+    Ok(columns)
+}
+
+fn optional<T, U>(given: &Option<T>, convert: impl FnOnce(&T) -> Result<U, Failure>) -> Result<Option<U>, Failure> {
+    given.as_ref().map(convert).transpose()
+}

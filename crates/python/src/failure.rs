@@ -1,0 +1,70 @@
+//! Errors of the engine as exceptions of Python.
+
+use pellucid_engine::{Error, methods};
+use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+
+/// The reason why a call failed.
+#[derive(Debug)]
+pub enum Failure {
+    Engine(Box<Error>),
+    /// An argument that makes no sense.
+    Value(String),
+    /// Something that can't be done here.
+    Refused(String),
+    /// Nobody waits for the work any more.
+    Cancelled,
+}
+
+impl<E: Into<Error>> From<E> for Failure {
+    fn from(error: E) -> Self {
+        match error.into() {
+            Error::Render(methods::Error::Cancelled) => Self::Cancelled,
+            error => Self::Engine(Box::new(error)),
+        }
+    }
+}
+
+/// What to install for Vulkan, by system.
+const VULKAN: &str = "\n\
+    pellucid needs a Vulkan driver of version 1.3; a GPU is not needed. Install one:\n  \
+    Debian, Ubuntu: apt install libvulkan1 mesa-vulkan-drivers\n  \
+    Fedora: dnf install vulkan-loader mesa-vulkan-drivers\n  \
+    Windows: the driver of the GPU's maker, which brings Vulkan; without a GPU Mesa's lavapipe (github.com/pal1000/mesa-dist-win)\n  \
+    macOS: brew install vulkan-loader molten-vk";
+
+impl Failure {
+    /// As an exception of the package.
+    pub fn raise(self, py: Python<'_>) -> PyErr {
+        match self {
+            Self::Value(message) => PyValueError::new_err(message),
+            Self::Refused(message) => of_class(py, "Error", message),
+            Self::Cancelled => of_class(py, "Error", "the work was cancelled".to_owned()),
+            Self::Engine(error) => {
+                let (class, more) = match &*error {
+                    Error::Load(_) => ("ReadError", ""),
+                    Error::Scene(_) | Error::Path(_) => ("SceneError", ""),
+                    Error::Output(_) => return PyOSError::new_err(error.to_string()),
+                    Error::Gpu(gpu) | Error::Render(methods::Error::Gpu(gpu)) => ("DeviceError", install(gpu)),
+                    _ => ("Error", ""),
+                };
+                of_class(py, class, format!("{error}{more}"))
+            }
+        }
+    }
+}
+
+/// Advice where no driver is there, or none that will do.
+fn install(error: &pellucid_engine::gpu::Error) -> &'static str {
+    use pellucid_engine::gpu::Error as Gpu;
+    match error {
+        Gpu::NoLoader(_) | Gpu::NoDevice | Gpu::Lacks { .. } => VULKAN,
+        _ => "",
+    }
+}
+
+/// The classes are Python's, since some have two bases.
+fn of_class(py: Python<'_>, name: &str, message: String) -> PyErr {
+    let found = py.import("pellucid._errors").and_then(|module| module.getattr(name)?.call1((&message,)));
+    found.map_or_else(|_| PyRuntimeError::new_err(message), PyErr::from_value)
+}

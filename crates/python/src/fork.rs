@@ -1,0 +1,59 @@
+//! Forked processes: they have neither the threads nor the device of their parent, and are told so instead of hanging.
+
+use std::process;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use crate::failure::Failure;
+
+/// The process that has used pellucid; 0 until one has.
+static USED_BY: AtomicU32 = AtomicU32::new(0);
+
+/// Notes that this process uses pellucid.
+///
+/// # Errors
+/// It was forked from one that had used it already.
+pub fn enter() -> Result<(), Failure> {
+    let this = process::id();
+    match USED_BY.compare_exchange(0, this, Ordering::AcqRel, Ordering::Acquire) {
+        Err(other) if other != this => Err(Failure::Refused(format!(
+            "this process was forked from process {other} after pellucid had been used there: the copy has neither its threads nor its \
+             device. Start workers anew instead, as in multiprocessing.get_context(\"spawn\"), or use pellucid only in the workers"
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Something of a device, which a forked process must leave alone even at its end.
+pub struct Kept<T> {
+    value: Option<T>,
+    process: u32,
+}
+
+impl<T> Kept<T> {
+    pub fn new(value: T) -> Self {
+        Self { value: Some(value), process: process::id() }
+    }
+
+    /// The value, unless it was closed.
+    pub fn get(&mut self) -> Result<&mut T, Failure> {
+        self.value.as_mut().ok_or_else(closed)
+    }
+
+    /// Ends it early.
+    pub fn close(&mut self) {
+        let value = self.value.take();
+        if self.process != process::id() {
+            std::mem::forget(value);
+        }
+    }
+}
+
+impl<T> Drop for Kept<T> {
+    fn drop(&mut self) {
+        self.close();
+    }
+}
+
+fn closed() -> Failure {
+    Failure::Value("this renderer was closed; make another one".to_owned())
+}

@@ -1,0 +1,54 @@
+//! The native part of the Python package `pellucid`: what must be Rust, and no more. Keywords, documentation and plain
+//! data are Python's (`python/pellucid`).
+//!
+//! Every call that takes time runs on a thread of its own, while the caller waits without the interpreter's lock: so
+//! Ctrl-C ends it, and other threads of Python go on ([`work`]).
+
+mod arrays;
+mod check;
+mod cloud;
+mod compare;
+mod devices;
+mod failure;
+mod fork;
+mod keys;
+mod loaded;
+mod measures;
+mod picture;
+mod request;
+mod scene;
+mod session;
+mod stress;
+mod talk;
+mod work;
+
+use pyo3::prelude::*;
+
+/// The module that Python's part of the package imports.
+#[pymodule]
+mod _pellucid {
+    #[pymodule_export]
+    use super::check::check;
+    #[pymodule_export]
+    use super::cloud::Cloud;
+    #[pymodule_export]
+    use super::compare::compare;
+    #[pymodule_export]
+    use super::devices::{Device, devices};
+    #[pymodule_export]
+    use super::keys::{class_code, keys, methods};
+    #[pymodule_export]
+    use super::loaded::Loaded;
+    #[pymodule_export]
+    use super::picture::Picture;
+    #[pymodule_export]
+    use super::scene::Scene;
+    #[pymodule_export]
+    use super::stress::stress;
+    #[pymodule_export]
+    use super::work::wait;
+
+    /// The version of pellucid.
+    #[pymodule_export]
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
+}

@@ -1,0 +1,129 @@
+//! Measurements of a scene, each as the JSON of the command line.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use pellucid_engine::methods::{Frame, Stop};
+use pellucid_engine::profile::{self, Profile};
+use pellucid_engine::{output, plan};
+use pellucid_lab::report::tradeoff::settings::{self, Formation, Ladders};
+use pellucid_lab::report::tradeoff::{self, Options, Subject};
+use pyo3::prelude::*;
+use serde_json::json;
+
+use crate::failure::Failure;
+use crate::request::Ask;
+use crate::session::Session;
+use crate::talk::Talk;
+
+/// Renders a first frame, which pays for pipelines and buffers, then those that count.
+pub fn profile(session: &mut Session, frames: u32, talk: &Talk) -> Result<String, Failure> {
+    let render = |session: &mut Session| {
+        let rendered = session.renderer.render(&mut session.cloud, &session.frame)?;
+        session.device.check_validation()?;
+        Ok::<_, Failure>(rendered)
+    };
+    let kept = session.frame;
+    let first = render(session)?;
+    let mut profile = Profile::new(&session.device, &session.frame);
+    let counted = (first.facts.fragments, first.facts.max_list);
+    let histogram = first.image.fragments.as_deref().map(profile::histogram).unwrap_or_default();
+    if session.frame.counts_on_demand() {
+        // The first frame counted the lists, which the method itself has no use for.
+        session.frame.fragments = false;
+    }
+    session.renderer.recycle(first.image);
+    talk.progress.set_message("measuring");
+    let measured = (0..frames).try_for_each(|_| {
+        talk.go_on()?;
+        let rendered = render(session)?;
+        profile.add(&rendered);
+        session.renderer.recycle(rendered.image);
+        Ok::<_, Failure>(())
+    });
+    session.frame = kept;
+    measured?;
+    (profile.facts.fragments, profile.facts.max_list) = counted;
+    profile.list_histogram = histogram;
+    profile.add_host(talk.progress.spans(), &session.device.compilations());
+    Ok(profile.to_json().to_string())
+}
+
+/// The passes of a frame, each with the reason for it; the method's is first.
+pub fn plan(session: &mut Session) -> Result<String, Failure> {
+    // Count lists as `profile` does, except for methods without lists.
+    let frame = Frame { fragments: !session.frame.counts_on_demand(), ..session.frame };
+    let facts = session.renderer.survey(&mut session.cloud, &frame)?;
+    let mut steps = plan::plan(&session.device, &frame, &facts, session.renderer.wide_atomics, &session.why);
+    if let Some(first) = steps.iter_mut().find(|step| step.on) {
+        first.reason = [std::slice::from_ref(&first.reason), &session.made.colorings].concat().join("; ");
+    }
+    Ok(json!(steps).to_string())
+}
+
+/// How far a comparison goes.
+#[derive(FromPyObject)]
+pub struct Extent {
+    #[pyo3(item)]
+    quick: bool,
+    #[pyo3(item)]
+    only: Vec<String>,
+    #[pyo3(item)]
+    seconds: Option<f64>,
+    /// What was called, for the report.
+    #[pyo3(item)]
+    command: String,
+}
+
+impl Extent {
+    fn options(&self, begin: Instant) -> Options {
+        let (ladders, (rounds, seeds)) = if self.quick { (Ladders::QUICK, (3, 4)) } else { (Ladders::FULL, (10, 8)) };
+        let seconds = self.seconds.unwrap_or(if self.quick { 55.0 } else { 360.0 });
+        // A time beyond what a clock can hold is no limit.
+        let end = Duration::try_from_secs_f64(seconds).ok().and_then(|time| begin.checked_add(time));
+        let end = end.filter(|_| self.quick);
+        Options { ladders, only: self.only.clone(), seconds, end, rounds, seeds, command: self.command.clone() }
+    }
+}
+
+/// Compares the methods that draw a scene.
+pub fn tradeoff(
+    session: &mut Session,
+    ask: &Ask,
+    extent: &Extent,
+    folder: &Path,
+    talk: &Talk,
+) -> Result<String, Failure> {
+    let begin = Instant::now();
+    if session.made.stored.is_some() {
+        let problem = "tradeoff: all clouds are needed in memory, and these would take more than host_memory allows";
+        return Err(Failure::Value(problem.to_owned()));
+    }
+    session.prepare(ask, talk)?;
+    let method = session.scene.method.representative();
+    let formation = settings::compared(&method, session.made.points())?;
+    let mut shading = session.scene.shading;
+    if shading.edl.edl && !matches!(formation, Formation::Surfaces(_)) {
+        talk.warn("eye-dome lighting is left out: not all of the methods that are compared have it");
+        shading.edl.edl = false;
+    }
+    let shadows = session.scene.shadows.filter(|_| matches!(formation, Formation::Surfaces(_)));
+    let frame = Frame {
+        shading,
+        method,
+        detail: Default::default(),
+        fragments: false,
+        stop: Stop::Exact,
+        shadows,
+        ..session.frame
+    };
+    let background = session.scene.image.background;
+    let subject =
+        Subject { arranged: &session.made.arranged, frame, background, scene: &session.state.name, cameras: &[] };
+    output::check_report_folder(folder)?;
+    let report = tradeoff::run(&session.device, &subject, &extent.options(begin), folder, &talk.progress)?;
+    talk.stage("writing the report");
+    tradeoff::write(folder, &report)?;
+    tradeoff::discard(folder)?;
+    serde_json::to_string(&report).map_err(|error| Failure::Refused(format!("no report: {error}")))
+}

@@ -1,0 +1,211 @@
+//! A rendered frame: what is left of it once numpy has its arrays.
+
+use std::path::PathBuf;
+
+use glam::Vec3;
+use numpy::{PyArray1, PyReadonlyArray1};
+use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::image::{Image, LinearImage};
+use pellucid_engine::output::{self, WriteOptions};
+use pellucid_engine::profile::Profile;
+use pellucid_engine::scene::ColorSpace;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::arrays::{self, values};
+use crate::failure::Failure;
+use crate::work;
+
+/// How a frame is written, and what it cost.
+#[pyclass(frozen, module = "pellucid._pellucid")]
+pub struct Picture {
+    pub size: [u32; 2],
+    pub background: Vec3,
+    pub color: ColorSpace,
+    pub metadata: Vec<(String, String)>,
+    pub profile: Profile,
+    pub camera: Camera,
+    /// From the eye to what the camera looks at.
+    pub distance: f64,
+    pub method: &'static str,
+    pub reason: String,
+    pub stderr: Option<f64>,
+}
+
+/// The arrays of an image as Python keeps them: flat, row by row.
+#[derive(FromPyObject)]
+pub struct Arrays<'py> {
+    #[pyo3(item)]
+    rgba: PyReadonlyArray1<'py, f32>,
+    #[pyo3(item)]
+    depth: PyReadonlyArray1<'py, f32>,
+    #[pyo3(item)]
+    median: Option<PyReadonlyArray1<'py, f32>>,
+    #[pyo3(item)]
+    mean: Option<PyReadonlyArray1<'py, f32>>,
+    #[pyo3(item)]
+    fragments: Option<PyReadonlyArray1<'py, u32>>,
+    #[pyo3(item)]
+    layers: Option<PyReadonlyArray1<'py, u32>>,
+    #[pyo3(item)]
+    stderr: Option<PyReadonlyArray1<'py, f32>>,
+}
+
+type Floats<'py> = Bound<'py, PyArray1<f32>>;
+type Counts<'py> = Bound<'py, PyArray1<u32>>;
+/// Color, depth, median and mean depth, fragments, layers, standard error.
+pub type Moved<'py> = (
+    Floats<'py>,
+    Floats<'py>,
+    Option<Floats<'py>>,
+    Option<Floats<'py>>,
+    Option<Counts<'py>>,
+    Option<Counts<'py>>,
+    Option<Floats<'py>>,
+);
+
+/// Hands an image over to numpy, which takes its memory.
+pub fn moved(py: Python<'_>, image: Image) -> Moved<'_> {
+    let floats = |values: Vec<f32>| PyArray1::from_vec(py, values);
+    let counts = |values: Vec<u32>| PyArray1::from_vec(py, values);
+    (
+        arrays::flat(py, image.rgba),
+        floats(image.depth),
+        image.depth_median.map(floats),
+        image.depth_mean.map(floats),
+        image.fragments.map(counts),
+        image.layers.map(counts),
+        image.stderr.map(|stderr| arrays::flat(py, stderr)),
+    )
+}
+
+#[pymethods]
+impl Picture {
+    /// Columns and rows.
+    #[getter]
+    fn size(&self) -> (u32, u32) {
+        self.size.into()
+    }
+
+    #[getter]
+    fn method(&self) -> &'static str {
+        self.method
+    }
+
+    #[getter]
+    fn reason(&self) -> &str {
+        &self.reason
+    }
+
+    #[getter]
+    fn stderr(&self) -> Option<f64> {
+        self.stderr
+    }
+
+    #[getter]
+    fn metadata(&self) -> Vec<(String, String)> {
+        self.metadata.clone()
+    }
+
+    /// Eye, target, up, and the angle in degrees or the height, then near and far.
+    fn camera(&self) -> CameraNumbers {
+        numbers(&self.camera, self.distance)
+    }
+
+    fn profile(&self) -> String {
+        self.profile.to_json().to_string()
+    }
+
+    /// Writes a PNG or an EXR, by the extension.
+    fn save(&self, py: Python<'_>, path: PathBuf, transparent: bool, arrays: Arrays<'_>) -> PyResult<()> {
+        let image = self.image(&arrays).map_err(|failure| failure.raise(py))?;
+        let options = self.options(transparent);
+        work::run(py, None, move |_| Ok(output::write_image(&path, &image, &options)?))
+    }
+
+    /// The bytes of a PNG.
+    fn png<'py>(&self, py: Python<'py>, transparent: bool, arrays: Arrays<'_>) -> PyResult<Bound<'py, PyBytes>> {
+        let image = self.image(&arrays).map_err(|failure| failure.raise(py))?;
+        let options = self.options(transparent);
+        let bytes = work::run(py, None, move |_| {
+            output::png_bytes(&image, &options).map_err(|error| Failure::Refused(format!("no PNG: {error}")))
+        })?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// 8-bit sRGB over the background.
+    fn srgb<'py>(&self, py: Python<'py>, arrays: Arrays<'_>) -> PyResult<Bound<'py, PyArray1<u8>>> {
+        let image = self.image(&arrays).map_err(|failure| failure.raise(py))?;
+        let options = self.options(false);
+        let raster = py.detach(move || output::raster(&image, &options));
+        Ok(PyArray1::from_vec(py, raster.bytes))
+    }
+
+    /// Linear colors over the background.
+    fn linear<'py>(&self, py: Python<'py>, arrays: Arrays<'_>) -> PyResult<Floats<'py>> {
+        let image = self.image(&arrays).map_err(|failure| failure.raise(py))?;
+        let (background, color) = (self.background, self.color);
+        let LinearImage { pixels, .. } = py.detach(move || output::linear(&image, background, color));
+        Ok(arrays::flat(py, pixels))
+    }
+}
+
+/// See [`Picture::camera`].
+pub type CameraNumbers = ([f64; 3], [f64; 3], [f64; 3], Option<f64>, Option<f64>, f64, f64);
+
+pub fn numbers(camera: &Camera, distance: f64) -> CameraNumbers {
+    let distance = if distance > 0.0 && distance.is_finite() { distance } else { 1.0 };
+    let target = camera.eye + camera.forward * distance;
+    let (fov_y, height) = match camera.projection {
+        // As the camera's own description rounds it: degrees come back to the same radians.
+        Projection::Perspective { fov_y } => (Some((fov_y.to_degrees() * 1e9).round() / 1e9), None),
+        Projection::Orthographic { height } => (None, Some(height)),
+    };
+    let [eye, target, up] = [camera.eye, target, camera.up].map(|v| v.to_array());
+    (eye, target, up, fov_y, height, camera.near, camera.far)
+}
+
+impl Picture {
+    fn options(&self, transparent: bool) -> WriteOptions {
+        let Self { background, color, .. } = *self;
+        WriteOptions { background, color, transparent, metadata: self.metadata.clone() }
+    }
+
+    fn image(&self, arrays: &Arrays<'_>) -> Result<Image, Failure> {
+        let [width, height] = self.size;
+        let pixels = width as usize * height as usize;
+        let sized = |name: &str, found: usize, each: usize| {
+            let expected = pixels * each;
+            let message = || Failure::Value(format!("{name}: expected {expected} values, found {found}"));
+            if found == expected { Ok(()) } else { Err(message()) }
+        };
+        let floats = |name: &str, array: &PyReadonlyArray1<'_, f32>| {
+            let values = values(name, array)?;
+            sized(name, values.len(), 1)?;
+            Ok::<_, Failure>(values.to_vec())
+        };
+        let counts = |name: &str, array: &PyReadonlyArray1<'_, u32>| {
+            let values = values(name, array)?;
+            sized(name, values.len(), 1)?;
+            Ok::<_, Failure>(values.to_vec())
+        };
+        let rgba = values("rgba", &arrays.rgba)?;
+        sized("rgba", rgba.len(), 4)?;
+        let stderr = arrays.stderr.as_ref().map(|array| {
+            let values = values("stderr", array)?;
+            sized("stderr", values.len(), 3)?;
+            Ok::<_, Failure>(values.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect())
+        });
+        Ok(Image {
+            width,
+            height,
+            rgba: rgba.chunks_exact(4).map(|c| [c[0], c[1], c[2], c[3]]).collect(),
+            depth: floats("depth", &arrays.depth)?,
+            depth_median: arrays.median.as_ref().map(|array| floats("median_depth", array)).transpose()?,
+            depth_mean: arrays.mean.as_ref().map(|array| floats("mean_depth", array)).transpose()?,
+            fragments: arrays.fragments.as_ref().map(|array| counts("fragments", array)).transpose()?,
+            layers: arrays.layers.as_ref().map(|array| counts("layers", array)).transpose()?,
+            stderr: stderr.transpose()?,
+        })
+    }
+}

@@ -1,0 +1,139 @@
+//! What a caller asks for beside the points.
+
+use std::path::PathBuf;
+
+use pellucid_engine::methods::{Factors, Stop};
+use pellucid_engine::scene::{Document, Overrides, Scene, View, ViewName};
+use pellucid_lab::choice::Wish;
+use pyo3::prelude::*;
+
+use crate::failure::Failure;
+
+/// Changes of keys, as the command line's options are: the option as it is named in errors, the dotted key, the value as
+/// TOML, and if it is appended to an array.
+pub type Changes = Vec<(String, String, String, bool)>;
+
+/// Lays changes over a document; before that whole tables are taken out.
+pub fn lay_over(document: &mut Document, drop: &[String], changes: &Changes) -> Result<Scene, Failure> {
+    let mut overrides = Overrides::default();
+    for (option, key, text, appended) in changes {
+        match appended {
+            true => overrides.append(option, key, text)?,
+            false => overrides.set(option, key, text)?,
+        }
+    }
+    drop.iter().for_each(|table| document.remove("", table));
+    Ok(document.lay_over(&overrides)?)
+}
+
+/// From where a scene is framed.
+#[derive(FromPyObject, Default)]
+pub struct Direction {
+    #[pyo3(item)]
+    view: Option<String>,
+    #[pyo3(item)]
+    azimuth: Option<f64>,
+    #[pyo3(item)]
+    elevation: Option<f64>,
+}
+
+impl Direction {
+    pub fn view(&self) -> Result<View, Failure> {
+        let name = self.view.as_ref().map(|word| {
+            ViewName::named(word).ok_or_else(|| {
+                let all: Vec<_> = ViewName::ALL.iter().map(|(_, word, _)| *word).collect();
+                Failure::Value(format!("view: expected one of {}, found {word:?}", all.join(", ")))
+            })
+        });
+        if let Some(azimuth) = self.azimuth.filter(|degrees| !degrees.is_finite()) {
+            return Err(Failure::Value(format!("azimuth: expected a number of degrees, found {azimuth}")));
+        }
+        if let Some(elevation) = self.elevation.filter(|degrees| !(-90.0..=90.0).contains(degrees)) {
+            return Err(Failure::Value(format!("elevation: expected degrees from -90 to 90, found {elevation}")));
+        }
+        Ok(View { name: name.transpose()?, azimuth: self.azimuth, elevation: self.elevation })
+    }
+}
+
+/// A frame that is asked for.
+#[derive(FromPyObject, Clone)]
+pub struct Ask {
+    #[pyo3(item)]
+    pub drop: Vec<String>,
+    #[pyo3(item)]
+    pub changes: Changes,
+    /// False if a camera was given in place of the view that frames the scene.
+    #[pyo3(item)]
+    pub framed: bool,
+    #[pyo3(item)]
+    pub fragments: bool,
+    #[pyo3(item)]
+    pub depths: bool,
+    #[pyo3(item)]
+    eight_bit: bool,
+    #[pyo3(item)]
+    transparent: bool,
+    #[pyo3(item)]
+    pub memory_budget: Option<u64>,
+    #[pyo3(item)]
+    opacity_factor: f32,
+    #[pyo3(item)]
+    radius_factor: f32,
+    #[pyo3(item)]
+    pub seed: Option<u64>,
+    /// The share of light that is to get through the median covered pixel.
+    #[pyo3(item)]
+    pub see_through: Option<f64>,
+    #[pyo3(item)]
+    max_error: Option<f64>,
+    #[pyo3(item)]
+    budget_ms: Option<f64>,
+    /// Bytes of the host for points, before they stay in their files.
+    #[pyo3(item)]
+    pub host_memory: Option<u64>,
+    /// The folder of temporary files.
+    #[pyo3(item)]
+    pub folder: Option<PathBuf>,
+}
+
+impl Ask {
+    /// The same with lists that are counted.
+    pub fn with_fragments(self) -> Self {
+        Self { fragments: true, ..self }
+    }
+
+    /// The accuracy at which blending may stop.
+    pub fn stop(&self) -> Stop {
+        if self.eight_bit { Stop::EightBit { transparent: self.transparent } } else { Stop::Exact }
+    }
+
+    pub fn factors(&self) -> Factors {
+        Factors { radius: self.radius_factor, opacity: self.opacity_factor }
+    }
+
+    pub fn wish(&self) -> Option<Wish> {
+        let wish = Wish { max_error: self.max_error, budget_ms: self.budget_ms };
+        wish.is_any().then_some(wish)
+    }
+
+    /// # Errors
+    /// A number that makes no sense.
+    pub fn check(&self) -> Result<(), Failure> {
+        let not_negative = |x: f64| x >= 0.0 && x.is_finite();
+        let numbers = [
+            ("opacity_factor", Some(f64::from(self.opacity_factor))),
+            ("radius_factor", Some(f64::from(self.radius_factor))),
+            ("max_error", self.max_error),
+            ("budget_ms", self.budget_ms),
+        ];
+        for (name, value) in numbers {
+            if let Some(value) = value.filter(|value| !not_negative(*value)) {
+                return Err(Failure::Value(format!("{name}: expected a finite number of at least 0, found {value}")));
+            }
+        }
+        match self.see_through.filter(|share| !(0.0..=1.0).contains(share)) {
+            Some(share) => Err(Failure::Value(format!("see_through: expected a share from 0 to 1, found {share}"))),
+            None => Ok(()),
+        }
+    }
+}

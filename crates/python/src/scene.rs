@@ -1,0 +1,204 @@
+//! A scene before it meets a device: keys, and clouds or where they are.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use pellucid_engine::cloud::Cloud as Columns;
+use pellucid_engine::progress::Progress;
+use pellucid_engine::scene::{self as engine, Document, Key, Named, Overrides, View};
+use pyo3::prelude::*;
+
+use crate::cloud::Cloud;
+use crate::failure::Failure;
+use crate::request::{self, Changes, Direction};
+use crate::{fork, work};
+
+/// A scene; its keys may change.
+#[pyclass(frozen, module = "pellucid._pellucid")]
+pub struct Scene(Mutex<State>);
+
+/// All of a scene. Clones share the clouds.
+#[derive(Clone)]
+pub struct State {
+    pub document: Document,
+    /// The inputs as they were named.
+    pub name: String,
+    pub clouds: Clouds,
+    pub view: View,
+    pub seed: u64,
+}
+
+#[derive(Clone)]
+pub enum Clouds {
+    Held(Vec<Arc<Columns>>),
+    /// Not read yet; the document is the state's.
+    Files(Named),
+}
+
+impl State {
+    fn new(name: String, document: Document, clouds: Clouds, seed: u64) -> Self {
+        Self { document, name, clouds, view: View::default(), seed }
+    }
+
+    /// The inputs with the keys as they are now.
+    fn named(&self, named: &Named) -> Named {
+        let mut named = named.clone();
+        named.document = self.document.clone();
+        named
+    }
+
+    /// Reads clouds that are in files yet.
+    fn read(&mut self, progress: &Progress) -> Result<&[Arc<Columns>], Failure> {
+        if let Clouds::Files(named) = &self.clouds {
+            let opened = self.named(named).load(progress)?;
+            self.clouds = Clouds::Held(opened.clouds.into_iter().map(Arc::new).collect());
+        }
+        match &self.clouds {
+            Clouds::Held(clouds) => Ok(clouds),
+            Clouds::Files(_) => Ok(&[]),
+        }
+    }
+}
+
+/// A key with its value in force, as TOML.
+type Valued = (String, Option<String>);
+
+#[pymethods]
+impl Scene {
+    /// A scene of clouds, which have names in place of files.
+    #[staticmethod]
+    fn of_clouds(py: Python<'_>, clouds: Vec<PyRef<'_, Cloud>>, names: Vec<String>) -> PyResult<Self> {
+        let document = Document::from_clouds(&names, &Overrides::default()).map_err(|error| raised(py, error))?;
+        let clouds = Clouds::Held(clouds.iter().map(|cloud| Arc::clone(&cloud.0)).collect());
+        Ok(Self(Mutex::new(State::new(names.join(" "), document, clouds, 0))))
+    }
+
+    /// A scene file, or clouds; without any the built-in scene by `seed`.
+    #[staticmethod]
+    fn of_files(py: Python<'_>, paths: Vec<PathBuf>, seed: u64) -> PyResult<Self> {
+        let read = move || {
+            fork::enter()?;
+            let named = engine::name(&paths, &Overrides::default(), seed)?;
+            named.document.scene()?;
+            Ok(State::new(named.name.clone(), named.document.clone(), Clouds::Files(named), seed))
+        };
+        Ok(Self(Mutex::new(py.detach(read).map_err(|failure: Failure| failure.raise(py))?)))
+    }
+
+    /// The text of a scene file, whose relative paths begin in a folder.
+    #[staticmethod]
+    fn of_toml(py: Python<'_>, text: &str, folder: PathBuf) -> PyResult<Self> {
+        let origin = folder.join("scene.toml");
+        let document = Document::from_toml(text, &origin, &Overrides::default()).map_err(|error| raised(py, error))?;
+        document.scene().map_err(|error| raised(py, error))?;
+        let name = origin.display().to_string();
+        let clouds = Clouds::Files(Named::of_files(name.clone(), document.clone()));
+        Ok(Self(Mutex::new(State::new(name, document, clouds, 0))))
+    }
+
+    /// Another one with the same clouds.
+    fn copy(&self) -> Self {
+        Self(Mutex::new(self.state().clone()))
+    }
+
+    /// Takes tables out, then sets keys; all or nothing.
+    fn change(&self, py: Python<'_>, drop: Vec<String>, changes: Changes) -> PyResult<()> {
+        let mut state = self.state();
+        let mut document = state.document.clone();
+        request::lay_over(&mut document, &drop, &changes).map_err(|failure| failure.raise(py))?;
+        state.document = document;
+        Ok(())
+    }
+
+    /// Takes a dotted key out, so that its default holds; all or nothing.
+    fn remove(&self, py: Python<'_>, key: &str) -> PyResult<()> {
+        let changed = self.state().document.change(&[(key.to_owned(), None)]).map(drop);
+        changed.map_err(|error| raised(py, error))
+    }
+
+    fn set_view(&self, py: Python<'_>, direction: Direction) -> PyResult<()> {
+        self.state().view = direction.view().map_err(|failure| failure.raise(py))?;
+        Ok(())
+    }
+
+    fn set_name(&self, name: String) {
+        self.state().name = name;
+    }
+
+    #[getter]
+    fn seed(&self) -> u64 {
+        self.state().seed
+    }
+
+    #[setter]
+    fn set_seed(&self, seed: u64) {
+        self.state().seed = seed;
+    }
+
+    fn to_toml(&self, py: Python<'_>, folder: PathBuf) -> PyResult<String> {
+        self.state().document.to_toml(&folder).map_err(|error| raised(py, error))
+    }
+
+    /// The keys that were given, as JSON.
+    fn given(&self, py: Python<'_>) -> PyResult<String> {
+        Ok(self.scene(py)?.settings)
+    }
+
+    /// The keys of a table with their values in force: `image`, `camera`, `shading`, `shadows`, `detail`, `method` or `cloud.0`.
+    fn values(&self, py: Python<'_>, table: &str) -> PyResult<Vec<Valued>> {
+        let scene = self.scene(py)?;
+        let keys: Vec<Key> = match table.split_once('.') {
+            Some(("cloud", number)) => {
+                let cloud = number.parse().ok().and_then(|number: usize| scene.clouds.get(number));
+                cloud.map(|cloud| cloud.keys()).unwrap_or_default()
+            }
+            _ => match table {
+                "image" => scene.image.keys(),
+                "camera" => scene.camera.keys(),
+                "shading" => scene.shading.keys(),
+                "shadows" => scene.shadows.unwrap_or_default().keys(),
+                "detail" => scene.detail.keys(),
+                "method" => scene.method.keys(),
+                _ => Vec::new(),
+            },
+        };
+        let mut values: Vec<Valued> =
+            keys.iter().map(|key| (key.name.to_owned(), key.value.as_ref().map(ToString::to_string))).collect();
+        if table == "method" {
+            values.insert(0, ("name".to_owned(), Some(format!("{:?}", scene.method.name()))));
+        }
+        Ok(values)
+    }
+
+    /// The number of clouds and of clips.
+    fn counts(&self, py: Python<'_>) -> PyResult<[usize; 2]> {
+        let scene = self.scene(py)?;
+        Ok([scene.clouds.len(), scene.clips.len()])
+    }
+
+    /// The clouds, read now if they weren't.
+    #[pyo3(signature = (listener=None))]
+    fn clouds(&self, py: Python<'_>, listener: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<Cloud>> {
+        let mut state = self.state().clone();
+        let (state, clouds) = work::run(py, listener, move |talk| {
+            let clouds = state.read(&talk.progress)?.to_vec();
+            Ok((state, clouds))
+        })?;
+        self.state().clouds = state.clouds;
+        Ok(clouds.into_iter().map(Cloud).collect())
+    }
+}
+
+impl Scene {
+    pub fn state(&self) -> MutexGuard<'_, State> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn scene(&self, py: Python<'_>) -> PyResult<engine::Scene> {
+        self.state().document.scene().map_err(|error| raised(py, error))
+    }
+}
+
+fn raised(py: Python<'_>, error: engine::Error) -> PyErr {
+    Failure::from(error).raise(py)
+}

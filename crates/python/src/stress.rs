@@ -1,0 +1,98 @@
+//! The sweep of `pellucid stress`.
+
+use pellucid_engine::scene::Method;
+use pellucid_lab::report::stress::{self as lab, Report, Settings};
+use pyo3::prelude::*;
+
+use crate::devices::Device;
+use crate::failure::Failure;
+use crate::work;
+
+/// What differs from the whole sweep, or from the quick one.
+#[derive(FromPyObject)]
+pub struct Extent {
+    #[pyo3(item)]
+    quick: bool,
+    #[pyo3(item)]
+    methods: Option<Vec<String>>,
+    #[pyo3(item)]
+    sides: Option<Vec<u32>>,
+    #[pyo3(item)]
+    layers: Option<Vec<u32>>,
+    #[pyo3(item)]
+    frames: Option<u32>,
+    #[pyo3(item)]
+    max_fragments: Option<u64>,
+    #[pyo3(item)]
+    max_seconds: Option<f64>,
+    #[pyo3(item)]
+    seed: u64,
+    #[pyo3(item)]
+    command: String,
+}
+
+/// The largest side of the scenes, and the most layers: what a frame and a list can have.
+const MOST: u32 = 16_384;
+
+impl Extent {
+    fn settings(&self) -> Result<Settings, Failure> {
+        let all = Method::transparent();
+        let methods = match &self.methods {
+            None => all,
+            Some(names) => names.iter().map(|name| named(&all, name)).collect::<Result<_, _>>()?,
+        };
+        let default = if self.quick { Settings::quick(methods) } else { Settings::full(methods) };
+        let max_seconds = self.max_seconds.unwrap_or(default.max_seconds);
+        if max_seconds.is_nan() || max_seconds <= 0.0 {
+            return Err(Failure::Value(format!("max_seconds: expected a number above 0, found {max_seconds}")));
+        }
+        Ok(Settings {
+            sides: ascending("sides", &self.sides, default.sides)?,
+            layers: ascending("layers", &self.layers, default.layers)?,
+            frames: self.frames.unwrap_or(default.frames).max(1),
+            max_fragments: self.max_fragments.unwrap_or(default.max_fragments),
+            max_seconds,
+            seed: self.seed,
+            ..default
+        })
+    }
+}
+
+fn named(all: &[Method], name: &str) -> Result<Method, Failure> {
+    all.iter().find(|method| method.name() == name).copied().ok_or_else(|| {
+        let names: Vec<_> = all.iter().map(Method::name).collect();
+        Failure::Value(format!("methods: expected some of {}, found {name:?}", names.join(", ")))
+    })
+}
+
+fn ascending(name: &str, given: &Option<Vec<u32>>, default: Vec<u32>) -> Result<Vec<u32>, Failure> {
+    let Some(given) = given else { return Ok(default) };
+    let mut values = given.clone();
+    values.sort_unstable();
+    values.dedup();
+    match values.iter().find(|value| !(1..=MOST).contains(*value)) {
+        Some(value) => Err(Failure::Value(format!("{name}: expected integers from 1 to {MOST}, found {value}"))),
+        None if values.is_empty() => Err(Failure::Value(format!("{name}: expected at least one integer, found none"))),
+        None => Ok(values),
+    }
+}
+
+/// Runs the sweep; JSON as of `pellucid stress`.
+#[pyfunction]
+#[pyo3(signature = (device, extent, listener=None))]
+pub fn stress(
+    py: Python<'_>,
+    device: &Device,
+    extent: Extent,
+    listener: Option<&Bound<'_, PyAny>>,
+) -> PyResult<String> {
+    let device = device.device().map_err(|failure| failure.raise(py))?;
+    work::run(py, listener, move |talk| {
+        let settings = extent.settings()?;
+        talk.progress.set_message("stress");
+        talk.progress.set_length(settings.cells() as u64);
+        let sweep = lab::run(&device, &settings, &talk.progress)?;
+        let report = Report { sweep: &sweep, settings: &settings, device: device.info(), command: &extent.command };
+        Ok(report.json().to_string())
+    })
+}

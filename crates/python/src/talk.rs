@@ -1,0 +1,115 @@
+//! What work tells its caller: how far it is, warnings and notes; and that it is to end.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use pellucid_engine::progress::{Observer, Progress};
+use pyo3::prelude::*;
+use pyo3::types::PyList;
+
+use crate::failure::Failure;
+
+/// A handle on some work, for both the one who does it and the one who waits.
+#[derive(Clone)]
+pub struct Talk {
+    pub progress: Progress,
+    shared: Arc<Shared>,
+}
+
+#[derive(Default)]
+struct Shared {
+    cancelled: AtomicBool,
+    heard: Mutex<Heard>,
+}
+
+#[derive(Default)]
+struct Heard {
+    /// The stage, how much of it is done, and how much there is.
+    stage: String,
+    done: u64,
+    total: Option<u64>,
+    /// True if somebody was told since then.
+    told: bool,
+    warnings: Vec<String>,
+    notes: Vec<String>,
+}
+
+impl Shared {
+    fn heard(&self) -> MutexGuard<'_, Heard> {
+        self.heard.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+struct Listener(Arc<Shared>);
+
+impl Observer for Listener {
+    fn stage(&self, name: &str) {
+        let mut heard = self.0.heard();
+        (heard.stage, heard.done, heard.total, heard.told) = (name.to_owned(), 0, None, false);
+    }
+
+    fn advanced(&self, done: u64, total: Option<u64>) {
+        let mut heard = self.0.heard();
+        (heard.done, heard.total, heard.told) = (done, total, false);
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.0.cancelled.load(Ordering::Relaxed)
+    }
+}
+
+impl Talk {
+    pub fn new() -> Self {
+        let shared = Arc::new(Shared::default());
+        Self { progress: Progress::observed(Listener(Arc::clone(&shared))), shared }
+    }
+
+    pub fn warn(&self, message: impl Into<String>) {
+        self.shared.heard().warnings.push(message.into());
+    }
+
+    pub fn note(&self, message: impl Into<String>) {
+        self.shared.heard().notes.push(message.into());
+    }
+
+    pub fn stage(&self, name: &'static str) {
+        self.progress.set_message(name);
+    }
+
+    /// Has the work end at the next occasion.
+    pub fn cancel(&self) {
+        self.shared.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// Between two steps.
+    ///
+    /// # Errors
+    /// Nobody waits any more.
+    pub fn go_on(&self) -> Result<(), Failure> {
+        self.progress.check().map_err(|_| Failure::Cancelled)
+    }
+
+    /// Tells a callable `(stage, done, total)` what is new.
+    pub fn tell(&self, listener: &Bound<'_, PyAny>) -> PyResult<()> {
+        let news = {
+            let mut heard = self.shared.heard();
+            let told = std::mem::replace(&mut heard.told, true);
+            (!told).then(|| (heard.stage.clone(), heard.done, heard.total))
+        };
+        news.map_or(Ok(()), |news| listener.call1(news).map(drop))
+    }
+
+    /// Hands warnings and notes on, once.
+    pub fn hand_over(&self, py: Python<'_>) -> PyResult<()> {
+        let (warnings, notes) = {
+            let mut heard = self.shared.heard();
+            (std::mem::take(&mut heard.warnings), std::mem::take(&mut heard.notes))
+        };
+        if warnings.is_empty() && notes.is_empty() {
+            return Ok(());
+        }
+        let lists = (PyList::new(py, warnings)?, PyList::new(py, notes)?);
+        py.import("pellucid._errors")?.getattr("tell")?.call1(lists)?;
+        Ok(())
+    }
+}

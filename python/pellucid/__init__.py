@@ -1,0 +1,81 @@
+"""Renders point clouds you can see through, exactly, on any Vulkan device, and times every pass.
+
+>>> import numpy, pellucid
+>>> points = numpy.random.default_rng(0).normal(size=(10_000, 3))
+>>> image = pellucid.render(points, opacity=0.2, size=(256, 256))
+>>> image.save("cloud.png")
+
+`render` takes arrays, files, and the objects of laspy, open3d, pyvista, plyfile and pandas. A `Renderer` uploads points once for any
+number of frames. `profile`, `tradeoff`, `stress`, `check`, `compare` and `plan` measure; `view` is a window in a notebook.
+"""
+
+from __future__ import annotations
+
+import atexit as _atexit
+
+from . import _pellucid
+from ._api import check, compare, devices, methods, plan, profile, render, stress, tradeoff, view
+from ._camera import Camera
+from ._cloud import Cloud
+from ._errors import DeviceError, Error, PellucidWarning, ReadError, SceneError
+from ._image import Image
+from ._measures import (
+    Check,
+    CheckCase,
+    Comparison,
+    Device,
+    FrameCost,
+    Pass,
+    Plan,
+    PlanPass,
+    Profile,
+    Stress,
+    StressCell,
+    Tradeoff,
+    TradeoffRow,
+)
+from ._renderer import Loaded, Renderer
+from ._scene import Scene
+
+__version__: str = _pellucid.VERSION
+
+__all__ = [
+    "Camera",
+    "Check",
+    "CheckCase",
+    "Cloud",
+    "Comparison",
+    "Device",
+    "DeviceError",
+    "Error",
+    "FrameCost",
+    "Image",
+    "Loaded",
+    "Pass",
+    "PellucidWarning",
+    "Plan",
+    "PlanPass",
+    "Profile",
+    "ReadError",
+    "Renderer",
+    "Scene",
+    "SceneError",
+    "Stress",
+    "StressCell",
+    "Tradeoff",
+    "TradeoffRow",
+    "__version__",
+    "check",
+    "compare",
+    "devices",
+    "methods",
+    "plan",
+    "profile",
+    "render",
+    "stress",
+    "tradeoff",
+    "view",
+]
+
+# Interrupted work may still be on the device, which the end of the process takes away from under it.
+_atexit.register(_pellucid.wait, 10.0)

@@ -1,0 +1,336 @@
+"""The functions of the package."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from . import _pellucid
+from ._camera import Camera
+from ._errors import DeviceError
+from ._image import Image
+from ._measures import Check, Comparison, Device, Plan, Profile, Stress, Tradeoff
+from ._progress import listening
+from ._renderer import Loaded, _load, forget, positive, prepared, renderer_of
+from ._types import Accuracy, Path, Progress, Setting, Size
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+
+def render(
+    points: Any,
+    *,
+    colors: ArrayLike | None = None,
+    opacity: float | None = None,
+    opacities: ArrayLike | None = None,
+    radii: ArrayLike | None = None,
+    normals: ArrayLike | None = None,
+    scalars: Mapping[str, ArrayLike] | None = None,
+    method: str = "auto",
+    camera: Camera | None = None,
+    size: Size | None = None,
+    fragments: bool = False,
+    depths: bool = False,
+    accuracy: Accuracy = "exact",
+    device: str | int | None = None,
+    seed: int | None = None,
+    progress: Progress = None,
+    **settings: Any,
+) -> Image:
+    """Renders points.
+
+    Parameters
+    ----------
+    points
+        An array of shape (n, 3); a `Cloud` or several; a `Scene`; a path of a cloud or of a scene file; or an object of laspy,
+        open3d (legacy and tensor), pyvista, plyfile or pandas.
+    colors, opacities, radii, normals, scalars
+        Columns of an array of points, as of `Cloud`.
+    opacity
+        Opacity of all points, from 0 to 1; by default 1.
+    method
+        One of `methods`; "auto" is the cheapest one that is exact for the scene, unless the scene names one.
+    camera
+        By default one that sees the whole scene.
+    size
+        Columns and rows, each from 1 to 16384; by default the scene's, else 1024 x 1024.
+    fragments
+        Count the fragments of each pixel (`Image.fragments`), and find the standard error of stochastic methods.
+    depths
+        Find median and mean depths, each of which takes the time of another picture.
+    accuracy
+        "exact", or "8-bit" where blending may stop once no 8-bit value would move by more than a quarter of a step: faster, and
+        what the command line does for a PNG.
+    device
+        Index or a part of the name; by default the best one.
+    seed
+        Of everything random; by default the scene's, else 0.
+    progress
+        True for a bar of tqdm, or what makes one.
+    settings
+        Keys of the scene file (docs/scene-file.md): ``samples=64`` of [method], ``radius=0.1`` of all clouds,
+        ``background="white"``. A table before the key is for those that several tables have, as in ``shadows__samples=4`` or
+        ``cloud__0__color``; whole tables are dicts, as in ``shading={"model": "none"}``. Besides, as on the command line:
+        ``view``, ``azimuth``, ``elevation``; ``class_opacity={"building": 0.1}``, ``classes``, ``without``; ``slices={"z": (2, 4)}``;
+        ``see_through``, ``max_error``, ``budget_ms``; ``memory_budget`` and ``host_memory`` in bytes.
+
+    Returns
+    -------
+    Image
+        An array of linear float32 R, G, B, A, shape (h, w, 4).
+
+    Raises
+    ------
+    ValueError, TypeError
+        An argument is wrong; the message names it, what it is and what it should be. `SceneError`, which is a ValueError, of
+        a setting.
+    ReadError
+        A file can't be read. It is an OSError.
+    DeviceError
+        No device is there, or it failed or has no room.
+    KeyboardInterrupt
+        Ctrl-C, within 0.2 s.
+    """
+    columns = {"colors": colors, "opacities": opacities, "radii": radii, "normals": normals, "scalars": scalars}
+    loaded = _loaded(points, {**columns, **settings}, opacity, method, camera, size, device, seed, progress)
+    with loaded:
+        return _trying(device, lambda: loaded.frame(
+            fragments=fragments, depths=depths, accuracy=accuracy, progress=progress
+        ))
+
+
+def profile(
+    points: Any,
+    *,
+    frames: int = 5,
+    opacity: float | None = None,
+    method: str = "auto",
+    camera: Camera | None = None,
+    size: Size | None = None,
+    accuracy: Accuracy = "exact",
+    device: str | int | None = None,
+    seed: int | None = None,
+    progress: Progress = None,
+    **settings: Any,
+) -> Profile:
+    """Measures what frames of a scene cost, pass by pass, after a first one, which pays for pipelines and buffers.
+
+    ``frames`` are those that count, from 1 to 100000; the others are as of `render`.
+    """
+    count = positive("frames", frames)
+    with _loaded(points, settings, opacity, method, camera, size, device, seed, progress) as loaded:
+        return loaded.profile(frames=count, accuracy=accuracy, progress=progress)
+
+
+def plan(
+    points: Any,
+    *,
+    opacity: float | None = None,
+    method: str = "auto",
+    camera: Camera | None = None,
+    size: Size | None = None,
+    device: str | int | None = None,
+    seed: int | None = None,
+    progress: Progress = None,
+    **settings: Any,
+) -> Plan:
+    """The passes of a frame, each on or off, and the fact that decided it; renders nothing. The arguments are those of `render`."""
+    with _loaded(points, settings, opacity, method, camera, size, device, seed, progress) as loaded:
+        with listening(progress) as listener:
+            text = loaded._native.plan(loaded._ask({}), listener)
+        return Plan._of(*loaded._native.method(), json.loads(text))
+
+
+def tradeoff(
+    points: Any,
+    *,
+    quick: bool = False,
+    only: Sequence[str] = (),
+    seconds: float | None = None,
+    folder: Path | None = None,
+    opacity: float | None = None,
+    method: str = "auto",
+    camera: Camera | None = None,
+    size: Size | None = None,
+    device: str | int | None = None,
+    seed: int | None = None,
+    progress: Progress = None,
+    **settings: Any,
+) -> Tradeoff:
+    """Accuracy against time: every method and setting that draws the scene's image, against the exact one.
+
+    Parameters
+    ----------
+    quick
+        A part of it for a first look, in about a minute.
+    only
+        Names of methods; by default all that apply.
+    seconds
+        About how long frames may be rendered: by default 360, of a quick look 55.
+    folder
+        Where report.html, tables, figures and pictures go; by default they are thrown away. An interrupted run goes on there.
+
+    The others are as of `render`; ``method`` says which image is compared.
+    """
+    if seconds is not None and not 0.0 < seconds:
+        raise ValueError(f"seconds: expected a number above 0, found {seconds}")
+    names = [only] if isinstance(only, str) else [str(name) for name in only]
+    known = methods()
+    for name in names:
+        if name not in known:
+            raise ValueError(f"only: expected names of methods ({', '.join(known)}), found {name!r}")
+    extent = {"quick": bool(quick), "only": names, "seconds": seconds, "command": "pellucid.tradeoff()"}
+    loaded = _loaded(points, settings, opacity, method, camera, size, device, seed, progress, with_radii=True)
+    with loaded, tempfile.TemporaryDirectory(prefix="pellucid-") as temporary:
+        target = temporary if folder is None else os.fspath(folder)
+        with listening(progress) as listener:
+            text = loaded._native.tradeoff(loaded._ask({}), extent, target, listener)
+    return Tradeoff._of(json.loads(text))
+
+
+def stress(
+    *,
+    quick: bool = False,
+    methods: Sequence[str] | None = None,
+    sides: Sequence[int] | None = None,
+    layers: Sequence[int] | None = None,
+    frames: int | None = None,
+    max_fragments: int | None = None,
+    max_seconds: float | None = None,
+    seed: int = 0,
+    device: str | int | None = None,
+    progress: Progress = None,
+) -> Stress:
+    """Time, memory and error of the exact transparent methods over ever more layers.
+
+    Parameters
+    ----------
+    quick
+        1 to 1024 layers over 64² and 256² pixels instead of 1 to 4096 over 64², 256² and 1024².
+    methods, sides, layers
+        Other methods, sides of the square images and numbers of layers.
+    frames
+        Frames behind each median.
+    max_fragments, max_seconds
+        Cells with more fragments, or of which a longer frame is predicted, are skipped.
+    """
+    extent = {
+        "quick": bool(quick),
+        "methods": None if methods is None else [str(name) for name in methods],
+        "sides": _integers("sides", sides),
+        "layers": _integers("layers", layers),
+        "frames": None if frames is None else positive("frames", frames),
+        "max_fragments": max_fragments,
+        "max_seconds": max_seconds,
+        "seed": seed,
+        "command": "pellucid.stress()",
+    }
+    with listening(progress) as listener:
+        text = _pellucid.stress(renderer_of(device)._native, extent, listener)
+    return Stress._of(json.loads(text))
+
+
+def check(*names: str, device: str | int | None = None, progress: Progress = None) -> Check:
+    """Runs the numerically hard cases on a device, each with a known answer; with ``names`` those whose names contain one of them."""
+    for name in names:
+        if not isinstance(name, str):
+            raise TypeError(f"names: expected texts, found {type(name).__name__}")
+    with listening(progress) as listener:
+        text = _pellucid.check(renderer_of(device)._native, list(names), listener)
+    return Check._of(json.loads(text))
+
+
+def compare(a: Image | ArrayLike | Path, b: Image | ArrayLike | Path) -> Comparison:
+    """Measures how far the picture ``b`` is off ``a``: RMSE, PSNR, SSIM, FLIP and the largest difference, in linear light.
+
+    Pictures are of one size: an `Image`, which counts over its background; a PNG or EXR file; or an array of shape (h, w, 3), of
+    linear floats, or of uint8 or uint16 as sRGB.
+    """
+    text, difference, width, height = _pellucid.compare(_picture("a", a), _picture("b", b))
+    return Comparison._of(json.loads(text), difference.reshape(height, width, 3))
+
+
+def devices() -> list[Device]:
+    """The Vulkan devices of this machine. Raises DeviceError where the loader is missing."""
+    found = _pellucid.devices()
+    return [
+        Device(index, name, driver, tuple(lacks), tuple(without), taken)
+        for index, name, driver, lacks, without, taken in found
+    ]
+
+
+def methods() -> list[str]:
+    """The names of all methods; docs/methods.md describes them."""
+    return [name for name, _ in _pellucid.methods()]
+
+
+def view(points: Any, **arguments: Any) -> Any:
+    """A window in a notebook: drag to orbit, wheel to come nearer, controls for opacity and the method's settings.
+
+    The arguments are those of `render`. Where there is no notebook or no jupyter_rfb, it is a picture.
+    """
+    from ._view import view as shown
+
+    return shown(points, **arguments)
+
+
+def _loaded(
+    points: Any,
+    settings: Mapping[str, Setting],
+    opacity: float | None,
+    method: str,
+    camera: Camera | None,
+    size: Size | None,
+    device: str | int | None,
+    seed: int | None,
+    progress: Progress,
+    with_radii: bool = False,
+) -> Loaded:
+    """A scene on the shared renderer, as arguments of `render` describe it."""
+    # The default leaves the scene its own.
+    asked = None if method == "auto" else method
+    arguments = {"method": asked, "opacity": opacity, "camera": camera, "size": size, **settings}
+    scene, found, given = prepared(points, arguments)
+    renderer = renderer_of(device)
+    return _trying(
+        device, lambda: _load(renderer, scene, found, given, seed=seed, progress=progress, with_radii=with_radii)
+    )
+
+
+def _trying(device: str | int | None, work: Any) -> Any:
+    """A device that failed once may be lost: the next call opens it anew."""
+    try:
+        return work()
+    except DeviceError:
+        forget(device)
+        raise
+
+
+def _integers(name: str, values: Sequence[int] | None) -> list[int] | None:
+    if values is None:
+        return None
+    if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):
+        raise TypeError(f"{name}: expected a list of whole numbers, found {type(values).__name__}")
+    return [positive(name, value) for value in values]
+
+
+def _picture(name: str, given: Any) -> Any:
+    """A picture for native code: a path, or linear R, G, B with columns and rows."""
+    import numpy as np
+
+    if isinstance(given, (str, os.PathLike)):
+        return os.fspath(given)
+    if isinstance(given, Image):
+        width, height = given.size
+        return (given.over_background().reshape(-1), width, height)
+    array = np.asarray(given)
+    if array.ndim != 3 or array.shape[2] != 3:
+        raise ValueError(f"{name}: expected an Image, a path or an array of shape (h, w, 3), found an array of shape {array.shape}")
+    if array.dtype not in (np.float32, np.float64, np.uint8, np.uint16):
+        raise ValueError(f"{name}: expected linear floats, or uint8 or uint16 as sRGB, found an array of {array.dtype}")
+    height, width = array.shape[:2]
+    return (np.ascontiguousarray(array).reshape(-1), width, height)

@@ -1,0 +1,283 @@
+"""Cameras."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from . import _arrays
+from ._types import Size
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from ._settings import Change
+
+Vector = tuple[float, float, float]
+
+# Pixels that the principal point may be off the middle of the image.
+_OFF_CENTER_PX = 0.5
+# How far focal lengths may differ, and matrices be off a rotation, relative to 1: digits that files leave out.
+_RATIO = 1e-3
+# Degrees that a turned camera keeps from the vertical.
+_POLE = 1.0
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Where a picture is taken from, in world units: a right-handed world, ``up`` toward the top of the image.
+
+    What is None is found: without ``up`` the clouds' vertical, without ``fov_y`` and ``height`` 45 degrees, without ``near``
+    and ``far`` depths that keep all points in front of the camera.
+    """
+
+    eye: Vector | None = None
+    target: Vector | None = None
+    up: Vector | None = None
+    #: Full vertical angle in degrees, above 0 and below 180: a perspective camera.
+    fov_y: float | None = None
+    #: World units over the height of the image: an orthographic camera.
+    height: float | None = None
+    near: float | None = None
+    far: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("eye", "target", "up"):
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, _arrays.vector(name, value))
+        for name, most in (("fov_y", 180.0), ("height", math.inf), ("near", math.inf), ("far", math.inf)):
+            value = getattr(self, name)
+            if value is None:
+                continue
+            number = _number(name, value)
+            if not 0.0 < number < most:
+                limit = f"above 0 and below {most:.0f}" if most < math.inf else "above 0 and finite"
+                raise ValueError(f"{name}: expected a number {limit}, found {number}")
+            object.__setattr__(self, name, number)
+        if self.fov_y is not None and self.height is not None:
+            raise ValueError("fov_y and height: expected one of them: a perspective camera has fov_y, an orthographic one height")
+        if self.near is not None and self.far is not None and self.near >= self.far:
+            raise ValueError(f"near and far: expected near below far, found {self.near} and {self.far}")
+        if self.eye is not None and self.eye == self.target:
+            raise ValueError(f"eye and target: expected two points, found {self.eye} twice")
+
+    @classmethod
+    def look_at(
+        cls,
+        eye: ArrayLike,
+        target: ArrayLike,
+        *,
+        up: ArrayLike | None = None,
+        fov_y: float = 45.0,
+        near: float | None = None,
+        far: float | None = None,
+    ) -> Camera:
+        """A perspective camera at ``eye`` that looks at ``target``; ``fov_y`` is the full vertical angle in degrees."""
+        return cls(*_pose(eye, target, up), fov_y=fov_y, near=near, far=far)
+
+    @classmethod
+    def orthographic(
+        cls,
+        eye: ArrayLike,
+        target: ArrayLike,
+        height: float,
+        *,
+        up: ArrayLike | None = None,
+        near: float | None = None,
+        far: float | None = None,
+    ) -> Camera:
+        """An orthographic camera; ``height`` is how many world units the image shows from bottom to top."""
+        return cls(*_pose(eye, target, up), height=height, near=near, far=far)
+
+    @classmethod
+    def from_opencv(
+        cls,
+        K: ArrayLike,
+        world_to_camera: ArrayLike | None = None,
+        *,
+        R: ArrayLike | None = None,
+        t: ArrayLike | None = None,
+        size: Size,
+    ) -> Camera:
+        """The camera of a calibration of OpenCV: +x right, +y down, +z forward.
+
+        Parameters
+        ----------
+        K
+            Intrinsics, 3 x 3, in pixels.
+        world_to_camera
+            Extrinsics, 4 x 4 or 3 x 4. In their place ``R`` (3 x 3) and ``t`` (3): x_camera = R x_world + t.
+        size
+            Columns and rows of the calibrated images.
+
+        Raises
+        ------
+        ValueError
+            Pixels that aren't square, skew, or a principal point more than half a pixel off the middle of the image: scenes
+            have none of them. Undistort and crop the images first (cv2.undistort, cv2.getOptimalNewCameraMatrix with
+            centerPrincipalPoint=True).
+        """
+        import numpy as np
+
+        intrinsics = _arrays.matrix("K", K, (3, 3))
+        if world_to_camera is not None:
+            if R is not None or t is not None:
+                raise TypeError("world_to_camera: R and t say the same; give either")
+            extrinsics = np.asarray(world_to_camera, dtype=np.float64)
+            shape = (3, 4) if extrinsics.shape == (3, 4) else (4, 4)
+            extrinsics = _arrays.matrix("world_to_camera", world_to_camera, shape)
+            rotation, moved = extrinsics[:3, :3], extrinsics[:3, 3]
+        elif R is None or t is None:
+            raise TypeError("from_opencv() needs world_to_camera, or R and t")
+        else:
+            rotation, moved = _arrays.matrix("R", R, (3, 3)), np.array(_arrays.vector("t", np.ravel(t)))
+        _check_rotation("R" if world_to_camera is None else "world_to_camera", rotation)
+        if abs(intrinsics[0, 1]) > _RATIO * abs(intrinsics[0, 0]):
+            raise ValueError(f"K: expected no skew, found {intrinsics[0, 1]}")
+        fov_y = _lens("K", intrinsics[0, 0], intrinsics[1, 1], intrinsics[0, 2], intrinsics[1, 2], size)
+        eye = -rotation.T @ moved
+        return cls(_triple(eye), _triple(eye + rotation[2]), _triple(-rotation[1]), fov_y=fov_y)
+
+    @classmethod
+    def from_nerfstudio(
+        cls, camera_to_world: ArrayLike, *, fl_x: float, fl_y: float, cx: float, cy: float, w: int, h: int
+    ) -> Camera:
+        """The camera of a frame of nerfstudio's ``transforms.json``: +x right, +y up, -z forward.
+
+        ``camera_to_world`` is the frame's ``transform_matrix`` (4 x 4 or 3 x 4); the others are keys of the file, in pixels.
+        Raises ValueError as `from_opencv` does.
+        """
+        import numpy as np
+
+        given = np.asarray(camera_to_world, dtype=np.float64)
+        pose = _arrays.matrix("camera_to_world", camera_to_world, (3, 4) if given.shape == (3, 4) else (4, 4))
+        _check_rotation("camera_to_world", pose[:3, :3])
+        fov_y = _lens("fl_x, fl_y, cx and cy", fl_x, fl_y, cx, cy, (w, h))
+        eye = pose[:3, 3]
+        return cls(_triple(eye), _triple(eye - pose[:3, 2]), _triple(pose[:3, 1]), fov_y=fov_y)
+
+    def orbit(self, azimuth: float, elevation: float = 0.0) -> Camera:
+        """Turned around the target: by ``azimuth`` degrees around ``up``, counter-clockwise from above, and ``elevation`` higher.
+
+        It stays one degree off the vertical. Raises ValueError unless eye, target and up are given.
+        """
+        import numpy as np
+
+        eye, target, up = self._given("orbit")
+        up = up / np.linalg.norm(up)
+        arm = eye - target
+        distance = float(np.linalg.norm(arm))
+        level = arm - (arm @ up) * up
+        if np.linalg.norm(level) < 1e-9 * distance:
+            # From above any direction is as good as another one.
+            level = np.cross(up, [1.0, 0.0, 0.0] if abs(up[0]) < 0.9 else [0.0, 1.0, 0.0])
+        level = level / np.linalg.norm(level)
+        side = np.cross(up, level)
+        around = math.radians(_number("azimuth", azimuth))
+        level = math.cos(around) * level + math.sin(around) * side
+        height = math.degrees(math.asin(max(-1.0, min(1.0, float(arm @ up) / distance))))
+        height = max(_POLE - 90.0, min(90.0 - _POLE, height + _number("elevation", elevation)))
+        above = math.radians(height)
+        eye = target + distance * (math.cos(above) * level + math.sin(above) * up)
+        return replace(self, eye=_triple(eye), up=_triple(up))
+
+    def zoom(self, factor: float) -> Camera:
+        """``factor`` times as far from the target; an orthographic camera shows as much more.
+
+        Raises ValueError unless eye and target are given, and for a factor that is not above 0.
+        """
+        number = _number("factor", factor)
+        if not 0.0 < number < math.inf:
+            raise ValueError(f"factor: expected a number above 0, found {number}")
+        eye, target, _ = self._given("zoom", up=False)
+        height = None if self.height is None else self.height * number
+        return replace(self, eye=_triple(target + number * (eye - target)), height=height)
+
+    def pan(self, right: float, up: float) -> Camera:
+        """Moved across the view, eye and target, by parts of the height of the image at the target.
+
+        Raises ValueError unless eye, target and up are given.
+        """
+        import numpy as np
+
+        eye, target, upward = self._given("pan")
+        forward = target - eye
+        distance = float(np.linalg.norm(forward))
+        aside = np.cross(forward, upward)
+        aside = aside / np.linalg.norm(aside)
+        above = np.cross(aside, forward / distance)
+        angle = 45.0 if self.fov_y is None else self.fov_y
+        extent = 2.0 * distance * math.tan(math.radians(angle) / 2.0) if self.height is None else self.height
+        moved = extent * (_number("right", right) * aside + _number("up", up) * above)
+        return replace(self, eye=_triple(eye + moved), target=_triple(target + moved))
+
+    def _given(self, doing: str, up: bool = True) -> tuple[Any, Any, Any]:
+        import numpy as np
+
+        if self.eye is None or self.target is None or (up and self.up is None):
+            raise ValueError(
+                f"{doing}: expected a camera with eye, target and up, found {self}; that of a picture has all of them: image.camera"
+            )
+        return np.array(self.eye), np.array(self.target), None if self.up is None else np.array(self.up)
+
+    def _changes(self) -> list[Change]:
+        """Its keys in the scene file."""
+        from ._settings import toml
+
+        names = ("eye", "target", "up", "fov_y", "height", "near", "far")
+        given = ((name, getattr(self, name)) for name in names)
+        return [("camera", f"camera.{name}", toml(name, value), False) for name, value in given if value is not None]
+
+    @classmethod
+    def _of(cls, numbers: tuple[Any, ...]) -> Camera:
+        eye, target, up, fov_y, height, near, far = numbers
+        return cls(tuple(eye), tuple(target), tuple(up), fov_y, height, near, far)
+
+
+def _number(name: str, value: Any) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name}: expected a number, found {type(value).__name__}") from None
+    if not math.isfinite(number):
+        raise ValueError(f"{name}: expected a finite number, found {number}")
+    return number
+
+
+def _triple(vector: Any) -> Vector:
+    x, y, z = (float(value) for value in vector)
+    return (x, y, z)
+
+
+def _pose(eye: ArrayLike, target: ArrayLike, up: ArrayLike | None) -> tuple[Any, Any, Any]:
+    pose = _arrays.vector("eye", eye), _arrays.vector("target", target)
+    return (*pose, None if up is None else _arrays.vector("up", up))
+
+
+def _check_rotation(name: str, rotation: Any) -> None:
+    import numpy as np
+
+    off = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
+    if off > _RATIO or np.linalg.det(rotation) < 0.0:
+        raise ValueError(f"{name}: expected a rotation without scale or mirror, found {rotation.tolist()}")
+
+
+def _lens(name: str, fl_x: float, fl_y: float, cx: float, cy: float, size: Size) -> float:
+    """The vertical angle in degrees of square pixels around the middle of an image."""
+    from ._settings import _size
+
+    width, height = _size(size)
+    fl_x, fl_y, cx, cy = (_number(name, value) for value in (fl_x, fl_y, cx, cy))
+    if fl_x <= 0.0 or fl_y <= 0.0:
+        raise ValueError(f"{name}: expected focal lengths above 0, found {fl_x} and {fl_y}")
+    if abs(fl_x - fl_y) > _RATIO * fl_y:
+        raise ValueError(f"{name}: expected square pixels, found focal lengths of {fl_x} and {fl_y}; undistort the images first")
+    off = max(abs(cx - width / 2.0), abs(cy - height / 2.0))
+    if off > _OFF_CENTER_PX:
+        raise ValueError(
+            f"{name}: expected a principal point in the middle of the image, ({width / 2.0}, {height / 2.0}), found ({cx}, {cy}), "
+            f"{off:.1f} pixels off it: a scene has none elsewhere. Crop the images around it, and say their new size"
+        )
+    return math.degrees(2.0 * math.atan(height / (2.0 * fl_y)))

@@ -1,0 +1,231 @@
+"""Clouds of points."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Literal
+
+from . import _arrays, _pellucid
+from ._progress import listening
+from ._types import Path, Progress
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+
+class Cloud:
+    """Points with their attributes. They are copied, and never change.
+
+    Parameters
+    ----------
+    points
+        Positions in world units, shape (n, 3), real numbers, all finite. They are kept in float64.
+    colors
+        Shape (n, 3). uint8 and uint16 are sRGB, as files have them. Floats lie from 0 to 1; see ``color_space``.
+    opacity
+        One opacity for all points, from 0 to 1, which those of the points multiply.
+    opacities
+        Shape (n,), from 0 to 1; uint8 counts as parts of 255.
+    radii
+        Shape (n,), world units, at least 0. Without them the radius of a point follows from its neighbors.
+    normals
+        Shape (n, 3), of any length; a zero vector is no normal.
+    classification
+        Shape (n,), whole numbers from 0 to 255: the classes of LAS.
+    intensity
+        Shape (n,).
+    scalars
+        Further values by name, each of shape (n,). ``color_by`` and ``field`` know them by these names.
+    z_up
+        True if +Z points up, as in surveys, False for +Y, as in models. None tells it from the shape.
+    color_space
+        What floats in ``colors`` are: "linear" light, or "srgb", as open3d and PLY files have them.
+    name
+        What metadata and scene files call it in place of a file.
+
+    Raises
+    ------
+    ValueError
+        A wrong shape, type or value; the message names the argument, what it is and what it should be.
+    """
+
+    __slots__ = ("_native", "name", "opacity")
+
+    _native: _pellucid.Cloud
+    name: str
+    opacity: float | None
+
+    def __init__(
+        self,
+        points: ArrayLike,
+        *,
+        colors: ArrayLike | None = None,
+        opacity: float | None = None,
+        opacities: ArrayLike | None = None,
+        radii: ArrayLike | None = None,
+        normals: ArrayLike | None = None,
+        classification: ArrayLike | None = None,
+        intensity: ArrayLike | None = None,
+        scalars: Mapping[str, ArrayLike] | None = None,
+        z_up: bool | None = None,
+        color_space: Literal["linear", "srgb"] = "linear",
+        name: str | None = None,
+    ) -> None:
+        if color_space not in ("linear", "srgb"):
+            raise ValueError(f"color_space: expected 'linear' or 'srgb', found {color_space!r}")
+        flat = _arrays.rows("points", points)
+        count = flat.shape[0] // 3
+
+        def column(name: str, given: ArrayLike | None) -> NDArray[Any] | None:
+            return None if given is None else _arrays.column(name, given, count)
+
+        given = {
+            "colors": None if colors is None else _arrays.colors(colors, count),
+            "srgb": color_space == "srgb",
+            "opacities": None if opacities is None else _unit(opacities, count),
+            "radii": column("radii", radii),
+            "normals": None if normals is None else _arrays.rows("normals", normals, count),
+            "classification": None
+            if classification is None
+            else _arrays.codes("classification", classification, count),
+            "intensity": column("intensity", intensity),
+            "scalars": _scalars(scalars, count),
+            "z_up": None if z_up is None else bool(z_up),
+        }
+        self.opacity = _opacity(opacity)
+        self.name = "cloud" if name is None else str(name)
+        self._native = _pellucid.Cloud.of_arrays(flat, given)
+
+    @classmethod
+    def read(cls, path: Path, *, progress: Progress = None) -> Cloud:
+        """Reads a file: PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, a table of numbers, or Gaussian splats.
+
+        Raises ReadError for a file that is missing, damaged or without points.
+        """
+        with listening(progress) as listener:
+            return cls._of(_pellucid.Cloud.read(os.fspath(path), listener), os.fspath(path))
+
+    @classmethod
+    def from_any(cls, object: Any, **columns: Any) -> Cloud:
+        """A cloud of an object of laspy, open3d, pyvista, plyfile or pandas, or of an array.
+
+        ``columns`` are arguments of `Cloud`, which win over those of the object. Raises TypeError for other objects.
+        """
+        if isinstance(object, Cloud):
+            if columns:
+                names = ", ".join(columns)
+                raise TypeError(f"{names}: a Cloud has its columns already; make another one of its arrays")
+            return object
+        from ._foreign import columns as columns_of
+
+        found = columns_of(object)
+        if found is not None:
+            return cls(**{**found, **columns})
+        if hasattr(object, "__array__") or isinstance(object, (list, tuple)):
+            return cls(object, **columns)
+        kind = f"{type(object).__module__}.{type(object).__qualname__}"
+        raise TypeError(
+            f"points: expected an array of shape (n, 3), a Cloud, a Scene, a path, or an object of laspy, open3d, pyvista, "
+            f"plyfile or pandas, found {kind}"
+        )
+
+    @classmethod
+    def _of(cls, native: _pellucid.Cloud, name: str) -> Cloud:
+        cloud = cls.__new__(cls)
+        cloud._native, cloud.name, cloud.opacity = native, name, None
+        return cloud
+
+    def __len__(self) -> int:
+        return len(self._native)
+
+    def __repr__(self) -> str:
+        low, high = self.bounds.tolist()
+        return f"<pellucid.Cloud {self.name!r}: {len(self)} points from {low} to {high}>"
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """Smallest and largest corner, shape (2, 3), world units."""
+        import numpy as np
+
+        flat = self._native.bounds()
+        return np.full((2, 3), np.nan) if flat is None else flat.reshape(2, 3)
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """A copy of the positions, shape (n, 3)."""
+        return self._native.points().reshape(-1, 3)
+
+    @property
+    def colors(self) -> NDArray[np.float32] | None:
+        """A copy of the colors, shape (n, 3), linear; None without."""
+        flat = self._native.colors()
+        return None if flat is None else flat.reshape(-1, 3)
+
+    @property
+    def normals(self) -> NDArray[np.float32] | None:
+        """A copy of the normals, shape (n, 3), of length 1 or 0; None without."""
+        flat = self._native.normals()
+        return None if flat is None else flat.reshape(-1, 3)
+
+    @property
+    def opacities(self) -> NDArray[np.float32] | None:
+        """A copy of the opacities of points, shape (n,); None without."""
+        return self._native.opacities()
+
+    @property
+    def radii(self) -> NDArray[np.float32] | None:
+        """A copy of the radii, shape (n,), world units; None without."""
+        return self._native.radii()
+
+    @property
+    def classification(self) -> NDArray[np.uint8] | None:
+        """A copy of the classes, shape (n,); None without."""
+        return self._native.classification()
+
+    @property
+    def intensity(self) -> NDArray[np.float32] | None:
+        """A copy of the intensities, shape (n,); None without."""
+        return self._native.intensity()
+
+    @property
+    def scalars(self) -> dict[str, NDArray[np.float32]]:
+        """Copies of all other values by name, each of shape (n,)."""
+        return dict(self._native.scalars())
+
+    @property
+    def z_up(self) -> bool:
+        """True if +Z points up."""
+        return self._native.z_up()
+
+
+def _opacity(given: float | None) -> float | None:
+    if given is None:
+        return None
+    try:
+        opacity = float(given)
+    except (TypeError, ValueError):
+        kind = type(given).__name__
+        raise ValueError(
+            f"opacity: expected one number from 0 to 1, found {kind}; an opacity for each point is opacities="
+        ) from None
+    if not 0.0 <= opacity <= 1.0:
+        raise ValueError(f"opacity: expected a number from 0 to 1, found {opacity}")
+    return opacity
+
+
+def _unit(given: ArrayLike, count: int) -> NDArray[Any]:
+    import numpy as np
+
+    column = _arrays.column("opacities", given, count)
+    bytes = np.asarray(given).dtype == np.uint8
+    return column / np.float32(255.0) if bytes else column
+
+
+def _scalars(given: Mapping[str, ArrayLike] | None, count: int) -> list[tuple[str, NDArray[Any]]]:
+    if given is None:
+        return []
+    if not hasattr(given, "items"):
+        raise TypeError(f"scalars: expected a dict of arrays by name, found {type(given).__name__}")
+    return [(str(name), _arrays.column(f"scalars[{name!r}]", values, count)) for name, values in given.items()]

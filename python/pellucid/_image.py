@@ -1,0 +1,181 @@
+"""Pictures."""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import TYPE_CHECKING, Any
+
+from . import _pellucid
+from ._camera import Camera
+from ._types import Path
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from ._measures import Profile
+
+
+class Image:
+    """A rendered picture: linear light, row 0 at the top.
+
+    ``numpy.asarray(image)`` is its `rgba`. Its arrays are read-only views without a copy; ``numpy.array(image)`` is a copy to
+    write to. In a notebook it shows itself.
+    """
+
+    __slots__ = ("_native", "_parts", "_profile", "_shape")
+
+    _native: _pellucid.Picture
+    _shape: tuple[int, int]
+    _parts: dict[str, Any]
+    _profile: Profile | None
+
+    def __init__(self) -> None:
+        raise TypeError("Image: expected no call; pellucid.render and Loaded.frame make images")
+
+    @classmethod
+    def _of(cls, native: _pellucid.Picture, parts: tuple[Any, ...], size: tuple[int, int]) -> Image:
+        image = cls.__new__(cls)
+        names = ("rgba", "depth", "median", "mean", "fragments", "layers", "stderr")
+        for part in parts:
+            if part is not None:
+                part.flags.writeable = False
+        image._native, image._parts, image._profile = native, dict(zip(names, parts)), None
+        image._shape = (size[1], size[0])
+        return image
+
+    def _plane(self, name: str, *channels: int) -> Any:
+        part = self._parts[name]
+        return None if part is None else part.reshape(*self._shape, *channels)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        import numpy as np
+
+        rgba = self.rgba
+        if dtype is not None and np.dtype(dtype) != rgba.dtype:
+            if copy is False:
+                raise ValueError(f"copy: expected True or None for {np.dtype(dtype)}, found False: pictures are float32")
+            return rgba.astype(dtype)
+        return rgba.copy() if copy else rgba
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Rows, columns, 4."""
+        return (*self._shape, 4)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Columns and rows."""
+        return (self._shape[1], self._shape[0])
+
+    @property
+    def rgba(self) -> NDArray[np.float32]:
+        """Shape (h, w, 4): R, G, B multiplied by opacity, and opacity A, without the background.
+
+        Linear light, unless the scene says ``image.color = "encoded"``.
+        """
+        plane: NDArray[np.float32] = self._plane("rgba", 4)
+        return plane
+
+    @property
+    def depth(self) -> NDArray[np.float32]:
+        """Shape (h, w): depth of the nearest fragment along the view, world units; infinite where there is none."""
+        plane: NDArray[np.float32] = self._plane("depth")
+        return plane
+
+    @property
+    def median_depth(self) -> NDArray[np.float32] | None:
+        """Shape (h, w): depth at which half of the light or less is left; infinite where A is below 1/2.
+
+        None unless ``depths=True`` was asked for and the method has it.
+        """
+        plane: NDArray[np.float32] | None = self._plane("median")
+        return plane
+
+    @property
+    def mean_depth(self) -> NDArray[np.float32] | None:
+        """Shape (h, w): mean depth of the fragments, each weighted by what it adds to A; None as of `median_depth`."""
+        plane: NDArray[np.float32] | None = self._plane("mean")
+        return plane
+
+    @property
+    def fragments(self) -> NDArray[np.uint32] | None:
+        """Shape (h, w): fragments of each pixel. None unless ``fragments=True`` was asked for and the method has lists."""
+        plane: NDArray[np.uint32] | None = self._plane("fragments")
+        return plane
+
+    @property
+    def layers(self) -> NDArray[np.uint32] | None:
+        """Shape (h, w): blended layers of each pixel, of methods that peel, with ``fragments=True``; else None."""
+        plane: NDArray[np.uint32] | None = self._plane("layers")
+        return plane
+
+    @property
+    def stderr(self) -> float | None:
+        """Standard error of the picture, root mean square over pixels and R, G, B, of stochastic methods with ``fragments=True``."""
+        return self._native.stderr
+
+    @property
+    def pixel_stderr(self) -> NDArray[np.float32] | None:
+        """Shape (h, w, 3): standard error of each pixel; None as of `stderr`."""
+        plane: NDArray[np.float32] | None = self._plane("stderr", 3)
+        return plane
+
+    @property
+    def method(self) -> str:
+        """The method in force."""
+        return self._native.method
+
+    @property
+    def reason(self) -> str:
+        """Why this method."""
+        return self._native.reason
+
+    @property
+    def metadata(self) -> dict[str, str]:
+        """What files of it say: scene, method, settings, device, version, seed."""
+        return dict(self._native.metadata)
+
+    @property
+    def camera(self) -> Camera:
+        """The camera, with all that was found where nothing was given."""
+        return Camera._of(self._native.camera())
+
+    @property
+    def profile(self) -> Profile:
+        """What the frame cost: device time of each pass, memory."""
+        if self._profile is None:
+            from ._measures import Profile
+
+            self._profile = Profile._of(json.loads(self._native.profile()))
+        return self._profile
+
+    def over_background(self) -> NDArray[np.float32]:
+        """Linear R, G, B over the scene's background, shape (h, w, 3)."""
+        return self._native.linear(self._parts).reshape(*self._shape, 3)
+
+    def to_srgb(self) -> NDArray[np.uint8]:
+        """8-bit sRGB over the scene's background, shape (h, w, 3): the pixels of the PNG."""
+        return self._native.srgb(self._parts).reshape(*self._shape, 3)
+
+    def to_png(self, *, transparent: bool = False) -> bytes:
+        """The bytes of a PNG, as `save` writes it."""
+        return bytes(self._native.png(bool(transparent), self._parts))
+
+    def save(self, path: Path, *, transparent: bool = False) -> None:
+        """Writes a PNG (8-bit sRGB) or an EXR (float32 R, G, B, A, Z and what was asked for), by the extension.
+
+        A PNG is over the background, or with ``transparent=True`` has straight alpha. The file appears whole or not at all.
+        A PNG that has the very bytes of the command line's is one of a picture with ``accuracy="8-bit"``.
+
+        Raises OSError for another extension, a missing folder, and errors of the system.
+        """
+        self._native.save(os.fspath(path), bool(transparent), self._parts)
+
+    def _repr_png_(self) -> bytes:
+        return self.to_png()
+
+    def __repr__(self) -> str:
+        width, height = self.size
+        return f"<pellucid.Image {width} × {height}, method {self.method}>"

@@ -1,0 +1,63 @@
+"""Progress bars: by tqdm, or by anything that is called like it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from ._types import Progress
+
+Listener = Callable[[str, int, "int | None"], None]
+
+
+class _Bars:
+    """One bar at a time, a new one for each stage."""
+
+    def __init__(self, make: Callable[..., Any]) -> None:
+        self.make = make
+        self.bar: Any = None
+        self.stage: str | None = None
+        self.done = 0
+
+    def __call__(self, stage: str, done: int, total: int | None) -> None:
+        if self.bar is None or stage != self.stage or done < self.done:
+            self.close()
+            self.bar = self.make(total=total, desc=stage)
+            self.stage, self.done = stage, 0
+        if total is not None:
+            self.bar.total = total
+        self.bar.update(done - self.done)
+        self.done = done
+
+    def close(self) -> None:
+        if self.bar is not None:
+            self.bar.close()
+            self.bar = None
+
+
+@contextmanager
+def listening(progress: Progress) -> Iterator[Listener | None]:
+    """A callable for native code that shows how far work is, or None.
+
+    Raises TypeError for a ``progress`` that is neither a bool, None nor callable, and ImportError without tqdm.
+    """
+    if progress is None or progress is False:
+        yield None
+        return
+    if progress is True:
+        try:
+            from tqdm.auto import tqdm
+        except ImportError as error:
+            raise ImportError(
+                "progress=True needs tqdm (pip install tqdm); any callable with total= and desc= will do as well"
+            ) from error
+        progress = tqdm
+    elif not callable(progress):
+        kind = type(progress).__name__
+        raise TypeError(f"progress: expected True, False, None or what makes a bar, as tqdm.tqdm, found {kind}")
+    bars = _Bars(progress)
+    try:
+        yield bars
+    finally:
+        bars.close()

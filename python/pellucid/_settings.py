@@ -1,0 +1,305 @@
+"""Keyword arguments as keys of the scene file.
+
+The keys, their tables and their descriptions come from the table that the readers of scene files have; the values are
+checked there, too.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+import os
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple, TypedDict, cast
+
+from . import _pellucid
+
+# Where a key without a table is looked for, in this order: several tables have `samples` and `color`.
+_ORDER = ("method", "cloud.*", "image", "shading", "detail", "shadows", "camera", "clip.*")
+_TABLES = ("image", "camera", "shading", "shadows", "detail", "method", "cloud", "clip")
+
+# What the command line has as options, and no scene file as a key.
+_DIRECTIONS = ("view", "azimuth", "elevation")
+_LIMITS = ("see_through", "max_error", "budget_ms", "memory_budget", "host_memory")
+_SHORT = ("class_opacity", "classes", "without", "slices")
+
+# An option as errors name it, a dotted key, its value as TOML, and if it is appended.
+Change = tuple[str, str, str, bool]
+
+
+class KeyInfo(TypedDict):
+    """A key of the scene file."""
+
+    name: str
+    about: str
+    kind: str
+    unit: str
+    default: str | None
+    without: str
+    methods: list[str]
+
+
+@functools.cache
+def tables() -> dict[str, dict[str, KeyInfo]]:
+    """All keys by table and name."""
+    found = json.loads(_pellucid.keys())
+    all = {table["path"]: {key["name"]: cast(KeyInfo, key) for key in table["keys"]} for table in found}
+    name: KeyInfo = {
+        "name": "name",
+        "about": "The method.",
+        "kind": "one of " + ", ".join(name for name, _ in _pellucid.methods()) + ", or auto",
+        "unit": "",
+        "default": '"auto"',
+        "without": "",
+        "methods": [],
+    }
+    all["method"] = {"name": name, **all["method"]}
+    return all
+
+
+def described(info: KeyInfo) -> str:
+    """The description of a key, as a docstring."""
+    text = f"{info['about']}\n\n{info['kind']}"
+    if info["unit"]:
+        text += f", {info['unit']}"
+    if info["default"] is not None:
+        text += f"; by default {info['default']}"
+    elif info["without"]:
+        text += f"; without it: {info['without']}"
+    if info["methods"]:
+        text += f". Of {', '.join(info['methods'])}"
+    return text + "."
+
+
+def toml(name: str, value: Any) -> str:
+    """A value as TOML. Raises ValueError and TypeError that name the argument."""
+    if hasattr(value, "tolist") and not isinstance(value, (str, bytes)):
+        value = value.tolist()
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int):
+        return str(value)
+    if isinstance(value, float):
+        if not math.isfinite(value):
+            raise ValueError(f"{name}: expected a finite number, found {value}")
+        return repr(value)
+    if isinstance(value, (str, os.PathLike)):
+        return json.dumps(os.fspath(value), ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, Mapping):
+        entries = (f"{toml(name, str(key))} = {toml(name, item)}" for key, item in value.items() if item is not None)
+        return "{ " + ", ".join(entries) + " }"
+    if isinstance(value, Iterable) and not isinstance(value, bytes):
+        return "[" + ", ".join(toml(name, item) for item in value) + "]"
+    kind = type(value).__name__
+    raise TypeError(f"{name}: expected a number, a bool, a text, a list or a dict, found {kind}")
+
+
+def dotted(name: str) -> str:
+    """The dotted key that a keyword stands for. Raises TypeError for one that no table has."""
+    path = name.replace("__", ".")
+    first, _, rest = path.partition(".")
+    if rest and first in ("cloud", "clip"):
+        return path if rest.partition(".")[0].isdigit() or rest.startswith("*.") else f"{first}.*.{rest}"
+    if rest and first in _TABLES:
+        return path
+    for table in _ORDER:
+        if path in tables()[table]:
+            return f"{table}.{path}"
+    raise TypeError(_unknown(name))
+
+
+def _unknown(name: str) -> str:
+    import difflib
+
+    known = {key for table in tables().values() for key in table} | set(_DIRECTIONS + _LIMITS + _SHORT)
+    near = difflib.get_close_matches(name, sorted(known), n=1)
+    hint = f"; did you mean {near[0]!r}?" if near else "; docs/scene-file.md lists all keys"
+    return f"{name!r} is neither an argument nor a key of the scene file{hint}"
+
+
+class Asked(NamedTuple):
+    """Keyword arguments, sorted."""
+
+    changes: list[Change]
+    # Tables that are taken out before.
+    drop: list[str]
+    direction: dict[str, Any]
+    limits: dict[str, Any]
+
+
+def asked(settings: Mapping[str, Any]) -> Asked:
+    """Sorts keyword arguments that are keys or options. Those that are None count as not given."""
+    found = Asked([], [], {}, {})
+    for name, value in settings.items():
+        if value is None:
+            continue
+        if name in _DIRECTIONS:
+            found.direction[name] = str(value) if name == "view" else _number(name, value)
+        elif name in _LIMITS:
+            found.limits[name] = _bytes(name, value) if name.endswith(("budget", "memory")) else _number(name, value)
+        elif name in _SHORT:
+            found.changes.extend(_short(name, value))
+        elif name in _TABLES:
+            _table(name, value, found)
+        else:
+            found.changes.append((f"{name}={_shown(value)}", dotted(name), toml(name, value), False))
+    return found
+
+
+def _shown(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _number(name: str, value: Any) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name}: expected a number, found {type(value).__name__}") from None
+
+
+def _bytes(name: str, value: Any) -> int:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < 2**63:
+        raise ValueError(f"{name}: expected a number of bytes, found {value!r}")
+    return int(value)
+
+
+def _table(name: str, value: Any, found: Asked) -> None:
+    """A whole table: its keys one by one; the method by its name alone, clips as a list."""
+    if name == "method" and isinstance(value, str):
+        found.changes.append((f"method={value!r}", "method.name", toml(name, value), False))
+    elif name == "clip":
+        clips = [value] if isinstance(value, Mapping) else value
+        if not isinstance(clips, Iterable) or isinstance(clips, str):
+            raise TypeError(f"clip: expected a dict or a list of them, found {type(value).__name__}")
+        found.changes.extend((f"clip={_shown(clip)}", "clip", toml("clip", clip), True) for clip in clips)
+    elif isinstance(value, Mapping):
+        prefix = "cloud.*" if name == "cloud" else name
+        for key, item in value.items():
+            if item is not None:
+                path = f"{prefix}.{key}"
+                found.changes.append((f"{path}={_shown(item)}", path, toml(path, item), False))
+    else:
+        raise TypeError(f"{name}: expected a dict of keys of [{name}], found {type(value).__name__}")
+
+
+def _short(name: str, value: Any) -> list[Change]:
+    """Options that leave points out or make them see-through."""
+
+    def entry(text: str, entry: dict[str, Any]) -> Change:
+        return (text, "cloud.*.class", toml(name, entry), True)
+
+    if name == "slices":
+        return _slices(value)
+    if name == "class_opacity":
+        if not isinstance(value, Mapping):
+            raise TypeError(f"class_opacity: expected a dict of opacities by class, found {type(value).__name__}")
+        return [
+            entry(f"class_opacity={{{key!r}: {opacity!r}}}", {"id": _code(name, key), "opacity": opacity})
+            for key, opacity in value.items()
+        ]
+    if isinstance(value, (str, int)):
+        value = [value]
+    codes = [_code(name, item) for item in value]
+    text = f"{name}={_shown(value)}"
+    if name == "without":
+        return [entry(text, {"id": code, "visible": False}) for code in codes]
+    hidden = [code for code in range(256) if code not in codes]
+    runs: list[list[int]] = []
+    for code in hidden:
+        if runs and runs[-1][1] == code - 1:
+            runs[-1][1] = code
+        else:
+            runs.append([code, code])
+    return [entry(text, {"scalar": "classification", "range": run, "visible": False}) for run in runs]
+
+
+def _code(name: str, given: Any) -> int:
+    if isinstance(given, str) and not given.isdigit():
+        code = _pellucid.class_code(given)
+        if code is None:
+            raise ValueError(f"{name}: no class {given!r}; a number from 0 to 255, or a name as docs/scene-file.md lists")
+        return code
+    try:
+        code = int(given)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name}: expected a class, a number or a name, found {type(given).__name__}") from None
+    if not 0 <= code <= 255:
+        raise ValueError(f"{name}: expected a class from 0 to 255, found {code}")
+    return code
+
+
+def _slices(value: Any) -> list[Change]:
+    if not isinstance(value, Mapping):
+        raise TypeError(f"slices: expected a dict as {{'z': (2, 4)}}, found {type(value).__name__}")
+    changes: list[Change] = []
+    for axis, ends in value.items():
+        if axis not in ("x", "y", "z") or not isinstance(ends, (tuple, list)) or len(ends) != 2:
+            raise ValueError(f"slices: expected 'x', 'y' or 'z' and two ends, either of them None, found {axis!r}: {ends!r}")
+        slab = {"axis": axis, "min": _end(ends[0]), "max": _end(ends[1])}
+        changes.append((f"slices={{{axis!r}: {ends!r}}}", "clip", toml("slices", {"slab": slab}), True))
+    return changes
+
+
+def _end(value: Any) -> float | None:
+    return None if value is None else _number("slices", value)
+
+
+def ask(
+    found: Asked,
+    *,
+    size: Any = None,
+    camera_changes: list[Change] | None = None,
+    fragments: bool = False,
+    depths: bool = False,
+    accuracy: str = "exact",
+    transparent: bool = False,
+    opacity_factor: float = 1.0,
+    radius_factor: float = 1.0,
+    seed: int | None = None,
+) -> dict[str, Any]:
+    """What native code is asked for."""
+    if accuracy not in ("exact", "8-bit"):
+        raise ValueError(f"accuracy: expected 'exact' or '8-bit', found {accuracy!r}")
+    changes = list(found.changes)
+    drop = list(found.drop)
+    if size is not None:
+        changes.append((f"size={_shown(size)}", "image.size", toml("size", _size(size)), False))
+    if camera_changes is not None:
+        drop.append("camera")
+        changes.extend(camera_changes)
+    return {
+        "drop": drop,
+        "changes": changes,
+        "framed": camera_changes is None,
+        "fragments": bool(fragments),
+        "depths": bool(depths),
+        "eight_bit": accuracy == "8-bit",
+        "transparent": bool(transparent),
+        "opacity_factor": _number("opacity_factor", opacity_factor),
+        "radius_factor": _number("radius_factor", radius_factor),
+        "seed": _seed(seed),
+        "folder": None,
+        **{name: found.limits.get(name) for name in _LIMITS},
+    }
+
+
+def _size(size: Any) -> list[int]:
+    try:
+        width, height = size
+        sides = [int(width), int(height)]
+        fine = sides == [width, height]
+    except (TypeError, ValueError):
+        fine = False
+    if not fine:
+        raise ValueError(f"size: expected (width, height), whole numbers from 1 to 16384, found {size!r}")
+    return sides
+
+
+def _seed(seed: int | None) -> int | None:
+    if seed is None:
+        return None
+    if isinstance(seed, bool) or not hasattr(seed, "__index__") or not 0 <= seed.__index__() < 2**64:
+        raise ValueError(f"seed: expected a whole number from 0 to 2**64 - 1, found {seed!r}")
+    return seed.__index__()

@@ -1,0 +1,406 @@
+"""Arguments that are wrong: each error names the argument, what it is, and what it should be."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import pellucid
+
+POINTS = np.random.default_rng(3).normal(size=(20, 3))
+
+
+def nan_points() -> np.ndarray:
+    points = POINTS.copy()
+    points[4, 1] = np.nan
+    points[9] = np.inf
+    return points
+
+
+# A call, the exception, and its whole message; numbers of devices and the like are left out by "…".
+CASES = [
+    (
+        "flat",
+        lambda: pellucid.Cloud(np.zeros(9)),
+        ValueError,
+        "points: expected an array of shape (n, 3), found (9,)",
+    ),
+    (
+        "plane",
+        lambda: pellucid.Cloud(np.zeros((9, 2))),
+        ValueError,
+        "points: expected an array of shape (n, 3), found (9, 2); points in a plane need a third coordinate",
+    ),
+    (
+        "transposed",
+        lambda: pellucid.Cloud(np.zeros((3, 9))),
+        ValueError,
+        "points: expected an array of shape (n, 3), found (3, 9); its transpose has it: points.T",
+    ),
+    (
+        "homogeneous",
+        lambda: pellucid.Cloud(np.zeros((9, 4))),
+        ValueError,
+        "points: expected an array of shape (n, 3), found (9, 4); points[:, :3] are the first three columns",
+    ),
+    (
+        "none",
+        lambda: pellucid.Cloud(np.zeros((0, 3))),
+        ValueError,
+        "points: expected at least one point, found an array of shape (0, 3)",
+    ),
+    (
+        "texts",
+        lambda: pellucid.Cloud([["a", "b", "c"]]),
+        ValueError,
+        "points: expected real numbers, found an array of <U1 of shape (1, 3)",
+    ),
+    (
+        "complex",
+        lambda: pellucid.Cloud(np.zeros((4, 3), dtype=complex)),
+        ValueError,
+        "points: expected real numbers, found an array of complex128 of shape (4, 3)",
+    ),
+    (
+        "ragged",
+        lambda: pellucid.Cloud([[1.0, 2.0, 3.0], [1.0]]),
+        ValueError,
+        "points: expected an array of numbers, found list (…",
+    ),
+    (
+        "nan",
+        lambda: pellucid.Cloud(nan_points()),
+        ValueError,
+        "points: expected finite coordinates, found (…, NaN, …) in row 4 (2 of 20 rows are not finite); leave them out: "
+        "points[numpy.isfinite(points).all(axis=1)]",
+    ),
+    (
+        "masked",
+        lambda: pellucid.Cloud(np.ma.masked_less(POINTS, 0.0)),
+        ValueError,
+        "points: expected an array without masked values; leave those out, or fill them",
+    ),
+    (
+        "colors of other points",
+        lambda: pellucid.Cloud(POINTS, colors=np.zeros((19, 3))),
+        ValueError,
+        "colors: expected an array of shape (20, 3), found (19, 3)",
+    ),
+    (
+        "rgba",
+        lambda: pellucid.Cloud(POINTS, colors=np.zeros((20, 4))),
+        ValueError,
+        "colors: expected an array of shape (20, 3), found (20, 4); colors[:, :3] are the first three columns, and the fourth may "
+        "be opacities=",
+    ),
+    (
+        "bytes as floats",
+        lambda: pellucid.Cloud(POINTS, colors=np.full((20, 3), 255.0)),
+        ValueError,
+        "colors: expected floats from 0 to 1, found (255, 255, 255) in row 0; bytes are colors.astype(numpy.uint8)",
+    ),
+    (
+        "bytes as longs",
+        lambda: pellucid.Cloud(POINTS, colors=np.full((20, 3), 255)),
+        ValueError,
+        "colors: expected uint8 or uint16 (sRGB) or floats from 0 to 1, found int64; bytes are colors.astype(numpy.uint8)",
+    ),
+    (
+        "color space",
+        lambda: pellucid.Cloud(POINTS, color_space="rec709"),
+        ValueError,
+        "color_space: expected 'linear' or 'srgb', found 'rec709'",
+    ),
+    (
+        "opacity of each",
+        lambda: pellucid.Cloud(POINTS, opacity=np.ones(20)),
+        ValueError,
+        "opacity: expected one number from 0 to 1, found ndarray; an opacity for each point is opacities=",
+    ),
+    (
+        "opacity in percent",
+        lambda: pellucid.Cloud(POINTS, opacity=20),
+        ValueError,
+        "opacity: expected a number from 0 to 1, found 20.0",
+    ),
+    (
+        "opacities out of range",
+        lambda: pellucid.Cloud(POINTS, opacities=np.linspace(0, 2, 20)),
+        ValueError,
+        "opacities: expected numbers from 0 to 1, found 1.0526316 in row 10",
+    ),
+    (
+        "opacities of other points",
+        lambda: pellucid.Cloud(POINTS, opacities=np.ones(3)),
+        ValueError,
+        "opacities: expected an array of shape (20,), one for each point, found (3,)",
+    ),
+    (
+        "negative radius",
+        lambda: pellucid.Cloud(POINTS, radii=np.full(20, -1.0)),
+        ValueError,
+        "radii: expected finite numbers of at least 0, found -1 in row 0",
+    ),
+    (
+        "normals of other points",
+        lambda: pellucid.Cloud(POINTS, normals=np.ones((3, 20))),
+        ValueError,
+        "normals: expected an array of shape (20, 3), found (3, 20); its transpose has it: normals.T",
+    ),
+    (
+        "classes of floats",
+        lambda: pellucid.Cloud(POINTS, classification=np.full(20, 2.5)),
+        ValueError,
+        "classification: expected whole numbers from 0 to 255, found float64 with other values",
+    ),
+    (
+        "scalar of other points",
+        lambda: pellucid.Cloud(POINTS, scalars={"height": np.ones(5)}),
+        ValueError,
+        "scalars['height']: expected an array of shape (20,), one for each point, found (5,)",
+    ),
+    (
+        "scalars without names",
+        lambda: pellucid.Cloud(POINTS, scalars=[np.ones(20)]),
+        TypeError,
+        "scalars: expected a dict of arrays by name, found list",
+    ),
+    (
+        "no points",
+        lambda: pellucid.render(object()),
+        TypeError,
+        "points: expected an array of shape (n, 3), a Cloud, a Scene, a path, or an object of laspy, open3d, pyvista, plyfile or "
+        "pandas, found builtins.object",
+    ),
+    (
+        "missing file",
+        lambda: pellucid.render("nowhere.laz"),
+        pellucid.ReadError,
+        "nowhere.laz: no such file",
+    ),
+    (
+        "columns of a file",
+        lambda: pellucid.render("nowhere.laz", colors=np.zeros((3, 3))),
+        TypeError,
+        "colors: expected with an array of points; a path brings its own",
+    ),
+    (
+        "misspelt key",
+        lambda: pellucid.render(POINTS, opacty=0.5),
+        TypeError,
+        "'opacty' is neither an argument nor a key of the scene file; did you mean 'opacity'?",
+    ),
+    (
+        "value out of range",
+        lambda: pellucid.render(POINTS, opacity=1.5),
+        pellucid.SceneError,
+        "opacity=1.5: `cloud.0.opacity` …from 0 to 1…1.5…",
+    ),
+    (
+        "value of another type",
+        lambda: pellucid.render(POINTS, method="stochastic", samples="many"),
+        pellucid.SceneError,
+        "samples='many': `method.samples` …integer…",
+    ),
+    (
+        "unknown method",
+        lambda: pellucid.render(POINTS, method="raytrace"),
+        pellucid.SceneError,
+        "method='raytrace': unknown method \"raytrace\"…",
+    ),
+    (
+        "infinite setting",
+        lambda: pellucid.render(POINTS, radius=float("inf")),
+        ValueError,
+        "radius: expected a finite number, found inf",
+    ),
+    (
+        "setting that is no value",
+        lambda: pellucid.render(POINTS, radius=object()),
+        TypeError,
+        "radius: expected a number, a bool, a text, a list or a dict, found object",
+    ),
+    (
+        "size of one number",
+        lambda: pellucid.render(POINTS, size=64),
+        ValueError,
+        "size: expected (width, height), whole numbers from 1 to 16384, found 64",
+    ),
+    (
+        "size of nothing",
+        lambda: pellucid.render(POINTS, size=(0, 64)),
+        pellucid.SceneError,
+        "size=(0, 64): `image.size` …",
+    ),
+    (
+        "accuracy",
+        lambda: pellucid.render(POINTS, accuracy="good"),
+        ValueError,
+        "accuracy: expected 'exact' or '8-bit', found 'good'",
+    ),
+    (
+        "view",
+        lambda: pellucid.render(POINTS, view="behind"),
+        ValueError,
+        "view: expected one of …, found \"behind\"",
+    ),
+    (
+        "class",
+        lambda: pellucid.render(POINTS, class_opacity={"hedge": 0.1}),
+        ValueError,
+        "class_opacity: no class 'hedge'; a number from 0 to 255, or a name as docs/scene-file.md lists",
+    ),
+    (
+        "slice",
+        lambda: pellucid.render(POINTS, slices={"w": (0, 1)}),
+        ValueError,
+        "slices: expected 'x', 'y' or 'z' and two ends, either of them None, found 'w': (0, 1)",
+    ),
+    (
+        "progress",
+        lambda: pellucid.render(POINTS, progress="yes"),
+        TypeError,
+        "progress: expected True, False, None or what makes a bar, as tqdm.tqdm, found str",
+    ),
+    (
+        "seed",
+        lambda: pellucid.render(POINTS, seed=-1),
+        ValueError,
+        "seed: expected a whole number from 0 to 2**64 - 1, found -1",
+    ),
+    (
+        "camera",
+        lambda: pellucid.render(POINTS, camera=(0, 0, 5)),
+        TypeError,
+        "camera: expected a Camera or a dict of keys of [camera], found tuple",
+    ),
+    (
+        "camera in its target",
+        lambda: pellucid.Camera.look_at((0, 0, 0), (0, 0, 0)),
+        ValueError,
+        "eye and target: expected two points, found (0.0, 0.0, 0.0) twice",
+    ),
+    (
+        "camera of one number",
+        lambda: pellucid.Camera.look_at(5, (0, 0, 0)),
+        ValueError,
+        "eye: expected 3 numbers, found an array of shape ()",
+    ),
+    (
+        "angle",
+        lambda: pellucid.Camera.look_at((0, 0, 5), (0, 0, 0), fov_y=180),
+        ValueError,
+        "fov_y: expected a number above 0 and below 180, found 180.0",
+    ),
+    (
+        "off-centre calibration",
+        lambda: pellucid.Camera.from_opencv([[500, 0, 300], [0, 500, 240], [0, 0, 1]], np.eye(4), size=(640, 480)),
+        ValueError,
+        "K: expected a principal point in the middle of the image, (320.0, 240.0), found (300.0, 240.0), 20.0 pixels off it: a scene "
+        "has none elsewhere. Crop the images around it, and say their new size",
+    ),
+    (
+        "device",
+        lambda: pellucid.Renderer("no such device"),
+        pellucid.DeviceError,
+        "no Vulkan device matches \"no such device\"; there are: …",
+    ),
+    (
+        "no clouds",
+        lambda: pellucid.Scene([]),
+        ValueError,
+        "clouds: expected at least one cloud, found none",
+    ),
+    (
+        "scene of arrays",
+        lambda: pellucid.Scene([POINTS]),
+        TypeError,
+        "clouds: expected clouds, found ndarray at 0; Cloud.from_any makes one",
+    ),
+    (
+        "text of a scene",
+        lambda: pellucid.Scene.from_toml("[image]\nsize = [1, 2"),
+        pellucid.SceneError,
+        "scene.toml:2:…",
+    ),
+    (
+        "pictures of two sizes",
+        lambda: pellucid.compare(np.zeros((4, 5, 3)), np.zeros((5, 4, 3))),
+        ValueError,
+        "a and b: expected pictures of one size, found 5 × 4 and 4 × 5 pixels",
+    ),
+    (
+        "picture without colors",
+        lambda: pellucid.compare(np.zeros((4, 5)), np.zeros((4, 5, 3))),
+        ValueError,
+        "a: expected an Image, a path or an array of shape (h, w, 3), found an array of shape (4, 5)",
+    ),
+    (
+        "frames",
+        lambda: pellucid.profile(POINTS, frames=0),
+        ValueError,
+        "frames: expected a whole number from 1 to 100000, found 0",
+    ),
+    (
+        "method of a tradeoff",
+        lambda: pellucid.tradeoff(POINTS, only=["raytrace"]),
+        ValueError,
+        "only: expected names of methods (…), found 'raytrace'",
+    ),
+    (
+        "case",
+        lambda: pellucid.check("no such case"),
+        ValueError,
+        "names: no case is called no such case",
+    ),
+    (
+        "see-through",
+        lambda: pellucid.render(POINTS, see_through=1.5),
+        ValueError,
+        "see_through: expected a share from 0 to 1, found 1.5",
+    ),
+    (
+        "see-through of walls",
+        lambda: pellucid.render(POINTS, see_through=0.5, method="circles"),
+        ValueError,
+        "see_through=0.5: no opacity makes light pass through the pictures of method circles; auto, abuffer, sorted, spbr and others "
+        "have one",
+    ),
+    (
+        "memory",
+        lambda: pellucid.render(POINTS, memory_budget=-5),
+        ValueError,
+        "memory_budget: expected a number of bytes, found -5",
+    ),
+]
+
+
+@pytest.mark.parametrize(("call", "kind", "message"), [case[1:] for case in CASES], ids=[case[0] for case in CASES])
+def test_the_error_says_what_is_wrong(renderer, call, kind, message):
+    with pytest.raises(kind) as caught:
+        call()
+    pattern = ".*".join(re.escape(part) for part in message.split("…"))
+    assert re.fullmatch(pattern, str(caught.value), re.DOTALL), str(caught.value)
+
+
+def test_an_extension_that_is_no_picture(renderer, points, tmp_path):
+    image = pellucid.render(points, size=(8, 8))
+    with pytest.raises(OSError, match=r"x\.jpg"):
+        image.save(tmp_path / "x.jpg")
+    with pytest.raises(OSError, match="nowhere"):
+        image.save(tmp_path / "nowhere" / "x.png")
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_failed_leaves_the_scene_as_it_was(points):
+    scene = pellucid.Scene(pellucid.Cloud(points), opacity=0.25)
+    before = scene.to_toml()
+    with pytest.raises(pellucid.SceneError):
+        scene.update(opacity=0.5, radius=-1.0)
+    with pytest.raises(pellucid.SceneError):
+        scene.method.name = "no such method"
+    with pytest.raises(AttributeError, match="did|has no key"):
+        scene.method.smaples = 3
+    assert scene.to_toml() == before

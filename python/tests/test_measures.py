@@ -1,0 +1,141 @@
+"""Measurements: plain data with the command line's JSON."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+
+import numpy as np
+import pytest
+from conftest import DATA, SIZE
+
+import pellucid
+
+BLADE = DATA / "models/turbine_blade_6k.ply"
+
+
+def test_a_profile_is_that_of_the_command_line(renderer, cli):
+    profile = pellucid.profile(BLADE, frames=3, size=(96, 64), opacity=0.3)
+    theirs = json.loads(cli("profile", str(BLADE), "--frames", "3", "--size", "96x64", "--opacity", "0.3", "--json"))
+    ours = profile.json
+    assert set(ours) == set(theirs)
+    assert ours["scene"] == theirs["scene"]
+    assert [of["name"] for of in ours["frames"][0]["passes"]] == [of["name"] for of in theirs["frames"][0]["passes"]]
+    assert len(profile.frames) == 3
+    assert profile.points == theirs["scene"]["points"]
+    assert profile.fragments == theirs["scene"]["fragments"]
+    assert profile.gpu_ms > 0.0
+    table = profile.to_pandas()
+    assert len(table) == sum(len(frame.passes) for frame in profile.frames)
+    assert {"frame", "name", "gpu_ms", "invocations", "bytes"} <= set(table.columns)
+
+
+def test_a_plan_is_that_of_the_command_line(renderer, cli):
+    plan = pellucid.plan(BLADE, size=(96, 64), opacity=0.3)
+    theirs = json.loads(cli("plan", str(BLADE), "--size", "96x64", "--opacity", "0.3", "--json"))
+    assert plan.json == theirs
+    assert plan.reason
+    on = [of for of in plan.passes if of.on]
+    assert on[0].reason.count("colored by") == 1
+    assert plan.to_pandas().shape == (len(theirs), 3)
+
+
+def test_a_comparison_is_that_of_the_command_line(renderer, cli, tmp_path):
+    a = pellucid.render(BLADE, size=(96, 64), opacity=0.3)
+    b = pellucid.render(BLADE, size=(96, 64), opacity=0.4)
+    for image, name in ((a, "a.exr"), (b, "b.exr")):
+        image.save(tmp_path / name)
+    theirs = json.loads(cli("compare", "a.exr", "b.exr", "--json"))
+    for found in (pellucid.compare(tmp_path / "a.exr", tmp_path / "b.exr"), pellucid.compare(a, b)):
+        assert found.json == theirs
+    found = pellucid.compare(a.over_background(), b)
+    assert found.rmse == theirs["rmse"]
+    difference = np.abs(a.over_background().astype(np.float64) - b.over_background())
+    assert found.rmse == pytest.approx(math.sqrt((difference**2).mean()), rel=1e-6)
+    x, y = found.max_at
+    assert difference[y, x].max() == pytest.approx(found.max_value)
+    np.testing.assert_allclose(found.difference, difference, atol=1e-7)
+    same = pellucid.compare(a, a)
+    assert same.rmse == 0.0
+    assert math.isinf(same.psnr)
+    assert same.ssim == 1.0
+    assert same.to_pandas().shape[0] == 1
+
+
+def test_a_tradeoff_compares_methods(renderer, tmp_path):
+    found = pellucid.tradeoff(
+        BLADE, quick=True, only=["abuffer", "weighted", "stochastic"], size=SIZE, opacity=0.3, folder=tmp_path / "report"
+    )
+    rows = {row.method for row in found.rows}
+    assert rows == {"abuffer", "weighted", "stochastic"}
+    assert any(row.front for row in found.rows)
+    exact = next(row for row in found.rows if row.method == "abuffer")
+    assert exact.rmse < 1e-6
+    assert found.size == SIZE
+    assert (tmp_path / "report" / "report.html").exists()
+    written = json.loads((tmp_path / "report" / "tradeoff.json").read_text())
+    assert written["rows"] == found.json["rows"]
+    assert len(found.to_pandas()) == len(found.rows)
+
+
+def test_stress_measures_what_it_was_asked_for(renderer):
+    found = pellucid.stress(sides=[16], layers=[1, 4], methods=["abuffer", "sorted"], frames=1)
+    measured = {(cell.workload, cell.layers, cell.method) for cell in found.cells}
+    left = {(workload, layers, method) for workload, _, layers, method, _ in found.skipped}
+    assert measured | left == {(w, n, m) for w in ("stack", "mosaic") for n in (1, 4) for m in ("abuffer", "sorted")}
+    assert all(cell.max_error < 1e-5 for cell in found.cells)
+    assert len(found.to_pandas()) == len(found.cells)
+    with pytest.raises(ValueError, match=r"methods: expected some of .*, found 'weighted'"):
+        pellucid.stress(methods=["weighted"])
+    with pytest.raises(ValueError, match="sides: expected"):
+        pellucid.stress(sides=[0])
+
+
+def test_check_passes_here(renderer, cli):
+    found = pellucid.check("abuffer/faint", "abuffer/equal")
+    assert found
+    assert found.failed == 0
+    assert all(case.verdict in ("pass", "not applicable") for case in found.cases)
+    assert all(case.error <= case.bound for case in found.cases if case.verdict == "pass")
+    theirs = json.loads(cli("check", "abuffer/faint", "abuffer/equal", "--json"))
+    assert found.json == theirs
+    assert not pellucid.Check("d", "d", 0, 0, (), {}), "nothing passed"
+    assert len(found.to_pandas()) == len(found.cases)
+
+
+def test_devices_and_methods_are_listed(renderer, cli):
+    devices = pellucid.devices()
+    theirs = json.loads(cli("devices", "--json"))
+    assert [dataclasses.asdict(device)["name"] for device in devices] == [device["name"] for device in theirs]
+    taken = next(device for device in devices if device.taken)
+    assert taken.name == renderer.name
+    assert taken.driver == renderer.driver
+    with pellucid.Renderer(taken.index) as same:
+        assert same.name == renderer.name
+    assert {"abuffer", "stochastic", "spbr", "soft-base"} <= set(pellucid.methods())
+
+
+def test_what_was_measured_does_not_change(renderer, points):
+    profile = pellucid.profile(points, frames=1, size=SIZE)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        profile.points = 3
+
+
+def test_a_loaded_scene_is_profiled_too(renderer, points):
+    with renderer.load(points, opacity=0.3, size=SIZE) as loaded:
+        assert len(loaded) == 500
+        np.testing.assert_allclose(loaded.bounds, [points.min(0), points.max(0)])
+        assert loaded.size == SIZE
+        profile = loaded.profile(frames=2, method="abuffer")
+        assert len(profile.frames) == 2
+        assert any(of.name == "abuffer/count" for of in profile.frames[0].passes)
+        image = loaded.frame()
+        assert image.method == loaded.method
+        assert loaded.reason
+        assert loaded.colorings
+        assert loaded.scene.cloud[0].opacity == 0.3
+
+
+def test_the_version_is_that_of_the_command_line(cli):
+    assert pellucid.__version__ in cli("--version")

@@ -1,0 +1,264 @@
+"""Pictures of arrays, and what they hold."""
+
+from __future__ import annotations
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+from conftest import SIZE
+
+import pellucid
+
+# Three discs of opacity 0.25 before one another, over the whole image.
+LAYERS = np.array([[0.0, 0.0, z] for z in range(3)])
+ABOVE = pellucid.Camera.orthographic((0, 0, 8), (0, 0, 0), 2.0, up=(0, 1, 0))
+
+
+def layers(**arguments):
+    return pellucid.render(LAYERS, radii=[2.0] * 3, opacity=0.25, camera=ABOVE, size=(16, 12), **arguments)
+
+
+def test_three_layers_let_through_what_they_should(renderer):
+    image = layers(fragments=True, depths=True, method="abuffer")
+    assert image.shape == (12, 16, 4)
+    assert image.size == (16, 12)
+    np.testing.assert_allclose(image.rgba[..., 3], 1.0 - 0.75**3, atol=1e-6)
+    np.testing.assert_allclose(image.rgba[..., :3], 1.0 - 0.75**3, atol=1e-6)
+    np.testing.assert_array_equal(image.fragments, 3)
+    np.testing.assert_allclose(image.depth, 6.0, rtol=1e-6)
+    # 0.75 and 0.5625 of the light are left behind two discs, and 0.42 behind the third, at depth 8.
+    np.testing.assert_allclose(image.median_depth, 8.0, rtol=1e-6)
+    weights = 0.25 * 0.75 ** np.arange(3)
+    np.testing.assert_allclose(image.mean_depth, weights @ [6.0, 7.0, 8.0] / weights.sum(), rtol=1e-6)
+
+
+def test_what_was_not_asked_for_is_not_there(renderer):
+    image = layers()
+    assert image.fragments is None
+    assert image.median_depth is None
+    assert image.mean_depth is None
+    assert image.layers is None
+    assert image.stderr is None
+    assert image.pixel_stderr is None
+
+
+def test_a_picture_is_an_array(renderer):
+    image = layers()
+    array = np.asarray(image)
+    assert array.dtype == np.float32
+    assert array.base is not None, "a view"
+    assert not array.flags.writeable
+    assert np.shares_memory(array, image.rgba)
+    copy = np.array(image)
+    copy[:] = 0.0
+    assert image.rgba.max() > 0.5
+    assert np.asarray(image, dtype=np.float64).dtype == np.float64
+    np.testing.assert_array_equal(np.add(image, 1.0), array + 1.0)
+
+
+def test_stochastic_pictures_know_their_error_and_their_seed(renderer, points):
+    def image(**arguments):
+        return pellucid.render(points, opacity=0.3, size=SIZE, method="stochastic", samples=16, **arguments)
+
+    counted = image(fragments=True)
+    assert 0.0 < counted.stderr < 1.0
+    assert counted.pixel_stderr.shape == (48, 64, 3)
+    rms = math.sqrt(float((counted.pixel_stderr.astype(np.float64) ** 2).mean()))
+    assert counted.stderr == pytest.approx(rms, rel=1e-5)
+    np.testing.assert_array_equal(image().rgba, image(seed=0).rgba)
+    assert np.abs(image(seed=1).rgba - image(seed=2).rgba).max() > 0.01
+
+
+def test_the_order_of_points_does_not_show(renderer, points):
+    colors = np.random.default_rng(1).random((500, 3))
+    order = np.random.default_rng(2).permutation(500)
+    a = pellucid.render(points, colors=colors, opacity=0.3, size=SIZE)
+    b = pellucid.render(points[order], colors=colors[order], opacity=0.3, size=SIZE)
+    np.testing.assert_array_equal(a.rgba, b.rgba)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda p: p.astype(np.float32),
+        lambda p: np.asfortranarray(p),
+        lambda p: np.repeat(p, 2, axis=0)[::2],
+        lambda p: np.flip(np.flip(p, 0), 0),
+        lambda p: np.concatenate([p, p], axis=1)[:, :3],
+        lambda p: p.astype(p.dtype.newbyteorder(">")),
+        lambda p: p.tolist(),
+    ],
+    ids=["float32", "fortran", "strided", "negative strides", "columns", "big-endian", "lists"],
+)
+def test_every_layout_is_the_same_cloud(renderer, points, make):
+    points = points.astype(np.float32).astype(np.float64)
+    plain = pellucid.render(points, opacity=0.3, size=SIZE)
+    np.testing.assert_array_equal(pellucid.render(make(points), opacity=0.3, size=SIZE).rgba, plain.rgba)
+
+
+def test_integers_are_coordinates_too(renderer):
+    grid = np.stack(np.meshgrid(*[np.arange(4)] * 3), axis=-1).reshape(-1, 3)
+    a = pellucid.render(grid, size=SIZE)
+    np.testing.assert_array_equal(a.rgba, pellucid.render(grid.astype(float), size=SIZE).rgba)
+
+
+def test_a_cloud_is_a_copy(points):
+    given = points.copy()
+    cloud = pellucid.Cloud(given, scalars={"h": given[:, 2]}, radii=np.full(500, 0.1))
+    given[:] = 0.0
+    np.testing.assert_array_equal(cloud.points, points)
+    np.testing.assert_array_equal(cloud.scalars["h"], points[:, 2].astype(np.float32))
+    cloud.points[:] = 0.0
+    np.testing.assert_array_equal(cloud.bounds, [points.min(0), points.max(0)])
+    assert len(cloud) == 500
+
+
+def test_colors_are_srgb_where_they_are_integers(points):
+    bytes = np.random.default_rng(1).integers(0, 256, (500, 3), dtype=np.uint8)
+    encoded = bytes / 255.0
+    linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+    np.testing.assert_allclose(pellucid.Cloud(points, colors=bytes).colors, linear, atol=1e-6)
+    shorts = bytes.astype(np.uint16) * 257
+    np.testing.assert_allclose(pellucid.Cloud(points, colors=shorts).colors, linear, atol=1e-6)
+    srgb = pellucid.Cloud(points, colors=encoded, color_space="srgb")
+    np.testing.assert_array_equal(srgb.colors, pellucid.Cloud(points, colors=bytes).colors)
+    np.testing.assert_allclose(pellucid.Cloud(points, colors=linear).colors, linear, atol=1e-7)
+
+
+def test_columns_come_back_as_they_were_given(points):
+    normals = np.random.default_rng(4).normal(size=(500, 3))
+    classes = np.arange(500) % 20
+    cloud = pellucid.Cloud(
+        points,
+        opacities=np.full(500, 51, dtype=np.uint8),
+        radii=np.linspace(0, 1, 500),
+        normals=normals,
+        classification=classes,
+        intensity=np.arange(500),
+        z_up=True,
+        name="ball",
+    )
+    np.testing.assert_allclose(cloud.opacities, 0.2, rtol=1e-6)
+    np.testing.assert_array_equal(cloud.radii, np.linspace(0, 1, 500).astype(np.float32))
+    unit = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    np.testing.assert_allclose(cloud.normals, unit, atol=1e-6)
+    np.testing.assert_array_equal(cloud.classification, classes)
+    np.testing.assert_array_equal(cloud.intensity, np.arange(500))
+    assert cloud.z_up
+    assert "ball" in repr(cloud)
+    assert "500 points" in repr(cloud)
+    assert pellucid.Cloud(points).colors is None
+    assert pellucid.Cloud(points, normals=np.zeros((500, 3))).normals is None
+
+
+def test_classes_can_be_seen_through_and_left_out(renderer):
+    points = np.array([[x, 0.0, 0.0] for x in (-1.0, 0.0, 1.0)])
+    camera = pellucid.Camera.orthographic((0, 0, 8), (0, 0, 0), 2.0, up=(0, 1, 0))
+    classes = [2, 5, 6]
+
+    def alphas(**arguments):
+        image = pellucid.render(
+            points, classification=classes, radii=[0.2] * 3, camera=camera, size=(40, 20), method="abuffer", **arguments
+        )
+        return [round(float(image.rgba[10, column, 3]), 5) for column in (10, 20, 30)]
+
+    assert alphas() == [1.0, 1.0, 1.0]
+    assert alphas(class_opacity={"high-vegetation": 0.25}) == [1.0, 0.25, 1.0]
+    assert alphas(class_opacity={2: 0.5, "6": 0.75}) == [0.5, 1.0, 0.75]
+    assert alphas(without=["ground"]) == [0.0, 1.0, 1.0]
+    assert alphas(classes=[2, "building"]) == [1.0, 0.0, 1.0]
+    assert alphas(slices={"x": (-0.5, None)}) == [0.0, 1.0, 1.0]
+    assert alphas(clip=[{"box": {"min": [-2, -1, -1], "max": [0.5, 1, 1]}}]) == [1.0, 1.0, 0.0]
+    assert alphas(cloud={"opacity": 0.5}) == [0.5, 0.5, 0.5]
+    assert alphas(**{"cloud.0.opacity": 0.5}) == [0.5, 0.5, 0.5]
+    assert alphas(cloud__0__opacity=0.5) == [0.5, 0.5, 0.5]
+
+
+def test_several_clouds_have_settings_of_their_own(renderer):
+    a = pellucid.Cloud([[-1.0, 0.0, 0.0]], radii=[0.2], opacity=0.5, name="a")
+    b = pellucid.Cloud([[1.0, 0.0, 0.0]], radii=[0.2], name="b")
+    camera = pellucid.Camera.orthographic((0, 0, 8), (0, 0, 0), 2.0, up=(0, 1, 0))
+    image = pellucid.render([a, b], camera=camera, size=(40, 20), method="abuffer")
+    assert [float(image.rgba[10, column, 3]) for column in (10, 30)] == [0.5, 1.0]
+
+
+def test_see_through_finds_an_opacity(renderer, points):
+    image = pellucid.render(points, radius=0.4, see_through=0.5, size=SIZE)
+    alpha = image.rgba[..., 3]
+    assert np.median(1.0 - alpha[alpha > 0.0]) == pytest.approx(0.5, abs=0.01)
+    assert "pellucid:see-through" in image.metadata
+
+
+def test_a_budget_of_error_chooses_a_method(renderer, points):
+    exact = pellucid.render(points, radius=0.4, opacity=0.3, size=SIZE, method="abuffer")
+    chosen = pellucid.render(points, radius=0.4, opacity=0.3, size=SIZE, max_error=0.02)
+    assert "pellucid:choice" in chosen.metadata
+    assert pellucid.compare(exact, chosen).rmse <= 0.02
+
+
+def test_settings_without_effect_are_warned_of(renderer, points):
+    with pytest.warns(pellucid.PellucidWarning, match=r"samples|method\.samples") as caught:
+        pellucid.render(points, samples=4, method="abuffer", size=SIZE)
+    assert caught[0].filename == __file__, "the warning is about the line that called"
+    away = pellucid.Camera.look_at((0, 0, 100), (0, 0, 200), up=(0, 1, 0))
+    with pytest.warns(pellucid.PellucidWarning, match="sees nothing|empty"):
+        pellucid.render(points, camera=away, size=SIZE)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        pellucid.render(points, size=SIZE)
+
+
+def test_a_bar_follows_the_work(renderer, points):
+    class Bar:
+        def __init__(self, total=None, desc=None):
+            self.total, self.desc, self.done, self.closed = total, desc, 0, False
+            bars.append(self)
+
+        def update(self, steps):
+            self.done += steps
+
+        def close(self):
+            self.closed = True
+
+    bars: list[Bar] = []
+    many = np.random.default_rng(0).normal(size=(200_000, 3))
+    pellucid.render(many, opacity=0.1, size=(256, 256), method="abuffer", progress=Bar)
+    assert bars
+    assert all(bar.closed for bar in bars)
+    assert all(bar.desc for bar in bars)
+    import tqdm
+
+    pellucid.render(points, size=SIZE, progress=tqdm.tqdm)
+    pellucid.render(points, size=SIZE, progress=True)
+
+
+def test_a_bar_that_fails_ends_the_work(renderer):
+    def broken(total=None, desc=None):
+        raise RuntimeError("no bar today")
+
+    many = np.random.default_rng(0).normal(size=(400_000, 3))
+    with pytest.raises(RuntimeError, match="no bar today"):
+        pellucid.render(many, opacity=0.1, size=(512, 512), method="abuffer", progress=broken)
+    image = pellucid.render(many[:1000], opacity=0.1, size=SIZE)
+    assert image.rgba.max() > 0.0, "the device goes on"
+
+
+def test_a_picture_shows_itself_in_a_notebook(renderer):
+    image = layers()
+    png = image._repr_png_()
+    assert png.startswith(b"\x89PNG\r\n\x1a\n")
+    assert png == image.to_png()
+    assert "16 × 12" in repr(image)
+    assert image.method in repr(image)
+
+
+def test_a_profile_comes_with_each_picture(renderer):
+    profile = layers(method="abuffer").profile
+    names = [of.name for of in profile.frames[0].passes]
+    assert "abuffer/count" in names
+    assert profile.gpu_ms > 0.0
+    assert profile.wall_ms > 0.0
+    assert profile.points == 3
+    assert profile.pixels == 16 * 12

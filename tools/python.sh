@@ -1,0 +1,101 @@
+#!/usr/bin/env bash
+# Builds the Python package, installs it into target/python, an environment with everything that its tests want, and runs the
+# tests, mypy, stubtest and ruff. Arguments go to pytest. The wheel is in target/wheels; it is installed into an environment with
+# nothing else as well, where README's lines must run.
+#
+#   tools/python.sh --install    builds and installs, and tests nothing
+#   tools/python.sh --wheel      builds the wheel for all Linux distributions (manylinux), and checks its size
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+say() { echo "== $*"; }
+fail() { echo "error: $*" >&2; exit 1; }
+
+largest_wheel=$((15 << 20))
+environment=$PWD/target/python
+mode=test
+case ${1:-} in
+    --install) mode=install; shift ;;
+    --wheel) mode=wheel; shift ;;
+    -h | --help) sed -n '2,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
+esac
+
+# What Debian leaves out of python3 and of a system without a desktop: environments, and libraries that Open3D and VTK load.
+install_packages() {
+    local libraries packages=()
+    libraries=$(PATH=$PATH:/usr/sbin:/sbin ldconfig -p 2>/dev/null || true)
+    command -v python3 >/dev/null || packages+=(python3)
+    python3 -c "import ensurepip, venv" 2>/dev/null || packages+=(python3-venv)
+    if [[ $mode == test && $(uname -s) == Linux ]]; then
+        local library package
+        while read -r library package; do
+            if [[ $libraries != *"$library"* ]]; then packages+=("$package"); fi
+        done <<'LIST'
+libusb-1.0.so.0 libusb-1.0-0
+libgomp.so.1 libgomp1
+libGL.so.1 libgl1
+libX11.so.6 libx11-6
+libXrender.so.1 libxrender1
+LIST
+    fi
+    if ((${#packages[@]} == 0)); then return; fi
+    command -v apt-get >/dev/null || fail "missing: ${packages[*]}; please install them with your system's package manager"
+    local as_root=()
+    if [[ $(id -u) != 0 ]]; then as_root=(sudo); fi
+    say "installing ${packages[*]}"
+    "${as_root[@]}" apt-get update -qq || true
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq -o=Dpkg::Use-Pty=0 --no-install-recommends "${packages[@]}"
+}
+
+# The environment, made anew where its list has changed.
+make_environment() {
+    local list=python/requirements-test.txt
+    python3 -c 'import sys; sys.exit(sys.version_info < (3, 10))' || fail "Python 3.10 or newer is needed, found $(python3 --version)"
+    if ! cmp -s "$list" "$environment/requirements.txt"; then
+        say "making $environment"
+        [[ -x $environment/bin/python ]] || python3 -m venv "$environment"
+        "$environment/bin/pip" install -q --disable-pip-version-check --only-binary :all: -r "$list"
+        cp "$list" "$environment/requirements.txt"
+    fi
+}
+
+build_wheel() {
+    rm -rf target/wheels
+    # What Python loads has no use for symbols; the workspace's release profile strips them as well.
+    (cd python && "$environment/bin/maturin" build --locked --out ../target/wheels "$@")
+    wheel=$(ls target/wheels/pellucid-*.whl)
+    local bytes
+    bytes=$(wc -c <"$wheel")
+    say "$wheel: $bytes bytes"
+    ((bytes <= largest_wheel)) || fail "$wheel has $bytes bytes, more than the $largest_wheel that are allowed"
+}
+
+install_packages
+make_environment
+if [[ $mode == wheel ]]; then
+    build_wheel --zig --compatibility manylinux_2_17
+    exit 0
+fi
+say "maturin build"
+build_wheel
+"$environment/bin/pip" install -q --disable-pip-version-check --force-reinstall --no-deps "$wheel"
+if [[ $mode == install ]]; then exit 0; fi
+
+say "README's lines in an environment of their own"
+rm -rf target/python-clean
+python3 -m venv target/python-clean
+target/python-clean/bin/pip install -q --disable-pip-version-check "$wheel"
+readme=$(awk '/^```python$/ { on = 1; next } /^```$/ { if (on) exit } on' python/README.md)
+(cd target/python-clean && bin/python -c "$readme" && cmp -n 8 cloud.png <(printf '\x89PNG\r\n\x1a\n'))
+
+say "ruff, mypy, stubtest"
+(cd python && "$environment/bin/ruff" check . && "$environment/bin/ruff" format --check .)
+(cd python && "$environment/bin/mypy")
+# Against what is installed, from a folder where nothing else is called pellucid.
+(cd target/wheels && "$environment/bin/python" -m mypy.stubtest pellucid --mypy-config-file ../../python/pyproject.toml)
+
+say "pytest"
+if [[ ! -e target/release/pellucid && ! -e target/debug/pellucid && -z ${PELLUCID_BINARY:-} ]]; then
+    cargo build --locked --release -p pellucid-cli --no-default-features
+fi
+exec "$environment/bin/python" -m pytest -c python/pyproject.toml --rootdir python python/tests "$@"
