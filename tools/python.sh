@@ -92,7 +92,7 @@ say "ruff, mypy, stubtest"
 (cd python && "$environment/bin/ruff" check . && "$environment/bin/ruff" format --check .)
 (cd python && "$environment/bin/mypy")
 # Against what is installed, from a folder where nothing else is called pellucid.
-(cd target/wheels && "$environment/bin/python" -m mypy.stubtest pellucid --mypy-config-file ../../python/pyproject.toml)
+(cd target/wheels && "$environment/bin/python" -m mypy.stubtest pellucid._pellucid --mypy-config-file ../../python/pyproject.toml)
 
 say "pytest"
 if [[ ! -e target/release/pellucid && ! -e target/debug/pellucid && -z ${PELLUCID_BINARY:-} ]]; then

@@ -61,7 +61,7 @@ def frames(count: int, binary: Path, repeats: int) -> None:
 
 
 def upload(count: int) -> None:
-    """From a float32 array to the device, against a copy of it, of the columns, and the ordering, which the command line does, too."""
+    """From a float32 array to the device, against a copy of it and the ordering, which the command line does, too."""
     points = np.random.default_rng(0).normal(size=(count, 3)).astype(np.float32)
     copy = median_ms(points.copy, 5)
     with pellucid.Renderer() as renderer, tempfile.TemporaryDirectory() as folder:

@@ -5,8 +5,8 @@
 >>> image = pellucid.render(points, opacity=0.2, size=(256, 256))
 >>> image.save("cloud.png")
 
-`render` takes arrays, files, and the objects of laspy, open3d, pyvista, plyfile and pandas. A `Renderer` uploads points once for any
-number of frames. `profile`, `tradeoff`, `stress`, `check`, `compare` and `plan` measure; `view` is a window in a notebook.
+`render` takes arrays, files, and the objects of laspy, open3d, pyvista, plyfile and pandas. A `Renderer` uploads points once for
+any number of frames. `profile`, `tradeoff`, `stress`, `check`, `compare` and `plan` measure; `view` is a window in a notebook.
 """
 
 from __future__ import annotations

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from . import _pellucid
 from ._camera import Camera
@@ -15,10 +15,12 @@ from ._image import Image
 from ._measures import Check, Comparison, Device, Plan, Profile, Stress, Tradeoff
 from ._progress import listening
 from ._renderer import Loaded, _load, forget, positive, prepared, renderer_of
-from ._types import Accuracy, Path, Progress, Setting, Size
+from ._types import Accuracy, Path, Progress, Size
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
+
+_T = TypeVar("_T")
 
 
 def render(
@@ -75,8 +77,8 @@ def render(
         Keys of the scene file (docs/scene-file.md): ``samples=64`` of [method], ``radius=0.1`` of all clouds,
         ``background="white"``. A table before the key is for those that several tables have, as in ``shadows__samples=4`` or
         ``cloud__0__color``; whole tables are dicts, as in ``shading={"model": "none"}``. Besides, as on the command line:
-        ``view``, ``azimuth``, ``elevation``; ``class_opacity={"building": 0.1}``, ``classes``, ``without``; ``slices={"z": (2, 4)}``;
-        ``see_through``, ``max_error``, ``budget_ms``; ``memory_budget`` and ``host_memory`` in bytes.
+        ``view``, ``azimuth``, ``elevation``; ``class_opacity={"building": 0.1}``, ``classes``, ``without``;
+        ``slices={"z": (2, 4)}``; ``see_through``, ``max_error``, ``budget_ms``; ``memory_budget`` and ``host_memory`` in bytes.
 
     Returns
     -------
@@ -98,9 +100,7 @@ def render(
     columns = {"colors": colors, "opacities": opacities, "radii": radii, "normals": normals, "scalars": scalars}
     loaded = _loaded(points, {**columns, **settings}, opacity, method, camera, size, device, seed, progress)
     with loaded:
-        return _trying(device, lambda: loaded.frame(
-            fragments=fragments, depths=depths, accuracy=accuracy, progress=progress
-        ))
+        return _trying(device, lambda: loaded.frame(fragments=fragments, depths=depths, accuracy=accuracy, progress=progress))
 
 
 def profile(
@@ -176,7 +176,7 @@ def tradeoff(
 
     The others are as of `render`; ``method`` says which image is compared.
     """
-    if seconds is not None and not 0.0 < seconds:
+    if seconds is not None and not seconds > 0.0:
         raise ValueError(f"seconds: expected a number above 0, found {seconds}")
     names = [only] if isinstance(only, str) else [str(name) for name in only]
     known = methods()
@@ -235,7 +235,10 @@ def stress(
 
 
 def check(*names: str, device: str | int | None = None, progress: Progress = None) -> Check:
-    """Runs the numerically hard cases on a device, each with a known answer; with ``names`` those whose names contain one of them."""
+    """Runs the numerically hard cases on a device, each with a known answer.
+
+    With ``names`` those whose names contain one of them, as in ``check("abuffer/")``.
+    """
     for name in names:
         if not isinstance(name, str):
             raise TypeError(f"names: expected texts, found {type(name).__name__}")
@@ -258,8 +261,7 @@ def devices() -> list[Device]:
     """The Vulkan devices of this machine. Raises DeviceError where the loader is missing."""
     found = _pellucid.devices()
     return [
-        Device(index, name, driver, tuple(lacks), tuple(without), taken)
-        for index, name, driver, lacks, without, taken in found
+        Device(index, name, driver, tuple(lacks), tuple(without), taken) for index, name, driver, lacks, without, taken in found
     ]
 
 
@@ -280,7 +282,7 @@ def view(points: Any, **arguments: Any) -> Any:
 
 def _loaded(
     points: Any,
-    settings: Mapping[str, Setting],
+    settings: Mapping[str, Any],
     opacity: float | None,
     method: str,
     camera: Camera | None,
@@ -296,12 +298,10 @@ def _loaded(
     arguments = {"method": asked, "opacity": opacity, "camera": camera, "size": size, **settings}
     scene, found, given = prepared(points, arguments)
     renderer = renderer_of(device)
-    return _trying(
-        device, lambda: _load(renderer, scene, found, given, seed=seed, progress=progress, with_radii=with_radii)
-    )
+    return _trying(device, lambda: _load(renderer, scene, found, given, seed=seed, progress=progress, with_radii=with_radii))
 
 
-def _trying(device: str | int | None, work: Any) -> Any:
+def _trying(device: str | int | None, work: Callable[[], _T]) -> _T:
     """A device that failed once may be lost: the next call opens it anew."""
     try:
         return work()

@@ -87,9 +87,7 @@ class Cloud:
             "opacities": None if opacities is None else _unit(opacities, count),
             "radii": column("radii", radii),
             "normals": None if normals is None else _arrays.rows("normals", normals, count),
-            "classification": None
-            if classification is None
-            else _arrays.codes("classification", classification, count),
+            "classification": None if classification is None else _arrays.codes("classification", classification, count),
             "intensity": column("intensity", intensity),
             "scalars": _scalars(scalars, count),
             "z_up": None if z_up is None else bool(z_up),

@@ -41,7 +41,7 @@ class Image:
         for part in parts:
             if part is not None:
                 part.flags.writeable = False
-        image._native, image._parts, image._profile = native, dict(zip(names, parts)), None
+        image._native, image._parts, image._profile = native, dict(zip(names, parts, strict=True)), None
         image._shape = (size[1], size[0])
         return image
 
@@ -113,7 +113,10 @@ class Image:
 
     @property
     def stderr(self) -> float | None:
-        """Standard error of the picture, root mean square over pixels and R, G, B, of stochastic methods with ``fragments=True``."""
+        """Standard error of the picture, root mean square over pixels and R, G, B.
+
+        Of stochastic methods with ``fragments=True``; else None.
+        """
         return self._native.stderr
 
     @property

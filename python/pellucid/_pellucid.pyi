@@ -15,6 +15,23 @@ _Numbers: TypeAlias = tuple[_Triple, _Triple, _Triple, float | None, float | Non
 _Parts: TypeAlias = tuple[_Floats, _Floats, _Floats | None, _Floats | None, _Counts | None, _Counts | None, _Floats | None]
 _Pixels: TypeAlias = str | tuple[NDArray[Any], int, int]
 
+__all__ = [
+    "VERSION",
+    "Cloud",
+    "Device",
+    "Loaded",
+    "Picture",
+    "Scene",
+    "check",
+    "class_code",
+    "compare",
+    "devices",
+    "keys",
+    "methods",
+    "stress",
+    "wait",
+]
+
 VERSION: Final[str]
 
 @final

@@ -52,11 +52,13 @@ def listening(progress: Progress) -> Iterator[Listener | None]:
             raise ImportError(
                 "progress=True needs tqdm (pip install tqdm); any callable with total= and desc= will do as well"
             ) from error
-        progress = tqdm
-    elif not callable(progress):
+        make: Callable[..., Any] = tqdm
+    elif callable(progress):
+        make = progress
+    else:
         kind = type(progress).__name__
         raise TypeError(f"progress: expected True, False, None or what makes a bar, as tqdm.tqdm, found {kind}")
-    bars = _Bars(progress)
+    bars = _Bars(make)
     try:
         yield bars
     finally:

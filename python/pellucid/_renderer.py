@@ -77,9 +77,7 @@ class Renderer:
         """Bytes of the device's memory that its scenes and frames take now."""
         return self._native.bytes_in_use()
 
-    def load(
-        self, points: Any, *, seed: int | None = None, progress: Progress = None, **settings: Any
-    ) -> Loaded:
+    def load(self, points: Any, *, seed: int | None = None, progress: Progress = None, **settings: Any) -> Loaded:
         """Brings points to the device: finds missing radii, orders and uploads them.
 
         ``points`` and ``settings`` are those of `render`. Raises what `render` raises.
@@ -94,9 +92,7 @@ class Renderer:
     def __enter__(self) -> Renderer:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
 
 
@@ -238,9 +234,7 @@ class Loaded:
     def __enter__(self) -> Loaded:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
 
 
@@ -323,7 +317,7 @@ def camera_changes(camera: Camera | None) -> list[Any] | None:
 def positive(name: str, number: Any) -> int:
     if isinstance(number, bool) or not hasattr(number, "__index__") or not 1 <= number.__index__() <= 100_000:
         raise ValueError(f"{name}: expected a whole number from 1 to 100000, found {number!r}")
-    return number.__index__()
+    return int(number)
 
 
 _open: dict[str | int | None, Renderer] = {}

@@ -11,7 +11,7 @@ from typing import Any, cast
 from . import _pellucid
 from ._cloud import Cloud
 from ._progress import listening
-from ._settings import Change, asked, described, dotted, tables, toml
+from ._settings import TABLES, Change, asked, described, dotted, tables, toml
 from ._types import Path, Progress, Setting
 
 
@@ -94,7 +94,8 @@ class CloudTables:
 
 
 def _generic(path: str) -> str:
-    return "cloud.*" if path.startswith("cloud.") else path
+    first, _, rest = path.partition(".")
+    return f"{first}.*" if rest and first in ("cloud", "clip") else path
 
 
 @functools.cache
@@ -222,16 +223,21 @@ class Scene:
 
     def get(self, key: str) -> Any:
         """The value in force of a dotted key; None where nothing is given and nothing stands for it. KeyError for unknown keys."""
-        table, _, name = _split(key)
+        path = _path(key)
+        table, name = _split(path)
         values = self._values(table)
-        if name in values:
+        if values.get(name) is not None:
             return values[name]
         given: Any = self.given()
-        for part in key.split("."):
-            given = given[int(part)] if isinstance(given, list) and part.isdigit() else given
-            given = given.get(part) if isinstance(given, Mapping) else given
-        if given is None and name not in tables().get(_generic(table), {}):
-            raise KeyError(key)
+        for part in path:
+            if isinstance(given, list) and part.isdigit() and int(part) < len(given):
+                given = given[int(part)]
+            elif isinstance(given, dict) and part in given:
+                given = given[part]
+            elif name in tables().get(_generic(table), {}):
+                return None
+            else:
+                raise KeyError(key)
         return given
 
     def given(self) -> dict[str, Any]:
@@ -266,7 +272,7 @@ class Scene:
         """The points of its clouds; those of files are read now."""
         natives = self._clouds(None)
         names = [str(self.get(f"cloud.{index}.path")) for index in range(len(natives))]
-        return [Cloud._of(native, name) for native, name in zip(natives, names)]
+        return [Cloud._of(native, name) for native, name in zip(natives, names, strict=True)]
 
     @property
     def image(self) -> Any:
@@ -328,15 +334,18 @@ def _names(clouds: list[Cloud]) -> list[str]:
     return [name if names.count(name) == 1 else f"{name}-{index}" for index, name in enumerate(names)]
 
 
-def _split(key: str) -> tuple[str, str, str]:
-    """Table and name of a dotted key."""
-    parts = key.split(".")
-    if len(parts) == 1:
-        parts = dotted(key).split(".")
-    head = 2 if parts[0] in ("cloud", "clip") else 1
-    if head == 2 and len(parts) > 1 and parts[1] == "*":
+def _path(key: str) -> list[str]:
+    """The parts of a dotted key; of all clouds the first one stands for them."""
+    parts = key.split(".") if "." in key or key in TABLES else dotted(key).split(".")
+    if parts[0] in ("cloud", "clip") and len(parts) > 1 and parts[1] == "*":
         parts[1] = "0"
-    return ".".join(parts[:head]), ".", ".".join(parts[head:])
+    return parts
+
+
+def _split(path: list[str]) -> tuple[str, str]:
+    """Table and name of a key."""
+    head = 2 if path[0] in ("cloud", "clip") else 1
+    return ".".join(path[:head]), ".".join(path[head:])
 
 
 def _parsed(text: str) -> Any:

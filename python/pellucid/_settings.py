@@ -17,7 +17,7 @@ from . import _pellucid
 
 # Where a key without a table is looked for, in this order: several tables have `samples` and `color`.
 _ORDER = ("method", "cloud.*", "image", "shading", "detail", "shadows", "camera", "clip.*")
-_TABLES = ("image", "camera", "shading", "shadows", "detail", "method", "cloud", "clip")
+TABLES = ("image", "camera", "shading", "shadows", "detail", "method", "cloud", "clip")
 
 # What the command line has as options, and no scene file as a key.
 _DIRECTIONS = ("view", "azimuth", "elevation")
@@ -101,7 +101,7 @@ def dotted(name: str) -> str:
     first, _, rest = path.partition(".")
     if rest and first in ("cloud", "clip"):
         return path if rest.partition(".")[0].isdigit() or rest.startswith("*.") else f"{first}.*.{rest}"
-    if rest and first in _TABLES:
+    if rest and first in TABLES:
         return path
     for table in _ORDER:
         if path in tables()[table]:
@@ -140,7 +140,7 @@ def asked(settings: Mapping[str, Any]) -> Asked:
             found.limits[name] = _bytes(name, value) if name.endswith(("budget", "memory")) else _number(name, value)
         elif name in _SHORT:
             found.changes.extend(_short(name, value))
-        elif name in _TABLES:
+        elif name in TABLES:
             _table(name, value, found)
         else:
             found.changes.append((f"{name}={_shown(value)}", dotted(name), toml(name, value), False))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Literal, Union
+from os import PathLike
+from typing import Any, Literal, TypeAlias
 
-Path = Union[str, "os.PathLike[str]"]
-Size = tuple[int, int]
-Accuracy = Literal["exact", "8-bit"]
-Setting = Union[bool, int, float, str, Sequence[Any], Mapping[str, Any], None]
+Path: TypeAlias = str | PathLike[str]
+Size: TypeAlias = tuple[int, int]
+Accuracy: TypeAlias = Literal["exact", "8-bit"]
+Setting: TypeAlias = bool | int | float | str | Sequence[Any] | Mapping[str, Any] | None
 # True for a bar of tqdm, or what makes one: tqdm.tqdm, tqdm.notebook.tqdm.
-Progress = Union[bool, Callable[..., Any], None]
+Progress: TypeAlias = bool | Callable[..., Any] | None

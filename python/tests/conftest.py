@@ -58,9 +58,7 @@ def cli(binary: Path, tmp_path: Path):
     """Runs the command line in the test's folder, and gives what it prints."""
 
     def run(*arguments: str) -> str:
-        done = subprocess.run(
-            [binary, *arguments], cwd=tmp_path, text=True, capture_output=True, timeout=300, check=False
-        )
+        done = subprocess.run([binary, *arguments], cwd=tmp_path, text=True, capture_output=True, timeout=300, check=False)
         assert done.returncode == 0, done.stderr
         return done.stdout
 

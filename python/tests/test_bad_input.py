@@ -196,7 +196,7 @@ CASES = [
         "value out of range",
         lambda: pellucid.render(POINTS, opacity=1.5),
         pellucid.SceneError,
-        "opacity=1.5: `cloud.0.opacity` …from 0 to 1…1.5…",
+        "opacity=1.5: `cloud.0.opacity` must be a number from 0.0 to 1.0, found 1.5",
     ),
     (
         "value of another type",
@@ -244,7 +244,7 @@ CASES = [
         "view",
         lambda: pellucid.render(POINTS, view="behind"),
         ValueError,
-        "view: expected one of …, found \"behind\"",
+        'view: expected one of …, found "behind"',
     ),
     (
         "class",
@@ -298,14 +298,14 @@ CASES = [
         "off-centre calibration",
         lambda: pellucid.Camera.from_opencv([[500, 0, 300], [0, 500, 240], [0, 0, 1]], np.eye(4), size=(640, 480)),
         ValueError,
-        "K: expected a principal point in the middle of the image, (320.0, 240.0), found (300.0, 240.0), 20.0 pixels off it: a scene "
-        "has none elsewhere. Crop the images around it, and say their new size",
+        "K: expected a principal point in the middle of the image, (320.0, 240.0), found (300.0, 240.0), 20.0 pixels off it: a "
+        "scene has none elsewhere. Crop the images around it, and say their new size",
     ),
     (
         "device",
         lambda: pellucid.Renderer("no such device"),
         pellucid.DeviceError,
-        "no Vulkan device matches \"no such device\"; there are: …",
+        'no Vulkan device matches "no such device"; there are: …',
     ),
     (
         "no clouds",
@@ -323,7 +323,7 @@ CASES = [
         "text of a scene",
         lambda: pellucid.Scene.from_toml("[image]\nsize = [1, 2"),
         pellucid.SceneError,
-        "scene.toml:2:…",
+        "…scene.toml:2:13: unclosed array, expected `]`",
     ),
     (
         "pictures of two sizes",
@@ -365,8 +365,8 @@ CASES = [
         "see-through of walls",
         lambda: pellucid.render(POINTS, see_through=0.5, method="circles"),
         ValueError,
-        "see_through=0.5: no opacity makes light pass through the pictures of method circles; auto, abuffer, sorted, spbr and others "
-        "have one",
+        "see_through=0.5: no opacity makes light pass through the pictures of method circles; auto, abuffer, sorted, spbr and "
+        "others have one",
     ),
     (
         "memory",
@@ -401,6 +401,6 @@ def test_what_failed_leaves_the_scene_as_it_was(points):
         scene.update(opacity=0.5, radius=-1.0)
     with pytest.raises(pellucid.SceneError):
         scene.method.name = "no such method"
-    with pytest.raises(AttributeError, match="did|has no key"):
+    with pytest.raises(AttributeError, match="has no key"):
         scene.method.smaples = 3
     assert scene.to_toml() == before

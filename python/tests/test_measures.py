@@ -86,7 +86,7 @@ def test_stress_measures_what_it_was_asked_for(renderer):
     assert measured | left == {(w, n, m) for w in ("stack", "mosaic") for n in (1, 4) for m in ("abuffer", "sorted")}
     assert all(cell.max_error < 1e-5 for cell in found.cells)
     assert len(found.to_pandas()) == len(found.cells)
-    with pytest.raises(ValueError, match=r"methods: expected some of .*, found 'weighted'"):
+    with pytest.raises(ValueError, match=r'methods: expected some of .*, found "weighted"'):
         pellucid.stress(methods=["weighted"])
     with pytest.raises(ValueError, match="sides: expected"):
         pellucid.stress(sides=[0])

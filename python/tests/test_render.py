@@ -17,7 +17,7 @@ ABOVE = pellucid.Camera.orthographic((0, 0, 8), (0, 0, 0), 2.0, up=(0, 1, 0))
 
 
 def layers(**arguments):
-    return pellucid.render(LAYERS, radii=[2.0] * 3, opacity=0.25, camera=ABOVE, size=(16, 12), **arguments)
+    return pellucid.render(LAYERS, color=[1.0, 1.0, 1.0], radii=[2.0] * 3, opacity=0.25, camera=ABOVE, size=(16, 12), **arguments)
 
 
 def test_three_layers_let_through_what_they_should(renderer):

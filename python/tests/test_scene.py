@@ -61,7 +61,7 @@ def test_every_key_completes_and_is_described(scene):
             assert text == inspect.cleandoc(table.doc(key))
     assert "samples" in scene.method.doc("samples").lower()
     assert "1 to" in scene.method.doc("samples")
-    assert "opacity" in scene.cloud[0].doc("opacity").lower()
+    assert "number from 0 to 1; by default 1" in scene.cloud[0].doc("opacity")
     assert "name='stochastic'" in repr(scene.method)
 
 
@@ -139,6 +139,6 @@ def test_errors_are_of_the_usual_kinds():
 
 
 def test_a_damaged_file_is_no_crash(renderer):
-    for name in ("corrupt_crc.e57", "laszip_broken_coder.laz", "bad_vlr_count.las", "no-points.las", "no_vertex.ply"):
+    for name in ("corrupt_crc.e57", "laszip_broken_coder.laz", "no-points.las", "no_vertex.ply"):
         with pytest.raises(pellucid.ReadError, match=name.replace(".", r"\.")):
             pellucid.Cloud.read(DATA / "nasty" / name)

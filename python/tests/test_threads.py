@@ -206,18 +206,15 @@ def test_workers_that_are_spawned_render(renderer, tmp_path):
             """
         )
     )
-    done = subprocess.run(
-        [sys.executable, tmp_path / "work.py"], text=True, capture_output=True, timeout=120, check=False
-    )
+    done = subprocess.run([sys.executable, tmp_path / "work.py"], text=True, capture_output=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
 
 
 def test_without_a_driver_the_error_says_what_to_install():
-    script = "import pellucid\ntry:\n    pellucid.render([[0.0, 0.0, 0.0]])\nexcept pellucid.DeviceError as error:\n    print(error)"
+    calls = "pellucid.devices()\n    pellucid.Renderer()"
+    script = f"import pellucid\ntry:\n    {calls}\nexcept pellucid.DeviceError as error:\n    print(error)"
     environment = {**os.environ, "VK_DRIVER_FILES": "/nowhere.json", "VK_ICD_FILENAMES": "/nowhere.json"}
-    done = subprocess.run(
-        [sys.executable, "-c", script], text=True, capture_output=True, timeout=60, check=False, env=environment
-    )
+    done = subprocess.run([sys.executable, "-c", script], text=True, capture_output=True, timeout=60, check=False, env=environment)
     assert done.returncode == 0, done.stderr
     for system in ("Debian, Ubuntu: apt install libvulkan1 mesa-vulkan-drivers", "Fedora: dnf install", "Windows:", "macOS:"):
         assert system in done.stdout, done.stdout
