@@ -120,6 +120,9 @@ def _splat_columns(points: NDArray[Any], arrays: Mapping[str, NDArray[Any]]) -> 
     table = dict(zip("xyz", points.T, strict=True))
     for name, stem in _SPLATS.items():
         table |= {f"{stem}{at}": column for at, column in enumerate(np.atleast_2d(arrays[name].T))}
+    # Open3D takes extents from their logarithms, and leaves all else as it was.
+    with np.errstate(divide="ignore"):
+        table |= {name: np.log(column, dtype=np.float64) for name, column in table.items() if name.startswith("scale_")}
     table["opacity"] = arrays["opacity"].reshape(len(points))
     if (rest := arrays.get("f_rest")) is not None:
         by_channel = rest.transpose(0, 2, 1).reshape(len(points), -1)

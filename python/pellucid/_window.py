@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import base64
+import math
 import weakref
 from dataclasses import replace
 from typing import Any
@@ -59,7 +60,9 @@ class Window(ipywidgets.VBox):  # type: ignore[misc]
         begin = self._painter.begin
         self._home = begin.request.camera
         self._still = begin.image.to_png()
+        # Where the pointer was last while a button is pressed, and true if it moves the camera instead of turning it.
         self._pointer: tuple[float, float] | None = None
+        self._moves = False
         width, height = begin.image.size
         self._css_size = (float(width), float(height))
         self._canvas = Canvas(self, (width, height))
@@ -123,10 +126,12 @@ class Window(ipywidgets.VBox):  # type: ignore[misc]
             self._resize(event)
         elif kind == "pointer_down":
             self._pointer = (event["x"], event["y"])
-        elif kind == "pointer_up":
-            self._pointer = None
-        elif kind == "pointer_move" and self._pointer is not None and event.get("buttons"):
-            self._drag(event)
+            self._moves = "Shift" in event.get("modifiers", ()) or event.get("button") != 1
+        elif kind in ("pointer_move", "pointer_up") and self._pointer is not None:
+            # The last movement comes with the release: one that the page held back comes after it.
+            self._drag(event["x"], event["y"])
+            if kind == "pointer_up":
+                self._pointer = None
         elif kind == "wheel":
             # Lines and pages come as pixels already.
             self._want(camera=self.camera.zoom(_NOTCH ** (event["dy"] / 100)))
@@ -135,13 +140,14 @@ class Window(ipywidgets.VBox):  # type: ignore[misc]
         elif kind == "close":
             self._finalizer()
 
-    def _drag(self, event: dict[str, Any]) -> None:
+    def _drag(self, x: float, y: float) -> None:
         """Turns by half a turn over the window's height; moves with Shift or another button than the left one."""
         assert self._pointer is not None
-        x, y = event["x"], event["y"]
-        right, down = ((x - self._pointer[0]) / self._css_size[1], (y - self._pointer[1]) / self._css_size[1])
+        right, down = (x - self._pointer[0]) / self._css_size[1], (y - self._pointer[1]) / self._css_size[1]
         self._pointer = (x, y)
-        if "Shift" in event.get("modifiers", ()) or 1 not in event["buttons"]:
+        if right == 0 == down:
+            return
+        if self._moves:
             self._want(camera=self.camera.pan(-right, down))
         else:
             self._want(camera=self.camera.orbit(-180 * right, 180 * down))
@@ -209,6 +215,6 @@ def _caption(made: Picture) -> str:
     if made.draft.coarse > 1:
         parts.append(f"{made.draft.coarse} × {made.draft.coarse} pixels as one")
     parts.append("whole" if made.whole else "draft")
-    if made.standard_error is not None:
+    if made.standard_error is not None and math.isfinite(made.standard_error):
         parts.append(f"standard error {made.standard_error:.2g}")
     return " · ".join([*parts, f"{made.ms:.0f} ms"])

@@ -57,7 +57,7 @@ def test_tradeoff() -> None:
 
 
 def test_stress() -> None:
-    data = pellucid.stress(sides=[16], layers=[1, 4, 16], methods=["abuffer", "weighted"], frames=1)
+    data = pellucid.stress(sides=[16], layers=[1, 4, 16], methods=["abuffer", "sorted"], frames=1)
     figure = data.figure()
     assert_drawn(figure)
     workloads = list(dict.fromkeys(cell.workload for cell in data.cells))

@@ -80,9 +80,24 @@ def page(jupyter: str) -> Iterator[Page]:
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
         page = browser.new_page(viewport={"width": 1100, "height": 900})
+        # JupyterLab may ask to be built anew, for extensions that Open3D brings.
+        page.add_locator_handler(page.locator(".jp-Dialog"), lambda dialog: dialog.locator(".jp-mod-reject").click())
         page.goto(jupyter, timeout=120_000)
         yield page
         browser.close()
+
+
+def run_first_cell(page: Page) -> None:
+    """Runs it, however often the page loses the click: before the kernel is there, or behind a dialog."""
+    page.locator(".jp-Notebook-ExecutionIndicator[data-status=idle]").wait_for(timeout=60_000)
+    prompt = page.locator(".jp-InputPrompt").first
+    for _ in range(40):
+        if prompt.inner_text().strip() not in ("", "[ ]:"):
+            return
+        page.locator(".jp-CodeCell .cm-content").first.click()
+        page.locator("[data-command='notebook:run-cell-and-select-next']").click()
+        page.wait_for_timeout(500)
+    raise AssertionError(f"the cell was not run: {prompt.inner_text()!r}")
 
 
 def seen(canvas: Locator) -> np.ndarray:
@@ -122,10 +137,9 @@ def drag(page: Page, canvas: Locator, by: tuple[int, int], key: str | None = Non
 
 def test_the_window_follows_the_pointer(page: Page, tmp_path: Path) -> None:
     pictures = Path(os.environ.get("PELLUCID_PICTURES", tmp_path))
-    page.locator(".jp-Notebook .cm-content").first.click(timeout=60_000)
-    page.keyboard.press("Shift+Enter")
+    run_first_cell(page)
     canvas = page.locator("img.renderview-view")
-    canvas.wait_for(timeout=120_000)
+    canvas.wait_for(timeout=60_000)
     first_caption = wait_until_whole(page)
     assert first_caption.startswith("stochastic · 64 samples · whole · standard error 0.0"), first_caption
     page.screenshot(path=pictures / "window.png")
@@ -146,7 +160,8 @@ def test_the_window_follows_the_pointer(page: Page, tmp_path: Path) -> None:
     drag(page, canvas, (60, 0), key="Shift")
     moved_caption = wait_until_whole(page, back_caption)
     moved = seen(canvas)
-    assert difference(first[:, :-60], moved[:, 60:]) < 0.3 * difference(first, moved)
+    # What is near moves farther than what is far: the two are alike, not the same.
+    assert difference(first[:, :-60], moved[:, 60:]) < 0.5 * difference(first, moved)
 
     # The wheel comes nearer, and a double click brings the first view back.
     canvas.hover()
@@ -158,6 +173,7 @@ def test_the_window_follows_the_pointer(page: Page, tmp_path: Path) -> None:
     assert black(nearer) < black(moved) - 0.05
     canvas.dblclick()
     home_caption = wait_until_whole(page, nearer_caption)
+    page.screenshot(path=pictures / "home.png")
     assert difference(first, seen(canvas)) < 0.2 * difference(first, turned)
 
     # A slider: fewer samples are noisier, less opacity is darker.
