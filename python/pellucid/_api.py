@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -12,13 +11,14 @@ from . import _pellucid
 from ._camera import Camera
 from ._errors import DeviceError
 from ._image import Image
-from ._measures import Check, Comparison, Device, Plan, Profile, Stress, Tradeoff
 from ._progress import listening
 from ._renderer import Loaded, _load, forget, positive, prepared, renderer_of
 from ._types import Accuracy, Path, Progress, Size
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
+
+    from ._measures import Check, Comparison, Device, Plan, Profile, Stress, Tradeoff
 
 _T = TypeVar("_T")
 
@@ -139,6 +139,8 @@ def plan(
     **settings: Any,
 ) -> Plan:
     """The passes of a frame, each on or off, and the fact that decided it; renders nothing. The arguments are those of `render`."""
+    from ._measures import Plan
+
     with _loaded(points, settings, opacity, method, camera, size, device, seed, progress) as loaded:
         with listening(progress) as listener:
             text = loaded._native.plan(loaded._ask({}), listener)
@@ -176,6 +178,10 @@ def tradeoff(
 
     The others are as of `render`; ``method`` says which image is compared.
     """
+    import tempfile
+
+    from ._measures import Tradeoff
+
     if seconds is not None and not seconds > 0.0:
         raise ValueError(f"seconds: expected a number above 0, found {seconds}")
     names = [only] if isinstance(only, str) else [str(name) for name in only]
@@ -218,6 +224,8 @@ def stress(
     max_fragments, max_seconds
         Cells with more fragments, or of which a longer frame is predicted, are skipped.
     """
+    from ._measures import Stress
+
     extent = {
         "quick": bool(quick),
         "methods": None if methods is None else [str(name) for name in methods],
@@ -239,6 +247,8 @@ def check(*names: str, device: str | int | None = None, progress: Progress = Non
 
     With ``names`` those whose names contain one of them, as in ``check("abuffer/")``.
     """
+    from ._measures import Check
+
     for name in names:
         if not isinstance(name, str):
             raise TypeError(f"names: expected texts, found {type(name).__name__}")
@@ -253,12 +263,16 @@ def compare(a: Image | ArrayLike | Path, b: Image | ArrayLike | Path) -> Compari
     Pictures are of one size: an `Image`, which counts over its background; a PNG or EXR file; or an array of shape (h, w, 3), of
     linear floats, or of uint8 or uint16 as sRGB.
     """
+    from ._measures import Comparison
+
     text, difference, width, height = _pellucid.compare(_picture("a", a), _picture("b", b))
     return Comparison._of(json.loads(text), difference.reshape(height, width, 3))
 
 
 def devices() -> list[Device]:
     """The Vulkan devices of this machine. Raises DeviceError where the loader is missing."""
+    from ._measures import Device
+
     found = _pellucid.devices()
     return [
         Device(index, name, driver, tuple(lacks), tuple(without), taken) for index, name, driver, lacks, without, taken in found

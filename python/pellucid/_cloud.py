@@ -119,6 +119,8 @@ class Cloud:
         from ._foreign import columns as columns_of
 
         found = columns_of(object)
+        if isinstance(found, Cloud):
+            return cls.from_any(found, **columns)
         if found is not None:
             return cls(**{**found, **columns})
         if hasattr(object, "__array__") or isinstance(object, (list, tuple)):

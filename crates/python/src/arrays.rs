@@ -1,20 +1,37 @@
 //! Columns of numpy as columns of a cloud, and back. Python has made them contiguous and of the types named here.
 //!
-//! They are copied while the interpreter's lock is held: whoever else has the array may change it afterwards.
+//! They are copied while the interpreter's lock is held, since whoever else has the array may change it afterwards, and
+//! converted without it.
 
 use glam::{DVec3, Vec3};
 use numpy::{Element, PyArray1, PyReadonlyArray1};
 use pellucid_engine::color::decode_srgb;
+use pellucid_engine::io::unit_or_zero;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
 use crate::failure::Failure;
 
-/// Rows of a contiguous array, `width` values each, or of one column.
+/// Rows of a contiguous array.
 #[derive(FromPyObject)]
 pub enum Floats<'py> {
     Single(PyReadonlyArray1<'py, f32>),
     Double(PyReadonlyArray1<'py, f64>),
+}
+
+/// A copy of them.
+pub enum FloatRows {
+    Single(Vec<f32>),
+    Double(Vec<f64>),
+}
+
+impl Floats<'_> {
+    pub fn copied(&self, name: &str) -> Result<FloatRows, Failure> {
+        Ok(match self {
+            Self::Single(array) => FloatRows::Single(copied(name, array)?),
+            Self::Double(array) => FloatRows::Double(copied(name, array)?),
+        })
+    }
 }
 
 /// Colors as they are given: integers are sRGB.
@@ -26,13 +43,36 @@ pub enum Colors<'py> {
     Double(PyReadonlyArray1<'py, f64>),
 }
 
+/// A copy of them.
+pub enum ColorRows {
+    Byte(Vec<u8>),
+    Short(Vec<u16>),
+    Floats(FloatRows),
+}
+
+impl Colors<'_> {
+    pub fn copied(&self, name: &str) -> Result<ColorRows, Failure> {
+        Ok(match self {
+            Self::Byte(array) => ColorRows::Byte(copied(name, array)?),
+            Self::Short(array) => ColorRows::Short(copied(name, array)?),
+            Self::Single(array) => ColorRows::Floats(FloatRows::Single(copied(name, array)?)),
+            Self::Double(array) => ColorRows::Floats(FloatRows::Double(copied(name, array)?)),
+        })
+    }
+}
+
+/// A copy of a contiguous array.
+pub fn copied<T: Element + Copy>(name: &str, array: &PyReadonlyArray1<'_, T>) -> Result<Vec<T>, Failure> {
+    Ok(values(name, array)?.to_vec())
+}
+
 /// The values of a contiguous array.
 pub fn values<'a, T: Element>(name: &str, array: &'a PyReadonlyArray1<'_, T>) -> Result<&'a [T], Failure> {
     array.as_slice().map_err(|_| Failure::Value(format!("{name}: expected a contiguous array")))
 }
 
 /// World positions, all finite.
-pub fn positions(array: &Floats<'_>) -> Result<Vec<DVec3>, Failure> {
+pub fn positions(rows: &FloatRows) -> Result<Vec<DVec3>, Failure> {
     fn convert<T: Copy + Into<f64> + Sync>(values: &[T]) -> Result<Vec<DVec3>, Failure> {
         let rows = values.par_chunks_exact(3);
         let points: Vec<DVec3> = rows.map(|p| DVec3::new(p[0].into(), p[1].into(), p[2].into())).collect();
@@ -49,72 +89,66 @@ pub fn positions(array: &Floats<'_>) -> Result<Vec<DVec3>, Failure> {
             }
         }
     }
-    match array {
-        Floats::Single(array) => convert(values("points", array)?),
-        Floats::Double(array) => convert(values("points", array)?),
+    match rows {
+        FloatRows::Single(values) => convert(values),
+        FloatRows::Double(values) => convert(values),
     }
 }
 
 /// Normals of length 1, or zero where none is given; `None` if there is none at all.
-pub fn normals(array: &Floats<'_>) -> Result<Option<Vec<Vec3>>, Failure> {
-    let unit = |n: DVec3| {
-        let n = n.as_vec3();
-        if n.is_finite() { DVec3::from(n).normalize_or_zero().as_vec3() } else { Vec3::ZERO }
-    };
-    let rows: Vec<Vec3> = match array {
-        Floats::Single(array) => {
-            let rows = values("normals", array)?.par_chunks_exact(3);
-            rows.map(|n| unit(Vec3::from_slice(n).into())).collect()
-        }
-        Floats::Double(array) => {
-            values("normals", array)?.par_chunks_exact(3).map(|n| unit(DVec3::from_slice(n))).collect()
-        }
-    };
-    Ok(rows.par_iter().any(|n| *n != Vec3::ZERO).then_some(rows))
+pub fn normals(rows: &FloatRows) -> Option<Vec<Vec3>> {
+    let normals: Vec<Vec3> = vectors(rows).map(unit_or_zero).collect();
+    normals.par_iter().any(|n| *n != Vec3::ZERO).then_some(normals)
 }
 
-/// Linear colors. `srgb` is said of floats.
-pub fn colors(array: &Colors<'_>, srgb: bool) -> Result<Vec<Vec3>, Failure> {
-    fn decoded<T: Copy + Into<usize> + Sync>(values: &[T], full: u16) -> Vec<Vec3> {
-        let table: Vec<f32> = (0..=full).map(|value| decode_srgb(f32::from(value) / f32::from(full))).collect();
-        let linear = |c: &[T]| Vec3::new(table[c[0].into()], table[c[1].into()], table[c[2].into()]);
-        values.par_chunks_exact(3).map(linear).collect()
-    }
-    fn floats<T: Copy + Sync>(
-        values: &[T],
-        single: impl Fn(T) -> f32 + Sync,
-        srgb: bool,
-    ) -> Result<Vec<Vec3>, Failure> {
-        let rows = values.par_chunks_exact(3);
-        let colors: Vec<Vec3> = rows.map(|c| Vec3::new(single(c[0]), single(c[1]), single(c[2]))).collect();
-        let in_range = |c: &Vec3| c.cmpge(Vec3::ZERO).all() && c.cmple(Vec3::ONE).all();
-        if let Some(at) = colors.par_iter().position_first(|c| !in_range(c)) {
-            let Vec3 { x, y, z } = colors[at];
-            return Err(Failure::Value(format!(
-                "colors: expected floats from 0 to 1, found ({x}, {y}, {z}) in row {at}; bytes are colors.astype(numpy.uint8)"
-            )));
-        }
-        let decode = |c: Vec3| Vec3::from_array(c.to_array().map(decode_srgb));
-        Ok(if srgb { colors.into_par_iter().map(decode).collect() } else { colors })
-    }
-    Ok(match array {
-        Colors::Byte(array) => decoded(values("colors", array)?, 255),
-        Colors::Short(array) => decoded(values("colors", array)?, u16::MAX),
-        Colors::Single(array) => floats(values("colors", array)?, |c| c, srgb)?,
-        Colors::Double(array) => floats(values("colors", array)?, |c| c as f32, srgb)?,
+/// Rows of three as float32.
+fn vectors(rows: &FloatRows) -> impl IndexedParallelIterator<Item = Vec3> + '_ {
+    let count = match rows {
+        FloatRows::Single(values) => values.len() / 3,
+        FloatRows::Double(values) => values.len() / 3,
+    };
+    (0..count).into_par_iter().map(move |i| match rows {
+        FloatRows::Single(values) => Vec3::from_slice(&values[3 * i..]),
+        FloatRows::Double(values) => DVec3::from_slice(&values[3 * i..]).as_vec3(),
     })
 }
 
-/// A column of numbers that are all in a range, of which `expected` speaks.
-pub fn column(
-    name: &str,
-    array: &PyReadonlyArray1<'_, f32>,
-    expected: &str,
-    fine: impl Fn(f32) -> bool + Sync,
-) -> Result<Vec<f32>, Failure> {
-    let values = values(name, array)?;
+/// Linear colors. `srgb` is said of floats.
+pub fn colors(rows: &ColorRows, srgb: bool) -> Result<Vec<Vec3>, Failure> {
+    let rows = match rows {
+        ColorRows::Byte(values) => return Ok(decoded(values, 255)),
+        ColorRows::Short(values) => return Ok(decoded(values, u16::MAX)),
+        ColorRows::Floats(rows) => rows,
+    };
+    let in_range = |c: &Vec3| c.cmpge(Vec3::ZERO).all() && c.cmple(Vec3::ONE).all();
+    if let Some((at, Vec3 { x, y, z })) = vectors(rows).enumerate().find_first(|(_, c)| !in_range(c)) {
+        return Err(Failure::Value(format!(
+            "colors: expected floats from 0 to 1, found ({x}, {y}, {z}) in row {at}; bytes are colors.astype(numpy.uint8)"
+        )));
+    }
+    let decode = |c: Vec3| Vec3::from_array(c.to_array().map(decode_srgb));
+    Ok(vectors(rows).map(|c| if srgb { decode(c) } else { c }).collect())
+}
+
+/// Colors as they are, whatever their range; integers are decoded.
+pub fn any_colors(rows: &ColorRows) -> Vec<[f32; 3]> {
+    match rows {
+        ColorRows::Byte(values) => decoded(values, 255).into_iter().map(|c| c.to_array()).collect(),
+        ColorRows::Short(values) => decoded(values, u16::MAX).into_iter().map(|c| c.to_array()).collect(),
+        ColorRows::Floats(rows) => vectors(rows).map(|c| c.to_array()).collect(),
+    }
+}
+
+fn decoded<T: Copy + Into<usize> + Sync>(values: &[T], full: u16) -> Vec<Vec3> {
+    let table: Vec<f32> = (0..=full).map(|value| decode_srgb(f32::from(value) / f32::from(full))).collect();
+    let linear = |c: &[T]| Vec3::new(table[c[0].into()], table[c[1].into()], table[c[2].into()]);
+    values.par_chunks_exact(3).map(linear).collect()
+}
+
+/// Refuses a number out of a range, of which `expected` speaks.
+pub fn check(name: &str, values: &[f32], expected: &str, fine: impl Fn(f32) -> bool + Sync) -> Result<(), Failure> {
     match values.par_iter().position_first(|value| !fine(*value)) {
-        None => Ok(values.to_vec()),
+        None => Ok(()),
         Some(at) => Err(Failure::Value(format!("{name}: expected {expected}, found {} in row {at}", values[at]))),
     }
 }

@@ -8,9 +8,9 @@ use pellucid_engine::cloud::{Cloud as Columns, UpAxis};
 use pellucid_engine::io;
 use pyo3::prelude::*;
 
-use crate::arrays::{self, Colors, Floats};
+use crate::arrays::{self, ColorRows, Colors, FloatRows, Floats};
 use crate::failure::Failure;
-use crate::{fork, work};
+use crate::work;
 
 /// The columns of a cloud; shared, and never changed.
 #[pyclass(frozen, module = "pellucid._pellucid")]
@@ -44,8 +44,8 @@ impl Cloud {
     /// A cloud of flat, contiguous arrays whose lengths and types Python has checked.
     #[staticmethod]
     fn of_arrays(py: Python<'_>, points: Floats<'_>, given: Given<'_>) -> PyResult<Self> {
-        let columns = fork::enter().and_then(|()| columns(&points, &given)).map_err(|failure| failure.raise(py))?;
-        Ok(Self(Arc::new(columns)))
+        let copies = Copies::new(&points, &given).map_err(|failure| failure.raise(py))?;
+        Ok(Self(Arc::new(work::run(py, None, move |_| copies.columns())?)))
     }
 
     /// The cloud of a file.
@@ -113,31 +113,56 @@ impl Cloud {
     }
 }
 
-fn columns(points: &Floats<'_>, given: &Given<'_>) -> Result<Columns, Failure> {
-    let scalars = given.scalars.iter().map(|(name, values)| Ok((name.clone(), arrays::values(name, values)?.to_vec())));
-    let mut columns = Columns {
-        positions: arrays::positions(points)?,
-        colors: given.colors.as_ref().map(|colors| arrays::colors(colors, given.srgb)).transpose()?,
-        alphas: optional(&given.opacities, |a| {
-            arrays::column("opacities", a, "numbers from 0 to 1", |a| (0.0..=1.0).contains(&a))
-        })?,
-        radii: optional(&given.radii, |r| {
-            arrays::column("radii", r, "finite numbers of at least 0", |r| r >= 0.0 && r.is_finite())
-        })?,
-        normals: optional(&given.normals, arrays::normals)?.flatten(),
-        classification: optional(&given.classification, |codes| Ok(arrays::values("classification", codes)?.to_vec()))?,
-        intensity: optional(&given.intensity, |values| Ok(arrays::values("intensity", values)?.to_vec()))?,
-        scalars: scalars.collect::<Result<_, Failure>>()?,
-        ..Columns::default()
-    };
-    match given.z_up {
-        Some(true) => columns.up = UpAxis::Z,
-        Some(false) => columns.up = UpAxis::Y,
-        None => io::ply::find_vertical(&mut columns),
-    }
-    Ok(columns)
+/// Everything that was given, copied.
+struct Copies {
+    points: FloatRows,
+    colors: Option<ColorRows>,
+    srgb: bool,
+    normals: Option<FloatRows>,
+    z_up: Option<bool>,
+    /// The columns that need no conversion.
+    columns: Columns,
 }
 
-fn optional<T, U>(given: &Option<T>, convert: impl FnOnce(&T) -> Result<U, Failure>) -> Result<Option<U>, Failure> {
-    given.as_ref().map(convert).transpose()
+impl Copies {
+    fn new(points: &Floats<'_>, given: &Given<'_>) -> Result<Self, Failure> {
+        let floats = |name: &str, array: &Option<PyReadonlyArray1<'_, f32>>| {
+            array.as_ref().map(|array| arrays::copied(name, array)).transpose()
+        };
+        let scalars = given.scalars.iter().map(|(name, values)| Ok((name.clone(), arrays::copied(name, values)?)));
+        let classification = given.classification.as_ref().map(|codes| arrays::copied("classification", codes));
+        Ok(Self {
+            points: points.copied("points")?,
+            colors: given.colors.as_ref().map(|colors| colors.copied("colors")).transpose()?,
+            srgb: given.srgb,
+            normals: given.normals.as_ref().map(|normals| normals.copied("normals")).transpose()?,
+            z_up: given.z_up,
+            columns: Columns {
+                alphas: floats("opacities", &given.opacities)?,
+                radii: floats("radii", &given.radii)?,
+                classification: classification.transpose()?,
+                intensity: floats("intensity", &given.intensity)?,
+                scalars: scalars.collect::<Result<_, Failure>>()?,
+                ..Columns::default()
+            },
+        })
+    }
+
+    /// The columns of a cloud, of which every value is in its range.
+    fn columns(self) -> Result<Columns, Failure> {
+        let mut columns = self.columns;
+        let (alphas, radii) = (columns.alphas.as_deref(), columns.radii.as_deref());
+        let not_negative = |r: f32| r >= 0.0 && r.is_finite();
+        arrays::check("opacities", alphas.unwrap_or_default(), "numbers from 0 to 1", |a| (0.0..=1.0).contains(&a))?;
+        arrays::check("radii", radii.unwrap_or_default(), "finite numbers of at least 0", not_negative)?;
+        columns.positions = arrays::positions(&self.points)?;
+        columns.colors = self.colors.map(|colors| arrays::colors(&colors, self.srgb)).transpose()?;
+        columns.normals = self.normals.and_then(|normals| arrays::normals(&normals));
+        match self.z_up {
+            Some(true) => columns.up = UpAxis::Z,
+            Some(false) => columns.up = UpAxis::Y,
+            None => io::ply::find_vertical(&mut columns),
+        }
+        Ok(columns)
+    }
 }

@@ -9,7 +9,7 @@ use pellucid_engine::output::read_image;
 use pyo3::prelude::*;
 use serde_json::json;
 
-use crate::arrays::{self, Colors, values};
+use crate::arrays::{self, ColorRows, Colors};
 use crate::failure::Failure;
 use crate::work;
 
@@ -21,34 +21,28 @@ pub enum Given<'py> {
 }
 
 enum Source {
-    Pixels(LinearImage),
+    Pixels(ColorRows, u32, u32),
     File(PathBuf),
 }
 
 impl Source {
-    fn new(name: &str, given: Given<'_>) -> Result<Self, Failure> {
-        let (array, width, height) = match given {
-            Given::Pixels(array, width, height) => (array, width, height),
-            Given::File(path) => return Ok(Self::File(path)),
-        };
-        let pixels: Vec<[f32; 3]> = match &array {
-            Colors::Single(array) => values(name, array)?.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
-            Colors::Double(array) => {
-                values(name, array)?.chunks_exact(3).map(|c| [c[0], c[1], c[2]].map(|c| c as f32)).collect()
-            }
-            encoded => arrays::colors(encoded, false)?.iter().map(|c| c.to_array()).collect(),
-        };
-        if pixels.len() as u64 == u64::from(width) * u64::from(height) {
-            Ok(Self::Pixels(LinearImage { width, height, pixels }))
-        } else {
-            Err(Failure::Value(format!("{name}: expected {width} × {height} pixels, found {}", pixels.len())))
-        }
+    fn new(name: &str, given: &Given<'_>) -> Result<Self, Failure> {
+        Ok(match given {
+            Given::Pixels(array, width, height) => Self::Pixels(array.copied(name)?, *width, *height),
+            Given::File(path) => Self::File(path.clone()),
+        })
     }
 
-    fn read(self) -> Result<LinearImage, Failure> {
-        match self {
-            Self::Pixels(image) => Ok(image),
-            Self::File(path) => Ok(read_image(&path)?),
+    fn read(self, name: &str) -> Result<LinearImage, Failure> {
+        let (rows, width, height) = match self {
+            Self::Pixels(rows, width, height) => (rows, width, height),
+            Self::File(path) => return Ok(read_image(&path)?),
+        };
+        let pixels = arrays::any_colors(&rows);
+        if pixels.len() as u64 == u64::from(width) * u64::from(height) {
+            Ok(LinearImage { width, height, pixels })
+        } else {
+            Err(Failure::Value(format!("{name}: expected {width} × {height} pixels, found {}", pixels.len())))
         }
     }
 }
@@ -59,10 +53,10 @@ type Compared<'py> = (String, Bound<'py, PyArray1<f32>>, u32, u32);
 /// Compares a picture with another one, the reference.
 #[pyfunction]
 pub fn compare<'py>(py: Python<'py>, a: Given<'_>, b: Given<'_>) -> PyResult<Compared<'py>> {
-    let sources = Source::new("a", a).and_then(|a| Ok((a, Source::new("b", b)?)));
+    let sources = Source::new("a", &a).and_then(|a| Ok((a, Source::new("b", &b)?)));
     let (a, b) = sources.map_err(|failure| failure.raise(py))?;
     let (json, difference, [width, height]) = work::run(py, None, move |_| {
-        let (a, b) = (a.read()?, b.read()?);
+        let (a, b) = (a.read("a")?, b.read("b")?);
         let comparison = metrics::compare(&a, &b).ok_or_else(|| {
             let [a, b] = [&a, &b].map(|image| format!("{} × {}", image.width, image.height));
             Failure::Value(format!("a and b: expected pictures of one size, found {a} and {b} pixels"))

@@ -99,6 +99,10 @@ fn detached<T: Send>(
 /// from under it.
 #[pyfunction]
 pub fn wait(py: Python<'_>, seconds: f64) {
+    if fork::enter().is_err() {
+        // Its threads were the parent's.
+        return;
+    }
     let limit = Duration::try_from_secs_f64(seconds).unwrap_or_default();
     let begin = Instant::now();
     py.detach(|| {

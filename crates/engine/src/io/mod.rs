@@ -27,6 +27,7 @@ use bytesize::ByteSize;
 use crate::progress::Progress;
 
 use crate::cloud::{Cloud, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER, same_scalar};
+pub use columns::unit_or_zero;
 pub use decoder::silence_decoder_panics;
 pub use memory::{LEAST_MEMORY, memory_for_points};
 use photo::Photo;

@@ -154,7 +154,7 @@ impl Layout {
 
 /// The normal with length 1, or zero if it has no direction.
 #[inline]
-pub(in crate::io) fn unit_or_zero(normal: Vec3) -> Vec3 {
+pub fn unit_or_zero(normal: Vec3) -> Vec3 {
     if (normal.length_squared() - 1.0).abs() <= UNIT_TOLERANCE {
         return normal;
     }

@@ -8,7 +8,8 @@ mod table;
 
 pub(super) use block::Block;
 pub(super) use join::joined;
-pub(super) use layout::{Layout, unit_or_zero};
+pub(super) use layout::Layout;
+pub use layout::unit_or_zero;
 pub(super) use ply_rs_bw::ply::ScalarType;
 pub(super) use rows::Rows;
 pub(super) use table::{Table, Whole};
