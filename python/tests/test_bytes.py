@@ -148,3 +148,22 @@ def test_srgb_is_what_a_png_holds(renderer, tmp_path, points):
     assert found.max_value == 0.0
     over = image.rgba[..., :3] + (1.0 - image.rgba[..., 3:]) * np.float32([0.2, 0.4, 0.6])
     np.testing.assert_allclose(image.over_background(), over, atol=1e-6)
+
+
+@pytest.mark.filterwarnings("ignore::pellucid.PellucidWarning")
+def test_of_a_store_that_stays_on_the_disk(renderer, cli, tmp_path):
+    """Memory for a tenth of the points: they are read as the picture needs them."""
+    points = np.random.default_rng(5).normal(size=(60_000, 3)).astype(np.float32)
+    header = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n"
+    header += "".join(f"property float {axis}\n" for axis in "xyz") + "end_header\n"
+    (tmp_path / "many.ply").write_bytes(header.encode() + points.tobytes())
+    cli("prepare", "many.ply", "-o", "store/")
+    for settings, arguments in [
+        ({}, []),
+        ({"detail": {"spacing_px": 4}}, ["--detail", "4"]),
+        ({"max_points": 20000}, ["--max-points", "20000"]),
+    ]:
+        python = {"opacity": 0.2, "host_memory": 1 << 20, **settings}
+        ours = of_python(tmp_path, tmp_path / "store", python, ".exr")
+        arguments = ["--opacity", "0.2", "--host-memory", "1MiB", *arguments]
+        assert ours == of_cli(cli, tmp_path, [tmp_path / "store"], arguments, ".exr"), settings
