@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as _Figure
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation
 
 if TYPE_CHECKING:
     from . import Check, Comparison, Plan, Profile, Stress, Tradeoff
@@ -146,14 +146,10 @@ def tradeoff(data: Tradeoff) -> Figure:
         zorder=0,
         label="front",
     )
-    for at, row in enumerate(front):
-        axes.annotate(
-            row.setting or row.method,
-            (row.gpu_ms, row.rmse or floor),
-            xytext=(6, 6 if at % 2 == 0 else -11),
-            textcoords="offset points",
-            fontsize=7.5,
-        )
+    for row in front:
+        if row.setting:
+            at = (row.gpu_ms, row.rmse or floor)
+            axes.annotate(row.setting.removeprefix("method."), at, xytext=(6, 5), textcoords="offset points", fontsize=7.5)
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlabel("device time of a frame, ms")
@@ -163,15 +159,10 @@ def tradeoff(data: Tradeoff) -> Figure:
     axes.tick_params(axis="x", which="minor", labelsize=8)
     if any(row.rmse == 0 for row in data.rows):
         axes.axhline(floor, color=_GREY, linewidth=0.8, linestyle=":")
-        axes.annotate(
-            "exact",
-            (0, floor),
-            xycoords=("axes fraction", "data"),
-            xytext=(3, 3),
-            textcoords="offset points",
-            fontsize=8,
-            color=_GREY,
-        )
+        axes.set_ylim(bottom=floor / 1.6)
+        plain = LogFormatterSciNotation()
+        plain.set_axis(axes.yaxis)
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, at: "exact" if value < 1.5 * floor else plain(value, at)))
     figure.legend(loc="outside right upper", fontsize=8, frameon=False)
     axes.set_title(f"{data.points:,} points, {data.size[0]} × {data.size[1]} pixels\n{data.device}", fontsize=10)
     return figure
