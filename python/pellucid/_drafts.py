@@ -1,4 +1,6 @@
-"""Decides what a picture leaves out while things move, as the window of `pellucid view` does: first samples, then pixels."""
+"""Decides what a picture leaves out while things move, as the window of `pellucid view` does: first samples, then pixels and, where
+that can be, points in the same proportion.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +11,9 @@ _COARSE = (1, 2, 3, 4, 6, 8)
 
 # Samples of a frame of unknown cost, and the least of any frame: below it, larger pixels show more.
 _FEWEST = 4
+
+# Where points stay, a picture may take so many times of what all pictures take alike: a coarser one would hardly be faster.
+_ALIKE = 1.5
 
 # Share of all work from which a picture at rest is the whole one.
 _NEARLY_ALL = 0.5
@@ -27,6 +32,10 @@ class Draft:
         """Its share of the work of the picture with all samples."""
         share = 1.0 if self.samples is None or not samples else self.samples / samples
         return share / self.coarse**2
+
+    def points(self, all: int) -> int | None:
+        """Points that are drawn at most; `None` for all."""
+        return None if self.coarse == 1 else max(all // self.coarse**2, 1)
 
     def size(self, size: tuple[int, int]) -> tuple[int, int]:
         """Columns and rows that are rendered of a picture of this size."""
@@ -47,7 +56,7 @@ class Costs:
             self._other = self._last
         self._last = (ms, work)
 
-    def share(self, budget_ms: float) -> float | None:
+    def share(self, budget_ms: float, *, thins: bool = True) -> float | None:
         """The share of the work that should fit so many milliseconds; `None` without any frame."""
         if self._last is None:
             return None
@@ -56,7 +65,7 @@ class Costs:
             slope = (self._other[0] - ms) / (self._other[1] - work)
             alike = ms - slope * work
             if slope > 0 and alike > 0:
-                return (budget_ms - alike) / slope
+                return ((budget_ms if thins else max(budget_ms, _ALIKE * alike)) - alike) / slope
         return work * budget_ms / max(ms, 1e-9)
 
 
@@ -69,9 +78,12 @@ def whole(samples: int | None) -> Draft:
     return Draft(samples, 1)
 
 
-def moving(costs: Costs, budget_ms: float, samples: int | None) -> Draft:
-    """The most accurate picture that should take no more than the budget; the coarsest if none does."""
-    share = costs.share(budget_ms)
+def moving(costs: Costs, budget_ms: float, samples: int | None, *, thins: bool = True) -> Draft:
+    """The most accurate picture that should take no more than the budget; the coarsest if none does.
+
+    `thins` is true if coarser pictures have fewer points.
+    """
+    share = costs.share(budget_ms, thins=thins)
     fewest = None if samples is None else min(samples, _FEWEST)
     if share is None:
         return Draft(fewest, 2)
@@ -83,12 +95,12 @@ def moving(costs: Costs, budget_ms: float, samples: int | None) -> Draft:
     return Draft(fewest, _coarse(share * samples / fewest))
 
 
-def resting(costs: Costs, budget_ms: float, samples: int | None) -> Draft:
+def resting(costs: Costs, budget_ms: float, samples: int | None, *, thins: bool = True) -> Draft:
     """As `moving`, or the whole picture if half of its work would fit."""
-    share = costs.share(budget_ms)
+    share = costs.share(budget_ms, thins=thins)
     if share is not None and share >= _NEARLY_ALL:
         return whole(samples)
-    return moving(costs, budget_ms, samples)
+    return moving(costs, budget_ms, samples, thins=thins)
 
 
 def _coarse(share: float) -> int:

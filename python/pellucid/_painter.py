@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import threading
 import time
 from collections.abc import Callable
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
 
 # Seconds without a request after which things are at rest.
 _REST_S = 0.15
+
+# Points below which pictures have all of them.
+_FEW_POINTS = 50_000
 
 # Milliseconds of the first picture at rest; each one after it may take four times as long.
 _FIRST_MS = 250.0
@@ -109,6 +113,8 @@ class Painter:
         self._closed = False
         self._costs = _drafts.Costs()
         self._costs_of: tuple[str | None, int | None, tuple[int, int]] | None = None
+        self._thins = False
+        self._whole_ms = math.inf
         begun: list[Begin | BaseException] = []
         ready = threading.Event()
         begin = functools.partial(_begin, arguments=arguments, size=size, most=most)
@@ -171,6 +177,7 @@ class Painter:
     ) -> None:
         try:
             with Renderer(device) as renderer, renderer.load(points, **arguments) as scene:
+                self._thins = _may_thin(scene)
                 begun.append(begin(scene))
                 ready.set()
                 self._paint(scene)
@@ -205,14 +212,14 @@ class Painter:
         kind = (request.method, request.samples, request.size)
         if kind != self._costs_of:
             self._costs, self._costs_of = _drafts.Costs(), kind
-        draft = _drafts.moving(self._costs, self._budget_ms, request.samples)
+        draft = _drafts.moving(self._costs, self._budget_ms, request.samples, thins=self._thins)
         whole = _drafts.whole(request.samples)
         self._make(scene, request, draft)
         budget_ms = _FIRST_MS
         with self._changed:
             self._changed.wait_for(self._is_outdated, timeout=_REST_S)
         while draft != whole and not self._is_outdated():
-            next_draft = _drafts.resting(self._costs, budget_ms, request.samples)
+            next_draft = _drafts.resting(self._costs, budget_ms, request.samples, thins=self._thins)
             budget_ms *= 4
             if next_draft.work(request.samples) > draft.work(request.samples):
                 draft = next_draft
@@ -222,12 +229,21 @@ class Painter:
         return self._wanted is not None or self._task is not None or self._closed
 
     def _make(self, scene: Loaded, request: Request, draft: _drafts.Draft, *, stoppable: bool = False) -> None:
+        # Waits until a frame that was stopped has ended, which counts for no other.
+        count = len(scene)
         start = time.perf_counter()
-        image = _frame(scene, request, draft, progress=self._stopper if stoppable else None)
+        thins = self._thins and not (request.method or "").startswith("spbr")
+        points = draft.points(count) if thins else None
+        image = _frame(scene, request, draft, points=points, progress=self._stopper if stoppable else None)
         pixels = image.to_srgb()
         ms = 1e3 * (time.perf_counter() - start)
-        self._costs.add(ms, draft.work(request.samples))
         whole = draft == _drafts.whole(request.samples)
+        if whole:
+            self._whole_ms = ms
+        elif points is not None and ms > self._whole_ms:
+            # Points that can't be left out without being arranged anew, as Gaussian splats.
+            self._thins, self._costs = False, _drafts.Costs()
+        self._costs.add(ms, draft.work(request.samples))
         self._deliver(Picture(pixels, draft, whole, ms, image.method, image.stderr))
 
     def _stopper(self, *_: Any, **__: Any) -> _Stopper:
@@ -265,6 +281,13 @@ def _begin(scene: Loaded, *, arguments: dict[str, Any], size: tuple[int, int] | 
     return Begin(request, image, {name: value for name, value in settings.items() if value is not None})
 
 
+def _may_thin(scene: Loaded) -> bool:
+    """True if drafts may leave points out: with shadows each has its own share of light, and a scene may do so by itself."""
+    settings = scene.scene
+    detail = (settings.get("detail.max_points"), settings.get("detail.spacing_px"))
+    return len(scene) > _FEW_POINTS and not any(detail) and "shadows" not in settings.given()
+
+
 def _fitting(size: tuple[int, int], most: tuple[int, int]) -> tuple[int, int]:
     """The size, made smaller until it fits."""
     factor = min(1.0, most[0] / size[0], most[1] / size[1])
@@ -280,8 +303,18 @@ def _nearest_axis(camera: Camera) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _frame(scene: Loaded, request: Request, draft: _drafts.Draft, *, accuracy: Accuracy = "8-bit", progress: Any = None) -> Image:
+def _frame(
+    scene: Loaded,
+    request: Request,
+    draft: _drafts.Draft,
+    *,
+    points: int | None = None,
+    accuracy: Accuracy = "8-bit",
+    progress: Any = None,
+) -> Image:
     settings = dict(request.settings)
+    if points is not None:
+        settings["detail"] = {"max_points": points}
     if draft.samples is not None:
         settings["samples"] = draft.samples
     return scene.frame(

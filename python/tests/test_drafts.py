@@ -41,6 +41,18 @@ def test_what_all_frames_take_alike_is_told_apart() -> None:
     assert moving(both, 10, None).coarse == 8, "nothing fits less than what any frame takes"
 
 
+def test_no_picture_is_coarser_than_helps() -> None:
+    # 700 ms for any frame, 300 for the whole picture's work: leaving all of it out would save less than a third.
+    both = costs((700 + 300 / 64, 1 / 64), (1000, 1))
+    assert moving(both, 33, None, thins=False).coarse == 1
+    assert moving(both, 33, None, thins=True).coarse == 8, "it would be less with the points"
+
+
+def test_points_go_with_pixels() -> None:
+    assert [Draft(None, coarse).points(1000) for coarse in (1, 2, 8)] == [None, 250, 15]
+    assert Draft(4, 1).points(1000) is None
+
+
 def test_a_picture_at_rest_becomes_the_whole_one() -> None:
     known = costs((100, 1 / 16))
     assert resting(known, 250, 64).work(64) < 1

@@ -108,6 +108,28 @@ def test_opacity_and_settings_change_the_picture(made: Made) -> None:
     assert 0 < faint < 0.5 * plain
 
 
+def test_drafts_of_many_points_leave_some_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A quarter of the points in a quarter of the pixels; the picture at rest has all of them, as if none had been left out."""
+    asked: list[object] = []
+    frame = pellucid.Loaded.frame
+
+    def counted(loaded: pellucid.Loaded, **settings: object) -> pellucid.Image:
+        asked.append((settings.get("size"), settings.get("detail")))
+        return frame(loaded, **settings)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(pellucid.Loaded, "frame", counted)
+    monkeypatch.setattr("pellucid._painter._FEW_POINTS", 1000)
+    made = Made(opacity=0.3, method="abuffer")
+    made.painter.ask(made.request)
+    last = made.until_whole()[-1]
+    made.painter.close()
+    assert asked[:2] == [((160, 120), None), ((80, 60), {"max_points": 500})]
+    assert asked[-1] == ((160, 120), None)
+    monkeypatch.undo()
+    expected = pellucid.render(POINTS, opacity=0.3, method="abuffer", accuracy="8-bit", size=(160, 120), camera=made.request.camera)
+    np.testing.assert_array_equal(last.pixels, expected.to_srgb())
+
+
 def test_errors_of_frames_are_delivered_and_painting_goes_on(made: Made) -> None:
     made.painter.ask(replace(made.request, settings={"no_such_key": 1}))
     error = made.pictures.get(timeout=60)

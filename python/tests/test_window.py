@@ -1,9 +1,9 @@
 """The window of `pellucid.view` in a real browser: JupyterLab, headless Chromium, a pointer."""
 
+import base64
 import io
 import json
 import os
-import re
 import shutil
 import socket
 import subprocess
@@ -16,6 +16,7 @@ import nbformat
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from nbclient import NotebookClient
 from playwright.sync_api import Locator, Page, sync_playwright
 
 CHROMIUM = os.environ.get("PELLUCID_CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
@@ -192,12 +193,25 @@ def test_the_window_follows_the_pointer(page: Page, tmp_path: Path) -> None:
     page.screenshot(path=pictures / "faint.png")
 
 
-def test_the_notebook_keeps_a_picture(jupyter: str, tmp_path: Path) -> None:
-    """What pages without a kernel show: the output holds a PNG beside the widget."""
-    from nbclient import NotebookClient
+LATER_CELL = """
+first = window.picture()
+window.camera = window.camera.orbit(30)
+turned = window.picture(size=(40, 30))
+window.close()
+try:
+    window.picture()
+except pellucid.Error as error:
+    print(first.shape, turned.shape, float(abs(first.camera.eye[0] - turned.camera.eye[0])) > 0.1, error)
+"""
 
-    notebook = nbformat.read(tmp_path / "window.ipynb", as_version=4)
+
+def test_a_notebook_without_a_page() -> None:
+    """What pages without a kernel show: the output holds a PNG beside the widget. And what later cells do with the window."""
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in (CELL, LATER_CELL)])
     NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
     outputs = [output for output in notebook.cells[0].outputs if "image/png" in output.get("data", {})]
     assert len(outputs) == 1, json.dumps([list(output.get("data", {})) for output in notebook.cells[0].outputs])
-    assert re.match("application/vnd.jupyter.widget-view", next(kind for kind in outputs[0].data if "widget" in kind))
+    assert "application/vnd.jupyter.widget-view+json" in outputs[0].data
+    assert imread(io.BytesIO(base64.b64decode(outputs[0].data["image/png"]))).shape == (300, 400, 3)
+    later = notebook.cells[1].outputs
+    assert [output.text for output in later] == ["(300, 400, 4) (30, 40, 4) True the window is closed\n"]
