@@ -22,6 +22,7 @@ mod stress;
 mod talk;
 mod work;
 
+use pellucid_engine::io::silence_decoder_panics;
 use pyo3::prelude::*;
 
 /// The module that Python's part of the package imports.
@@ -47,6 +48,13 @@ mod _pellucid {
     use super::stress::stress;
     #[pymodule_export]
     use super::work::wait;
+
+    /// Damaged files are errors, and nothing on standard error besides.
+    #[pymodule_init]
+    fn init(_module: &super::Bound<'_, super::PyModule>) -> super::PyResult<()> {
+        super::silence_decoder_panics();
+        Ok(())
+    }
 
     /// The version of pellucid.
     #[pymodule_export]

@@ -72,8 +72,6 @@ pub struct Ask {
     #[pyo3(item)]
     eight_bit: bool,
     #[pyo3(item)]
-    transparent: bool,
-    #[pyo3(item)]
     pub memory_budget: Option<u64>,
     #[pyo3(item)]
     opacity_factor: f32,
@@ -104,7 +102,7 @@ impl Ask {
 
     /// The accuracy at which blending may stop.
     pub fn stop(&self) -> Stop {
-        if self.eight_bit { Stop::EightBit { transparent: self.transparent } } else { Stop::Exact }
+        if self.eight_bit { Stop::EightBit { transparent: false } } else { Stop::Exact }
     }
 
     pub fn factors(&self) -> Factors {
