@@ -1,0 +1,47 @@
+"""Runs the notebooks and writes them with what they show.
+
+    python python/run_notebooks.py [NOTEBOOK…]
+
+Pictures get a palette, so that the files stay small; run by themselves the notebooks show all colors.
+"""
+
+from __future__ import annotations
+
+import base64
+import io
+import sys
+from pathlib import Path
+
+import nbformat
+from nbclient import NotebookClient
+from PIL import Image
+
+NOTEBOOKS = Path(__file__).parent / "notebooks"
+
+
+def run(path: Path) -> None:
+    """Runs all cells in the notebook's folder."""
+    notebook = nbformat.read(path, as_version=4)
+    folder = {"metadata": {"path": str(path.parent)}}
+    NotebookClient(notebook, timeout=600, kernel_name="python3", resources=folder, record_timing=False).execute()
+    for cell in notebook.cells:
+        for output in cell.get("outputs", []):
+            data = output.get("data", {})
+            if "image/png" in data:
+                data["image/png"] = base64.b64encode(with_palette(base64.b64decode(data["image/png"]))).decode()
+    # The version of the kernel would change with each machine.
+    notebook.metadata = {"kernelspec": notebook.metadata["kernelspec"], "language_info": {"name": "python"}}
+    path.write_text(nbformat.writes(notebook) + "\n", encoding="utf-8")
+
+
+def with_palette(png: bytes) -> bytes:
+    """The same picture in 256 colors."""
+    file = io.BytesIO()
+    Image.open(io.BytesIO(png)).convert("RGB").quantize(256, dither=Image.Dither.FLOYDSTEINBERG).save(file, "PNG", optimize=True)
+    return file.getvalue()
+
+
+if __name__ == "__main__":
+    for path in [Path(name) for name in sys.argv[1:]] or sorted(NOTEBOOKS.glob("*.ipynb")):
+        print(path)
+        run(path)
