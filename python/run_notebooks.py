@@ -36,8 +36,10 @@ def run(path: Path) -> None:
 
 def with_palette(png: bytes) -> bytes:
     """The same picture in 256 colors."""
+    picture = Image.open(io.BytesIO(png)).convert("RGB")
+    palette = picture.quantize(256, kmeans=2)
     file = io.BytesIO()
-    Image.open(io.BytesIO(png)).convert("RGB").quantize(256, dither=Image.Dither.FLOYDSTEINBERG).save(file, "PNG", optimize=True)
+    picture.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG).save(file, "PNG", optimize=True)
     return file.getvalue()
 
 

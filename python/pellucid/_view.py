@@ -17,9 +17,9 @@ def view(
 ) -> Any:
     """Shows points in a notebook: drag to turn, wheel to come nearer, sliders for what the method has.
 
-    While something moves, pictures have as many samples and pixels as fit `budget_ms`; at rest they get finer until nothing is left
-    out. The window needs `jupyter_rfb` and `ipywidgets`, and a notebook (JupyterLab, Jupyter Notebook, VS Code). Elsewhere the
-    result is the picture of `render`.
+    While something moves, pictures have as many samples, pixels and points as fit `budget_ms`; at rest they get finer until
+    nothing is left out. The window needs `jupyter_rfb` and `ipywidgets`, and a notebook (JupyterLab, Jupyter Notebook, VS
+    Code). Elsewhere the result is the picture of `render`.
 
     Parameters
     ----------
