@@ -13,10 +13,10 @@ use crate::fork;
 use crate::talk::Talk;
 
 /// Between two looks at signals and progress.
-const GLANCE: Duration = Duration::from_millis(50);
+const GLANCE: Duration = Duration::from_millis(25);
 
 /// How long interrupted work may take to end before it is left alone. Ctrl-C is to take less than 0.2 s.
-const GRACE: Duration = Duration::from_millis(100);
+const GRACE: Duration = Duration::from_millis(50);
 
 /// As much as the main thread of a program has, which shaders are translated on elsewhere.
 const STACK: usize = 8 << 20;
