@@ -11,7 +11,7 @@ import pellucid
 
 @pytest.fixture
 def reference() -> ModuleType:
-    path = Path(__file__).parents[1] / "reference.py"
+    path = Path(__file__).parents[1] / "tools" / "reference.py"
     spec = importlib.util.spec_from_file_location("reference", path)
     assert spec is not None
     assert spec.loader is not None

@@ -1,6 +1,6 @@
 """Builds the API reference from docstrings, and fails where a public name has none.
 
-    python python/reference.py [FOLDER]
+    python python/tools/reference.py [FOLDER]
 
 FOLDER is target/python-reference by default. Made by pdoc: it needs no configuration and no theme, reads signatures and
 docstrings as they are, and its pages work from disk.
@@ -17,7 +17,7 @@ import pdoc
 
 import pellucid
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def undocumented() -> list[str]:
@@ -51,6 +51,9 @@ def main() -> int:
     # Where no folder `pellucid` could be meant instead.
     folder = folder.resolve()
     os.chdir(ROOT)
+    # pdoc looks for what is loaded when it is asked for first.
+    for name in pellucid.__all__:
+        setattr(pellucid, name, getattr(pellucid, name))
     pdoc.render.configure(docformat="numpy", footer_text=f"pellucid {pellucid.__version__}", search=False)
     pdoc.pdoc("pellucid", output_directory=folder)
     print(f"{len(pellucid.__all__)} names documented: {folder / 'pellucid.html'}")

@@ -1,6 +1,6 @@
 """Runs the notebooks and writes them with what they show.
 
-    python python/run_notebooks.py [NOTEBOOK…]
+    python python/tools/notebooks.py [NOTEBOOK…]
 
 Pictures get a palette, so that the files stay small; run by themselves the notebooks show all colors.
 """
@@ -16,7 +16,7 @@ import nbformat
 from nbclient import NotebookClient
 from PIL import Image
 
-NOTEBOOKS = Path(__file__).parent / "notebooks"
+NOTEBOOKS = Path(__file__).resolve().parents[1] / "notebooks"
 
 
 def run(path: Path) -> None:
