@@ -62,7 +62,8 @@ make_environment() {
 build_wheel() {
     rm -rf target/wheels
     # What Python loads has no use for symbols; the workspace's release profile strips them as well.
-    (cd python && "$environment/bin/maturin" build --locked --out ../target/wheels "$@")
+    # maturin finds zig by the Python that comes first.
+    (cd python && PATH="$environment/bin:$PATH" maturin build --locked --out ../target/wheels "$@")
     wheel=$(ls target/wheels/pellucid-*.whl)
     local bytes
     bytes=$(wc -c <"$wheel")

@@ -20,6 +20,7 @@ mod scene;
 mod session;
 mod stress;
 mod talk;
+mod threads;
 mod work;
 
 use pellucid_engine::io::silence_decoder_panics;

@@ -11,15 +11,13 @@ use pyo3::prelude::*;
 use crate::failure::Failure;
 use crate::fork;
 use crate::talk::Talk;
+use crate::threads;
 
 /// Between two looks at signals and progress.
 const GLANCE: Duration = Duration::from_millis(25);
 
 /// How long interrupted work may take to end before it is left alone. Ctrl-C is to take less than 0.2 s.
 const GRACE: Duration = Duration::from_millis(50);
-
-/// As much as the main thread of a program has, which shaders are translated on elsewhere.
-const STACK: usize = 8 << 20;
 
 /// Threads that are at work, those that nobody waits for among them.
 static BUSY: AtomicU32 = AtomicU32::new(0);
@@ -50,11 +48,11 @@ pub fn run<T: Send + 'static>(
     let (talk, (sender, receiver)) = (Talk::new(), sync_channel(1));
     let receiver = Mutex::new(receiver);
     let (busy, at_work) = (Busy::new(), talk.clone());
-    let thread = thread::Builder::new().name("pellucid".to_owned()).stack_size(STACK);
-    thread.spawn(move || {
-        let _busy = busy;
+    threads::start(move || {
+        let done = work(&at_work);
+        drop(busy);
         // Nobody may be waiting any more.
-        let _unheard = sender.send(work(&at_work));
+        move || drop(sender.send(done))
     })?;
     let result = wait_for(py, &receiver, &talk, listener)?;
     talk.hand_over(py)?;
