@@ -37,7 +37,10 @@ def run(path: Path) -> None:
 def with_palette(png: bytes) -> bytes:
     """The same picture in 256 colors."""
     picture = Image.open(io.BytesIO(png)).convert("RGB")
-    palette = picture.quantize(256, kmeans=2)
+    palette = picture.quantize(255, kmeans=2)
+    # The background stays what it is.
+    _, background = max(picture.getcolors(picture.width * picture.height))
+    palette.putpalette([*palette.getpalette()[: 3 * 255], *background])
     file = io.BytesIO()
     picture.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG).save(file, "PNG", optimize=True)
     return file.getvalue()
