@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 import nbformat
+import numpy as np
 from nbclient import NotebookClient
 from PIL import Image
 
@@ -38,11 +39,14 @@ def with_palette(png: bytes) -> bytes:
     """The same picture in 256 colors."""
     picture = Image.open(io.BytesIO(png)).convert("RGB")
     palette = picture.quantize(255, kmeans=2)
+    indices = np.array(picture.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG))
     # The background stays what it is.
     _, background = max(picture.getcolors(picture.width * picture.height))
-    palette.putpalette([*palette.getpalette()[: 3 * 255], *background])
+    indices[(np.asarray(picture) == background).all(axis=2)] = 255
+    small = Image.fromarray(indices, mode="P")
+    small.putpalette([*palette.getpalette()[: 3 * 255], *background])
     file = io.BytesIO()
-    picture.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG).save(file, "PNG", optimize=True)
+    small.save(file, "PNG", optimize=True)
     return file.getvalue()
 
 
