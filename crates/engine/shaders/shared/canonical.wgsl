@@ -170,13 +170,15 @@ fn smallest(h: vec4<f32>, degree: u32) -> f32 {
     let n = f32(degree);
     let mean = -h.x / n;
     let spread = max((h.x * h.x - 2.0 * h.y) / n - mean * mean, 0.0);
-    var u = mean - sqrt((n - 1.0) * spread);
-    u = laguerre(h, degree, u);
-    u = laguerre(h, degree, u);
-    u = laguerre(h, degree, u);
-    u = laguerre(h, degree, u);
-    u = laguerre(h, degree, u);
-    return laguerre(h, degree, u);
+    return approached(h, degree, mean - sqrt((n - 1.0) * spread), 6u);
+}
+
+fn approached(h: vec4<f32>, degree: u32, start: f32, steps: u32) -> f32 {
+    var u = start;
+    for (var step = 0u; step < steps; step++) {
+        u = laguerre(h, degree, u);
+    }
+    return u;
 }
 
 // One step of Newton in two floats toward the point t from z; at most half of its way.
@@ -192,9 +194,10 @@ fn share_at(z: f32, w: Values, t: f32) -> f32 {
     if abs(t) > 1e4 {
         return 0.0;
     }
-    var exact = polished(z, w, vec2<f32>(t, 0.0));
-    exact = polished(z, w, exact);
-    exact = polished(z, w, exact);
+    var exact = vec2<f32>(t, 0.0);
+    for (var step = 0u; step < 3u; step++) {
+        exact = polished(z, w, exact);
+    }
     return 1.0 / kernel(values(add2(exact, vec2<f32>(z, 0.0))));
 }
 
@@ -225,6 +228,18 @@ fn points_before(f: Taylor) -> u32 {
     return followed(third, f.fourth).changes;
 }
 
+// The root of degree 4 after the smallest one, of roots below 0.
+fn next_smallest(h: vec4<f32>, u: f32) -> f32 {
+    // The rest of the polynomial, divided from its constant on: so the smaller roots keep their digits.
+    let constant = -h.w / u;
+    let first = (constant - h.z) / u;
+    var next = min(smallest(vec4<f32>((first - h.y) / u, first, constant, 0.0), 3u), -1e-6);
+    for (var step = 0u; step < 3u; step++) {
+        next = min(laguerre(h, 4u, next), -1e-6);
+    }
+    return next;
+}
+
 // Sum of the shares of `count` points with the smallest t of F(z + t), all of them below 0 where `side` is 1, of F(z - t) where it is -1.
 fn outer_shares(z: f32, w: Values, f: Taylor, side: f32, count: u32) -> f32 {
     // By 1/t, which has as many values however far points are, over their root mean square.
@@ -234,17 +249,13 @@ fn outer_shares(z: f32, w: Values, f: Taylor, side: f32, count: u32) -> f32 {
     h = vec4<f32>(h.x, h.yzw / size);
     h = vec4<f32>(h.xy, h.zw / size);
     h.w = h.w / size;
-    let u = smallest(h, DEGREE);
-    var sum = share_at(z, w, side / (size * u));
-    if DEGREE == 4u && count == 2u {
-        // The rest of the polynomial, divided from its constant on: so the smaller roots keep their digits.
-        let constant = -h.w / u;
-        let first = (constant - h.z) / u;
-        var next = min(smallest(vec4<f32>((first - h.y) / u, first, constant, 0.0), 3u), -1e-6);
-        next = min(laguerre(h, 4u, next), -1e-6);
-        next = min(laguerre(h, 4u, next), -1e-6);
-        next = min(laguerre(h, 4u, next), -1e-6);
-        sum += share_at(z, w, side / (size * next));
+    var u = smallest(h, DEGREE);
+    var sum = 0.0;
+    for (var point = 0u; point < count; point++) {
+        if DEGREE == 4u && point == 1u {
+            u = next_smallest(h, u);
+        }
+        sum += share_at(z, w, side / (size * u));
     }
     return sum;
 }
@@ -267,9 +278,8 @@ fn bounds_at(z: f32) -> vec2<f32> {
     if behind == 0u {
         return vec2<f32>(others, own);
     }
-    // From the side on which there are fewer.
-    if count <= behind {
-        return vec2<f32>(min(outer_shares(z, w, f, 1.0, count), others), own);
-    }
-    return vec2<f32>(max(others - outer_shares(z, w, f, -1.0, behind), 0.0), own);
+    // From the side on which there are fewer. One call, since it is long.
+    let is_from_front = count <= behind;
+    let shares = outer_shares(z, w, f, select(-1.0, 1.0, is_from_front), min(count, behind));
+    return vec2<f32>(select(max(others - shares, 0.0), min(shares, others), is_from_front), own);
 }
