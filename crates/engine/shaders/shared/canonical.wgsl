@@ -3,7 +3,8 @@
 // D_k = E[p_k²], K(x) = Σ p_k(x)² / D_k, the share at a point x is 1 / K(x), and the points but z are the roots x of
 // F(x) = Σ p_k(x) p_k(z) / D_k (Szegő, Orthogonal Polynomials, 3.4). All of it in sums of two floats but for what only has to be near.
 //
-// The stage has in `moments` the b_k, and calls orthogonalise() first.
+// The stage has in `moments` the b_k, and calls orthogonalise() first. What it does for each fragment has no loop: CPU drivers end all
+// loops of an invocation after 65 535 iterations, of which those over splats take most.
 const DEGREE = MOMENTS / 2u;
 const ONE = vec2<f32>(1.0, 0.0);
 // Less is rounding.
@@ -170,15 +171,13 @@ fn smallest(h: vec4<f32>, degree: u32) -> f32 {
     let n = f32(degree);
     let mean = -h.x / n;
     let spread = max((h.x * h.x - 2.0 * h.y) / n - mean * mean, 0.0);
-    return approached(h, degree, mean - sqrt((n - 1.0) * spread), 6u);
-}
-
-fn approached(h: vec4<f32>, degree: u32, start: f32, steps: u32) -> f32 {
-    var u = start;
-    for (var step = 0u; step < steps; step++) {
-        u = laguerre(h, degree, u);
-    }
-    return u;
+    var u = mean - sqrt((n - 1.0) * spread);
+    u = laguerre(h, degree, u);
+    u = laguerre(h, degree, u);
+    u = laguerre(h, degree, u);
+    u = laguerre(h, degree, u);
+    u = laguerre(h, degree, u);
+    return laguerre(h, degree, u);
 }
 
 // One step of Newton in two floats toward the point t from z; at most half of its way.
@@ -194,10 +193,9 @@ fn share_at(z: f32, w: Values, t: f32) -> f32 {
     if abs(t) > 1e4 {
         return 0.0;
     }
-    var exact = vec2<f32>(t, 0.0);
-    for (var step = 0u; step < 3u; step++) {
-        exact = polished(z, w, exact);
-    }
+    var exact = polished(z, w, vec2<f32>(t, 0.0));
+    exact = polished(z, w, exact);
+    exact = polished(z, w, exact);
     return 1.0 / kernel(values(add2(exact, vec2<f32>(z, 0.0))));
 }
 
@@ -234,10 +232,9 @@ fn next_smallest(h: vec4<f32>, u: f32) -> f32 {
     let constant = -h.w / u;
     let first = (constant - h.z) / u;
     var next = min(smallest(vec4<f32>((first - h.y) / u, first, constant, 0.0), 3u), -1e-6);
-    for (var step = 0u; step < 3u; step++) {
-        next = min(laguerre(h, 4u, next), -1e-6);
-    }
-    return next;
+    next = min(laguerre(h, 4u, next), -1e-6);
+    next = min(laguerre(h, 4u, next), -1e-6);
+    return min(laguerre(h, 4u, next), -1e-6);
 }
 
 // Sum of the shares of `count` points with the smallest t of F(z + t), all of them below 0 where `side` is 1, of F(z - t) where it is -1.
@@ -249,13 +246,10 @@ fn outer_shares(z: f32, w: Values, f: Taylor, side: f32, count: u32) -> f32 {
     h = vec4<f32>(h.x, h.yzw / size);
     h = vec4<f32>(h.xy, h.zw / size);
     h.w = h.w / size;
-    var u = smallest(h, DEGREE);
-    var sum = 0.0;
-    for (var point = 0u; point < count; point++) {
-        if DEGREE == 4u && point == 1u {
-            u = next_smallest(h, u);
-        }
-        sum += share_at(z, w, side / (size * u));
+    let u = smallest(h, DEGREE);
+    var sum = share_at(z, w, side / (size * u));
+    if DEGREE == 4u && count == 2u {
+        sum += share_at(z, w, side / (size * next_smallest(h, u)));
     }
     return sum;
 }
