@@ -3,7 +3,8 @@
 // D_k = E[p_k²], K(x) = Σ p_k(x)² / D_k, the share at a point x is 1 / K(x), and the points but z are the roots x of
 // F(x) = Σ p_k(x) p_k(z) / D_k (Szegő, Orthogonal Polynomials, 3.4). All of it in sums of two floats but for what only has to be near.
 //
-// The stage has in `moments` the b_k, and calls orthogonalise() first.
+// The stage has in `moments` the b_k, and calls orthogonalise() first. What it does for each fragment has no loop: CPU drivers end all
+// loops of an invocation after 65 535 iterations, of which those over splats take most.
 const DEGREE = MOMENTS / 2u;
 const ONE = vec2<f32>(1.0, 0.0);
 // Less is rounding.
@@ -225,6 +226,17 @@ fn points_before(f: Taylor) -> u32 {
     return followed(third, f.fourth).changes;
 }
 
+// The root of degree 4 after the smallest one, of roots below 0.
+fn next_smallest(h: vec4<f32>, u: f32) -> f32 {
+    // The rest of the polynomial, divided from its constant on: so the smaller roots keep their digits.
+    let constant = -h.w / u;
+    let first = (constant - h.z) / u;
+    var next = min(smallest(vec4<f32>((first - h.y) / u, first, constant, 0.0), 3u), -1e-6);
+    next = min(laguerre(h, 4u, next), -1e-6);
+    next = min(laguerre(h, 4u, next), -1e-6);
+    return min(laguerre(h, 4u, next), -1e-6);
+}
+
 // Sum of the shares of `count` points with the smallest t of F(z + t), all of them below 0 where `side` is 1, of F(z - t) where it is -1.
 fn outer_shares(z: f32, w: Values, f: Taylor, side: f32, count: u32) -> f32 {
     // By 1/t, which has as many values however far points are, over their root mean square.
@@ -237,14 +249,7 @@ fn outer_shares(z: f32, w: Values, f: Taylor, side: f32, count: u32) -> f32 {
     let u = smallest(h, DEGREE);
     var sum = share_at(z, w, side / (size * u));
     if DEGREE == 4u && count == 2u {
-        // The rest of the polynomial, divided from its constant on: so the smaller roots keep their digits.
-        let constant = -h.w / u;
-        let first = (constant - h.z) / u;
-        var next = min(smallest(vec4<f32>((first - h.y) / u, first, constant, 0.0), 3u), -1e-6);
-        next = min(laguerre(h, 4u, next), -1e-6);
-        next = min(laguerre(h, 4u, next), -1e-6);
-        next = min(laguerre(h, 4u, next), -1e-6);
-        sum += share_at(z, w, side / (size * next));
+        sum += share_at(z, w, side / (size * next_smallest(h, u)));
     }
     return sum;
 }
@@ -267,9 +272,8 @@ fn bounds_at(z: f32) -> vec2<f32> {
     if behind == 0u {
         return vec2<f32>(others, own);
     }
-    // From the side on which there are fewer.
-    if count <= behind {
-        return vec2<f32>(min(outer_shares(z, w, f, 1.0, count), others), own);
-    }
-    return vec2<f32>(max(others - outer_shares(z, w, f, -1.0, behind), 0.0), own);
+    // From the side on which there are fewer. One call, since it is long.
+    let is_from_front = count <= behind;
+    let shares = outer_shares(z, w, f, select(-1.0, 1.0, is_from_front), min(count, behind));
+    return vec2<f32>(select(max(others - shares, 0.0), min(shares, others), is_from_front), own);
 }

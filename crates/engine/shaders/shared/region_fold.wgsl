@@ -78,6 +78,8 @@ fn pick(block: u32, corner: vec2<u32>, run: vec2<u32>, base: u32, lane: u32) -> 
 // The picked splats to the pixels of one region.
 fn over_region(region: u32, low: vec2<u32>, pixel: vec2<u32>, base: u32, count: u32, lane: u32) {
     begin(pixel);
+    // Where a stage branches, invocations must meet before they exchange anything.
+    subgroupBarrier();
     let first = vec2<f32>(pixel - low);
     for (var next = 0u; next < count; next += SUBGROUP) {
         let one = picked[base + min(next + lane, count - 1u)];
@@ -92,7 +94,6 @@ fn over_region(region: u32, low: vec2<u32>, pixel: vec2<u32>, base: u32, count: 
         loop {
             let k = firstTrailingBit(left) & (SUBGROUP - 1u);
             visit(pixel, fragment_of(handed(own, k, left != 0u, first), vec2<u32>(0u), pixel));
-            // Where a stage branches, invocations must meet before the next shuffle.
             subgroupBarrier();
             left &= left - 1u;
             if left == 0u {
