@@ -4,9 +4,12 @@ use super::guard;
 
 const OP_VARIABLE: u32 = 59;
 const OP_TYPE_INT: u32 = 21;
+const OP_TYPE_FLOAT: u32 = 22;
+const OP_TYPE_VECTOR: u32 = 23;
 const OP_TYPE_ARRAY: u32 = 28;
 const OP_TYPE_POINTER: u32 = 32;
 const OP_CONSTANT: u32 = 43;
+const OP_CONSTANT_COMPOSITE: u32 = 44;
 const OP_LOAD: u32 = 61;
 const OP_STORE: u32 = 62;
 const OP_ACCESS_CHAIN: u32 = 65;
@@ -28,6 +31,9 @@ const FLOAT_ARITHMETIC: [u32; 14] = [127, 129, 131, 133, 136, 140, 141, 142, 143
 /// Index of the id bound in the header.
 const BOUND: usize = 3;
 
+/// Goes up with each change of the corrections, so that nobody takes what earlier ones left in a cache.
+pub const REVISION: u32 = 2;
+
 /// Instructions, each as its opcode and all its words, including the first.
 fn instructions(words: &[u32]) -> impl Iterator<Item = (u32, &[u32])> {
     let mut rest = words.get(HEADER_WORDS..).unwrap_or_default();
@@ -46,7 +52,8 @@ fn emit(out: &mut Vec<u32>, opcode: u32, operands: &[u32]) {
 
 /// All corrections.
 pub fn correct(words: &[u32]) -> Vec<u32> {
-    let words = forbid_contraction(&correct_sample_mask(&drop_array_initialisers(words)));
+    let spoil = cfg!(debug_assertions);
+    let words = forbid_contraction(&correct_sample_mask(&drop_array_initialisers(words, spoil)));
     if guard::BYTES > 0 { hide_bytes(&words, guard::BYTES) } else { words }
 }
 
@@ -125,21 +132,91 @@ fn forbid_contraction(words: &[u32]) -> Vec<u32> {
 ///
 /// naga zero-initialises every local variable. For an array of 256 that means 256 stores which lavapipe unrolls: 24 s
 /// of compilation against 0.2 s. Only arrays are touched: a scalar's initialiser is part of the program.
-fn drop_array_initialisers(words: &[u32]) -> Vec<u32> {
+///
+/// A GPU then finds there whatever an earlier shader left, which a CPU driver hardly ever does. So in debug builds short arrays are
+/// spoiled instead (`spoil`): a shader that reads an element before it writes one shows it on every driver.
+fn drop_array_initialisers(words: &[u32], spoil: bool) -> Vec<u32> {
     let arrays: Vec<u32> = instructions(words).filter(|(op, _)| *op == OP_TYPE_ARRAY).map(|(_, i)| i[1]).collect();
-    let pointers: Vec<u32> = instructions(words)
+    let pointers: Vec<(u32, u32)> = instructions(words)
         .filter(|(op, i)| *op == OP_TYPE_POINTER && i[2] == STORAGE_FUNCTION && arrays.contains(&i[3]))
-        .map(|(_, i)| i[1])
+        .map(|(_, i)| (i[1], i[3]))
         .collect();
-    let mut out = words[..HEADER_WORDS.min(words.len())].to_vec();
+    let mut constants = Spoiled { words, next: words[BOUND], declared: Vec::new() };
+    let spoiled: Vec<Option<u32>> =
+        pointers.iter().map(|(_, array)| if spoil { constants.of_array(*array) } else { None }).collect();
+    let mut out = words[..HEADER_WORDS].to_vec();
+    let mut declared = false;
     for (op, instruction) in instructions(words) {
-        if op == OP_VARIABLE && instruction.len() == 5 && pointers.contains(&instruction[1]) {
-            emit(&mut out, OP_VARIABLE, &instruction[1..4]);
-        } else {
-            out.extend_from_slice(instruction);
+        if op == OP_FUNCTION && !declared {
+            out.extend_from_slice(&constants.declared);
+            declared = true;
+        }
+        let place = pointers.iter().position(|(pointer, _)| instruction.get(1) == Some(pointer));
+        match place.filter(|_| op == OP_VARIABLE && instruction.len() == 5) {
+            Some(place) => {
+                let variable: Vec<u32> = instruction[1..4].iter().copied().chain(spoiled[place]).collect();
+                emit(&mut out, OP_VARIABLE, &variable);
+            }
+            None => out.extend_from_slice(instruction),
         }
     }
+    out[BOUND] = constants.next;
     out
+}
+
+/// Constants that no shader computes with by intention.
+struct Spoiled<'a> {
+    words: &'a [u32],
+    /// The next id.
+    next: u32,
+    /// Their instructions.
+    declared: Vec<u32>,
+}
+
+impl Spoiled<'_> {
+    /// More scalars take drivers long to compile.
+    const MOST: u32 = 64;
+    /// No number as a float, and no index of anything as an integer.
+    const WORD: u32 = u32::MAX;
+
+    /// For an array type; `None` for one that is long, or not of numbers and vectors.
+    fn of_array(&mut self, array: u32) -> Option<u32> {
+        self.scalars(array).filter(|scalars| *scalars <= Self::MOST)?;
+        self.of(array)
+    }
+
+    fn of(&mut self, kind: u32) -> Option<u32> {
+        let (op, parts) = match self.elements(kind)? {
+            (_, 0) => (OP_CONSTANT, vec![Self::WORD]),
+            (element, count) => (OP_CONSTANT_COMPOSITE, vec![self.of(element)?; count as usize]),
+        };
+        let id = self.next;
+        self.next += 1;
+        let operands: Vec<u32> = [kind, id].into_iter().chain(parts).collect();
+        emit(&mut self.declared, op, &operands);
+        Some(id)
+    }
+
+    fn scalars(&self, kind: u32) -> Option<u32> {
+        match self.elements(kind)? {
+            (_, 0) => Some(1),
+            (element, count) => self.scalars(element)?.checked_mul(count),
+        }
+    }
+
+    /// The type of an array's or a vector's elements and their number; none of a scalar of 32 bits.
+    fn elements(&self, kind: u32) -> Option<(u32, u32)> {
+        let (op, i) = instructions(self.words)
+            .find(|(op, i)| [OP_TYPE_INT, OP_TYPE_FLOAT, OP_TYPE_VECTOR, OP_TYPE_ARRAY].contains(op) && i[1] == kind)?;
+        match op {
+            OP_TYPE_VECTOR => Some((i[2], i[3])),
+            OP_TYPE_ARRAY => {
+                let length = instructions(self.words).find(|(op, c)| *op == OP_CONSTANT && c[2] == i[3])?;
+                Some((i[2], length.1[3]))
+            }
+            _ => (i[2] == 32).then_some((kind, 0)),
+        }
+    }
 }
 
 /// Makes a `sample_mask` variable an array of one u32, as VUID-SampleMask-SampleMask-04359 demands; naga emits a bare u32.
@@ -226,9 +303,28 @@ mod tests {
         let words = compiled(ARRAY);
         let initialised = |op: u32, i: &[u32]| op == OP_VARIABLE && i.len() == 5;
         let before = count(&words, initialised);
-        let after = count(&drop_array_initialisers(&words), initialised);
+        let after = count(&drop_array_initialisers(&words, false), initialised);
         assert!(before >= 2, "the shader has an initialised array and scalar");
         assert_eq!(after, before - 1);
+    }
+
+    const LOCAL: &str = "@group(0) @binding(0) var<storage, read_write> data: array<f32>;
+        @compute @workgroup_size(1) fn main() {
+            var short: array<vec2<f32>, 3>;
+            var long: array<u32, 65>;
+            for (var i = 0u; i < 3u; i++) { short[i].x = data[i]; long[i] = i; }
+            data[0] = short[u32(data[3])].y + f32(long[u32(data[4])]);
+        }";
+
+    #[test]
+    fn short_arrays_are_spoiled() {
+        let words = compiled(LOCAL);
+        let spoiled = drop_array_initialisers(&words, true);
+        // A float, a vector of two and an array of three; the long array has no initialiser.
+        let added = |op: u32| count(&spoiled, |o, _| o == op) - count(&words, |o, _| o == op);
+        assert_eq!((added(OP_CONSTANT), added(OP_CONSTANT_COMPOSITE)), (1, 2));
+        let initialised = |w: &[u32]| count(w, |op, i| op == OP_VARIABLE && i.len() == 5);
+        assert_eq!(initialised(&spoiled), initialised(&words) - 1);
     }
 
     #[test]
@@ -301,7 +397,7 @@ mod tests {
             Ok(device) => device,
             Err(e) => return pellucid_testing::skip::skip(pellucid_testing::skip::NO_DEVICE, &e.to_string()),
         };
-        for source in [ARRAY, MASK, LENGTHS] {
+        for source in [ARRAY, LOCAL, MASK, LENGTHS] {
             assert_eq!(messages(&device, &correct(&compiled(source))), 0, "{:?}", device.validation_messages());
         }
         assert!(messages(&device, &compiled(MASK)) > 0);

@@ -19,7 +19,8 @@ var<private> inverses: array<vec2<f32>, 5>;
 
 // The algorithm of Chebyshev: `now` holds E[p_k x^l].
 fn orthogonalise() {
-    var before: array<vec2<f32>, MOMENTS + 1u>;
+    // Of a place before the first: its factor is 0, and a local array holds anything before it is written.
+    var before = moments;
     var now = moments;
     var pivot = ONE;
     middles[0] = moments[1];

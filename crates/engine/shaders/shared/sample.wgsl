@@ -1,4 +1,4 @@
-// Samples of a deep EXR: color times opacity, and opacity; and where a sample begins and ends.
+// A sample of a deep EXR: color times opacity, and opacity.
 const NO_SAMPLE = -1.0;
 
 // A sample of a color, or one of the opacity NO_SAMPLE, which stands for none.
