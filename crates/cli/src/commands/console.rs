@@ -3,6 +3,7 @@
 use std::fmt::Display;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 
+use pellucid_engine::scene::made::Messages;
 use pellucid_engine::{Result, output};
 
 use super::bar::Bar;
@@ -22,11 +23,6 @@ impl Console {
     /// For output that repeats an earlier one: only details.
     pub fn without_repeats(self) -> Self {
         Self { quiet: true, ..self }
-    }
-
-    /// For output of which the details are told in another way.
-    pub fn without_details(self) -> Self {
-        Self { verbose: false, ..self }
     }
 
     /// Prints a warning unless --quiet is given.
@@ -58,6 +54,20 @@ impl Console {
     /// A progress bar: on a terminal only, and only once the work has lasted a second.
     pub fn progress(self) -> Bar {
         Bar::new(!self.quiet && io::stderr().is_terminal())
+    }
+}
+
+impl Messages for Console {
+    fn warn(&self, warning: &dyn Display) {
+        Console::warn(*self, warning);
+    }
+
+    fn note(&self, note: &dyn Display) {
+        Console::note(*self, note);
+    }
+
+    fn detail(&self, detail: &dyn Display) {
+        Console::detail(*self, detail);
     }
 }
 

@@ -4,6 +4,7 @@ use pellucid_engine::Result;
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::see_through::{self, Found};
 use pellucid_engine::scene::{CloudSettings, Family};
+use pellucid_lab::frame_notes;
 
 use super::console::Console;
 use super::loaded::Resolved;
@@ -53,15 +54,11 @@ pub fn describe(share: f64, found: Option<Found>, resolved: &Resolved, console: 
 /// Says so where a picture is empty, or where nearly every covered pixel looks opaque or empty though the points don't, and
 /// which opacity to try.
 pub fn judge(session: &mut Session, resolved: &Resolved, image: &Image, console: Console) -> Result<()> {
-    let alphas = image.rgba.iter().map(|pixel| pixel[3]);
-    let covered = alphas.clone().filter(|a| *a > 0.0).count();
-    let opacities = &resolved.points().opacities;
-    if covered == 0 {
-        let invisible = !opacities.is_empty() && opacities.iter().all(|opacity| *opacity <= 0.0);
-        let why = if invisible { "all points have opacity 0" } else { "no point is in view" };
-        console.warn(format_args!("the picture is empty: {why}"));
+    if let Some(empty) = frame_notes::empty(image, resolved.points()) {
+        console.warn(empty);
         return Ok(());
     }
+    let opacities = &resolved.points().opacities;
     // An author of a scene file knows; whoever gave one number for all may have guessed.
     if !resolved.opacity_given {
         return Ok(());
@@ -77,6 +74,8 @@ pub fn judge(session: &mut Session, resolved: &Resolved, image: &Image, console:
     if !method.family().has_opacity() {
         return Ok(());
     }
+    let alphas = image.rgba.iter().map(|pixel| pixel[3]);
+    let covered = alphas.clone().filter(|a| *a > 0.0).count();
     let nearly_all = |count: usize| count as f64 >= NEARLY_ALL * covered as f64;
     let opaque = nearly_all(alphas.clone().filter(|a| *a > 1.0 - HARDLY).count());
     let faint = nearly_all(alphas.filter(|a| *a > 0.0 && *a < HARDLY).count());
@@ -85,7 +84,7 @@ pub fn judge(session: &mut Session, resolved: &Resolved, image: &Image, console:
     }
     let seems = if opaque { "opaque" } else { "empty" };
     let Session { renderer, cloud, frame, .. } = session;
-    let largest = opacities.iter().copied().filter(|a| *a > 0.0).fold(1.0, f32::min).recip();
+    let largest = see_through::largest_factor(resolved.points());
     // Each trial would read a cloud that is not in memory.
     let found = match resolved.stored {
         Some(_) => None,

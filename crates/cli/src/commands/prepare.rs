@@ -10,13 +10,13 @@ use pellucid_engine::cloud::shadow_texture::ShadowTexture;
 use pellucid_engine::cloud::{Cloud, Prepared};
 use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
+use pellucid_engine::scene::made::tell_of_cloud;
 use pellucid_engine::scene::{self, CloudSettings, Overrides, Scene};
 use pellucid_engine::{Result, io, output, prepare};
 
 use super::DeviceArgs;
 use super::console::Console;
 use super::limit::usage;
-use super::loaded::report_cloud;
 use super::prepare_store;
 
 /// The soft methods (soft-base, soft-concentric, soft-express, one-layer) tell solid points from soft ones by a field F in
@@ -258,7 +258,7 @@ fn run_ply(args: &PrepareArgs, input: &PathBuf, console: Console) -> Result<Exit
     let settings = scene.clouds.into_iter().next();
     let hints = settings.as_ref().map(CloudSettings::hints).unwrap_or_default();
     let cloud = io::load_with(input, hints, &progress)?;
-    report_cloud(input, &cloud, console);
+    tell_of_cloud(input, &cloud, &console);
     if cloud.gaussians.is_some() {
         progress.stage("writing");
         write_splats(args, input, &cloud, console)?;

@@ -8,13 +8,13 @@ use pellucid_engine::io::LEAST_MEMORY;
 use pellucid_engine::io::store::build::{NODE_POINTS, Settings};
 use pellucid_engine::io::store::{self, Octree, Store};
 use pellucid_engine::prepare::{self, Request};
+use pellucid_engine::scene::made::tell_of_store;
 use pellucid_engine::scene::{self, CloudSettings, Scene};
 use pellucid_engine::{Result, io};
 
 use super::bar::Bar;
 use super::console::Console;
 use super::limit::usage;
-use super::loaded::report_store;
 
 /// True if the output is to be a folder: it ends in `/`, has no extension, or is one, unless it is called like a file.
 pub fn is_store(output: &Path) -> bool {
@@ -49,7 +49,7 @@ fn open(inputs: &[PathBuf], scene: &Scene, progress: &Bar, console: Console) -> 
         progress.reset();
         progress.set_message(format!("reading {}", path.display()));
         let store = store::open(path, settings.hints(), progress)?;
-        report_store(store.summary(), console);
+        tell_of_store(store.summary(), &console);
         Ok(store)
     };
     inputs.iter().zip(&scene.clouds).map(open).collect()

@@ -5,13 +5,13 @@ use std::process::ExitCode;
 
 use super::bar::Bar;
 use clap::Args;
+use pellucid_engine::Result;
 use pellucid_engine::methods::{Rendered, Stop};
 use pellucid_engine::output::{self, WriteOptions};
 use pellucid_engine::profile::Profile;
 use pellucid_engine::scene::Error;
-use pellucid_engine::{Result, plan};
 use pellucid_lab::choice::{self, Choice, Figures, Row, Subject, Wish};
-use pellucid_lab::report::tradeoff::settings::formation;
+use pellucid_lab::frame_notes;
 
 use super::along::PathArgs;
 use super::console::Console;
@@ -113,30 +113,14 @@ impl ChoiceArgs {
         if self.recalibrate && !wish.is_any() {
             console.warn("--recalibrate has no effect without --max-error or --budget");
         }
-        let method = resolved.scene.method;
-        let taken = plan::resolve(method, resolved.points()).0;
-        if wish.is_any() && resolved.scene.shadows.is_some() && taken.takes_shadows() {
-            console.warn(format_args!(
-                "--max-error and --budget have no effect where there are shadows: {} stays the method",
-                taken.name()
-            ));
-            return None;
+        let wish = Some(wish).filter(Wish::is_any)?;
+        match Wish::hindrance(&resolved.scene, resolved.points()) {
+            Some(reason) => {
+                console.warn(format_args!("--max-error and --budget have no effect {reason}"));
+                None
+            }
+            None => Some(wish),
         }
-        if wish.is_any() && resolved.scene.shading.edl.edl {
-            console.warn(format_args!(
-                "--max-error and --budget have no effect with eye-dome lighting, which only some methods have: {} stays the method",
-                taken.name()
-            ));
-            return None;
-        }
-        if wish.is_any() && formation(&method.representative(), resolved.points()).is_err() {
-            console.warn(format_args!(
-                "--max-error and --budget have no effect on method {}: no other one draws its image",
-                method.name()
-            ));
-            return None;
-        }
-        Some(wish).filter(Wish::is_any)
     }
 }
 
@@ -416,16 +400,15 @@ pub fn finish(
     resolved.described_reads().iter().for_each(|reads| console.detail(reads));
     session.describe_detail(console);
     let mut metadata = resolved.metadata(session.frame.method.name(), &session.device.info().name);
-    if let Some(applied) = brightness {
+    if let Some(applied) = &brightness {
         if applied.found.is_some() {
             console.note(format_args!("brightness: colors times {}", applied.factor));
         }
         applied.warning().iter().for_each(|warning| console.warn(warning));
-        metadata.push(("pellucid:brightness".to_owned(), applied.json().to_string()));
     }
-    let found = session.see_through.map(|found| found.json(&resolved.scene.clouds));
-    metadata.extend(found.map(|json| ("pellucid:see-through".to_owned(), json.to_string())));
-    metadata.extend(session.detail_json().map(|json| ("pellucid:detail".to_owned(), json.to_string())));
+    let Session { frame, cloud, see_through, .. } = &session;
+    let clouds = &resolved.scene.clouds;
+    metadata.extend(frame_notes::decisions(frame, cloud, clouds, brightness.as_ref(), see_through.as_ref()));
     metadata.extend(own);
     let options = WriteOptions {
         background: resolved.scene.image.background,

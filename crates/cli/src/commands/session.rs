@@ -3,21 +3,20 @@
 use std::io::Write;
 use std::path::Path;
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::bar::Bar;
 use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::brightness::{self, Applied};
 use pellucid_engine::methods::see_through::{self, Found};
-use pellucid_engine::methods::spbr;
 use pellucid_engine::methods::{Frame, PassProfile, Rendered, Renderer, Stop};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::profile::Profile;
 use pellucid_engine::progress::{Phase, Progress};
-use pellucid_engine::scene::Detail;
+use pellucid_engine::scene::{Detail, made};
 use pellucid_engine::{Result, output, plan};
-use pellucid_lab::ensemble_warnings;
+use pellucid_lab::frame_notes;
 
 use super::console::Console;
 use super::loaded::Resolved;
@@ -61,9 +60,9 @@ impl Session {
             return Ok(());
         }
         progress.stage("finding the opacity");
-        let faintest = resolved.points().opacities.iter().copied().filter(|a| *a > 0.0).fold(1.0, f32::min);
         let Self { renderer, cloud, frame, .. } = self;
-        self.see_through = see_through::find(renderer, cloud, frame, share, 1.0 / faintest)?;
+        self.see_through =
+            see_through::find(renderer, cloud, frame, share, see_through::largest_factor(resolved.points()))?;
         frame.factors.opacity = self.see_through.map_or(1.0, |found| found.factor);
         self.device.check_validation()?;
         Ok(())
@@ -112,25 +111,9 @@ impl Session {
         if let Some(share) = resolved.see_through {
             opacity_notes::describe(share, self.see_through, resolved, console);
         }
-        // Other methods, and points that were not dealt, need no warning.
-        let shares = spbr::shares(&self.cloud, &self.frame).unwrap_or_default();
-        let surfaces = resolved.arranged.surfaces();
-        let warnings = ensemble_warnings::warnings(&resolved.cloud_names(), surfaces, &shares, &self.frame);
+        let names = made::cloud_names(&resolved.scene, &resolved.arranged);
+        let warnings = frame_notes::warnings(&names, &resolved.arranged, &self.cloud, &self.frame, &self.why);
         warnings.iter().for_each(|warning| console.warn(warning));
-        let detail = &self.frame.detail;
-        if !detail.is_whole() && self.frame.method.is_dealt() {
-            let method = self.frame.method.name();
-            console.warn(format_args!("[detail] has no effect: method {method} deals all points to ensembles"));
-        } else if !detail.is_whole() && !self.frame.method.needs_radii() {
-            let method = self.frame.method.name();
-            console.warn(format_args!(
-                "method {method} draws points of one size, which don't grow to cover what [detail] leaves out"
-            ));
-        }
-        if self.frame.shadows.is_some() && !self.frame.method.takes_shadows() {
-            let method = self.frame.method.name();
-            console.warn(format_args!("[shadows] has no effect: method {method} takes no shadows ({})", self.why));
-        }
     }
 
     /// Reports the counts and times of a frame.
@@ -166,19 +149,6 @@ impl Session {
         }
         self.frame.detail = detail;
         Ok(())
-    }
-
-    /// What was left out of the last frame as one JSON object: the image's `pellucid:detail`; `None` if nothing was.
-    pub fn detail_json(&self) -> Option<Value> {
-        let cut = self.cloud.cut_in_force()?;
-        let detail = &self.frame.detail;
-        Some(json!({
-            "spacing_px": detail.spacing_px,
-            "max_points": detail.max_points,
-            "cut_px": cut.px(),
-            "points": cut.points(),
-            "of": self.cloud.total(),
-        }))
     }
 
     /// Reports what was left out of the last frame.

@@ -177,7 +177,8 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
         Some(along) => along.resolve(&args.input, false, console, &progress)?,
         None => {
             let loaded = read(&args.input, None, console, &progress)?;
-            (loaded.resolve_with_radii(console, &progress)?, Vec::new())
+            loaded.count()?;
+            (loaded.with_radii().resolve(None, console, &progress)?, Vec::new())
         }
     };
     args.check_popping(&resolved, &cameras)?;

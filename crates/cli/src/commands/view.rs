@@ -7,12 +7,12 @@ use clap::Args;
 use pellucid_engine::camera::import::Source;
 use pellucid_engine::gpu::DeviceOptions;
 use pellucid_engine::scene;
+use pellucid_engine::scene::made::{tell_of_cloud, tell_of_store};
 use pellucid_viewer::{Clouds, Display, Opened, Options};
 
 use super::DeviceArgs;
 use super::console::Console;
 use super::input::InputArgs;
-use super::loaded::{report_cloud, report_store};
 use super::prepare_store::host_memory;
 use crate::error::Error;
 
@@ -67,10 +67,10 @@ pub fn run(args: ViewArgs, console: Console) -> Result<ExitCode, Error> {
     match &opened.clouds {
         Clouds::Held(clouds) => {
             for (settings, cloud) in scene.clouds.iter().zip(clouds) {
-                report_cloud(&settings.path, cloud, console);
+                tell_of_cloud(&settings.path, cloud, &console);
             }
         }
-        Clouds::Stored(stores) => stores.iter().for_each(|store| report_store(store.summary(), console)),
+        Clouds::Stored(stores) => stores.iter().for_each(|store| tell_of_store(store.summary(), &console)),
     }
     let options = Options {
         opened,

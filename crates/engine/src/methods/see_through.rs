@@ -8,7 +8,8 @@ use serde_json::{Value, json};
 
 use super::{Error, Frame, Renderer};
 use crate::passes::project::DeviceCloud;
-use crate::scene::CloudSettings;
+use crate::points::Points;
+use crate::scene::{CloudSettings, MethodChoice};
 
 /// How near the median comes to the share that was asked for.
 pub const TOLERANCE: f64 = 0.004;
@@ -52,6 +53,20 @@ impl Found {
 /// Each cloud's opacity with a factor, cut at 1.
 pub fn opacities(factor: f32, clouds: &[CloudSettings]) -> Vec<f32> {
     clouds.iter().map(|cloud| (cloud.opacity * factor).min(1.0)).collect()
+}
+
+/// The factor at which even the faintest point that can be seen is opaque.
+pub fn largest_factor(points: &Points) -> f32 {
+    points.opacities.iter().copied().filter(|opacity| *opacity > 0.0).fold(1.0, f32::min).recip()
+}
+
+/// The reason why no opacity makes light pass through the pictures of a method; `None` if one does.
+pub fn refusal(method: MethodChoice) -> Option<String> {
+    let method = method.fixed().filter(|method| !method.family().has_opacity())?;
+    let name = method.name();
+    Some(format!(
+        "no opacity makes light pass through the pictures of method {name}; `auto`, abuffer, sorted, spbr and others have one"
+    ))
 }
 
 /// Finds the factor from 0 to `max_factor`, at which all opacities are cut at 1. `None` if no pixel is covered. Where no factor

@@ -17,6 +17,7 @@ mod gaussians;
 mod keys;
 mod layers;
 pub mod legend;
+pub mod made;
 mod method;
 mod methods;
 mod open;

@@ -21,13 +21,15 @@ use glam::Vec3;
 use pellucid_engine::progress::Progress;
 use serde_json::{Value, json};
 
-use crate::report::tradeoff::settings::{Ladders, Setting, settings};
+use crate::report::tradeoff::settings::{Ladders, Setting, formation, settings};
 use pellucid_engine::Result;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{self, Frame};
 use pellucid_engine::passes::project::DeviceCloud;
+use pellucid_engine::plan;
+use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
-use pellucid_engine::scene::{self, Detail, Method};
+use pellucid_engine::scene::{self, Detail, Method, Scene};
 pub use survey::{Lists, Measured, Survey};
 pub use table::Row;
 use trials::Trials;
@@ -48,6 +50,21 @@ impl Wish {
     /// True if any limit is given.
     pub fn is_any(&self) -> bool {
         self.max_error.is_some() || self.budget_ms.is_some()
+    }
+
+    /// The reason why limits have no effect on a scene of these points; `None` if they have one.
+    pub fn hindrance(scene: &Scene, points: &Points) -> Option<String> {
+        let taken = plan::resolve(scene.method, points).0;
+        let reason = if scene.shadows.is_some() && taken.takes_shadows() {
+            "where there are shadows"
+        } else if scene.shading.edl.edl {
+            "with eye-dome lighting, which only some methods have"
+        } else if formation(&scene.method.representative(), points).is_err() {
+            "on this method, whose image no other one draws"
+        } else {
+            return None;
+        };
+        Some(format!("{reason}: {} stays the method", taken.name()))
     }
 }
 

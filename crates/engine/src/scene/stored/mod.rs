@@ -86,6 +86,8 @@ pub struct Stored {
     notes: Vec<String>,
     /// True if colors are blended encoded because all clouds are Gaussians.
     displays: bool,
+    /// True if some are.
+    gaussians: bool,
 }
 
 /// The nodes of all clouds.
@@ -120,6 +122,7 @@ impl Stored {
         let has_gaussians =
             |index: usize| stores.get(index).is_some_and(|store| store.summary().like.gaussians.is_some());
         let displays = scene.settle_for(has_gaussians);
+        let gaussians = (0..stores.len()).any(has_gaussians);
         let mut notes = Vec::new();
         let is_unlit = is_unlit(&scene, stores);
         if is_unlit {
@@ -167,7 +170,7 @@ impl Stored {
             spheres: Arc::clone(&nodes) as Arc<dyn Spheres>,
         };
         let sample = Arc::new(stand_ins(&sample, &seen, &unseen, whole));
-        Ok(Self { nodes, sample, legend, notes, displays })
+        Ok(Self { nodes, sample, legend, notes, displays, gaussians })
     }
 
     /// The scene, without shading where points have no normals to shade by.
@@ -242,6 +245,11 @@ impl Stored {
     /// How clouds are colored and why, a phrase for each.
     pub fn colorings(&self) -> Vec<String> {
         self.nodes.clouds.iter().map(|cloud| cloud.coloring.clone()).collect()
+    }
+
+    /// True if some clouds are of Gaussians.
+    pub fn has_gaussians(&self) -> bool {
+        self.gaussians
     }
 
     /// True if colors are blended encoded because every cloud is of Gaussians, and the scene says nothing of it.

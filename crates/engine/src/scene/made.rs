@@ -1,0 +1,251 @@
+//! From the clouds of a scene, in memory or where they are stored, to its points, with what is worth saying on the way.
+
+use std::fmt::Display;
+use std::path::Path;
+
+use bytesize::ByteSize;
+
+use super::legend::Legend;
+use super::stored::{Stored, are_complete, have_levels, open_stores};
+use super::{Method, Named, Scene, ScreenSplats, assemble, coloring, layers};
+use crate::cloud::shadow_texture::ShadowTexture;
+use crate::cloud::{Cloud, UpAxis};
+use crate::io::store::Summary;
+use crate::points::Points;
+use crate::prepare::Arranged;
+use crate::progress::Progress;
+
+/// Takes messages for people, one sentence each.
+pub trait Messages {
+    /// Something does not come out as asked.
+    fn warn(&self, warning: &dyn Display);
+    /// Something that nobody asked for and many want to know.
+    fn note(&self, note: &dyn Display);
+    /// For those who want to know everything.
+    fn detail(&self, _detail: &dyn Display) {}
+}
+
+/// The clouds of a scene, in its order.
+#[derive(Clone)]
+pub enum Source {
+    /// All of them in memory.
+    Held(Vec<Cloud>),
+    /// All of them in their files.
+    Stored(Stored),
+}
+
+/// The form in which points are wanted.
+#[derive(Clone, Copy)]
+pub struct Wanted<'a> {
+    /// Of the frame.
+    pub seed: u64,
+    /// With the meaning of colors.
+    pub legend: bool,
+    /// With radii and in canonical order, even if the scene's method does without. Stored points are as the method wants them.
+    pub radii: bool,
+    /// The folder of the temporary file for stored points that are dealt to ensembles.
+    pub folder: &'a Path,
+}
+
+/// The points of a scene, and what is known of them.
+pub struct Made {
+    /// The scene with what its clouds decide.
+    pub scene: Scene,
+    /// All points, in the order that the method wants.
+    pub arranged: Arranged,
+    /// What the colors mean, if it was wanted.
+    pub legend: Option<Legend>,
+    /// How clouds are colored and why, a phrase for each way.
+    pub colorings: Vec<String>,
+    /// The vertical of the clouds.
+    pub up: UpAxis,
+    /// The shadows of the scene that were stored with its cloud, in the order of the file.
+    pub shadow_texture: Option<ShadowTexture>,
+    /// Where the clouds are stored, if they are not in memory.
+    pub stored: Option<Stored>,
+    /// True if some clouds are of Gaussians: their points, and the color space, follow from method and detail as well.
+    pub follows_method: bool,
+}
+
+impl Made {
+    /// All points, or of stored ones a sample.
+    pub fn points(&self) -> &Points {
+        self.arranged.points()
+    }
+}
+
+/// The names of the clouds in [`Arranged::surfaces`], which omits clouds without points.
+pub fn cloud_names(scene: &Scene, arranged: &Arranged) -> Vec<String> {
+    let (clouds, count) = (&scene.clouds, arranged.surfaces().len());
+    if clouds.len() == count {
+        clouds.iter().map(|cloud| cloud.path.display().to_string()).collect()
+    } else {
+        (1..=count).map(|number| format!("cloud {number} of those with points")).collect()
+    }
+}
+
+impl Source {
+    /// Reads the clouds of a scene; they stay in their files if `memory` (bytes) is too small for all of them, or if they have levels
+    /// of detail there with which the picture can do.
+    ///
+    /// # Errors
+    /// A file can't be read, or a store lacks what the scene needs.
+    pub fn open(
+        named: &Named,
+        scene: &Scene,
+        memory: u64,
+        messages: &impl Messages,
+        progress: &Progress,
+    ) -> crate::Result<Self> {
+        if let Some(stored) = stored(named, scene, memory, messages, progress)? {
+            return Ok(Self::Stored(stored));
+        }
+        let clouds = named.clone().load(progress)?.clouds;
+        for (settings, cloud) in scene.clouds.iter().zip(&clouds) {
+            tell_of_cloud(&settings.path, cloud, messages);
+        }
+        Ok(Self::Held(clouds))
+    }
+
+    /// Makes points of the clouds.
+    ///
+    /// # Errors
+    /// As [`super::assemble`], and those of the temporary file.
+    pub fn made(
+        self,
+        scene: Scene,
+        wanted: Wanted<'_>,
+        messages: &impl Messages,
+        progress: &Progress,
+    ) -> crate::Result<Made> {
+        let made = match self {
+            Self::Held(clouds) => of_clouds(scene, clouds, wanted, messages, progress)?,
+            Self::Stored(stored) => of_stores(stored, wanted, messages, progress)?,
+        };
+        made.colorings.iter().for_each(|how| messages.detail(how));
+        layers::note_of_layers(&made.scene, made.points()).iter().for_each(|note| messages.note(note));
+        Ok(made)
+    }
+}
+
+fn of_clouds(
+    mut scene: Scene,
+    clouds: Vec<Cloud>,
+    wanted: Wanted<'_>,
+    messages: &impl Messages,
+    progress: &Progress,
+) -> crate::Result<Made> {
+    let method = scene.method;
+    if wanted.radii && matches!(method.fixed(), Some(Method::Points | Method::ImageSpace(_))) {
+        // Like these two it wants the points in canonical order, and nothing else of them.
+        scene.method = Method::Circles(ScreenSplats::default()).into();
+    }
+    assemble::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| messages.note(note));
+    let (shadow_texture, note) = assemble::shadow_texture(&scene, &clouds, wanted.seed);
+    note.iter().for_each(|note| messages.note(note));
+    let up = assemble::up_axis(&clouds);
+    let follows_method = clouds.iter().any(|cloud| cloud.gaussians.is_some());
+    let mut colorings = colorings(&scene, &coloring::colorings(&scene, &clouds));
+    colorings.extend(scene.settle(&clouds).then(blended_displays));
+    let (arranged, legend) = if wanted.legend {
+        let (arranged, legend) = assemble::arrange_with_legend(&scene, clouds, wanted.seed, progress)?;
+        (arranged, Some(legend))
+    } else {
+        (assemble::arrange(&scene, clouds, wanted.seed, progress)?, None)
+    };
+    scene.method = method;
+    Ok(Made { scene, arranged, legend, colorings, up, shadow_texture, stored: None, follows_method })
+}
+
+/// Points that stay where they are stored, or, if they are dealt to ensembles, in a temporary file.
+fn of_stores(stored: Stored, wanted: Wanted<'_>, messages: &impl Messages, progress: &Progress) -> crate::Result<Made> {
+    stored.notes().iter().for_each(|note| messages.note(note));
+    let arranged = if stored.scene().method.is_dealt() {
+        let folder = wanted.folder.display();
+        messages.detail(&format_args!("points are dealt to ensembles in a temporary file in {folder}"));
+        stored.dealt(wanted.seed, wanted.folder, progress)?
+    } else {
+        stored.arranged()
+    };
+    let mut colorings = colorings(stored.scene(), &stored.colorings());
+    colorings.extend(stored.blends_displays().then(blended_displays));
+    let (scene, up, follows_method) = (stored.scene().clone(), stored.up(), stored.has_gaussians());
+    let legend = wanted.legend.then(|| stored.legend().clone());
+    Ok(Made { scene, arranged, legend, colorings, up, shadow_texture: None, stored: Some(stored), follows_method })
+}
+
+/// The scene with its clouds where they are stored, if memory is too small for all of them, or if they have levels of detail there
+/// with which the picture can do.
+fn stored(
+    named: &Named,
+    scene: &Scene,
+    memory: u64,
+    messages: &impl Messages,
+    progress: &Progress,
+) -> crate::Result<Option<Stored>> {
+    let announced = named.needed_memory()?;
+    let needed = announced.unwrap_or(0);
+    let fits = needed <= memory;
+    let by_levels = || Ok::<_, crate::Error>(announced.is_some() && !scene.detail.is_whole() && have_levels(scene)?);
+    if fits && (scene.method.is_dealt() || !by_levels()?) {
+        return Ok(None);
+    }
+    if !fits {
+        messages.detail(&format_args!(
+            "all points would take {} of memory, {} are allowed: they are read as the picture needs them",
+            ByteSize(needed),
+            ByteSize(memory)
+        ));
+    }
+    let stores = open_stores(scene, progress)?;
+    if fits && !are_complete(scene, &stores)? {
+        messages.note(
+            &"the levels of stores have neither the radii nor the normals that the scene needs: points are left out at random instead; \
+             `pellucid prepare` stores both",
+        );
+        return Ok(None);
+    }
+    stores.iter().for_each(|store| tell_of_store(store.summary(), messages));
+    Ok(Some(Stored::new(scene, &stores, memory, progress)?))
+}
+
+/// The size of a cloud that stays where it is stored, and what is odd about it.
+pub fn tell_of_store(summary: &Summary, messages: &impl Messages) {
+    messages.detail(&format_args!("{}: {} points", summary.path.display(), summary.points));
+    warn_of_cloud(&summary.path, &summary.like, messages);
+}
+
+/// What was read, and what was odd about it.
+pub fn tell_of_cloud(path: &Path, cloud: &Cloud, messages: &impl Messages) {
+    messages.detail(&format_args!("{}: {} points", path.display(), cloud.len()));
+    warn_of_cloud(path, cloud, messages);
+}
+
+fn warn_of_cloud(path: &Path, cloud: &Cloud, messages: &impl Messages) {
+    let path = path.display();
+    if cloud.non_finite > 0 {
+        messages.warn(&format_args!("{path}: {} points without finite coordinates are left out", cloud.non_finite));
+    }
+    cloud.warnings.iter().for_each(|warning| messages.warn(&format_args!("{path}: {warning}")));
+}
+
+/// Said of a scene of Gaussians alone.
+fn blended_displays() -> String {
+    "colors are blended encoded, since every cloud is of Gaussians".to_owned()
+}
+
+/// How clouds are colored and why, a phrase for each way.
+fn colorings(scene: &Scene, each: &[String]) -> Vec<String> {
+    let mut ways: Vec<(&str, Vec<&Path>)> = Vec::new();
+    for (settings, way) in scene.clouds.iter().zip(each) {
+        match ways.iter_mut().find(|(known, _)| known == way) {
+            Some((_, paths)) => paths.push(&settings.path),
+            None => ways.push((way, vec![&settings.path])),
+        }
+    }
+    let phrase = |(way, paths): &(&str, Vec<&Path>)| match paths[..] {
+        [path] => format!("{} is colored by {way}", path.display()),
+        _ => format!("{} clouds are colored by {way}", paths.len()),
+    };
+    ways.iter().map(phrase).collect()
+}
