@@ -69,9 +69,10 @@ impl Cloud {
     }
 
     /// Smallest and largest corner, six numbers; `None` without points.
-    fn bounds<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        let bounds = self.0.bounds()?;
-        Some(arrays::flat(py, vec![bounds.min.to_array(), bounds.max.to_array()]))
+    fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
+        let columns = Arc::clone(&self.0);
+        let bounds = work::run(py, None, move |_| Ok(columns.bounds()))?;
+        Ok(bounds.map(|bounds| arrays::flat(py, vec![bounds.min.to_array(), bounds.max.to_array()])))
     }
 
     fn points<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {

@@ -34,15 +34,23 @@ impl Source {
     }
 
     fn read(self, name: &str) -> Result<LinearImage, Failure> {
-        let (rows, width, height) = match self {
-            Self::Pixels(rows, width, height) => (rows, width, height),
-            Self::File(path) => return Ok(read_image(&path)?),
+        let image = match self {
+            Self::Pixels(rows, width, height) => LinearImage { width, height, pixels: arrays::any_colors(&rows) },
+            Self::File(path) => read_image(&path)?,
         };
-        let pixels = arrays::any_colors(&rows);
-        if pixels.len() as u64 == u64::from(width) * u64::from(height) {
-            Ok(LinearImage { width, height, pixels })
-        } else {
-            Err(Failure::Value(format!("{name}: expected {width} × {height} pixels, found {}", pixels.len())))
+        let LinearImage { width, height, pixels } = &image;
+        if pixels.len() as u64 != u64::from(*width) * u64::from(*height) {
+            let found = pixels.len();
+            return Err(Failure::Value(format!("{name}: expected {width} × {height} pixels, found {found}")));
+        }
+        match pixels.iter().position(|pixel| pixel.iter().any(|value| !value.is_finite())) {
+            Some(at) => {
+                let (column, row) = (at % *width as usize, at / *width as usize);
+                let message =
+                    format!("{name}: expected finite colors, found {:?} in column {column}, row {row}", pixels[at]);
+                Err(Failure::Value(message))
+            }
+            None => Ok(image),
         }
     }
 }

@@ -23,7 +23,7 @@ impl Device {
         let opened = work::run(py, None, move |_| {
             Ok(gpu::Device::open(&DeviceOptions { device, ..DeviceOptions::from_env() })?)
         })?;
-        Ok(Self(Arc::new(Mutex::new(Kept::new(opened)))))
+        Ok(Self(Arc::new(Mutex::new(Kept::new("renderer", opened)))))
     }
 
     fn name(&self, py: Python<'_>) -> PyResult<String> {

@@ -25,18 +25,21 @@ pub fn enter() -> Result<(), Failure> {
 
 /// Something of a device, which a forked process must leave alone even at its end.
 pub struct Kept<T> {
+    /// For people.
+    name: &'static str,
     value: Option<T>,
     process: u32,
 }
 
 impl<T> Kept<T> {
-    pub fn new(value: T) -> Self {
-        Self { value: Some(value), process: process::id() }
+    pub fn new(name: &'static str, value: T) -> Self {
+        Self { name, value: Some(value), process: process::id() }
     }
 
     /// The value, unless it was closed.
     pub fn get(&mut self) -> Result<&mut T, Failure> {
-        self.value.as_mut().ok_or_else(closed)
+        let name = self.name;
+        self.value.as_mut().ok_or_else(|| Failure::Value(format!("this {name} was closed; make another one")))
     }
 
     /// Ends it early.
@@ -52,8 +55,4 @@ impl<T> Drop for Kept<T> {
     fn drop(&mut self) {
         self.close();
     }
-}
-
-fn closed() -> Failure {
-    Failure::Value("this renderer was closed; make another one".to_owned())
 }

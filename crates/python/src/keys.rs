@@ -5,8 +5,8 @@ use pellucid_engine::scene::{self, Key, METHODS, Method, MethodChoice};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
-/// All tables with their keys, as JSON: `[{title, path, keys: [{name, about, kind, unit, without, rival, only}]}]`; those of
-/// `[method]` with the methods that have them.
+/// All tables with their keys, as JSON: `[{title, path, keys: [{name, about, kind, unit, default, without, methods}]}]`, where methods
+/// are those that have a key of `[method]`.
 #[pyfunction]
 pub fn keys() -> String {
     let tables = scene::tables();

@@ -7,8 +7,8 @@ use numpy::PyArray1;
 use pellucid_engine::methods::brightness;
 use pellucid_engine::output;
 use pellucid_engine::profile::Profile;
+use pellucid_lab::frame_notes;
 use pyo3::prelude::*;
-use serde_json::json;
 
 use crate::arrays;
 use crate::devices::Device;
@@ -24,7 +24,7 @@ use crate::work;
 
 /// A scene on a device; one frame at a time.
 #[pyclass(frozen, module = "pellucid._pellucid")]
-pub struct Loaded(Arc<Mutex<Kept<Session>>>);
+pub struct Loaded(Mutex<Kept<Arc<Mutex<Session>>>>);
 
 #[pymethods]
 impl Loaded {
@@ -43,9 +43,9 @@ impl Loaded {
         let state = scene.state().clone();
         let session = work::run(py, listener, move |talk| {
             ask.check()?;
-            Ok(Kept::new(Session::open(device, state, &ask, with_radii, talk)?))
+            Session::open(device, state, &ask, with_radii, talk)
         })?;
-        Ok(Self(Arc::new(Mutex::new(session))))
+        Ok(Self(Mutex::new(Kept::new("scene", Arc::new(Mutex::new(session))))))
     }
 
     /// Renders a frame.
@@ -129,7 +129,7 @@ impl Loaded {
         self.with(py, None, |session, _| Ok(session.cloud.total()))
     }
 
-    /// Gives the device's memory back.
+    /// Gives the device's memory back, once a frame that is still in work has ended; nobody waits for that here.
     fn close(&self, py: Python<'_>) {
         py.detach(|| self.0.lock().unwrap_or_else(PoisonError::into_inner).close());
     }
@@ -143,10 +143,11 @@ impl Loaded {
         listener: Option<&Bound<'_, PyAny>>,
         work: impl FnOnce(&mut Session, &Talk) -> Result<T, Failure> + Send + 'static,
     ) -> PyResult<T> {
-        let session = Arc::clone(&self.0);
+        let session = self.0.lock().unwrap_or_else(PoisonError::into_inner).get().cloned();
+        let session = session.map_err(|failure| failure.raise(py))?;
         work::run(py, listener, move |talk| {
             let mut session = session.lock().unwrap_or_else(PoisonError::into_inner);
-            work(session.get()?, talk)
+            work(&mut session, talk)
         })
     }
 }
@@ -164,12 +165,8 @@ fn render(session: &mut Session, ask: &Ask, talk: &Talk) -> Result<(Picture, pel
     session.frame.depths = false;
     let mut rendered = rendered?;
     session.device.check_validation()?;
-    if rendered.image.rgba.iter().all(|pixel| pixel[3] <= 0.0) {
-        let opacities = &session.made.points().opacities;
-        let invisible = !opacities.is_empty() && opacities.iter().all(|opacity| *opacity <= 0.0);
-        let why = if invisible { "all points have opacity 0" } else { "no point is in view" };
-        talk.warn(format!("the picture is empty: {why}"));
-    }
+    let empty = frame_notes::empty(&rendered.image, session.made.points());
+    empty.into_iter().for_each(|message| talk.warn(message));
     let Session { renderer, cloud, frame, .. } = session;
     let brightness = brightness::apply(renderer, cloud, frame, &mut rendered.image)?;
     session.device.check_validation()?;
@@ -178,13 +175,10 @@ fn render(session: &mut Session, ask: &Ask, talk: &Talk) -> Result<(Picture, pel
     let method = session.frame.method.name();
     let device = &session.device.info().name;
     let mut metadata = output::tags(&session.state.name, method, &session.scene.settings, device, session.frame.seed);
-    if let Some(applied) = brightness {
-        applied.warning().iter().for_each(|warning| talk.warn(warning));
-        metadata.push(("pellucid:brightness".to_owned(), applied.json().to_string()));
-    }
-    let found = session.found.map(|found| found.json(&session.scene.clouds));
-    metadata.extend(found.map(|json| ("pellucid:see-through".to_owned(), json.to_string())));
-    metadata.extend(detail(session).map(|json| ("pellucid:detail".to_owned(), json)));
+    brightness.iter().filter_map(|applied| applied.warning()).for_each(|warning| talk.warn(warning));
+    let Session { frame, cloud, found, .. } = &session;
+    let clouds = &session.scene.clouds;
+    metadata.extend(frame_notes::decisions(frame, cloud, clouds, brightness.as_ref(), found.as_ref()));
     let choice = session.choice.as_ref().map(|choice| choice.json());
     metadata.extend(choice.map(|json| ("pellucid:choice".to_owned(), json.to_string())));
     let picture = Picture {
@@ -200,15 +194,4 @@ fn render(session: &mut Session, ask: &Ask, talk: &Talk) -> Result<(Picture, pel
         stderr: rendered.image.standard_error(),
     };
     Ok((picture, rendered.image))
-}
-
-/// What was left out of the last frame as JSON; `None` if nothing was.
-fn detail(session: &Session) -> Option<String> {
-    let cut = session.cloud.cut_in_force()?;
-    let detail = &session.frame.detail;
-    let left = json!({
-        "spacing_px": detail.spacing_px, "max_points": detail.max_points, "cut_px": cut.px(), "points": cut.points(),
-        "of": session.cloud.total(),
-    });
-    Some(left.to_string())
 }

@@ -33,6 +33,7 @@ pub fn profile(session: &mut Session, frames: u32, talk: &Talk) -> Result<String
         session.frame.fragments = false;
     }
     session.renderer.recycle(first.image);
+    talk.progress.reset();
     talk.progress.set_message("measuring");
     let measured = (0..frames).try_for_each(|_| {
         talk.go_on()?;

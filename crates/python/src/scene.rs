@@ -103,21 +103,18 @@ impl Scene {
 
     /// Takes tables out, then sets keys; all or nothing.
     fn change(&self, py: Python<'_>, drop: Vec<String>, changes: Changes) -> PyResult<()> {
-        let mut state = self.state();
-        let mut document = state.document.clone();
-        request::lay_over(&mut document, &drop, &changes).map_err(|failure| failure.raise(py))?;
-        state.document = document;
-        Ok(())
+        self.lay_over(&drop, &changes).map_err(|failure| failure.raise(py))
     }
 
     /// Takes a dotted key out, so that its default holds; all or nothing.
     fn remove(&self, py: Python<'_>, key: &str) -> PyResult<()> {
-        let changed = self.state().document.change(&[(key.to_owned(), None)]).map(drop);
-        changed.map_err(|error| raised(py, error))
+        let changed = self.state().document.change(&[(key.to_owned(), None)]);
+        changed.map(drop).map_err(|error| raised(py, error))
     }
 
     fn set_view(&self, py: Python<'_>, direction: Direction) -> PyResult<()> {
-        self.state().view = direction.view().map_err(|failure| failure.raise(py))?;
+        let view = direction.view().map_err(|failure| failure.raise(py))?;
+        self.state().view = view;
         Ok(())
     }
 
@@ -136,7 +133,8 @@ impl Scene {
     }
 
     fn to_toml(&self, py: Python<'_>, folder: PathBuf) -> PyResult<String> {
-        self.state().document.to_toml(&folder).map_err(|error| raised(py, error))
+        let text = self.state().document.to_toml(&folder);
+        text.map_err(|error| raised(py, error))
     }
 
     /// The keys that were given, as JSON.
@@ -190,12 +188,22 @@ impl Scene {
 }
 
 impl Scene {
+    /// Nobody may call Python while this is held: what Python does then, such as to end objects, could wait for it.
     pub fn state(&self) -> MutexGuard<'_, State> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn scene(&self, py: Python<'_>) -> PyResult<engine::Scene> {
-        self.state().document.scene().map_err(|error| raised(py, error))
+        let scene = self.state().document.scene();
+        scene.map_err(|error| raised(py, error))
+    }
+
+    fn lay_over(&self, drop: &[String], changes: &Changes) -> Result<(), Failure> {
+        let mut state = self.state();
+        let mut document = state.document.clone();
+        request::lay_over(&mut document, drop, changes)?;
+        state.document = document;
+        Ok(())
     }
 }
 

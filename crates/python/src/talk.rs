@@ -1,9 +1,11 @@
 //! What work tells its caller: how far it is, warnings and notes; and that it is to end.
 
+use std::fmt::Display;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use pellucid_engine::progress::{Observer, Progress};
+use pellucid_engine::scene::made::Messages;
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 
@@ -111,5 +113,15 @@ impl Talk {
         let lists = (PyList::new(py, warnings)?, PyList::new(py, notes)?);
         py.import("pellucid._errors")?.getattr("tell")?.call1(lists)?;
         Ok(())
+    }
+}
+
+impl Messages for Talk {
+    fn warn(&self, warning: &dyn Display) {
+        Talk::warn(self, warning.to_string());
+    }
+
+    fn note(&self, note: &dyn Display) {
+        Talk::note(self, note.to_string());
     }
 }

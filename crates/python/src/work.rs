@@ -55,6 +55,10 @@ pub fn run<T: Send + 'static>(
         move || drop(sender.send(done))
     })?;
     let result = wait_for(py, &receiver, &talk, listener)?;
+    if let Some(listener) = listener {
+        // What came since the last glance.
+        talk.tell(listener)?;
+    }
     talk.hand_over(py)?;
     result.map_err(|failure| failure.raise(py))
 }
@@ -94,18 +98,18 @@ fn detached<T: Send>(
 }
 
 /// Waits until interrupted work has ended, at most so many seconds: before the process ends, which takes drivers away
-/// from under it.
+/// from under it. Another interruption ends the wait.
 #[pyfunction]
-pub fn wait(py: Python<'_>, seconds: f64) {
+pub fn wait(py: Python<'_>, seconds: f64) -> PyResult<()> {
     if fork::enter().is_err() {
         // Its threads were the parent's.
-        return;
+        return Ok(());
     }
     let limit = Duration::try_from_secs_f64(seconds).unwrap_or_default();
     let begin = Instant::now();
-    py.detach(|| {
-        while BUSY.load(Ordering::Acquire) > 0 && begin.elapsed() < limit {
-            thread::sleep(Duration::from_millis(5));
-        }
-    });
+    while BUSY.load(Ordering::Acquire) > 0 && begin.elapsed() < limit {
+        py.detach(|| thread::sleep(Duration::from_millis(5)));
+        py.check_signals()?;
+    }
+    Ok(())
 }
