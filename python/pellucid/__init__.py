@@ -12,6 +12,7 @@ any number of frames. `profile`, `tradeoff`, `stress`, `check`, `compare` and `p
 from __future__ import annotations
 
 import atexit as _atexit
+from contextlib import suppress as _suppress
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 
 from . import _pellucid
@@ -19,11 +20,11 @@ from ._api import check, compare, devices, methods, plan, profile, render, stres
 from ._camera import Camera
 from ._cloud import Cloud
 from ._errors import DeviceError, Error, PellucidWarning, ReadError, SceneError
-from ._image import Image
 from ._renderer import Loaded, Renderer
 from ._scene import Scene
 
 if _TYPE_CHECKING:
+    from ._image import Image
     from ._measures import (
         Check,
         CheckCase,
@@ -80,12 +81,22 @@ __all__ = [
     "view",
 ]
 
-# Interrupted work may still be on the device, which the end of the process takes away from under it.
-_atexit.register(_pellucid.wait, 10.0)
+
+def _end() -> None:
+    """Interrupted work may still be on the device, which the end of the process takes away from under it. Ctrl-C ends the wait."""
+    with _suppress(KeyboardInterrupt):
+        _pellucid.wait(10.0)
+
+
+_atexit.register(_end)
 
 
 def __getattr__(name: str) -> object:
-    """The classes of measurements, which take a fifth of the time to import everything."""
+    """Images, which need numpy, and the classes of measurements, which take a fifth of the time to import everything."""
+    if name == "Image":
+        from ._image import Image
+
+        return Image
     if name in __all__:
         from . import _measures
 

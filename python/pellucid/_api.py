@@ -4,23 +4,21 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from . import _pellucid
 from ._camera import Camera
-from ._errors import DeviceError
-from ._image import Image
 from ._progress import listening
-from ._renderer import Loaded, _load, forget, positive, prepared, renderer_of
+from ._renderer import Loaded, Renderer, Sharing, _load, above_zero, positive, prepared, whole
+from ._settings import _seed
 from ._types import Accuracy, Path, Progress, Size
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
 
+    from ._image import Image
     from ._measures import Check, Comparison, Device, Plan, Profile, Stress, Tradeoff
-
-_T = TypeVar("_T")
 
 
 def render(
@@ -33,7 +31,7 @@ def render(
     normals: ArrayLike | None = None,
     scalars: Mapping[str, ArrayLike] | None = None,
     method: str = "auto",
-    camera: Camera | None = None,
+    camera: Camera | Mapping[str, Any] | None = None,
     size: Size | None = None,
     fragments: bool = False,
     depths: bool = False,
@@ -57,7 +55,7 @@ def render(
     method
         One of `methods`; "auto" is the cheapest one that is exact for the scene, unless the scene names one.
     camera
-        By default one that sees the whole scene.
+        A `Camera`, or a dict of keys of [camera]; by default one that sees the whole scene.
     size
         Columns and rows, each from 1 to 16384; by default the scene's, else 1024 x 1024.
     fragments
@@ -75,10 +73,12 @@ def render(
         True for a bar of tqdm, or what makes one.
     settings
         Keys of the scene file (docs/scene-file.md): ``samples=64`` of [method], ``radius=0.1`` of all clouds,
-        ``background="white"``. A table before the key is for those that several tables have, as in ``shadows__samples=4`` or
-        ``cloud__0__color``; whole tables are dicts, as in ``shading={"model": "none"}``. Besides, as on the command line:
+        ``background="white"``. A table before the key is for those that several tables have, as in ``shadows__samples=4``,
+        ``cloud__0__color`` or ``method__size``; whole tables are dicts, as in ``shading={"model": "none"}``. Besides, as on the
+        command line:
         ``view``, ``azimuth``, ``elevation``; ``class_opacity={"building": 0.1}``, ``classes``, ``without``;
-        ``slices={"z": (2, 4)}``; ``see_through``, ``max_error``, ``budget_ms``; ``memory_budget`` and ``host_memory`` in bytes.
+        ``slices={"z": (2, 4)}``; ``see_through``, ``max_error``, ``budget_ms``; ``memory_budget`` and ``host_memory``, bytes or a
+        text as "4GiB".
 
     Returns
     -------
@@ -98,9 +98,9 @@ def render(
         Ctrl-C, within 0.2 s.
     """
     columns = {"colors": colors, "opacities": opacities, "radii": radii, "normals": normals, "scalars": scalars}
-    loaded = _loaded(points, {**columns, **settings}, opacity, method, camera, size, device, seed, progress)
-    with loaded:
-        return _trying(device, lambda: loaded.frame(fragments=fragments, depths=depths, accuracy=accuracy, progress=progress))
+    arguments = _arguments(opacity, method, camera, size, {**columns, **settings})
+    with Sharing(device) as renderer, _loaded(renderer, points, arguments, seed, progress) as loaded:
+        return loaded.frame(fragments=fragments, depths=depths, accuracy=accuracy, progress=progress)
 
 
 def profile(
@@ -109,7 +109,7 @@ def profile(
     frames: int = 5,
     opacity: float | None = None,
     method: str = "auto",
-    camera: Camera | None = None,
+    camera: Camera | Mapping[str, Any] | None = None,
     size: Size | None = None,
     accuracy: Accuracy = "exact",
     device: str | int | None = None,
@@ -122,7 +122,8 @@ def profile(
     ``frames`` are those that count, from 1 to 100000; the others are as of `render`.
     """
     count = positive("frames", frames)
-    with _loaded(points, settings, opacity, method, camera, size, device, seed, progress) as loaded:
+    arguments = _arguments(opacity, method, camera, size, settings)
+    with Sharing(device) as renderer, _loaded(renderer, points, arguments, seed, progress) as loaded:
         return loaded.profile(frames=count, accuracy=accuracy, progress=progress)
 
 
@@ -131,7 +132,7 @@ def plan(
     *,
     opacity: float | None = None,
     method: str = "auto",
-    camera: Camera | None = None,
+    camera: Camera | Mapping[str, Any] | None = None,
     size: Size | None = None,
     device: str | int | None = None,
     seed: int | None = None,
@@ -141,7 +142,8 @@ def plan(
     """The passes of a frame, each on or off, and the fact that decided it; renders nothing. The arguments are those of `render`."""
     from ._measures import Plan
 
-    with _loaded(points, settings, opacity, method, camera, size, device, seed, progress) as loaded:
+    arguments = _arguments(opacity, method, camera, size, settings)
+    with Sharing(device) as renderer, _loaded(renderer, points, arguments, seed, progress) as loaded:
         with listening(progress) as listener:
             text = loaded._native.plan(loaded._ask({}), listener)
         return Plan._of(*loaded._native.method(), json.loads(text))
@@ -156,7 +158,7 @@ def tradeoff(
     folder: Path | None = None,
     opacity: float | None = None,
     method: str = "auto",
-    camera: Camera | None = None,
+    camera: Camera | Mapping[str, Any] | None = None,
     size: Size | None = None,
     device: str | int | None = None,
     seed: int | None = None,
@@ -182,19 +184,22 @@ def tradeoff(
 
     from ._measures import Tradeoff
 
-    if seconds is not None and not seconds > 0.0:
-        raise ValueError(f"seconds: expected a number above 0, found {seconds}")
-    names = [only] if isinstance(only, str) else [str(name) for name in only]
+    names = _names("only", only)
     known = methods()
     for name in names:
         if name not in known:
             raise ValueError(f"only: expected names of methods ({', '.join(known)}), found {name!r}")
-    extent = {"quick": bool(quick), "only": names, "seconds": seconds, "command": "pellucid.tradeoff()"}
-    loaded = _loaded(points, settings, opacity, method, camera, size, device, seed, progress, with_radii=True)
-    with loaded, tempfile.TemporaryDirectory(prefix="pellucid-") as temporary:
+    limit = None if seconds is None else above_zero("seconds", seconds)
+    extent = {"quick": bool(quick), "only": names, "seconds": limit, "command": "pellucid.tradeoff()"}
+    arguments = _arguments(opacity, method, camera, size, settings)
+    with (
+        Sharing(device) as renderer,
+        _loaded(renderer, points, arguments, seed, progress, with_radii=True) as loaded,
+        tempfile.TemporaryDirectory(prefix="pellucid-") as temporary,
+        listening(progress) as listener,
+    ):
         target = temporary if folder is None else os.fspath(folder)
-        with listening(progress) as listener:
-            text = loaded._native.tradeoff(loaded._ask({}), extent, target, listener)
+        text = loaded._native.tradeoff(loaded._ask({}), extent, target, listener)
     return Tradeoff._of(json.loads(text))
 
 
@@ -226,19 +231,22 @@ def stress(
     """
     from ._measures import Stress
 
+    names = None if methods is None else _names("methods", methods)
+    if names == []:
+        raise ValueError("methods: expected at least one name, found none; without it all that apply are measured")
     extent = {
         "quick": bool(quick),
-        "methods": None if methods is None else [str(name) for name in methods],
+        "methods": names,
         "sides": _integers("sides", sides),
         "layers": _integers("layers", layers),
         "frames": None if frames is None else positive("frames", frames),
-        "max_fragments": max_fragments,
-        "max_seconds": max_seconds,
-        "seed": seed,
+        "max_fragments": None if max_fragments is None else whole("max_fragments", max_fragments, 2**63),
+        "max_seconds": None if max_seconds is None else above_zero("max_seconds", max_seconds),
+        "seed": _seed(seed) or 0,
         "command": "pellucid.stress()",
     }
-    with listening(progress) as listener:
-        text = _pellucid.stress(renderer_of(device)._native, extent, listener)
+    with Sharing(device) as renderer, listening(progress) as listener:
+        text = _pellucid.stress(renderer._native, extent, listener)
     return Stress._of(json.loads(text))
 
 
@@ -251,9 +259,10 @@ def check(*names: str, device: str | int | None = None, progress: Progress = Non
 
     for name in names:
         if not isinstance(name, str):
-            raise TypeError(f"names: expected texts, found {type(name).__name__}")
-    with listening(progress) as listener:
-        text = _pellucid.check(renderer_of(device)._native, list(names), listener)
+            hint = "; a list of names is check(*names)" if isinstance(name, (list, tuple, set)) else ""
+            raise TypeError(f"names: expected texts, found {type(name).__name__}{hint}")
+    with Sharing(device) as renderer, listening(progress) as listener:
+        text = _pellucid.check(renderer._native, list(names), listener)
     return Check._of(json.loads(text))
 
 
@@ -261,7 +270,7 @@ def compare(a: Image | ArrayLike | Path, b: Image | ArrayLike | Path) -> Compari
     """Measures how far the picture ``b`` is off ``a``: RMSE, PSNR, SSIM, FLIP and the largest difference, in linear light.
 
     Pictures are of one size: an `Image`, which counts over its background; a PNG or EXR file; or an array of shape (h, w, 3), of
-    linear floats, or of uint8 or uint16 as sRGB.
+    linear floats, or of uint8 or uint16 as sRGB. Raises ValueError for other shapes and types, and for colors that are not finite.
     """
     from ._measures import Comparison
 
@@ -284,44 +293,102 @@ def methods() -> list[str]:
     return [name for name, _ in _pellucid.methods()]
 
 
-def view(points: Any, **arguments: Any) -> Any:
-    """A window in a notebook: drag to orbit, wheel to come nearer, controls for opacity and the method's settings.
+def view(
+    points: Any,
+    *,
+    colors: ArrayLike | None = None,
+    opacity: float | None = None,
+    opacities: ArrayLike | None = None,
+    radii: ArrayLike | None = None,
+    normals: ArrayLike | None = None,
+    scalars: Mapping[str, ArrayLike] | None = None,
+    method: str = "auto",
+    camera: Camera | Mapping[str, Any] | None = None,
+    size: Size | None = None,
+    fragments: bool = False,
+    depths: bool = False,
+    accuracy: Accuracy = "exact",
+    device: str | int | None = None,
+    seed: int | None = None,
+    progress: Progress = None,
+    frame_ms: float = 33.0,
+    **settings: Any,
+) -> Any:
+    """Shows points in a notebook: drag to turn, wheel to come nearer, sliders for what the method has.
 
-    The arguments are those of `render`. Where there is no notebook or no jupyter_rfb, it is a picture.
+    Shift and drag moves the view, and so does another button than the left one. The wheel works once the picture was clicked.
+    A double click brings the first view back.
+
+    While something moves, pictures have as many samples, pixels and points as fit ``frame_ms``; at rest they get finer until
+    nothing is left out. The window needs `jupyter_rfb` and `ipywidgets`, and a notebook (JupyterLab, Jupyter Notebook, VS
+    Code). Elsewhere the result is the picture of `render`.
+
+    Parameters
+    ----------
+    size
+        Columns and rows of the window in pixels of the page, by default at most 720 × 540. It can be pulled at its corner.
+    fragments, depths, accuracy
+        Of the pictures that ``picture()`` gives.
+    frame_ms
+        Milliseconds that a picture may take while something moves, above 0.
+    settings
+        As of `render`. What ``see_through``, ``max_error`` and ``budget_ms`` find for the first picture stays in force for all.
+
+    The others are as of `render`.
+
+    Returns
+    -------
+    A widget with ``camera``, the present view; ``picture()``, which renders it whole; and ``close()``, which gives the
+    device's memory back. Or an `Image`.
+
+    Raises
+    ------
+    ValueError
+        An argument makes no sense; the message names it.
+    Error
+        Whatever `render` refuses.
     """
-    from ._view import view as shown
+    from ._view import shown
 
-    return shown(points, **arguments)
+    columns = {"colors": colors, "opacities": opacities, "radii": radii, "normals": normals, "scalars": scalars}
+    arguments = {**_arguments(opacity, method, camera, None, {**columns, **settings}), "seed": seed, "progress": progress}
+    frame = {"fragments": fragments, "depths": depths, "accuracy": accuracy}
+    return shown(points, size=size, device=device, frame_ms=above_zero("frame_ms", frame_ms), arguments=arguments, frame=frame)
+
+
+def _arguments(
+    opacity: float | None,
+    method: str,
+    camera: Camera | Mapping[str, Any] | None,
+    size: Size | None,
+    settings: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Arguments of `render` as `Renderer.load` takes them."""
+    # The default leaves the scene its own.
+    asked = None if method == "auto" else method
+    return {"method": asked, "opacity": opacity, "camera": camera, "size": size, **settings}
 
 
 def _loaded(
+    renderer: Renderer,
     points: Any,
-    settings: Mapping[str, Any],
-    opacity: float | None,
-    method: str,
-    camera: Camera | None,
-    size: Size | None,
-    device: str | int | None,
+    arguments: Mapping[str, Any],
     seed: int | None,
     progress: Progress,
     with_radii: bool = False,
 ) -> Loaded:
-    """A scene on the shared renderer, as arguments of `render` describe it."""
-    # The default leaves the scene its own.
-    asked = None if method == "auto" else method
-    arguments = {"method": asked, "opacity": opacity, "camera": camera, "size": size, **settings}
-    scene, found, given = prepared(points, arguments)
-    renderer = renderer_of(device)
-    return _trying(device, lambda: _load(renderer, scene, found, given, seed=seed, progress=progress, with_radii=with_radii))
+    """A scene on a renderer."""
+    scene, found, camera = prepared(points, arguments)
+    return _load(renderer, scene, found, camera, seed=seed, progress=progress, with_radii=with_radii)
 
 
-def _trying(device: str | int | None, work: Callable[[], _T]) -> _T:
-    """A device that failed once may be lost: the next call opens it anew."""
-    try:
-        return work()
-    except DeviceError:
-        forget(device)
-        raise
+def _names(name: str, given: Sequence[str]) -> list[str]:
+    """A list of texts, of which one may come without the list."""
+    if isinstance(given, str):
+        return [given]
+    if not hasattr(given, "__iter__") or isinstance(given, bytes):
+        raise TypeError(f"{name}: expected a list of names, found {type(given).__name__}")
+    return [str(one) for one in given]
 
 
 def _integers(name: str, values: Sequence[int] | None) -> list[int] | None:
@@ -334,17 +401,27 @@ def _integers(name: str, values: Sequence[int] | None) -> list[int] | None:
 
 def _picture(name: str, given: Any) -> Any:
     """A picture for native code: a path, or linear R, G, B with columns and rows."""
-    import numpy as np
+    from ._image import Image
 
     if isinstance(given, (str, os.PathLike)):
         return os.fspath(given)
-    if isinstance(given, Image):
-        width, height = given.size
-        return (given.over_background().reshape(-1), width, height)
+    pixels = given.over_background() if isinstance(given, Image) else _pixels(name, given)
+    height, width = pixels.shape[:2]
+    return (pixels.reshape(-1), width, height)
+
+
+def _pixels(name: str, given: ArrayLike) -> NDArray[Any]:
+    """An array of a picture, in the byte order and layout of native code."""
+    import numpy as np
+
     array = np.asarray(given)
     if array.ndim != 3 or array.shape[2] != 3:
-        raise ValueError(f"{name}: expected an Image, a path or an array of shape (h, w, 3), found an array of shape {array.shape}")
+        hint = ""
+        if array.ndim == 3 and array.shape[2] == 4:
+            hint = "; of an Image give the image itself or image.over_background(), since four channels don't say the background"
+        found = f"an array of shape {array.shape}{hint}"
+        raise ValueError(f"{name}: expected an Image, a path or an array of shape (h, w, 3), found {found}")
+    array = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("="))
     if array.dtype not in (np.float32, np.float64, np.uint8, np.uint16):
         raise ValueError(f"{name}: expected linear floats, or uint8 or uint16 as sRGB, found an array of {array.dtype}")
-    height, width = array.shape[:2]
-    return (np.ascontiguousarray(array).reshape(-1), width, height)
+    return array

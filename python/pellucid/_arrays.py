@@ -9,9 +9,12 @@ if TYPE_CHECKING:
 
 # More points than an index tells apart would be refused later, after they were copied.
 _MOST_POINTS = 2**32 - 1
+# What helps those who mean one color.
+_ONE_COLOR = "one color for all points is a setting of render and Scene: color"
 
 
-def _array(name: str, given: Any) -> NDArray[Any]:
+def numbers(name: str, given: Any) -> NDArray[Any]:
+    """An array of real numbers, of any shape, in the byte order of this machine."""
     import numpy as np
 
     try:
@@ -21,17 +24,25 @@ def _array(name: str, given: Any) -> NDArray[Any]:
     if np.ma.isMaskedArray(given) and np.ma.is_masked(given):
         raise ValueError(f"{name}: expected an array without masked values; leave those out, or fill them")
     if array.dtype.kind not in "fiub":
-        raise ValueError(f"{name}: expected real numbers, found an array of {array.dtype} of shape {array.shape}")
-    return array
+        help = f"; if all of them are numbers: numpy.asarray({name}).astype(float)" if array.dtype.kind == "O" else ""
+        raise ValueError(f"{name}: expected real numbers, found an array of {array.dtype} of shape {array.shape}{help}")
+    return array.astype(array.dtype.newbyteorder("="), copy=False)
+
+
+def _flat(array: NDArray[Any], dtype: Any) -> NDArray[Any]:
+    """An aligned, contiguous array of one dimension, as native code wants them."""
+    import numpy as np
+
+    return np.require(array, dtype, ["C", "A"]).reshape(-1)
 
 
 def rows(name: str, given: Any, count: int | None = None) -> NDArray[Any]:
     """Three floats for each point, flat: float32 stays as it is, everything else becomes float64."""
     import numpy as np
 
-    array = _shaped(name, _array(name, given), count)
+    array = _shaped(name, numbers(name, given), count)
     kind = np.float32 if array.dtype == np.float32 else np.float64
-    return np.ascontiguousarray(array, dtype=kind).reshape(-1)
+    return _flat(array, kind)
 
 
 def _shaped(name: str, array: NDArray[Any], count: int | None) -> NDArray[Any]:
@@ -58,49 +69,67 @@ def colors(given: Any, count: int) -> NDArray[Any]:
     """Colors of points, flat: uint8, uint16, float32 or float64."""
     import numpy as np
 
-    array = _shaped("colors", _array("colors", given), count)
+    if isinstance(given, str):
+        raise ValueError(f"colors: expected a color for each point, found {given!r}; {_ONE_COLOR}={given!r}")
+    array = numbers("colors", given)
+    if array.shape == (3,):
+        example = "[1, 0, 0]" if array.dtype.kind == "f" else "'#ff0000'"
+        raise ValueError(f"colors: expected an array of shape ({count}, 3), found (3,); {_ONE_COLOR}={example}")
+    array = _shaped("colors", array, count)
     if array.dtype.kind in "iub" and array.dtype not in (np.uint8, np.uint16):
-        raise ValueError(
-            f"colors: expected uint8 or uint16 (sRGB) or floats from 0 to 1, found {array.dtype}; bytes are "
-            "colors.astype(numpy.uint8)"
-        )
+        help = "colors.astype(numpy.uint8)" if hasattr(given, "astype") else "numpy.array(colors, dtype=numpy.uint8)"
+        raise ValueError(f"colors: expected uint8 or uint16 (sRGB) or floats from 0 to 1, found {array.dtype}; bytes are {help}")
     if array.dtype.kind == "f" and array.dtype not in (np.float32, np.float64):
         array = array.astype(np.float64)
-    return np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("=")).reshape(-1)
+    return _flat(array, array.dtype)
 
 
 def column(name: str, given: Any, count: int) -> NDArray[Any]:
     """A float32 for each point."""
     import numpy as np
 
-    array = _array(name, given)
-    if array.ndim == 2 and array.shape == (count, 1):
-        array = array[:, 0]
-    if array.shape != (count,):
-        raise ValueError(f"{name}: expected an array of shape ({count},), one for each point, found {array.shape}")
-    return np.ascontiguousarray(array, dtype=np.float32)
+    array = _single(name, numbers(name, given), count)
+    with np.errstate(over="ignore"):
+        values = _flat(array, np.float32)
+    if array.dtype.itemsize > 4 and array.dtype.kind == "f":
+        lost = np.isinf(values) & np.isfinite(array)
+        if lost.any():
+            at = int(lost.argmax())
+            raise ValueError(f"{name}: expected numbers that a float32 holds, up to 3.4e38, found {array[at]:g} in row {at}")
+    return values
 
 
 def codes(name: str, given: Any, count: int) -> NDArray[Any]:
     """A whole number from 0 to 255 for each point."""
     import numpy as np
 
-    array = _array(name, given)
+    array = _single(name, numbers(name, given), count)
+    if array.dtype != np.uint8:
+        wrong = ~((array >= 0) & (array <= 255))
+        if array.dtype.kind == "f":
+            wrong |= array != np.floor(array)
+        if wrong.any():
+            at = int(wrong.argmax())
+            raise ValueError(f"{name}: expected whole numbers from 0 to 255, found {array[at]:g} in row {at}")
+    return _flat(array, np.uint8)
+
+
+def _single(name: str, array: NDArray[Any], count: int) -> NDArray[Any]:
+    """One number for each point, of an array of shape (n,) or (n, 1)."""
+    if array.shape == (count, 1):
+        array = array[:, 0]
     if array.shape != (count,):
         raise ValueError(f"{name}: expected an array of shape ({count},), one for each point, found {array.shape}")
-    if array.dtype == np.uint8:
-        return np.ascontiguousarray(array)
-    exact = array.astype(np.uint8, casting="unsafe")
-    if not np.array_equal(exact, array):
-        raise ValueError(f"{name}: expected whole numbers from 0 to 255, found {array.dtype} with other values")
-    return np.ascontiguousarray(exact)
+    return array
 
 
 def vector(name: str, given: Any, length: int = 3) -> tuple[float, ...]:
     """Finite coordinates."""
     import numpy as np
 
-    array = np.asarray(_array(name, given), dtype=np.float64)
+    array = np.asarray(numbers(name, given), dtype=np.float64)
+    if array.shape in ((length, 1), (1, length)):
+        array = array.reshape(length)
     if array.shape != (length,):
         raise ValueError(f"{name}: expected {length} numbers, found an array of shape {array.shape}")
     if not np.isfinite(array).all():
@@ -108,13 +137,14 @@ def vector(name: str, given: Any, length: int = 3) -> tuple[float, ...]:
     return tuple(array.tolist())
 
 
-def matrix(name: str, given: Any, shape: tuple[int, int]) -> NDArray[Any]:
-    """A matrix of finite float64."""
+def matrix(name: str, given: Any, *shapes: tuple[int, int]) -> NDArray[Any]:
+    """A matrix of finite float64 that has one of some shapes."""
     import numpy as np
 
-    array = np.asarray(_array(name, given), dtype=np.float64)
-    if array.shape != shape:
-        raise ValueError(f"{name}: expected a matrix of shape {shape}, found {array.shape}")
+    array = np.asarray(numbers(name, given), dtype=np.float64)
+    if array.shape not in shapes:
+        wanted = " or ".join(map(str, shapes))
+        raise ValueError(f"{name}: expected a matrix of shape {wanted}, found {array.shape}")
     if not np.isfinite(array).all():
         raise ValueError(f"{name}: expected finite numbers, found {array.tolist()}")
     return array

@@ -22,6 +22,8 @@ _OFF_CENTER_PX = 0.5
 _RATIO = 1e-3
 # Degrees that a turned camera keeps from the vertical.
 _POLE = 1.0
+# The sine of the angle between two directions below which they count as one.
+_ALONG = 1e-9
 
 
 @dataclass(frozen=True)
@@ -33,14 +35,19 @@ class Camera:
     """
 
     eye: Vector | None = None
+    """Where it stands, world units."""
     target: Vector | None = None
+    """What it looks at, world units: the middle of the image."""
     up: Vector | None = None
-    #: Full vertical angle in degrees, above 0 and below 180: a perspective camera.
+    """The direction that points to the top of the image, of any length."""
     fov_y: float | None = None
-    #: World units over the height of the image: an orthographic camera.
+    """Full vertical angle in degrees, above 0 and below 180: a perspective camera."""
     height: float | None = None
+    """World units over the height of the image: an orthographic camera."""
     near: float | None = None
+    """Depth from which points are seen, world units, above 0."""
     far: float | None = None
+    """Depth up to which points are seen, world units, above 0."""
 
     def __post_init__(self) -> None:
         for name in ("eye", "target", "up"):
@@ -60,6 +67,8 @@ class Camera:
             raise ValueError("fov_y and height: expected one of them: a perspective camera has fov_y, an orthographic one height")
         if self.near is not None and self.far is not None and self.near >= self.far:
             raise ValueError(f"near and far: expected near below far, found {self.near} and {self.far}")
+        if self.up is not None and not any(self.up):
+            raise ValueError(f"up: expected a direction, found {self.up}, which has no length")
         if self.eye is not None and self.eye == self.target:
             raise ValueError(f"eye and target: expected two points, found {self.eye} twice")
 
@@ -106,33 +115,33 @@ class Camera:
         Parameters
         ----------
         K
-            Intrinsics, 3 x 3, in pixels.
+            Intrinsics, 3 x 3, in pixels, with the last row 0, 0, 1.
         world_to_camera
-            Extrinsics, 4 x 4 or 3 x 4. In their place ``R`` (3 x 3) and ``t`` (3): x_camera = R x_world + t.
+            Extrinsics, 3 x 4, or 4 x 4 with the last row 0, 0, 0, 1. In their place ``R`` (3 x 3, a rotation; a vector of
+            cv2.Rodrigues is none) and ``t`` (3): x_camera = R x_world + t.
         size
             Columns and rows of the calibrated images.
 
         Raises
         ------
         ValueError
-            Pixels that aren't square, skew, or a principal point more than half a pixel off the middle of the image: scenes
-            have none of them. Undistort and crop the images first (cv2.undistort, cv2.getOptimalNewCameraMatrix with
-            centerPrincipalPoint=True).
+            A matrix that is transposed, or no rotation. Pixels that aren't square, skew, or a principal point more than half a
+            pixel off the middle of the image: scenes have none of them. Undistort and crop the images first (cv2.undistort,
+            cv2.getOptimalNewCameraMatrix with centerPrincipalPoint=True).
         """
         import numpy as np
 
         intrinsics = _arrays.matrix("K", K, (3, 3))
+        _check_last_row("K", intrinsics)
         if world_to_camera is not None:
             if R is not None or t is not None:
                 raise TypeError("world_to_camera: R and t say the same; give either")
-            extrinsics = np.asarray(world_to_camera, dtype=np.float64)
-            shape = (3, 4) if extrinsics.shape == (3, 4) else (4, 4)
-            extrinsics = _arrays.matrix("world_to_camera", world_to_camera, shape)
+            extrinsics = _pose_matrix("world_to_camera", world_to_camera)
             rotation, moved = extrinsics[:3, :3], extrinsics[:3, 3]
         elif R is None or t is None:
             raise TypeError("from_opencv() needs world_to_camera, or R and t")
         else:
-            rotation, moved = _arrays.matrix("R", R, (3, 3)), np.array(_arrays.vector("t", np.ravel(t)))
+            rotation, moved = _rotation_matrix(R), np.array(_arrays.vector("t", t))
         _check_rotation("R" if world_to_camera is None else "world_to_camera", rotation)
         if abs(intrinsics[0, 1]) > _RATIO * abs(intrinsics[0, 0]):
             raise ValueError(f"K: expected no skew, found {intrinsics[0, 1]}")
@@ -146,13 +155,10 @@ class Camera:
     ) -> Camera:
         """The camera of a frame of nerfstudio's ``transforms.json``: +x right, +y up, -z forward.
 
-        ``camera_to_world`` is the frame's ``transform_matrix`` (4 x 4 or 3 x 4); the others are keys of the file, in pixels.
-        Raises ValueError as `from_opencv` does.
+        ``camera_to_world`` is the frame's ``transform_matrix``, 3 x 4, or 4 x 4 with the last row 0, 0, 0, 1. The others are
+        keys of the file, in pixels. Raises ValueError as `from_opencv` does.
         """
-        import numpy as np
-
-        given = np.asarray(camera_to_world, dtype=np.float64)
-        pose = _arrays.matrix("camera_to_world", camera_to_world, (3, 4) if given.shape == (3, 4) else (4, 4))
+        pose = _pose_matrix("camera_to_world", camera_to_world)
         _check_rotation("camera_to_world", pose[:3, :3])
         fov_y = _lens("fl_x, fl_y, cx and cy", fl_x, fl_y, cx, cy, (w, h))
         eye = pose[:3, 3]
@@ -170,7 +176,7 @@ class Camera:
         arm = eye - target
         distance = float(np.linalg.norm(arm))
         level = arm - (arm @ up) * up
-        if np.linalg.norm(level) < 1e-9 * distance:
+        if np.linalg.norm(level) < _ALONG * distance:
             # From above any direction is as good as another one.
             level = np.cross(up, [1.0, 0.0, 0.0] if abs(up[0]) < 0.9 else [0.0, 1.0, 0.0])
         level = level / np.linalg.norm(level)
@@ -198,14 +204,16 @@ class Camera:
     def pan(self, right: float, up: float) -> Camera:
         """Moved across the view, eye and target, by parts of the height of the image at the target.
 
-        Raises ValueError unless eye, target and up are given.
+        Raises ValueError unless eye, target and up are given, and for a camera that looks along up.
         """
         import numpy as np
 
         eye, target, upward = self._given("pan")
         forward = target - eye
         distance = float(np.linalg.norm(forward))
-        aside = np.cross(forward, upward)
+        aside = np.cross(forward / distance, upward / np.linalg.norm(upward))
+        if np.linalg.norm(aside) < _ALONG:
+            raise ValueError(f"up: expected a direction aside of the view, found {self.up}, along which the camera looks")
         aside = aside / np.linalg.norm(aside)
         above = np.cross(aside, forward / distance)
         angle = 45.0 if self.fov_y is None else self.fov_y
@@ -220,7 +228,9 @@ class Camera:
             raise ValueError(
                 f"{doing}: expected a camera with eye, target and up, found {self}; that of a picture has all of them: image.camera"
             )
-        return np.array(self.eye), np.array(self.target), None if self.up is None else np.array(self.up)
+        # Of moderate length, so that its square is a number, too.
+        direction = None if self.up is None else np.array(self.up) / max(map(abs, self.up))
+        return np.array(self.eye), np.array(self.target), direction
 
     def _changes(self) -> list[Change]:
         """Its keys in the scene file."""
@@ -254,6 +264,39 @@ def _triple(vector: Any) -> Vector:
 def _pose(eye: ArrayLike, target: ArrayLike, up: ArrayLike | None) -> tuple[Any, Any, Any]:
     pose = _arrays.vector("eye", eye), _arrays.vector("target", target)
     return (*pose, None if up is None else _arrays.vector("up", up))
+
+
+def _pose_matrix(name: str, given: ArrayLike) -> Any:
+    """A pose of shape (3, 4), or (4, 4) with the last row 0, 0, 0, 1."""
+    matrix = _arrays.matrix(name, given, (3, 4), (4, 4))
+    if len(matrix) == 4:
+        _check_last_row(name, matrix)
+    return matrix
+
+
+def _rotation_matrix(given: ArrayLike) -> Any:
+    array = _arrays.numbers("R", given)
+    if array.size == 3:
+        raise ValueError(
+            f"R: expected a matrix of shape (3, 3), found {array.shape}; cv2.Rodrigues(R)[0] makes one of a rotation vector"
+        )
+    return _arrays.matrix("R", array, (3, 3))
+
+
+def _check_last_row(name: str, matrix: Any) -> None:
+    """The last row must be 0, …, 0, 1, as of matrices for columns of coordinates."""
+    import numpy as np
+
+    wanted = np.eye(len(matrix))[-1]
+    if np.abs(matrix[-1] - wanted).max() <= _RATIO:
+        return
+    help = ""
+    if np.abs(matrix[:, -1] - wanted).max() <= _RATIO:
+        help = f"; its transpose has it: {name}.T"
+    elif abs(matrix[-1, -1]) > 0.0 and np.abs(matrix[-1] / matrix[-1, -1] - wanted).max() <= _RATIO:
+        help = f"; {name} / {name}[-1, -1] has it"
+    row = ", ".join(f"{value:g}" for value in wanted)
+    raise ValueError(f"{name}: expected the last row ({row}), found {matrix[-1].tolist()}{help}")
 
 
 def _check_rotation(name: str, rotation: Any) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 from . import _arrays, _pellucid
@@ -43,7 +43,7 @@ class Cloud:
     color_space
         What floats in ``colors`` are: "linear" light, or "srgb", as open3d and PLY files have them.
     name
-        What metadata and scene files call it in place of a file.
+        What metadata and scene files call it in place of a file, not empty; "cloud" by default.
 
     Raises
     ------
@@ -51,11 +51,15 @@ class Cloud:
         A wrong shape, type or value; the message names the argument, what it is and what it should be.
     """
 
-    __slots__ = ("_native", "name", "opacity")
+    __slots__ = ("_file", "_native", "name", "opacity")
 
     _native: _pellucid.Cloud
+    # True if the name is the path of the file that it was read from.
+    _file: bool
     name: str
+    """What metadata and scene files call it in place of a file."""
     opacity: float | None
+    """One opacity for all points, from 0 to 1; None where none was given."""
 
     def __init__(
         self,
@@ -75,6 +79,8 @@ class Cloud:
     ) -> None:
         if color_space not in ("linear", "srgb"):
             raise ValueError(f"color_space: expected 'linear' or 'srgb', found {color_space!r}")
+        if name is not None and not str(name):
+            raise ValueError("name: expected a text, found an empty one; without name= it is 'cloud'")
         flat = _arrays.rows("points", points)
         count = flat.shape[0] // 3
 
@@ -94,6 +100,7 @@ class Cloud:
         }
         self.opacity = _opacity(opacity)
         self.name = "cloud" if name is None else str(name)
+        self._file = False
         self._native = _pellucid.Cloud.of_arrays(flat, given)
 
     @classmethod
@@ -103,7 +110,7 @@ class Cloud:
         Raises ReadError for a file that is missing, damaged or without points.
         """
         with listening(progress) as listener:
-            return cls._of(_pellucid.Cloud.read(os.fspath(path), listener), os.fspath(path))
+            return cls._of(_pellucid.Cloud.read(os.fspath(path), listener), os.fspath(path), file=True)
 
     @classmethod
     def from_any(cls, object: Any, **columns: Any) -> Cloud:
@@ -123,6 +130,8 @@ class Cloud:
             return cls.from_any(found, **columns)
         if found is not None:
             return cls(**{**found, **columns})
+        if isinstance(object, (list, tuple)):
+            _check_rows(object)
         if hasattr(object, "__array__") or isinstance(object, (list, tuple)):
             return cls(object, **columns)
         kind = f"{type(object).__module__}.{type(object).__qualname__}"
@@ -132,10 +141,22 @@ class Cloud:
         )
 
     @classmethod
-    def _of(cls, native: _pellucid.Cloud, name: str) -> Cloud:
+    def _of(cls, native: _pellucid.Cloud, name: str, *, file: bool) -> Cloud:
         cloud = cls.__new__(cls)
-        cloud._native, cloud.name, cloud.opacity = native, name, None
+        cloud._native, cloud.name, cloud.opacity, cloud._file = native, name, None, file
         return cloud
+
+    def __copy__(self) -> Cloud:
+        cloud = Cloud._of(self._native, self.name, file=self._file)
+        cloud.opacity = self.opacity
+        return cloud
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Cloud:
+        # Points never change.
+        return self.__copy__()
+
+    def __reduce__(self) -> str | tuple[Any, ...]:
+        raise TypeError("a Cloud can't be pickled; send its numpy arrays (points, colors, …) or its file, and make it anew there")
 
     def __len__(self) -> int:
         return len(self._native)
@@ -198,6 +219,19 @@ class Cloud:
     def z_up(self) -> bool:
         """True if +Z points up."""
         return self._native.z_up()
+
+
+def _check_rows(given: Sequence[Any]) -> None:
+    """Refuses a list of clouds, files or whole arrays; a list of rows is an array."""
+    from ._scene import Scene
+
+    for item in given:
+        if isinstance(item, (Cloud, Scene, str, os.PathLike)) or getattr(item, "ndim", 1) > 1:
+            kinds = ", ".join(sorted({type(item).__name__ for item in given}))
+            raise TypeError(
+                f"points: expected an array of shape (n, 3) or a list of clouds, found a list of {kinds}; "
+                "of several make clouds, as in [Cloud(a), Cloud(b)]"
+            )
 
 
 def _opacity(given: float | None) -> float | None:

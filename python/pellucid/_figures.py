@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure as _Figure
 from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation
 
 if TYPE_CHECKING:
-    from . import Check, Comparison, Plan, Profile, Stress, Tradeoff
+    from . import Check, CheckCase, Comparison, Plan, PlanPass, Profile, Stress, Tradeoff
 
 # Passes with a bar of their own; the others are one bar.
 _MOST_PASSES = 16
@@ -22,6 +23,12 @@ _MOST_PASSES = 16
 # Told apart by people who see no red or no green, too: Okabe and Ito's colors, then those of Tol.
 _COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#332288", "#999933", "#882255", "#777777")
 _MARKERS = "osD^vP*Xph"
+# Errors of checks below this share of their bound are drawn as if they had it.
+_LEAST_SHARE = 1e-6
+
+# Inches of a line of text in a plan, and between rows.
+_LINE, _GAP = 0.165, 0.07
+
 _GREEN, _RED, _GREY = "#009e73", "#d55e00", "#8a8a8a"
 
 
@@ -108,6 +115,8 @@ def _lists(axes: Axes, histogram: list[tuple[int, int]]) -> None:
     lengths = np.array([length for length, _ in histogram], dtype=float)
     pixels = np.array([count for _, count in histogram], dtype=float)
     edges = np.unique(np.round(np.sqrt(2.0) ** np.arange(0, 2 * math.log2(lengths.max()) + 3)))
+    # One edge beyond the longest list is enough.
+    edges = edges[: np.searchsorted(edges, lengths.max(), side="right") + 1]
     counts, edges = np.histogram(lengths, bins=edges, weights=pixels)
     axes.bar(edges[:-1], counts, width=np.diff(edges), align="edge", color=_COLORS[5], edgecolor="white", linewidth=0.5)
     axes.set_xscale("log", base=2)
@@ -154,9 +163,7 @@ def tradeoff(data: Tradeoff) -> Figure:
     axes.set_yscale("log")
     axes.set_xlabel("device time of a frame, ms")
     axes.set_ylabel("RMSE of linear color")
-    axes.xaxis.set_major_formatter(FuncFormatter(_plain))
-    axes.xaxis.set_minor_formatter(FuncFormatter(_first_digits))
-    axes.tick_params(axis="x", which="minor", labelsize=8)
+    _plain_logarithm(axes.xaxis)
     if any(row.rmse == 0 for row in data.rows):
         axes.axhline(floor, color=_GREY, linewidth=0.8, linestyle=":")
         axes.set_ylim(bottom=floor / 1.6)
@@ -168,10 +175,17 @@ def tradeoff(data: Tradeoff) -> Figure:
     return figure
 
 
-def _first_digits(value: float, _: object = None) -> str:
-    """Labels of 2 and 5 between powers of ten."""
-    digit = round(value / 10.0 ** math.floor(math.log10(value)))
-    return _plain(value) if digit in (2, 5) else ""
+def _plain_logarithm(axis: Axis) -> None:
+    """Plain numbers at powers of ten, and at 2 and 5 between them; at all ticks of an axis that has hardly a power of ten."""
+
+    def between(value: float, _: object = None) -> str:
+        low, high = axis.get_view_interval()
+        digit = round(value / 10.0 ** math.floor(math.log10(value)))
+        return _plain(value) if digit in (2, 5) or high < 10 * low else ""
+
+    axis.set_major_formatter(FuncFormatter(_plain))
+    axis.set_minor_formatter(FuncFormatter(between))
+    axis.set_tick_params(which="minor", labelsize=8)
 
 
 def stress(data: Stress) -> Figure:
@@ -199,7 +213,7 @@ def stress(data: Stress) -> Figure:
             one.set_yscale("log")
             one.grid(color="#e5e5e5", linewidth=0.6)
             one.xaxis.set_major_formatter(FuncFormatter(_plain))
-        above.yaxis.set_major_formatter(FuncFormatter(_plain))
+        _plain_logarithm(above.yaxis)
     axes[0].set_ylabel("device time of a frame, ms")
     axes[max(len(workloads), 1)].set_ylabel("RMSE of linear color")
     figure.suptitle(data.device, fontsize=10)
@@ -209,53 +223,68 @@ def stress(data: Stress) -> Figure:
 
 
 def check(data: Check) -> Figure:
-    """The error of each hard case as a share of its bound: what lies right of the line fails."""
-    cases = [case for case in data.cases if case.error is not None and case.bound is not None]
-    shares = [
-        case.error / case.bound if case.bound else math.inf if case.error else 0.0 for case in cases if case.error is not None
-    ]
-    finite = [share for share in shares if 0 < share < math.inf]
-    floor, ceiling = min(finite, default=1e-3) / 3, 10 * max([*finite, 1.0])
-    order = sorted(range(len(cases)), key=lambda at: shares[at])
-    figure, (axes,) = _axes((8, 4.8))
-    drawn = [min(max(shares[at], floor), ceiling) for at in order]
-    axes.scatter(drawn, range(len(order)), s=9, color=[_RED if cases[at].verdict == "fail" else _COLORS[0] for at in order])
+    """The error of each hard case as a share of its bound, a row for each method: what lies right of the line fails."""
+    cases = sorted((case for case in data.cases if case.verdict in ("pass", "fail")), key=_share)
+    groups = dict.fromkeys(_group(case) for case in data.cases if case in cases)
+    rows = {group: row for row, group in enumerate(groups)}
+    ceiling = 10 * max([1.0, *(share for share in map(_share, cases) if share < math.inf)])
+    drawn = [(min(max(_share(case), _LEAST_SHARE), ceiling), rows[_group(case)]) for case in cases]
+    figure, (axes,) = _axes((8, 1.8 + 0.19 * len(rows)))
+    colors = [_RED if case.verdict == "fail" else _COLORS[0] for case in cases]
+    axes.scatter([x for x, _ in drawn], [y for _, y in drawn], s=16, color=colors, alpha=0.6, linewidth=0, clip_on=False)
     axes.axvline(1, color="black", linewidth=1)
-    axes.annotate("bound", (1, 1), xycoords=("data", "axes fraction"), xytext=(3, -9), textcoords="offset points", fontsize=8)
-    for place, at in enumerate(order):
-        if cases[at].verdict == "fail":
-            axes.annotate(
-                cases[at].name,
-                (drawn[place], place),
-                xytext=(-5, 0),
-                textcoords="offset points",
-                ha="right",
-                va="center",
-                fontsize=7,
-                color=_RED,
-            )
+    axes.annotate("bound", (1, 1), xycoords=("data", "axes fraction"), xytext=(3, 2), textcoords="offset points", fontsize=8)
+    for case, at in zip(cases, drawn, strict=True):
+        if case.verdict == "fail":
+            axes.annotate(case.name, at, xytext=(6, 0), textcoords="offset points", va="center", fontsize=8, color=_RED)
     axes.set_xscale("log")
-    axes.set_xlabel("error as a share of its bound (those at the left edge are 0)")
-    axes.set_ylabel("cases, by that share")
+    axes.set_xlim(_LEAST_SHARE, 1.3 * ceiling)
+    axes.set_ylim(len(rows) - 0.4, -0.6)
+    axes.set_yticks(range(len(rows)), [f"{group} ({sum(_group(case) == group for case in cases)})" for group in groups])
+    axes.tick_params(axis="y", length=0, labelsize=8)
+    axes.grid(axis="y", color="#e5e5e5", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.set_xlabel("error as a share of its bound (at the left edge $10^{-6}$ and less, 0 as well)")
     skipped = sum(case.verdict not in ("pass", "fail") for case in data.cases)
-    axes.set_title(f"{data.passed} passed, {data.failed} failed, {skipped} not applicable\n{data.device}", fontsize=10)
+    axes.set_title(f"{data.passed} passed, {data.failed} failed, {skipped} not applicable\n{data.device}", fontsize=10, pad=14)
     return figure
+
+
+def _share(case: CheckCase) -> float:
+    """The error as a share of its bound; infinite for failures without numbers."""
+    if case.error is None or case.bound is None:
+        return math.inf if case.verdict == "fail" else 0.0
+    return case.error / case.bound if case.bound else math.inf if case.error else 0.0
+
+
+def _group(case: CheckCase) -> str:
+    return case.name.partition("/")[0]
 
 
 def comparison(data: Comparison) -> Figure:
     """Where two images differ: the largest difference of each pixel over its channels, and its place."""
     largest = np.asarray(data.difference).max(axis=2)
     height, width = largest.shape
-    figure, (axes,) = _axes((7, 1.2 + 6 * height / width))
+    wide = width >= height
+    size = (6.0, 1.1 + 5.8 * height / width) if wide else (max(1.6 + 6 * width / height, 5.4), 6.8)
+    figure, (axes,) = _axes(size)
     top = float(largest.max()) or 1.0
     drawn = axes.imshow(largest, cmap="magma", vmin=0, vmax=top, interpolation="nearest")
     if data.max_value > 0:
-        axes.plot(*data.max_at, marker="o", markersize=11, fillstyle="none", color="#56b4e9")
+        axes.plot(*data.max_at, marker="o", markersize=11, fillstyle="none", color="#56b4e9", clip_on=False)
     axes.set_xticks([])
     axes.set_yticks([])
-    figure.colorbar(drawn, ax=axes, label="largest difference of R, G, B (linear)", shrink=0.85)
+    axes.spines[:].set(visible=True, color=_GREY, linewidth=0.5)
+    # Along the longer side of the image, where its label has room: 0.1 inches off it, and as thick.
+    if wide:
+        tenth = 0.1 / (5.8 * height / width)
+        bar, orientation = axes.inset_axes((0.0, -2 * tenth, 1.0, tenth)), "horizontal"
+    else:
+        tenth = 0.1 / (6 * width / height)
+        bar, orientation = axes.inset_axes((1.0 + tenth, 0.0, tenth, 1.0)), "vertical"
+    figure.colorbar(drawn, cax=bar, orientation=orientation, label="largest difference of R, G, B (linear)")
     psnr = "∞" if math.isinf(data.psnr) else f"{data.psnr:.1f} dB"
-    axes.set_title(
+    figure.suptitle(
         f"RMSE {data.rmse:.3g}   PSNR {psnr}   SSIM {data.ssim:.4f}   FLIP {data.flip:.3g}\n"
         f"largest {data.max_value:.3g} at {data.max_at}, {data.above_1_255:.2%} of pixels above 1/255",
         fontsize=9,
@@ -264,25 +293,41 @@ def comparison(data: Comparison) -> Figure:
 
 
 def plan(data: Plan) -> Figure:
-    """The passes of a frame in their order, those that run in color, each with its reason."""
-    rows: list[tuple[str, bool, str]] = []
-    lines = 0
+    """The passes that run, in their order, each with its reason; below them the others, a row for each reason."""
+    rows = [(one.name, True, _reason(data, one)) for one in data.passes if one.on]
+    off: dict[str, list[str]] = {}
     for one in data.passes:
-        reason = textwrap.fill(one.reason, 92)
-        rows.append((one.name, one.on, reason))
-        lines += reason.count("\n") + 1
-    height = 0.7 + 0.17 * lines + 0.09 * len(rows)
+        if not one.on:
+            off.setdefault(_reason(data, one), []).append(one.name)
+    rows += [(_names(names), False, reason) for reason, names in off.items()]
+    wrapped = [(textwrap.fill(names, 46), on, textwrap.fill(reason, 92)) for names, on, reason in rows]
+    heights = [_LINE * max(names.count("\n") + 1, reason.count("\n") + 1) + _GAP for names, _, reason in wrapped]
+    title = textwrap.fill(f"{data.method}: {data.reason}", 120)
+    top = 0.35 + 0.2 * (title.count("\n") + 1)
+    height = top + sum(heights) + 0.1
     figure = Figure(figsize=(11, height))
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set_axis_off()
     axes.set_xlim(0, 11)
     axes.set_ylim(height, 0)
-    axes.text(0.2, 0.25, textwrap.shorten(f"{data.method}: {data.reason}", 150), fontsize=10, weight="bold", va="center")
-    y = 0.6
-    for name, on, reason in rows:
+    axes.text(0.2, 0.15, title, fontsize=10, weight="bold", va="top")
+    y = top
+    for (names, on, reason), rise in zip(wrapped, heights, strict=True):
         color = "black" if on else _GREY
         axes.text(0.2, y, "●" if on else "○", fontsize=8, color=_GREEN if on else _GREY, va="top")
-        axes.text(0.45, y, name, fontsize=8, family="monospace", color=color, va="top")
-        axes.text(3.6, y, reason, fontsize=8, color=color, va="top")
-        y += 0.17 * (reason.count("\n") + 1) + 0.09
+        axes.text(0.45, y, names, fontsize=8, family="monospace", color=color, va="top")
+        axes.text(3.8, y, reason, fontsize=8, color=color, va="top")
+        y += rise
     return figure
+
+
+def _reason(data: Plan, one: PlanPass) -> str:
+    """Why a pass runs or not, without the reason for the method, which the title has."""
+    return one.reason.removesuffix(f": {data.reason}").removeprefix(f"{data.reason}: ")
+
+
+def _names(names: list[str]) -> str:
+    """A few names, or the methods that many belong to and their number."""
+    if len(names) <= 3:
+        return ", ".join(names)
+    return ", ".join(dict.fromkeys(f"{name.partition('/')[0]}/…" for name in names)) + f" ({len(names)} passes)"

@@ -216,6 +216,12 @@ def _of_pandas(frame: Any) -> Any:
     missing = [name for name in "xyz" if name not in {known.lower() for known in table}]
     if missing:
         found = ", ".join(map(str, frame.columns))[:200]
+        texts = [str(name) for name in frame.columns if str(name).lower() in missing]
+        if len(texts) == len(missing):
+            names = ", ".join(map(repr, texts))
+            raise ValueError(
+                f"points: {what} has no numbers in {names}; if they are texts of numbers: frame.astype({{{texts[0]!r}: float, …}})"
+            )
         raise ValueError(
             f"points: {what} has no column of numbers {missing[0]!r}, only [{found}]; "
             "rename some, as in frame.rename(columns={'X': 'x', 'Y': 'y', 'Z': 'z'})"

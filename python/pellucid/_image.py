@@ -6,22 +6,25 @@ import json
 import os
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
+
 from . import _pellucid
 from ._camera import Camera
 from ._types import Path
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     from ._measures import Profile
 
 
-class Image:
+class Image(NDArrayOperatorsMixin):
     """A rendered picture: linear light, row 0 at the top.
 
-    ``numpy.asarray(image)`` is its `rgba`. Its arrays are read-only views without a copy; ``numpy.array(image)`` is a copy to
-    write to. In a notebook it shows itself.
+    It stands for its `rgba` wherever numpy takes an array: ``numpy.asarray(image)``, ``image * 2``, ``a - b``, ``a == b``,
+    ``image[y, x]``, ``len(image)``. What comes of it is a plain array. Its own arrays are read-only views without a copy;
+    ``numpy.array(image)`` is a copy to write to. In a notebook it shows itself.
     """
 
     __slots__ = ("_native", "_parts", "_profile", "_shape")
@@ -50,14 +53,52 @@ class Image:
         return None if part is None else part.reshape(*self._shape, *channels)
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
-        import numpy as np
-
         rgba = self.rgba
         if dtype is not None and np.dtype(dtype) != rgba.dtype:
             if copy is False:
                 raise ValueError(f"copy: expected True or None for {np.dtype(dtype)}, found False: pictures are float32")
             return rgba.astype(dtype)
         return rgba.copy() if copy else rgba
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **settings: Any) -> Any:
+        if any(isinstance(out, Image) for out in settings.get("out", ())):
+            raise TypeError(
+                f"out: expected an array to write to, found an Image ({ufunc.__name__}): images are read-only, and "
+                "numpy.array(image) is a copy to write to"
+            )
+        arrays = [one.rgba if isinstance(one, Image) else one for one in inputs]
+        return getattr(ufunc, method)(*arrays, **settings)
+
+    def __getitem__(self, place: Any) -> Any:
+        return self.rgba[place]
+
+    def __len__(self) -> int:
+        return self._shape[0]
+
+    # The mixin's == is that of arrays, and takes this away.
+    __hash__ = object.__hash__
+
+    def __copy__(self) -> Image:
+        # Nothing of it can be changed.
+        return self
+
+    def __deepcopy__(self, known: Any) -> Image:
+        return self
+
+    def __reduce__(self) -> Any:
+        raise TypeError(
+            "an Image can't be pickled: it holds more than arrays; numpy.asarray(image) can be, and image.save writes a file"
+        )
+
+    @property
+    def dtype(self) -> np.dtype[np.float32]:
+        """The type of its numbers: float32."""
+        return np.dtype(np.float32)
+
+    @property
+    def ndim(self) -> int:
+        """Number of axes: 3."""
+        return 3
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -170,7 +211,10 @@ class Image:
         """Writes a PNG (8-bit sRGB) or an EXR (float32 R, G, B, A, Z and what was asked for), by the extension.
 
         A PNG is over the background, or with ``transparent=True`` has straight alpha. The file appears whole or not at all.
-        A PNG that has the very bytes of the command line's is one of a picture with ``accuracy="8-bit"``.
+
+        An EXR has the very bytes of the command line's. So has a PNG over the background of a picture with
+        ``accuracy="8-bit"``. A PNG with straight alpha has them but for single values that differ by 1 of 255: for such a file
+        the command line blends on for longer, since colors are divided by A. It is most accurate with ``accuracy="exact"``.
 
         Raises OSError for another extension, a missing folder, and errors of the system.
         """

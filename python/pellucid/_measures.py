@@ -44,27 +44,28 @@ class _Shown:
 class Pass:
     """A pass of a frame, with all its dispatches together."""
 
-    #: Method and stage, as in ``abuffer/store``.
     name: str
-    #: Time on the device, milliseconds.
+    """Method and stage, as in ``abuffer/store``."""
     gpu_ms: float
-    #: Shader invocations, where they are counted.
+    """Time on the device, milliseconds."""
     invocations: int | None
-    #: Bytes that it must read and write at least, where that is known.
+    """Shader invocations, where they are counted."""
     bytes: int | None
+    """Bytes that it must read and write at least, where that is known."""
 
 
 @dataclass(frozen=True)
 class FrameCost:
     """What a frame cost."""
 
-    #: Time on the device of all passes, milliseconds.
     gpu_ms: float
-    #: From the first submission to the picture in memory, milliseconds.
+    """Time on the device of all passes, milliseconds."""
     wall_ms: float
-    #: Submissions that the host waited for.
+    """From the first submission to the picture in memory, milliseconds."""
     waits: int
+    """Submissions that the host waited for."""
     passes: tuple[Pass, ...]
+    """The passes, in the order of the frame."""
 
     @classmethod
     def _of(cls, json: dict[str, Any]) -> FrameCost:
@@ -77,20 +78,27 @@ class Profile(_Shown):
     """What frames cost, pass by pass."""
 
     device: str
+    """The device's name."""
     driver: str
-    #: Points of the scene, and pixels of the picture.
+    """The driver's name and version."""
     points: int
+    """Points of the scene."""
     pixels: int
-    #: Fragments of all pixels, and of the pixel with most of them; 0 of methods that count none.
+    """Pixels of the picture."""
     fragments: int
+    """Fragments of all pixels; 0 of methods that count none."""
     max_list: int
-    #: Length of a list, and pixels with lists of that length.
+    """Fragments of the pixel with most of them; 0 of methods that count none."""
     list_histogram: tuple[tuple[int, int], ...]
-    #: Largest number of device bytes at any time, points and picture included.
+    """Length of a list, and pixels with lists of that length."""
     peak_device_bytes: int
+    """Largest number of device bytes at any time, points and picture included."""
     fragment_bytes: int
+    """Device bytes of the fragments that are stored at a time."""
     frames: tuple[FrameCost, ...]
-    json: dict[str, Any] = field(repr=False)
+    """Each frame that was measured."""
+    json: dict[str, Any] = field(repr=False, compare=False)
+    """What ``pellucid profile --json`` prints."""
 
     @classmethod
     def _of(cls, json: dict[str, Any]) -> Profile:
@@ -137,21 +145,25 @@ class TradeoffRow:
     """A method with a setting."""
 
     method: str
-    #: As options of the command line would give it; empty for the defaults.
+    """Name of the method."""
     setting: str
-    #: Median time on the device, milliseconds.
+    """As options of the command line would give it; empty for the defaults."""
     gpu_ms: float
-    #: Against the reference, on linear R, G, B over the background.
+    """Median time on the device, milliseconds."""
     rmse: float
+    """Root mean square error against the reference, on linear R, G, B over the background."""
     flip: float
-    #: Share of pixels with a channel off by more than 1/255.
+    """Mean FLIP error against the reference, from 0 to 1."""
     above_1_255: float
+    """Share of pixels with a channel off by more than 1/255."""
     peak_device_bytes: int
+    """Largest number of device bytes at any time, points and picture included."""
     fragment_bytes: int
-    #: Frames behind the median.
+    """Device bytes of the fragments that are stored at a time."""
     frames: int
-    #: True on the Pareto front of time and RMSE.
+    """Frames behind the median."""
     front: bool
+    """True on the Pareto front of time and RMSE."""
 
 
 @dataclass(frozen=True)
@@ -159,14 +171,21 @@ class Tradeoff(_Shown):
     """Accuracy against time of the methods that draw a scene."""
 
     scene: str
+    """Name of the scene."""
     device: str
+    """The device's name."""
     driver: str
+    """The driver's name and version."""
     size: Size
+    """Columns and rows of the picture."""
     points: int
+    """Points of the scene."""
     rows: tuple[TradeoffRow, ...]
-    #: Method, setting and reason of what was not measured.
+    """Each method and setting that was measured."""
     skipped: tuple[tuple[str, str, str], ...]
-    json: dict[str, Any] = field(repr=False)
+    """Method, setting and reason of what was not measured."""
+    json: dict[str, Any] = field(repr=False, compare=False)
+    """What ``pellucid tradeoff`` writes to tradeoff.json."""
 
     @classmethod
     def _of(cls, json: dict[str, Any]) -> Tradeoff:
@@ -205,19 +224,24 @@ class Tradeoff(_Shown):
 class StressCell:
     """A method on a scene in which every pixel has so many layers."""
 
-    #: "stack" (a disc over the image for each layer) or "mosaic" (discs of 3 × 3 pixels).
     workload: str
-    #: Columns, and rows.
+    """Either "stack" (a disc over the image for each layer) or "mosaic" (discs of 3 × 3 pixels)."""
     side: int
+    """Columns, and rows, of the picture."""
     layers: int
+    """Layers of each pixel."""
     fragments: int
+    """Fragments of all pixels."""
     method: str
-    #: Median time on the device, milliseconds.
+    """Name of the method."""
     gpu_ms: float
+    """Median time on the device, milliseconds."""
     peak_device_bytes: int
-    #: Against the reference in float64.
+    """Largest number of device bytes at any time, points and picture included."""
     max_error: float
+    """Largest error of any channel against the reference in float64."""
     rmse: float
+    """Root mean square error against the reference in float64."""
 
 
 @dataclass(frozen=True)
@@ -225,11 +249,15 @@ class Stress(_Shown):
     """Time, memory and error over layers and pixels."""
 
     device: str
+    """The device's name."""
     driver: str
+    """The driver's name and version."""
     cells: tuple[StressCell, ...]
-    #: Workload, side, layers, method and reason of what was not measured.
+    """Each combination that was measured."""
     skipped: tuple[tuple[str, int, int, str, str], ...]
-    json: dict[str, Any] = field(repr=False)
+    """Workload, side, layers, method and reason of what was not measured."""
+    json: dict[str, Any] = field(repr=False, compare=False)
+    """What ``pellucid stress`` writes to stress.json."""
 
     @classmethod
     def _of(cls, json: dict[str, Any]) -> Stress:
@@ -260,13 +288,17 @@ class CheckCase:
     """A hard case with a known answer."""
 
     name: str
+    """Method or topic, and the case, as in ``abuffer/faint-layers``."""
     about: str
-    #: "pass", "fail" or "not applicable".
+    """What is hard about it."""
     verdict: str
+    """One of "pass", "fail" or "not applicable"."""
     error: float | None
+    """Its error, in the unit of the bound; None where it has none."""
     bound: float | None
-    #: Of cases that did not run, or failed without an error.
+    """The largest error with which it passes."""
     reason: str | None
+    """Of cases that did not run, or failed without an error."""
 
 
 @dataclass(frozen=True)
@@ -274,11 +306,17 @@ class Check(_Shown):
     """The hard cases on a device; true if some passed and none failed."""
 
     device: str
+    """The device's name."""
     driver: str
+    """The driver's name and version."""
     passed: int
+    """Number of cases that passed."""
     failed: int
+    """Number of cases that failed."""
     cases: tuple[CheckCase, ...]
-    json: dict[str, Any] = field(repr=False)
+    """Each case, in the order in which they ran."""
+    json: dict[str, Any] = field(repr=False, compare=False)
+    """What ``pellucid check --json`` prints."""
 
     @classmethod
     def _of(cls, json: dict[str, Any]) -> Check:
@@ -305,20 +343,23 @@ class Comparison(_Shown):
     """How far a picture is off another one, on linear R, G, B of all pixels."""
 
     rmse: float
-    #: Decibels; infinite for equal pictures.
+    """Root mean square error; 0 for equal pictures."""
     psnr: float
-    #: From -1 to 1; 1 for equal pictures.
+    """Decibels; infinite for equal pictures."""
     ssim: float
-    #: From 0 to 1; 0 for equal pictures.
+    """From -1 to 1; 1 for equal pictures."""
     flip: float
-    #: The largest difference in any channel, and its column and row.
+    """From 0 to 1; 0 for equal pictures."""
     max_value: float
+    """The largest difference in any channel."""
     max_at: tuple[int, int]
-    #: Share of pixels with a channel off by more than 1/255.
+    """Its column and row."""
     above_1_255: float
-    #: Absolute differences, shape (h, w, 3).
+    """Share of pixels with a channel off by more than 1/255."""
     difference: NDArray[np.float32] = field(repr=False)
-    json: dict[str, Any] = field(repr=False)
+    """Absolute differences, shape (h, w, 3)."""
+    json: dict[str, Any] = field(repr=False, compare=False)
+    """What ``pellucid compare --json`` prints."""
 
     @classmethod
     def _of(cls, json: dict[str, Any], difference: NDArray[np.float32]) -> Comparison:
@@ -338,8 +379,11 @@ class PlanPass:
     """A pass, if it runs, and the fact about the scene that decided it."""
 
     name: str
+    """Name of the pass."""
     on: bool
+    """True if it runs."""
     reason: str
+    """The fact that decided it."""
 
 
 @dataclass(frozen=True)
@@ -347,10 +391,13 @@ class Plan(_Shown):
     """The passes of a frame, each on or off."""
 
     method: str
-    #: Why this method.
+    """Name of the method."""
     reason: str
+    """Why this method."""
     passes: tuple[PlanPass, ...]
-    json: list[dict[str, Any]] = field(repr=False)
+    """Each pass, in the order of a frame."""
+    json: list[dict[str, Any]] = field(repr=False, compare=False)
+    """What ``pellucid plan --json`` prints."""
 
     @classmethod
     def _of(cls, method: str, reason: str, json: list[dict[str, Any]]) -> Plan:
@@ -366,11 +413,14 @@ class Device:
     """A Vulkan device of this machine."""
 
     index: int
+    """Its index, which ``device=`` takes."""
     name: str
+    """Its name; a part of it is what ``device=`` takes as well."""
     driver: str
-    #: Features that are missing; empty if it can be used.
+    """The driver's name and version."""
     lacks: tuple[str, ...]
-    #: Methods that it can't run, since its subgroups have another size.
+    """Features that are missing; empty if it can be used."""
     without: tuple[str, ...]
-    #: True of the one that would be taken.
+    """Methods that it can't run, since its subgroups have another size."""
     taken: bool
+    """True of the one that would be taken."""

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-import functools
+import json
 import math
 import threading
 import time
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import Camera, Image, Loaded, Renderer, _drafts
-
-if TYPE_CHECKING:
-    from ._types import Accuracy
+from . import Camera, Error, Image, Loaded, Renderer, _drafts
+from ._progress import maker_of
+from ._types import Progress
 
 # Seconds without a request after which things are at rest.
 _REST_S = 0.15
@@ -26,6 +27,14 @@ _FEW_POINTS = 50_000
 
 # Milliseconds of the first picture at rest; each one after it may take four times as long.
 _FIRST_MS = 250.0
+
+# Arguments by which the first frame finds an opacity, a method and its settings; each frame would do so anew.
+_SEARCHES = ("see_through", "max_error", "budget_ms")
+
+# Seconds that Ctrl-C waits for the thread to end, which it may do later, too.
+_PATIENCE_S = 0.1
+
+_CLOSED = "the window is closed"
 
 
 @dataclass(frozen=True)
@@ -49,6 +58,9 @@ class Begin:
     image: Image
     # Settings of the method that are in force.
     settings: dict[str, Any]
+    # What was found by the searches that were asked for: a factor on all opacities, and settings by their dotted keys.
+    factor: float
+    found: dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -67,7 +79,7 @@ class Picture:
 
 
 class OutdatedError(Exception):
-    """A picture at rest was stopped, since another one is wanted."""
+    """Work was stopped, since another picture is wanted, or none any more."""
 
 
 class Painter:
@@ -79,11 +91,13 @@ class Painter:
         What `pellucid.render` takes.
     arguments
         Arguments of `Renderer.load`.
+    frame
+        Arguments of `Loaded.frame` for whole pictures.
     device
         As of `Renderer`.
     size
         Columns and rows of the first picture; `None` for the scene's, made smaller until it fits `most`.
-    budget_ms
+    frame_ms
         Milliseconds that a picture may take while requests come.
     deliver
         Is called with each picture, or with the error that came in place of one, in the painter's thread.
@@ -92,40 +106,47 @@ class Painter:
     ------
     Error
         Whatever `Renderer` and `Renderer.load` refuse.
+    KeyboardInterrupt
+        Ctrl-C while points are loaded, which ends the thread.
     """
+
+    begin: Begin
 
     def __init__(
         self,
         points: Any,
-        arguments: dict[str, Any],
+        arguments: Mapping[str, Any],
         *,
         device: str | int | None,
+        frame: Mapping[str, Any] | None = None,
         size: tuple[int, int] | None = None,
         most: tuple[int, int] = (720, 540),
-        budget_ms: float,
+        frame_ms: float,
         deliver: Callable[[Picture | Exception], None],
     ) -> None:
-        self._budget_ms = budget_ms
+        self._frame_ms = frame_ms
+        self._whole_as = {"accuracy": "exact", **(frame or {})}
         self._deliver = deliver
         self._changed = threading.Condition()
         self._wanted: Request | None = None
-        self._task: Callable[[Loaded], None] | None = None
+        # Whole pictures that somebody waits for.
+        self._tasks: deque[tuple[Request, Future[Image]]] = deque()
         self._closed = False
+        self._why_closed = _CLOSED
         self._costs = _drafts.Costs()
         self._costs_of: tuple[str | None, int | None, tuple[int, int]] | None = None
         self._thins = False
         self._whole_ms = math.inf
-        begun: list[Begin | BaseException] = []
-        ready = threading.Event()
-        begin = functools.partial(_begin, arguments=arguments, size=size, most=most)
+        begun: Future[None] = Future()
         self._thread = threading.Thread(
-            target=self._run, args=(points, arguments, device, begin, begun, ready), name="pellucid view", daemon=True
+            target=self._run, args=(points, dict(arguments), device, size, most, begun), name="pellucid view", daemon=True
         )
-        self._thread.start()
-        ready.wait()
-        if isinstance(begun[0], BaseException):
-            raise begun[0]
-        self.begin = begun[0]
+        try:
+            self._thread.start()
+            begun.result()
+        except BaseException:
+            self.close(_PATIENCE_S)
+            raise
 
     def ask(self, request: Request) -> None:
         """Wants a picture; one that was wanted before and isn't made yet will not be."""
@@ -135,70 +156,75 @@ class Painter:
 
     def whole(self, request: Request) -> Image:
         """The picture that leaves nothing out. Raises Error if the painter is closed, or the frame fails."""
-        from . import Error
-
-        found: list[Any] = []
-        done = threading.Event()
-
-        def task(loaded: Loaded) -> None:
-            try:
-                found.append(_frame(loaded, request, _drafts.whole(request.samples), accuracy="exact"))
-            except Exception as error:
-                found.append(error)
-            done.set()
-
+        made: Future[Image] = Future()
         with self._changed:
             if self._closed:
-                raise Error("the window is closed")
-            self._task = task
+                raise Error(self._why_closed)
+            self._tasks.append((request, made))
             self._changed.notify()
-        done.wait()
-        if isinstance(found[0], BaseException):
-            raise found[0]
-        image: Image = found[0]
-        return image
+        try:
+            return made.result()
+        except KeyboardInterrupt:
+            # Not begun, it need not be made any more.
+            made.cancel()
+            raise
 
-    def close(self) -> None:
-        """Ends the thread and gives the device's memory back."""
+    def close(self, patience_s: float | None = None) -> None:
+        """Ends the thread, which gives the device's memory back. Waits for that, at most so many seconds."""
         with self._changed:
             self._closed = True
             self._changed.notify()
-        if self._thread is not threading.current_thread():
-            self._thread.join()
+        if self._thread.is_alive() and self._thread is not threading.current_thread():
+            self._thread.join(patience_s)
 
     def _run(
         self,
         points: Any,
         arguments: dict[str, Any],
         device: str | int | None,
-        begin: Callable[[Loaded], Begin],
-        begun: list[Begin | BaseException],
-        ready: threading.Event,
+        size: tuple[int, int] | None,
+        most: tuple[int, int],
+        begun: Future[None],
     ) -> None:
         try:
-            with Renderer(device) as renderer, renderer.load(points, **arguments) as scene:
+            searches = {name: arguments.pop(name) for name in _SEARCHES if name in arguments}
+            progress = self._stopper(lambda: self._closed, arguments.pop("progress", None))
+            with Renderer(device) as renderer, renderer.load(points, **arguments, progress=progress) as scene:
                 self._thins = _may_thin(scene)
-                begun.append(begin(scene))
-                ready.set()
+                size = size or _fitting(scene.size, most)
+                image = scene.frame(size=size, accuracy="8-bit", progress=progress, **searches)
+                self.begin = _begin(scene, image, arguments.get("camera"))
+                begun.set_result(None)
                 self._paint(scene)
         except BaseException as error:
-            if ready.is_set():
-                self._deliver(error if isinstance(error, Exception) else RuntimeError(str(error)))
-            else:
-                begun.append(error)
-                ready.set()
+            self._why_closed = f"the window was closed by an error: {error}"
+            if not begun.done():
+                begun.set_exception(error)
+            elif isinstance(error, Exception):
+                self._deliver(error)
+        finally:
+            self._fail_tasks()
+
+    def _fail_tasks(self) -> None:
+        """Lets nobody wait for pictures that nobody will make."""
+        with self._changed:
+            self._closed = True
+            tasks, self._tasks = self._tasks, deque()
+        for _, made in tasks:
+            if made.set_running_or_notify_cancel():
+                made.set_exception(Error(self._why_closed))
 
     def _paint(self, scene: Loaded) -> None:
         """Makes pictures until the end."""
         while True:
             with self._changed:
-                self._changed.wait_for(lambda: self._wanted is not None or self._task is not None or self._closed)
+                self._changed.wait_for(self._is_outdated)
                 if self._closed:
                     return
+                task = self._tasks.popleft() if self._tasks else None
                 request, self._wanted = self._wanted, None
-                task, self._task = self._task, None
             if task is not None:
-                task(scene)
+                self._fulfil(scene, *task)
             if request is not None:
                 try:
                     self._follow(scene, request)
@@ -207,12 +233,25 @@ class Painter:
                 except Exception as error:
                     self._deliver(error)
 
+    def _fulfil(self, scene: Loaded, request: Request, made: Future[Image]) -> None:
+        """Makes the whole picture that somebody waits for, unless the window is closed meanwhile."""
+        if not made.set_running_or_notify_cancel():
+            return
+        try:
+            draft = _drafts.whole(request.samples)
+            progress = self._stopper(lambda: self._closed)
+            made.set_result(self._frame(scene, request, draft, progress=progress, **self._whole_as))
+        except OutdatedError:
+            made.set_exception(Error(_CLOSED))
+        except BaseException as error:
+            made.set_exception(error)
+
     def _follow(self, scene: Loaded, request: Request) -> None:
         """A draft of a request, then, while no other one comes, finer pictures until nothing is left out."""
         kind = (request.method, request.samples, request.size)
         if kind != self._costs_of:
             self._costs, self._costs_of = _drafts.Costs(), kind
-        draft = _drafts.moving(self._costs, self._budget_ms, request.samples, thins=self._thins)
+        draft = _drafts.moving(self._costs, self._frame_ms, request.samples, thins=self._thins)
         whole = _drafts.whole(request.samples)
         self._make(scene, request, draft)
         budget_ms = _FIRST_MS
@@ -226,7 +265,7 @@ class Painter:
                 self._make(scene, request, draft, stoppable=True)
 
     def _is_outdated(self) -> bool:
-        return self._wanted is not None or self._task is not None or self._closed
+        return self._wanted is not None or bool(self._tasks) or self._closed
 
     def _make(self, scene: Loaded, request: Request, draft: _drafts.Draft, *, stoppable: bool = False) -> None:
         # Waits until a frame that was stopped has ended, which counts for no other.
@@ -234,7 +273,8 @@ class Painter:
         start = time.perf_counter()
         thins = self._thins and not (request.method or "").startswith("spbr")
         points = draft.points(count) if thins else None
-        image = _frame(scene, request, draft, points=points, progress=self._stopper if stoppable else None)
+        progress = self._stopper(self._is_outdated) if stoppable else None
+        image = self._frame(scene, request, draft, points=points, progress=progress)
         pixels = image.to_srgb()
         ms = 1e3 * (time.perf_counter() - start)
         whole = draft == _drafts.whole(request.samples)
@@ -246,39 +286,84 @@ class Painter:
         self._costs.add(ms, draft.work(request.samples))
         self._deliver(Picture(pixels, draft, whole, ms, image.method, image.stderr))
 
-    def _stopper(self, *_: Any, **__: Any) -> _Stopper:
-        return _Stopper(self._is_outdated)
+    def _frame(
+        self,
+        scene: Loaded,
+        request: Request,
+        draft: _drafts.Draft,
+        *,
+        points: int | None = None,
+        **others: Any,
+    ) -> Image:
+        """A frame, with what was found for the first one."""
+        settings = {**self.begin.found, **request.settings}
+        if points is not None:
+            settings["detail"] = {"max_points": points}
+        if draft.samples is not None:
+            settings["samples"] = draft.samples
+        # Standard errors come with the count of fragments.
+        as_asked = {"accuracy": "8-bit", **others, "fragments": draft.samples is not None or others.get("fragments", False)}
+        return scene.frame(
+            camera=request.camera,
+            size=draft.size(request.size),
+            method=request.method,
+            opacity_factor=self.begin.factor * request.opacity_factor,
+            **as_asked,
+            **settings,
+        )
+
+    def _stopper(self, is_outdated: Callable[[], bool], progress: Progress = None) -> Callable[..., _Stopper]:
+        make = maker_of(progress)
+        return lambda **given: _Stopper(is_outdated, None if make is None else make(**given))
 
 
 class _Stopper:
-    """Takes the place of a bar of progress, and stops the frame once another picture is wanted."""
+    """Stands in front of a bar of progress, if there is one, and stops work once it is outdated."""
 
-    def __init__(self, is_outdated: Callable[[], bool]) -> None:
+    def __init__(self, is_outdated: Callable[[], bool], bar: Any = None) -> None:
         self._is_outdated = is_outdated
-        self.n = 0
+        self._bar = bar
         self.total: int | None = None
 
     def update(self, count: float = 1) -> None:
         if self._is_outdated():
             raise OutdatedError
-
-    refresh = set_description = set_postfix = lambda self, *_, **__: None
+        if self._bar is not None:
+            self._bar.total = self.total
+            self._bar.update(count)
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Ends the bar."""
+        if self._bar is not None:
+            self._bar.close()
 
 
-def _begin(scene: Loaded, *, arguments: dict[str, Any], size: tuple[int, int] | None, most: tuple[int, int]) -> Begin:
-    """Renders the scene as it is, which decides the method."""
-    image = scene.frame(size=size or _fitting(scene.size, most), accuracy="8-bit")
-    camera = arguments.get("camera")
+def _begin(scene: Loaded, image: Image, camera: Any) -> Begin:
+    """What follows from the first picture of a scene, which decided the method; `camera` is the one that was asked for."""
     if not isinstance(camera, Camera) or None in (camera.eye, camera.target, camera.up):
         # Near and far that were found for one view would cut others.
         vertical = scene.scene.get("camera.up") or _nearest_axis(image.camera)
         camera = replace(image.camera, up=vertical, near=None, far=None)
-    settings = {name: scene.scene.get(f"method.{name}") for name in ("samples", "threshold")}
-    request = Request(camera=camera, size=image.size, method=image.method)
-    return Begin(request, image, {name: value for name, value in settings.items() if value is not None})
+    found = _chosen(image)
+    settings = {name: found.get(f"method.{name}", scene.scene.get(f"method.{name}")) for name in ("samples", "threshold")}
+    settings = {name: value for name, value in settings.items() if value is not None}
+    factor = json.loads(image.metadata.get("pellucid:see-through", "{}")).get("factor", 1.0)
+    return Begin(Request(camera=camera, size=image.size, method=image.method), image, settings, factor, found)
+
+
+def _chosen(image: Image) -> dict[str, Any]:
+    """Settings by their dotted keys that `max_error` or `budget_ms` chose for a picture."""
+    choice = json.loads(image.metadata.get("pellucid:choice", "{}"))
+    pairs = (pair.partition("=") for pair in choice.get("setting", "").split())
+    return {key: _value(text) for key, _, text in pairs}
+
+
+def _value(text: str) -> Any:
+    """A value as an option of the command line has it: a number or a bool, else a text."""
+    try:
+        return json.loads(text)
+    except ValueError:
+        return text
 
 
 def _may_thin(scene: Loaded) -> bool:
@@ -301,30 +386,3 @@ def _nearest_axis(camera: Camera) -> tuple[float, float, float]:
     axis[np.abs(up).argmax()] = np.sign(up[np.abs(up).argmax()])
     x, y, z = axis.tolist()
     return x, y, z
-
-
-def _frame(
-    scene: Loaded,
-    request: Request,
-    draft: _drafts.Draft,
-    *,
-    points: int | None = None,
-    accuracy: Accuracy = "8-bit",
-    progress: Any = None,
-) -> Image:
-    settings = dict(request.settings)
-    if points is not None:
-        settings["detail"] = {"max_points": points}
-    if draft.samples is not None:
-        settings["samples"] = draft.samples
-    return scene.frame(
-        camera=request.camera,
-        size=draft.size(request.size),
-        method=request.method,
-        opacity_factor=request.opacity_factor,
-        # Which is what standard errors come with.
-        fragments=draft.samples is not None,
-        accuracy=accuracy,
-        progress=progress,
-        **settings,
-    )

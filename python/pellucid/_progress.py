@@ -19,18 +19,26 @@ class _Bars:
         self.bar: Any = None
         self.stage: str | None = None
         self.done = 0
+        self.total: int | None = None
 
     def __call__(self, stage: str, done: int, total: int | None) -> None:
         if self.bar is None or stage != self.stage or done < self.done:
-            self.close()
+            self.finish()
             self.bar = self.make(total=total, desc=stage)
-            self.stage, self.done = stage, 0
+            self.stage, self.done, self.total = stage, 0, None
         if total is not None:
-            self.bar.total = total
+            self.bar.total = self.total = total
         self.bar.update(done - self.done)
         self.done = done
 
+    def finish(self) -> None:
+        """Ends the bar of a stage that is done: full, since the last step may not have been told."""
+        if self.bar is not None and self.total is not None and self.done < self.total:
+            self.bar.update(self.total - self.done)
+        self.close()
+
     def close(self) -> None:
+        """Ends the bar where it is, as of work that failed."""
         if self.bar is not None:
             self.bar.close()
             self.bar = None
@@ -38,13 +46,26 @@ class _Bars:
 
 @contextmanager
 def listening(progress: Progress) -> Iterator[Listener | None]:
-    """A callable for native code that shows how far work is, or None.
+    """A callable for native code that shows how far work is, or None. Raises what `maker_of` raises."""
+    make = maker_of(progress)
+    if make is None:
+        yield None
+        return
+    bars = _Bars(make)
+    try:
+        yield bars
+        bars.finish()
+    finally:
+        bars.close()
+
+
+def maker_of(progress: Progress) -> Callable[..., Any] | None:
+    """What makes bars, or None.
 
     Raises TypeError for a ``progress`` that is neither a bool, None nor callable, and ImportError without tqdm.
     """
     if progress is None or progress is False:
-        yield None
-        return
+        return None
     if progress is True:
         try:
             from tqdm.auto import tqdm
@@ -52,14 +73,9 @@ def listening(progress: Progress) -> Iterator[Listener | None]:
             raise ImportError(
                 "progress=True needs tqdm (pip install tqdm); any callable with total= and desc= will do as well"
             ) from error
-        make: Callable[..., Any] = tqdm
-    elif callable(progress):
-        make = progress
-    else:
-        kind = type(progress).__name__
-        raise TypeError(f"progress: expected True, False, None or what makes a bar, as tqdm.tqdm, found {kind}")
-    bars = _Bars(make)
-    try:
-        yield bars
-    finally:
-        bars.close()
+        made: Callable[..., Any] = tqdm
+        return made
+    if callable(progress):
+        return progress
+    kind = type(progress).__name__
+    raise TypeError(f"progress: expected True, False, None or what makes a bar, as tqdm.tqdm, found {kind}")

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
+import operator
 import os
+import re
 import threading
 from collections.abc import Mapping
 from types import TracebackType
@@ -12,16 +15,17 @@ from typing import TYPE_CHECKING, Any
 from . import _pellucid
 from ._camera import Camera
 from ._cloud import Cloud
-from ._image import Image
+from ._errors import DeviceError
 from ._progress import listening
 from ._scene import Scene
-from ._settings import Asked, ask, asked
+from ._settings import Asked, ask, asked, one_view
 from ._types import Accuracy, Progress, Setting, Size
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from ._image import Image
     from ._measures import Profile
 
 # Arguments that are columns of a cloud and no settings.
@@ -58,9 +62,8 @@ class Renderer:
     _native: _pellucid.Device
 
     def __init__(self, device: str | int | None = None) -> None:
-        if device is not None and (isinstance(device, bool) or not isinstance(device, (str, int))):
-            raise TypeError(f"device: expected an index or a part of a name, found {type(device).__name__}")
-        self._native = _pellucid.Device(None if device is None else str(device))
+        asked = _device(device)
+        self._native = _pellucid.Device(None if asked is None else str(asked))
 
     @property
     def name(self) -> str:
@@ -112,7 +115,7 @@ class Loaded:
     def frame(
         self,
         *,
-        camera: Camera | None = None,
+        camera: Camera | Mapping[str, Any] | None = None,
         size: Size | None = None,
         method: str | None = None,
         fragments: bool = False,
@@ -128,9 +131,11 @@ class Loaded:
 
         Settings of the method, the image, the shading, the camera and the detail are live; those that change points (of
         clouds and clips, and methods that want other points) arrange and upload them again. The factors, at least 0, multiply
-        the radii and opacities of all points at no cost. ``seed`` is that of stochastic methods. The others are those of
-        `render`.
+        the radii and opacities of all points at no cost; with ``see_through`` the opacity that it finds is multiplied.
+        ``seed`` is that of stochastic methods. The others are those of `render`.
         """
+        from ._image import Image
+
         request = self._ask(
             settings,
             camera=camera,
@@ -151,7 +156,7 @@ class Loaded:
         self,
         *,
         frames: int = 5,
-        camera: Camera | None = None,
+        camera: Camera | Mapping[str, Any] | None = None,
         size: Size | None = None,
         method: str | None = None,
         accuracy: Accuracy = "exact",
@@ -171,12 +176,17 @@ class Loaded:
         self,
         settings: Mapping[str, Any],
         *,
-        camera: Camera | None = None,
+        camera: Camera | Mapping[str, Any] | None = None,
+        size: Size | None = None,
         method: str | None = None,
         seed: int | None = None,
         **others: Any,
     ) -> dict[str, Any]:
-        found = asked({"method": method, **settings})
+        for name in settings:
+            if name in COLUMNS:
+                raise TypeError(f"{name}: expected at Renderer.load, which takes columns of points; a frame draws what was loaded")
+        camera, table = _camera(camera)
+        found = asked({"method": method, **with_bytes(settings), "camera": table, "size": size})
         if found.direction:
             names = ", ".join(found.direction)
             raise TypeError(f"{names}: expected at Renderer.load, which frames the scene; here camera= looks from elsewhere")
@@ -247,18 +257,16 @@ def _load(
     seed: int | None = None,
     progress: Progress = None,
     with_radii: bool = False,
-    **others: Any,
 ) -> Loaded:
     """Brings a scene to a device. What was found beside its keys is in force for its frames, too."""
     loaded = Loaded.__new__(Loaded)
     loaded._scene, loaded._limits, loaded._seed = scene, found.limits, scene.seed if seed is None else seed
     if found.direction:
         scene._direct(found.direction)
-    request = ask(Asked([], [], {}, found.limits), camera_changes=None, seed=loaded._seed, **others)
+    request = ask(Asked([], {}, found.limits), camera_changes=None, seed=loaded._seed)
     scene._native.seed = request["seed"]
     if camera is not None:
-        scene._native.change(["camera"], camera._changes())
-        scene._direct({})
+        scene._look(camera)
     with listening(progress) as listener:
         loaded._native = _pellucid.Loaded(renderer._native, scene._native, request, with_radii, listener)
     return loaded
@@ -266,20 +274,14 @@ def _load(
 
 def prepared(points: Any, arguments: Mapping[str, Any]) -> tuple[Scene, Asked, Camera | None]:
     """The scene that arguments of `render` describe, those that are no keys, and the camera."""
-    settings = {name: value for name, value in arguments.items() if value is not None and name not in COLUMNS}
+    settings = {name: value for name, value in arguments.items() if name not in COLUMNS}
     columns = {name: value for name, value in arguments.items() if value is not None and name in COLUMNS}
-    camera = settings.pop("camera", None)
-    if isinstance(camera, Mapping):
-        settings["camera"] = camera
-        camera = None
-    elif camera is not None and not isinstance(camera, Camera):
-        raise TypeError(f"camera: expected a Camera or a dict of keys of [camera], found {type(camera).__name__}")
-    size = settings.pop("size", None)
-    found = asked(settings)
+    camera, table = _camera(settings.get("camera"))
+    found = asked({**with_bytes(settings), "camera": table})
+    if camera is not None:
+        one_view(found.direction)
     scene = scene_of(points, columns)
-    request = ask(found, size=size)
-    if request["drop"] or request["changes"]:
-        scene._native.change(request["drop"], request["changes"])
+    scene._change(found.changes)
     return scene, found, camera
 
 
@@ -307,32 +309,99 @@ def _without(columns: Mapping[str, Any], what: str) -> None:
 
 
 def camera_changes(camera: Camera | None) -> list[Any] | None:
-    if camera is None:
-        return None
-    if not isinstance(camera, Camera):
-        raise TypeError(f"camera: expected a Camera, found {type(camera).__name__}")
-    return camera._changes()
+    return None if camera is None else camera._changes()
+
+
+def _camera(given: Any) -> tuple[Camera | None, Mapping[str, Any] | None]:
+    """A camera, or keys of [camera]; neither where none is given."""
+    if isinstance(given, Mapping):
+        return None, given
+    if given is not None and not isinstance(given, Camera):
+        raise TypeError(f"camera: expected a Camera or a dict of keys of [camera], found {type(given).__name__}")
+    return given, None
 
 
 def positive(name: str, number: Any) -> int:
-    if isinstance(number, bool) or not hasattr(number, "__index__") or not 1 <= number.__index__() <= 100_000:
-        raise ValueError(f"{name}: expected a whole number from 1 to 100000, found {number!r}")
+    """A whole number from 1 to 100000. Raises ValueError for anything else."""
+    return whole(name, number, 100_000)
+
+
+def whole(name: str, number: Any, most: int) -> int:
+    """A whole number from 1 to the most. Raises ValueError for anything else."""
+    if isinstance(number, bool) or not hasattr(number, "__index__") or not 1 <= number.__index__() <= most:
+        shown = "2**63" if most == 2**63 else most
+        raise ValueError(f"{name}: expected a whole number from 1 to {shown}, found {number!r}")
     return int(number)
+
+
+def above_zero(name: str, number: Any) -> float:
+    """A finite number above 0. Raises ValueError for anything else."""
+    try:
+        found = math.nan if isinstance(number, (str, bytes, bool)) else float(number)
+    except (TypeError, ValueError):
+        found = math.nan
+    if not 0.0 < found < math.inf:
+        raise ValueError(f"{name}: expected a number above 0, found {number!r}")
+    return found
+
+
+# What a text of bytes ends with: powers of 1000, or with an i of 1024.
+_PREFIXES = ("", "k", "m", "g", "t", "p")
+_BYTES = re.compile(r"(\d+(?:\.\d+)?)\s*(?:([kmgtp])(i?))?b?", re.IGNORECASE)
+
+
+def with_bytes(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings with numbers of bytes for ``memory_budget`` and ``host_memory``, which may be texts as "4GiB" as well."""
+    limits = {name: _bytes(name, settings[name]) for name in ("memory_budget", "host_memory") if name in settings}
+    return {**settings, **limits}
+
+
+def _bytes(name: str, value: Any) -> Any:
+    """The bytes that a text stands for, as on the command line; a number as it is."""
+    if not isinstance(value, str):
+        return operator.index(value) if hasattr(value, "__index__") and not isinstance(value, bool) else value
+    parts = _BYTES.fullmatch(value.strip())
+    if parts is None:
+        raise ValueError(f"{name}: expected a number of bytes, or a text as '4GiB' or '500MB', found {value!r}")
+    number, prefix, binary = parts.groups()
+    return int(float(number) * (1024 if binary else 1000) ** _PREFIXES.index((prefix or "").lower()))
+
+
+def _device(device: Any) -> str | int | None:
+    """A device as it is asked for. Raises TypeError for what is neither an index nor a text."""
+    if device is None or isinstance(device, str):
+        return device
+    if isinstance(device, bool) or not hasattr(device, "__index__"):
+        raise TypeError(f"device: expected an index or a part of a name, found {type(device).__name__}")
+    return operator.index(device)
 
 
 _open: dict[str | int | None, Renderer] = {}
 _opening = threading.Lock()
 
 
-def renderer_of(device: str | int | None) -> Renderer:
-    """The renderer that `render` and others share; opened once, since that takes longer than a small frame."""
-    with _opening:
-        if device not in _open:
-            _open[device] = Renderer(device)
-        return _open[device]
+class Sharing:
+    """The renderer that `render` and others share, for the length of a call.
 
+    It is opened once, since that takes longer than a small frame. A device that failed may be lost: the next call opens it anew.
+    """
 
-def forget(device: str | int | None) -> None:
-    """Has a device that failed opened anew."""
-    with _opening:
-        _open.pop(device, None)
+    __slots__ = ("_device", "_renderer")
+
+    _renderer: Renderer
+
+    def __init__(self, device: str | int | None) -> None:
+        self._device = _device(device)
+
+    def __enter__(self) -> Renderer:
+        with _opening:
+            if self._device not in _open:
+                _open[self._device] = Renderer(self._device)
+            self._renderer = _open[self._device]
+        return self._renderer
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if isinstance(error, DeviceError):
+            with _opening:
+                if _open.get(self._device) is self._renderer:
+                    del _open[self._device]

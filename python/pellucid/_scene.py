@@ -6,12 +6,14 @@ import functools
 import json
 import os
 from collections.abc import Iterable, Mapping
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from . import _pellucid
+from ._camera import Camera
 from ._cloud import Cloud
+from ._errors import ReadError, SceneError
 from ._progress import listening
-from ._settings import TABLES, Change, asked, described, dotted, tables, toml
+from ._settings import TABLES, Change, asked, change, described, dotted, nearest, one_view, tables, toml
 from ._types import Path, Progress, Setting
 
 
@@ -54,7 +56,7 @@ class Table:
         self._scene.set(f"{self._path}.{key}", value)
 
     def __delattr__(self, name: str) -> None:
-        self._scene.set(f"{self._path}.{name.replace('__', '.')}", None)
+        setattr(self, name, None)
 
     def __dir__(self) -> list[str]:
         return sorted({*object.__dir__(self), *(key.replace(".", "__") for key in self.keys())})
@@ -79,9 +81,20 @@ class CloudTables:
 
     def __getitem__(self, index: int) -> Table:
         count = len(self)
+        if not hasattr(index, "__index__"):
+            kind = type(index).__name__
+            raise TypeError(f"cloud: expected the index of one cloud, found {kind}; scene.cloud.opacity = 0.2 is of all of them")
         if not -count <= index < count:
             raise IndexError(f"cloud: expected an index below {count}, found {index}")
         return _table(self._scene, f"cloud.{index % count}")
+
+    # Type checkers should go on to refuse it.
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name):
+            if not name.startswith("_") and name.replace("__", ".") in tables()["cloud.*"]:
+                raise AttributeError(f"{name}: each cloud has its own; scene.cloud[0].{name} is that of the first one")
+            raise AttributeError(f"[[cloud]] has no key {name!r}; it has {', '.join(tables()['cloud.*'])}")
 
     def __setattr__(self, name: str, value: Any) -> None:
         key = name.replace("__", ".")
@@ -131,33 +144,42 @@ class Scene:
     ----------
     clouds
         A `Cloud`, or several.
+    camera
+        A `Camera`, or keys of [camera]; by default one that sees all of them.
     settings
-        Keys of the scene file, as of `render`.
+        Keys of the scene file, as of `render`: ``size=(480, 360)`` is the picture's. A plain name that several tables have is
+        that of [method], as ``samples``, or that of all clouds, as ``color``; ``shadows__samples`` is that of [shadows].
+        ``shadows=True`` or an empty dict switches shadows on as they are by default.
 
     Raises
     ------
     SceneError
         A key or value that a scene file can't have. It is a ValueError, too.
+    TypeError
+        Something that is no cloud, or an argument of another name.
     """
 
-    __slots__ = ("_native", "seed")
+    __slots__ = ("_direction", "_named", "_native", "seed")
 
     _native: _pellucid.Scene
-    #: Of everything random.
+    # Clouds by index that have a name in place of a file.
+    _named: frozenset[int]
+    # From where all clouds are seen: view, azimuth, elevation.
+    _direction: dict[str, Any]
     seed: int
+    """Of everything random: a whole number from 0 to 2**64 - 1."""
 
-    def __init__(self, clouds: Cloud | Iterable[Cloud], **settings: Setting) -> None:
-        given = [clouds] if isinstance(clouds, Cloud) else list(clouds)
-        for index, cloud in enumerate(given):
-            if not isinstance(cloud, Cloud):
-                raise TypeError(f"clouds: expected clouds, found {type(cloud).__name__} at {index}; Cloud.from_any makes one")
-        if not given:
-            raise ValueError("clouds: expected at least one cloud, found none")
+    def __init__(
+        self, clouds: Cloud | Iterable[Cloud], *, camera: Camera | Mapping[str, Any] | None = None, **settings: Setting
+    ) -> None:
+        given = _several(clouds)
         self._native = _pellucid.Scene.of_clouds([cloud._native for cloud in given], _names(given))
+        self._named = _without_files(given)
+        self._direction = {}
         self.seed = 0
         opacities = [(index, cloud.opacity) for index, cloud in enumerate(given) if cloud.opacity is not None]
         self._change([(f"opacity={a}", f"cloud.{index}.opacity", toml("opacity", a), False) for index, a in opacities])
-        self.update(**settings)
+        self.update(camera=camera, **settings)
 
     @classmethod
     def read(cls, *paths: Path, progress: Progress = None) -> Scene:
@@ -167,24 +189,56 @@ class Scene:
         """
         if not paths:
             raise TypeError("paths: expected a scene file or clouds, found none; Scene.built_in() is the built-in scene")
+        for path in paths:
+            if not isinstance(path, (str, os.PathLike)):
+                help = "; Scene.read(*paths) opens several" if isinstance(path, (list, tuple)) else ""
+                raise TypeError(f"paths: expected a path of a scene file or a cloud, found {type(path).__name__}{help}")
+            if not os.fspath(path):
+                raise ValueError("paths: expected a path of a scene file or a cloud, found an empty text")
         scene = cls._of(_pellucid.Scene.of_files([os.fspath(path) for path in paths], 0))
         # What is missing should be told here.
         missing = [path for path in paths if not os.path.exists(path)]
         if missing:
-            from ._errors import ReadError
-
             raise ReadError(f"{os.fspath(missing[0])}: no such file")
         if progress:
             scene._clouds(progress)
         return scene
 
     @classmethod
-    def from_toml(cls, text: str, *, folder: Path = ".", progress: Progress = None) -> Scene:
-        """A scene of the text of a scene file, whose relative paths begin in ``folder``."""
+    def from_toml(
+        cls, text: str, *, folder: Path = ".", clouds: Cloud | Iterable[Cloud] | None = None, progress: Progress = None
+    ) -> Scene:
+        """A scene of the text of a scene file, whose relative paths begin in ``folder``.
+
+        ``clouds`` take the place of the files, in the order of [[cloud]]: of a scene that was made of arrays,
+        ``Scene.from_toml(scene.to_toml(), clouds=scene.clouds)`` is the same one. Raises SceneError for what is wrong with the
+        text, and ValueError for another number of clouds than it has.
+        """
         scene = cls._of(_pellucid.Scene.of_toml(text, os.fspath(folder)))
+        if clouds is not None:
+            return scene._filled(_several(clouds))
         if progress:
             scene._clouds(progress)
         return scene
+
+    def _filled(self, clouds: list[Cloud]) -> Scene:
+        """The same settings with clouds in place of the files."""
+        tables = self.given()
+        entries, clips = tables.pop("cloud", []), tables.pop("clip", None)
+        if len(entries) != len(clouds):
+            raise ValueError(f"clouds: expected {len(entries)}, as many as the text has, found {len(clouds)}")
+        paths = [entry.pop("path") for entry in entries]
+        names = [cloud.name if cloud._file else path for cloud, path in zip(clouds, paths, strict=True)]
+        filled = Scene._of(_pellucid.Scene.of_clouds([cloud._native for cloud in clouds], names))
+        filled._named = _without_files(clouds)
+        tables |= {f"cloud.{index}": entry for index, entry in enumerate(entries)}
+        keys = {f"{table}.{key}": value for table, items in tables.items() for key, value in items.items()}
+        # A table [shadows] without keys has a meaning, too.
+        shadows = True if tables.get("shadows") == {} else None
+        filled._change(
+            [*(change(key, key, value) for key, value in keys.items()), *asked({"clip": clips, "shadows": shadows}).changes]
+        )
+        return filled
 
     @classmethod
     def built_in(cls, seed: int = 0) -> Scene:
@@ -197,33 +251,81 @@ class Scene:
     def _of(cls, native: _pellucid.Scene) -> Scene:
         scene = cls.__new__(cls)
         scene._native, scene.seed = native, native.seed
+        scene._named, scene._direction = frozenset(), {}
         return scene
 
     def copy(self) -> Scene:
         """Another scene of the same clouds, whose settings change by themselves."""
         scene = Scene._of(self._native.copy())
         scene.seed = self.seed
+        scene._named, scene._direction = self._named, dict(self._direction)
         return scene
 
+    def __copy__(self) -> Scene:
+        return self.copy()
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Scene:
+        # Clouds never change.
+        return self.copy()
+
+    def __reduce__(self) -> str | tuple[Any, ...]:
+        raise TypeError("a Scene can't be pickled; send scene.to_toml() and the arrays of its clouds, and make it anew from them")
+
     def to_toml(self, folder: Path = ".") -> str:
-        """The text of a scene file for ``folder``; clouds that came from arrays have names in place of files."""
-        return self._native.to_toml(os.fspath(folder))
+        """The text of a scene file for ``folder``, with the files of clouds as found from there.
+
+        Clouds that came from arrays have their names in place of files. Such a text is no scene without the clouds:
+        `from_toml` takes them beside it.
+        """
+        written = self.copy()
+        entries = self.given()["cloud"] if self._named else []
+        # A path in the folder is written without it.
+        paths = [(index, os.path.join(os.path.abspath(folder), entries[index]["path"])) for index in self._named]
+        written._change([change("path", f"cloud.{index}.path", path) for index, path in paths])
+        return written._native.to_toml(os.fspath(folder))
 
     def set(self, key: str, value: Setting) -> None:
         """Gives a dotted key a value, as in ``method.samples``, ``cloud.0.opacity`` or ``cloud.*.radius``; None takes it out.
 
+        A plain name stands for the same key as an argument of `Scene` does: ``samples`` for ``method.samples``.
         Raises SceneError for a key or value that no scene has; the scene then stays as it was.
         """
         if not isinstance(key, str):
             raise TypeError(f"key: expected a dotted key as 'method.samples', found {type(key).__name__}")
+        path = _full(key)
         if value is None:
-            self._native.remove(key)
+            self._check_key(path)
+            self._native.remove(path)
         else:
-            self._change([(f"{key}={value!r}", key, toml(key, value), False)])
+            self._change([change(key, path, value)])
+
+    def _check_key(self, path: str) -> None:
+        """Refuses a dotted key that no scene has; a part of one is a key, too."""
+        parts = path.split(".")
+        table = parts.pop(0)
+        if table in ("cloud", "clip") and parts:
+            if parts[0] != "*" and not self._has(table, parts[0]):
+                raise SceneError(f"{path}: expected the index of a {table} that is there, or *, found {parts[0]!r}")
+            table, parts = f"{table}.*", parts[1:]
+        if table not in tables() and table not in TABLES:
+            raise SceneError(f"{path}: unknown key {table!r}; expected {', '.join(TABLES)}")
+        known = {key.partition(".")[0] for key in tables().get(table, {})}
+        if parts and parts[0] not in known:
+            near = nearest(parts[0], known)
+            hint = f"; did you mean {near!r}?" if near else ""
+            raise SceneError(f"{path}: unknown key {parts[0]!r}{hint}")
+
+    def _has(self, table: str, index: str) -> bool:
+        clouds, clips = self._native.counts()
+        return index.isdigit() and int(index) < (clouds if table == "cloud" else clips)
 
     def get(self, key: str) -> Any:
         """The value in force of a dotted key; None where nothing is given and nothing stands for it. KeyError for unknown keys."""
         path = _path(key)
+        if key in TABLES:
+            return self.given().get(key)
+        if path[0] in ("cloud", "clip") and not self._has(path[0], path[1]):
+            raise KeyError(key)
         table, name = _split(path)
         values = self._values(table)
         if values.get(name) is not None:
@@ -244,21 +346,47 @@ class Scene:
         """All keys that were given, table by table."""
         return cast("dict[str, Any]", json.loads(self._native.given()))
 
-    def update(self, **settings: Setting) -> None:
-        """Changes several settings at once, named as for `render`; all of them or none."""
-        found = asked(settings)
+    def update(self, *, camera: Camera | Mapping[str, Any] | None = None, **settings: Setting) -> None:
+        """Changes several settings at once, named as for `render`: ``size`` is the picture's. All of them change or none.
+
+        A `Camera` takes the place of the whole table [camera]; a dict changes keys of it. ``view``, ``azimuth`` and
+        ``elevation`` say from where all clouds are seen. A new ``view`` forgets earlier angles, and so does a camera.
+        """
+        found = asked(settings if isinstance(camera, Camera) else {"camera": camera, **settings})
         for name in found.limits:
             raise TypeError(f"{name}: expected a key of the scene file; this belongs to a frame: render(…, {name}=…)")
-        self._native.change(found.drop, found.changes)
+        changed = self.copy()
+        if isinstance(camera, Camera):
+            one_view(found.direction)
+            changed._look(camera)
+        changed._change(found.changes)
         if found.direction:
-            self._direct(found.direction)
+            changed._direct(found.direction)
+        self._native, self._direction = changed._native, changed._direction
+
+    def _look(self, camera: Camera) -> None:
+        """Takes a camera in place of the scene's own, and of a direction."""
+        self._native.change(["camera"], camera._changes())
+        self._turn({})
 
     def _direct(self, direction: dict[str, Any]) -> None:
+        """Looks from a direction. Angles change the one in force, a view takes its place."""
+        self._turn(direction if "view" in direction else {**self._direction, **direction})
+
+    def _turn(self, direction: dict[str, Any]) -> None:
         self._native.set_view({name: direction.get(name) for name in ("view", "azimuth", "elevation")})
+        self._direction = dict(direction)
 
     def _change(self, changes: list[Change]) -> None:
         if changes:
             self._native.change([], changes)
+        # Beside a direction a place of the camera would be ignored.
+        if any(path in ("camera.eye", "camera.target") for _, path, _, _ in changes):
+            self._turn({})
+
+    def _assign(self, table: str, value: Mapping[str, Any] | bool | None) -> None:
+        """Puts a dict in place of a whole table; None takes it out."""
+        self._native.change([table], asked({table: value}).changes)
 
     def _values(self, table: str) -> dict[str, Any]:
         return {name: None if text is None else _parsed(text) for name, text in self._native.values(table)}
@@ -272,32 +400,70 @@ class Scene:
         """The points of its clouds; those of files are read now."""
         natives = self._clouds(None)
         names = [str(self.get(f"cloud.{index}.path")) for index in range(len(natives))]
-        return [Cloud._of(native, name) for native, name in zip(natives, names, strict=True)]
+        return [
+            Cloud._of(native, name, file=index not in self._named)
+            for index, (native, name) in enumerate(zip(natives, names, strict=True))
+        ]
+
+    # Type checkers should go on to refuse other attributes.
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name):
+            raise AttributeError(name if name.startswith("_") else _where(name))
+
+        def __setattr__(self, name, value):
+            if not hasattr(type(self), name):
+                raise AttributeError(_where(name))
+            object.__setattr__(self, name, value)
 
     @property
     def image(self) -> Any:
-        """``[image]``: size, background, color space."""
+        """``[image]``: size, background, color space. A dict takes the place of all its keys, as of other tables."""
         return _table(self, "image")
+
+    @image.setter
+    def image(self, keys: Mapping[str, Any] | None) -> None:
+        self._assign("image", keys)
 
     @property
     def camera(self) -> Any:
-        """``[camera]``."""
+        """``[camera]``. Assign a `Camera` to look from elsewhere, or None for one that sees all clouds."""
         return _table(self, "camera")
+
+    @camera.setter
+    def camera(self, camera: Camera | Mapping[str, Any] | None) -> None:
+        if isinstance(camera, Mapping):
+            self._assign("camera", camera)
+            self._turn({})
+        else:
+            self.update(camera=Camera() if camera is None else camera)
 
     @property
     def shading(self) -> Any:
         """``[shading]``."""
         return _table(self, "shading")
 
+    @shading.setter
+    def shading(self, keys: Mapping[str, Any] | None) -> None:
+        self._assign("shading", keys)
+
     @property
     def shadows(self) -> Any:
-        """``[shadows]``."""
+        """``[shadows]``. Assign True or a dict to switch shadows on, None to switch them off."""
         return _table(self, "shadows")
+
+    @shadows.setter
+    def shadows(self, keys: Mapping[str, Any] | bool | None) -> None:
+        self._assign("shadows", keys)
 
     @property
     def detail(self) -> Any:
         """``[detail]``: points that are left out."""
         return _table(self, "detail")
+
+    @detail.setter
+    def detail(self, keys: Mapping[str, Any] | None) -> None:
+        self._assign("detail", keys)
 
     @property
     def method(self) -> Any:
@@ -305,8 +471,11 @@ class Scene:
         return _table(self, "method")
 
     @method.setter
-    def method(self, name: str) -> None:
-        self.set("method.name", name)
+    def method(self, name: str | Mapping[str, Any]) -> None:
+        if isinstance(name, Mapping):
+            self._assign("method", name)
+        else:
+            self.set("method.name", name)
 
     @property
     def cloud(self) -> CloudTables:
@@ -314,29 +483,79 @@ class Scene:
         return CloudTables(self)
 
     @property
-    def clip(self) -> list[dict[str, Any]]:
-        """``[[clip]]``: boxes, planes, slabs and polygons that points must lie in. Assign a list of dicts to change it."""
-        return cast("list[dict[str, Any]]", self.given().get("clip", []))
+    def clip(self) -> tuple[dict[str, Any], ...]:
+        """``[[clip]]``: boxes, planes, slabs and polygons that points must lie in. They are copies.
+
+        Assign dicts to change them, as in ``scene.clip = [*scene.clip, {"slab": {"axis": "z", "max": 2.0}}]``.
+        """
+        return tuple(self.given().get("clip", []))
 
     @clip.setter
-    def clip(self, clips: Iterable[Mapping[str, Any]]) -> None:
-        entries: list[Change] = [(f"clip={clip!r}", "clip", toml("clip", clip), True) for clip in clips]
-        self._native.change(["clip"], entries)
+    def clip(self, clips: Mapping[str, Any] | Iterable[Mapping[str, Any]] | None) -> None:
+        self._native.change(["clip"], asked({"clip": clips}).changes)
 
     def __repr__(self) -> str:
         count = len(self.cloud)
         return f"<pellucid.Scene of {count} cloud{'' if count == 1 else 's'}, method {self.method.name}>"
 
 
+def _several(clouds: Cloud | Iterable[Cloud]) -> list[Cloud]:
+    """One cloud or several as a list. Raises TypeError for anything else, and ValueError for none."""
+    if isinstance(clouds, Cloud):
+        return [clouds]
+    if isinstance(clouds, (str, os.PathLike)):
+        raise TypeError(f"clouds: expected clouds, found a path; Scene.read({os.fspath(clouds)!r}) opens it")
+    if hasattr(clouds, "__array__") or not isinstance(clouds, Iterable):
+        raise TypeError(f"clouds: expected a Cloud or several, found {type(clouds).__name__}; Cloud.from_any makes one of arrays")
+    given = list(clouds)
+    for index, cloud in enumerate(given):
+        if not isinstance(cloud, Cloud):
+            raise TypeError(f"clouds: expected clouds, found {type(cloud).__name__} at {index}; Cloud.from_any makes one")
+    if not given:
+        raise ValueError("clouds: expected at least one cloud, found none")
+    return given
+
+
+def _without_files(clouds: list[Cloud]) -> frozenset[int]:
+    """Clouds by index that have a name in place of a file."""
+    return frozenset(index for index, cloud in enumerate(clouds) if not cloud._file)
+
+
 def _names(clouds: list[Cloud]) -> list[str]:
-    """Names that tell clouds apart."""
+    """Names that tell clouds apart; those of files stay as they are."""
     names = [cloud.name for cloud in clouds]
-    return [name if names.count(name) == 1 else f"{name}-{index}" for index, name in enumerate(names)]
+    return [
+        name if cloud._file or names.count(name) == 1 else f"{name}-{index}"
+        for index, (name, cloud) in enumerate(zip(names, clouds, strict=True))
+    ]
+
+
+def _full(key: str) -> str:
+    """A dotted key; of a plain name the one that it stands for. Raises SceneError for one that no table has."""
+    if "." in key or key in TABLES:
+        return key
+    try:
+        return dotted(key)
+    except TypeError as error:
+        raise SceneError(str(error)) from None
+
+
+def _where(name: str) -> str:
+    """What to say of an attribute that a scene doesn't have."""
+    try:
+        table, _, key = dotted(name).partition(".")
+    except TypeError as error:
+        return f"a Scene has no attribute {name!r}: {error}"
+    table = {"cloud": "cloud[0]", "clip": "clip[0]"}.get(table, table)
+    return f"a Scene has no attribute {name!r}; the key is scene.{table}.{key.removeprefix('*.')}"
 
 
 def _path(key: str) -> list[str]:
-    """The parts of a dotted key; of all clouds the first one stands for them."""
-    parts = key.split(".") if "." in key or key in TABLES else dotted(key).split(".")
+    """The parts of a dotted key; of all clouds the first one stands for them. Raises KeyError for a name that no table has."""
+    try:
+        parts = _full(key).split(".")
+    except SceneError as error:
+        raise KeyError(str(error)) from None
     if parts[0] in ("cloud", "clip") and len(parts) > 1 and parts[1] == "*":
         parts[1] = "0"
     return parts

@@ -15,7 +15,8 @@ from typing import Any, NamedTuple, TypedDict, cast
 
 from . import _pellucid
 
-# Where a key without a table is looked for, in this order: several tables have `samples` and `color`.
+# Where a key without a table is looked for, in this order: a name that several tables have goes to [method], `color` to all
+# clouds. A `size` is always the picture's, though methods have one as well.
 _ORDER = ("method", "cloud.*", "image", "shading", "detail", "shadows", "camera", "clip.*")
 TABLES = ("image", "camera", "shading", "shadows", "detail", "method", "cloud", "clip")
 
@@ -23,6 +24,43 @@ TABLES = ("image", "camera", "shading", "shadows", "detail", "method", "cloud", 
 _DIRECTIONS = ("view", "azimuth", "elevation")
 _LIMITS = ("see_through", "max_error", "budget_ms", "memory_budget", "host_memory")
 _SHORT = ("class_opacity", "classes", "without", "slices")
+
+# Arguments that are no keys: columns of an array of points, and what belongs to a call.
+_COLUMNS = ("colors", "opacities", "radii", "normals", "classification", "intensity", "scalars", "z_up", "color_space", "name")
+_ARGUMENTS = ("fragments", "depths", "accuracy", "device", "seed", "progress")
+_FACTORS = ("opacity_factor", "radius_factor")
+
+# What other programs call them.
+_ALIASES = {
+    "alpha": "opacity",
+    "background_color": "background",
+    "bg": "background",
+    "bgcolor": "background",
+    "cmap": "colormap",
+    "colour": "color",
+    "colours": "colors",
+    "fov": "fov_y",
+    "img_size": "size",
+    "labels": "classification",
+    "orthographic": "ortho",
+    "point_radius": "radius",
+    "point_size": "radius",
+    "rgb": "colors",
+    "spp": "samples",
+    "transparency": "opacity",
+    "width": "size",
+    "window_size": "size",
+}
+
+# Keys of clouds with one value for all points, and the columns with one for each.
+_OF_EACH = {"opacity": "opacities", "radius": "radii", "color": "colors"}
+
+# The names of classes, for near misses; docs/scene-file.md lists their numbers.
+CLASSES = (
+    *("never-classified", "unclassified", "ground", "low-vegetation", "medium-vegetation", "high-vegetation", "building"),
+    *("low-noise", "water", "rail", "road", "wire-guard", "wire-conductor", "transmission-tower", "wire-connector"),
+    *("bridge-deck", "high-noise", "overhead-structure", "ignored-ground", "snow", "temporal-exclusion", "noise"),
+)
 
 # An option as errors name it, a dotted key, its value as TOML, and if it is appended.
 Change = tuple[str, str, str, bool]
@@ -103,6 +141,10 @@ def dotted(name: str) -> str:
         return path if rest.partition(".")[0].isdigit() or rest.startswith("*.") else f"{first}.*.{rest}"
     if rest and first in TABLES:
         return path
+    if path == "size":
+        return "image.size"
+    if path == "resolution":
+        raise TypeError("resolution: the picture's is size=(width, height), that of shadows shadows__resolution=")
     for table in _ORDER:
         if path in tables()[table]:
             return f"{table}.{path}"
@@ -110,31 +152,39 @@ def dotted(name: str) -> str:
 
 
 def _unknown(name: str) -> str:
+    if name in _COLUMNS:
+        return f"{name}: expected with an array of points, as in Cloud(points, {name}=…)"
+    if name in _ARGUMENTS + _FACTORS:
+        return f"{name}: expected a key of the scene file; this is an argument of render, or of frames"
+    keys = {key for table in tables().values() for key in table}
+    known = keys | {"camera", *TABLES, *_DIRECTIONS, *_LIMITS, *_SHORT, *_COLUMNS, *_ARGUMENTS, *_FACTORS}
+    near = _ALIASES.get(name.lower()) or nearest(name, known)
+    hint = f"; did you mean {near!r}?" if near else "; docs/scene-file.md lists all keys"
+    return f"{name!r} is neither an argument nor a key of the scene file{hint}"
+
+
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """The known name that is most like one that isn't known."""
     import difflib
 
-    known = {key for table in tables().values() for key in table} | set(_DIRECTIONS + _LIMITS + _SHORT)
-    near = difflib.get_close_matches(name, sorted(known), n=1)
-    hint = f"; did you mean {near[0]!r}?" if near else "; docs/scene-file.md lists all keys"
-    return f"{name!r} is neither an argument nor a key of the scene file{hint}"
+    return next(iter(difflib.get_close_matches(name.lower(), sorted(known), n=1, cutoff=0.7)), None)
 
 
 class Asked(NamedTuple):
     """Keyword arguments, sorted."""
 
     changes: list[Change]
-    # Tables that are taken out before.
-    drop: list[str]
     direction: dict[str, Any]
     limits: dict[str, Any]
 
 
 def asked(settings: Mapping[str, Any]) -> Asked:
     """Sorts keyword arguments that are keys or options. Those that are None count as not given."""
-    found = Asked([], [], {}, {})
+    found = Asked([], {}, {})
     for name, value in settings.items():
         if value is None:
-            continue
-        if name in _DIRECTIONS:
+            check_name(name)
+        elif name in _DIRECTIONS:
             found.direction[name] = str(value) if name == "view" else _number(name, value)
         elif name in _LIMITS:
             found.limits[name] = _bytes(name, value) if name.endswith(("budget", "memory")) else _number(name, value)
@@ -143,8 +193,66 @@ def asked(settings: Mapping[str, Any]) -> Asked:
         elif name in TABLES:
             _table(name, value, found)
         else:
-            found.changes.append((f"{name}={_shown(value)}", dotted(name), toml(name, value), False))
+            found.changes.append(change(name, dotted(name), value))
+    if isinstance(camera := settings.get("camera"), Mapping) and ("eye" in camera or "target" in camera):
+        one_view(found.direction)
     return found
+
+
+def check_name(name: str) -> None:
+    """Raises TypeError for a name that is neither a key nor an option."""
+    if name not in TABLES + _DIRECTIONS + _LIMITS + _SHORT:
+        dotted(name)
+
+
+def one_view(direction: Mapping[str, Any]) -> None:
+    """Refuses a direction; for use where a camera was given."""
+    for name in direction:
+        raise TypeError(f"{name}: expected no camera beside it: both say from where; of a lens alone, camera={{'fov_y': 30}}")
+
+
+def change(name: str, path: str, value: Any) -> Change:
+    """The value of a dotted key; errors call it by `name`. Raises ValueError and TypeError that name the argument."""
+    _check_one(name, path, value)
+    given = _size(value) if name == "size" else value.tolist() if hasattr(value, "tolist") else value
+    info = _info(path)
+    if info is not None and "integer" in info["kind"]:
+        given = _whole(given)
+    return (f"{name}={_shown(value)}", path, toml(name, given), False)
+
+
+def _info(path: str) -> KeyInfo | None:
+    """What is known of a dotted key."""
+    table, _, key = path.partition(".")
+    if table in ("cloud", "clip"):
+        table, key = f"{table}.*", key.partition(".")[2]
+    return tables().get(table, {}).get(key)
+
+
+def _whole(value: Any) -> Any:
+    """Whole floats as integers, also in lists; all else as it is."""
+    if isinstance(value, (list, tuple)):
+        return [_whole(item) for item in value]
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+def _check_one(name: str, path: str, value: Any) -> None:
+    """Refuses a value for each point where there is one for all of them."""
+    key = path.rpartition(".")[2]
+    if key not in _OF_EACH or not path.startswith("cloud.") or "class" in path:
+        return
+    levels = _levels(value) - (key == "color")
+    if levels > 0:
+        wanted = "one color" if key == "color" else "one number"
+        kind, column = type(value).__name__, _OF_EACH[key]
+        raise ValueError(f"{name}: expected {wanted} for all points, found {kind}; one for each point is {column}=")
+
+
+def _levels(value: Any) -> int:
+    """How deep lists are nested: 0 of a number, 1 of a list of them."""
+    if hasattr(value, "ndim"):
+        return int(value.ndim)
+    return 1 + (_levels(value[0]) if value else 0) if isinstance(value, (list, tuple)) else 0
 
 
 def _shown(value: Any) -> str:
@@ -166,7 +274,7 @@ def _bytes(name: str, value: Any) -> int:
 
 
 def _table(name: str, value: Any, found: Asked) -> None:
-    """A whole table: its keys one by one; the method by its name alone, clips as a list."""
+    """A whole table: its keys one by one; the method by its name alone, clips as a list, shadows as True or empty."""
     if name == "method" and isinstance(value, str):
         found.changes.append((f"method={value!r}", "method.name", toml(name, value), False))
     elif name == "clip":
@@ -174,14 +282,17 @@ def _table(name: str, value: Any, found: Asked) -> None:
         if not isinstance(clips, Iterable) or isinstance(clips, str):
             raise TypeError(f"clip: expected a dict or a list of them, found {type(value).__name__}")
         found.changes.extend((f"clip={_shown(clip)}", "clip", toml("clip", clip), True) for clip in clips)
+    elif name == "shadows" and (value is True or value == {}):
+        # Of all tables this one does something by being there.
+        found.changes.append((f"shadows={value!r}", "shadows", "{}", False))
     elif isinstance(value, Mapping):
         prefix = "cloud.*" if name == "cloud" else name
-        for key, item in value.items():
-            if item is not None:
-                path = f"{prefix}.{key}"
-                found.changes.append((f"{path}={_shown(item)}", path, toml(path, item), False))
+        paths = ((f"{prefix}.{key}", item) for key, item in value.items() if item is not None)
+        found.changes.extend(change(path, path, item) for path, item in paths)
     else:
-        raise TypeError(f"{name}: expected a dict of keys of [{name}], found {type(value).__name__}")
+        kinds = {"camera": "a Camera or a dict", "method": "a name or a dict", "shadows": "True or a dict"}.get(name, "a dict")
+        help = "; scene.shadows = None takes them out" if value is False and name == "shadows" else ""
+        raise TypeError(f"{name}: expected {kinds} of keys of [{name}], found {type(value).__name__}{help}")
 
 
 def _short(name: str, value: Any) -> list[Change]:
@@ -199,7 +310,7 @@ def _short(name: str, value: Any) -> list[Change]:
             entry(f"class_opacity={{{key!r}: {opacity!r}}}", {"id": _code(name, key), "opacity": opacity})
             for key, opacity in value.items()
         ]
-    if isinstance(value, (str, int)):
+    if isinstance(value, str) or not isinstance(value, Iterable):
         value = [value]
     codes = [_code(name, item) for item in value]
     text = f"{name}={_shown(value)}"
@@ -216,18 +327,21 @@ def _short(name: str, value: Any) -> list[Change]:
 
 
 def _code(name: str, given: Any) -> int:
+    """The code of a class that is given by its number or name."""
     if isinstance(given, str) and not given.isdigit():
         code = _pellucid.class_code(given)
         if code is None:
-            raise ValueError(f"{name}: no class {given!r}; a number from 0 to 255, or a name as docs/scene-file.md lists")
+            near = nearest(given.replace("_", "-").replace(" ", "-"), CLASSES)
+            help = f"; did you mean {near!r}?" if near else "; a number from 0 to 255, or a name as docs/scene-file.md lists"
+            raise ValueError(f"{name}: no class {given!r}{help}")
         return code
     try:
-        code = int(given)
+        number = math.nan if isinstance(given, bool) else float(given)
     except (TypeError, ValueError):
         raise TypeError(f"{name}: expected a class, a number or a name, found {type(given).__name__}") from None
-    if not 0 <= code <= 255:
-        raise ValueError(f"{name}: expected a class from 0 to 255, found {code}")
-    return code
+    if not (number.is_integer() and 0 <= number <= 255):
+        raise ValueError(f"{name}: expected a class, a whole number from 0 to 255 or a name, found {given}")
+    return int(number)
 
 
 def _slices(value: Any) -> list[Change]:
@@ -249,7 +363,6 @@ def _end(value: Any) -> float | None:
 def ask(
     found: Asked,
     *,
-    size: Any = None,
     camera_changes: list[Change] | None = None,
     fragments: bool = False,
     depths: bool = False,
@@ -261,16 +374,9 @@ def ask(
     """What native code is asked for."""
     if accuracy not in ("exact", "8-bit"):
         raise ValueError(f"accuracy: expected 'exact' or '8-bit', found {accuracy!r}")
-    changes = list(found.changes)
-    drop = list(found.drop)
-    if size is not None:
-        changes.append((f"size={_shown(size)}", "image.size", toml("size", _size(size)), False))
-    if camera_changes is not None:
-        drop.append("camera")
-        changes.extend(camera_changes)
     return {
-        "drop": drop,
-        "changes": changes,
+        "drop": [] if camera_changes is None else ["camera"],
+        "changes": [*found.changes, *(camera_changes or [])],
         "framed": camera_changes is None,
         "fragments": bool(fragments),
         "depths": bool(depths),
@@ -288,7 +394,7 @@ def _size(size: Any) -> list[int]:
         width, height = size
         sides = [int(width), int(height)]
         fine = sides == [width, height]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         fine = False
     if not fine:
         raise ValueError(f"size: expected (width, height), whole numbers from 1 to 16384, found {size!r}")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import tempfile
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields
@@ -12,6 +11,8 @@ from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ._errors import ReadError, tell
 
 _POSITION = (("x", "y", "z"),)
 _NORMAL = (("nx", "ny", "nz"), ("normal_x", "normal_y", "normal_z"), ("normalx", "normaly", "normalz"))
@@ -84,12 +85,16 @@ def finish(parts: Parts, *, what: str, z_up: bool | None = None) -> dict[str, An
     finite = np.isfinite(parts.points).all(axis=1)
     if not finite.all():
         _keep(parts, finite)
-        from . import PellucidWarning
-
-        warnings.warn(
-            f"{(~finite).sum()} points of the {what} are left out: a coordinate is not finite", PellucidWarning, stacklevel=2
-        )
+        tell([f"{(~finite).sum()} points of the {what} are left out: a coordinate is not finite"], [])
     given: dict[str, Any] = {"points": parts.points, "z_up": z_up, "name": what}
+    # Numbers that a float32 doesn't hold are infinite, as those of files are.
+    with np.errstate(over="ignore"):
+        return given | _columns(parts)
+
+
+def _columns(parts: Parts) -> dict[str, Any]:
+    """Arguments of `Cloud` beside the points."""
+    given: dict[str, Any] = {}
     if parts.colors is not None:
         given |= _colors(parts)
     if parts.alpha is not None:
@@ -226,11 +231,13 @@ def splats(table: Mapping[str, NDArray[Any]], *, what: str) -> Any:
 
 def read(write: Callable[[BinaryIO], object], *, what: str) -> Any:
     """The `Cloud` of a file that `write` writes."""
-    from . import Cloud, ReadError
+    from ._cloud import Cloud
 
     with _file(write) as path:
         try:
-            return Cloud.read(path)
+            cloud = Cloud.read(path)
+            cloud.name, cloud._file = what, False
+            return cloud
         except ReadError as error:
             raise ValueError(f"points: {what}: {str(error).replace(path, 'as PLY')}") from error
 

@@ -6,64 +6,33 @@ import sys
 import warnings
 from typing import Any
 
+from ._settings import Asked, ask
+from ._types import Size
 
-def view(
-    points: Any,
-    *,
-    size: tuple[int, int] | None = None,
-    device: str | int | None = None,
-    budget_ms: float = 33.0,
-    **arguments: Any,
+
+def shown(
+    points: Any, *, size: Size | None, device: str | int | None, frame_ms: float, arguments: dict[str, Any], frame: dict[str, Any]
 ) -> Any:
-    """Shows points in a notebook: drag to turn, wheel to come nearer, sliders for what the method has.
-
-    While something moves, pictures have as many samples, pixels and points as fit `budget_ms`; at rest they get finer until
-    nothing is left out. The window needs `jupyter_rfb` and `ipywidgets`, and a notebook (JupyterLab, Jupyter Notebook, VS
-    Code). Elsewhere the result is the picture of `render`.
-
-    Parameters
-    ----------
-    points
-        What `render` takes: an array (n, 3), clouds, a scene, a path, or an object of laspy, open3d, pyvista, plyfile, pandas.
-    size
-        Columns and rows of the window in pixels of the page, by default at most 720 × 540. It can be pulled at its corner.
-    device
-        Name or number of the Vulkan device; by default the best one.
-    budget_ms
-        Milliseconds that a picture may take while something moves, above 0.
-    arguments
-        Anything else that `Renderer.load` takes: ``camera``, ``method``, ``seed``, columns of points, keys of the scene file.
-
-    Returns
-    -------
-    A widget with ``camera``, the present view; ``picture()``, which renders it whole; and ``close()``, which gives the
-    device's memory back. Or an `Image`.
-
-    Raises
-    ------
-    ValueError
-        An argument makes no sense; the message names it.
-    Error
-        Whatever `render` refuses.
-    """
-    if not budget_ms > 0:
-        raise ValueError(f"budget_ms: found {budget_ms!r}, expected milliseconds above 0")
+    """What `pellucid.view` gives. `arguments` are those of `Renderer.load`, `frame` those of `Loaded.frame`."""
+    # What is wrong with these a window would find out by its first `picture()`.
+    ask(Asked([], {}, {}), **frame)
     if _is_notebook():
         try:
             from ._window import Window
         except ImportError as error:
-            from ._errors import PellucidWarning
+            from ._errors import PellucidWarning, outside
 
             warnings.warn(
                 f"view shows a picture, since {error.name or error} is missing; for a window: pip install jupyter_rfb ipywidgets",
                 PellucidWarning,
-                stacklevel=2,
+                stacklevel=outside(),
             )
         else:
-            return Window(points, size=size, device=device, budget_ms=budget_ms, **arguments)
+            return Window(points, size=size, device=device, frame_ms=frame_ms, arguments=arguments, frame=frame)
     from . import render
 
-    return render(points, size=size, device=device, **arguments)
+    given = {name: value for name, value in arguments.items() if value is not None}
+    return render(points, size=size, device=device, **given, **frame)
 
 
 def _is_notebook() -> bool:

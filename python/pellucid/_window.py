@@ -6,6 +6,7 @@ import asyncio
 import base64
 import math
 import weakref
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -48,15 +49,32 @@ class Canvas(jupyter_rfb.RemoteFrameBuffer):  # type: ignore[misc]
 
 
 class Window(ipywidgets.VBox):  # type: ignore[misc]
-    """A scene in a notebook. `pellucid.view` makes it; its arguments are explained there."""
+    """A scene in a notebook. `pellucid.view` makes it; its arguments are explained there.
+
+    ``arguments`` are those of `Renderer.load`, ``frame`` those of `Loaded.frame` for whole pictures.
+    """
 
     def __init__(
-        self, points: Any, *, size: tuple[int, int] | None, device: str | int | None, budget_ms: float, **arguments: Any
+        self,
+        points: Any,
+        *,
+        size: tuple[int, int] | None,
+        device: str | int | None,
+        frame_ms: float,
+        arguments: Mapping[str, Any],
+        frame: Mapping[str, Any],
     ) -> None:
         # Events and pictures meet in the loop of the cell that makes the window.
-        self._loop = asyncio.get_running_loop()
-        deliver = _deliver_to(weakref.ref(self), self._loop)
-        self._painter = Painter(points, arguments, device=device, size=size, budget_ms=budget_ms, deliver=deliver)
+        deliver = _deliver_to(weakref.ref(self), asyncio.get_running_loop())
+        self._painter = Painter(points, arguments, device=device, frame=frame, size=size, frame_ms=frame_ms, deliver=deliver)
+        try:
+            self._begin()
+        except BaseException:
+            self._painter.close()
+            raise
+
+    def _begin(self) -> None:
+        """Makes canvas and controls around the first picture."""
         begin = self._painter.begin
         self._home = begin.request.camera
         self._still = begin.image.to_png()
@@ -89,8 +107,10 @@ class Window(ipywidgets.VBox):  # type: ignore[misc]
 
     def close(self) -> None:
         """Ends the window and gives the device's memory back."""
-        self._finalizer()
-        self._canvas.close()
+        # ipywidgets closes windows that were never finished, too.
+        if hasattr(self, "_finalizer"):
+            self._finalizer()
+            self._canvas.close()
         super().close()
 
     def _repr_mimebundle_(self, **given: Any) -> Any:
@@ -121,7 +141,7 @@ class Window(ipywidgets.VBox):  # type: ignore[misc]
         self._status.value = _caption(made)
 
     def _handle(self, event: dict[str, Any]) -> None:
-        kind = event.get("type") or event.get("event_type")
+        kind = event["type"]
         if kind == "resize":
             self._resize(event)
         elif kind == "pointer_down":
@@ -136,6 +156,7 @@ class Window(ipywidgets.VBox):  # type: ignore[misc]
             # Lines and pages come as pixels already.
             self._want(camera=self.camera.zoom(_NOTCH ** (event["dy"] / 100)))
         elif kind == "double_click":
+            # Back to the first view.
             self._want(camera=self._home)
         elif kind == "close":
             self._finalizer()
@@ -153,7 +174,7 @@ class Window(ipywidgets.VBox):  # type: ignore[misc]
             self._want(camera=self.camera.orbit(-180 * right, 180 * down))
 
     def _resize(self, event: dict[str, Any]) -> None:
-        ratio = event.get("ratio") or event.get("pixel_ratio") or 1.0
+        ratio = event["ratio"]
         self._css_size = (max(event["width"], 1.0), max(event["height"], 1.0))
         width, height = (min(max(round(side * ratio), 1), _MOST_PIXELS) for side in self._css_size)
         if (width, height) != self._request.size:

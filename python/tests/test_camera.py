@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -72,6 +73,82 @@ def test_what_a_scene_has_no_camera_for_is_refused(change, message):
         Camera.from_nerfstudio(np.diag([2.0, 2.0, 2.0, 1.0]), **fine)
     with pytest.raises(ValueError, match="rotation without scale or mirror"):
         Camera.from_nerfstudio(np.diag([1.0, 1.0, -1.0, 1.0]), **fine)
+
+
+K = np.array([[500.0, 0, 320], [0, 500.0, 240], [0, 0, 1]])
+MOVED = np.array([[1.0, 0, 0, 1], [0, 1, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]])
+
+
+def of_opencv(K=K, *pose, **given):
+    return Camera.from_opencv(K, *pose, size=(640, 480), **given)
+
+
+def of_nerfstudio(pose):
+    return Camera.from_nerfstudio(pose, fl_x=500, fl_y=500, cx=320, cy=240, w=640, h=480)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda: of_opencv(K, MOVED.T),
+            "world_to_camera: expected the last row (0, 0, 0, 1), found [1.0, 2.0, 3.0, 1.0]; its transpose has it: "
+            "world_to_camera.T",
+        ),
+        (
+            lambda: of_nerfstudio(MOVED.T),
+            "camera_to_world: expected the last row (0, 0, 0, 1), found [1.0, 2.0, 3.0, 1.0]; its transpose has it: "
+            "camera_to_world.T",
+        ),
+        (
+            lambda: of_opencv(K.T, MOVED),
+            "K: expected the last row (0, 0, 1), found [320.0, 240.0, 1.0]; its transpose has it: K.T",
+        ),
+        (
+            lambda: of_opencv(2 * K, MOVED),
+            "K: expected the last row (0, 0, 1), found [0.0, 0.0, 2.0]; K / K[-1, -1] has it",
+        ),
+        (
+            lambda: of_nerfstudio(MOVED * [[1], [1], [1], [0]]),
+            "camera_to_world: expected the last row (0, 0, 0, 1), found [0.0, 0.0, 0.0, 0.0]",
+        ),
+        (
+            lambda: of_opencv(K, "abc"),
+            "world_to_camera: expected real numbers, found an array of <U3 of shape ()",
+        ),
+        (
+            lambda: of_nerfstudio([["a"]]),
+            "camera_to_world: expected real numbers, found an array of <U1 of shape (1, 1)",
+        ),
+        (
+            lambda: of_nerfstudio(np.eye(3)),
+            "camera_to_world: expected a matrix of shape (3, 4) or (4, 4), found (3, 3)",
+        ),
+        (
+            lambda: of_opencv(K, R=[0.1, 0.2, 0.3], t=[0, 0, 1]),
+            "R: expected a matrix of shape (3, 3), found (3,); cv2.Rodrigues(R)[0] makes one of a rotation vector",
+        ),
+        (
+            lambda: of_opencv(K, R=np.eye(3), t=[[1], [2]]),
+            "t: expected 3 numbers, found an array of shape (2, 1)",
+        ),
+    ],
+)
+def test_matrices_that_are_none_of_a_camera_are_refused(call, message):
+    with pytest.raises(ValueError, match=f"^{re.escape(message)}$"):
+        call()
+
+
+def test_rounded_matrices_are_taken():
+    assert of_opencv(K + 1e-6, MOVED + 1e-6).eye == pytest.approx((-1, -2, -3), abs=1e-4)
+    assert of_nerfstudio(MOVED.astype(np.float32)[:3]).eye == (1, 2, 3)
+
+
+def test_up_may_have_any_length():
+    for length in (1e-300, 1.0, 1e300):
+        camera = Camera.look_at((0.0, -10.0, 0.0), (0.0, 0.0, 0.0), up=(0, 0, length), fov_y=90.0)
+        assert camera.pan(0.5, 0.25).target == pytest.approx((10.0, 0.0, 5.0))
+        assert camera.orbit(90.0).eye == pytest.approx((10.0, 0.0, 0.0))
 
 
 def test_orbits_keep_the_distance_and_come_back():

@@ -23,4 +23,4 @@ def test_python_in_five_minutes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     assert names["rgba"].shape == (480, 640, 4)
     assert names["srgb"].shape == (480, 640, 3)
     assert len(list(tmp_path.glob("turn-*.png"))) == 6
-    assert {"cloud.png", "all.exr", "passes.png"} <= {path.name for path in tmp_path.iterdir()}
+    assert {"cloud.png", "scene.png", "all.exr", "passes.png"} <= {path.name for path in tmp_path.iterdir()}

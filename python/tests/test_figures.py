@@ -1,5 +1,7 @@
 """Figures show the numbers of their results."""
 
+import re
+
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgba
@@ -69,21 +71,27 @@ def test_stress() -> None:
 
 def test_check() -> None:
     cases = [
-        pellucid.CheckCase("good", "", "pass", 0.5, 1.0, None),
-        pellucid.CheckCase("bad", "", "fail", 3.0, 1.0, None),
-        pellucid.CheckCase("exact", "", "pass", 0.0, 1.0, None),
-        pellucid.CheckCase("none", "", "not applicable", None, None, "no such device"),
+        pellucid.CheckCase("a/good", "", "pass", 0.5, 1.0, None),
+        pellucid.CheckCase("a/bad", "", "fail", 3.0, 1.0, None),
+        pellucid.CheckCase("b/exact", "", "pass", 0.0, 0.0, None),
+        pellucid.CheckCase("b/lost", "", "fail", None, None, "the device was lost"),
+        pellucid.CheckCase("c/none", "", "not applicable", None, None, "no such device"),
     ]
-    data = pellucid.Check(device="d", driver="v", passed=2, failed=1, cases=tuple(cases), json={})
+    data = pellucid.Check(device="d", driver="v", passed=2, failed=2, cases=tuple(cases), json={})
     figure = data.figure()
     assert_drawn(figure)
     (axes,) = figure.axes
-    shares = axes.collections[0].get_offsets()[:, 0]
-    assert list(shares[1:]) == [0.5, 3.0]
-    assert shares[0] < 0.5
-    assert axes.collections[0].get_facecolors()[2] == pytest.approx(to_rgba("#d55e00"))
-    assert "bad" in [text.get_text() for text in axes.texts]
-    assert axes.get_title().startswith("2 passed, 1 failed, 1 not applicable")
+    dots = axes.collections[0]
+    shares, rows = dots.get_offsets().T
+    assert list(shares[1:3]) == [0.5, 3.0]
+    assert shares[0] < 1e-3
+    assert shares[3] > 3.0, "a failure without numbers is one, too"
+    assert list(rows) == [1, 0, 0, 1]
+    assert [label.get_text() for label in axes.get_yticklabels()] == ["a (2)", "b (2)"]
+    red = [tuple(color[:3]) == to_rgba("#d55e00")[:3] for color in dots.get_facecolors()]
+    assert red == [False, False, True, True]
+    assert [text.get_text() for text in axes.texts] == ["bound", "a/bad", "b/lost"]
+    assert axes.get_title().startswith("2 passed, 2 failed, 1 not applicable")
 
 
 def test_comparison() -> None:
@@ -94,9 +102,12 @@ def test_comparison() -> None:
     assert_drawn(figure)
     shown = figure.axes[0].images[0].get_array()
     np.testing.assert_array_equal(shown, data.difference.max(axis=2))
-    assert f"RMSE {data.rmse:.3g}" in figure.axes[0].get_title()
+    assert f"RMSE {data.rmse:.3g}" in figure.get_suptitle()
     assert figure.axes[0].lines[0].get_xydata().tolist() == [list(map(float, data.max_at))]
     assert_drawn(pellucid.compare(a, a).figure())
+    upright = pellucid.compare(np.zeros((90, 30, 3)), np.ones((90, 30, 3))).figure()
+    assert_drawn(upright)
+    assert upright.get_figheight() > upright.get_figwidth()
 
 
 def test_plan() -> None:
@@ -105,5 +116,12 @@ def test_plan() -> None:
     assert_drawn(figure)
     texts = [text.get_text() for text in figure.axes[0].texts]
     assert texts[0].startswith(data.method)
-    assert [text for text in texts if text in {one.name for one in data.passes}] == [one.name for one in data.passes]
-    assert texts.count("●") == sum(one.on for one in data.passes)
+    on = [one.name for one in data.passes if one.on]
+    assert texts[2 : 3 * len(on) : 3] == on
+    assert texts.count("●") == len(on)
+    # The others are grouped, and none is lost.
+    off = texts[2 + 3 * len(on) :: 3]
+    assert texts.count("○") == len(off) == len({one.reason for one in data.passes if not one.on})
+    numbers = [re.search(r"\((\d+) passes\)$", text) for text in off]
+    total = sum(text.count(",") + 1 if number is None else int(number[1]) for text, number in zip(off, numbers, strict=True))
+    assert total == len(data.passes) - len(on)

@@ -275,11 +275,24 @@ def test_points_that_are_not_finite_are_left_out() -> None:
     points[3, 1] = np.nan
     cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points))
     cloud.colors = o3d.utility.Vector3dVector(np.full((10, 3), 0.5))
-    with pytest.warns(pellucid.PellucidWarning, match="1 points of the open3d.geometry.PointCloud are left out"):
+    with pytest.warns(pellucid.PellucidWarning, match="1 points of the open3d.geometry.PointCloud are left out") as warned:
         found = Cloud.from_any(cloud)
+    assert warned[0].filename == __file__
     assert len(found) == 9
     assert found.colors is not None
     assert len(found.colors) == 9
+
+
+def test_numbers_that_overflow_are_infinite_as_those_of_files(tmp_path: Path) -> None:
+    frame = pd.DataFrame({"x": [0.0, 1.0], "y": [0.0, 1.0], "z": [0.0, 1.0], "weight": [1.0, 1e300]})
+    path = tmp_path / "cloud.csv"
+    frame.to_csv(path, index=False)
+    assert_same(Cloud.from_any(frame), Cloud.read(path))
+
+
+def test_objects_have_the_name_of_their_kind() -> None:
+    assert Cloud.from_any(plyfile.PlyData.read(DATA / "models/turbine_blade_6k.ply")).name == "plyfile.PlyData"
+    assert Cloud.from_any(pd.DataFrame({"x": [0.0], "y": [0.0], "z": [0.0]})).name == "pandas.DataFrame"
 
 
 def test_whole_objects_give_no_warning() -> None:
@@ -295,7 +308,7 @@ BAD = {
     ),
     "data frame of text": (
         lambda: pd.DataFrame({"x": ["1"], "y": [2.0], "z": [3.0]}),
-        "points: pandas.DataFrame has no column of numbers 'x', only [x, y, z]",
+        "points: pandas.DataFrame has no numbers in 'x'; if they are texts of numbers: frame.astype({'x': float, …})",
     ),
     "tensor without positions": (
         lambda: o3d.t.geometry.PointCloud(),
@@ -324,5 +337,5 @@ def test_objects_without_points_are_refused(make: object, message: str) -> None:
     ids=["open3d", "pyvista", "pandas"],
 )
 def test_empty_objects_are_refused(empty: object) -> None:
-    with pytest.raises(ValueError, match="point"):
+    with pytest.raises(ValueError, match=r"^points: expected at least one point, found an array of shape \(0, 3\)$"):
         pellucid.render(empty, size=SIZE)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -92,6 +93,65 @@ def test_stress_measures_what_it_was_asked_for(renderer):
         pellucid.stress(sides=[0])
 
 
+WRONG = [
+    (lambda: pellucid.stress(seed=-1), ValueError, "seed: expected a whole number from 0 to 2**64 - 1, found -1"),
+    (
+        lambda: pellucid.stress(max_fragments=1e6),
+        ValueError,
+        "max_fragments: expected a whole number from 1 to 2**63, found 1000000.0",
+    ),
+    (lambda: pellucid.stress(max_seconds="a"), ValueError, "max_seconds: expected a number above 0, found 'a'"),
+    (lambda: pellucid.stress(methods=[]), ValueError, "methods: expected at least one name, found none; without it all that apply"),
+    (lambda: pellucid.stress(methods=3), TypeError, "methods: expected a list of names, found int"),
+    (lambda: pellucid.stress(methods="abufer"), ValueError, 'found "abufer"'),
+    (lambda: pellucid.tradeoff(BLADE, seconds="a"), ValueError, "seconds: expected a number above 0, found 'a'"),
+    (lambda: pellucid.tradeoff(BLADE, seconds=0), ValueError, "seconds: expected a number above 0, found 0"),
+    (lambda: pellucid.check(["abuffer/"]), TypeError, "names: expected texts, found list; a list of names is check(*names)"),
+    (lambda: pellucid.check(3), TypeError, "names: expected texts, found int"),
+    (
+        lambda: pellucid.compare(PICTURE, WITH_NAN),
+        ValueError,
+        "b: expected finite colors, found [0.0, NaN, 0.0] in column 3, row 1",
+    ),
+    (
+        lambda: pellucid.compare(WITH_NAN / 0.0, PICTURE),
+        ValueError,
+        "a: expected finite colors, found [NaN, NaN, NaN] in column 0, row 0",
+    ),
+    (
+        lambda: pellucid.compare(PICTURE, np.zeros((4, 5, 4))),
+        ValueError,
+        "b: expected an Image, a path or an array of shape (h, w, 3), found an array of shape (4, 5, 4); of an Image give the "
+        "image itself or image.over_background(), since four channels don't say the background",
+    ),
+    (lambda: pellucid.compare(PICTURE.astype(">i4"), PICTURE), ValueError, "a: expected linear floats, or uint8 or uint16 as sRGB"),
+]
+PICTURE = np.zeros((4, 5, 3))
+WITH_NAN = PICTURE.copy()
+WITH_NAN[1, 3, 1] = WITH_NAN[2, 0] = np.nan
+
+
+@pytest.mark.parametrize(("call", "kind", "message"), WRONG)
+@pytest.mark.filterwarnings("ignore:invalid value")
+def test_wrong_arguments_of_measurements_are_named(renderer, call, kind, message):
+    with pytest.raises(kind, match=re.escape(message)):
+        call()
+
+
+def test_one_method_may_come_without_a_list(renderer):
+    found = pellucid.stress(sides=[16], layers=[1], methods="abuffer", frames=1, max_seconds=5, max_fragments=np.int64(10**9))
+    assert {cell.method for cell in found.cells} == {"abuffer"}
+
+
+def test_pictures_of_any_byte_order_are_compared(renderer):
+    a, b = np.random.default_rng(0).random((2, 9, 7, 3))
+    expected = pellucid.compare(a, b).json
+    for order in "<>":
+        assert pellucid.compare(a.astype(f"{order}f8"), b.astype(f"{order}f8")).json == expected
+    shorts = (a * 65535).astype(np.uint16)
+    assert pellucid.compare(shorts, shorts.astype(">u2")).rmse == 0.0
+
+
 def test_check_passes_here(renderer, cli):
     found = pellucid.check("abuffer/faint", "abuffer/equal")
     assert found
@@ -120,6 +180,9 @@ def test_what_was_measured_does_not_change(renderer, points):
     profile = pellucid.profile(points, frames=1, size=SIZE)
     with pytest.raises(dataclasses.FrozenInstanceError):
         profile.points = 3
+    assert len({profile, profile}) == 1
+    assert isinstance(hash(pellucid.plan(points, size=SIZE)), int)
+    assert hash(pellucid.Check("d", "d", 0, 0, (), {})) == hash(pellucid.Check("d", "d", 0, 0, (), {}))
 
 
 def test_a_loaded_scene_is_profiled_too(renderer, points):

@@ -30,6 +30,11 @@ def test_what_is_not_explained_is_found(
     class Plain:
         """Explained."""
 
+        length: int
+        """Explained, too."""
+        width: int
+        _depth: int
+
         def method(self) -> None: ...
 
         @property
@@ -43,7 +48,7 @@ def test_what_is_not_explained_is_found(
     monkeypatch.setattr(pellucid, "__all__", ["Plain", "function", "render"])
     monkeypatch.setattr(pellucid, "Plain", Plain, raising=False)
     monkeypatch.setattr(pellucid, "function", function, raising=False)
-    assert reference.undocumented() == ["Plain.method", "Plain.size", "function"]
+    assert reference.undocumented() == ["Plain.method", "Plain.size", "Plain.width", "function"]
     assert reference.main() == 1
     assert "error: Plain.size has no docstring" in capsys.readouterr().err
 
@@ -54,4 +59,5 @@ def test_pages_are_built(reference: ModuleType, tmp_path: Path, monkeypatch: pyt
     monkeypatch.setattr("sys.argv", ["reference.py", str(tmp_path)])
     assert reference.main() == 0
     page = (tmp_path / "pellucid.html").read_text()
+    assert "Full vertical angle in degrees" in page, "the docstring of a field"
     assert all(f'id="{name}"' in page for name in ("render", "Camera", "Camera.orbit", "Scene", "profile"))

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
+import copy
+import json
 import math
+import pickle
+import types
 import warnings
 
 import numpy as np
 import pytest
-from conftest import SIZE
+from conftest import DATA, SIZE
 
 import pellucid
+from pellucid._progress import listening
+from pellucid._renderer import Sharing, with_bytes
 
 # Three discs of opacity 0.25 before one another, over the whole image.
 LAYERS = np.array([[0.0, 0.0, z] for z in range(3)])
@@ -56,6 +63,129 @@ def test_a_picture_is_an_array(renderer):
     assert image.rgba.max() > 0.5
     assert np.asarray(image, dtype=np.float64).dtype == np.float64
     np.testing.assert_array_equal(np.add(image, 1.0), array + 1.0)
+
+
+def test_a_picture_calculates_as_its_array(renderer):
+    image = layers()
+    array = np.asarray(image)
+    for found, expected in (
+        (image * 2, array * 2),
+        (1 - image, 1 - array),
+        (image - image, np.zeros_like(array)),
+        (-image, -array),
+        (np.arange(4) * image, np.arange(4) * array),
+        (image == array, np.ones_like(array, dtype=bool)),
+        (np.clip(image, 0.1, 0.2), np.clip(array, 0.1, 0.2)),
+        (np.add.reduce(image, axis=2), array.sum(axis=2)),
+        (image[0], array[0]),
+        (image[..., 3], array[..., 3]),
+        (image[image > 0.5], array[array > 0.5]),
+        (np.stack(list(image)), array),
+    ):
+        assert type(found) is np.ndarray
+        np.testing.assert_array_equal(found, expected)
+    assert np.mean(image) == array.mean()
+    assert (len(image), image.shape, image.ndim, image.dtype) == (12, (12, 16, 4), 3, np.float32)
+    assert not image[0].flags.writeable
+    written = np.zeros_like(array)
+    np.multiply(image, 2, out=written)
+    np.testing.assert_array_equal(written, array * 2)
+    message = (
+        r"^out: expected an array to write to, found an Image \(add\): images are read-only, and numpy\.array\(image\) is a copy"
+    )
+    with pytest.raises(TypeError, match=message):
+        image += 1
+    with pytest.raises(IndexError):
+        image[12]
+    assert len({image, image}) == 1
+
+
+def test_a_picture_is_copied_and_not_pickled(renderer):
+    image = layers()
+    assert copy.copy(image) is image
+    assert copy.deepcopy([image])[0] is image, "nothing of it can be changed"
+    with pytest.raises(
+        TypeError, match=r"^an Image can't be pickled: it holds more than arrays; numpy\.asarray\(image\) can be, and"
+    ):
+        pickle.dumps(image)
+
+
+def test_a_frame_takes_keys_of_the_camera_and_no_columns(renderer, points):
+    with renderer.load(points, opacity=0.3, size=SIZE) as loaded:
+        keys = {"eye": [0.0, 0.0, 9.0], "target": [0.0, 0.0, 0.0], "up": [0.0, 1.0, 0.0]}
+        image = loaded.frame(camera=keys)
+        assert image.camera.eye == (0.0, 0.0, 9.0)
+        np.testing.assert_array_equal(image.rgba, pellucid.render(points, opacity=0.3, size=SIZE, camera=keys).rgba)
+        assert loaded.profile(camera=keys, frames=1).points == 500
+        message = "^colors: expected at Renderer.load, which takes columns of points; a frame draws what was loaded$"
+        with pytest.raises(TypeError, match=message):
+            loaded.frame(colors=points)
+        with pytest.raises(TypeError, match=r"^camera: expected a Camera or a dict of keys of \[camera\], found tuple$"):
+            loaded.frame(camera=(0, 0, 9))
+
+
+def test_a_camera_stands_for_all_of_the_view(points):
+    camera = pellucid.Camera.look_at((0, 0, 9), (0, 0, 0), up=(0, 1, 0))
+    for given in (camera, {"eye": [0, 0, 9], "target": [0, 0, 0]}):
+        with pytest.raises(TypeError, match=r"^view: expected no camera beside it: both say from where"):
+            pellucid.render(points, camera=given, view="top")
+
+
+def test_bytes_of_memory_may_be_texts(renderer, points):
+    expected = pellucid.render(points, opacity=0.3, size=SIZE).rgba
+    for budget in ("1GiB", "512 MB", "1.5g", np.int64(2**30), 2**30):
+        image = pellucid.render(points, opacity=0.3, size=SIZE, memory_budget=budget, host_memory=budget)
+        np.testing.assert_array_equal(image.rgba, expected)
+    with renderer.load(points, size=SIZE) as loaded:
+        loaded.frame(memory_budget="1GiB")
+    message = "^memory_budget: expected a number of bytes, or a text as '4GiB' or '500MB', found 'much'$"
+    with pytest.raises(ValueError, match=message):
+        pellucid.render(points, memory_budget="much")
+    with pytest.raises(ValueError, match=r"^host_memory: expected at least \d+ bytes, found 1024$"):
+        pellucid.render(DATA / "lidar/sample_c_2k.las", host_memory="1KiB")
+
+
+@pytest.mark.parametrize(
+    ("text", "bytes"), [("7", 7), ("7B", 7), ("2kB", 2000), ("2 KiB", 2048), ("0.5Mi", 2**19), ("1tib", 2**40)]
+)
+def test_texts_of_bytes_are_those_of_the_command_line(text, bytes):
+    assert with_bytes({"memory_budget": text, "samples": 3}) == {"memory_budget": bytes, "samples": 3}
+
+
+def test_a_device_is_an_index_or_a_text(renderer, points):
+    index = next(device.index for device in pellucid.devices() if device.taken)
+    for device in (index, np.int64(index), renderer.name):
+        assert pellucid.render(points, size=SIZE, device=device).rgba.max() > 0.0
+    for device, kind in (([0], "list"), (False, "bool"), (0.0, "float")):
+        for call in (pellucid.Renderer, lambda device: pellucid.render(points, device=device)):
+            with pytest.raises(TypeError, match=f"^device: expected an index or a part of a name, found {kind}$"):
+                call(device)
+
+
+@pytest.mark.parametrize("name", ["render", "profile", "plan", "tradeoff", "check", "stress"])
+def test_a_device_that_failed_is_opened_anew(renderer, points, monkeypatch, name):
+    def lost(*_):
+        raise pellucid.DeviceError("lost")
+
+    class Lost:
+        """What native code has in place of a scene."""
+
+        frame = profile = plan = tradeoff = lost
+        method = lambda self: ("abuffer", "")  # noqa: E731
+        close = lambda self: None  # noqa: E731
+
+    monkeypatch.setattr("pellucid._renderer._pellucid.Loaded", lambda *_: Lost())
+    monkeypatch.setattr("pellucid._renderer._open", {})
+    monkeypatch.setattr("pellucid._api._pellucid.check", lost)
+    monkeypatch.setattr("pellucid._api._pellucid.stress", lost)
+    with Sharing(None) as first:
+        pass
+    with pytest.raises(pellucid.DeviceError, match="lost"):
+        getattr(pellucid, name)(*([] if name in ("check", "stress") else [points]))
+    with Sharing(None) as second:
+        assert second is not first
+    with Sharing(None) as third:
+        assert third is second
 
 
 def test_stochastic_pictures_know_their_error_and_their_seed(renderer, points):
@@ -225,13 +355,41 @@ def test_a_bar_follows_the_work(renderer, points):
     bars: list[Bar] = []
     many = np.random.default_rng(0).normal(size=(200_000, 3))
     pellucid.render(many, opacity=0.1, size=(256, 256), method="abuffer", progress=Bar)
-    assert bars
+    assert any(bar.done > 0 for bar in bars)
+    assert all(bar.total is None or bar.done <= bar.total for bar in bars)
     assert all(bar.closed for bar in bars)
     assert all(bar.desc for bar in bars)
+    full = [bar.done == bar.total for bar in bars if bar.total is not None]
+    assert full
+    assert all(full), "of work that succeeded"
     import tqdm
 
     pellucid.render(points, size=SIZE, progress=tqdm.tqdm)
     pellucid.render(points, size=SIZE, progress=True)
+
+
+def test_bars_are_full_where_work_succeeded():
+    bars = []
+
+    def make(total, desc):
+        bars.append(types.SimpleNamespace(total=total, n=0, close=lambda: None))
+        bars[-1].update = lambda steps, bar=bars[-1]: setattr(bar, "n", bar.n + steps)
+        return bars[-1]
+
+    with listening(make) as listener:
+        listener("reading", 0, 7)
+        listener("choosing", 0, None)
+        listener("rendering", 3, 9)
+    assert [(bar.n, bar.total) for bar in bars] == [(7, 7), (0, None), (9, 9)]
+
+    def fail():
+        with listening(make) as listener:
+            listener("reading", 2, 7)
+            raise RuntimeError("no")
+
+    with pytest.raises(RuntimeError, match="no"):
+        fail()
+    assert bars[-1].n == 2
 
 
 def test_a_bar_that_fails_ends_the_work(renderer):
@@ -262,3 +420,55 @@ def test_a_profile_comes_with_each_picture(renderer):
     assert profile.wall_ms > 0.0
     assert profile.points == 3
     assert profile.pixels == 16 * 12
+
+
+@pytest.mark.filterwarnings("ignore::pellucid.PellucidWarning")
+def test_frames_do_not_follow_from_those_before(renderer, points):
+    """Each frame after others is that of a scene that was loaded for it alone."""
+    asked = [
+        {},
+        {"color_by": "height", "image__color": "encoded"},
+        {"color_by": "height"},
+        {"method": "spbr", "seed": 3},
+        {"method": "spbr"},
+        {"method": "splats"},
+        {"see_through": 0.5},
+        {"see_through": 0.5, "opacity_factor": 0.1},
+        {"background": "white", "max_error": 1e-6},
+        {},
+    ]
+    with renderer.load(points, size=SIZE, opacity=0.3) as loaded:
+        found = [np.array(loaded.frame(**one)) for one in asked]
+    for one, image in zip(asked, found, strict=True):
+        with renderer.load(points, size=SIZE, opacity=0.3) as fresh:
+            np.testing.assert_array_equal(image, np.asarray(fresh.frame(**one)), err_msg=str(one))
+
+
+def test_splats_stay_splats_after_a_method_that_has_none(renderer):
+    with renderer.load(pellucid.Scene.read(DATA / "splats" / "soup.ply"), size=SIZE) as loaded:
+        first = np.array(loaded.frame())
+        assert not np.array_equal(first, loaded.frame(method="hqs"))
+        np.testing.assert_array_equal(first, np.asarray(loaded.frame()))
+
+
+def test_see_through_takes_a_factor(renderer, points):
+    with renderer.load(points, size=SIZE, radius=0.05) as loaded:
+        metadata = dict(loaded.frame(see_through=0.5).metadata)
+        factor = json.loads(metadata["pellucid:see-through"])["factor"]
+        both = np.array(loaded.frame(see_through=0.5, opacity_factor=0.1))
+        np.testing.assert_allclose(both, np.asarray(loaded.frame(opacity_factor=0.1 * factor)), rtol=1e-5, atol=1e-7)
+
+
+def test_a_frame_after_an_interrupted_one_is_its_own(renderer, points):
+    class Stop(Exception):
+        pass
+
+    def stop(**_):
+        raise Stop
+
+    away = pellucid.Camera.look_at((0, 0, 30), (0, 0, 0), up=(0, 1, 0))
+    with renderer.load(points, size=SIZE, opacity=0.3) as loaded:
+        first = np.array(loaded.frame())
+        with contextlib.suppress(Stop):
+            loaded.frame(camera=away, see_through=0.5, progress=stop)
+        np.testing.assert_array_equal(first, np.asarray(loaded.frame()))

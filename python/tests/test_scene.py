@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import inspect
 
 import numpy as np
@@ -9,6 +10,8 @@ import pytest
 from conftest import DATA, SIZE
 
 import pellucid
+
+LIGHT = [1.0, 1.0, -2.0]
 
 
 @pytest.fixture
@@ -79,7 +82,10 @@ def test_a_key_that_is_none_is_refused(scene):
 def test_toml_and_back(renderer, scene, points, tmp_path):
     scene.update(size=SIZE, background=[0.1, 0.2, 0.3], clip=[{"slab": {"axis": "z", "min": -1.0}}], class_opacity={6: 0.5})
     text = scene.to_toml()
-    assert 'path = "' in text
+    assert pellucid.Scene.from_toml(text).given() == scene.given()
+    assert scene.given()["cloud"] == [{"path": "ball", "opacity": 0.25, "class": [{"id": 6, "opacity": 0.5}]}]
+    assert scene.given()["clip"] == [{"slab": {"axis": "z", "min": -1.0}}]
+    assert scene.given()["image"] == {"background": [0.1, 0.2, 0.3], "size": list(SIZE)}
     path = tmp_path / "scene.toml"
     file = DATA / "models/turbine_blade_6k.ply"
     path.write_text(f'[image]\nsize = [64, 48]\n[[cloud]]\npath = "{file}"\nopacity = 0.5\n')
@@ -91,19 +97,185 @@ def test_toml_and_back(renderer, scene, points, tmp_path):
     assert len(read.clouds[0]) > 1000
 
 
-def test_clips_are_a_list(scene):
-    assert scene.clip == []
+def test_a_scene_of_arrays_comes_back_with_its_clouds(renderer, points, tmp_path):
+    file = DATA / "models/turbine_blade_6k.ply"
+    clouds = [pellucid.Cloud(points, name="ball"), pellucid.Cloud.read(file), pellucid.Cloud(points + 4.0, opacity=0.5)]
+    clips = [{"slab": {"axis": "z", "min": -1.0}}, {"plane": {"point": [0, 0, 0], "normal": [1, 0, 0]}, "invert": True}]
+    scene = pellucid.Scene(clouds, size=SIZE, clip=clips, class_opacity={6: 0.5}, method="circles", shadows={}, color="red")
+    scene.shading.light = LIGHT
+    text = scene.to_toml(DATA)
+    for path in ("ball", "models/turbine_blade_6k.ply", "cloud"):
+        assert f'path = "{path}"' in text
+    assert 'path = "ball"' in scene.to_toml(tmp_path)
+    assert 'path = "ball"' in scene.copy().to_toml(tmp_path)
+    again = pellucid.Scene.from_toml(text, folder=DATA, clouds=scene.clouds)
+    assert again.given() == scene.given()
+    assert again.to_toml(tmp_path) == scene.to_toml(tmp_path)
+    np.testing.assert_array_equal(pellucid.render(again).rgba, pellucid.render(scene).rgba)
+    single = pellucid.Scene.from_toml("[[cloud]]\npath = 'a'\nradius = 0.5", clouds=clouds[0])
+    assert single.given() == {"cloud": [{"path": "a", "radius": 0.5}]}
+
+
+def test_the_same_file_twice_keeps_its_path():
+    cloud = pellucid.Cloud.read(DATA / "models/turbine_blade_6k.ply")
+    scene = pellucid.Scene([cloud, cloud])
+    assert {table.path for table in scene.cloud} == {str(DATA / "models/turbine_blade_6k.ply")}
+
+
+def test_clips_are_a_tuple(scene):
+    assert scene.clip == ()
     scene.clip = [{"slab": {"axis": "z", "min": 0.0}}, {"plane": {"point": [0, 0, 0], "normal": [1, 0, 0]}, "invert": True}]
     assert len(scene.clip) == 2
     assert scene.get("clip.0.slab.min") == 0.0
+    scene.clip = [*scene.clip, {"slab": {"axis": "x", "max": 3}}]
+    assert [*scene.clip[2]] == ["slab"]
     scene.clip = []
-    assert scene.clip == []
+    assert scene.clip == ()
+    with pytest.raises(AttributeError, match="append"):
+        scene.clip.append({})
+
+
+def test_shadows_are_switched_on(renderer, scene):
+    """As by an empty table in a file."""
+    for on in ({}, True):
+        assert pellucid.Scene(scene.clouds, shadows=on).given()["shadows"] == {}
+        other = scene.copy()
+        other.update(shadows=on)
+        assert other.given()["shadows"] == {}
+    scene.shadows = True
+    assert scene.given()["shadows"] == {}
+    scene.shadows = {"samples": 4}
+    assert scene.given()["shadows"] == {"samples": 4}
+    scene.shadows = None
+    assert "shadows" not in scene.given()
+    x, y = np.mgrid[-2:2:40j, -2:2:40j].reshape(2, -1)
+    floor, roof = np.stack([x, y, 0 * x], axis=1), np.stack([0.3 * x, 0.3 * y, 0 * x + 1.0], axis=1)
+    hall = pellucid.Cloud(np.concatenate([floor, roof]), normals=[(0, 0, 1)] * 2 * len(floor))
+    lit = {"size": SIZE, "method": "circles", "radius": 0.1, "view": "iso", "shading": {"model": "lambert", "light": LIGHT}}
+    shadowed = pellucid.render(hall, shadows={}, **lit).rgba
+    assert np.abs(pellucid.render(hall, **lit).rgba - shadowed).max() > 0.1
+    np.testing.assert_array_equal(pellucid.render(hall, shadows=True, **lit).rgba, shadowed)
+
+
+def test_a_table_takes_a_dict(scene):
+    scene.image = {"background": "red"}
+    scene.image = {"size": (4.0, 5)}
+    assert scene.given()["image"] == {"size": [4, 5]}
+    scene.method = {"name": "stochastic", "samples": 4.0}
+    assert scene.given()["method"] == {"name": "stochastic", "samples": 4}
+    scene.camera = {"fov_y": 20}
+    assert scene.given()["camera"] == {"fov_y": 20}
+    before = scene.given()
+    with pytest.raises(pellucid.SceneError, match=r"^shading\.modl='none': unknown key `shading\.modl`; did you mean `model`\?$"):
+        scene.shading = {"model": "none", "modl": "none"}
+    assert scene.given() == before
+
+
+def test_a_plain_name_of_several_tables_is_the_method_s(scene):
+    scene.update(samples=8, min_layer_distance=0.5, color="red")
+    assert scene.given()["method"] == {"name": "stochastic", "samples": 8, "min_layer_distance": 0.5}
+    assert scene.given()["cloud"][0]["color"] == "red"
+    assert "shadows" not in scene.given()
+    scene.update(shadows__resolution=256, shadows__samples=2)
+    assert scene.given()["shadows"] == {"resolution": 256, "samples": 2}
+    scene.set("samples", 16.0)
+    assert scene.get("samples") == scene.method.samples == 16
+
+
+def test_keys_that_are_not_there_are_key_errors(scene):
+    for key in ("cloud.7.opacity", "cloud.-1.opacity", "clip.0.slab", "nope", "resolution", "image.nope"):
+        with pytest.raises(KeyError):
+            scene.get(key)
+    assert scene.get("clip") is None
+    assert scene.get("cloud.*.opacity") == 0.25
+    with pytest.raises(AttributeError, match=r"^\[image\] has no key 'nokey'; it has size, background, color$"):
+        del scene.image.nokey
+    for key in ("shadows", "cloud.0.class", "cloud.*.radius", "clip"):
+        scene.set(key, None)
+
+
+def test_numbers_of_numpy_are_classes(scene):
+    scene.update(classes=np.int64(2))
+    other = pellucid.Scene(scene.clouds, opacity=0.25, method="stochastic", classes=[2.0])
+    assert other.given() == scene.given()
+
+
+def test_a_direction_is_kept(renderer, points):
+    def picture(**settings):
+        return pellucid.render(scene, size=SIZE, **settings).rgba
+
+    scene = pellucid.Scene(pellucid.Cloud(points), method="circles")
+    expected = picture(view="front", elevation=10.0)
+    scene.update(view="front")
+    scene.update(elevation=10.0)
+    np.testing.assert_array_equal(picture(), expected)
+    np.testing.assert_array_equal(pellucid.render(scene.copy(), size=SIZE).rgba, expected)
+    np.testing.assert_array_equal(picture(elevation=10.0), expected)
+    scene.update(view="front")
+    assert np.abs(picture() - expected).max() > 0.0
+    np.testing.assert_array_equal(picture(elevation=10.0), expected)
+    # A place of the camera is newer than the view.
+    scene.camera.eye = (0.0, -20.0, 3.0)
+    placed = picture()
+    fresh = pellucid.Scene(scene.clouds, method="circles", camera={"eye": (0.0, -20.0, 3.0)})
+    np.testing.assert_array_equal(pellucid.render(fresh, size=SIZE).rgba, placed)
+
+
+def test_a_size_is_the_picture_s(renderer, points):
+    """As in `render`, though methods have a size as well: a factor on radii."""
+    cloud = pellucid.Cloud(points)
+    scene = pellucid.Scene(cloud, size=(48, 36), method="squares")
+    assert scene.given()["image"] == {"size": [48, 36]}
+    assert scene.given()["method"] == {"name": "squares"}
+    assert "size = [48, 36]" in scene.to_toml()
+    assert pellucid.render(scene).shape == (36, 48, 4)
+    scene.update(size=np.array([40, 30]), method__size=2.0)
+    assert scene.get("size") == scene.image.size == [40, 30]
+    assert scene.method.size == 2.0
+    large = pellucid.render(scene)
+    assert large.size == (40, 30)
+    small = pellucid.render(scene, method={"size": 0.5})
+    assert small.size == (40, 30)
+    assert small.rgba[..., 3].mean() < 0.5 * large.rgba[..., 3].mean()
+    with renderer.load(cloud, size=(48, 36), method="squares") as loaded:
+        assert loaded.frame().size == (48, 36)
+        np.testing.assert_array_equal(loaded.frame(size=(40, 30), method__size=2.0).rgba, large.rgba)
+    for wrong in (64, (64, 48.5), (1, 2, 3), "64x48"):
+        with pytest.raises(ValueError, match=r"^size: expected \(width, height\), whole numbers from 1 to 16384, found "):
+            scene.update(size=wrong)
+    with pytest.raises(pellucid.SceneError, match=r"^size=\(0, 30\): `image\.size` "):
+        scene.update(size=(0, 30))
+    assert scene.image.size == [40, 30]
+
+
+def test_a_camera_may_be_a_scene_s(renderer, scene):
+    camera = pellucid.Camera.look_at((0, -9, 1), (0, 0, 0), up=(0, 0, 1), fov_y=30)
+    expected = pellucid.render(scene, size=SIZE, camera=camera).rgba
+    scene.update(size=SIZE, view="top", near=0.5)
+    scene.update(camera=camera)
+    assert scene.given()["camera"] == {"eye": [0, -9, 1], "target": [0, 0, 0], "up": [0, 0, 1], "fov_y": 30}
+    np.testing.assert_array_equal(pellucid.render(scene).rgba, expected)
+    scene.update(camera={"fov_y": 40.0})
+    assert scene.camera.eye == [0, -9, 1]
+    assert scene.camera.fov_y == 40
+    scene.camera = camera
+    np.testing.assert_array_equal(pellucid.render(scene).rgba, expected)
+    scene.camera = None
+    assert "camera" not in scene.given()
+    direct = pellucid.Scene(scene.clouds, camera=camera, opacity=0.25, method="stochastic", size=SIZE)
+    np.testing.assert_array_equal(pellucid.render(direct).rgba, expected)
+    with pytest.raises(TypeError, match=r"^camera: expected a Camera or a dict of keys of \[camera\], found tuple$"):
+        scene.update(camera=(0, 0, 5))
 
 
 def test_a_copy_changes_by_itself(scene):
-    other = scene.copy()
-    other.method.samples = 4
-    assert scene.method.samples == 64
+    for other in (scene.copy(), copy.copy(scene), copy.deepcopy(scene), copy.deepcopy([scene])[0]):
+        other.method.samples = 4
+        assert scene.method.samples == 64
+    cloud = pellucid.Cloud(np.eye(3), name="corner", opacity=0.5)
+    for same in (copy.copy(cloud), copy.deepcopy(cloud)):
+        same.opacity = 1.0
+        assert (len(same), same.name, cloud.opacity) == (3, "corner", 0.5)
 
 
 def test_rendering_leaves_a_scene_as_it_is(renderer, scene):

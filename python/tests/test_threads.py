@@ -69,18 +69,22 @@ def test_other_threads_go_on_while_a_frame_is_rendered(renderer):
     def tick() -> None:
         while not done.is_set():
             ticks.append(time.monotonic())
-            time.sleep(0.005)
+            time.sleep(0.001)
 
     thread = threading.Thread(target=tick)
     thread.start()
-    begin = time.monotonic()
-    pellucid.render(MANY, opacity=0.05, size=(512, 512), method="abuffer")
-    took = time.monotonic() - begin
+    with renderer.load(MANY, opacity=0.05, size=(512, 512), method="stochastic") as loaded:
+        # A fast device needs more work, so that pauses of the system don't count.
+        for samples in (16, 64, 256, 1024):
+            begin = time.monotonic()
+            loaded.frame(samples=samples)
+            end = time.monotonic()
+            if end - begin > 0.5:
+                break
     done.set()
     thread.join()
-    gaps = np.diff(ticks)
-    assert took > 0.2, "else it says nothing"
-    assert gaps.max() < 0.25, f"the longest pause of {took:.2f} s was {gaps.max():.3f} s"
+    pauses = np.diff([begin, *(at for at in ticks if begin < at < end), end])
+    assert pauses.max() < 0.5 * (end - begin), f"the longest pause of {end - begin:.3f} s was {pauses.max():.3f} s"
 
 
 INTERRUPTED = """
@@ -114,8 +118,16 @@ INTERRUPTED = """
         ("pellucid.Renderer().load(points, opacity=0.05)", "loaded.frame(method='stochastic', samples=1024)", 1.0),
         ("None", "pellucid.render(np.random.default_rng(1).normal(size=(2_000_000, 3)), opacity=0.1)", 1.5),
         ("None", "pellucid.check('abuffer/')", 1.0),
+        # One dispatch that takes seconds: nobody waits for it, not even whoever closes what it works for.
+        (
+            "None",
+            "with pellucid.Renderer() as renderer, renderer.load(points, opacity=0.05, radius=0.3, size=(1024, 1024)) as loaded:\n"
+            "                loaded.frame(method='weighted')",
+            4.0,
+        ),
+        ("None", "pellucid.render(points, opacity=0.05, radius=0.3, size=(1024, 1024), method='weighted')", 4.0),
     ],
-    ids=["a frame", "samples", "preparing points", "a check"],
+    ids=["a frame", "samples", "preparing points", "a check", "a frame and closing", "a heavy picture"],
 )
 def test_ctrl_c_ends_work_at_once(renderer, load, call, after):
     waited = 1.0
@@ -143,6 +155,20 @@ def test_an_interruption_that_nobody_catches_ends_the_process(renderer):
     )
     assert done.returncode == -signal.SIGINT, done.stderr
     assert done.stderr.rstrip().endswith("KeyboardInterrupt")
+
+
+def test_ctrl_c_at_the_end_of_the_process_is_quiet():
+    done = run(
+        """
+        import pellucid
+
+        def wait(seconds):
+            raise KeyboardInterrupt
+
+        pellucid._pellucid.wait = wait
+        """
+    )
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="a system without fork")
@@ -225,13 +251,21 @@ def test_without_a_driver_the_error_says_what_to_install():
         assert system in done.stdout, done.stdout
 
 
-def test_importing_takes_no_time():
-    script = "import time; begin = time.perf_counter(); import pellucid; print(time.perf_counter() - begin)"
-    times = [float(run(script).stdout) for _ in range(5)]
-    # The target is 50 ms; a busy machine may need twice that.
-    assert min(times) < 0.1, times
-    lazy = run("import sys, pellucid; print([m for m in ('matplotlib', 'pandas', 'tqdm', 'laspy', 'open3d') if m in sys.modules])")
-    assert lazy.stdout.strip() == "[]"
+def test_importing_brings_numpy_alone():
+    """Which takes less than 50 ms; benches/speed.py measures it."""
+    done = run(
+        """
+        import sys
+        import numpy
+
+        before = set(sys.modules)
+        import pellucid
+
+        packages = {name.partition(".")[0] for name in set(sys.modules) - before}
+        print(*sorted(packages - set(sys.stdlib_module_names) - {"numpy"}), "pellucid._measures" in sys.modules)
+        """
+    )
+    assert done.stdout == "pellucid False\n", done.stdout + done.stderr
 
 
 def test_closed_things_say_so(points):

@@ -1,9 +1,15 @@
 """`pellucid.view` without a browser: fallbacks, and what the painter's thread does."""
 
+import asyncio
+import gc
+import inspect
+import json
 import queue
+import signal
 import subprocess
 import sys
 import threading
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,9 +28,23 @@ def test_without_a_notebook_it_is_a_picture() -> None:
     np.testing.assert_array_equal(image.rgba, pellucid.render(POINTS, size=(64, 48), opacity=0.3).rgba)
 
 
-def test_a_budget_of_nothing_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"^budget_ms: found 0, expected milliseconds above 0$"):
-        pellucid.view(POINTS, budget_ms=0)
+@pytest.mark.parametrize("frame_ms", [0, "a", float("nan"), None])
+def test_a_budget_of_nothing_is_refused(frame_ms: object) -> None:
+    with pytest.raises(ValueError, match=rf"^frame_ms: expected a number above 0, found {frame_ms!r}$"):
+        pellucid.view(POINTS, frame_ms=frame_ms)
+
+
+def test_arguments_are_those_of_render() -> None:
+    theirs, own = (dict(inspect.signature(function).parameters) for function in (pellucid.render, pellucid.view))
+    assert own.pop("frame_ms").default == 33.0
+    assert own == theirs
+    image = pellucid.view(POINTS, size=(32, 24), opacity=0.3, method="abuffer", fragments=True, depths=True, accuracy="8-bit")
+    assert image.fragments is not None
+    assert image.median_depth is not None
+    chosen = pellucid.view(POINTS, size=(32, 24), opacity=0.3, radius=0.1, budget_ms=1000)
+    assert "pellucid:choice" in chosen.metadata, "which is the budget of render"
+    with pytest.raises(ValueError, match=r"^accuracy: expected 'exact' or '8-bit', found 'good'$"):
+        pellucid.view(POINTS, accuracy="good")
 
 
 def test_a_notebook_without_widgets_is_told_what_to_install(tmp_path: Path) -> None:
@@ -39,11 +59,12 @@ with warnings.catch_warnings(record=True) as found:
     warnings.simplefilter("always")
     image = pellucid.view(np.eye(3), size=(16, 16))
 assert type(image) is pellucid.Image
-print(*[(w.category.__name__, str(w.message)) for w in found if "view" in str(w.message)])
+print(*[(w.category.__name__, str(w.message), w.filename) for w in found if "view" in str(w.message)])
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=tmp_path)
     assert "PellucidWarning" in done.stdout
     assert "pip install jupyter_rfb ipywidgets" in done.stdout
+    assert "'<string>'" in done.stdout, "the warning is about the line that called"
 
 
 class Made:
@@ -51,7 +72,7 @@ class Made:
 
     def __init__(self, **arguments: object) -> None:
         self.pictures: queue.Queue[Picture | Exception] = queue.Queue()
-        self.painter = Painter(POINTS, arguments, device=None, size=(160, 120), budget_ms=33, deliver=self.pictures.put)
+        self.painter = Painter(POINTS, arguments, device=None, size=(160, 120), frame_ms=33, deliver=self.pictures.put)
         self.request = self.painter.begin.request
 
     def until_whole(self) -> list[Picture]:
@@ -141,7 +162,9 @@ def test_errors_of_frames_are_delivered_and_painting_goes_on(made: Made) -> None
 
 def test_errors_of_loading_are_raised() -> None:
     with pytest.raises(pellucid.ReadError, match=r"nowhere\.las"):
-        Painter("/nowhere.las", {}, device=None, budget_ms=33, deliver=print)
+        Painter("/nowhere.las", {}, device=None, frame_ms=33, deliver=print)
+    with pytest.raises(TypeError, match="progress: expected"):
+        Painter(POINTS, {"progress": 3}, device=None, frame_ms=33, deliver=print)
 
 
 def test_a_closed_painter_has_no_thread(made: Made) -> None:
@@ -149,3 +172,179 @@ def test_a_closed_painter_has_no_thread(made: Made) -> None:
     assert not any(thread.name == "pellucid view" for thread in threading.enumerate())
     with pytest.raises(pellucid.Error, match="the window is closed"):
         made.painter.whole(made.request)
+
+
+def painters() -> list[threading.Thread]:
+    return [thread for thread in threading.enumerate() if thread.name == "pellucid view"]
+
+
+def wait_until(condition: object, seconds: float = 30) -> None:
+    limit = time.monotonic() + seconds
+    while not condition():  # type: ignore[operator]
+        assert time.monotonic() < limit
+        time.sleep(0.01)
+
+
+def in_a_thread(work: object) -> tuple[threading.Thread, list[object]]:
+    """A thread that does work, and what came of it: a result or an error."""
+    found: list[object] = []
+
+    def run() -> None:
+        try:
+            found.append(work())  # type: ignore[operator]
+        except Exception as error:
+            found.append(error)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    return thread, found
+
+
+def test_closing_lets_nobody_wait(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of two pictures that are wanted the first is in work when the window is closed, and the other isn't begun."""
+    begun = threading.Event()
+    frame = pellucid.Loaded.frame
+
+    def slow(loaded: pellucid.Loaded, **settings: object) -> pellucid.Image:
+        begun.set()
+        wait_until(lambda: made.painter._closed)
+        return frame(loaded, **settings)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(pellucid.Loaded, "frame", slow)
+    waiting = [in_a_thread(lambda: made.painter.whole(made.request)) for _ in range(2)]
+    assert begun.wait(30)
+    wait_until(lambda: len(made.painter._tasks) == 1)
+    made.painter.close()
+    for thread, _ in waiting:
+        thread.join(30)
+        assert not thread.is_alive()
+    results = [found[0] for _, found in waiting]
+    assert any(isinstance(result, pellucid.Error) and str(result) == "the window is closed" for result in results), results
+
+
+def test_a_painter_that_died_lets_nobody_wait(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: object) -> None:
+        raise RuntimeError("no more")
+
+    monkeypatch.setattr(Painter, "_follow", broken)
+    monkeypatch.setattr(made.painter, "_deliver", broken)
+    monkeypatch.setattr("threading.excepthook", lambda _: None)
+    made.painter.ask(made.request)
+    made.painter._thread.join(30)
+    with pytest.raises(pellucid.Error, match=r"^the window was closed by an error: no more$"):
+        made.painter.whole(made.request)
+
+
+def test_whole_pictures_wait_for_one_another(made: Made) -> None:
+    waiting = [in_a_thread(lambda: made.painter.whole(made.request)) for _ in range(4)]
+    for thread, found in waiting:
+        thread.join(60)
+        assert isinstance(found[0], pellucid.Image)
+
+
+def test_ctrl_c_while_points_are_loaded_ends_the_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    load = pellucid.Renderer.load
+
+    def interrupted(renderer: pellucid.Renderer, *points: object, **arguments: object) -> pellucid.Loaded:
+        signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)  # type: ignore[arg-type]
+        time.sleep(0.5)
+        return load(renderer, *points, **arguments)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(pellucid.Renderer, "load", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        Painter(POINTS, {}, device=None, frame_ms=33, deliver=print)
+    wait_until(lambda: not painters())
+
+
+def test_closing_stops_loading() -> None:
+    """The bar is asked for in the midst of it: Ctrl-C comes, and the thread ends with the next step."""
+    steps: list[str] = []
+
+    def bar(total: int | None = None, desc: str = "") -> object:
+        steps.append(desc)
+        signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)  # type: ignore[arg-type]
+        time.sleep(0.3)
+
+        class Bar:
+            def update(self, _: int) -> None:
+                raise AssertionError("the work is outdated")
+
+            def close(self) -> None: ...
+
+        return Bar()
+
+    many = np.random.default_rng(0).random((300_000, 3))
+    with pytest.raises(KeyboardInterrupt):
+        Painter(many, {"progress": bar}, device=None, frame_ms=33, deliver=print)
+    wait_until(lambda: not painters())
+    assert len(steps) == 1
+
+
+def window(**arguments: object) -> object:
+    """What `view` makes in a notebook, here in a loop without one."""
+    from pellucid._window import Window
+
+    frame = {"fragments": True, "depths": False, "accuracy": "exact"}
+    return Window(POINTS, size=(80, 60), device=None, frame_ms=33, arguments=arguments, frame=frame)
+
+
+def test_a_window_that_fails_leaves_no_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("jupyter_rfb")
+
+    def broken(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("pellucid._window._controls", broken)
+
+    async def work() -> None:
+        with pytest.raises(KeyboardInterrupt):
+            window(opacity=0.3)
+        # Nor complaints by what collects it.
+        with pytest.raises(TypeError, match="no_such"):
+            window(no_such=1)
+        gc.collect()
+
+    asyncio.run(work())
+    wait_until(lambda: not painters())
+
+
+def test_the_slider_multiplies_the_opacity_that_was_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Which is looked for once."""
+    pytest.importorskip("jupyter_rfb")
+    asked: list[dict[str, object]] = []
+    frame = pellucid.Loaded.frame
+
+    def noted(loaded: pellucid.Loaded, **settings: object) -> pellucid.Image:
+        asked.append(settings)
+        return frame(loaded, **settings)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(pellucid.Loaded, "frame", noted)
+
+    async def work() -> None:
+        shown = window(radius=0.1, see_through=0.5, method="abuffer")
+        try:
+            first = shown.picture()
+            assert first.fragments is not None, "as it was asked for"
+            covered = first[..., 3][first[..., 3] > 0]
+            assert np.median(1 - covered) == pytest.approx(0.5, abs=0.01)
+            shown._controls["opacity_factor"].value = 0.1
+            faint = shown.picture()
+            assert faint[..., 3].mean() < 0.5 * first[..., 3].mean()
+        finally:
+            shown.close()
+
+    asyncio.run(work())
+    assert ["see_through" in settings for settings in asked] == [True] + [False] * (len(asked) - 1)
+
+
+def test_what_was_chosen_for_the_first_picture_stays() -> None:
+    made = Made(opacity=0.3, radius=0.1, method="stochastic", max_error=0.05)
+    try:
+        begin = made.painter.begin
+        chosen = json.loads(begin.image.metadata["pellucid:choice"])["setting"]
+        assert chosen == f"method.samples={begin.settings['samples']}"
+        image = made.painter.whole(made.request)
+        assert json.loads(image.metadata["pellucid:settings"])["method"]["samples"] == begin.settings["samples"]
+        assert "pellucid:choice" not in image.metadata
+    finally:
+        made.painter.close()

@@ -15,6 +15,7 @@ from pathlib import Path
 import nbformat
 import numpy as np
 import pytest
+from conftest import require
 from matplotlib.image import imread
 from nbclient import NotebookClient
 from playwright.sync_api import Locator, Page, sync_playwright
@@ -77,7 +78,7 @@ def jupyter(tmp_path: Path) -> Iterator[str]:
 @pytest.fixture
 def page(jupyter: str) -> Iterator[Page]:
     if CHROMIUM is None:
-        pytest.skip("no Chromium: apt-get install chromium, or PELLUCID_CHROMIUM names one")
+        require("no Chromium: apt-get install chromium, or PELLUCID_CHROMIUM names one")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
         page = browser.new_page(viewport={"width": 1100, "height": 900})

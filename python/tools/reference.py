@@ -14,6 +14,7 @@ import sys
 from pathlib import Path
 
 import pdoc
+from pdoc import doc_ast
 
 import pellucid
 
@@ -38,6 +39,9 @@ def _of_class(name: str, kind: type) -> list[str]:
         named = isinstance(value, property | classmethod | staticmethod) or callable(value)
         if named and not member.startswith("_") and not getattr(kind, member).__doc__:
             found.append(f"{name}.{member}")
+    # Docstrings of fields stand below them, where only the source tells of them.
+    fields = doc_ast.walk_tree(kind).var_docstrings
+    found += [f"{name}.{field}" for field in inspect.get_annotations(kind) if not field.startswith("_") and field not in fields]
     return found
 
 

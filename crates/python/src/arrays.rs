@@ -82,7 +82,7 @@ pub fn positions(rows: &FloatRows) -> Result<Vec<DVec3>, Failure> {
                 let [x, y, z] = points[at].to_array();
                 let bad = points.par_iter().filter(|p| !p.is_finite()).count();
                 Err(Failure::Value(format!(
-                    "points: expected finite coordinates, found ({x}, {y}, {z}) in row {at} ({bad} of {} rows are not finite); leave \
+                    "points: expected finite coordinates, found ({x:?}, {y:?}, {z:?}) in row {at} ({bad} of {} rows are not finite); leave \
                      them out: points[numpy.isfinite(points).all(axis=1)]",
                     points.len()
                 )))
@@ -123,7 +123,7 @@ pub fn colors(rows: &ColorRows, srgb: bool) -> Result<Vec<Vec3>, Failure> {
     let in_range = |c: &Vec3| c.cmpge(Vec3::ZERO).all() && c.cmple(Vec3::ONE).all();
     if let Some((at, Vec3 { x, y, z })) = vectors(rows).enumerate().find_first(|(_, c)| !in_range(c)) {
         return Err(Failure::Value(format!(
-            "colors: expected floats from 0 to 1, found ({x}, {y}, {z}) in row {at}; bytes are colors.astype(numpy.uint8)"
+            "colors: expected floats from 0 to 1, found ({x:?}, {y:?}, {z:?}) in row {at}; bytes are colors.astype(numpy.uint8)"
         )));
     }
     let decode = |c: Vec3| Vec3::from_array(c.to_array().map(decode_srgb));

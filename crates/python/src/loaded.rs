@@ -120,7 +120,7 @@ impl Loaded {
     }
 
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
-        let bounds = self.with(py, None, |session, _| Ok(session.made.points().bounds()))?;
+        let bounds = self.with(py, None, |session, _| Ok(session.bounds))?;
         Ok(bounds.map(|bounds| arrays::flat(py, vec![bounds.min.to_array(), bounds.max.to_array()])))
     }
 
@@ -155,7 +155,7 @@ impl Loaded {
 /// From the eye to the middle of the scene along the view.
 fn distance(session: &Session) -> f64 {
     let camera = &session.frame.camera;
-    session.made.points().bounds().map_or(1.0, |bounds| (bounds.center() - camera.eye).dot(camera.forward))
+    session.bounds.map_or(1.0, |bounds| (bounds.center() - camera.eye).dot(camera.forward))
 }
 
 /// Renders the frame that the session is ready for.

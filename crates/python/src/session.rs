@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use pellucid_engine::camera::Camera;
-use pellucid_engine::cloud::Cloud as Columns;
+use pellucid_engine::cloud::{Bounds, Cloud as Columns};
 use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::see_through::{self, Found};
 use pellucid_engine::methods::{Factors, Frame, Renderer};
@@ -15,7 +15,7 @@ use pellucid_lab::choice::{self, Choice, Subject, Wish};
 use pellucid_lab::frame_notes;
 
 use crate::failure::Failure;
-use crate::request::{self, Ask};
+use crate::request::{self, Ask, Changes};
 use crate::scene::{Clouds, State};
 use crate::talk::Talk;
 
@@ -26,8 +26,10 @@ pub struct Session {
     pub renderer: Renderer,
     pub cloud: DeviceCloud,
     pub made: Made,
-    /// The scene for which they were made, as it was asked for.
-    asked: Scene,
+    /// Scene and seed for which they were made, as they were asked for.
+    asked: (Scene, u64),
+    /// Their box, which takes a look at all of them.
+    pub bounds: Option<Bounds>,
     /// True if points have radii whatever the method.
     radii: bool,
     /// The camera that was found last, and for which settings.
@@ -42,6 +44,14 @@ pub struct Session {
     /// What method and opacities were decided for.
     decided: Option<Decided>,
     told: Vec<String>,
+    /// The changes that were asked for last, and what became of them.
+    laid: Option<((Vec<String>, Changes), Laid)>,
+}
+
+#[derive(Clone)]
+struct Laid {
+    document: Document,
+    scene: Scene,
 }
 
 #[derive(PartialEq)]
@@ -54,7 +64,7 @@ struct Decided {
 }
 
 /// True if a scene wants other points than were made for another one, or others of their columns.
-fn is_outdated(made: &Made, (a, b): (&Scene, &Scene), seed: (u64, u64)) -> bool {
+fn is_outdated(made: &Made, (a, seed): &(Scene, u64), (b, other_seed): (&Scene, u64)) -> bool {
     let needs = |scene: &Scene| {
         let method = &scene.method;
         (method.is_dealt(), method.needs_radii(), method.needs_field(), scene.shading_normals())
@@ -67,7 +77,7 @@ fn is_outdated(made: &Made, (a, b): (&Scene, &Scene), seed: (u64, u64)) -> bool 
         || a.shadows != b.shadows
         || vertical(a).up() != vertical(b).up()
         || (made.follows_method && (a.method != b.method || a.image.color != b.image.color || a.detail != b.detail))
-        || (a.method.is_dealt() && seed.0 != seed.1)
+        || (a.method.is_dealt() && *seed != other_seed)
 }
 
 /// Settles what the clouds decide about a scene, as they did when points were made of them.
@@ -89,7 +99,7 @@ impl Session {
         let scene = viewed(scene, &state, ask);
         check_see_through(&scene, ask)?;
         let seed = ask.seed.unwrap_or(state.seed);
-        let asked = scene.clone();
+        let asked = (scene.clone(), seed);
         let made = make(&state.clouds, document, scene, ask, (seed, radii), talk)?;
         talk.go_on()?;
         let mut scene = made.scene.clone();
@@ -104,12 +114,15 @@ impl Session {
         let frame = frame_of(&scene, camera, seed, ask);
         let (camera, why) = (Some((scene.clone(), camera)), String::new());
         let (found, choice, decided) = (None, None, None);
+        let bounds = made.points().bounds();
         Ok(Self {
             state,
             device,
             renderer,
             cloud,
             made,
+            asked,
+            bounds,
             radii,
             camera,
             scene,
@@ -119,24 +132,25 @@ impl Session {
             choice,
             decided,
             told,
+            laid: None,
         })
     }
 
     /// Gets everything ready for the frame that is asked for.
     pub fn prepare(&mut self, ask: &Ask, talk: &Talk) -> Result<(), Failure> {
         self.renderer.progress = talk.progress.clone();
-        let mut document = self.state.document.clone();
-        let scene = request::lay_over(&mut document, &ask.drop, &ask.changes)?;
+        let Laid { document, scene } = self.laid(ask)?;
         let mut scene = viewed(scene, &self.state, ask);
         check_see_through(&scene, ask)?;
         let seed = ask.seed.unwrap_or(self.state.seed);
         // Whatever goes wrong from here on, the next frame is decided anew.
         let mut decided = self.decided.take();
-        if is_outdated(&self.made, (&self.asked, &scene), (self.frame.seed, seed)) {
-            let asked = scene.clone();
+        if is_outdated(&self.made, &self.asked, (&scene, seed)) {
+            let asked = (scene.clone(), seed);
             let made = make(&self.state.clouds, document, scene, ask, (seed, self.radii), talk)?;
             self.cloud = self.renderer.upload_for(&made.scene.detail, &made.arranged, made.shadow_texture.as_ref())?;
             scene = made.scene.clone();
+            self.bounds = made.points().bounds();
             (self.made, self.asked, self.camera, decided) = (made, asked, None, None);
         } else {
             settle(&mut scene, &self.made);
@@ -158,6 +172,20 @@ impl Session {
         Ok(())
     }
 
+    /// The document with what is asked for laid over it, and its scene: mostly those of the last frame.
+    fn laid(&mut self, ask: &Ask) -> Result<Laid, Failure> {
+        let by = (ask.drop.clone(), ask.changes.clone());
+        if let Some((last, laid)) = &self.laid
+            && *last == by
+        {
+            return Ok(laid.clone());
+        }
+        let mut document = self.state.document.clone();
+        let scene = request::lay_over(&mut document, &ask.drop, &ask.changes)?;
+        let (_, laid) = self.laid.insert((by, Laid { document, scene }));
+        Ok(laid.clone())
+    }
+
     fn warn_once(&mut self, warning: String, talk: &Talk) {
         if !self.told.contains(&warning) {
             talk.warn(&warning);
@@ -174,7 +202,7 @@ impl Session {
             return Ok(*camera);
         }
         let points = self.made.points();
-        let given = points.bounds().filter(|_| !scene.camera.view.is_given());
+        let given = self.bounds.filter(|_| !scene.camera.view.is_given());
         let given = given.and_then(|bounds| engine::camera_at(&scene.camera, &bounds, points.largest_radius()));
         let camera = match given {
             Some(camera) => camera,
