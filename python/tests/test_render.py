@@ -460,15 +460,15 @@ def test_see_through_takes_a_factor(renderer, points):
 
 
 def test_a_frame_after_an_interrupted_one_is_its_own(renderer, points):
-    class Stop(Exception):
+    class StopError(Exception):
         pass
 
     def stop(**_):
-        raise Stop
+        raise StopError
 
     away = pellucid.Camera.look_at((0, 0, 30), (0, 0, 0), up=(0, 1, 0))
     with renderer.load(points, size=SIZE, opacity=0.3) as loaded:
         first = np.array(loaded.frame())
-        with contextlib.suppress(Stop):
+        with contextlib.suppress(StopError):
             loaded.frame(camera=away, see_through=0.5, progress=stop)
         np.testing.assert_array_equal(first, np.asarray(loaded.frame()))
