@@ -1,30 +1,5 @@
-//! The command line of `pellucid`.
+//! The program `pellucid`.
 
-mod commands;
-mod error;
-mod legend;
-
-use std::io::Write;
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    commands::run().unwrap_or_else(|error| {
-        // Without a standard error the message is lost, which is fine.
-        let _ = writeln!(std::io::stderr(), "error: {}", with_causes(&error));
-        ExitCode::from(error.exit_status())
-    })
-}
-
-/// The message and those of its causes that it doesn't contain already.
-fn with_causes(error: &dyn std::error::Error) -> String {
-    let mut message = error.to_string();
-    let mut cause = error.source();
-    while let Some(error) = cause {
-        let text = error.to_string();
-        if !message.contains(&text) {
-            message = format!("{message}: {text}");
-        }
-        cause = error.source();
-    }
-    message
+fn main() -> std::process::ExitCode {
+    pellucid_cli::main()
 }

@@ -16,6 +16,8 @@ mod interrupt;
 mod limit;
 pub mod loaded;
 mod measured;
+#[cfg(feature = "mpi")]
+pub mod mpi;
 mod noise;
 mod opacity_notes;
 mod plan;

@@ -175,7 +175,7 @@ fn candidates(rows: &[Row]) -> String {
 }
 
 /// The destination of pictures.
-enum Target {
+pub enum Target {
     One(PathBuf),
     /// A picture for each step of a time series.
     Steps(Pattern),
@@ -185,7 +185,7 @@ enum Target {
 
 impl Target {
     /// Checks that the options fit together and that the first picture could be written in the end.
-    fn from_args(args: &RenderArgs) -> Result<Self> {
+    pub fn from_args(args: &RenderArgs) -> Result<Self> {
         let usage = |problem: String| Err(Error::Usage(problem).into());
         let given = args.output.clone();
         let target = match (args.along.option(), args.frames) {
@@ -237,6 +237,18 @@ impl RenderArgs {
     /// True if an output of this name has a legend.
     pub fn draws_legend(&self, output: &Path) -> bool {
         self.legend && is_png(output)
+    }
+
+    /// True if passes have to be timed.
+    #[cfg(feature = "mpi")]
+    pub fn is_profiled(&self) -> bool {
+        self.measure.is_asked()
+    }
+
+    /// The device.
+    #[cfg(feature = "mpi")]
+    pub fn device(&self) -> &DeviceArgs {
+        &self.device
     }
 
     /// True if the method is chosen by what it must keep to.

@@ -24,6 +24,13 @@ pub fn windows(size: [u32; 2], capacity: u64) -> Vec<Window> {
     found
 }
 
+/// The part of a window in a region; `None` if there is none.
+pub fn within(window: Window, region: Window) -> Option<Window> {
+    let [x0, y0, x1, y1] = window;
+    let part = [x0.max(region[0]), y0.max(region[1]), x1.min(region[2]), y1.min(region[3])];
+    (part[0] < part[2] && part[1] < part[3]).then_some(part)
+}
+
 /// Side of a tile in pixels.
 const TILE: u32 = tiles::TILE;
 

@@ -76,6 +76,9 @@ pub struct Renderer {
     pub single_pass: bool,
     /// Most bits of a key for epochs of ensembles; 31 unless a test sets fewer.
     pub epoch_bits: u32,
+    /// The pixels that are rendered, all if there are none; those outside are arbitrary in the image. They are as in the whole image, but for
+    /// eye-dome lighting, which follows from all depths ([`Self::apply_edl`]).
+    pub region: Option<Window>,
     /// Layers after which `peel` gives up; [`MAX_LAYERS`] unless a test sets fewer.
     pub max_layers: u32,
 }
@@ -99,6 +102,7 @@ impl Renderer {
             wide_atomics: device.info().int64_atomics,
             single_pass: true,
             epoch_bits: 31,
+            region: None,
             max_layers: MAX_LAYERS,
         })
     }
@@ -197,7 +201,7 @@ impl Renderer {
         self.cast_shadows(engine, cloud, frame, timeline)?;
         let budget = self.budget(engine, cloud, frame);
         let (budget, shading) = edl::divided(budget, frame);
-        let windows = engine.windows(frame, budget)?;
+        let windows = self.windows(engine, frame, budget)?;
         self.target.reserve(&self.device, largest(&windows))?;
 
         self.target.keeps_colors =
@@ -225,13 +229,10 @@ impl Renderer {
         image.stderr = image.stderr.filter(|_| frame.fragments || frame.spread);
         facts.light_views = light_views;
         self.find_depths(cloud, frame, budget, &mut image, timeline)?;
-        if frame.shading.edl.edl {
-            let Image { rgba, depth, depth_median, .. } = &mut image;
-            let surface = Surface { size: frame.size, depths: depth_median.as_deref().unwrap_or(depth) };
-            self.whole = None;
-            self.eye_dome.apply(&self.device, &frame.shading.edl, shading, surface, rgba, timeline)?;
+        if frame.shading.edl.edl && self.region.is_none() {
+            self.light_eye_domes(frame, shading, &mut image, timeline)?;
         }
-        image.depth_median = image.depth_median.filter(|_| frame.depths);
+        image.depth_median = image.depth_median.filter(|_| frame.depths || self.region.is_some());
         let begin = timeline.start.unwrap_or_else(Instant::now);
         let wall = begin.elapsed();
         facts.peak_device_bytes = self.device.peak_bytes();
@@ -240,6 +241,40 @@ impl Renderer {
         let waits = self.device.waits() - waits;
         let profile = FrameProfile { passes, begin, timeline: runs, submitted, wall, waits };
         Ok(Rendered { image, profile, facts })
+    }
+
+    /// The windows of a frame, as far as they lie in the region.
+    fn windows(&self, engine: &dyn Engine, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
+        let windows = engine.windows(frame, budget)?;
+        Ok(match self.region {
+            Some(region) => windows.into_iter().filter_map(|window| bands::within(window, region)).collect(),
+            None => windows,
+        })
+    }
+
+    /// Eye-dome lighting of an image that was put together from regions ([`Self::region`]).
+    ///
+    /// # Errors
+    /// Those of [`Self::render`].
+    pub fn apply_edl(&mut self, cloud: &DeviceCloud, frame: &Frame, image: &mut Image) -> Result<(), Error> {
+        let budget = self.budget(engine_of(&frame.method).as_ref(), cloud, frame);
+        let (_, shading) = edl::divided(budget, frame);
+        self.light_eye_domes(frame, shading, image, &mut Timeline::new(&self.progress))?;
+        image.depth_median = image.depth_median.take().filter(|_| frame.depths);
+        Ok(())
+    }
+
+    fn light_eye_domes(
+        &mut self,
+        frame: &Frame,
+        budget: u64,
+        image: &mut Image,
+        timeline: &mut Timeline,
+    ) -> Result<(), Error> {
+        let Image { rgba, depth, depth_median, .. } = image;
+        let surface = Surface { size: frame.size, depths: depth_median.as_deref().unwrap_or(depth) };
+        self.whole = None;
+        Ok(self.eye_dome.apply(&self.device, &frame.shading.edl, budget, surface, rgba, timeline)?)
     }
 
     /// Brings to the device what frames need of a cloud, unless the frame is cancelled already.
@@ -320,7 +355,7 @@ impl Renderer {
 
     /// True if a frame can learn its counts from earlier ones of its kind.
     fn learns(&mut self, frame: &Frame, cloud: &DeviceCloud, windows: &[Window], timeline: &mut Timeline) -> bool {
-        let kind = Kind { method: frame.method, size: frame.size, points: cloud.total() };
+        let kind = Kind { method: frame.method, size: frame.size, region: self.region, points: cloud.total() };
         if self.kind != Some(kind) {
             timeline.foresight.forget();
             self.kind = Some(kind);
@@ -444,7 +479,7 @@ impl Renderer {
             self.buffers = Buffers::new(&self.device)?;
         }
         let frame = Frame { fragments: false, ..*frame };
-        let windows = engine.windows(&frame, budget)?;
+        let windows = self.windows(&engine, &frame, budget)?;
         self.target.reserve(&self.device, largest(&windows))?;
         let mut image = blank(None, &engine, &frame);
         let drawing = Drawing { engine: &engine, frame: &frame, windows: &windows, budget, learns: false };
@@ -547,6 +582,7 @@ struct Part<'a> {
 struct Kind {
     method: Method,
     size: [u32; 2],
+    region: Option<Window>,
     points: u64,
 }
 

@@ -1,0 +1,90 @@
+//! `pellucid-mpi`: one picture, or the frames of a path, by many ranks, with the bytes of one.
+
+mod bands;
+mod picture;
+mod planes;
+mod ranks;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use pellucid_engine::Result;
+
+use self::ranks::Ranks;
+use super::arguments;
+use super::console::{Console, print_stderr};
+use super::render::RenderArgs;
+
+/// Renders point clouds you can see through, on many machines: every rank that `mpirun` starts renders a part, and the first one writes
+/// the picture, with the bytes of `pellucid`.
+#[derive(Debug, Parser)]
+#[command(name = "pellucid-mpi", version, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    /// Say less: no progress, no warnings.
+    #[arg(short, long, global = true, conflicts_with = "verbose", display_order = 1000)]
+    quiet: bool,
+    /// Say more: what was read, chosen and written, and what it took.
+    #[arg(short, long, global = true, display_order = 1001)]
+    verbose: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Render a scene or point clouds to a picture, each rank some of its rows.
+    Render(RenderArgs),
+}
+
+/// Parses the command line and runs its command on all ranks.
+pub fn run() -> ExitCode {
+    let Some(ranks) = Ranks::join() else {
+        print_stderr("error: MPI is not available");
+        return ExitCode::FAILURE;
+    };
+    let cli = match Cli::try_parse_from(arguments(std::env::args_os())) {
+        Ok(cli) => cli,
+        Err(error) => {
+            if ranks.is_first() {
+                let _ = error.print();
+            }
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+        }
+    };
+    // What one has to say, all have.
+    let console = Console::new(cli.quiet || !ranks.is_first(), cli.verbose && ranks.is_first());
+    super::interrupt::watch();
+    pellucid_engine::io::silence_decoder_panics();
+    let done = match cli.command {
+        Command::Render(args) => picture::run(&args, &ranks, console),
+    };
+    done.unwrap_or_else(|error| {
+        let error = crate::error::Error::from(error);
+        ranks.fail(&crate::with_causes(&error), error.exit_status())
+    })
+}
+
+/// What a rank has done, once it is known that all others have, too: an error of one is an error of all, and the first rank says it.
+///
+/// # Errors
+/// The exit status.
+fn together<T>(ranks: &Ranks, done: Result<T>) -> std::result::Result<T, ExitCode> {
+    let (own, said) = match done {
+        Ok(own) => (Some(own), Vec::new()),
+        Err(error) => {
+            let error = crate::error::Error::from(error);
+            let text = format!("{}: {}", ranks.name(), crate::with_causes(&error));
+            (None, [vec![error.exit_status()], text.into_bytes()].concat())
+        }
+    };
+    let all = ranks.all_told(&said);
+    let Some(first) = all.iter().find(|said| !said.is_empty()) else {
+        return own.ok_or(ExitCode::FAILURE);
+    };
+    if ranks.is_first() {
+        let others = all.iter().filter(|said| !said.is_empty()).count() - 1;
+        let more = if others > 0 { format!(" (and {others} other ranks)") } else { String::new() };
+        print_stderr(format_args!("error: {}{more}", String::from_utf8_lossy(&first[1..])));
+    }
+    Err(ExitCode::from(first[0]))
+}
