@@ -3,6 +3,9 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+/// The status of a program that was interrupted (128 + SIGINT).
+pub const STATUS: u8 = 130;
+
 /// True if the first SIGINT only sets [`asked`] instead of ending the program.
 static DEFERRED: AtomicBool = AtomicBool::new(false);
 

@@ -245,6 +245,12 @@ impl RenderArgs {
         self.measure.is_asked()
     }
 
+    /// The motion of the camera, if there is one.
+    #[cfg(feature = "mpi")]
+    pub fn course(&self, console: Console) -> Result<Option<super::along::Along>> {
+        self.along.course(self.frames.flatten(), &self.input, console)
+    }
+
     /// The device.
     #[cfg(feature = "mpi")]
     pub fn device(&self) -> &DeviceArgs {

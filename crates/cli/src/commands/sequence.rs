@@ -25,20 +25,18 @@ use crate::legend;
 /// The metadata by which a frame is known to belong to a sequence.
 const IDENTITY: &str = "pellucid:sequence";
 
-/// The status of a program that was interrupted (128 + SIGINT).
-const INTERRUPTED_STATUS: u8 = 130;
-
 /// The files of the frames, and which of them exist.
-struct Frames {
+pub struct Frames {
     files: Vec<PathBuf>,
     cameras: Vec<Camera>,
     /// The identity of each picture: a hash of everything it depends on.
     identities: Vec<String>,
-    there: Vec<bool>,
+    /// True of those that are not to be rendered again.
+    pub there: Vec<bool>,
 }
 
 /// Measurements of the sequence.
-struct Records {
+pub struct Records {
     measured: Measured,
     journal: Option<Journal>,
     /// The frames rendered in this run, if a trace is wanted.
@@ -58,7 +56,8 @@ pub fn run(args: &RenderArgs, along: &Along, pattern: &Pattern, console: Console
     session.describe(console);
     session.warn(&resolved, console);
     session.renderer.timed = args.measure.is_asked() || console.is_verbose();
-    let frames = Frames::find(args, cameras, pattern, &resolved, &session)?;
+    let mut frames = Frames::named(args, cameras, pattern, &resolved, &session);
+    frames.find(args.overwrite, pattern)?;
     let mut records = Records::open(args, &frames, &resolved, &session)?;
     interrupt::defer();
     let rendered = frames.render(args, &resolved, &mut session, &mut records, &progress, console)?;
@@ -71,51 +70,54 @@ pub fn run(args: &RenderArgs, along: &Along, pattern: &Pattern, console: Console
         let finished = before + rendered;
         console
             .note(format_args!("interrupted with {finished} of {count} frames; the same command renders the others"));
-        return Ok(ExitCode::from(INTERRUPTED_STATUS));
+        return Ok(ExitCode::from(interrupt::STATUS));
     }
     records.finish(args, &session, count, console)?;
     Ok(ExitCode::SUCCESS)
 }
 
 impl Frames {
-    /// Finds the frames that exist, and removes those to be replaced.
-    ///
-    /// # Errors
-    /// Files with these names, or with numbers after the last one, that don't belong to the sequence, unless they may
-    /// be replaced.
-    fn find(
+    /// The frames of cameras, of which none is known to exist.
+    pub fn named(
         args: &RenderArgs,
         cameras: Vec<Camera>,
         pattern: &Pattern,
         resolved: &Resolved,
         session: &Session,
-    ) -> Result<Self> {
-        let count = cameras.len();
-        let files: Vec<PathBuf> = (0..count).map(|number| pattern.file(number)).collect();
+    ) -> Self {
+        let files = (0..cameras.len()).map(|number| pattern.file(number)).collect();
         let identities = identities(args, &cameras, resolved, session);
+        let there = vec![false; cameras.len()];
+        Self { files, cameras, identities, there }
+    }
+
+    /// Finds the frames that exist, and removes those to be replaced.
+    ///
+    /// # Errors
+    /// Files with these names, or with numbers after the last one, that don't belong to the sequence, unless `overwrite` says that they
+    /// may be replaced.
+    pub fn find(&mut self, overwrite: bool, pattern: &Pattern) -> Result<()> {
         // Whoever makes a film of the frames would take those that follow for the rest of it.
-        let after = (count..).map(|number| pattern.file(number)).take_while(|file| is_taken(file));
+        let after = (self.files.len()..).map(|number| pattern.file(number)).take_while(|file| is_taken(file));
         let mut foreign: Vec<PathBuf> = after.collect();
-        let mut there = Vec::new();
-        for (file, identity) in files.iter().zip(&identities) {
+        for ((file, identity), there) in self.files.iter().zip(&self.identities).zip(&mut self.there) {
             let taken = is_taken(file);
-            let own = taken && output::metadata(file, IDENTITY).as_ref() == Some(identity);
-            foreign.extend(Some(file.clone()).filter(|_| taken && !own));
-            there.push(own);
+            *there = taken && output::metadata(file, IDENTITY).as_ref() == Some(identity);
+            foreign.extend(Some(file.clone()).filter(|_| taken && !*there));
         }
         if let Some(first) = foreign.iter().min()
-            && !args.overwrite
+            && !overwrite
         {
             return Err(output::Error::Foreign { path: first.clone(), count: foreign.len() }.into());
         }
         for file in foreign {
             fs::remove_file(&file).map_err(|source| output::Error::Write { path: file, source })?;
         }
-        Ok(Self { files, cameras, identities, there })
+        Ok(())
     }
 
     /// Renders the missing frames and returns their number. If errors are followed, those that are there are rendered for it alone.
-    fn render(
+    pub fn render(
         &self,
         args: &RenderArgs,
         resolved: &Resolved,
@@ -169,7 +171,7 @@ impl Frames {
 
 impl Records {
     /// Reads back the measurements of existing frames.
-    fn open(args: &RenderArgs, frames: &Frames, resolved: &Resolved, session: &Session) -> Result<Self> {
+    pub fn open(args: &RenderArgs, frames: &Frames, resolved: &Resolved, session: &Session) -> Result<Self> {
         let popped = Popped::open(args, resolved, session)?;
         let trace = args.measure.trace.as_ref().map(|_| session.profile());
         let (journal, measured) = match &args.measure.profile {

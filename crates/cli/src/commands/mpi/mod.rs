@@ -1,19 +1,22 @@
 //! `pellucid-mpi`: one picture, or the frames of a path, by many ranks, with the bytes of one.
 
 mod bands;
+mod frames;
 mod picture;
 mod planes;
 mod ranks;
+mod stage;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use pellucid_engine::Result;
+use pellucid_engine::scene::Error;
 
 use self::ranks::Ranks;
 use super::arguments;
 use super::console::{Console, print_stderr};
-use super::render::RenderArgs;
+use super::render::{RenderArgs, Target};
 
 /// Renders point clouds you can see through, on many machines: every rank that `mpirun` starts renders a part, and the first one writes
 /// the picture, with the bytes of `pellucid`.
@@ -56,12 +59,45 @@ pub fn run() -> ExitCode {
     super::interrupt::watch();
     pellucid_engine::io::silence_decoder_panics();
     let done = match cli.command {
-        Command::Render(args) => picture::run(&args, &ranks, console),
+        Command::Render(args) => render(&args, &ranks, console),
     };
     done.unwrap_or_else(|error| {
         let error = crate::error::Error::from(error);
         ranks.fail(&crate::with_causes(&error), error.exit_status())
     })
+}
+
+/// A picture, or the frames of a path.
+fn render(args: &RenderArgs, ranks: &Ranks, console: Console) -> Result<ExitCode> {
+    let target = match together(ranks, target(args)) {
+        Ok(target) => target,
+        Err(status) => return Ok(status),
+    };
+    match target {
+        Target::One(output) => picture::run(args, &output, ranks, console),
+        Target::Frames(pattern) | Target::Steps(pattern) => match together(ranks, args.course(console)) {
+            Ok(Some(along)) => frames::run(args, &along, &pattern, ranks, console),
+            Ok(None) => Ok(ExitCode::FAILURE),
+            Err(status) => Ok(status),
+        },
+    }
+}
+
+/// Where pictures go, if ranks can share the work.
+fn target(args: &RenderArgs) -> Result<Target> {
+    let usage = |problem: &str| Err(Error::Usage(problem.to_owned()).into());
+    if args.chooses() {
+        return usage(
+            "--max-error, --budget and --recalibrate measure one device: choose with pellucid, and give the method here",
+        );
+    }
+    if args.deep.is_asked() {
+        return usage("--deep is for pellucid: a deep file is written while it is rendered");
+    }
+    match Target::from_args(args)? {
+        Target::Steps(_) => usage("a time series is for pellucid: its pictures follow from one another"),
+        target => Ok(target),
+    }
 }
 
 /// What a rank has done, once it is known that all others have, too: an error of one is an error of all, and the first rank says it.
