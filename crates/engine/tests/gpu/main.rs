@@ -23,6 +23,7 @@ mod peel_layers;
 mod plan;
 mod points;
 mod radix;
+mod regions;
 mod scan;
 mod see_through;
 mod shaders;

@@ -587,3 +587,27 @@ fn points_that_were_not_dealt_are_refused_and_other_methods_take_dealt_ones() {
         assert!(image.rgba.iter().all(|c| *c == [0.0; 4]) && image.depth.iter().all(|z| z.is_infinite()));
     });
 }
+
+#[test]
+fn regions_have_the_pixels_of_the_whole() {
+    with_device(|device| {
+        let list = mixture(5);
+        for method in Method::all().into_iter().filter(Method::is_dealt) {
+            let mut renderer = Renderer::new(device).expect("a renderer");
+            let frame = Frame { spread: true, ..frame(perspective(), [96, 64], method) };
+            let expected = render_on(&mut renderer, &list, &frame).image;
+            let mut found = expected.clone();
+            found.rgba.fill([-1.0; 4]);
+            for [x0, y0, x1, y1] in [[0, 0, 96, 32], [0, 32, 50, 64], [50, 32, 96, 64]] {
+                renderer.region = Some([x0, y0, x1, y1]);
+                let part = render_on(&mut renderer, &list, &frame).image;
+                for y in y0..y1 {
+                    let row = (y * 96 + x0) as usize..(y * 96 + x1) as usize;
+                    found.rgba[row.clone()].copy_from_slice(&part.rgba[row.clone()]);
+                    found.depth[row.clone()].copy_from_slice(&part.depth[row]);
+                }
+            }
+            assert_eq!(bits(&found), bits(&expected), "{}", method.name());
+        }
+    });
+}
