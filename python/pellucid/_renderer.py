@@ -17,7 +17,7 @@ from ._cloud import Cloud
 from ._errors import DeviceError
 from ._progress import listening
 from ._scene import Scene
-from ._settings import COLUMNS, Asked, ask, asked, one_view, with_bytes
+from ._settings import COLUMNS, Asked, ask, asked, one_view
 from ._types import Accuracy, Progress, Setting, Size
 
 if TYPE_CHECKING:
