@@ -195,7 +195,8 @@ def tradeoff(
     with (
         Sharing(device) as renderer,
         _loaded(renderer, points, arguments, seed, progress, with_radii=True) as loaded,
-        tempfile.TemporaryDirectory(prefix="pellucid-") as temporary,
+        # Interrupted work may still write there.
+        tempfile.TemporaryDirectory(prefix="pellucid-", ignore_cleanup_errors=True) as temporary,
         listening(progress) as listener,
     ):
         target = temporary if folder is None else os.fspath(folder)
@@ -321,7 +322,7 @@ def view(
 
     While something moves, pictures have as many samples, pixels and points as fit ``frame_ms``; at rest they get finer until
     nothing is left out. The window needs `jupyter_rfb` and `ipywidgets`, and a notebook (JupyterLab, Jupyter Notebook, VS
-    Code). Elsewhere the result is the picture of `render`.
+    Code). Elsewhere the result is the picture of `render`. Raises what `render` raises.
 
     Parameters
     ----------
@@ -340,13 +341,6 @@ def view(
     -------
     A widget with ``camera``, the present view; ``picture()``, which renders it whole; and ``close()``, which gives the
     device's memory back. Or an `Image`.
-
-    Raises
-    ------
-    ValueError
-        An argument makes no sense; the message names it.
-    Error
-        Whatever `render` refuses.
     """
     from ._view import shown
 
@@ -421,7 +415,7 @@ def _pixels(name: str, given: ArrayLike) -> NDArray[Any]:
             hint = "; of an Image give the image itself or image.over_background(), since four channels don't say the background"
         found = f"an array of shape {array.shape}{hint}"
         raise ValueError(f"{name}: expected an Image, a path or an array of shape (h, w, 3), found {found}")
-    array = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("="))
+    array = np.require(array, array.dtype.newbyteorder("="), ["C", "A"])
     if array.dtype not in (np.float32, np.float64, np.uint8, np.uint16):
         raise ValueError(f"{name}: expected linear floats, or uint8 or uint16 as sRGB, found an array of {array.dtype}")
     return array

@@ -225,9 +225,8 @@ class Camera:
         import numpy as np
 
         if self.eye is None or self.target is None or (up and self.up is None):
-            raise ValueError(
-                f"{doing}: expected a camera with eye, target and up, found {self}; that of a picture has all of them: image.camera"
-            )
+            needed = "eye, target and up" if up else "eye and target"
+            raise ValueError(f"{doing}: expected a camera with {needed}, found {self}; that of a picture has them: image.camera")
         # Of moderate length, so that its square is a number, too.
         direction = None if self.up is None else np.array(self.up) / max(map(abs, self.up))
         return np.array(self.eye), np.array(self.target), direction

@@ -116,7 +116,8 @@ class Cloud:
     def from_any(cls, object: Any, **columns: Any) -> Cloud:
         """A cloud of an object of laspy, open3d, pyvista, plyfile or pandas, or of an array.
 
-        ``columns`` are arguments of `Cloud`, which win over those of the object. Raises TypeError for other objects.
+        ``columns`` are arguments of `Cloud`, which win over those of the object. Objects of plyfile and Gaussian splats are read
+        as their files are: with columns beside them it raises TypeError, and for other objects.
         """
         if isinstance(object, Cloud):
             if columns:
@@ -127,7 +128,11 @@ class Cloud:
 
         found = columns_of(object)
         if isinstance(found, Cloud):
-            return cls.from_any(found, **columns)
+            for name in columns:
+                raise TypeError(
+                    f"{name}: expected with an array of points; {found.name} is read as its file is, and takes no columns"
+                )
+            return found
         if found is not None:
             return cls(**{**found, **columns})
         if isinstance(object, (list, tuple)):

@@ -24,7 +24,8 @@ class Image(NDArrayOperatorsMixin):
 
     It stands for its `rgba` wherever numpy takes an array: ``numpy.asarray(image)``, ``image * 2``, ``a - b``, ``a == b``,
     ``image[y, x]``, ``len(image)``. What comes of it is a plain array. Its own arrays are read-only views without a copy;
-    ``numpy.array(image)`` is a copy to write to. In a notebook it shows itself.
+    ``numpy.array(image)`` is a copy to write to. Only `size` is another than that of an array: columns and rows, by
+    ``numpy.size(image)`` as well. In a notebook it shows itself.
     """
 
     __slots__ = ("_native", "_parts", "_profile", "_shape")
@@ -107,7 +108,7 @@ class Image(NDArrayOperatorsMixin):
 
     @property
     def size(self) -> tuple[int, int]:
-        """Columns and rows."""
+        """Columns and rows; that of an array, the number of its values, is ``image.rgba.size``."""
         return (self._shape[1], self._shape[0])
 
     @property

@@ -341,9 +341,10 @@ class _Stopper:
 def _begin(scene: Loaded, image: Image, camera: Any) -> Begin:
     """What follows from the first picture of a scene, which decided the method; `camera` is the one that was asked for."""
     if not isinstance(camera, Camera) or None in (camera.eye, camera.target, camera.up):
-        # Near and far that were found for one view would cut others.
-        vertical = scene.scene.get("camera.up") or _nearest_axis(image.camera)
-        camera = replace(image.camera, up=vertical, near=None, far=None)
+        given = scene.scene
+        vertical = given.get("camera.up") or _nearest_axis(image.camera)
+        # Near and far that were found for one view, not given, would cut others.
+        camera = replace(image.camera, up=vertical, near=given.get("camera.near"), far=given.get("camera.far"))
     found = _chosen(image)
     settings = {name: found.get(f"method.{name}", scene.scene.get(f"method.{name}")) for name in ("samples", "threshold")}
     settings = {name: value for name, value in settings.items() if value is not None}

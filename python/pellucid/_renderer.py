@@ -6,7 +6,6 @@ import json
 import math
 import operator
 import os
-import re
 import threading
 from collections.abc import Mapping
 from types import TracebackType
@@ -18,7 +17,7 @@ from ._cloud import Cloud
 from ._errors import DeviceError
 from ._progress import listening
 from ._scene import Scene
-from ._settings import Asked, ask, asked, one_view
+from ._settings import COLUMNS, Asked, ask, asked, one_view
 from ._types import Accuracy, Progress, Setting, Size
 
 if TYPE_CHECKING:
@@ -27,20 +26,6 @@ if TYPE_CHECKING:
 
     from ._image import Image
     from ._measures import Profile
-
-# Arguments that are columns of a cloud and no settings.
-COLUMNS = (
-    "colors",
-    "opacities",
-    "radii",
-    "normals",
-    "classification",
-    "intensity",
-    "scalars",
-    "z_up",
-    "color_space",
-    "name",
-)
 
 
 class Renderer:
@@ -133,6 +118,9 @@ class Loaded:
         clouds and clips, and methods that want other points) arrange and upload them again. The factors, at least 0, multiply
         the radii and opacities of all points at no cost; with ``see_through`` the opacity that it finds is multiplied.
         ``seed`` is that of stochastic methods. The others are those of `render`.
+
+        ``clip``, ``slices``, ``classes`` and ``without`` leave out further points, and can't bring back those that the scene
+        leaves out. ``eye`` and ``target`` take the place of the scene's ``view``.
         """
         from ._image import Image
 
@@ -186,7 +174,7 @@ class Loaded:
             if name in COLUMNS:
                 raise TypeError(f"{name}: expected at Renderer.load, which takes columns of points; a frame draws what was loaded")
         camera, table = _camera(camera)
-        found = asked({"method": method, **with_bytes(settings), "camera": table, "size": size})
+        found = asked({"method": method, **settings, "camera": table, "size": size})
         if found.direction:
             names = ", ".join(found.direction)
             raise TypeError(f"{names}: expected at Renderer.load, which frames the scene; here camera= looks from elsewhere")
@@ -231,7 +219,7 @@ class Loaded:
 
     @property
     def scene(self) -> Scene:
-        """A copy of the scene."""
+        """A copy of the scene, with the seed that it was loaded with."""
         return self._scene.copy()
 
     def __len__(self) -> int:
@@ -264,7 +252,7 @@ def _load(
     if found.direction:
         scene._direct(found.direction)
     request = ask(Asked([], {}, found.limits), camera_changes=None, seed=loaded._seed)
-    scene._native.seed = request["seed"]
+    scene.seed = scene._native.seed = request["seed"]
     if camera is not None:
         scene._look(camera)
     with listening(progress) as listener:
@@ -277,7 +265,7 @@ def prepared(points: Any, arguments: Mapping[str, Any]) -> tuple[Scene, Asked, C
     settings = {name: value for name, value in arguments.items() if name not in COLUMNS}
     columns = {name: value for name, value in arguments.items() if value is not None and name in COLUMNS}
     camera, table = _camera(settings.get("camera"))
-    found = asked({**with_bytes(settings), "camera": table})
+    found = asked({**settings, "camera": table})
     if camera is not None:
         one_view(found.direction)
     scene = scene_of(points, columns)
@@ -343,28 +331,6 @@ def above_zero(name: str, number: Any) -> float:
     if not 0.0 < found < math.inf:
         raise ValueError(f"{name}: expected a number above 0, found {number!r}")
     return found
-
-
-# What a text of bytes ends with: powers of 1000, or with an i of 1024.
-_PREFIXES = ("", "k", "m", "g", "t", "p")
-_BYTES = re.compile(r"(\d+(?:\.\d+)?)\s*(?:([kmgtp])(i?))?b?", re.IGNORECASE)
-
-
-def with_bytes(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """The settings with numbers of bytes for ``memory_budget`` and ``host_memory``, which may be texts as "4GiB" as well."""
-    limits = {name: _bytes(name, settings[name]) for name in ("memory_budget", "host_memory") if name in settings}
-    return {**settings, **limits}
-
-
-def _bytes(name: str, value: Any) -> Any:
-    """The bytes that a text stands for, as on the command line; a number as it is."""
-    if not isinstance(value, str):
-        return operator.index(value) if hasattr(value, "__index__") and not isinstance(value, bool) else value
-    parts = _BYTES.fullmatch(value.strip())
-    if parts is None:
-        raise ValueError(f"{name}: expected a number of bytes, or a text as '4GiB' or '500MB', found {value!r}")
-    number, prefix, binary = parts.groups()
-    return int(float(number) * (1024 if binary else 1000) ** _PREFIXES.index((prefix or "").lower()))
 
 
 def _device(device: Any) -> str | int | None:

@@ -13,7 +13,7 @@ from ._camera import Camera
 from ._cloud import Cloud
 from ._errors import ReadError, SceneError
 from ._progress import listening
-from ._settings import TABLES, Change, asked, change, described, dotted, nearest, one_view, tables, toml
+from ._settings import TABLES, Change, asked, change, described, dotted, nearest, one_view, places, tables, toml
 from ._types import Path, Progress, Setting
 
 
@@ -211,8 +211,9 @@ class Scene:
         """A scene of the text of a scene file, whose relative paths begin in ``folder``.
 
         ``clouds`` take the place of the files, in the order of [[cloud]]: of a scene that was made of arrays,
-        ``Scene.from_toml(scene.to_toml(), clouds=scene.clouds)`` is the same one. Raises SceneError for what is wrong with the
-        text, and ValueError for another number of clouds than it has.
+        ``Scene.from_toml(scene.to_toml(), clouds=scene.clouds)`` has the same points and keys. What is no key isn't in the text:
+        ``view``, ``azimuth``, ``elevation`` and the seed. Raises SceneError for what is wrong with the text, and ValueError for
+        another number of clouds than it has.
         """
         scene = cls._of(_pellucid.Scene.of_toml(text, os.fspath(folder)))
         if clouds is not None:
@@ -275,7 +276,7 @@ class Scene:
         """The text of a scene file for ``folder``, with the files of clouds as found from there.
 
         Clouds that came from arrays have their names in place of files. Such a text is no scene without the clouds:
-        `from_toml` takes them beside it.
+        `from_toml` takes them beside it. ``view``, ``azimuth``, ``elevation`` and the seed are no keys, and not in it.
         """
         written = self.copy()
         entries = self.given()["cloud"] if self._named else []
@@ -351,6 +352,10 @@ class Scene:
 
         A `Camera` takes the place of the whole table [camera]; a dict changes keys of it. ``view``, ``azimuth`` and
         ``elevation`` say from where all clouds are seen. A new ``view`` forgets earlier angles, and so does a camera.
+
+        ``clip``, ``slices``, ``classes`` and ``without`` leave out further points: after ``classes=[2]`` and then ``classes=[6]``
+        none is left. ``scene.clip = []`` takes all clips and slices out, ``scene.set("cloud.*.class", None)`` all that was said
+        of classes, also ``class_opacity``.
         """
         found = asked(settings if isinstance(camera, Camera) else {"camera": camera, **settings})
         for name in found.limits:
@@ -381,7 +386,7 @@ class Scene:
         if changes:
             self._native.change([], changes)
         # Beside a direction a place of the camera would be ignored.
-        if any(path in ("camera.eye", "camera.target") for _, path, _, _ in changes):
+        if places(changes):
             self._turn({})
 
     def _assign(self, table: str, value: Mapping[str, Any] | bool | None) -> None:

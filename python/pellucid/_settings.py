@@ -10,6 +10,7 @@ import functools
 import json
 import math
 import os
+import re
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple, TypedDict, cast
 
@@ -26,9 +27,13 @@ _LIMITS = ("see_through", "max_error", "budget_ms", "memory_budget", "host_memor
 _SHORT = ("class_opacity", "classes", "without", "slices")
 
 # Arguments that are no keys: columns of an array of points, and what belongs to a call.
-_COLUMNS = ("colors", "opacities", "radii", "normals", "classification", "intensity", "scalars", "z_up", "color_space", "name")
-_ARGUMENTS = ("fragments", "depths", "accuracy", "device", "seed", "progress")
-_FACTORS = ("opacity_factor", "radius_factor")
+COLUMNS = ("colors", "opacities", "radii", "normals", "classification", "intensity", "scalars", "z_up", "color_space", "name")
+_OF_CALLS = {
+    **dict.fromkeys(("fragments", "depths", "accuracy", "progress"), "this is an argument of render, or of frames"),
+    "opacity_factor": "this is an argument of Loaded.frame; opacity= is a key",
+    "device": "this is an argument of Renderer, and of render",
+    "seed": "this is an argument of render, Renderer.load and Loaded.frame; a scene has it as scene.seed",
+}
 
 # What other programs call them.
 _ALIASES = {
@@ -54,6 +59,11 @@ _ALIASES = {
 
 # Keys of clouds with one value for all points, and the columns with one for each.
 _OF_EACH = {"opacity": "opacities", "radius": "radii", "color": "colors"}
+
+# Limits that are numbers of bytes, and what a text of one ends with: powers of 1000, or with an i of 1024.
+_BYTES = ("memory_budget", "host_memory")
+_PREFIXES = ("", "k", "m", "g", "t", "p")
+_TEXT_OF_BYTES = re.compile(r"(\d+(?:\.\d+)?)\s*(?:([kmgtp])(i?))?b?", re.IGNORECASE)
 
 # The names of classes, for near misses; docs/scene-file.md lists their numbers.
 CLASSES = (
@@ -143,6 +153,9 @@ def dotted(name: str) -> str:
         return path
     if path == "size":
         return "image.size"
+    if path in COLUMNS:
+        # Though [method] has a name as well.
+        raise TypeError(_unknown(name))
     if path == "resolution":
         raise TypeError("resolution: the picture's is size=(width, height), that of shadows shadows__resolution=")
     for table in _ORDER:
@@ -152,12 +165,12 @@ def dotted(name: str) -> str:
 
 
 def _unknown(name: str) -> str:
-    if name in _COLUMNS:
+    if name in COLUMNS:
         return f"{name}: expected with an array of points, as in Cloud(points, {name}=…)"
-    if name in _ARGUMENTS + _FACTORS:
-        return f"{name}: expected a key of the scene file; this is an argument of render, or of frames"
+    if name in _OF_CALLS:
+        return f"{name}: expected a key of the scene file; {_OF_CALLS[name]}"
     keys = {key for table in tables().values() for key in table}
-    known = keys | {"camera", *TABLES, *_DIRECTIONS, *_LIMITS, *_SHORT, *_COLUMNS, *_ARGUMENTS, *_FACTORS}
+    known = keys | {"camera", *TABLES, *_DIRECTIONS, *_LIMITS, *_SHORT, *COLUMNS, *_OF_CALLS}
     near = _ALIASES.get(name.lower()) or nearest(name, known)
     hint = f"; did you mean {near!r}?" if near else "; docs/scene-file.md lists all keys"
     return f"{name!r} is neither an argument nor a key of the scene file{hint}"
@@ -181,20 +194,20 @@ class Asked(NamedTuple):
 def asked(settings: Mapping[str, Any]) -> Asked:
     """Sorts keyword arguments that are keys or options. Those that are None count as not given."""
     found = Asked([], {}, {})
-    for name, value in settings.items():
+    for name, value in with_bytes(settings).items():
         if value is None:
             check_name(name)
         elif name in _DIRECTIONS:
             found.direction[name] = str(value) if name == "view" else _number(name, value)
         elif name in _LIMITS:
-            found.limits[name] = _bytes(name, value) if name.endswith(("budget", "memory")) else _number(name, value)
+            found.limits[name] = value if name in _BYTES else _number(name, value)
         elif name in _SHORT:
             found.changes.extend(_short(name, value))
         elif name in TABLES:
             _table(name, value, found)
         else:
             found.changes.append(change(name, dotted(name), value))
-    if isinstance(camera := settings.get("camera"), Mapping) and ("eye" in camera or "target" in camera):
+    if places(found.changes):
         one_view(found.direction)
     return found
 
@@ -203,6 +216,11 @@ def check_name(name: str) -> None:
     """Raises TypeError for a name that is neither a key nor an option."""
     if name not in TABLES + _DIRECTIONS + _LIMITS + _SHORT:
         dotted(name)
+
+
+def places(changes: Iterable[Change]) -> bool:
+    """True if changes say where the camera is, or what it looks at."""
+    return any(path in ("camera.eye", "camera.target") for _, path, _, _ in changes)
 
 
 def one_view(direction: Mapping[str, Any]) -> None:
@@ -267,10 +285,27 @@ def _number(name: str, value: Any) -> float:
         raise TypeError(f"{name}: expected a number, found {type(value).__name__}") from None
 
 
+def with_bytes(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings with numbers of bytes for ``memory_budget`` and ``host_memory``, which may be texts as "4GiB" as well."""
+    return {**settings, **{name: _bytes(name, settings[name]) for name in _BYTES if settings.get(name) is not None}}
+
+
 def _bytes(name: str, value: Any) -> int:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < 2**63:
-        raise ValueError(f"{name}: expected a number of bytes, found {value!r}")
-    return int(value)
+    number: Any = _bytes_of(value) if isinstance(value, str) else value
+    is_number = isinstance(number, float) or (hasattr(number, "__index__") and not isinstance(number, bool))
+    if not is_number or not 0 <= number < 2**63:
+        raise ValueError(f"{name}: expected a number of bytes, or a text as '4GiB' or '500MB', found {value!r}")
+    return int(number)
+
+
+def _bytes_of(text: str) -> float:
+    """The bytes that a text stands for, as on the command line; NaN of any other text."""
+    parts = _TEXT_OF_BYTES.fullmatch(text.strip())
+    if parts is None:
+        return math.nan
+    number, prefix, binary = parts.groups()
+    unit: int = (1024 if binary else 1000) ** _PREFIXES.index((prefix or "").lower())
+    return float(number) * unit
 
 
 def _table(name: str, value: Any, found: Asked) -> None:
@@ -377,7 +412,8 @@ def ask(
     return {
         "drop": [] if camera_changes is None else ["camera"],
         "changes": [*found.changes, *(camera_changes or [])],
-        "framed": camera_changes is None,
+        # Beside a direction a place of the camera would be ignored.
+        "framed": camera_changes is None and not places(found.changes),
         "fragments": bool(fragments),
         "depths": bool(depths),
         "eight_bit": accuracy == "8-bit",

@@ -31,8 +31,7 @@ def shown(
             return Window(points, size=size, device=device, frame_ms=frame_ms, arguments=arguments, frame=frame)
     from . import render
 
-    given = {name: value for name, value in arguments.items() if value is not None}
-    return render(points, size=size, device=device, **given, **frame)
+    return render(points, device=device, **{**arguments, "size": size}, **frame)
 
 
 def _is_notebook() -> bool:

@@ -94,12 +94,14 @@ class Window(ipywidgets.VBox):  # type: ignore[misc]
 
     @property
     def camera(self) -> Camera:
-        """The present view; setting it shows another one."""
+        """The present view. Setting it shows another one; eye, target and up stay where that has none."""
         return self._request.camera
 
     @camera.setter
     def camera(self, camera: Camera) -> None:
-        self._want(camera=camera)
+        if not isinstance(camera, Camera):
+            raise TypeError(f"camera: expected a Camera, found {type(camera).__name__}")
+        self._want(camera=_placed(camera, self.camera))
 
     def picture(self, size: tuple[int, int] | None = None) -> Image:
         """Renders the present view with nothing left out. `size` is columns and rows, by default those of the window."""
@@ -193,6 +195,12 @@ def _deliver_to(window: weakref.ref[Window], loop: asyncio.AbstractEventLoop) ->
             loop.call_soon_threadsafe(show, made)
 
     return deliver
+
+
+def _placed(camera: Camera, present: Camera) -> Camera:
+    """A camera with eye, target and up, of another one where they aren't given: the pointer moves no other cameras."""
+    names = ("eye", "target", "up")
+    return replace(camera, **{name: getattr(present, name) for name in names if getattr(camera, name) is None})
 
 
 def _controls(method: str, settings: dict[str, Any], changed: Any) -> dict[str, Any]:

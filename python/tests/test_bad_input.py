@@ -337,6 +337,31 @@ CASES = [
         "fragments: expected a key of the scene file; this is an argument of render, or of frames",
     ),
     (
+        "name of a scene",
+        lambda: scene(name="ball"),
+        TypeError,
+        "name: expected with an array of points, as in Cloud(points, name=…)",
+    ),
+    (
+        "factor of a frame",
+        lambda: pellucid.render(POINTS, opacity_factor=0.5),
+        TypeError,
+        "opacity_factor: expected a key of the scene file; this is an argument of Loaded.frame; opacity= is a key",
+    ),
+    (
+        "device of a scene",
+        lambda: scene(device=0),
+        TypeError,
+        "device: expected a key of the scene file; this is an argument of Renderer, and of render",
+    ),
+    (
+        "seed of a scene",
+        lambda: scene(seed=3),
+        TypeError,
+        "seed: expected a key of the scene file; this is an argument of render, Renderer.load and Loaded.frame; a scene has it as "
+        "scene.seed",
+    ),
+    (
         "limits of a picture",
         lambda: scene(max_error=0.5),
         TypeError,
@@ -463,6 +488,18 @@ CASES = [
         "view: expected no camera beside it: both say from where; of a lens alone, camera={'fov_y': 30}",
     ),
     (
+        "view beside an eye as an argument",
+        lambda: pellucid.render(POINTS, view="top", eye=(0, -9, 1)),
+        TypeError,
+        "view: expected no camera beside it: both say from where; of a lens alone, camera={'fov_y': 30}",
+    ),
+    (
+        "angle beside a target in a scene",
+        lambda: scene().update(azimuth=20, camera__target=(0, 0, 1)),
+        TypeError,
+        "azimuth: expected no camera beside it: both say from where; of a lens alone, camera={'fov_y': 30}",
+    ),
+    (
         "slice",
         lambda: pellucid.render(POINTS, slices={"w": (0, 1)}),
         ValueError,
@@ -503,6 +540,18 @@ CASES = [
         lambda: pellucid.Camera.look_at((0, 0, 5), (0, 0, 0), up=(0, 0, 0)),
         ValueError,
         "up: expected a direction, found (0.0, 0.0, 0.0), which has no length",
+    ),
+    (
+        "zoom without a place",
+        lambda: pellucid.Camera(height=2).zoom(0.5),
+        ValueError,
+        "zoom: expected a camera with eye and target, found Camera(…); that of a picture has them: image.camera",
+    ),
+    (
+        "orbit without up",
+        lambda: pellucid.Camera.look_at((0, 0, 5), (0, 0, 0)).orbit(5),
+        ValueError,
+        "orbit: expected a camera with eye, target and up, found Camera(…); that of a picture has them: image.camera",
     ),
     (
         "moved along up",
@@ -667,7 +716,13 @@ CASES = [
         "memory",
         lambda: pellucid.render(POINTS, memory_budget=-5),
         ValueError,
-        "memory_budget: expected a number of bytes, found -5",
+        "memory_budget: expected a number of bytes, or a text as '4GiB' or '500MB', found -5",
+    ),
+    (
+        "memory of a scene",
+        lambda: scene().update(memory_budget="4GiB"),
+        TypeError,
+        "memory_budget: expected a key of the scene file; this belongs to a frame: render(…, memory_budget=…)",
     ),
 ]
 

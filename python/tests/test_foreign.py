@@ -261,6 +261,22 @@ def test_pandas_splats() -> None:
     assert_same_picture(frame, path)
 
 
+def test_what_is_read_as_a_file_takes_no_columns() -> None:
+    path = DATA / "splats/soup.ply"
+    ply = plyfile.PlyData.read(path)
+    objects = {
+        "plyfile.PlyData": ply,
+        "pandas.DataFrame": pd.DataFrame(ply["vertex"].data),
+        "open3d.t.geometry.PointCloud": o3d.t.io.read_point_cloud(str(path)),
+    }
+    for name, splats in objects.items():
+        message = f"expected with an array of points; {name} is read as its file is, and takes no columns"
+        with pytest.raises(TypeError, match=f"^z_up: {message}$"):
+            Cloud.from_any(splats, z_up=True)
+        with pytest.raises(TypeError, match=f"^opacities: {message}$"):
+            pellucid.render(splats, opacities=np.ones(3), size=SIZE)
+
+
 def test_lists_of_objects_are_one_scene() -> None:
     las, mesh = laspy.read(DATA / "lidar/sample_c_2k.las"), pv.read(DATA / "models/turbine_blade_6k.ply")
     both = pellucid.render([Cloud.from_any(las), Cloud.from_any(mesh)], size=SIZE)

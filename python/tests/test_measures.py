@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import errno
 import json
 import math
 import re
@@ -80,6 +81,27 @@ def test_a_tradeoff_compares_methods(renderer, tmp_path):
     assert len(found.to_pandas()) == len(found.rows)
 
 
+def test_an_interrupted_tradeoff_says_so_whatever_becomes_of_its_folder(renderer, points, monkeypatch, tmp_path):
+    class Interrupted:
+        """What native code has in place of a scene."""
+
+        def tradeoff(self, request, extent, folder, listener):
+            raise KeyboardInterrupt
+
+        def close(self):
+            pass
+
+    def still_written_to(*_, **__):
+        raise OSError(errno.ENOTEMPTY, "Directory not empty")
+
+    monkeypatch.setattr("pellucid._renderer._pellucid.Loaded", lambda *_: Interrupted())
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    monkeypatch.setattr("os.rmdir", still_written_to)
+    with pytest.raises(KeyboardInterrupt):
+        pellucid.tradeoff(points)
+    assert list(tmp_path.iterdir())
+
+
 def test_stress_measures_what_it_was_asked_for(renderer):
     found = pellucid.stress(sides=[16], layers=[1, 4], methods=["abuffer", "sorted"], frames=1)
     measured = {(cell.workload, cell.layers, cell.method) for cell in found.cells}
@@ -143,13 +165,17 @@ def test_one_method_may_come_without_a_list(renderer):
     assert {cell.method for cell in found.cells} == {"abuffer"}
 
 
-def test_pictures_of_any_byte_order_are_compared(renderer):
+def test_pictures_of_any_layout_are_compared(renderer):
     a, b = np.random.default_rng(0).random((2, 9, 7, 3))
     expected = pellucid.compare(a, b).json
     for order in "<>":
         assert pellucid.compare(a.astype(f"{order}f8"), b.astype(f"{order}f8")).json == expected
+        unaligned = np.frombuffer(b"\0" + a.astype(f"{order}f8").tobytes(), f"{order}f8", offset=1).reshape(a.shape)
+        assert not unaligned.flags.aligned
+        assert pellucid.compare(unaligned, b).json == expected
     shorts = (a * 65535).astype(np.uint16)
     assert pellucid.compare(shorts, shorts.astype(">u2")).rmse == 0.0
+    assert pellucid.compare(np.asfortranarray(a), a[::-1][::-1]).rmse == 0.0
 
 
 def test_check_passes_here(renderer, cli):

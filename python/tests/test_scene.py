@@ -221,6 +221,50 @@ def test_a_direction_is_kept(renderer, points):
     np.testing.assert_array_equal(pellucid.render(fresh, size=SIZE).rgba, placed)
 
 
+def test_a_place_wins_over_the_view_in_a_frame(renderer, points):
+    scene = pellucid.Scene(pellucid.Cloud(points), size=SIZE, method="circles", view="top")
+    places = ({"camera": {"eye": (0, -9, 1), "target": (0, 0, 0)}}, {"eye": (0.0, -20.0, 3.0)}, {"camera__target": (1, 1, 0)})
+    with renderer.load(points, size=SIZE, method="circles", view="top") as loaded:
+        for place in places:
+            np.testing.assert_array_equal(loaded.frame(**place).rgba, pellucid.render(scene, **place).rgba)
+        np.testing.assert_array_equal(loaded.frame(fov_y=30).rgba, pellucid.render(scene, fov_y=30).rgba)
+
+
+def test_a_scene_that_was_loaded_has_its_seed(renderer, points):
+    stochastic = {"size": SIZE, "opacity": 0.3, "method": "stochastic", "samples": 4}
+    with renderer.load(points, seed=3, **stochastic) as loaded:
+        assert loaded.scene.seed == 3
+        np.testing.assert_array_equal(pellucid.render(loaded.scene).rgba, loaded.frame().rgba)
+
+
+def test_a_text_has_neither_view_nor_seed(points):
+    scene = pellucid.Scene(pellucid.Cloud(points), view="top")
+    scene.seed = 3
+    again = pellucid.Scene.from_toml(scene.to_toml(), clouds=scene.clouds)
+    assert again.given() == scene.given()
+    assert (again.seed, again._direction) == (0, {})
+
+
+def test_what_is_left_out_adds_up(renderer, points):
+    """As the docstrings of `Scene.update` and `Loaded.frame` say."""
+    cloud = pellucid.Cloud(points, classification=np.arange(500) % 2)
+    scene = pellucid.Scene(cloud, size=SIZE, method="circles")
+    whole = pellucid.render(scene).rgba
+    scene.update(classes=[0], slices={"z": (0, None)})
+    with renderer.load(scene) as loaded:
+        assert loaded.frame(slices={"x": (0, None)}).rgba.any()
+        for none in ({"classes": [1]}, {"without": [0]}, {"slices": {"z": (None, -0.1)}}):
+            with pytest.raises(pellucid.SceneError, match="no point is left"):
+                loaded.frame(**none)
+    scene.update(classes=[1], slices={"x": (0, None)})
+    assert len(scene.clip) == 2
+    with pytest.raises(pellucid.SceneError, match="no point is left"):
+        pellucid.render(scene)
+    scene.clip = []
+    scene.set("cloud.*.class", None)
+    np.testing.assert_array_equal(pellucid.render(scene).rgba, whole)
+
+
 def test_a_size_is_the_picture_s(renderer, points):
     """As in `render`, though methods have a size as well: a factor on radii."""
     cloud = pellucid.Cloud(points)
@@ -233,7 +277,7 @@ def test_a_size_is_the_picture_s(renderer, points):
     assert scene.get("size") == scene.image.size == [40, 30]
     assert scene.method.size == 2.0
     large = pellucid.render(scene)
-    assert large.size == (40, 30)
+    assert large.size == np.size(large) == (40, 30)
     small = pellucid.render(scene, method={"size": 0.5})
     assert small.size == (40, 30)
     assert small.rgba[..., 3].mean() < 0.5 * large.rgba[..., 3].mean()

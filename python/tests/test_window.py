@@ -111,14 +111,17 @@ def difference(a: np.ndarray, b: np.ndarray) -> float:
     return float(np.abs(a - b).mean())
 
 
-def wait_until_whole(page: Page, than: str | None = None) -> str:
-    """Waits for the caption of a whole picture that is another one than the given."""
+def wait_until_whole(page: Page, canvas: Locator, before: np.ndarray | None = None) -> tuple[str, np.ndarray]:
+    """The caption and the picture, once a whole one is there that stays, and is another one than ``before``."""
     limit = time.monotonic() + 60
+    caption = page.locator(".widget-label", has_text="· whole ·")
     while time.monotonic() < limit:
-        text = page.locator(".widget-label", has_text="· whole ·")
-        if text.count() and text.last.inner_text() != than:
+        if caption.count():
+            picture = seen(canvas)
             page.wait_for_timeout(600)  # the picture without losses comes 0.3 s after the last one
-            return str(text.last.inner_text())
+            stays = np.array_equal(picture, seen(canvas)) and caption.count() > 0
+            if stays and (before is None or difference(before, picture) > 0.001):
+                return str(caption.last.inner_text()), picture
         page.wait_for_timeout(100)
     raise AssertionError(f"no whole picture within a minute: {page.locator('.widget-label').all_inner_texts()}")
 
@@ -142,55 +145,51 @@ def test_the_window_follows_the_pointer(page: Page, tmp_path: Path) -> None:
     run_first_cell(page)
     canvas = page.locator("img.renderview-view")
     canvas.wait_for(timeout=60_000)
-    first_caption = wait_until_whole(page)
-    assert first_caption.startswith("stochastic · 64 samples · whole · standard error 0.0"), first_caption
+    caption, first = wait_until_whole(page, canvas)
+    assert caption.startswith("stochastic · 64 samples · whole · standard error 0.0"), caption
     page.screenshot(path=pictures / "window.png")
-    first = seen(canvas)
     assert first.std() > 0.05, "the points are there"
 
     # A drag turns: the picture changes, and dragging back brings the first one back.
     drag(page, canvas, (90, 30))
-    turned_caption = wait_until_whole(page, first_caption)
-    turned = seen(canvas)
+    _, turned = wait_until_whole(page, canvas, first)
     page.screenshot(path=pictures / "turned.png")
     assert difference(first, turned) > 0.03
     drag(page, canvas, (-90, -30))
-    back_caption = wait_until_whole(page, turned_caption)
-    assert difference(first, seen(canvas)) < 0.2 * difference(first, turned)
+    _, back = wait_until_whole(page, canvas, turned)
+    assert difference(first, back) < 0.2 * difference(first, turned)
 
     # Shift moves: what stood left of the middle stands right of it.
     drag(page, canvas, (60, 0), key="Shift")
-    moved_caption = wait_until_whole(page, back_caption)
-    moved = seen(canvas)
+    _, moved = wait_until_whole(page, canvas, back)
     # What is near moves farther than what is far: the two are alike, not the same.
     assert difference(first[:, :-60], moved[:, 60:]) < 0.5 * difference(first, moved)
 
     # The wheel comes nearer, and a double click brings the first view back.
     canvas.hover()
     page.mouse.wheel(0, -400)
-    nearer_caption = wait_until_whole(page, moved_caption)
-    nearer = seen(canvas)
+    _, nearer = wait_until_whole(page, canvas, moved)
     page.screenshot(path=pictures / "nearer.png")
     black = lambda picture: float((picture.max(axis=2) < 0.02).mean())  # noqa: E731
     assert black(nearer) < black(moved) - 0.05
     canvas.dblclick()
-    home_caption = wait_until_whole(page, nearer_caption)
+    _, home = wait_until_whole(page, canvas, nearer)
     page.screenshot(path=pictures / "home.png")
-    assert difference(first, seen(canvas)) < 0.2 * difference(first, turned)
+    assert difference(first, home) < 0.2 * difference(first, turned)
 
     # A slider: fewer samples are noisier, less opacity is darker.
     samples = page.locator(".widget-inline-hbox", has_text="samples").locator(".noUi-handle")
     samples.focus()
     for _ in range(4):
         page.keyboard.press("ArrowLeft")
-    noisy_caption = wait_until_whole(page, home_caption)
-    assert noisy_caption.startswith("stochastic · 4 samples · whole"), noisy_caption
+    caption, noisy = wait_until_whole(page, canvas, home)
+    assert caption.startswith("stochastic · 4 samples · whole"), caption
     opacity = page.locator(".widget-inline-hbox", has_text="opacity").locator(".noUi-handle")
     opacity.focus()
     for _ in range(10):
         page.keyboard.press("PageDown")
-    wait_until_whole(page, noisy_caption)
-    assert seen(canvas).mean() < 0.7 * first.mean()
+    _, faint = wait_until_whole(page, canvas, noisy)
+    assert faint.mean() < 0.7 * first.mean()
     page.screenshot(path=pictures / "faint.png")
 
 

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pellucid_engine::cloud::{Cloud as Columns, UpAxis};
 use pellucid_engine::io;
+use pellucid_engine::scene::made;
 use pyo3::prelude::*;
 
 use crate::arrays::{self, ColorRows, Colors, FloatRows, Floats};
@@ -54,11 +55,7 @@ impl Cloud {
     fn read(py: Python<'_>, path: PathBuf, listener: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let columns = work::run(py, listener, move |talk| {
             let columns = io::load(&path, &talk.progress)?;
-            if columns.non_finite > 0 {
-                let (path, count) = (path.display(), columns.non_finite);
-                talk.warn(format!("{path}: {count} points without finite coordinates are left out"));
-            }
-            columns.warnings.iter().for_each(|warning| talk.warn(format!("{}: {warning}", path.display())));
+            made::tell_of_cloud(&path, &columns, talk);
             Ok(columns)
         })?;
         Ok(Self(Arc::new(columns)))

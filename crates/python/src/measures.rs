@@ -97,7 +97,8 @@ pub fn tradeoff(
 ) -> Result<String, Failure> {
     let begin = Instant::now();
     if session.made.stored.is_some() {
-        let problem = "tradeoff: all clouds are needed in memory, and these would take more than host_memory allows";
+        let problem = "tradeoff: all clouds are needed in memory; these stay in their files, since they would take more than host_memory \
+                       allows, or since [detail] is to leave points out";
         return Err(Failure::Value(problem.to_owned()));
     }
     session.prepare(ask, talk)?;

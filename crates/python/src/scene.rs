@@ -4,13 +4,13 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use pellucid_engine::cloud::Cloud as Columns;
-use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{self as engine, Document, Key, Named, Overrides, View};
+use pellucid_engine::scene::{self as engine, Document, Key, Named, Overrides, View, made};
 use pyo3::prelude::*;
 
 use crate::cloud::Cloud;
 use crate::failure::Failure;
 use crate::request::{self, Changes, Direction};
+use crate::talk::Talk;
 use crate::{fork, work};
 
 /// A scene; its keys may change.
@@ -48,9 +48,13 @@ impl State {
     }
 
     /// Reads clouds that are in files yet.
-    fn read(&mut self, progress: &Progress) -> Result<&[Arc<Columns>], Failure> {
+    fn read(&mut self, talk: &Talk) -> Result<&[Arc<Columns>], Failure> {
         if let Clouds::Files(named) = &self.clouds {
-            let opened = self.named(named).load(progress)?;
+            let scene = self.document.scene()?;
+            let opened = self.named(named).load(&talk.progress)?;
+            for (settings, cloud) in scene.clouds.iter().zip(&opened.clouds) {
+                made::tell_of_cloud(&settings.path, cloud, talk);
+            }
             self.clouds = Clouds::Held(opened.clouds.into_iter().map(Arc::new).collect());
         }
         match &self.clouds {
@@ -179,7 +183,7 @@ impl Scene {
     fn clouds(&self, py: Python<'_>, listener: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<Cloud>> {
         let mut state = self.state().clone();
         let (state, clouds) = work::run(py, listener, move |talk| {
-            let clouds = state.read(&talk.progress)?.to_vec();
+            let clouds = state.read(talk)?.to_vec();
             Ok((state, clouds))
         })?;
         self.state().clouds = state.clouds;

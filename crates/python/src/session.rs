@@ -9,7 +9,7 @@ use pellucid_engine::methods::{Factors, Frame, Renderer};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::progress::Phase;
 use pellucid_engine::scene::made::{self, Made, Source, Wanted};
-use pellucid_engine::scene::{self as engine, Document, Method, MethodChoice, Scene, Vertical};
+use pellucid_engine::scene::{self as engine, Document, Method, MethodChoice, Scene, ShadingModel, Vertical};
 use pellucid_engine::{io, plan};
 use pellucid_lab::choice::{self, Choice, Subject, Wish};
 use pellucid_lab::frame_notes;
@@ -85,9 +85,9 @@ fn settle(scene: &mut Scene, made: &Made) {
     if made.follows_method {
         scene.image.color = made.scene.image.color;
     }
-    if made.stored.is_some() {
+    if scene.shading.model == ShadingModel::Auto && made.scene.shading.model == ShadingModel::None {
         // Without normals there is nothing to shade by.
-        scene.shading.model = made.scene.shading.model;
+        scene.shading.model = ShadingModel::None;
     }
 }
 
@@ -223,6 +223,7 @@ impl Session {
         let asked = Decided { method: *method, background, frame, see_through, wish: ask.wish() };
         if last.as_ref() == Some(&asked) {
             self.decided = last;
+            talk.stage("rendering");
             return Ok(());
         }
         self.frame = frame;

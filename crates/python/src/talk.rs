@@ -30,8 +30,8 @@ struct Heard {
     stage: String,
     done: u64,
     total: Option<u64>,
-    /// True if somebody was told since then.
-    told: bool,
+    /// True if nobody was told of this yet.
+    is_news: bool,
     warnings: Vec<String>,
     notes: Vec<String>,
 }
@@ -47,12 +47,12 @@ struct Listener(Arc<Shared>);
 impl Observer for Listener {
     fn stage(&self, name: &str) {
         let mut heard = self.0.heard();
-        (heard.stage, heard.done, heard.total, heard.told) = (name.to_owned(), 0, None, false);
+        (heard.stage, heard.done, heard.total, heard.is_news) = (name.to_owned(), 0, None, true);
     }
 
     fn advanced(&self, done: u64, total: Option<u64>) {
         let mut heard = self.0.heard();
-        (heard.done, heard.total, heard.told) = (done, total, false);
+        (heard.done, heard.total, heard.is_news) = (done, total, true);
     }
 
     fn is_cancelled(&self) -> bool {
@@ -95,8 +95,8 @@ impl Talk {
     pub fn tell(&self, listener: &Bound<'_, PyAny>) -> PyResult<()> {
         let news = {
             let mut heard = self.shared.heard();
-            let told = std::mem::replace(&mut heard.told, true);
-            (!told).then(|| (heard.stage.clone(), heard.done, heard.total))
+            let is_news = std::mem::take(&mut heard.is_news) && !heard.stage.is_empty();
+            is_news.then(|| (heard.stage.clone(), heard.done, heard.total))
         };
         news.map_or(Ok(()), |news| listener.call1(news).map(drop))
     }

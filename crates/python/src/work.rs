@@ -55,11 +55,11 @@ pub fn run<T: Send + 'static>(
         move || drop(sender.send(done))
     })?;
     let result = wait_for(py, &receiver, &talk, listener)?;
-    if let Some(listener) = listener {
+    talk.hand_over(py)?;
+    if let (Some(listener), Ok(_)) = (listener, &result) {
         // What came since the last glance.
         talk.tell(listener)?;
     }
-    talk.hand_over(py)?;
     result.map_err(|failure| failure.raise(py))
 }
 
