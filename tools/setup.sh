@@ -2,14 +2,17 @@
 # Installs what pellucid needs beside Rust: a Vulkan loader, a Vulkan driver, a C compiler; with --tests the validation
 # layers, a browser, jq and a display without a screen with a window manager as well; in CI (CI=true) also a Wayland
 # compositor, which takes 95 MB, and OpenEXR for Python, which comes from PyPI and goes to target/openexr. On Debian and Ubuntu missing packages are installed with apt, elsewhere they are named. Does
-# nothing, at once, where nothing is missing.
+# nothing, at once, where nothing is missing. With --mpi also Open MPI, unless there is an MPI already, and libclang, to build
+# pellucid-mpi (docs/many-machines.md).
 set -euo pipefail
 
-usage="usage: tools/setup.sh [--tests]"
+usage="usage: tools/setup.sh [--tests] [--mpi]"
 for_tests=false
+for_mpi=false
 for argument in "$@"; do
     case $argument in
         --tests) for_tests=true ;;
+        --mpi) for_mpi=true ;;
         -h | --help) echo "$usage"; exit 0 ;;
         *) echo "error: unknown argument '$argument'; $usage" >&2; exit 2 ;;
     esac
@@ -98,6 +101,11 @@ has_x11() {
 openexr=$(dirname "$0")/../target/openexr
 has_openexr() { [[ -x $openexr/bin/python ]] && "$openexr/bin/python" -c "import OpenEXR, numpy" 2>/dev/null; }
 
+has_mpi() { command -v mpicc && command -v mpirun; } >/dev/null
+
+# By which the bindings to MPI are made.
+has_libclang() { [[ -n ${LIBCLANG_PATH:-} ]] || compgen -G "/usr/lib/llvm-*/lib/libclang*.so*" || compgen -G "/usr/lib/*/libclang*.so"; } >/dev/null
+
 # Fills `names` and `packages` with what is missing.
 find_missing() {
     names=() packages=()
@@ -129,6 +137,8 @@ find_missing() {
     if $for_tests && [[ ${CI:-} == true ]] && ! has_openexr && ! python3 -c "import ensurepip" 2>/dev/null; then
         names+=("python3-venv, for an environment with OpenEXR") packages+=(python3-venv)
     fi
+    if $for_mpi && ! has_mpi; then names+=("an MPI (mpicc, mpirun)") packages+=(libopenmpi-dev openmpi-bin); fi
+    if $for_mpi && ! has_libclang; then names+=("libclang") packages+=(libclang-dev); fi
     if $for_tests && ! has_x11; then
         names+=("the X11 libraries of a window") packages+=(libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0)
     fi
