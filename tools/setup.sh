@@ -104,7 +104,9 @@ has_openexr() { [[ -x $openexr/bin/python ]] && "$openexr/bin/python" -c "import
 has_mpi() { command -v mpicc && command -v mpirun; } >/dev/null
 
 # By which the bindings to MPI are made.
-has_libclang() { [[ -n ${LIBCLANG_PATH:-} ]] || compgen -G "/usr/lib/llvm-*/lib/libclang*.so*" || compgen -G "/usr/lib/*/libclang*.so"; } >/dev/null
+has_libclang() {
+    [[ -n ${LIBCLANG_PATH:-} ]] || compgen -G "/usr/lib/llvm-*/lib/libclang.so*" || compgen -G "/usr/lib/llvm-*/lib/libclang-[0-9]*.so*"
+} >/dev/null
 
 # Fills `names` and `packages` with what is missing.
 find_missing() {
