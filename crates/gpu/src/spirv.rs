@@ -10,6 +10,7 @@ const OP_TYPE_ARRAY: u32 = 28;
 const OP_TYPE_POINTER: u32 = 32;
 const OP_CONSTANT: u32 = 43;
 const OP_CONSTANT_COMPOSITE: u32 = 44;
+const OP_CONSTANT_NULL: u32 = 46;
 const OP_LOAD: u32 = 61;
 const OP_STORE: u32 = 62;
 const OP_ACCESS_CHAIN: u32 = 65;
@@ -32,7 +33,7 @@ const FLOAT_ARITHMETIC: [u32; 14] = [127, 129, 131, 133, 136, 140, 141, 142, 143
 const BOUND: usize = 3;
 
 /// Goes up with each change of the corrections, so that nobody takes what earlier ones left in a cache.
-pub const REVISION: u32 = 2;
+pub const REVISION: u32 = 3;
 
 /// Instructions, each as its opcode and all its words, including the first.
 fn instructions(words: &[u32]) -> impl Iterator<Item = (u32, &[u32])> {
@@ -128,10 +129,10 @@ fn forbid_contraction(words: &[u32]) -> Vec<u32> {
     out
 }
 
-/// Drops the initialiser of function-local arrays.
+/// Drops the initialiser that naga gives function-local arrays of its own accord.
 ///
 /// naga zero-initialises every local variable. For an array of 256 that means 256 stores which lavapipe unrolls: 24 s
-/// of compilation against 0.2 s. Only arrays are touched: a scalar's initialiser is part of the program.
+/// of compilation against 0.2 s. Only arrays are touched, and not those with values of their own: a scalar's initialiser is part of the program.
 ///
 /// A GPU then finds there whatever an earlier shader left, which a CPU driver hardly ever does. So in debug builds short arrays are
 /// spoiled instead (`spoil`): a shader that reads an element before it writes one shows it on every driver.
@@ -141,6 +142,7 @@ fn drop_array_initialisers(words: &[u32], spoil: bool) -> Vec<u32> {
         .filter(|(op, i)| *op == OP_TYPE_POINTER && i[2] == STORAGE_FUNCTION && arrays.contains(&i[3]))
         .map(|(_, i)| (i[1], i[3]))
         .collect();
+    let nulls: Vec<u32> = instructions(words).filter(|(op, _)| *op == OP_CONSTANT_NULL).map(|(_, i)| i[2]).collect();
     let mut constants = Spoiled { words, next: words[BOUND], declared: Vec::new() };
     let spoiled: Vec<Option<u32>> =
         pointers.iter().map(|(_, array)| if spoil { constants.of_array(*array) } else { None }).collect();
@@ -152,7 +154,7 @@ fn drop_array_initialisers(words: &[u32], spoil: bool) -> Vec<u32> {
             declared = true;
         }
         let place = pointers.iter().position(|(pointer, _)| instruction.get(1) == Some(pointer));
-        match place.filter(|_| op == OP_VARIABLE && instruction.len() == 5) {
+        match place.filter(|_| op == OP_VARIABLE && instruction.len() == 5 && nulls.contains(&instruction[4])) {
             Some(place) => {
                 let variable: Vec<u32> = instruction[1..4].iter().copied().chain(spoiled[place]).collect();
                 emit(&mut out, OP_VARIABLE, &variable);
@@ -306,6 +308,22 @@ mod tests {
         let after = count(&drop_array_initialisers(&words, false), initialised);
         assert!(before >= 2, "the shader has an initialised array and scalar");
         assert_eq!(after, before - 1);
+    }
+
+    #[test]
+    fn values_that_a_shader_gives_an_array_stay() {
+        let words = compiled(
+            "@group(0) @binding(0) var<storage, read_write> data: array<f32>;
+            @compute @workgroup_size(1) fn main() {
+                var slopes = array<f32, 2>(0.0, 0.0);
+                if data[0] > 1.0 { slopes[0] = data[1]; }
+                data[2] = slopes[u32(data[3])];
+            }",
+        );
+        let initialised = |w: &[u32]| count(w, |op, i| op == OP_VARIABLE && i.len() == 5);
+        for spoil in [false, true] {
+            assert_eq!(initialised(&drop_array_initialisers(&words, spoil)), initialised(&words));
+        }
     }
 
     const LOCAL: &str = "@group(0) @binding(0) var<storage, read_write> data: array<f32>;

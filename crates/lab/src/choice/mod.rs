@@ -52,19 +52,19 @@ impl Wish {
         self.max_error.is_some() || self.budget_ms.is_some()
     }
 
-    /// The reason why limits have no effect on a scene of these points; `None` if they have one.
+    /// Where limits have no effect, and why, for a scene of these points; `None` if they have one.
     pub fn hindrance(scene: &Scene, points: &Points) -> Option<String> {
         let taken = plan::resolve(scene.method, points).0;
-        let reason = if scene.shadows.is_some() && taken.takes_shadows() {
-            "where there are shadows"
+        let stays = format!("{} stays the method", taken.name());
+        if scene.shadows.is_some() && taken.takes_shadows() {
+            Some(format!("where there are shadows: {stays}"))
         } else if scene.shading.edl.edl {
-            "with eye-dome lighting, which only some methods have"
+            Some(format!("with eye-dome lighting, which only some methods have: {stays}"))
         } else if formation(&scene.method.representative(), points).is_err() {
-            "on this method, whose image no other one draws"
+            Some(format!("on method {}: no other one draws its image", scene.method.name()))
         } else {
-            return None;
-        };
-        Some(format!("{reason}: {} stays the method", taken.name()))
+            None
+        }
     }
 }
 
