@@ -46,6 +46,8 @@ pub struct Resolved {
     pub seed: u64,
     /// Where the clouds are stored, if they are not in memory.
     pub stored: Option<Stored>,
+    /// True if points that are in memory come to the device window by window, even if it has room for all.
+    pub by_windows: bool,
 }
 
 impl Resolved {
@@ -162,6 +164,7 @@ impl Loaded {
             opacity_given,
             seed,
             stored,
+            by_windows: false,
         })
     }
 }

@@ -18,10 +18,10 @@ pub struct PlanArgs {
     #[command(flatten)]
     pub input: InputArgs,
     #[command(flatten)]
-    device: DeviceArgs,
+    pub device: DeviceArgs,
     /// Print the plan as JSON.
     #[arg(long)]
-    json: bool,
+    pub json: bool,
 }
 
 pub fn run(args: PlanArgs, console: Console) -> Result<ExitCode> {

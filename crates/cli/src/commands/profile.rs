@@ -19,32 +19,42 @@ pub struct ProfileArgs {
     #[command(flatten)]
     pub input: InputArgs,
     #[command(flatten)]
-    device: DeviceArgs,
+    pub device: DeviceArgs,
     #[command(flatten)]
-    measure: MeasureArgs,
+    pub measure: MeasureArgs,
     /// Frames to measure, by default 5. With --path or --turntable those of the path, each measured once, and each has its
     /// camera in the JSON.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    frames: Option<u32>,
+    pub frames: Option<u32>,
     #[command(flatten)]
-    along: PathArgs,
+    pub along: PathArgs,
     /// For which output the frames are: an .exr gets every bit, for a .png blending stops where no 8-bit value would move by
     /// more than a quarter of a step. Only the methods sorted and abuffer stop at all.
     #[arg(long = "for", value_name = "FORMAT", default_value = "exr")]
-    format: Format,
+    pub format: Format,
     /// Print the measurements as JSON, as --profile writes them, instead of the table.
     #[arg(long)]
-    json: bool,
+    pub json: bool,
 }
 
 /// Default number of frames of a camera at rest.
-const DEFAULT_FRAMES: u32 = 5;
+pub const DEFAULT_FRAMES: u32 = 5;
 
 /// An output format.
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum Format {
+pub enum Format {
     Exr,
     Png,
+}
+
+impl Format {
+    /// The accuracy at which blending may stop.
+    pub fn stop(self) -> Stop {
+        match self {
+            Self::Exr => Stop::Exact,
+            Self::Png => Stop::EightBit { transparent: false },
+        }
+    }
 }
 
 pub fn run(args: ProfileArgs, console: Console) -> Result<ExitCode> {
@@ -58,11 +68,7 @@ pub fn run(args: ProfileArgs, console: Console) -> Result<ExitCode> {
             (resolved, cameras)
         }
     };
-    let stop = match args.format {
-        Format::Exr => Stop::Exact,
-        Format::Png => Stop::EightBit { transparent: false },
-    };
-    let mut session = Session::open(&args.device, &resolved, true, stop, &progress)?;
+    let mut session = Session::open(&args.device, &resolved, true, args.format.stop(), &progress)?;
     session.describe(console);
     session.warn(&resolved, console);
     // The first frame pays for pipelines and buffers.

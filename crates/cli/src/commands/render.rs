@@ -239,22 +239,10 @@ impl RenderArgs {
         self.legend && is_png(output)
     }
 
-    /// True if passes have to be timed.
-    #[cfg(feature = "mpi")]
-    pub fn is_profiled(&self) -> bool {
-        self.measure.is_asked()
-    }
-
     /// The motion of the camera, if there is one.
     #[cfg(feature = "mpi")]
     pub fn course(&self, console: Console) -> Result<Option<super::along::Along>> {
         self.along.course(self.frames.flatten(), &self.input, console)
-    }
-
-    /// The device.
-    #[cfg(feature = "mpi")]
-    pub fn device(&self) -> &DeviceArgs {
-        &self.device
     }
 
     /// True if the method is chosen by what it must keep to.

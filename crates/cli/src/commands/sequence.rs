@@ -35,6 +35,16 @@ pub struct Frames {
     pub there: Vec<bool>,
 }
 
+/// Frames to render.
+pub struct Due<'a> {
+    /// Their numbers.
+    pub numbers: &'a mut dyn Iterator<Item = usize>,
+    /// How many they are at most.
+    pub count: usize,
+    /// Renders the frame of the session's camera.
+    pub render: &'a mut dyn FnMut(&mut Session) -> Result<Rendered>,
+}
+
 /// Measurements of the sequence.
 pub struct Records {
     measured: Measured,
@@ -60,7 +70,9 @@ pub fn run(args: &RenderArgs, along: &Along, pattern: &Pattern, console: Console
     frames.find(args.overwrite, pattern)?;
     let mut records = Records::open(args, &frames, &resolved, &session)?;
     interrupt::defer();
-    let rendered = frames.render(args, &resolved, &mut session, &mut records, &progress, console)?;
+    let due = if records.popped.is_some() { (0..frames.files.len()).collect() } else { frames.missing() };
+    let due = Due { count: due.len(), numbers: &mut due.into_iter(), render: &mut Session::render };
+    let rendered = frames.render(args, &resolved, &mut session, &mut records, due, &progress, console)?;
     progress.finish_and_clear();
     let (count, before) = (frames.files.len(), frames.there.iter().filter(|there| **there).count());
     if before > 0 {
@@ -116,27 +128,39 @@ impl Frames {
         Ok(())
     }
 
-    /// Renders the missing frames and returns their number. If errors are followed, those that are there are rendered for it alone.
+    /// The numbers of those that are to be rendered.
+    pub fn missing(&self) -> Vec<usize> {
+        (0..self.files.len()).filter(|number| !self.there[*number]).collect()
+    }
+
+    /// The camera of a frame.
+    #[cfg(feature = "mpi")]
+    pub fn camera(&self, number: usize) -> Camera {
+        self.cameras[number]
+    }
+
+    /// Renders frames and returns how many were written. If errors are followed, those that are there are rendered for it alone.
+    #[allow(clippy::too_many_arguments, reason = "what a command has at hand")]
     pub fn render(
         &self,
         args: &RenderArgs,
         resolved: &Resolved,
         session: &mut Session,
         records: &mut Records,
+        due: Due<'_>,
         progress: &Bar,
         console: Console,
     ) -> Result<usize> {
         let count = self.files.len();
-        let due: Vec<usize> = (0..count).filter(|number| records.popped.is_some() || !self.there[*number]).collect();
         // Counts only the frames to render, so that the estimated time is theirs.
-        progress.counted("frames", due.len() as u64);
+        progress.counted("frames", due.count as u64);
         let (mut done, mut empty) = (0, Vec::new());
-        for number in due {
+        for number in due.numbers {
             if interrupt::asked() {
                 break;
             }
             session.frame.camera = self.cameras[number];
-            let mut rendered = session.render()?;
+            let mut rendered = (due.render)(session)?;
             if rendered.image.rgba.iter().all(|[.., a]| *a == 0.0) {
                 empty.push(number);
             }

@@ -12,6 +12,7 @@ use pellucid_engine::methods::brightness::{self, Applied};
 use pellucid_engine::methods::see_through::{self, Found};
 use pellucid_engine::methods::{Frame, PassProfile, Rendered, Renderer, Stop};
 use pellucid_engine::passes::project::DeviceCloud;
+use pellucid_engine::prepare::Arranged;
 use pellucid_engine::profile::Profile;
 use pellucid_engine::progress::{Phase, Progress};
 use pellucid_engine::scene::{Detail, made};
@@ -85,7 +86,10 @@ impl Session {
             frame.factors.opacity = 0.5;
         }
         let renderer = Renderer::new(&device)?;
-        let cloud = renderer.upload_for(&frame.detail, &resolved.arranged, resolved.shadow_texture.as_ref())?;
+        let cloud = match &resolved.arranged {
+            Arranged::Canonical(points) if resolved.by_windows => renderer.supply_held(points)?,
+            arranged => renderer.upload_for(&frame.detail, arranged, resolved.shadow_texture.as_ref())?,
+        };
         Ok(Self {
             device,
             renderer,
@@ -214,7 +218,8 @@ impl MeasureArgs {
     }
 }
 
-fn write_json(path: &Path, value: &Value) -> Result<()> {
+/// Writes a value as JSON, all or nothing.
+pub fn write_json(path: &Path, value: &Value) -> Result<()> {
     output::write_atomically(path, |file| writeln!(file, "{value:#}"))?;
     Ok(())
 }

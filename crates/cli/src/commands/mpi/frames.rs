@@ -1,27 +1,40 @@
-//! The frames of a path, dealt to the ranks in turn.
+//! The frames of a path: whole frames by each rank, or each frame by all.
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use pellucid_engine::Result;
+use pellucid_engine::methods::Rendered;
 use pellucid_engine::scene::Error;
 
-use super::super::along::Along;
-use super::super::console::Console;
-use super::super::frames::Pattern;
-use super::super::interrupt;
-use super::super::render::RenderArgs;
-use super::super::sequence::{Frames, Records};
+use super::desk::Desk;
+use super::frame;
 use super::ranks::Ranks;
-use super::stage::Stage;
+use super::share::{Share, SharingArgs};
+use super::stage::{Setting, Stage};
 use super::together;
+use crate::commands::along::Along;
+use crate::commands::bar::Bar;
+use crate::commands::console::Console;
+use crate::commands::frames::Pattern;
+use crate::commands::interrupt;
+use crate::commands::render::RenderArgs;
+use crate::commands::sequence::{Due, Frames, Records};
+use crate::commands::session::Session;
 
 /// Renders the frames that are not there yet.
 ///
 /// # Errors
 /// Those of rendering, on any rank.
-pub fn run(args: &RenderArgs, along: &Along, pattern: &Pattern, ranks: &Ranks, console: Console) -> Result<ExitCode> {
-    if args.is_profiled() || args.popping.is_some() {
-        let problem = "--profile, --trace and --popping follow frames one after the other: they are for pellucid";
+pub fn run(
+    args: &RenderArgs,
+    sharing: SharingArgs,
+    (along, pattern): (&Along, &Pattern),
+    ranks: &Ranks,
+    console: Console,
+) -> Result<ExitCode> {
+    if args.measure.is_asked() || args.popping.is_some() {
+        let problem = "--profile, --trace and --popping of many frames are for pellucid; pellucid-mpi profile measures the frames of a path";
         return Err(Error::Usage(problem.to_owned()).into());
     }
     let progress = console.progress();
@@ -30,25 +43,27 @@ pub fn run(args: &RenderArgs, along: &Along, pattern: &Pattern, ranks: &Ranks, c
     let resolve = || {
         let (resolved, found) = along.resolve(&args.input, args.draws_legend(&output), console, &progress)?;
         cameras = found;
-        Ok(resolved)
+        Ok((resolved, cameras.len()))
     };
-    let stage = match Stage::open(args, &output, ranks, (console, &progress), resolve) {
+    let setting = Setting::of(args, sharing, Path::new(&output));
+    let mut stage = match Stage::open(&setting, ranks, (console, &progress), resolve) {
         Ok(stage) => stage,
         Err(status) => return Ok(status),
     };
-    let Stage { resolved, mut session } = stage;
-    session.renderer.timed = false;
-    let mut frames = Frames::named(args, cameras, pattern, &resolved, &session);
+    stage.session.renderer.timed = false;
+    let mut frames = Frames::named(args, cameras, pattern, &stage.resolved, &stage.session);
     let found = if ranks.is_first() { frames.find(args.overwrite, pattern) } else { Ok(()) };
     if let Err(status) = together(ranks, found) {
         return Ok(status);
     }
     // Before anybody renders one: who looks later would find those of others.
     let there = ranks.told(frames.there.iter().map(|there| u8::from(*there)).collect());
-    frames.there = dealt(&there, ranks.own(), ranks.count());
-    let mut records = Records::open(args, &frames, &resolved, &session)?;
+    frames.there = there.iter().map(|there| *there != 0).collect();
     interrupt::defer();
-    let rendered = frames.render(args, &resolved, &mut session, &mut records, &progress, console)?;
+    let rendered = match stage.share {
+        Share::Frames => each_its_own(args, &frames, &mut stage, ranks, &progress, console)?,
+        Share::Windows | Share::Samples => each_by_all(args, &frames, &mut stage, ranks, &progress, console)?,
+    };
     progress.finish_and_clear();
     let all = ranks.all_told(&(rendered as u64).to_le_bytes());
     let rendered: u64 = all.iter().filter_map(|one| one.as_slice().try_into().ok()).map(u64::from_le_bytes).sum();
@@ -57,24 +72,53 @@ pub fn run(args: &RenderArgs, along: &Along, pattern: &Pattern, ranks: &Ranks, c
     Ok(if before + rendered < count { ExitCode::from(interrupt::STATUS) } else { ExitCode::SUCCESS })
 }
 
-/// For each frame, if a rank has nothing to do with it: those that are not there are dealt in turn.
-fn dealt(there: &[u8], own: usize, count: usize) -> Vec<bool> {
-    let mut next = (0..count).cycle();
-    there.iter().map(|there| *there != 0 || next.next() != Some(own)).collect()
+/// Each rank renders and writes frames as long as there are some; their number.
+fn each_its_own(
+    args: &RenderArgs,
+    frames: &Frames,
+    stage: &mut Stage,
+    ranks: &Ranks,
+    progress: &Bar,
+    console: Console,
+) -> Result<usize> {
+    let missing = frames.missing();
+    let Stage { resolved, session, .. } = stage;
+    let mut records = Records::open(args, frames, resolved, session)?;
+    let mut desk = Desk::open(ranks, missing.len());
+    let mut numbers = desk.by_ref().map(|unit| missing[unit]);
+    let due = Due { numbers: &mut numbers, count: missing.len(), render: &mut Session::render };
+    let rendered = frames.render(args, resolved, session, &mut records, due, progress, console)?;
+    // Whoever was interrupted leaves the rest to nobody.
+    desk.by_ref().for_each(drop);
+    desk.close();
+    Ok(rendered)
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_frame_that_is_missing_goes_to_one_rank() {
-        let there = [0, 1, 0, 0, 1, 0, 0];
-        let all: Vec<Vec<bool>> = (0..3).map(|own| dealt(&there, own, 3)).collect();
-        for (number, there) in there.iter().enumerate() {
-            let takers = all.iter().filter(|rank| !rank[number]).count();
-            assert_eq!(takers, usize::from(*there == 0));
+/// All ranks render each frame, which the first one writes; their number there.
+fn each_by_all(
+    args: &RenderArgs,
+    frames: &Frames,
+    stage: &mut Stage,
+    ranks: &Ranks,
+    progress: &Bar,
+    console: Console,
+) -> Result<usize> {
+    let mut rendered = 0;
+    progress.counted("frames", frames.missing().len() as u64);
+    for number in frames.missing() {
+        let goes_on = ranks.told(vec![u8::from(!interrupt::asked())]);
+        if goes_on == [0] {
+            break;
         }
-        assert_eq!(all[0], [false, true, true, true, true, false, true]);
+        stage.session.frame.camera = frames.camera(number);
+        let Some(shared) = frame::render(stage, ranks, false)? else { continue };
+        let mut whole = Some(shared.rendered);
+        let mut render = |session: &mut Session| -> Result<Rendered> { whole.take().map_or_else(|| session.render(), Ok) };
+        let Stage { resolved, session, .. } = &mut *stage;
+        let mut records = Records::open(args, frames, resolved, session)?;
+        let due = Due { numbers: &mut std::iter::once(number), count: 1, render: &mut render };
+        let console = if rendered == 0 { console } else { console.without_repeats() };
+        rendered += frames.render(args, resolved, session, &mut records, due, progress, console)?;
     }
+    Ok(rendered)
 }

@@ -1,11 +1,19 @@
 //! `pellucid-mpi`: one picture, or the frames of a path, by many ranks, with the bytes of one.
 
-mod bands;
+mod cut;
+mod desk;
+mod frame;
 mod frames;
+mod link;
 mod picture;
-mod planes;
+mod pixels;
+mod plan;
+mod profile;
 mod ranks;
+mod report;
+mod share;
 mod stage;
+mod work;
 
 use std::process::ExitCode;
 
@@ -14,8 +22,11 @@ use pellucid_engine::Result;
 use pellucid_engine::scene::Error;
 
 use self::ranks::Ranks;
+use self::share::SharingArgs;
 use super::arguments;
 use super::console::{Console, print_stderr};
+use super::plan::PlanArgs;
+use super::profile::ProfileArgs;
 use super::render::{RenderArgs, Target};
 
 /// Renders point clouds you can see through, on many machines: every rank that `mpirun` starts renders a part, and the first one writes
@@ -35,15 +46,40 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Render a scene or point clouds to a picture, each rank some of its rows.
-    Render(RenderArgs),
+    /// Render a scene or point clouds to a picture, or the frames of a path to many.
+    Render {
+        #[command(flatten)]
+        args: RenderArgs,
+        #[command(flatten)]
+        sharing: SharingArgs,
+    },
+    /// Render a few frames with all ranks, and print what each pass costs and what each rank does.
+    Profile {
+        #[command(flatten)]
+        args: ProfileArgs,
+        #[command(flatten)]
+        sharing: SharingArgs,
+    },
+    /// Print how the ranks would share the work, what else they could share, and what each is expected to take.
+    Plan {
+        #[command(flatten)]
+        args: PlanArgs,
+        #[command(flatten)]
+        sharing: SharingArgs,
+        /// For so many ranks, whatever the number of those that run.
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+        ranks: Option<u32>,
+    },
 }
 
 /// Parses the command line and runs its command on all ranks.
 pub fn run() -> ExitCode {
-    let Some(ranks) = Ranks::join() else {
-        print_stderr("error: MPI is not available");
-        return ExitCode::FAILURE;
+    let ranks = match Ranks::join() {
+        Ok(ranks) => ranks,
+        Err(problem) => {
+            print_stderr(format_args!("error: {problem}"));
+            return ExitCode::FAILURE;
+        }
     };
     let cli = match Cli::try_parse_from(arguments(std::env::args_os())) {
         Ok(cli) => cli,
@@ -59,7 +95,11 @@ pub fn run() -> ExitCode {
     super::interrupt::watch();
     pellucid_engine::io::silence_decoder_panics();
     let done = match cli.command {
-        Command::Render(args) => render(&args, &ranks, console),
+        Command::Render { args, sharing } => render(&args, sharing, &ranks, console),
+        Command::Profile { args, sharing } => profile::run(&args, sharing, &ranks, console),
+        Command::Plan { args, sharing, ranks: count } => {
+            plan::run(&args, sharing, count.map(|count| count as usize), &ranks, console)
+        }
     };
     done.unwrap_or_else(|error| {
         let error = crate::error::Error::from(error);
@@ -68,15 +108,15 @@ pub fn run() -> ExitCode {
 }
 
 /// A picture, or the frames of a path.
-fn render(args: &RenderArgs, ranks: &Ranks, console: Console) -> Result<ExitCode> {
+fn render(args: &RenderArgs, sharing: SharingArgs, ranks: &Ranks, console: Console) -> Result<ExitCode> {
     let target = match together(ranks, target(args)) {
         Ok(target) => target,
         Err(status) => return Ok(status),
     };
     match target {
-        Target::One(output) => picture::run(args, &output, ranks, console),
+        Target::One(output) => picture::run(args, sharing, &output, ranks, console),
         Target::Frames(pattern) | Target::Steps(pattern) => match together(ranks, args.course(console)) {
-            Ok(Some(along)) => frames::run(args, &along, &pattern, ranks, console),
+            Ok(Some(along)) => frames::run(args, sharing, (&along, &pattern), ranks, console),
             Ok(None) => Ok(ExitCode::FAILURE),
             Err(status) => Ok(status),
         },
@@ -85,6 +125,7 @@ fn render(args: &RenderArgs, ranks: &Ranks, console: Console) -> Result<ExitCode
 
 /// Where pictures go, if ranks can share the work.
 fn target(args: &RenderArgs) -> Result<Target> {
+    args.measure.check()?;
     let usage = |problem: &str| Err(Error::Usage(problem.to_owned()).into());
     if args.chooses() {
         return usage(

@@ -1,8 +1,10 @@
 //! The ranks of a run, as MPI counts them, and what they say to one another.
 
+use std::cell::Cell;
 use std::io::Write;
+use std::time::{Duration, Instant};
 
-use mpi::environment::{Universe, processor_name};
+use mpi::environment::{Threading, Universe, processor_name};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 
@@ -12,24 +14,56 @@ const PIECE: usize = 1 << 30;
 /// Tag of everything that is sent to one rank.
 const TAG: i32 = 1;
 
+/// How long somebody who waits for a message sleeps before looking again: a wait that never sleeps takes a core from those who work.
+pub const NAP: Duration = Duration::from_micros(50);
+
 /// The ranks of a run, seen from one of them. The first one reads arguments for all, decides, and writes.
 pub struct Ranks {
     world: SimpleCommunicator,
-    /// This one's number among those of its host.
     local: usize,
     host: String,
+    traffic: Cell<Traffic>,
     // Last: dropping it ends MPI.
     _universe: Universe,
 }
 
+/// What a rank has sent and received, and how long it waited for messages.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Traffic {
+    /// Bytes that were sent.
+    pub sent: u64,
+    /// Bytes that were received.
+    pub received: u64,
+    /// Time without any message.
+    pub waited: Duration,
+}
+
+impl Traffic {
+    /// What has come since `before`.
+    pub fn since(self, before: Self) -> Self {
+        Self {
+            sent: self.sent - before.sent,
+            received: self.received - before.received,
+            waited: self.waited.saturating_sub(before.waited),
+        }
+    }
+}
+
 impl Ranks {
-    /// Joins the others; `None` if MPI runs in this process already.
-    pub fn join() -> Option<Self> {
-        let universe = mpi::initialize()?;
+    /// Joins the others.
+    ///
+    /// # Errors
+    /// MPI runs in this process already, or lets only one thread send messages.
+    pub fn join() -> Result<Self, &'static str> {
+        let (universe, threads) =
+            mpi::initialize_with_threading(Threading::Multiple).ok_or("MPI is not available in this process")?;
+        if threads != Threading::Multiple {
+            return Err("this MPI was built without support for threads (MPI_THREAD_MULTIPLE), which handing out work needs");
+        }
         let world = universe.world();
         let local = usize::try_from(world.split_shared(world.rank()).rank()).unwrap_or(0);
         let host = processor_name().unwrap_or_else(|_| "a host without a name".to_owned());
-        Some(Self { world, local, host, _universe: universe })
+        Ok(Self { world, local, host, traffic: Cell::default(), _universe: universe })
     }
 
     /// This rank, from 0.
@@ -47,6 +81,11 @@ impl Ranks {
         self.local
     }
 
+    /// The name of its host.
+    pub fn host(&self) -> &str {
+        &self.host
+    }
+
     /// True of the rank that decides and writes.
     pub fn is_first(&self) -> bool {
         self.own() == 0
@@ -55,6 +94,11 @@ impl Ranks {
     /// This rank for people: `rank 2 of 4 (node17)`.
     pub fn name(&self) -> String {
         format!("rank {} of {} ({})", self.own(), self.count(), self.host)
+    }
+
+    /// What it sent and received so far.
+    pub fn traffic(&self) -> Traffic {
+        self.traffic.get()
     }
 
     /// What the first rank says, to all.
@@ -70,35 +114,67 @@ impl Ranks {
 
     /// What every rank says, in their order, to all.
     pub fn all_told(&self, said: &[u8]) -> Vec<Vec<u8>> {
-        if self.is_first() {
-            let mut all = vec![said.to_vec()];
-            all.extend((1..self.count()).map(|rank| self.received(rank)));
-            let lengths: Vec<u8> = all.iter().flat_map(|one| (one.len() as u64).to_le_bytes()).collect();
-            let (lengths, all) = (self.told(lengths), self.told(all.concat()));
-            cut(&lengths, &all)
-        } else {
+        let all = self.first_told(said).unwrap_or_default();
+        let lengths: Vec<u8> = all.iter().flat_map(|one| (one.len() as u64).to_le_bytes()).collect();
+        let (lengths, all) = (self.told(lengths), self.told(all.concat()));
+        cut(&lengths, &all)
+    }
+
+    /// What every rank says, in their order, to the first one.
+    pub fn first_told(&self, said: &[u8]) -> Option<Vec<Vec<u8>>> {
+        if !self.is_first() {
             self.send(0, said);
-            let (lengths, all) = (self.told(Vec::new()), self.told(Vec::new()));
-            cut(&lengths, &all)
+            return None;
         }
+        Some(std::iter::once(said.to_vec()).chain((1..self.count()).map(|rank| self.received(rank))).collect())
     }
 
     /// Sends bytes to a rank, which has to ask for them ([`Self::received`]).
     pub fn send(&self, to: usize, bytes: &[u8]) {
+        self.send_length(to, bytes.len());
+        self.send_exactly(to, bytes);
+    }
+
+    fn send_length(&self, to: usize, length: usize) {
+        self.world.process_at_rank(to as i32).send_with_tag(&(length as u64), TAG);
+    }
+
+    /// Sends as many bytes as the other one expects ([`Self::receive_exactly`]).
+    pub fn send_exactly(&self, to: usize, bytes: &[u8]) {
         let to = self.world.process_at_rank(to as i32);
-        to.send_with_tag(&(bytes.len() as u64), TAG);
         bytes.chunks(PIECE).for_each(|piece| to.send_with_tag(piece, TAG));
+        let traffic = self.traffic.get();
+        self.traffic.set(Traffic { sent: traffic.sent + bytes.len() as u64, ..traffic });
     }
 
     /// The bytes that a rank sends.
     pub fn received(&self, from: usize) -> Vec<u8> {
-        let from = self.world.process_at_rank(from as i32);
-        let (length, _) = from.receive_with_tag::<u64>(TAG);
+        self.wait(from);
+        let (length, _) = self.world.process_at_rank(from as i32).receive_with_tag::<u64>(TAG);
         let mut bytes = vec![0; length as usize];
-        for piece in bytes.chunks_mut(PIECE) {
-            from.receive_into_with_tag(piece, TAG);
-        }
+        self.receive_exactly(from, &mut bytes);
         bytes
+    }
+
+    /// Fills a slice with the bytes that a rank sends.
+    pub fn receive_exactly(&self, from: usize, bytes: &mut [u8]) {
+        let process = self.world.process_at_rank(from as i32);
+        for piece in bytes.chunks_mut(PIECE) {
+            self.wait(from);
+            process.receive_into_with_tag(piece, TAG);
+        }
+        let traffic = self.traffic.get();
+        self.traffic.set(Traffic { received: traffic.received + bytes.len() as u64, ..traffic });
+    }
+
+    /// Sleeps until there is a message.
+    fn wait(&self, from: usize) {
+        let (process, begin) = (self.world.process_at_rank(from as i32), Instant::now());
+        while process.immediate_probe_with_tag(TAG).is_none() {
+            std::thread::sleep(NAP);
+        }
+        let traffic = self.traffic.get();
+        self.traffic.set(Traffic { waited: traffic.waited + begin.elapsed(), ..traffic });
     }
 
     /// Waits until all ranks are here.

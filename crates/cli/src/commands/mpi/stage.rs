@@ -1,88 +1,172 @@
 //! The scene on the devices of all ranks: the same everywhere, as the first rank decides it.
 
-use std::path::Path;
 use std::process::ExitCode;
 
-use pellucid_engine::scene::Error;
-use pellucid_engine::{Result, plan};
+use pellucid_engine::camera::Camera;
+use pellucid_engine::methods::{Frame, Stop};
+use pellucid_engine::passes::bands::Window;
+use pellucid_engine::prepare::Arranged;
+use pellucid_engine::scene::{Error, MethodChoice};
+use pellucid_engine::{Result, gpu, plan};
 
-use super::super::bar::Bar;
-use super::super::console::Console;
-use super::super::loaded::Resolved;
-use super::super::render::{RenderArgs, is_png};
-use super::super::session::Session;
+use super::cut::{Costs, Load};
+use super::link::Link;
 use super::ranks::Ranks;
+use super::share::{Job, Share, Wanted};
 use super::together;
+use crate::commands::DeviceArgs;
+use crate::commands::bar::Bar;
+use crate::commands::console::Console;
+use crate::commands::loaded::Resolved;
+use crate::commands::session::Session;
 use crate::legend;
+
+/// How long a rank works at least on windows that are handed out on demand, in seconds: each takes a few milliseconds of its own.
+const WORTH_DEMAND: f64 = 0.4;
+
+/// Windows on demand for each rank, and the share of the work that they have together.
+const ON_DEMAND: usize = 3;
+const REST: f64 = 0.2;
+
+/// What a command wants of a stage.
+pub struct Setting<'a> {
+    pub device: &'a DeviceArgs,
+    /// True if list lengths are counted.
+    pub counted: bool,
+    pub stop: Stop,
+    pub share: Wanted,
+    /// True if other depths are wanted beside those of first fragments.
+    pub depths: bool,
+}
 
 /// A scene on this rank's device.
 pub struct Stage {
     pub resolved: Resolved,
     pub session: Session,
+    pub share: Share,
+    /// What there is to share.
+    pub job: Job,
+    pub link: Link,
+    /// The last camera, with the costs of its tiles.
+    costs: Option<(Camera, Costs)>,
 }
 
 impl Stage {
-    /// Brings what `resolve` reads to the device.
+    /// Brings what `resolve` reads to the device; it also tells how many frames there are to render.
     ///
     /// # Errors
     /// The exit status, once the first rank has said what went wrong.
     pub fn open(
-        args: &RenderArgs,
-        output: &Path,
+        setting: &Setting<'_>,
         ranks: &Ranks,
         (console, progress): (Console, &Bar),
-        resolve: impl FnOnce() -> Result<Resolved>,
+        resolve: impl FnOnce() -> Result<(Resolved, usize)>,
     ) -> std::result::Result<Self, ExitCode> {
         let checked = || {
-            let resolved = resolve()?;
+            let (resolved, frames) = resolve()?;
             legend::check(&resolved, console)?;
-            Ok(resolved)
+            Ok((resolved, frames))
         };
-        let resolved = together(ranks, checked())?;
-        let all = ranks.all_told(&identity(&resolved));
-        let other = all.iter().position(|one| *one != all[0]);
-        let same = other.map_or(Ok::<_, pellucid_engine::Error>(()), |other| {
-            Err(Error::Usage(format!(
-                "rank {other} found another scene, other points or another version of pellucid than rank 0: all ranks have to see the \
-                 same files"
-            ))
-            .into())
-        });
-        together(ranks, same)?;
-        let mut session = together(ranks, open(args, output, &resolved, ranks, progress))?;
+        let (mut resolved, frames) = together(ranks, checked())?;
+        together(ranks, compare(&identity(&resolved), ranks))?;
+        let link = Link::measured(ranks).unwrap_or_default();
+        // Points come window by window, so that each rank takes those of its own.
+        let frame = Frame::of_scene(&resolved.scene, resolved.camera, resolved.seed);
+        let expected = Job::of(&frame, &resolved, frames).choose(setting.share, ranks.count(), link);
+        resolved.by_windows = ranks.count() > 1 && matches!(expected, Ok(Share::Windows)) && resolved.shadow_texture.is_none();
+        let mut session = together(ranks, open(setting, &mut resolved, ranks, progress))?;
         agree(&mut session, &resolved, ranks);
+        session.frame.depths = setting.depths;
+        let job = together(ranks, job(&mut session, &resolved, frames))?;
+        let share = together(ranks, job.choose(setting.share, ranks.count(), link))?;
         if ranks.is_first() {
             session.describe(console);
             session.warn(&resolved, console);
+            if ranks.count() > 1 {
+                console.detail(format_args!("{} ranks share {share}", ranks.count()));
+            }
         }
-        Ok(Self { resolved, session })
+        Ok(Self { resolved, session, share, job, link, costs: None })
+    }
+
+    /// Bytes that this rank has read of nodes.
+    pub fn bytes_read(&self) -> u64 {
+        self.resolved.stored.as_ref().map_or(0, |stored| stored.bytes_read()[0])
+    }
+
+    /// The windows of the ranks for the session's camera, and those on demand.
+    pub fn windows(&mut self, ranks: usize) -> Vec<Window> {
+        let long = self.job.alone() / ranks as f64 >= WORTH_DEMAND;
+        let (more, rest) = if long { (ON_DEMAND, REST) } else { (0, 0.0) };
+        self.costs().windows(ranks, more, rest)
+    }
+
+    /// What the tiles of the session's frame are expected to cost.
+    pub fn costs(&mut self) -> &Costs {
+        let (frame, points) = (&self.session.frame, self.resolved.points());
+        self.costs.take_if(|(camera, _)| *camera != frame.camera);
+        &self.costs.get_or_insert_with(|| (frame.camera, Costs::expected(frame, points))).1
     }
 }
 
 /// What has to be the same on all ranks.
-fn identity(resolved: &Resolved) -> Vec<u8> {
+fn identity(resolved: &Resolved) -> [u8; 32] {
     let Resolved { scene, camera, seed, .. } = resolved;
     let points = resolved.points();
+    let stored = points.whole.as_ref().map(|whole| &whole.identity);
     let written = format!(
-        "{} {} {camera:?} {seed} {} {:?}",
+        "{} {} {camera:?} {seed} {} {:?} {stored:?}",
         env!("CARGO_PKG_VERSION"),
         scene.settings,
         points.positions.len(),
         points.bounds()
     );
-    blake3::hash(written.as_bytes()).as_bytes().to_vec()
+    let mut hash = blake3::Hasher::new();
+    hash.update(written.as_bytes());
+    hash.update(bytemuck::cast_slice(&points.positions));
+    hash.update(bytemuck::cast_slice(&points.colors));
+    *hash.finalize().as_bytes()
+}
+
+/// Refuses ranks that found something else than the first one.
+fn compare(own: &[u8], ranks: &Ranks) -> Result<()> {
+    let all = ranks.all_told(own);
+    match all.iter().position(|one| *one != all[0]) {
+        Some(other) => Err(Error::Usage(format!(
+            "rank {other} found another scene, other points or another version of pellucid than rank 0: all ranks have to see the same files"
+        ))
+        .into()),
+        None => Ok(()),
+    }
+}
+
+/// The device of a rank: the one that is asked for, or, where the host has several GPUs, that of the rank's number on the host.
+fn device_of(asked: &DeviceArgs, ranks: &Ranks) -> Result<Option<String>> {
+    if asked.device.is_some() {
+        return Ok(asked.device.clone());
+    }
+    let (all, _) = gpu::devices(None)?;
+    let gpus: Vec<usize> = all.iter().filter(|d| d.kind.contains("discrete") && d.lacks.is_empty()).map(|d| d.index).collect();
+    Ok(if gpus.len() > 1 { Some(gpus[ranks.local() % gpus.len()].to_string()) } else { None })
 }
 
 /// Brings the points to the device; the first rank decides the method and the opacity, too.
-fn open(args: &RenderArgs, output: &Path, resolved: &Resolved, ranks: &Ranks, progress: &Bar) -> Result<Session> {
-    let stop = args.stop(output);
-    let counted = args.aov || args.is_profiled();
-    let mut session = if ranks.is_first() {
-        Session::open(args.device(), resolved, counted, stop, progress)?
-    } else {
-        Session::upload(args.device(), resolved, counted, stop, progress)?
-    };
-    session.frame.depths = args.aov && !is_png(output);
+fn open(setting: &Setting<'_>, resolved: &mut Resolved, ranks: &Ranks, progress: &Bar) -> Result<Session> {
+    let device = DeviceArgs { device: device_of(setting.device, ranks)?, memory_budget: setting.device.memory_budget };
+    let Setting { counted, stop, .. } = *setting;
+    if !ranks.is_first() {
+        return Session::upload(&device, resolved, counted, stop, progress);
+    }
+    if !matches!(resolved.scene.method, MethodChoice::Auto(..)) && resolved.see_through.is_none() {
+        return Session::open(&device, resolved, counted, stop, progress);
+    }
+    // Method and opacity are those of a rank alone, which has all points at once.
+    let by_windows = std::mem::take(&mut resolved.by_windows);
+    let mut session = Session::open(&device, resolved, counted, stop, progress)?;
+    resolved.by_windows = by_windows;
+    if by_windows && let Arranged::Canonical(points) = &resolved.arranged {
+        session.cloud = session.renderer.supply_held(points)?;
+    }
     Ok(session)
 }
 
@@ -98,5 +182,20 @@ fn agree(session: &mut Session, resolved: &Resolved, ranks: &Ranks) {
     let methods = [plan::resolve(choice, resolved.points()).0, choice.representative()];
     if let Some(method) = methods.into_iter().find(|method| method.name().as_bytes() == name) {
         session.frame.method = method;
+    }
+}
+
+/// What there is to share, with what only a device tells.
+fn job(session: &mut Session, resolved: &Resolved, frames: usize) -> Result<Job> {
+    let Session { renderer, cloud, frame, device, .. } = session;
+    let slots = if frame.method.is_dealt() { renderer.survey(cloud, frame)?.slots } else { 0 };
+    Ok(Job { slots, is_gpu: device.info().prefers.shared_work, ..Job::of(frame, resolved, frames) })
+}
+
+impl Job {
+    /// What there is to share, as far as it shows without a device.
+    fn of(frame: &Frame, resolved: &Resolved, frames: usize) -> Self {
+        let load: Load = Costs::expected(frame, resolved.points()).whole();
+        Self { load, samples: None, slots: 0, frames, is_gpu: false }
     }
 }

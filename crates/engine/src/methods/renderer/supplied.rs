@@ -78,11 +78,13 @@ impl Renderer {
         let count = |picked: &[u32]| picked.iter().map(|i| blocks[*i as usize].points).sum::<u64>();
         let beam = Beam::new(&frame.camera, frame.size, part.window, part.engine.extent(frame, cloud));
         let wanted = Present { within: Some(beam) };
-        if cloud.has(&wanted) {
+        // A region is for others to render the rest: its points alone are projected.
+        let is_whole = self.region.is_none();
+        if cloud.has(&wanted, is_whole) {
             self.share_light(cloud, frame, timeline)?;
             return Ok(Outcome::Done);
         }
-        if cloud.drawn() <= room {
+        if is_whole && cloud.drawn() <= room {
             // They stay for the windows and frames to come. A count of points without levels may be a little too low.
             let all: Vec<u32> = (0..blocks.len() as u32).collect();
             if cloud.bring(&self.device, (&all, Present::ALL, room), &self.progress)? {

@@ -128,10 +128,10 @@ impl DeviceCloud {
         columns + tilts + (size_of::<Splat>() + size_of::<Bounds>()) as u64 + 4 + 16 + 4 + 4
     }
 
-    /// True if these points are on the device.
-    pub fn has(&self, wanted: &Present) -> bool {
+    /// True if these points are on the device, and, unless `others` may be there too, no others.
+    pub fn has(&self, wanted: &Present, others: bool) -> bool {
         let present = self.supplied.as_ref().and_then(|supplied| supplied.present);
-        present.is_some_and(|present| present == Present::ALL || present == *wanted)
+        present.is_some_and(|present| others && present == Present::ALL || present == *wanted)
     }
 
     /// Brings points of these blocks to the device in place of those that are there: at most `room` of them, or false. Room for them is

@@ -1,0 +1,236 @@
+//! Which part of an image each rank renders: rectangles of whole tiles that are expected to cost the same.
+
+use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::methods::Frame;
+use pellucid_engine::passes::bands::Window;
+use pellucid_engine::points::Points;
+
+/// Side of a tile in pixels: no tile is cut, so that its splats are ordered once.
+pub const TILE: u32 = 16;
+
+/// Most points that are looked at; of more, every so manieth.
+const LOOKED_AT: usize = 200_000;
+
+/// Rows of tiles that a rectangle has at least before it is cut between columns: rows of whole width travel without being copied.
+const ROWS: u32 = 4;
+
+/// Work, as a number of fragments that takes as long: of a point that may show, and of a pixel (`abuffer` on lavapipe).
+pub const POINT: f64 = 3.0;
+pub const PIXEL: f64 = 0.2;
+
+/// What the tiles of an image are expected to cost, in fragments.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Costs {
+    size: [u32; 2],
+    columns: u32,
+    tiles: Vec<Tile>,
+}
+
+/// What is expected in a tile.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct Tile {
+    points: f64,
+    fragments: f64,
+}
+
+/// What is expected in a part of an image.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Load {
+    /// Points that show there.
+    pub points: f64,
+    /// Fragments.
+    pub fragments: f64,
+    /// Pixels.
+    pub pixels: f64,
+}
+
+impl Load {
+    /// All of it, as a number of fragments that takes as long.
+    pub fn work(self) -> f64 {
+        POINT * self.points + self.fragments + PIXEL * self.pixels
+    }
+}
+
+impl Costs {
+    /// The costs of a frame, by where points are and how large.
+    pub fn expected(frame: &Frame, points: &Points) -> Self {
+        let Frame { size, camera, .. } = frame;
+        let [columns, rows] = size.map(|side| side.div_ceil(TILE));
+        let mut costs = Self { size: *size, columns, tiles: vec![Tile::default(); (columns * rows) as usize] };
+        let step = points.positions.len().div_ceil(LOOKED_AT).max(1);
+        let each = points.count() as f64 / points.positions.len().max(1) as f64 * step as f64;
+        for at in (0..points.positions.len()).step_by(step) {
+            let radius = points.radii.get(at).copied().unwrap_or(0.0) * frame.factors.radius;
+            costs.add(camera, points.positions[at], f64::from(radius), each);
+        }
+        costs
+    }
+
+    /// Adds `count` points like this one.
+    fn add(&mut self, camera: &Camera, position: glam::DVec3, radius: f64, count: f64) {
+        let ([x, y], depth) = {
+            let (pixel, depth) = camera.project(position, self.size);
+            (pixel.to_array(), depth)
+        };
+        let behind = matches!(camera.projection, Projection::Perspective { .. }) && depth < camera.near;
+        if behind || depth > camera.far || !(x.is_finite() && y.is_finite()) {
+            return;
+        }
+        let radius = radius * camera.pixels_per_unit(depth, self.size[1]);
+        let tile = f64::from(TILE);
+        let span = |middle: f64, side: u32| {
+            let reach = |edge: f64| (edge / tile).floor().clamp(-1.0, f64::from(side.div_ceil(TILE))) as i64;
+            reach(middle - radius).max(0)..=reach(middle + radius).min(i64::from(side.div_ceil(TILE)) - 1)
+        };
+        let (columns, rows) = (span(x, self.size[0]), span(y, self.size[1]));
+        let area = (std::f64::consts::PI * radius * radius).max(1.0);
+        // A disc spreads evenly over the tiles that its square meets, those outside of the image too.
+        let all = ((2.0 * radius / tile).floor() + 1.0).powi(2);
+        for row in rows {
+            for column in columns.clone() {
+                let tile = &mut self.tiles[row as usize * self.columns as usize + column as usize];
+                tile.points += count;
+                tile.fragments += count * area / all;
+            }
+        }
+    }
+
+    /// What is expected in a window of whole tiles.
+    pub fn of(&self, [x0, y0, x1, y1]: Window) -> Load {
+        let mut load = Load { pixels: f64::from(x1 - x0) * f64::from(y1 - y0), ..Load::default() };
+        for row in y0 / TILE..y1.div_ceil(TILE) {
+            let row = row as usize * self.columns as usize;
+            for tile in &self.tiles[row + (x0 / TILE) as usize..row + x1.div_ceil(TILE) as usize] {
+                load.points += tile.points;
+                load.fragments += tile.fragments;
+            }
+        }
+        load
+    }
+
+    /// All of it.
+    pub fn whole(&self) -> Load {
+        self.of([0, 0, self.size[0], self.size[1]])
+    }
+
+    /// Cuts the image into one window for each of `ranks`, and `more` each to be handed out on demand, which have together the share
+    /// `rest` of the work. Windows may be empty where there are more ranks than tiles.
+    pub fn windows(&self, ranks: usize, more: usize, rest: f64) -> Vec<Window> {
+        let leaves = self.leaves([0, 0, self.size[0], self.size[1]], ranks);
+        if more == 0 {
+            return leaves;
+        }
+        let parts: Vec<[Window; 2]> = leaves.iter().map(|leaf| self.parted(*leaf, 1.0 - rest)).collect();
+        let own = parts.iter().map(|[first, _]| *first);
+        let others = parts.iter().flat_map(|[_, rest]| self.leaves(*rest, more)).filter(|window| !is_empty(*window));
+        own.chain(others).collect()
+    }
+
+    /// Cuts a window into `count` of about the same work.
+    fn leaves(&self, window: Window, count: usize) -> Vec<Window> {
+        if count <= 1 {
+            return vec![window];
+        }
+        let [low, high] = self.parted(window, (count / 2) as f64 / count as f64);
+        [self.leaves(low, count / 2), self.leaves(high, count - count / 2)].concat()
+    }
+
+    /// Cuts a window in two, of which the first has this share of the work, as far as tiles allow.
+    fn parted(&self, window: Window, share: f64) -> [Window; 2] {
+        let [x0, y0, x1, y1] = window;
+        let [wide, high] = [(x1 - x0).div_ceil(TILE), (y1 - y0).div_ceil(TILE)];
+        let by_rows = high >= 2 * ROWS || high >= wide;
+        let (first, last) = if by_rows { (y0, y1) } else { (x0, x1) };
+        let strip = |from: u32, to: u32| if by_rows { [x0, from, x1, to] } else { [from, y0, to, y1] };
+        let wanted = share * self.of(window).work();
+        let (mut edge, mut before) = (first, 0.0);
+        while edge < last {
+            let next = (edge + TILE).min(last);
+            let work = self.of(strip(edge, next)).work();
+            // The strip in which the share ends goes to whom most of it belongs.
+            if before + 0.5 * work > wanted {
+                break;
+            }
+            (edge, before) = (next, before + work);
+        }
+        [strip(first, edge), strip(edge, last)]
+    }
+}
+
+/// True of a window without pixels.
+pub fn is_empty([x0, y0, x1, y1]: Window) -> bool {
+    x0 >= x1 || y0 >= y1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Costs of an image, by a function of tile column and row.
+    fn costs(size: [u32; 2], fragments: impl Fn(u32, u32) -> f64) -> Costs {
+        let [columns, rows] = size.map(|side| side.div_ceil(TILE));
+        let of = |at: u32| Tile { points: 0.0, fragments: fragments(at % columns, at / columns) };
+        Costs { size, columns, tiles: (0..columns * rows).map(of).collect() }
+    }
+
+    #[test]
+    fn windows_cover_every_pixel_once_and_cut_no_tile() {
+        for (size, ranks, more) in
+            [([70, 50], 1, 0), ([70, 50], 3, 0), ([70, 50], 64, 0), ([200, 130], 4, 3), ([16, 16], 5, 2), ([1, 300], 7, 1)]
+        {
+            let costs = costs(size, |column, row| f64::from(1000 * ((column * 7 + row * 3) % 5)));
+            let windows = costs.windows(ranks, more, 0.3);
+            assert!(windows.len() >= ranks, "each rank has its own");
+            let mut seen = vec![0; (size[0] * size[1]) as usize];
+            for [x0, y0, x1, y1] in windows.iter().copied().filter(|window| !is_empty(*window)) {
+                assert!(x0 % TILE == 0 && y0 % TILE == 0 && (x1 % TILE == 0 || x1 == size[0]));
+                assert!(y1 % TILE == 0 || y1 == size[1]);
+                (y0..y1).for_each(|y| (x0..x1).for_each(|x| seen[(y * size[0] + x) as usize] += 1));
+            }
+            assert!(seen.iter().all(|times| *times == 1), "{size:?} {ranks} {more}");
+        }
+    }
+
+    #[test]
+    fn work_is_shared_evenly_wherever_it_is() {
+        // All of it in a corner, and most in one row of tiles.
+        let corner = costs([640, 640], |column, row| if column < 10 && row > 25 { 1e6 } else { 0.0 });
+        let row = costs([640, 640], |_, row| if row == 20 { 1e6 } else { 1e4 });
+        for (costs, most) in [(corner, 1.35), (row, 1.8)] {
+            for ranks in [2, 3, 4, 8] {
+                let work: Vec<f64> =
+                    costs.windows(ranks, 0, 0.0).iter().map(|window| costs.of(*window).work()).collect();
+                let mean = work.iter().sum::<f64>() / ranks as f64;
+                assert!((mean * ranks as f64 - costs.whole().work()).abs() < 1.0);
+                if most < 1.5 || ranks == 2 {
+                    assert!(work.iter().copied().fold(0.0, f64::max) <= most * mean, "{ranks}: {work:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_handed_out_on_demand_has_its_share() {
+        let costs = costs([640, 640], |_, _| 1e5);
+        let windows = costs.windows(4, 2, 0.25);
+        let rest: f64 = windows[4..].iter().map(|window| costs.of(*window).work()).sum();
+        assert!((0.15..0.35).contains(&(rest / costs.whole().work())), "{}", rest / costs.whole().work());
+    }
+
+    #[test]
+    fn discs_count_where_they_are() {
+        let projection = Projection::Orthographic { height: 64.0 };
+        let eye = glam::DVec3::Z * 10.0;
+        let camera = Camera::look_at(eye, glam::DVec3::ZERO, glam::DVec3::Y, projection, 1.0, 100.0).expect("a camera");
+        let mut costs = costs([64, 64], |_, _| 0.0);
+        // A pixel is a unit. The second is cut by the image's edge, the third lies outside, the last behind the camera.
+        for (x, y, z, radius) in [(-20.0, 20.0, 0.0, 2.0), (32.0, 0.0, 0.0, 16.0), (60.0, 0.0, 0.0, 2.0), (0.0, 0.0, 200.0, 2.0)] {
+            costs.add(&camera, glam::DVec3::new(x, y, z), radius, 10.0);
+        }
+        let first = costs.of([0, 0, 16, 16]);
+        assert_eq!((first.points, first.fragments.round()), (10.0, (40.0 * std::f64::consts::PI).round()));
+        let all = costs.whole();
+        let half = 0.5 * 10.0 * std::f64::consts::PI * 256.0;
+        assert!((all.fragments - first.fragments) < 1.4 * half && (all.fragments - first.fragments) > 0.5 * half, "{all:?}");
+    }
+}

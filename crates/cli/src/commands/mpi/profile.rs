@@ -1,0 +1,77 @@
+//! `pellucid-mpi profile`: what each pass costs, on each rank.
+
+use std::process::ExitCode;
+
+use pellucid_engine::{Result, profile};
+
+use super::frame;
+use super::ranks::Ranks;
+use super::report::Report;
+use super::share::SharingArgs;
+use super::stage::{Setting, Stage};
+use crate::commands::console::{Console, print, print_json};
+use crate::commands::loaded::prepare;
+use crate::commands::profile::{DEFAULT_FRAMES, ProfileArgs};
+
+/// Measures frames that all ranks render together.
+///
+/// # Errors
+/// Those of rendering, on any rank.
+pub fn run(args: &ProfileArgs, sharing: SharingArgs, ranks: &Ranks, console: Console) -> Result<ExitCode> {
+    let progress = console.progress();
+    let mut cameras = Vec::new();
+    let resolve = || {
+        args.measure.check()?;
+        let (resolved, found) = match args.along.course(args.frames, &args.input, console)? {
+            Some(along) => along.resolve(&args.input, false, console, &progress)?,
+            None => {
+                let resolved = prepare(&args.input, console, &progress)?;
+                let cameras = vec![resolved.camera; args.frames.unwrap_or(DEFAULT_FRAMES) as usize];
+                (resolved, cameras)
+            }
+        };
+        cameras = found;
+        Ok((resolved, 1))
+    };
+    let setting =
+        Setting { device: &args.device, counted: true, stop: args.format.stop(), share: sharing.share, depths: false };
+    let mut stage = match Stage::open(&setting, ranks, (console, &progress), resolve) {
+        Ok(stage) => stage,
+        Err(status) => return Ok(status),
+    };
+    // The first frame pays for pipelines and buffers, and counts lists.
+    let first = frame::render(&mut stage, ranks, false)?;
+    let counted = first.as_ref().map(|shared| {
+        let lengths = shared.rendered.image.fragments.as_deref();
+        (shared.rendered.facts.fragments, shared.rendered.facts.max_list, lengths.map(profile::histogram).unwrap_or_default())
+    });
+    if stage.session.frame.counts_on_demand() {
+        stage.session.frame.fragments = false;
+    }
+    let mut report = Report::new(&stage.session, stage.share);
+    progress.counted("measuring", cameras.len() as u64);
+    for camera in &cameras {
+        stage.session.frame.camera = *camera;
+        if let Some(shared) = frame::render(&mut stage, ranks, args.measure.trace.is_some())? {
+            report.add(&shared);
+            stage.session.renderer.recycle(shared.rendered.image);
+        }
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    let Some((fragments, max_list, histogram)) = counted else { return Ok(ExitCode::SUCCESS) };
+    if args.along.option().is_none() {
+        (report.profile.facts.fragments, report.profile.facts.max_list) = (fragments, max_list);
+        report.profile.list_histogram = histogram;
+    }
+    stage.session.add_phases(&mut report.profile);
+    report.write(&args.measure)?;
+    if args.json {
+        print_json(&report.to_json())?;
+    } else {
+        let median = profile::median(report.walls().collect());
+        let passes = pellucid_lab::profile_table(&report.profile, None);
+        print(&format!("{passes}\n\n{}\nmedian of {} frames: {median:.1} ms\n", report.table(), cameras.len()))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,146 @@
+//! The profile of frames that ranks shared: that of `pellucid`, and what each rank did.
+
+use std::time::Duration;
+
+use comfy_table::{CellAlignment, Table, presets};
+use pellucid_engine::Result;
+use pellucid_engine::profile::Profile;
+use serde_json::{Value, json};
+
+use super::frame::Shared;
+use super::share::Share;
+use super::work::{Work, ms};
+use crate::commands::MeasureArgs;
+use crate::commands::session::{Session, write_json};
+
+/// Measurements of frames.
+pub struct Report {
+    /// That of the first rank, in the form of `pellucid`.
+    pub profile: Profile,
+    share: Share,
+    frames: Vec<Measured>,
+}
+
+/// Measurements of a frame.
+struct Measured {
+    work: Vec<Work>,
+    wall: Duration,
+    gather: Duration,
+}
+
+impl Measured {
+    /// The longest time that a rank was at work, by the mean of all.
+    fn imbalance(&self) -> f64 {
+        let times = || self.work.iter().map(|work| work.work_ms);
+        let mean = times().sum::<f64>() / self.work.len().max(1) as f64;
+        if mean > 0.0 { times().fold(0.0, f64::max) / mean } else { 1.0 }
+    }
+
+    fn to_json(&self) -> Value {
+        json!({
+            "wall_ms": ms(self.wall),
+            "gather_ms": ms(self.gather),
+            "imbalance": self.imbalance(),
+            "ranks": self.work.iter().map(rank).collect::<Vec<_>>(),
+        })
+    }
+}
+
+/// What a rank did, without its timeline.
+fn rank(work: &Work) -> Value {
+    let mut value = json!(work);
+    if let Some(object) = value.as_object_mut() {
+        object.remove("timeline");
+    }
+    value
+}
+
+impl Report {
+    /// No frames yet.
+    pub fn new(session: &Session, share: Share) -> Self {
+        Self { profile: session.profile(), share, frames: Vec::new() }
+    }
+
+    /// Adds a frame.
+    pub fn add(&mut self, shared: &Shared) {
+        self.profile.add(&shared.rendered);
+        let Shared { work, wall, gather, .. } = shared;
+        self.frames.push(Measured { work: work.clone(), wall: *wall, gather: *gather });
+    }
+
+    /// The times of the frames in milliseconds.
+    pub fn walls(&self) -> impl Iterator<Item = f64> {
+        self.frames.iter().map(|frame| ms(frame.wall))
+    }
+
+    /// All measurements.
+    pub fn to_json(&self) -> Value {
+        let mut whole = self.profile.to_json();
+        whole["ranks"] = json!({
+            "count": self.frames.first().map_or(1, |frame| frame.work.len()),
+            "share": self.share.to_string(),
+            "frames": self.frames.iter().map(Measured::to_json).collect::<Vec<_>>(),
+        });
+        whole
+    }
+
+    /// A Chrome trace with a row for each rank: its passes, then what it waited for.
+    pub fn to_trace(&self) -> Value {
+        let (mut events, mut begin) = (Vec::new(), 0.0);
+        for frame in &self.frames {
+            let event = |name: &str, start: f64, length: f64, rank: usize| {
+                json!({"name": name, "ph": "X", "ts": 1e3 * (begin + start), "dur": 1e3 * length, "pid": 0, "tid": rank, "args": {}})
+            };
+            for work in &frame.work {
+                events.extend(work.timeline.iter().map(|(name, start, length)| event(name, *start, *length, work.rank)));
+                let rest = (ms(frame.wall) - work.work_ms).max(0.0);
+                let after = if work.rank == 0 { "gather and wait" } else { "send and wait" };
+                events.push(event(after, work.work_ms, rest, work.rank));
+            }
+            begin += ms(frame.wall);
+        }
+        for work in self.frames.first().map(|frame| frame.work.as_slice()).unwrap_or_default() {
+            let name = format!("rank {} ({})", work.rank, work.host);
+            events.push(json!({"name": "thread_name", "ph": "M", "pid": 0, "tid": work.rank, "args": {"name": name}}));
+        }
+        json!({"traceEvents": events, "displayTimeUnit": "ms"})
+    }
+
+    /// Writes the files that were asked for.
+    pub fn write(&self, args: &MeasureArgs) -> Result<()> {
+        args.write_profile(&self.to_json())?;
+        args.trace.as_ref().map_or(Ok(()), |path| write_json(path, &self.to_trace()))
+    }
+
+    /// What each rank did in the last frame, as a table.
+    pub fn table(&self) -> String {
+        let Some(frame) = self.frames.last() else { return String::new() };
+        let mut table = Table::new();
+        table.load_style(presets::NOTHING);
+        table.set_header(["rank", "host", "parts", "work ms", "passes ms", "wait ms", "sent MiB", "received MiB", "read MiB"]);
+        let mib = |bytes: u64| format!("{:.1}", bytes as f64 / f64::from(1 << 20));
+        for work in &frame.work {
+            table.add_row([
+                work.rank.to_string(),
+                work.host.clone(),
+                (work.windows.len() + work.samples.len()).max(1).to_string(),
+                format!("{:.1}", work.work_ms),
+                format!("{:.1}", work.gpu_ms()),
+                format!("{:.1}", work.waited_ms),
+                mib(work.sent),
+                mib(work.received),
+                mib(work.read),
+            ]);
+        }
+        table.column_iter_mut().skip(2).for_each(|column| column.set_cell_alignment(CellAlignment::Right));
+        format!(
+            "{table}\n{} ranks share {}: {:.1} ms, of which {:.1} ms ({:.1} %) to bring the parts together; imbalance {:.2}",
+            frame.work.len(),
+            self.share,
+            ms(frame.wall),
+            ms(frame.gather),
+            100.0 * ms(frame.gather) / ms(frame.wall).max(f64::MIN_POSITIVE),
+            frame.imbalance(),
+        )
+    }
+}

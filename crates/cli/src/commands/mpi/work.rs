@@ -1,0 +1,100 @@
+//! What a rank has done for a frame: units, passes, messages.
+
+use std::time::{Duration, Instant};
+
+use pellucid_engine::methods::{Facts, Rendered};
+use pellucid_engine::passes::bands::Window;
+use serde::{Deserialize, Serialize};
+
+use super::ranks::{Ranks, Traffic};
+
+/// A rank's part of a frame. Times are in milliseconds, those of beginnings since the frame began.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Work {
+    /// The rank.
+    pub rank: usize,
+    /// Its host.
+    pub host: String,
+    /// Its windows of the image, in the order in which it rendered them.
+    pub windows: Vec<Window>,
+    /// Ranges of ensembles or samples that it drew.
+    pub samples: Vec<[u32; 2]>,
+    /// Time that it was at work, until everything was rendered.
+    pub work_ms: f64,
+    /// Time without work and without a message.
+    pub waited_ms: f64,
+    /// Bytes that it sent and received.
+    pub sent: u64,
+    pub received: u64,
+    /// Bytes that it read of nodes.
+    pub read: u64,
+    /// Passes in order of their first run: name, time on the device, invocations.
+    pub passes: Vec<Pass>,
+    /// Each dispatch: name, beginning, time on the device.
+    pub timeline: Vec<(String, f64, f64)>,
+    /// Fragments, and the longest list.
+    pub fragments: u64,
+    pub max_list: u32,
+    /// Splats that it projected and that show.
+    pub visible: u64,
+}
+
+/// A pass with all its dispatches.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Pass {
+    pub name: String,
+    pub gpu_ms: f64,
+    pub invocations: Option<u64>,
+}
+
+impl Work {
+    /// Nothing done yet.
+    pub fn of(ranks: &Ranks) -> Self {
+        Self { rank: ranks.own(), host: ranks.host().to_owned(), ..Self::default() }
+    }
+
+    /// Adds what was rendered, in a frame that began at some time. Dispatches are kept one by one if they are `listed`.
+    pub fn add(&mut self, rendered: &Rendered, begin: Instant, listed: bool) {
+        let Rendered { facts, profile, .. } = rendered;
+        self.fragments += facts.fragments;
+        self.max_list = self.max_list.max(facts.max_list);
+        self.visible += facts.visible;
+        for pass in &profile.passes {
+            let gpu_ms = ms(pass.gpu);
+            match self.passes.iter_mut().find(|known| known.name == pass.name) {
+                Some(known) => {
+                    known.gpu_ms += gpu_ms;
+                    known.invocations = known.invocations.zip(pass.invocations).map(|(a, b)| a + b);
+                }
+                None => self.passes.push(Pass { name: pass.name.to_owned(), gpu_ms, invocations: pass.invocations }),
+            }
+        }
+        if listed {
+            let start = ms(profile.begin.saturating_duration_since(begin));
+            let runs = profile.timeline.iter();
+            self.timeline.extend(runs.map(|(run, at)| (run.name.to_owned(), start + ms(*at), ms(run.gpu))));
+        }
+    }
+
+    /// Takes the counts of messages.
+    pub fn note(&mut self, traffic: Traffic) {
+        (self.sent, self.received, self.waited_ms) = (traffic.sent, traffic.received, ms(traffic.waited));
+    }
+
+    /// Time on the device in all passes.
+    pub fn gpu_ms(&self) -> f64 {
+        self.passes.iter().map(|pass| pass.gpu_ms).sum()
+    }
+}
+
+/// The counts of a whole frame, from those of its first rank and the work of all.
+pub fn joined(facts: &mut Facts, all: &[Work]) {
+    facts.fragments = all.iter().map(|work| work.fragments).sum();
+    facts.max_list = all.iter().map(|work| work.max_list).max().unwrap_or(0);
+    facts.visible = all.iter().map(|work| work.visible).sum();
+}
+
+/// Milliseconds.
+pub fn ms(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
+}
