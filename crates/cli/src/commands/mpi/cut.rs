@@ -1,9 +1,11 @@
 //! Which part of an image each rank renders: rectangles of whole tiles that are expected to cost the same.
 
+use glam::DVec3;
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::methods::Frame;
 use pellucid_engine::passes::bands::Window;
 use pellucid_engine::points::Points;
+use pellucid_engine::scene::DiscShape;
 
 /// Side of a tile in pixels: no tile is cut, so that its splats are ordered once.
 pub const TILE: u32 = 16;
@@ -57,17 +59,20 @@ impl Costs {
         let Frame { size, camera, .. } = frame;
         let [columns, rows] = size.map(|side| side.div_ceil(TILE));
         let mut costs = Self { size: *size, columns, tiles: vec![Tile::default(); (columns * rows) as usize] };
+        let is_tilted = frame.method.discs().is_some_and(|discs| discs.shape == DiscShape::Oriented);
         let step = points.positions.len().div_ceil(LOOKED_AT).max(1);
         let each = points.count() as f64 / points.positions.len().max(1) as f64 * step as f64;
         for at in (0..points.positions.len()).step_by(step) {
             let radius = points.radii.get(at).copied().unwrap_or(0.0) * frame.factors.radius;
-            costs.add(camera, points.positions[at], f64::from(radius), each);
+            let tilt = if is_tilted { points.own_normal(at) } else { None };
+            let slant = tilt.map_or(1.0, |normal| slant(camera, points.positions[at], normal.as_dvec3()));
+            costs.add(camera, points.positions[at], (f64::from(radius), slant), each);
         }
         costs
     }
 
-    /// Adds `count` points like this one.
-    fn add(&mut self, camera: &Camera, position: glam::DVec3, radius: f64, count: f64) {
+    /// Adds `count` points like this one, of which a part of the area shows.
+    fn add(&mut self, camera: &Camera, position: DVec3, (radius, slant): (f64, f64), count: f64) {
         let ([x, y], depth) = {
             let (pixel, depth) = camera.project(position, self.size);
             (pixel.to_array(), depth)
@@ -77,19 +82,20 @@ impl Costs {
             return;
         }
         let radius = radius * camera.pixels_per_unit(depth, self.size[1]);
-        let tile = f64::from(TILE);
-        let span = |middle: f64, side: u32| {
-            let reach = |edge: f64| (edge / tile).floor().clamp(-1.0, f64::from(side.div_ceil(TILE))) as i64;
-            reach(middle - radius).max(0)..=reach(middle + radius).min(i64::from(side.div_ceil(TILE)) - 1)
+        // The tiles that its square meets, and those of them that the image has.
+        let met = |middle: f64| [middle - radius, middle + radius].map(|edge| (edge / f64::from(TILE)).floor());
+        let [wide, high] = [met(x), met(y)];
+        let all = (wide[1] - wide[0] + 1.0) * (high[1] - high[0] + 1.0);
+        let within = |[first, last]: [f64; 2], side: u32| {
+            let most = f64::from(side.div_ceil(TILE));
+            first.clamp(0.0, most) as u32..(last + 1.0).clamp(0.0, most) as u32
         };
-        let (columns, rows) = (span(x, self.size[0]), span(y, self.size[1]));
-        let area = (std::f64::consts::PI * radius * radius).max(1.0);
-        // A disc spreads evenly over the tiles that its square meets, those outside of the image too.
-        let all = ((2.0 * radius / tile).floor() + 1.0).powi(2);
+        let (columns, rows) = (within(wide, self.size[0]), within(high, self.size[1]));
+        let area = slant * std::f64::consts::PI * radius * radius;
         for row in rows {
             for column in columns.clone() {
-                let tile = &mut self.tiles[row as usize * self.columns as usize + column as usize];
-                tile.points += count;
+                let tile = &mut self.tiles[(row * self.columns + column) as usize];
+                tile.points += count / all;
                 tile.fragments += count * area / all;
             }
         }
@@ -157,6 +163,15 @@ impl Costs {
     }
 }
 
+/// The part of a disc's area that shows: the cosine between its normal and the line of sight.
+fn slant(camera: &Camera, position: DVec3, normal: DVec3) -> f64 {
+    let sight = match camera.projection {
+        Projection::Perspective { .. } => (position - camera.eye).normalize_or_zero(),
+        Projection::Orthographic { .. } => camera.forward,
+    };
+    sight.dot(normal.normalize_or_zero()).abs()
+}
+
 /// True of a window without pixels.
 pub fn is_empty([x0, y0, x1, y1]: Window) -> bool {
     x0 >= x1 || y0 >= y1
@@ -220,12 +235,12 @@ mod tests {
     #[test]
     fn discs_count_where_they_are() {
         let projection = Projection::Orthographic { height: 64.0 };
-        let eye = glam::DVec3::Z * 10.0;
-        let camera = Camera::look_at(eye, glam::DVec3::ZERO, glam::DVec3::Y, projection, 1.0, 100.0).expect("a camera");
+        let eye = DVec3::Z * 10.0;
+        let camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Y, projection, 1.0, 100.0).expect("a camera");
         let mut costs = costs([64, 64], |_, _| 0.0);
         // A pixel is a unit. The second is cut by the image's edge, the third lies outside, the last behind the camera.
         for (x, y, z, radius) in [(-20.0, 20.0, 0.0, 2.0), (32.0, 0.0, 0.0, 16.0), (60.0, 0.0, 0.0, 2.0), (0.0, 0.0, 200.0, 2.0)] {
-            costs.add(&camera, glam::DVec3::new(x, y, z), radius, 10.0);
+            costs.add(&camera, DVec3::new(x, y, z), (radius, 1.0), 10.0);
         }
         let first = costs.of([0, 0, 16, 16]);
         assert_eq!((first.points, first.fragments.round()), (10.0, (40.0 * std::f64::consts::PI).round()));

@@ -21,8 +21,9 @@ use crate::commands::loaded::Resolved;
 use crate::commands::session::Session;
 use crate::legend;
 
-/// How long a rank works at least on windows that are handed out on demand, in seconds: each takes a few milliseconds of its own.
-const WORTH_DEMAND: f64 = 0.4;
+/// How long a rank works at least where some windows are handed out on demand, in seconds: for each, points are picked, sent to the
+/// device and projected anew, about 50 ms on a CPU.
+const WORTH_DEMAND: f64 = 5.0;
 
 /// Windows on demand for each rank, and the share of the work that they have together.
 const ON_DEMAND: usize = 3;
