@@ -17,8 +17,8 @@ const LOOKED_AT: usize = 200_000;
 const ROWS: u32 = 4;
 
 /// Work, as a number of fragments that takes as long: of a point that may show, and of a pixel (`abuffer` on lavapipe).
-pub const POINT: f64 = 3.0;
-pub const PIXEL: f64 = 0.2;
+pub const POINT: f64 = 4.0;
+pub const PIXEL: f64 = 0.25;
 
 /// What the tiles of an image are expected to cost, in fragments.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,10 +29,18 @@ pub struct Costs {
 }
 
 /// What is expected in a tile.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Tile {
     points: f64,
     fragments: f64,
+    /// How much more it took than was expected, as far as that is known.
+    factor: f64,
+}
+
+impl Default for Tile {
+    fn default() -> Self {
+        Self { points: 0.0, fragments: 0.0, factor: 1.0 }
+    }
 }
 
 /// What is expected in a part of an image.
@@ -44,13 +52,8 @@ pub struct Load {
     pub fragments: f64,
     /// Pixels.
     pub pixels: f64,
-}
-
-impl Load {
     /// All of it, as a number of fragments that takes as long.
-    pub fn work(self) -> f64 {
-        POINT * self.points + self.fragments + PIXEL * self.pixels
-    }
+    pub work: f64,
 }
 
 impl Costs {
@@ -102,16 +105,46 @@ impl Costs {
     }
 
     /// What is expected in a window of whole tiles.
-    pub fn of(&self, [x0, y0, x1, y1]: Window) -> Load {
-        let mut load = Load { pixels: f64::from(x1 - x0) * f64::from(y1 - y0), ..Load::default() };
-        for row in y0 / TILE..y1.div_ceil(TILE) {
-            let row = row as usize * self.columns as usize;
-            for tile in &self.tiles[row + (x0 / TILE) as usize..row + x1.div_ceil(TILE) as usize] {
-                load.points += tile.points;
-                load.fragments += tile.fragments;
-            }
+    pub fn of(&self, window: Window) -> Load {
+        let mut load = Load::default();
+        for (at, pixels) in self.tiles_of(window) {
+            let Tile { points, fragments, factor } = self.tiles[at];
+            load.points += points;
+            load.fragments += fragments;
+            load.pixels += pixels;
+            load.work += factor * (POINT * points + fragments + PIXEL * pixels);
         }
         load
+    }
+
+    /// The tiles of a window, and how many pixels of the image each has.
+    fn tiles_of(&self, [x0, y0, x1, y1]: Window) -> impl Iterator<Item = (usize, f64)> {
+        let Self { columns, size: [width, height], .. } = *self;
+        let side = |tile: u32, side: u32| f64::from(TILE.min(side - tile * TILE));
+        let rows = if x0 < x1 { y0 / TILE..y1.div_ceil(TILE) } else { 0..0 };
+        rows.flat_map(move |row| {
+            let tiles = x0 / TILE..x1.div_ceil(TILE);
+            tiles.map(move |column| ((row * columns + column) as usize, side(row, height) * side(column, width)))
+        })
+    }
+
+    /// Takes over what windows have really taken, each set of them together: in any unit of time.
+    pub fn learn(&mut self, taken: &[(&[Window], f64)]) {
+        let expected = |windows: &[Window]| windows.iter().map(|window| self.of(*window).work).sum::<f64>();
+        let of_sets: Vec<f64> = taken.iter().map(|(windows, _)| expected(windows)).collect();
+        let mean = taken.iter().map(|(_, time)| time).sum::<f64>() / of_sets.iter().sum::<f64>();
+        for ((windows, time), expected) in taken.iter().zip(of_sets) {
+            let factor = time / expected / mean;
+            let tiles: Vec<usize> = windows.iter().flat_map(|window| self.tiles_of(*window)).map(|(at, _)| at).collect();
+            tiles.into_iter().filter(|_| factor.is_finite() && factor > 0.0).for_each(|at| self.tiles[at].factor *= factor);
+        }
+    }
+
+    /// Takes over what others have learned of an image of the same size.
+    pub fn remember(&mut self, other: &Self) {
+        for (own, other) in self.tiles.iter_mut().zip(&other.tiles).filter(|_| self.size == other.size) {
+            own.factor = other.factor;
+        }
     }
 
     /// All of it.
@@ -148,11 +181,11 @@ impl Costs {
         let by_rows = high >= 2 * ROWS || high >= wide;
         let (first, last) = if by_rows { (y0, y1) } else { (x0, x1) };
         let strip = |from: u32, to: u32| if by_rows { [x0, from, x1, to] } else { [from, y0, to, y1] };
-        let wanted = share * self.of(window).work();
+        let wanted = share * self.of(window).work;
         let (mut edge, mut before) = (first, 0.0);
         while edge < last {
             let next = (edge + TILE).min(last);
-            let work = self.of(strip(edge, next)).work();
+            let work = self.of(strip(edge, next)).work;
             // The strip in which the share ends goes to whom most of it belongs.
             if before + 0.5 * work > wanted {
                 break;
@@ -184,7 +217,7 @@ mod tests {
     /// Costs of an image, by a function of tile column and row.
     fn costs(size: [u32; 2], fragments: impl Fn(u32, u32) -> f64) -> Costs {
         let [columns, rows] = size.map(|side| side.div_ceil(TILE));
-        let of = |at: u32| Tile { points: 0.0, fragments: fragments(at % columns, at / columns) };
+        let of = |at: u32| Tile { fragments: fragments(at % columns, at / columns), ..Tile::default() };
         Costs { size, columns, tiles: (0..columns * rows).map(of).collect() }
     }
 
@@ -214,9 +247,9 @@ mod tests {
         for (costs, most) in [(corner, 1.35), (row, 1.8)] {
             for ranks in [2, 3, 4, 8] {
                 let work: Vec<f64> =
-                    costs.windows(ranks, 0, 0.0).iter().map(|window| costs.of(*window).work()).collect();
+                    costs.windows(ranks, 0, 0.0).iter().map(|window| costs.of(*window).work).collect();
                 let mean = work.iter().sum::<f64>() / ranks as f64;
-                assert!((mean * ranks as f64 - costs.whole().work()).abs() < 1.0);
+                assert!((mean * ranks as f64 - costs.whole().work).abs() < 1.0);
                 if most < 1.5 || ranks == 2 {
                     assert!(work.iter().copied().fold(0.0, f64::max) <= most * mean, "{ranks}: {work:?}");
                 }
@@ -228,8 +261,22 @@ mod tests {
     fn what_is_handed_out_on_demand_has_its_share() {
         let costs = costs([640, 640], |_, _| 1e5);
         let windows = costs.windows(4, 2, 0.25);
-        let rest: f64 = windows[4..].iter().map(|window| costs.of(*window).work()).sum();
-        assert!((0.15..0.35).contains(&(rest / costs.whole().work())), "{}", rest / costs.whole().work());
+        let rest: f64 = windows[4..].iter().map(|window| costs.of(*window).work).sum();
+        assert!((0.15..0.35).contains(&(rest / costs.whole().work)), "{}", rest / costs.whole().work);
+    }
+
+    #[test]
+    fn what_took_longer_than_expected_is_shared_by_more() {
+        let mut costs = costs([640, 640], |_, _| 1e5);
+        let halves = costs.windows(2, 0, 0.0);
+        assert_eq!(halves[0][3], 320);
+        // The upper half takes three times as long: in all as much as the lower half and two thirds of a half more.
+        costs.learn(&[(&halves[..1], 3.0), (&halves[1..], 1.0)]);
+        let cut = costs.windows(2, 0, 0.0);
+        assert_eq!(cut[0][3], 208, "two thirds of the upper half, to a whole tile");
+        let mut other = self::costs([640, 640], |_, _| 1e5);
+        other.remember(&costs);
+        assert_eq!(other.windows(2, 0, 0.0), cut);
     }
 
     #[test]

@@ -10,9 +10,9 @@ use super::cut::is_empty;
 use super::desk::Desk;
 use super::pixels;
 use super::ranks::Ranks;
-use super::share::Share;
 use super::stage::Stage;
-use super::work::{Work, joined, ms};
+use super::share::Share;
+use super::work::{Work, imbalance, joined, ms};
 use crate::commands::session::Session;
 
 /// A frame, on the first rank.
@@ -50,7 +50,11 @@ pub fn render(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<S
     if ranks.count() > 1 {
         joined(&mut rendered.facts, &all);
     }
-    Ok(Some(Shared { rendered, work: all, wall: begin.elapsed(), gather }))
+    let wall = begin.elapsed();
+    if ranks.count() > 1 && stage.share == Share::Windows {
+        stage.learn(&all, imbalance(&all));
+    }
+    Ok(Some(Shared { rendered, work: all, wall, gather }))
 }
 
 /// A rank's turn in a frame.
@@ -75,7 +79,7 @@ impl Turn<'_> {
 
     /// Renders windows as long as there are some; the first rank puts those of all together.
     fn windows(&mut self, stage: &mut Stage) -> Result<Whole> {
-        let windows = stage.windows(self.ranks.count());
+        let windows = stage.windows(self.ranks);
         let session = &mut stage.session;
         let (mut desk, mut own) = (Desk::open(self.ranks, windows.len()), None);
         for window in desk.by_ref().map(|unit| windows[unit]).filter(|window| !is_empty(*window)) {
@@ -94,7 +98,7 @@ impl Turn<'_> {
             let own = own.map_or_else(|| self.window(session, [0; 4]), Ok)?;
             Some(self.put_together(session, own)?)
         } else {
-            self.hand_in(own);
+            self.hand_in(session, own);
             None
         };
         desk.close();
@@ -111,11 +115,12 @@ impl Turn<'_> {
     }
 
     /// Sends this rank's windows to the first one.
-    fn hand_in(&self, own: Option<Rendered>) {
+    fn hand_in(&self, session: &mut Session, own: Option<Rendered>) {
         let kinds = own.as_ref().map(|own| pixels::kinds(&own.image));
         self.ranks.send(0, &encoded(&(&self.work.windows, &kinds)));
         if let Some(mut own) = own {
             self.work.windows.iter().for_each(|window| pixels::send(&mut own.image, *window, self.ranks));
+            session.renderer.recycle(own.image);
         }
     }
 
@@ -137,6 +142,12 @@ impl Turn<'_> {
         }
         Ok((own, begin.elapsed().saturating_sub(self.ranks.traffic().waited - waited)))
     }
+}
+
+/// The value that the first rank has, to all.
+pub fn told<T: serde::Serialize + serde::de::DeserializeOwned>(value: T, ranks: &Ranks) -> T {
+    let said = ranks.told(encoded(&value));
+    serde_json::from_slice(&said).unwrap_or(value)
 }
 
 /// A value as bytes for another rank.

@@ -8,7 +8,7 @@ use pellucid_engine::methods::Rendered;
 use pellucid_engine::scene::Error;
 
 use super::desk::Desk;
-use super::frame;
+use super::{frame, simulate};
 use super::ranks::Ranks;
 use super::share::{Share, SharingArgs};
 use super::stage::{Setting, Stage};
@@ -28,7 +28,7 @@ use crate::commands::session::Session;
 /// Those of rendering, on any rank.
 pub fn run(
     args: &RenderArgs,
-    sharing: SharingArgs,
+    sharing: &SharingArgs,
     (along, pattern): (&Along, &Pattern),
     ranks: &Ranks,
     console: Console,
@@ -50,6 +50,9 @@ pub fn run(
         Ok(stage) => stage,
         Err(status) => return Ok(status),
     };
+    if sharing.simulation.is_asked() {
+        return simulate::run(&sharing.simulation, &mut stage, cameras.len(), ranks, console);
+    }
     stage.session.renderer.timed = false;
     let mut frames = Frames::named(args, cameras, pattern, &stage.resolved, &stage.session);
     let found = if ranks.is_first() { frames.find(args.overwrite, pattern) } else { Ok(()) };

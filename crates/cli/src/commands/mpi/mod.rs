@@ -12,6 +12,7 @@ mod profile;
 mod ranks;
 mod report;
 mod share;
+mod simulate;
 mod stage;
 mod work;
 
@@ -95,10 +96,10 @@ pub fn run() -> ExitCode {
     super::interrupt::watch();
     pellucid_engine::io::silence_decoder_panics();
     let done = match cli.command {
-        Command::Render { args, sharing } => render(&args, sharing, &ranks, console),
-        Command::Profile { args, sharing } => profile::run(&args, sharing, &ranks, console),
+        Command::Render { args, sharing } => render(&args, &sharing, &ranks, console),
+        Command::Profile { args, sharing } => profile::run(&args, &sharing, &ranks, console),
         Command::Plan { args, sharing, ranks: count } => {
-            plan::run(&args, sharing, count.map(|count| count as usize), &ranks, console)
+            plan::run(&args, &sharing, count.map(|count| count as usize), &ranks, console)
         }
     };
     done.unwrap_or_else(|error| {
@@ -108,8 +109,8 @@ pub fn run() -> ExitCode {
 }
 
 /// A picture, or the frames of a path.
-fn render(args: &RenderArgs, sharing: SharingArgs, ranks: &Ranks, console: Console) -> Result<ExitCode> {
-    let target = match together(ranks, target(args)) {
+fn render(args: &RenderArgs, sharing: &SharingArgs, ranks: &Ranks, console: Console) -> Result<ExitCode> {
+    let target = match together(ranks, sharing.simulation.check().and_then(|()| target(args))) {
         Ok(target) => target,
         Err(status) => return Ok(status),
     };

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use pellucid_engine::Result;
 
-use super::frame;
+use super::{frame, simulate};
 use super::ranks::Ranks;
 use super::report::Report;
 use super::share::SharingArgs;
@@ -21,7 +21,7 @@ use crate::commands::render::{self, RenderArgs, is_png};
 /// Those of rendering, on any rank.
 pub fn run(
     args: &RenderArgs,
-    sharing: SharingArgs,
+    sharing: &SharingArgs,
     output: &Path,
     ranks: &Ranks,
     console: Console,
@@ -36,6 +36,9 @@ pub fn run(
         Ok(stage) => stage,
         Err(status) => return Ok(status),
     };
+    if sharing.simulation.is_asked() {
+        return simulate::run(&sharing.simulation, &mut stage, 1, ranks, console);
+    }
     let is_profiled = args.measure.is_asked();
     stage.session.renderer.timed = is_profiled || console.is_verbose();
     let Some(mut shared) = frame::render(&mut stage, ranks, is_profiled)? else { return Ok(ExitCode::SUCCESS) };
@@ -54,12 +57,13 @@ pub fn run(
 
 impl<'a> Setting<'a> {
     /// What a picture needs.
-    pub fn of(args: &'a RenderArgs, sharing: SharingArgs, output: &Path) -> Self {
+    pub fn of(args: &'a RenderArgs, sharing: &SharingArgs, output: &Path) -> Self {
         Self {
             device: &args.device,
             counted: args.aov || args.measure.is_asked(),
             stop: args.stop(output),
             share: sharing.share,
+            simulated: sharing.simulation.is_asked(),
             depths: args.aov && !is_png(output),
         }
     }

@@ -19,14 +19,14 @@ use crate::commands::plan::PlanArgs;
 /// Those of reading the scene.
 pub fn run(
     args: &PlanArgs,
-    sharing: SharingArgs,
+    sharing: &SharingArgs,
     count: Option<usize>,
     ranks: &Ranks,
     console: Console,
 ) -> Result<ExitCode> {
     let progress = console.progress();
     let setting =
-        Setting { device: &args.device, counted: false, stop: Stop::Exact, share: sharing.share, depths: false };
+        Setting { device: &args.device, counted: false, stop: Stop::Exact, share: sharing.share, simulated: false, depths: false };
     let resolve = || Ok((prepare(&args.input, console, &progress)?, 1));
     let mut stage = match Stage::open(&setting, ranks, (console, &progress), resolve) {
         Ok(stage) => stage,
@@ -39,10 +39,10 @@ pub fn run(
     let count = count.unwrap_or(ranks.count());
     let (job, link) = (stage.job, stage.link);
     let share = job.choose(sharing.share, count, link)?;
-    let windows = stage.windows(count);
+    let windows = stage.cut(count);
     let costs = stage.costs();
-    let work: Vec<f64> = windows.iter().map(|window| costs.of(*window).work()).collect();
-    let all = costs.whole().work().max(1.0);
+    let work: Vec<f64> = windows.iter().map(|window| costs.of(*window).work).collect();
+    let all = costs.whole().work.max(1.0);
     let offers = job.offers(count, link);
     if args.json {
         print_json(&json!({

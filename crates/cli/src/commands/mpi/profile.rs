@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use pellucid_engine::{Result, profile};
 
-use super::frame;
+use super::{frame, simulate};
 use super::ranks::Ranks;
 use super::report::Report;
 use super::share::SharingArgs;
@@ -17,11 +17,12 @@ use crate::commands::profile::{DEFAULT_FRAMES, ProfileArgs};
 ///
 /// # Errors
 /// Those of rendering, on any rank.
-pub fn run(args: &ProfileArgs, sharing: SharingArgs, ranks: &Ranks, console: Console) -> Result<ExitCode> {
+pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Console) -> Result<ExitCode> {
     let progress = console.progress();
     let mut cameras = Vec::new();
     let resolve = || {
         args.measure.check()?;
+        sharing.simulation.check()?;
         let (resolved, found) = match args.along.course(args.frames, &args.input, console)? {
             Some(along) => along.resolve(&args.input, false, console, &progress)?,
             None => {
@@ -34,11 +35,15 @@ pub fn run(args: &ProfileArgs, sharing: SharingArgs, ranks: &Ranks, console: Con
         Ok((resolved, 1))
     };
     let setting =
-        Setting { device: &args.device, counted: true, stop: args.format.stop(), share: sharing.share, depths: false };
+        Setting { device: &args.device, counted: true, stop: args.format.stop(), share: sharing.share, simulated: sharing.simulation.is_asked(), depths: false };
     let mut stage = match Stage::open(&setting, ranks, (console, &progress), resolve) {
         Ok(stage) => stage,
         Err(status) => return Ok(status),
     };
+    if sharing.simulation.is_asked() {
+        let frames = if args.along.option().is_some() { cameras.len() } else { 1 };
+        return simulate::run(&sharing.simulation, &mut stage, frames, ranks, console);
+    }
     // The first frame pays for pipelines and buffers, and counts lists.
     let first = frame::render(&mut stage, ranks, false)?;
     let counted = first.as_ref().map(|shared| {

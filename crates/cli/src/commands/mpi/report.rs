@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::frame::Shared;
 use super::share::Share;
-use super::work::{Work, ms};
+use super::work::{Work, imbalance, ms};
 use crate::commands::MeasureArgs;
 use crate::commands::session::{Session, write_json};
 
@@ -29,18 +29,11 @@ struct Measured {
 }
 
 impl Measured {
-    /// The longest time that a rank was at work, by the mean of all.
-    fn imbalance(&self) -> f64 {
-        let times = || self.work.iter().map(|work| work.work_ms);
-        let mean = times().sum::<f64>() / self.work.len().max(1) as f64;
-        if mean > 0.0 { times().fold(0.0, f64::max) / mean } else { 1.0 }
-    }
-
     fn to_json(&self) -> Value {
         json!({
             "wall_ms": ms(self.wall),
             "gather_ms": ms(self.gather),
-            "imbalance": self.imbalance(),
+            "imbalance": imbalance(&self.work),
             "ranks": self.work.iter().map(rank).collect::<Vec<_>>(),
         })
     }
@@ -140,7 +133,7 @@ impl Report {
             ms(frame.wall),
             ms(frame.gather),
             100.0 * ms(frame.gather) / ms(frame.wall).max(f64::MIN_POSITIVE),
-            frame.imbalance(),
+            imbalance(&frame.work),
         )
     }
 }

@@ -7,17 +7,20 @@ use pellucid_engine::Result;
 use pellucid_engine::scene::Error;
 use serde::{Deserialize, Serialize};
 
-use super::cut::{Load, POINT};
+use super::cut::{Load, PIXEL, POINT};
 use super::link::Link;
+use super::simulate::SimulateArgs;
 
 /// How the ranks share the work.
-#[derive(Debug, Clone, Copy, Args)]
+#[derive(Debug, Args)]
 pub struct SharingArgs {
     /// What the ranks share. `windows`: parts of the image, cut so that they are expected to cost the same. `ensembles`: the ensembles of
     /// spbr, or the samples of stochastic. `frames`: those of a path or turntable. `auto` takes what a model of the costs expects to be
     /// fastest; `pellucid-mpi plan` prints it. The picture has the same bytes in any case.
     #[arg(long, value_name = "WHAT", value_enum, default_value = "auto")]
     pub share: Wanted,
+    #[command(flatten)]
+    pub simulation: SimulateArgs,
 }
 
 /// What the ranks are to share.
@@ -101,10 +104,9 @@ impl Job {
 
     /// Seconds of a frame by one rank.
     pub fn alone(&self) -> f64 {
-        let Load { points, fragments, pixels } = self.load;
-        let shown = Load { points, fragments: fragments * self.visits(), pixels };
-        let points = if self.slots > 0 { SLOT * self.slots as f64 } else { 0.0 };
-        self.seconds(points + if self.slots > 0 { Load { pixels, ..Load::default() }.work() } else { shown.work() })
+        let Load { points, fragments, pixels, .. } = self.load;
+        let drawn = if self.slots > 0 { SLOT * self.slots as f64 } else { POINT * points + fragments * self.visits() };
+        self.seconds(drawn + PIXEL * pixels)
     }
 
     fn windows(&self, ranks: usize, link: Link) -> Offer {
@@ -190,7 +192,7 @@ mod tests {
     const LINK: Link = Link { latency: 1e-5, bandwidth: 2e9 };
 
     fn job() -> Job {
-        let load = Load { points: 5e5, fragments: 9e6, pixels: 2e6 };
+        let load = Load { points: 5e5, fragments: 9e6, pixels: 2e6, work: 0.0 };
         Job { load, samples: None, slots: 0, frames: 1, is_gpu: false }
     }
 

@@ -13,7 +13,8 @@ use super::cut::{Costs, Load};
 use super::link::Link;
 use super::ranks::Ranks;
 use super::share::{Job, Share, Wanted};
-use super::together;
+use super::work::Work;
+use super::{frame, together};
 use crate::commands::DeviceArgs;
 use crate::commands::bar::Bar;
 use crate::commands::console::Console;
@@ -29,6 +30,9 @@ const WORTH_DEMAND: f64 = 5.0;
 const ON_DEMAND: usize = 3;
 const REST: f64 = 0.2;
 
+/// Ranks whose longest time is at most so many times the mean keep their windows: others would have to bring other points.
+const BALANCED: f64 = 1.05;
+
 /// What a command wants of a stage.
 pub struct Setting<'a> {
     pub device: &'a DeviceArgs,
@@ -36,6 +40,8 @@ pub struct Setting<'a> {
     pub counted: bool,
     pub stop: Stop,
     pub share: Wanted,
+    /// True if the frame is measured in parts.
+    pub simulated: bool,
     /// True if other depths are wanted beside those of first fragments.
     pub depths: bool,
 }
@@ -50,6 +56,16 @@ pub struct Stage {
     pub link: Link,
     /// The last camera, with the costs of its tiles.
     costs: Option<(Camera, Costs)>,
+    /// The last frame: its camera and its windows, and if its ranks took much the same time.
+    last: Option<Last>,
+}
+
+/// A frame that was rendered.
+struct Last {
+    camera: Camera,
+    windows: Vec<Window>,
+    /// True if the next one of this camera is to have the same windows.
+    is_balanced: bool,
 }
 
 impl Stage {
@@ -74,7 +90,7 @@ impl Stage {
         // Points come window by window, so that each rank takes those of its own.
         let frame = Frame::of_scene(&resolved.scene, resolved.camera, resolved.seed);
         let expected = Job::of(&frame, &resolved, frames).choose(setting.share, ranks.count(), link);
-        resolved.by_windows = ranks.count() > 1 && matches!(expected, Ok(Share::Windows)) && resolved.shadow_texture.is_none();
+        resolved.by_windows = (ranks.count() > 1 || setting.simulated) && matches!(expected, Ok(Share::Windows)) && resolved.shadow_texture.is_none();
         let mut session = together(ranks, open(setting, &mut resolved, ranks, progress))?;
         agree(&mut session, &resolved, ranks);
         session.frame.depths = setting.depths;
@@ -87,7 +103,7 @@ impl Stage {
                 console.detail(format_args!("{} ranks share {share}", ranks.count()));
             }
         }
-        Ok(Self { resolved, session, share, job, link, costs: None })
+        Ok(Self { resolved, session, share, job, link, costs: None, last: None })
     }
 
     /// Bytes that this rank has read of nodes.
@@ -95,19 +111,57 @@ impl Stage {
         self.resolved.stored.as_ref().map_or(0, |stored| stored.bytes_read()[0])
     }
 
-    /// The windows of the ranks for the session's camera, and those on demand.
-    pub fn windows(&mut self, ranks: usize) -> Vec<Window> {
-        let long = self.job.alone() / ranks as f64 >= WORTH_DEMAND;
-        let (more, rest) = if long { (ON_DEMAND, REST) } else { (0, 0.0) };
-        self.costs().windows(ranks, more, rest)
+    /// The windows of the ranks for the session's camera, and those on demand; the first rank cuts.
+    pub fn windows(&mut self, ranks: &Ranks) -> Vec<Window> {
+        let cut = if ranks.is_first() { self.cut(ranks.count()) } else { Vec::new() };
+        frame::told(cut, ranks)
+    }
+
+    /// The same for any number of ranks.
+    pub fn cut(&mut self, ranks: usize) -> Vec<Window> {
+        let (more, rest) = on_demand(&self.job, ranks);
+        let camera = self.session.frame.camera;
+        match &self.last {
+            Some(last) if last.is_balanced && more == 0 && last.camera == camera && last.windows.len() == ranks => {
+                last.windows.clone()
+            }
+            _ => self.costs().windows(ranks, more, rest),
+        }
+    }
+
+    /// Learns from what ranks took for a frame.
+    pub fn learn(&mut self, work: &[Work], imbalance: f64) {
+        let camera = self.session.frame.camera;
+        let windows = work.iter().flat_map(|work| work.windows.clone()).collect();
+        // Who gets other windows of the same view brings other points, which takes time once.
+        let is_new = self.last.as_ref().is_none_or(|last| last.camera == camera && last.windows != windows);
+        let is_balanced = is_new || imbalance < BALANCED;
+        self.last = Some(Last { camera, windows, is_balanced });
+        if is_balanced {
+            return;
+        }
+        let taken: Vec<(&[Window], f64)> = work.iter().map(|work| (work.windows.as_slice(), work.work_ms)).collect();
+        if let Some((_, costs)) = &mut self.costs {
+            costs.learn(&taken);
+        }
     }
 
     /// What the tiles of the session's frame are expected to cost.
     pub fn costs(&mut self) -> &Costs {
         let (frame, points) = (&self.session.frame, self.resolved.points());
-        self.costs.take_if(|(camera, _)| *camera != frame.camera);
-        &self.costs.get_or_insert_with(|| (frame.camera, Costs::expected(frame, points))).1
+        let old = self.costs.take_if(|(camera, _)| *camera != frame.camera);
+        let make = || {
+            let mut costs = Costs::expected(frame, points);
+            old.iter().for_each(|(_, old)| costs.remember(old));
+            (frame.camera, costs)
+        };
+        &self.costs.get_or_insert_with(make).1
     }
+}
+
+/// How many windows each of so many ranks may get on demand, and which share of the work they have together.
+pub fn on_demand(job: &Job, ranks: usize) -> (usize, f64) {
+    if ranks > 1 && job.alone() / ranks as f64 >= WORTH_DEMAND { (ON_DEMAND, REST) } else { (0, 0.0) }
 }
 
 /// What has to be the same on all ranks.

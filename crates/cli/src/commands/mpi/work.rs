@@ -94,6 +94,13 @@ pub fn joined(facts: &mut Facts, all: &[Work]) {
     facts.visible = all.iter().map(|work| work.visible).sum();
 }
 
+/// The longest time that a rank was at work, by the mean of all.
+pub fn imbalance(all: &[Work]) -> f64 {
+    let times = || all.iter().map(|work| work.work_ms);
+    let mean = times().sum::<f64>() / all.len().max(1) as f64;
+    if mean > 0.0 { times().fold(0.0, f64::max) / mean } else { 1.0 }
+}
+
 /// Milliseconds.
 pub fn ms(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
