@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use std::{env, fs, thread};
 
 use pellucid_engine::scene::METHODS;
+use serde_json::Value;
 use tempfile::TempDir;
 
 /// One thread for each rank: they compete for the cores.
@@ -106,7 +107,7 @@ fn pictures_with_all_that_a_band_does_not_know() {
     ] {
         let file = |kind: &str| format!("{name}-{kind}.png");
         let args = |output: &str| {
-            let given = ["render", cloud, "--size", "120x90", "-q", "-o", output];
+            let given = ["render", cloud, "--size", "200x170", "-q", "-o", output];
             given.into_iter().chain(more.iter().copied()).map(str::to_owned).collect::<Vec<_>>()
         };
         let (one, three) = (file("one"), file("three"));
@@ -135,6 +136,109 @@ fn frames_of_a_turntable_are_those_of_one_and_are_not_rendered_twice() {
     assert_done(&ranks(&folder, 2, &args("b_%02d.png")).output().expect("mpirun"), "again");
     assert_eq!(read(&folder, "b_05.png"), read(&folder, "a_05.png"));
     assert_eq!(fs::metadata(folder.path().join("b_03.png")).and_then(|file| file.modified()).expect("a file"), there);
+}
+
+#[test]
+fn frames_by_all_ranks_are_those_of_one() {
+    let folder = folder();
+    let cloud = cloud(&folder);
+    let args = ["render", cloud, "--turntable", "--frames=3", "--size", "64x48", "-q"];
+    assert_done(&alone(&folder, &[&args[..], &["-o", "a_%02d.exr"]].concat()), "alone");
+    let more = ["--share", "windows", "-o", "b_%02d.exr"];
+    assert_done(&ranks(&folder, 3, &[&args[..], &more].concat()).output().expect("mpirun"), "ranks");
+    for number in 0..3 {
+        let [a, b] = ["a", "b"].map(|name| read(&folder, &format!("{name}_{number:02}.exr")));
+        assert!(!a.is_empty() && a == b, "frame {number}");
+    }
+}
+
+#[test]
+fn what_cannot_be_shared_is_refused() {
+    let folder = folder();
+    for (args, wanted) in [
+        (&["render", "--method", "abuffer", "--share", "ensembles", "-o", "x.png"][..], "draws no ensembles"),
+        (&["render", "--share", "frames", "-o", "x.png"], "there is one frame"),
+        (&["render", "--share", "tiles", "-o", "x.png"], "possible values"),
+        (&["render", "--plot", "x.svg", "-o", "x.png"], "--simulate"),
+    ] {
+        let output = ranks(&folder, 2, args).output().expect("mpirun");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(!output.status.success() && said.contains(wanted), "{said}");
+        assert!(fs::read_dir(folder.path()).expect("a folder").next().is_none(), "something was written");
+    }
+}
+
+/// A JSON document that the first rank prints.
+fn json(output: &Output) -> Value {
+    assert_done(output, "JSON");
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+#[test]
+fn a_profile_has_what_each_rank_did() {
+    let folder = folder();
+    let cloud = cloud(&folder);
+    let args = ["profile", cloud, "--method", "abuffer", "--size", "128x96", "--frames=2", "--json", "--trace", "t.json", "-q"];
+    let profile = json(&ranks(&folder, 3, &args).output().expect("mpirun"));
+    assert_eq!(profile["ranks"]["share"], "windows");
+    let frames = profile["ranks"]["frames"].as_array().expect("frames");
+    assert_eq!((frames.len(), &profile["frames"][0]["passes"][0]["name"]), (2, &"project/clear".into()));
+    for frame in frames {
+        let ranks = frame["ranks"].as_array().expect("ranks");
+        assert_eq!(ranks.iter().map(|rank| rank["rank"].as_u64().unwrap()).collect::<Vec<_>>(), [0, 1, 2]);
+        let bytes = |key: &str| ranks.iter().map(|rank| rank[key].as_u64().unwrap()).collect::<Vec<_>>();
+        // Color and depth of a pixel are 20 bytes, and 4 are the length of its list.
+        let pixels: u64 = ranks[1..].iter().flat_map(|rank| rank["windows"].as_array().unwrap()).map(area).sum();
+        let (sent, received) = (bytes("sent"), bytes("received"));
+        assert!(sent[1] + sent[2] >= 24 * pixels && received[0] >= 24 * pixels, "{frame}");
+        assert!(sent[1] + sent[2] < 24 * pixels + 2000, "no more than pixels: {frame}");
+        assert!(frame["imbalance"].as_f64().unwrap() >= 1.0 && frame["gather_ms"].as_f64().unwrap() >= 0.0);
+        assert!(ranks.iter().all(|rank| rank["passes"].as_array().is_some_and(|passes| !passes.is_empty())), "{frame}");
+        assert_eq!(pixels + ranks[0]["windows"].as_array().unwrap().iter().map(area).sum::<u64>(), 128 * 96);
+    }
+    let trace: Value = serde_json::from_slice(&read(&folder, "t.json")).expect("a trace");
+    let rows = trace["traceEvents"].as_array().unwrap().iter().filter(|event| event["ph"] == "M");
+    assert_eq!(rows.count(), 3, "a row for each rank");
+}
+
+/// Pixels of a window.
+fn area(window: &Value) -> u64 {
+    let [x0, y0, x1, y1] = [0, 1, 2, 3].map(|at| window[at].as_u64().unwrap());
+    (x1 - x0) * (y1 - y0)
+}
+
+#[test]
+fn a_plan_says_what_is_shared_and_why() {
+    let folder = folder();
+    let cloud = cloud(&folder);
+    let plan = json(&ranks(&folder, 2, &["plan", cloud, "--size", "320x240", "--ranks", "4", "--json", "-q"]).output().unwrap());
+    assert_eq!((&plan["share"], plan["windows"].as_array().map(Vec::len)), (&"windows".into(), Some(4)));
+    let shares: f64 = plan["windows"].as_array().unwrap().iter().map(|window| window["share"].as_f64().unwrap()).sum();
+    assert!((shares - 1.0).abs() < 1e-9 && plan["latency_s"].as_f64().unwrap() > 0.0);
+    let dealt = ["plan", cloud, "--method", "spbr", "--ranks", "4", "-q"];
+    let text = ranks(&folder, 1, &dealt).output().expect("mpirun");
+    let text = String::from_utf8_lossy(&text.stdout).into_owned();
+    assert!(text.contains("ensembles  on") && text.contains("tests the points of all ensembles"), "{text}");
+}
+
+#[test]
+fn a_simulation_prints_what_is_predicted() {
+    let folder = folder();
+    let cloud = cloud(&folder);
+    let args = ["profile", cloud, "--size", "160x120", "--simulate", "8", "--latency", "1e-5", "--bandwidth", "1e9", "--plot", "s.svg"];
+    let output = ranks(&folder, 1, &args).output().expect("mpirun");
+    assert_done(&output, "simulate");
+    let rows: Vec<Vec<String>> = String::from_utf8_lossy(&output.stdout)
+        .lines()
+        .map(|line| line.split(',').map(str::to_owned).collect())
+        .collect();
+    assert_eq!(rows[0].join(","), "ranks,share,scaling,ms,work_ms,gather_ms,speedup,efficiency");
+    let strong: Vec<&Vec<String>> = rows.iter().filter(|row| row[1] == "windows" && row[2] == "strong").collect();
+    assert_eq!(strong.iter().map(|row| row[0].as_str()).collect::<Vec<_>>(), ["1", "2", "4", "8"]);
+    assert_eq!((strong[0][5].as_str(), strong[0][6].as_str()), ("0.0000", "1.000"), "one rank gathers nothing");
+    // Half of 160 × 120 pixels of 20 bytes in a billionth of a second each, and six messages.
+    assert_eq!(strong[1][5], "0.2520");
+    assert!(String::from_utf8_lossy(&read(&folder, "s.svg")).starts_with("<svg"));
 }
 
 #[test]

@@ -59,9 +59,7 @@ pub struct Load {
 impl Costs {
     /// The costs of a frame, by where points are and how large.
     pub fn expected(frame: &Frame, points: &Points) -> Self {
-        let Frame { size, camera, .. } = frame;
-        let [columns, rows] = size.map(|side| side.div_ceil(TILE));
-        let mut costs = Self { size: *size, columns, tiles: vec![Tile::default(); (columns * rows) as usize] };
+        let (camera, mut costs) = (&frame.camera, Self::blank(frame.size));
         let is_tilted = frame.method.discs().is_some_and(|discs| discs.shape == DiscShape::Oriented);
         let step = points.positions.len().div_ceil(LOOKED_AT).max(1);
         let each = points.count() as f64 / points.positions.len().max(1) as f64 * step as f64;
@@ -72,6 +70,12 @@ impl Costs {
             costs.add(camera, points.positions[at], (f64::from(radius), slant), each);
         }
         costs
+    }
+
+    /// Those of an image of this size without points.
+    pub fn blank(size: [u32; 2]) -> Self {
+        let [columns, rows] = size.map(|side| side.div_ceil(TILE));
+        Self { size, columns, tiles: vec![Tile::default(); (columns * rows) as usize] }
     }
 
     /// Adds `count` points like this one, of which a part of the area shows.
@@ -216,9 +220,11 @@ mod tests {
 
     /// Costs of an image, by a function of tile column and row.
     fn costs(size: [u32; 2], fragments: impl Fn(u32, u32) -> f64) -> Costs {
-        let [columns, rows] = size.map(|side| side.div_ceil(TILE));
-        let of = |at: u32| Tile { fragments: fragments(at % columns, at / columns), ..Tile::default() };
-        Costs { size, columns, tiles: (0..columns * rows).map(of).collect() }
+        let mut costs = Costs::blank(size);
+        for (tile, at) in costs.tiles.iter_mut().zip(0..) {
+            tile.fragments = fragments(at % costs.columns, at / costs.columns);
+        }
+        costs
     }
 
     #[test]

@@ -78,7 +78,11 @@ impl Measured {
         let all: f64 = parts.iter().map(|part| part.seconds).sum();
         let once = (all - alone).max(0.0) / parts.len().saturating_sub(1).max(1) as f64;
         let least = parts.iter().map(|part| part.seconds).fold(alone, f64::min);
-        Self { alone, once: once.min(0.9 * least), costs, parts, frames }
+        let once = once.min(0.9 * least);
+        // Chance aside, the parts take together what the whole does.
+        let factor = (alone - once) / parts.iter().map(|part| part.seconds - once).sum::<f64>();
+        let even = |part: Part| Part { seconds: once + factor * (part.seconds - once), ..part };
+        Self { alone, once, costs, parts: parts.into_iter().map(even).collect(), frames }
     }
 
     /// Seconds of a window: those of the measured parts that it meets, by how much of their work it has.
@@ -164,22 +168,13 @@ fn slowed(work: f64, ranks: usize, at_once: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use pellucid_engine::camera::{Camera, Projection};
-    use pellucid_engine::methods::Frame;
-    use pellucid_engine::points::Points;
-    use pellucid_engine::scene::Scene;
-
     use super::*;
 
     const LINK: Link = Link { latency: 1e-5, bandwidth: 2e9 };
 
     /// A frame of 1024 × 1024 pixels without points, whose parts take as long as they are high, and a millisecond more.
     fn measured(once: f64) -> (Measured, Job) {
-        let projection = Projection::Orthographic { height: 2.0 };
-        let camera = Camera::look_at(glam::DVec3::Z, glam::DVec3::ZERO, glam::DVec3::Y, projection, 0.1, 10.0);
-        let mut frame = Frame::of_scene(&Scene::default(), camera.expect("a camera"), 0);
-        frame.size = [1024, 1024];
-        let costs = Costs::expected(&frame, &Points::default());
+        let costs = Costs::blank([1024, 1024]);
         let part = |window: Window| Part {
             window,
             seconds: once + f64::from(window[3] - window[1]) / 1024.0,
