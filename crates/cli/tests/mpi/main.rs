@@ -1,9 +1,11 @@
 //! `pellucid-mpi`: the bytes of `pellucid` from any number of ranks, and errors of one as errors of all.
 
+use std::ffi::OsString;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
-use std::{env, fs, thread};
+use std::{env, fs};
 
 use pellucid_engine::scene::METHODS;
 use serde_json::Value;
@@ -23,9 +25,14 @@ fn with_environment(command: &mut Command, folder: &TempDir) {
     command.current_dir(folder).envs(ENVIRONMENT).env("PELLUCID_CACHE_DIR", cache).stdin(Stdio::null());
 }
 
-/// The program on so many ranks. `PELLUCID_MPIRUN` names another mpirun, as that of MPICH.
+/// `PELLUCID_MPIRUN` names another one, as that of MPICH.
+fn mpirun() -> OsString {
+    env::var_os("PELLUCID_MPIRUN").unwrap_or_else(|| "mpirun".into())
+}
+
+/// The program on so many ranks.
 fn ranks(folder: &TempDir, count: usize, args: &[&str]) -> Command {
-    let mut command = Command::new(env::var_os("PELLUCID_MPIRUN").unwrap_or_else(|| "mpirun".into()));
+    let mut command = Command::new(mpirun());
     with_environment(&mut command, folder);
     command.args(["-n", &count.to_string(), env!("CARGO_BIN_EXE_pellucid-mpi")]).args(args);
     command
@@ -107,7 +114,7 @@ fn pictures_with_all_that_a_band_does_not_know() {
     ] {
         let file = |kind: &str| format!("{name}-{kind}.png");
         let args = |output: &str| {
-            let given = ["render", cloud, "--size", "200x170", "-q", "-o", output];
+            let given = ["render", cloud, "--size", "400x300", "-q", "-o", output];
             given.into_iter().chain(more.iter().copied()).map(str::to_owned).collect::<Vec<_>>()
         };
         let (one, three) = (file("one"), file("three"));
@@ -251,8 +258,7 @@ fn an_error_of_ranks_is_said_once() {
     ] {
         let output = ranks(&folder, 3, args).output().expect("mpirun");
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(!output.status.success());
-        let errors: Vec<&str> = said.lines().filter(|line| line.starts_with("error:")).collect();
+        let errors = errors(&output);
         assert_eq!(errors.len(), 1, "{said}");
         assert!(errors[0].contains(wanted) && errors[0].contains("of 3 ("), "{said}");
         assert!(fs::read_dir(folder.path()).expect("a folder").next().is_none(), "something was written");
@@ -260,35 +266,85 @@ fn an_error_of_ranks_is_said_once() {
 }
 
 #[test]
-#[cfg(target_os = "linux")]
-fn a_rank_that_is_killed_ends_all_and_leaves_no_file() {
+fn one_rank_without_a_device_is_named() {
     let folder = folder();
-    for (number, after) in [0u64, 300, 700, 1500, 3000].into_iter().enumerate() {
-        let args = ["render", "--size", "1920x1080", "--method", "abuffer", "-q", "-o", "killed.png"];
-        let mut running = ranks(&folder, 3, &args).stderr(Stdio::piped()).spawn().expect("mpirun");
-        thread::sleep(Duration::from_millis(after));
-        let victims = children(running.id());
-        let Some(victim) = victims.get(number % 3) else {
-            // Not there yet, or done already.
-            running.kill().ok();
-            running.wait().ok();
-            continue;
-        };
-        let _ = Command::new("kill").args(["-9", &victim.to_string()]).status();
-        let begin = Instant::now();
-        let status = running.wait().expect("mpirun ends");
-        assert!(begin.elapsed() < Duration::from_secs(10), "{:?}", begin.elapsed());
-        assert!(!status.success());
-        let left: Vec<_> =
-            fs::read_dir(folder.path()).expect("a folder").flatten().map(|file| file.file_name()).collect();
-        assert!(left.iter().all(|name| name != "killed.png"), "{left:?}");
-    }
+    let mut command = Command::new(mpirun());
+    with_environment(&mut command, &folder);
+    let program = env!("CARGO_BIN_EXE_pellucid-mpi");
+    let of = |extra: &'static [&'static str]| [&["-n", "1"][..], extra, &[program, "render", "--size", "64x64", "-o", "x.png"]].concat();
+    command.args(of(&[])).arg(":").args(of(&["env", "VK_DRIVER_FILES=/nowhere.json", "VK_ICD_FILENAMES=/nowhere.json"]));
+    let output = command.output().expect("mpirun");
+    let errors = errors(&output);
+    assert_eq!(errors.len(), 1, "{errors:?}");
+    assert!(errors[0].starts_with("error: rank 1 of 2 (") && errors[0].contains("device"), "{errors:?}");
+    assert!(read(&folder, "x.png").is_empty());
 }
 
-/// The processes that another one started.
-#[cfg(target_os = "linux")]
-fn children(of: u32) -> Vec<u32> {
-    let path = format!("/proc/{of}/task/{of}/children");
-    let text = fs::read_to_string(path).unwrap_or_default();
-    text.split_whitespace().filter_map(|id| id.parse().ok()).collect()
+#[test]
+fn ranks_that_see_other_files_are_noticed() {
+    let folder = folder();
+    let cloud = cloud(&folder);
+    let other = folder.path().join("other");
+    fs::create_dir(&other).expect("a folder");
+    // One color of one point.
+    let text = fs::read_to_string(folder.path().join(cloud)).expect("the cloud");
+    let (start, last) = text.trim_end().rsplit_once(' ').expect("a number");
+    fs::write(other.join(cloud), format!("{start} {}\n", last.parse::<u8>().unwrap() ^ 1)).expect("a file");
+    let mut command = Command::new(mpirun());
+    with_environment(&mut command, &folder);
+    let program = env!("CARGO_BIN_EXE_pellucid-mpi");
+    let args = [program, "render", cloud, "--size", "64x64", "-o", "x.png"];
+    command.args(["-n", "1"]).args(args).args([":", "-n", "1", "-wdir"]).arg(&other).args(args);
+    let output = command.output().expect("mpirun");
+    let errors = errors(&output);
+    assert!(errors.len() == 1 && errors[0].contains("rank 1 found another scene"), "{errors:?}");
+    assert!(read(&folder, "x.png").is_empty());
+}
+
+#[test]
+fn what_goes_wrong_while_rendering_is_said_once() {
+    let folder = folder();
+    let args = ["render", "--size", "640x480", "--method", "abuffer", "--memory-budget", "1KiB", "-o", "x.png"];
+    let output = ranks(&folder, 3, &args).output().expect("mpirun");
+    let errors = errors(&output);
+    assert_eq!(errors.len(), 1, "{errors:?}");
+    assert!(errors[0].contains(" of 3 (") && errors[0].contains("--memory-budget"), "{errors:?}");
+}
+
+/// The lines of standard error that are errors.
+fn errors(output: &Output) -> Vec<String> {
+    assert!(!output.status.success());
+    let said = String::from_utf8_lossy(&output.stderr);
+    said.lines().filter(|line| line.starts_with("error:")).map(str::to_owned).collect()
+}
+
+/// What a rank says with `-v`, in this order.
+const MOMENTS: [&str; 5] = ["joined", "reading", "uploading", "rendering", "bringing parts together"];
+
+#[test]
+#[cfg(unix)]
+fn a_rank_that_is_killed_at_any_moment_ends_all_and_leaves_no_file() {
+    let folder = folder();
+    for moment in MOMENTS {
+        for victim in 0..3 {
+            let args = ["render", "--size", "1920x1080", "--method", "abuffer", "-v", "-o", "killed.png"];
+            let mut running = ranks(&folder, 3, &args).stderr(Stdio::piped()).spawn().expect("mpirun");
+            let mut lines = BufReader::new(running.stderr.take().expect("standard error")).lines().map_while(Result::ok);
+            let wanted = format!("rank {victim} of 3 ");
+            let line = lines.find(|line| line.starts_with(&wanted) && line.ends_with(moment)).expect("the moment");
+            let process = line.split_once("process ").and_then(|(_, rest)| rest.split_once(':')).expect("a process").0;
+            let killed = Command::new("kill").args(["-9", process]).status().expect("kill runs");
+            let begin = Instant::now();
+            let said: Vec<String> = lines.collect();
+            let status = running.wait().expect("mpirun ends");
+            assert!(begin.elapsed() < Duration::from_secs(10), "{moment} {victim}: {:?}", begin.elapsed());
+            assert!(killed.success() && !status.success(), "{moment} {victim}");
+            if mpirun() == "mpirun" {
+                let named = said.iter().any(|line| line.contains(&format!("rank {victim} ")) && line.contains("signal 9"));
+                assert!(named, "{moment} {victim}: {said:?}");
+            }
+            let left: Vec<_> = fs::read_dir(folder.path()).expect("a folder").flatten().map(|file| file.file_name()).collect();
+            assert!(left.is_empty(), "{moment} {victim}: {left:?}");
+        }
+    }
 }

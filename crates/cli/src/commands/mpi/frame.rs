@@ -32,6 +32,7 @@ pub struct Shared {
 /// Those of rendering.
 pub fn render(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<Shared>> {
     ranks.meet();
+    ranks.begin("rendering");
     let mut turn = Turn { begin: Instant::now(), work: Work::of(ranks), listed, ranks };
     let (before, read) = (ranks.traffic(), stage.bytes_read());
     let own = match stage.share {
@@ -94,6 +95,7 @@ impl Turn<'_> {
             self.work.windows.push(window);
         }
         self.work.work_ms = ms(self.begin.elapsed());
+        self.ranks.begin("bringing parts together");
         let whole = if self.ranks.is_first() {
             let own = own.map_or_else(|| self.window(session, [0; 4]), Ok)?;
             Some(self.put_together(session, own)?)

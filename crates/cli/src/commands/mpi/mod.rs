@@ -75,7 +75,7 @@ enum Command {
 
 /// Parses the command line and runs its command on all ranks.
 pub fn run() -> ExitCode {
-    let ranks = match Ranks::join() {
+    let mut ranks = match Ranks::join() {
         Ok(ranks) => ranks,
         Err(problem) => {
             print_stderr(format_args!("error: {problem}"));
@@ -91,6 +91,8 @@ pub fn run() -> ExitCode {
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }
     };
+    ranks.tells = cli.verbose;
+    ranks.begin("joined");
     // What one has to say, all have.
     let console = Console::new(cli.quiet || !ranks.is_first(), cli.verbose && ranks.is_first());
     super::interrupt::watch();

@@ -17,12 +17,18 @@ const TAG: i32 = 1;
 /// How long somebody who waits for a message sleeps before looking again: a wait that never sleeps takes a core from those who work.
 pub const NAP: Duration = Duration::from_micros(50);
 
+/// How long a rank that fails waits for those before it to say so, by its number, and at most.
+const PATIENCE: Duration = Duration::from_millis(100);
+const LONGEST_PATIENCE: Duration = Duration::from_secs(3);
+
 /// The ranks of a run, seen from one of them. The first one reads arguments for all, decides, and writes.
 pub struct Ranks {
     world: SimpleCommunicator,
     local: usize,
     host: String,
     traffic: Cell<Traffic>,
+    /// True if each rank says what it begins with.
+    pub tells: bool,
     // Last: dropping it ends MPI.
     _universe: Universe,
 }
@@ -63,7 +69,7 @@ impl Ranks {
         let world = universe.world();
         let local = usize::try_from(world.split_shared(world.rank()).rank()).unwrap_or(0);
         let host = processor_name().unwrap_or_else(|_| "a host without a name".to_owned());
-        Ok(Self { world, local, host, traffic: Cell::default(), _universe: universe })
+        Ok(Self { world, local, host, traffic: Cell::default(), tells: false, _universe: universe })
     }
 
     /// This rank, from 0.
@@ -182,12 +188,26 @@ impl Ranks {
         self.world.barrier();
     }
 
-    /// Says what went wrong and ends all ranks.
+    /// Says with what this rank begins, if ranks are to.
+    pub fn begin(&self, what: &str) {
+        if self.tells {
+            say(&format!("{}, process {}: {what}", self.name(), std::process::id()));
+        }
+    }
+
+    /// Says what went wrong and ends all ranks. Of several that fail for the same reason the first one speaks, and the others are ended
+    /// while they wait.
     pub fn fail(&self, message: &str, status: u8) -> ! {
-        // Without a standard error the message is lost, which is fine.
-        let _ = writeln!(std::io::stderr(), "error: {}: {message}", self.name());
+        std::thread::sleep(PATIENCE.saturating_mul(self.own() as u32).min(LONGEST_PATIENCE));
+        say(&format!("error: {}: {message}", self.name()));
         self.world.abort(status.into())
     }
+}
+
+/// Prints a line in one piece, so that those of several ranks don't mix.
+fn say(line: &str) {
+    // Without a standard error it is lost, which is fine.
+    let _ = std::io::stderr().write_all(format!("{line}\n").as_bytes());
 }
 
 fn cut(lengths: &[u8], all: &[u8]) -> Vec<Vec<u8>> {

@@ -84,6 +84,7 @@ impl Stage {
             legend::check(&resolved, console)?;
             Ok((resolved, frames))
         };
+        ranks.begin("reading");
         let (mut resolved, frames) = together(ranks, checked())?;
         together(ranks, compare(&identity(&resolved), ranks))?;
         let link = Link::measured(ranks).unwrap_or_default();
@@ -91,6 +92,7 @@ impl Stage {
         let frame = Frame::of_scene(&resolved.scene, resolved.camera, resolved.seed);
         let expected = Job::of(&frame, &resolved, frames).choose(setting.share, ranks.count(), link);
         resolved.by_windows = (ranks.count() > 1 || setting.simulated) && matches!(expected, Ok(Share::Windows)) && resolved.shadow_texture.is_none();
+        ranks.begin("uploading");
         let mut session = together(ranks, open(setting, &mut resolved, ranks, progress))?;
         agree(&mut session, &resolved, ranks);
         session.frame.depths = setting.depths;
