@@ -4,6 +4,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use glam::{DVec3, Vec3};
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::spbr::Form;
@@ -18,7 +19,7 @@ use pellucid_testing::*;
 use rand::RngExt;
 use rand::seq::SliceRandom;
 
-use crate::spbr::{camera, mixture, planes};
+use crate::spbr::{camera, dealt, mixture, plane, planes};
 
 const SIZE: [u32; 2] = [80, 60];
 
@@ -168,7 +169,8 @@ fn a_part_draws_its_own_points_alone() {
 fn parts_of_ensembles_whose_epochs_run_out_are_the_whole() {
     with_device(|device| {
         // Enough points that an ensemble is a round by itself, its nearest points beside the sums.
-        let list = planes(3, &[(200_000, 8.0)], false);
+        let sides = [4.0 * DVec3::X, 3.0 * DVec3::Y];
+        let list = dealt(&[plane(10, 300_000, sides, DVec3::ZERO, Vec3::ONE, 0.99)]);
         let mut ranks = dealt_ranks(device, &list, &[None, None]);
         let frame = frame(camera(4.0, true), SIZE, Method::Spbr(Spbr { ensembles: 5, ..Spbr::default() }));
         ranks[1].renderer.epoch_bits = 1;
@@ -264,7 +266,7 @@ fn parts_of_samples_of_points_that_come_window_by_window_are_the_whole() {
 #[test]
 fn parts_of_samples_where_nothing_is_are_the_whole() {
     with_device(|device| {
-        let all_behind = [P { position: glam::DVec3::new(0.0, 0.0, 1e6), ..soup(1, 1, 0.1..0.2, 0.1..0.2, true)[0] }];
+        let all_behind = [P { position: DVec3::new(0.0, 0.0, 1e6), ..soup(1, 1, 0.1..0.2, 0.1..0.2, true)[0] }];
         let corner = soup(1, 1, 0.01..0.02, 0.5..0.6, true);
         for dots in [&all_behind[..], &corner[..]] {
             for (samples, correction) in [(4, true), (3, false), (40, true), (40, false)] {

@@ -35,7 +35,14 @@ pub(crate) fn camera(distance: f64, perspective: bool) -> Camera {
 }
 
 /// Points at random on the rectangle of these sides around `center`; the area follows.
-fn plane(seed: u64, count: usize, sides: [DVec3; 2], center: DVec3, color: Vec3, opacity: f32) -> (Points, f64) {
+pub(crate) fn plane(
+    seed: u64,
+    count: usize,
+    sides: [DVec3; 2],
+    center: DVec3,
+    color: Vec3,
+    opacity: f32,
+) -> (Points, f64) {
     let mut r = random(seed);
     let normal = sides[0].cross(sides[1]);
     let mut unit = || r.random_range(-0.5..0.5);
@@ -52,7 +59,7 @@ fn plane(seed: u64, count: usize, sides: [DVec3; 2], center: DVec3, color: Vec3,
 }
 
 /// A list of clouds of known area.
-fn dealt(clouds: &[(Points, f64)]) -> Dealt {
+pub(crate) fn dealt(clouds: &[(Points, f64)]) -> Dealt {
     let mut list = Dealt::default();
     for (points, area) in clouds {
         let first = list.points.len() as u64;

@@ -312,7 +312,7 @@ impl Renderer {
         let Image { rgba, depth, depth_median, .. } = image;
         let surface = Surface { size: frame.size, depths: depth_median.as_deref().unwrap_or(depth) };
         self.whole = None;
-        Ok(self.eye_dome.apply(&self.device, &frame.shading.edl, budget, surface, rgba, timeline)?)
+        self.eye_dome.apply(&self.device, &frame.shading.edl, budget, surface, rgba, timeline)
     }
 
     /// Brings to the device what frames need of a cloud, unless the frame is cancelled already.
