@@ -1,11 +1,14 @@
 //! The engine of a method, as the renderer sees it, and the tools an engine works with.
 
-use std::ops::Deref;
+use std::cell::RefCell;
+use std::ops::{Deref, Range};
 
 use crate::progress::Progress;
 
 use super::bytes::PassRuns;
 use super::explain::Plan;
+use super::parts::{Plane, SamplePart};
+use super::stochastic::MOST_STRATA;
 use super::{Buffers, Error, Facts, Frame, Outcome, Target, Timeline};
 use crate::gpu::{Device, DeviceInfo};
 use crate::passes::bands::{self, Budget, Window};
@@ -15,6 +18,7 @@ use crate::passes::foresight::Place;
 use crate::passes::project::{DeviceCloud, Extent, Projecting, Stats};
 use crate::passes::raster::Walker;
 use crate::passes::tiles::Tiles;
+use crate::random::STRATUM;
 
 /// A family of methods with the settings of one of them: how its frames are cut into windows, rendered, counted, measured and
 /// explained. Buffers that outlive a frame are in [`Buffers`].
@@ -75,6 +79,26 @@ pub(crate) trait Engine {
         None
     }
 
+    /// What the samples of a pixel leave before they are resolved to an image; `None` for engines that draw no random ones.
+    fn sums(&self) -> Option<Sums> {
+        None
+    }
+
+    /// Resolves a window of sums that were put together, and copies it to the host, as [`Self::render`] does
+    /// with its own.
+    ///
+    /// # Errors
+    /// The device failed, or lacks memory.
+    fn resolve(
+        &self,
+        _cloud: &DeviceCloud,
+        _buffers: &mut Buffers,
+        work: &mut Work<'_>,
+        _sums: &SamplePart,
+    ) -> Result<(), Error> {
+        Err(Error::NoParts { method: work.frame.method.name() })
+    }
+
     /// True if no frame can do without subgroups of 8 to 32 invocations on this device, because tiles of splats need them.
     fn needs_subgroups(&self, _device: &DeviceInfo) -> bool {
         false
@@ -106,6 +130,27 @@ pub(crate) trait Engine {
 
     /// Adds the passes of the frame to its plan, in the order of their first run, and those of its own that it leaves out.
     fn explain(&self, plan: &mut Plan<'_>);
+}
+
+/// What the random samples of a pixel leave before they are resolved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sums {
+    /// Whole numbers over ensembles.
+    Ensembles,
+    /// Float32 numbers of each batch of samples.
+    Samples,
+    /// The same, and the exact A, which corrects them.
+    Corrected,
+}
+
+impl Sums {
+    /// Samples between two places where they may be cut.
+    pub fn step(self) -> u32 {
+        match self {
+            Self::Ensembles => 1,
+            Self::Samples | Self::Corrected => MOST_STRATA * STRATUM,
+        }
+    }
 }
 
 /// Values that an engine can count for each pixel, beside color and depth.
@@ -171,8 +216,10 @@ pub(crate) struct Work<'a> {
     pub window: Window,
     /// The memory that may be used.
     pub budget: Budget,
-    /// Samples or ensembles to draw; 0 where the engine draws no random ones.
-    pub samples: u32,
+    /// Samples or ensembles to draw; none where the engine draws no random ones.
+    pub samples: Range<u32>,
+    /// Where sums of the samples are kept, which then are not resolved.
+    pub sums: Option<&'a RefCell<SamplePart>>,
     /// The target of the pixels, large enough for the window.
     pub target: &'a Target,
     /// Times of the submissions.
@@ -196,6 +243,13 @@ impl Work<'_> {
     /// Pixels of the window.
     pub fn pixels(&self) -> u64 {
         bands::pixels(self.window)
+    }
+
+    /// Keeps words of the window's pixels, in its order, if sums are kept.
+    pub fn keep(&self, plane: Plane, words: &[u32]) {
+        if let Some(sums) = self.sums {
+            sums.borrow_mut().place(plane, self.window, words);
+        }
     }
 
     /// Projects a cloud's points to splats of the window. Returns the results by chunk.

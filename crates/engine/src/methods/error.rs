@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use bytesize::ByteSize;
 
+use super::parts::PartError;
 use crate::passes;
 use crate::progress::Cancelled;
 
@@ -68,6 +69,29 @@ pub enum Error {
         /// The method.
         method: &'static str,
     },
+    /// Samples in parts, of a frame whose samples can't be drawn in parts ([`Frame::sample_steps`](super::Frame::sample_steps)).
+    #[error(
+        "method {method} with these settings draws no random samples that could be cut into parts; spbr, spbr-simplified and stochastic without a limit on the error do"
+    )]
+    NoParts {
+        /// The method.
+        method: &'static str,
+    },
+    /// Samples that are no part of a frame's.
+    #[error("samples {start} to {end} of {total}: parts begin and end at multiples of {step}, or at the end")]
+    SampleRange {
+        /// The first sample.
+        start: u32,
+        /// One past the last.
+        end: u32,
+        /// Samples of the frame.
+        total: u32,
+        /// Samples between two places where they may be cut.
+        step: u32,
+    },
+    /// Parts of a frame's samples that are not a whole.
+    #[error(transparent)]
+    Part(#[from] PartError),
     /// Points that come from a file while a frame is rendered can't be read.
     #[error("{0}")]
     Store(Arc<crate::io::Error>),
@@ -303,6 +327,7 @@ impl Error {
         match self {
             Self::Gpu(error) => matches!(error, OutOfMemory { .. } | TooLarge { .. }),
             Self::ImageSize { .. } | Self::Cancelled | Self::Store(_) | Self::NoLevels => false,
+            Self::SampleRange { .. } | Self::Part(_) => false,
             _ => true,
         }
     }

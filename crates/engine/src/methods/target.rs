@@ -47,7 +47,17 @@ impl Target {
         Ok(self.image.get().read(0, pixels)?)
     }
 
-    /// Their depths.
+    /// Their depths, on the host.
+    pub(super) fn read_depths(&self, pixels: u64) -> Result<Vec<f32>, Error> {
+        Ok(self.depths.get().read(0, pixels)?)
+    }
+
+    /// Gives the first pixels these depths.
+    pub(super) fn set_depths(&self, depths: &[f32]) -> Result<(), Error> {
+        Ok(self.depths.get().upload(depths)?)
+    }
+
+    /// Depths of the window's pixels.
     pub fn depths(&self) -> Slice<'_, f32> {
         self.depths.get().all()
     }

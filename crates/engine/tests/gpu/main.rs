@@ -18,6 +18,7 @@ mod gpu;
 mod image_space;
 mod linked_list;
 mod one_layer;
+mod parts;
 mod peel;
 mod peel_layers;
 mod plan;

@@ -6,7 +6,7 @@ use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::passes::bands::Window;
 use pellucid_engine::points::Points;
-use pellucid_engine::scene::{Edl, Method, Shading};
+use pellucid_engine::scene::{Discs, Edl, Method, Shading};
 use pellucid_testing::{bits, frame, perspective, scene, soup, with_device};
 
 const SIZE: [u32; 2] = [160, 112];
@@ -93,7 +93,7 @@ fn clouds_that_come_window_by_window_bring_what_a_region_shows() {
     let points = Arc::new(points());
     with_device(|device| {
         let mut renderer = Renderer::new(device).expect("a renderer");
-        let whole = frame(perspective(), SIZE, Method::default());
+        let whole = frame(perspective(), SIZE, Method::ABuffer(Discs::default()));
         let mut supplied = renderer.supply_held(&points).expect("small buffers");
         let expected = renderer.render(&mut supplied, &whole).expect("a frame").image;
         let mut found = expected.clone();

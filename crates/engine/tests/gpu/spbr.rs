@@ -25,7 +25,7 @@ fn method(ensembles: u32) -> Method {
 }
 
 /// A camera on the z axis at `distance` from the origin that sees 3.2 × 2.4 world units there.
-fn camera(distance: f64, perspective: bool) -> Camera {
+pub(crate) fn camera(distance: f64, perspective: bool) -> Camera {
     let projection = if perspective {
         Projection::Perspective { fov_y: 2.0 * (1.2f64 / 4.0).atan() }
     } else {
@@ -35,7 +35,14 @@ fn camera(distance: f64, perspective: bool) -> Camera {
 }
 
 /// Points at random on the rectangle of these sides around `center`; the area follows.
-fn plane(seed: u64, count: usize, sides: [DVec3; 2], center: DVec3, color: Vec3, opacity: f32) -> (Points, f64) {
+pub(crate) fn plane(
+    seed: u64,
+    count: usize,
+    sides: [DVec3; 2],
+    center: DVec3,
+    color: Vec3,
+    opacity: f32,
+) -> (Points, f64) {
     let mut r = random(seed);
     let normal = sides[0].cross(sides[1]);
     let mut unit = || r.random_range(-0.5..0.5);
@@ -52,7 +59,7 @@ fn plane(seed: u64, count: usize, sides: [DVec3; 2], center: DVec3, color: Vec3,
 }
 
 /// A list of clouds of known area.
-fn dealt(clouds: &[(Points, f64)]) -> Dealt {
+pub(crate) fn dealt(clouds: &[(Points, f64)]) -> Dealt {
     let mut list = Dealt::default();
     for (points, area) in clouds {
         let first = list.points.len() as u64;
@@ -184,7 +191,7 @@ fn distance_does_not_change_opacity() {
 }
 
 /// Three clouds of random points with random normals, opacities and colors: k from below to above 1.
-fn mixture(seed: u64) -> Dealt {
+pub(crate) fn mixture(seed: u64) -> Dealt {
     let mut r = random(seed);
     let mut clouds = Vec::new();
     for (count, area, middle) in [(3000, 30.0, 0.0), (500, 1.0, 0.3), (41, 0.3, -0.4)] {
@@ -309,7 +316,7 @@ fn the_bytes_do_not_depend_on_atomics_windows_and_rounds() {
 }
 
 /// Clouds of so many points and such an area each, with random opacities, colors and perhaps normals, all over a box.
-fn planes(seed: u64, counts: &[(usize, f64)], normals: bool) -> Dealt {
+pub(crate) fn planes(seed: u64, counts: &[(usize, f64)], normals: bool) -> Dealt {
     let mut r = random(seed);
     let mut clouds = Vec::new();
     for (count, area) in counts {

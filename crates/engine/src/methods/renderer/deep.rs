@@ -62,7 +62,8 @@ impl Renderer {
         let mut facts = Facts { points, gaussians, ..Facts::default() };
         let mut windows = last_first(&windows);
         while let Some(window) = windows.pop() {
-            let part = Part { engine: &engine, frame, window, budget, samples: 0, survey, learns: false };
+            let (samples, sums) = (0..0, None);
+            let part = Part { engine: &engine, frame, window, budget, samples, sums, survey, learns: false };
             match self.window(cloud, &part, &mut timeline, &mut facts)? {
                 Outcome::Done => self.progress.check()?,
                 // By rows first, whatever is cheaper: pixels come row by row.

@@ -2,8 +2,11 @@
 
 mod arranged;
 mod deep;
+mod parts;
 mod supplied;
 
+use std::cell::RefCell;
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -16,7 +19,8 @@ use super::cost::Load;
 use super::edl::{self, EyeDomeLighting, Surface};
 use super::engine::{Counts, Engine, Fragments, Switches, Work, project};
 use super::{
-    Buffers, Error, Facts, Frame, FrameProfile, Outcome, Target, Timeline, engine_of, shadows, spbr, stochastic,
+    Buffers, Error, Facts, Frame, FrameProfile, Outcome, SamplePart, Target, Timeline, engine_of, shadows, spbr,
+    stochastic,
 };
 use crate::cloud::shadow_texture::Casting;
 use crate::gpu::{Device, Slice};
@@ -172,12 +176,17 @@ impl Renderer {
     /// A frame that does not fit, a device that fails, and a frame that [`Self::progress`] cancels: within one submission, after
     /// which the renderer and the cloud serve other frames as before.
     pub fn render(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Rendered, Error> {
+        self.with_timeline(|renderer, timeline| renderer.render_by(cloud, frame, timeline))
+    }
+
+    /// Does work whose submissions are timed, with what is known of earlier frames.
+    fn with_timeline<T>(&mut self, work: impl FnOnce(&mut Self, &mut Timeline) -> T) -> T {
         let mut timeline = Timeline::with(&self.progress, std::mem::take(&mut self.foresight));
         timeline.timed = self.timed;
-        let rendered = self.render_by(cloud, frame, &mut timeline);
+        let done = work(self, &mut timeline);
         self.submitted = timeline.submitted;
         self.foresight = timeline.foresight;
-        rendered
+        done
     }
 
     /// The same, by the submissions of a timeline.
@@ -187,9 +196,48 @@ impl Renderer {
         frame: &Frame,
         timeline: &mut Timeline,
     ) -> Result<Rendered, Error> {
-        frame.check()?;
         let engine = engine_of(&frame.method);
         let engine = engine.as_ref();
+        let begun = self.begin(engine, cloud, frame, timeline)?;
+        let mut image = self.begin_image(engine, frame);
+        let learns = self.learns(frame, cloud, &begun.windows, timeline);
+        let drawing = begun.drawing(engine, frame, learns, None);
+        let mut facts = match (engine.samples(frame), frame.max_error) {
+            (Some(limit), Some(most)) => {
+                let mut samples = limit.min(stochastic::FIRST_SAMPLES);
+                loop {
+                    let facts = self.draw(cloud, &drawing, 0..samples, &mut image, timeline)?;
+                    let errors = image.stderr.as_deref().unwrap_or_default();
+                    match stochastic::more_samples(samples, limit, errors, most) {
+                        Some(more) => samples = more,
+                        None => break facts,
+                    }
+                }
+            }
+            (samples, _) => self.draw(cloud, &drawing, 0..samples.unwrap_or(0), &mut image, timeline)?,
+        };
+        if self.target.keeps_colors {
+            image.rgba = Vec::new();
+        }
+        image.stderr = image.stderr.filter(|_| frame.fragments || frame.spread);
+        self.find_depths(cloud, frame, begun.budget, &mut image, timeline)?;
+        if frame.shading.edl.edl && self.region.is_none() {
+            self.light_eye_domes(frame, begun.shading, &mut image, timeline)?;
+        }
+        image.depth_median = image.depth_median.filter(|_| frame.depths || self.region.is_some());
+        let profile = self.end(engine, &begun, timeline, &mut facts, (frame, &image), cloud);
+        Ok(Rendered { image, profile, facts })
+    }
+
+    /// Brings to the device what a frame needs of a cloud, casts its shadows, cuts it into windows, and makes room for them.
+    fn begin(
+        &mut self,
+        engine: &dyn Engine,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        timeline: &mut Timeline,
+    ) -> Result<Begun, Error> {
+        frame.check()?;
         self.place(engine, cloud, frame, false)?;
         self.disown_colors();
         self.device.reset_peak();
@@ -203,44 +251,34 @@ impl Renderer {
         let (budget, shading) = edl::divided(budget, frame);
         let windows = self.windows(engine, frame, budget)?;
         self.target.reserve(&self.device, largest(&windows))?;
+        Ok(Begun { waits, light_views, budget, shading, windows })
+    }
 
+    /// An image to draw into; decides if its colors come to the host.
+    fn begin_image(&mut self, engine: &dyn Engine, frame: &Frame) -> Image {
         self.target.keeps_colors =
             !self.host_colors && !frame.shading.edl.edl && !frame.depths && !brightness::is_applied(&frame.method);
-        let mut image = blank(self.spare.take(), engine, frame);
-        let drawing =
-            Drawing { engine, frame, windows: &windows, budget, learns: self.learns(frame, cloud, &windows, timeline) };
-        let mut facts = match (engine.samples(frame), frame.max_error) {
-            (Some(limit), Some(most)) => {
-                let mut samples = limit.min(stochastic::FIRST_SAMPLES);
-                loop {
-                    let facts = self.draw(cloud, &drawing, samples, &mut image, timeline)?;
-                    let errors = image.stderr.as_deref().unwrap_or_default();
-                    match stochastic::more_samples(samples, limit, errors, most) {
-                        Some(more) => samples = more,
-                        None => break facts,
-                    }
-                }
-            }
-            (samples, _) => self.draw(cloud, &drawing, samples.unwrap_or(0), &mut image, timeline)?,
-        };
-        if self.target.keeps_colors {
-            image.rgba = Vec::new();
-        }
-        image.stderr = image.stderr.filter(|_| frame.fragments || frame.spread);
-        facts.light_views = light_views;
-        self.find_depths(cloud, frame, budget, &mut image, timeline)?;
-        if frame.shading.edl.edl && self.region.is_none() {
-            self.light_eye_domes(frame, shading, &mut image, timeline)?;
-        }
-        image.depth_median = image.depth_median.filter(|_| frame.depths || self.region.is_some());
+        blank(self.spare.take(), engine, frame)
+    }
+
+    /// Completes the counts of a frame, and sums up its times.
+    fn end(
+        &self,
+        engine: &dyn Engine,
+        begun: &Begun,
+        timeline: &mut Timeline,
+        facts: &mut Facts,
+        (frame, image): (&Frame, &Image),
+        cloud: &DeviceCloud,
+    ) -> FrameProfile {
+        facts.light_views = begun.light_views;
         let begin = timeline.start.unwrap_or_else(Instant::now);
         let wall = begin.elapsed();
         facts.peak_device_bytes = self.device.peak_bytes();
         let (submitted, runs) = (timeline.submitted, std::mem::take(&mut timeline.passes));
-        let passes = aggregate(engine, &runs, &facts, (frame, &image), cloud);
-        let waits = self.device.waits() - waits;
-        let profile = FrameProfile { passes, begin, timeline: runs, submitted, wall, waits };
-        Ok(Rendered { image, profile, facts })
+        let passes = aggregate(engine, &runs, facts, (frame, image), cloud);
+        let waits = self.device.waits() - begun.waits;
+        FrameProfile { passes, begin, timeline: runs, submitted, wall, waits }
     }
 
     /// The windows of a frame, as far as they lie in the region.
@@ -274,7 +312,7 @@ impl Renderer {
         let Image { rgba, depth, depth_median, .. } = image;
         let surface = Surface { size: frame.size, depths: depth_median.as_deref().unwrap_or(depth) };
         self.whole = None;
-        Ok(self.eye_dome.apply(&self.device, &frame.shading.edl, budget, surface, rgba, timeline)?)
+        self.eye_dome.apply(&self.device, &frame.shading.edl, budget, surface, rgba, timeline)
     }
 
     /// Brings to the device what frames need of a cloud, unless the frame is cancelled already.
@@ -320,37 +358,46 @@ impl Renderer {
         Ok(shadows::casting(frame, cloud))
     }
 
-    /// Renders the windows of a frame into an image, with this many samples or ensembles.
+    /// Renders the windows of a frame into an image, or keeps their sums, with these samples or ensembles.
     fn draw(
         &mut self,
         cloud: &mut DeviceCloud,
         drawing: &Drawing<'_>,
-        samples: u32,
+        samples: Range<u32>,
         image: &mut Image,
         timeline: &mut Timeline,
     ) -> Result<Facts, Error> {
-        let Drawing { engine, frame, windows, budget, learns } = *drawing;
-        self.progress.set_length(u64::from(frame.size[0]) * u64::from(frame.size[1]));
-        self.progress.set_position(0);
-        let (points, gaussians) = (cloud.drawn(), cloud.gaussian_count());
-        let mut facts = Facts { points, gaussians, ..Default::default() };
-        self.whole = None;
+        let Drawing { engine, frame, windows, budget, learns, sums } = *drawing;
+        let mut facts = self.begin_windows(cloud, frame);
         let mut windows = last_first(windows);
         while let Some(window) = windows.pop() {
-            let whole = window == [0, 0, frame.size[0], frame.size[1]];
-            self.target.keeps_colors &= whole;
-            let part = Part { engine, frame, window, budget, samples, survey: false, learns };
+            self.target.keeps_colors &= is_whole(window, frame);
+            let samples = samples.clone();
+            let part = Part { engine, frame, window, budget, samples, sums, survey: false, learns };
             match self.window(cloud, &part, timeline, &mut facts)? {
-                Outcome::Done => {
-                    self.progress.check()?;
-                    self.whole = whole.then(|| bands::pixels(window));
-                    self.target.deliver(window, image);
-                    place(frame, window, engine.counts(&self.buffers, frame, window)?, image);
-                }
+                Outcome::Done if sums.is_some() => self.progress.check()?,
+                Outcome::Done => self.deliver(engine, frame, window, image)?,
                 Outcome::Overflow => split(engine, cloud, window, &mut windows)?,
             }
         }
         Ok(facts)
+    }
+
+    /// Begins to go through the windows of a frame: its first counts.
+    fn begin_windows(&mut self, cloud: &DeviceCloud, frame: &Frame) -> Facts {
+        self.progress.set_length(u64::from(frame.size[0]) * u64::from(frame.size[1]));
+        self.progress.set_position(0);
+        self.whole = None;
+        Facts { points: cloud.drawn(), gaussians: cloud.gaussian_count(), ..Default::default() }
+    }
+
+    /// Copies a window that is in the target into the image, with its counts.
+    fn deliver(&mut self, engine: &dyn Engine, frame: &Frame, window: Window, image: &mut Image) -> Result<(), Error> {
+        self.progress.check()?;
+        self.whole = is_whole(window, frame).then(|| bands::pixels(window));
+        self.target.deliver(window, image);
+        place(frame, window, engine.counts(&self.buffers, frame, window)?, image);
+        Ok(())
     }
 
     /// True if a frame can learn its counts from earlier ones of its kind.
@@ -408,12 +455,30 @@ impl Renderer {
         if self.bring(cloud, part, timeline)? == Outcome::Overflow {
             return Ok(Outcome::Overflow);
         }
-        let mut work = Work {
+        let (mut work, buffers) = self.work(part, timeline, facts);
+        let outcome = part.engine.render(cloud, buffers, &mut work)?;
+        if outcome == Outcome::Done {
+            for note in std::mem::take(&mut work.later) {
+                note(work.facts, work.timeline);
+            }
+        }
+        Ok(outcome)
+    }
+
+    /// A window in work, and the buffers for it.
+    fn work<'a>(
+        &'a mut self,
+        part: &Part<'a>,
+        timeline: &'a mut Timeline,
+        facts: &'a mut Facts,
+    ) -> (Work<'a>, &'a mut Buffers) {
+        let work = Work {
             device: &self.device,
             frame: part.frame,
             window: part.window,
             budget: part.budget,
-            samples: part.samples,
+            samples: part.samples.clone(),
+            sums: part.sums,
             target: &self.target,
             timeline,
             facts,
@@ -427,13 +492,7 @@ impl Renderer {
             survey: part.survey,
             later: Vec::new(),
         };
-        let outcome = part.engine.render(cloud, &mut self.buffers, &mut work)?;
-        if outcome == Outcome::Done {
-            for note in std::mem::take(&mut work.later) {
-                note(work.facts, work.timeline);
-            }
-        }
-        Ok(outcome)
+        (work, &mut self.buffers)
     }
 
     /// The lists of a frame that fits in one window and band, before sorting: for tests and inspection.
@@ -482,8 +541,8 @@ impl Renderer {
         let windows = self.windows(&engine, &frame, budget)?;
         self.target.reserve(&self.device, largest(&windows))?;
         let mut image = blank(None, &engine, &frame);
-        let drawing = Drawing { engine: &engine, frame: &frame, windows: &windows, budget, learns: false };
-        let drawn = self.draw(cloud, &drawing, 0, &mut image, timeline);
+        let drawing = Drawing { engine: &engine, frame: &frame, windows: &windows, budget, learns: false, sums: None };
+        let drawn = self.draw(cloud, &drawing, 0..0, &mut image, timeline);
         self.disown_colors();
         drawn.map(|_| Some(image.depth))
     }
@@ -506,7 +565,8 @@ impl Renderer {
         let mut facts = Facts { points, gaussians, light_views, ..Default::default() };
         let (mut windows, mut timeline) = (last_first(&windows), Timeline::new(&self.progress));
         while let Some(window) = windows.pop() {
-            let part = Part { engine, frame, window, budget, samples, survey: true, learns: false };
+            let samples = 0..samples;
+            let part = Part { engine, frame, window, budget, samples, sums: None, survey: true, learns: false };
             if let Outcome::Overflow = self.window(cloud, &part, &mut timeline, &mut facts)? {
                 split(engine, cloud, window, &mut windows)?;
             }
@@ -563,6 +623,31 @@ struct Drawing<'a> {
     budget: Budget,
     /// True if its windows learn from earlier frames.
     learns: bool,
+    /// Where sums of samples are kept, which then are not resolved to an image.
+    sums: Option<&'a RefCell<SamplePart>>,
+}
+
+/// A frame that has begun.
+struct Begun {
+    /// Submissions that were waited for before.
+    waits: u64,
+    light_views: u64,
+    budget: Budget,
+    /// What of the budget is for shading.
+    shading: u64,
+    windows: Vec<Window>,
+}
+
+impl Begun {
+    fn drawing<'a>(
+        &'a self,
+        engine: &'a dyn Engine,
+        frame: &'a Frame,
+        learns: bool,
+        sums: Option<&'a RefCell<SamplePart>>,
+    ) -> Drawing<'a> {
+        Drawing { engine, frame, windows: &self.windows, budget: self.budget, learns, sums }
+    }
 }
 
 /// A window of a frame.
@@ -571,7 +656,8 @@ struct Part<'a> {
     frame: &'a Frame,
     window: Window,
     budget: Budget,
-    samples: u32,
+    samples: Range<u32>,
+    sums: Option<&'a RefCell<SamplePart>>,
     survey: bool,
     /// True if it learns from earlier frames.
     learns: bool,
@@ -590,6 +676,11 @@ struct Kind {
 fn light_views(cloud: &DeviceCloud, frame: &Frame) -> u64 {
     let casting = shadows::casting(frame, cloud).filter(|casting| !cloud.has_cast(casting));
     casting.map_or(0, |casting| shadows::image_count(&casting, cloud))
+}
+
+/// True for the window that is the whole image.
+fn is_whole(window: Window, frame: &Frame) -> bool {
+    window == [0, 0, frame.size[0], frame.size[1]]
 }
 
 /// Pixels of the largest window.

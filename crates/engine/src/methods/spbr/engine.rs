@@ -1,12 +1,13 @@
 //! The engine of `spbr` and `spbr-simplified`.
 
-use super::{Form, WindowJob, is_listed, least_bytes, shares, slots_of, stream, thin, window_pixels};
+use super::share::Share;
+use super::{Form, Scale, WindowJob, is_listed, least_bytes, shares, slots_of, stream, thin, window_pixels};
 use crate::camera::Projection;
 use crate::gpu::Device;
 use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Channels, Counts, Engine, Work};
+use crate::methods::engine::{Channels, Counts, Engine, Sums, Work};
 use crate::methods::explain::{Absent, PassGroup, Plan};
-use crate::methods::{Buffers, Error, Frame, Outcome};
+use crate::methods::{Buffers, Error, Frame, Outcome, SamplePart};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::project::{DeviceCloud, Projecting};
 use crate::passes::raster::Walker;
@@ -53,23 +54,28 @@ impl Engine for EnsembleEngine {
         Some(frame.ensembles.map_or(self.ensembles, |few| few.max(1).min(self.ensembles)))
     }
 
+    fn sums(&self) -> Option<Sums> {
+        Some(Sums::Ensembles)
+    }
+
     fn channels(&self) -> Channels {
         Channels::NONE
     }
 
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
-        let (device, frame, window, drawn) = (work.device, work.frame, work.window, work.samples);
+        let (device, frame, window, drawn) = (work.device, work.frame, work.window, work.samples.clone());
         let (shares, how) = (shares(cloud, frame)?, frame.projecting_points(cloud));
         let streamed = self.streamed(device, cloud, frame);
         let form = Self::form(work, cloud, &how, streamed.is_some());
         let facts = &mut *work.facts;
-        (facts.ensembles, facts.form) = (drawn, Some(form));
-        facts.slots = shares.iter().map(|s| slots_of(s, self.ensembles, drawn)).sum();
+        (facts.ensembles, facts.form) = (drawn.end - drawn.start, Some(form));
+        let slots = |share: &Share, drawn| slots_of(share, self.ensembles, drawn);
+        facts.slots = shares.iter().map(|s| slots(s, drawn.end) - slots(s, drawn.start)).sum();
         facts.thin = thin(&shares);
         facts.listed = is_listed(&shares);
         facts.streamed = streamed;
         if !work.survey {
-            cloud.reach(shares.iter().map(|s| slots_of(s, self.ensembles, drawn)), work.progress)?;
+            cloud.reach(shares.iter().map(|s| slots(s, drawn.end)), work.progress)?;
             cloud.set_view(&frame.camera, frame.size, window, &how);
         }
         let job = WindowJob {
@@ -97,6 +103,21 @@ impl Engine for EnsembleEngine {
         }
         work.facts.note(&[], Walker::Compute);
         Ok(Outcome::Done)
+    }
+
+    fn resolve(
+        &self,
+        cloud: &DeviceCloud,
+        buffers: &mut Buffers,
+        work: &mut Work<'_>,
+        sums: &SamplePart,
+    ) -> Result<(), Error> {
+        work.facts.ensembles = work.samples.end;
+        let scale = Scale::new(self.ensembles, cloud.max_color(&work.frame.projecting_points(cloud)));
+        buffers.machines.ensembles.resolve(work, scale, sums)?;
+        work.finish();
+        work.facts.note(&[], Walker::Compute);
+        Ok(())
     }
 
     fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {

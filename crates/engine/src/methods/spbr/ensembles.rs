@@ -4,7 +4,7 @@ use std::iter::Peekable;
 use std::ops::Range;
 
 use super::RUN;
-use super::job::WindowJob;
+use super::job::{Scale, WindowJob};
 use super::key;
 use super::passes::*;
 use super::rounds::Piece;
@@ -14,7 +14,8 @@ use super::variants::{Stage, Through, draw_variant, resolve_variant, sum_variant
 use crate::gpu::{Device, Dispatch, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::abuffer::CountPush;
 use crate::methods::engine::Work;
-use crate::methods::{Error, Target};
+use crate::methods::parts::Plane;
+use crate::methods::{Error, SamplePart, Target};
 use crate::passes::bands::{self, Window};
 use crate::passes::compose::Cut;
 use crate::passes::project::Column;
@@ -66,9 +67,9 @@ impl Default for Ensembles {
 }
 
 impl Ensembles {
-    /// Renders a window into the target.
+    /// Renders a window into the target, or keeps its sums.
     pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<Drawn, Error> {
-        let (device, target) = (work.device, work.target);
+        let device = work.device;
         self.reserve(device, job)?;
         let mut tasks = Tasks::new(job).peekable();
         let (mut submissions, streamed) = (0, job.streamed.is_some());
@@ -84,10 +85,13 @@ impl Ensembles {
                 self.record_task(device, &mut recorder, job, task)?;
             }
             if tasks.peek().is_none() {
-                self.record_resolve(&mut recorder, job, target)?;
                 recorder.copy("spbr/summary", self.counters.get().all(), self.counters_host.get().all())?;
-                target.record_read_back(&mut recorder, job.pixels())?;
-                work.timeline.submit(recorder, "spbr/resolve")?;
+                if work.sums.is_some() {
+                    work.timeline.submit(recorder, "spbr/draw")?;
+                    self.keep(work)?;
+                } else {
+                    self.end(recorder, work, job.drawn.end, job.scale())?;
+                }
                 break;
             }
             if streamed {
@@ -103,6 +107,51 @@ impl Ensembles {
         let counters = self.counters_host.get().mapped_slice()[0];
         let visible = u64::from(counters.visible_high) << 32 | u64::from(counters.visible_low);
         Ok(Drawn { visible, uploaded: self.stream.uploaded })
+    }
+
+    /// Resolves sums that were put together into the target.
+    pub(crate) fn resolve(&mut self, work: &mut Work<'_>, scale: Scale, sums: &SamplePart) -> Result<(), Error> {
+        let (device, spread) = (work.device, work.frame.wants_spread());
+        self.reserve_sums(device, work.pixels(), spread)?;
+        let colors = sums.window(Plane::Colors, work.window);
+        let of_pixel = |c: &[u32]| [[0, 0, c[0], c[1]], [c[2], c[3], c[4], 0]];
+        self.pixels.get().upload(&colors.chunks_exact(5).flat_map(of_pixel).collect::<Vec<_>>())?;
+        if spread {
+            let squares = sums.window(Plane::Squares, work.window);
+            let of_pixel = |s: &[u32]| [[s[0], s[1], s[2], s[3]], [s[4], s[5], 0, 0]];
+            self.squares.get().upload(&squares.chunks_exact(6).flat_map(of_pixel).collect::<Vec<_>>())?;
+        }
+        let recorder = work.timeline.recorder(device)?;
+        self.end(recorder, work, work.samples.end, scale)
+    }
+
+    /// Keeps the sums of a window that was submitted.
+    fn keep(&self, work: &Work<'_>) -> Result<(), Error> {
+        let read = |words: &Kept<[u32; 4]>| words.get().read(0, 2 * work.pixels());
+        let colors = read(&self.pixels)?;
+        let of_pixel = |p: &[[u32; 4]]| [p[0][2], p[0][3], p[1][0], p[1][1], p[1][2]];
+        work.keep(Plane::Colors, &colors.chunks_exact(2).flat_map(of_pixel).collect::<Vec<_>>());
+        if work.frame.wants_spread() {
+            let squares = read(&self.squares)?;
+            let of_pixel = |s: &[[u32; 4]]| [s[0][0], s[0][1], s[0][2], s[0][3], s[1][0], s[1][1]];
+            work.keep(Plane::Squares, &squares.chunks_exact(2).flat_map(of_pixel).collect::<Vec<_>>());
+        }
+        Ok(())
+    }
+
+    /// Submits the end of a window: resolves sums over so many ensembles into the target, and copies it to the host.
+    fn end<'a, 'w: 'a>(
+        &'a self,
+        mut recorder: Recorder<'a>,
+        work: &mut Work<'w>,
+        ensembles: u32,
+        scale: Scale,
+    ) -> Result<(), Error> {
+        let (target, pixels) = (work.target, work.pixels());
+        let push = ResolvePush { pixels: pixels as u32, ensembles, scale: scale.one };
+        self.record_resolve(&mut recorder, (push, work.frame.wants_spread()), target)?;
+        target.record_read_back(&mut recorder, pixels)?;
+        Ok(work.timeline.submit(recorder, "spbr/resolve")?)
     }
 
     /// Returns the dispatches of the next submission: so few that it takes no seconds and that all of their points fit,
@@ -142,15 +191,19 @@ impl Ensembles {
         let planes = if job.is_inline() { 1 } else { pixels * job.planes() };
         // No larger than asked for, since all of it is cleared.
         self.nearest.reserve_within(device, planes, planes)?;
-        self.pixels.reserve_within(device, 2 * pixels, 2 * pixels)?;
-        let squares = if job.spread { 2 * pixels } else { 1 };
-        self.squares.reserve_within(device, squares, squares)?;
-        self.spread.reserve(device, if job.spread { pixels } else { 1 })?;
+        self.reserve_sums(device, pixels, job.spread)?;
         self.large.reserve(device, if job.listed() { 2 * job.dispatch_slots() } else { 1 })?;
         self.arguments.reserve(device, 4)?;
         self.counters.reserve(device, 1)?;
         self.counters_host.reserve(device, 1)?;
         Ok(())
+    }
+
+    fn reserve_sums(&mut self, device: &Device, pixels: u64, spread: bool) -> Result<(), Error> {
+        self.pixels.reserve_within(device, 2 * pixels, 2 * pixels)?;
+        let squares = if spread { 2 * pixels } else { 1 };
+        self.squares.reserve_within(device, squares, squares)?;
+        Ok(self.spread.reserve(device, if spread { pixels } else { 1 })?)
     }
 
     fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>) -> Result<(), Error> {
@@ -279,7 +332,7 @@ impl Ensembles {
     fn record_resolve<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        (push, spread): (ResolvePush, bool),
         target: &'a Target,
     ) -> Result<(), Error> {
         let pass = Resolve {
@@ -289,9 +342,8 @@ impl Ensembles {
             depths: target.depths(),
             spread: self.spread.get().all(),
         };
-        let push = ResolvePush { pixels: job.pixels() as u32, ensembles: job.drawn, scale: job.scale().one };
-        let run = Run::new(Dispatch::Invocations(job.pixels()));
-        recorder.run(&pass, push, &run.variant(resolve_variant(job.spread)))?;
+        let run = Run::new(Dispatch::Invocations(u64::from(push.pixels)));
+        recorder.run(&pass, push, &run.variant(resolve_variant(spread)))?;
         Ok(())
     }
 }

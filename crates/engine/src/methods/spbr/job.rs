@@ -1,5 +1,7 @@
 //! A window to render: how many ensembles, slots and epochs a dispatch takes.
 
+use std::ops::Range;
+
 use super::rounds::{Epochs, epoch_bits};
 use super::share::Share;
 use super::variants::{Form, Kind};
@@ -31,8 +33,8 @@ pub struct WindowJob<'a> {
     pub shares: &'a [Share],
     /// The method.
     pub method: Method,
-    /// Ensembles that are drawn, at most those of the method.
-    pub drawn: u32,
+    /// Ensembles that are drawn, of those of the method.
+    pub drawn: Range<u32>,
     /// Seed.
     pub seed: u64,
     /// True if the standard error is asked for.
@@ -93,7 +95,7 @@ impl WindowJob<'_> {
         let worth = ROUND_SLOTS * self.concurrent * u64::from(self.ensembles()) / slots.max(1);
         let bytes = 8 * self.pixels();
         let fit = (self.budget.binding / bytes).min(self.budget.bytes / 2 / bytes);
-        worth.clamp(1, MOST_PLANES).min(fit).min(u64::from(self.drawn)).max(1)
+        worth.clamp(1, MOST_PLANES).min(fit).min(self.drawn.len() as u64).max(1)
     }
 
     /// True if a pixel's nearest point stands beside its sums.
@@ -108,7 +110,7 @@ impl WindowJob<'_> {
 
     /// True if the rounds outnumber the epochs of planes that no fill can clear.
     pub fn is_renewed(&self) -> bool {
-        self.is_inline() && self.drawn > Epochs::most(self.epoch_bits())
+        self.is_inline() && self.drawn.len() as u64 > u64::from(Epochs::most(self.epoch_bits()))
     }
 
     /// Points that a dispatch can bind.

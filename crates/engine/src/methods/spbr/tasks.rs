@@ -37,12 +37,18 @@ pub struct Tasks<'a> {
 impl<'a> Tasks<'a> {
     /// The tasks of a window.
     pub fn new(job: &'a WindowJob<'a>) -> Self {
-        Self { job, epochs: Epochs::new(job.epoch_bits()), next: 0, renews: false, round: VecDeque::new() }
+        Self {
+            job,
+            epochs: Epochs::new(job.epoch_bits()),
+            next: job.drawn.start,
+            renews: false,
+            round: VecDeque::new(),
+        }
     }
 
     fn begin_round(&mut self) {
         let (job, bits) = (self.job, self.job.epoch_bits());
-        let ensembles = self.next..job.drawn.min(self.next + job.planes() as u32);
+        let ensembles = self.next..job.drawn.end.min(self.next + job.planes() as u32);
         let epoch = self.epochs.take().unwrap_or_else(|| {
             self.renews = true;
             self.epochs = Epochs::new(bits);
@@ -71,7 +77,7 @@ impl Iterator for Tasks<'_> {
     type Item = Task;
 
     fn next(&mut self) -> Option<Task> {
-        while self.round.is_empty() && self.next < self.job.drawn {
+        while self.round.is_empty() && self.next < self.job.drawn.end {
             self.begin_round();
         }
         let task = self.round.pop_front()?;

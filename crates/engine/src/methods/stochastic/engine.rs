@@ -1,15 +1,18 @@
 //! The engine of `stochastic`, by compute shaders and by the rasteriser.
 
+use std::ops::Range;
+
 use super::hardware::{self, HeldDepths};
 use super::{Kind, WindowJob, batches, least_bytes, pixel_bytes, window_pixels};
 use crate::gpu::{Device, DeviceInfo};
 use crate::methods::abuffer::counted_beside;
 use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Channels, Counts, Engine, Work};
+use crate::methods::engine::{Channels, Counts, Engine, Sums, Work};
 use crate::methods::explain::{Absent, EACH_PIXEL, NOTHING, ORDER, PassGroup, Plan};
+use crate::methods::parts::Plane;
 use crate::methods::tiled::{self, Stage};
 use crate::methods::walker::sampling_walker;
-use crate::methods::{Buffers, Error, Frame, Machines, Outcome, abuffer};
+use crate::methods::{Buffers, Error, Frame, Machines, Outcome, SamplePart, abuffer};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Bins, Order};
 use crate::passes::project::DeviceCloud;
@@ -41,7 +44,7 @@ impl Stage for StochasticEngine {
     }
 
     fn survey(&self, work: &mut Work<'_>, bin: &bin::Job<'_>) -> Result<Outcome, Error> {
-        work.facts.samples = work.samples;
+        work.facts.samples = work.samples.end - work.samples.start;
         if bin.raster.walker == Walker::Hardware {
             work.facts.bands += u64::from(hardware::is_seen(&bin.raster));
             return Ok(Outcome::Done);
@@ -56,9 +59,10 @@ impl Stage for StochasticEngine {
         bin: bin::Job<'_>,
         _max_color: f32,
     ) -> Result<Outcome, Error> {
-        work.facts.samples = work.samples;
-        let settings = Stochastic { samples: work.samples, ..self.settings };
-        let job = WindowJob { bin, settings, seed: work.frame.seed, spread: work.frame.wants_spread() };
+        let Range { start: first, end: samples } = work.samples;
+        work.facts.samples = samples - first;
+        let settings = Stochastic { samples, ..self.settings };
+        let job = WindowJob { bin, settings, first, seed: work.frame.seed, spread: work.frame.wants_spread() };
         if bin.raster.walker == Walker::Hardware {
             sampler.draw(work, &job, HeldDepths::new(&work.frame.camera, bin.raster.footprint))?;
             return Ok(Outcome::Done);
@@ -83,12 +87,38 @@ impl Engine for StochasticEngine {
         Some(self.settings.samples)
     }
 
+    fn sums(&self) -> Option<Sums> {
+        Some(if self.settings.alpha_correction { Sums::Corrected } else { Sums::Samples })
+    }
+
     fn channels(&self) -> Channels {
         Channels::LISTS_BESIDE
     }
 
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
-        tiled::render(self, cloud, buffers, work)
+        let outcome = tiled::render(self, cloud, buffers, work)?;
+        if outcome == Outcome::Done
+            && work.sums.is_some()
+            && let Some(lengths) = tiled::counts(buffers, work.frame, work.window)?.fragments
+        {
+            work.keep(Plane::Lengths, &lengths);
+        }
+        Ok(outcome)
+    }
+
+    fn resolve(
+        &self,
+        _cloud: &DeviceCloud,
+        buffers: &mut Buffers,
+        work: &mut Work<'_>,
+        sums: &SamplePart,
+    ) -> Result<(), Error> {
+        work.facts.samples = work.samples.end;
+        let kind = Kind { exact: self.settings.alpha_correction, spread: work.frame.wants_spread() };
+        buffers.machines.sampler.resolve(work, kind, sums)?;
+        work.finish();
+        work.facts.note(&[], Walker::Compute);
+        Ok(())
     }
 
     fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {

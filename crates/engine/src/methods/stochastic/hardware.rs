@@ -5,14 +5,13 @@
 //! by blending. Splats are drawn in canonical order, so that the depth test settles ties by index, and sums come in the same
 //! order every time.
 
-use super::{Batch, Kind, Sampler, WindowJob, batches};
+use super::{Batch, Kind, Sampler, WindowJob, most_strata};
 use crate::camera::{Camera, Projection};
 use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{
     Blend, DepthSamples, Device, Dispatch, Format, KeptAttachment, NumberSamples, Pixels, Recorder, Run, SAMPLES,
     Targets, Variant,
 };
-use crate::methods::abuffer::record_nothing;
 use crate::methods::engine::Work;
 use crate::methods::{Error, Target};
 use crate::passes::bands::Window;
@@ -149,7 +148,7 @@ impl Stratum {
             pixels: job.pixels() as u32,
             stratum: self.number,
             samples: self.samples(),
-            first: u32::from(self.batch.before + self.number == 0),
+            first: u32::from(self.batch.before == job.first && self.number == 0),
             base,
             shift,
         }
@@ -201,42 +200,32 @@ impl Attachments {
 }
 
 impl Sampler {
-    /// Renders a window into the target by the rasteriser.
+    /// Renders a window into the target by the rasteriser, or keeps its sums.
     pub(crate) fn draw(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>, depths: HeldDepths) -> Result<(), Error> {
         let (device, target) = (work.device, work.target);
-        let window = job.bin.raster.window;
         self.reserve_drawing(device, job)?;
-        let mut recorder = work.timeline.recorder(device)?;
-        if is_seen(&job.bin.raster) {
-            work.facts.bands += 1;
-            if job.kind().exact {
+        if !is_seen(&job.bin.raster) {
+            return self.end_empty(work, job);
+        }
+        work.facts.bands += 1;
+        for batch in job.batches() {
+            let mut recorder = work.timeline.recorder(device)?;
+            if batch.before == 0 && job.finds_exact() {
                 let push = Stratum { batch: Batch { before: 0, left: STRATUM, strata: 1 }, number: 0, depths };
                 self.record_alpha(&mut recorder, job, push)?;
             }
-            for batch in batches(job.settings.samples) {
-                for number in 0..batch.left.div_ceil(STRATUM) {
-                    self.record_stratum(&mut recorder, job, Stratum { batch, number, depths }, target)?;
-                }
-                self.record_gather(&mut recorder, job, batch, target)?;
-                work.timeline.go_on(recorder, "stochastic/draw-held and draw-sums")?;
-                work.progress.set_message(format!("rendering, {} samples", batch.before + batch.left));
-                recorder = work.timeline.recorder(device)?;
+            for number in 0..batch.left.div_ceil(STRATUM) {
+                self.record_stratum(&mut recorder, job, Stratum { batch, number, depths }, target)?;
             }
-            self.record_resolve(&mut recorder, job, target)?;
-        } else {
-            record_nothing(&mut recorder, target, window)?;
-            recorder.fill("image/clear", self.spread.get().all(), 0)?;
+            self.end_batch(recorder, work, (job, batch), "stochastic/draw-held and draw-sums")?;
         }
-        self.told.record(&mut recorder, self.spread.get());
-        target.record_read_back(&mut recorder, job.pixels())?;
-        work.timeline.submit(recorder, "stochastic/resolve")?;
-        Ok(())
+        self.end(work, job)
     }
 
     fn reserve_drawing(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
         self.keys.release();
         self.indices.release();
-        self.reserve_sums(device, job)?;
+        self.reserve_sums(device, job.pixels(), job.kind(), most_strata(job.batches()))?;
         self.attachments.reserve(device, size(job.bin.raster.window))
     }
 
@@ -272,13 +261,14 @@ impl Sampler {
             held_depths: depths,
             drawn,
             // Without correction total opacity was never drawn; something must be bound in its place.
-            drawn_alpha: if job.kind().exact { alphas.get() } else { drawn },
+            drawn_alpha: if job.finds_exact() { alphas.get() } else { drawn },
             sums: self.sums.get().all(),
             exact: self.exact.get().all(),
             depths: target.depths(),
         };
         let push = stratum.fold_push(job);
-        let run = Run::new(Dispatch::Invocations(job.pixels())).variant(fold_variant(job.kind()));
+        let kind = Kind { exact: job.finds_exact(), ..job.kind() };
+        let run = Run::new(Dispatch::Invocations(job.pixels())).variant(fold_variant(kind));
         recorder.run(&fold, push, &run)?;
         Ok(())
     }

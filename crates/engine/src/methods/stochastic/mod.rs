@@ -16,8 +16,9 @@ pub use tiles::{Accumulate, StochasticPush, Visibility};
 
 use super::abuffer::record_nothing;
 use super::engine::Work;
+use super::parts::Plane;
 use super::told::Told;
-use super::{Error, Facts, Outcome, Target};
+use super::{Error, Facts, Outcome, SamplePart, Target};
 use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Variant};
 use crate::image;
@@ -120,6 +121,11 @@ pub fn batches(samples: u32) -> impl Iterator<Item = Batch> {
     })
 }
 
+/// Most strata of a batch.
+fn most_strata(batches: impl Iterator<Item = Batch>) -> u32 {
+    batches.map(|batch| batch.strata).max().unwrap_or(0)
+}
+
 /// Bytes that a pass must at least read and write for so many pixels of `samples` each; `splat` bytes of a splat, its color
 /// and record aside.
 pub fn least_bytes(name: &str, samples: u32, kind: Kind, facts: &Facts, pixels: u64, splat: u64) -> Option<u64> {
@@ -174,8 +180,10 @@ pub fn more_samples(samples: u32, limit: u32, errors: &[[f32; 3]], most: f32) ->
 pub struct WindowJob<'a> {
     /// The splats to bin.
     pub bin: bin::Job<'a>,
-    /// Discs, samples, correction.
+    /// Discs, correction, and where samples end.
     pub settings: Stochastic,
+    /// The first sample: with it a batch begins.
+    pub first: u32,
     /// Seed of the masks.
     pub seed: u64,
     /// True if the standard error is asked for.
@@ -189,6 +197,17 @@ impl WindowJob<'_> {
 
     fn pixels(&self) -> u64 {
         bands::pixels(self.bin.raster.window)
+    }
+
+    /// The batches that make up its samples.
+    fn batches(&self) -> impl Iterator<Item = Batch> + use<> {
+        let first = self.first;
+        batches(self.settings.samples).filter(move |batch| batch.before >= first)
+    }
+
+    /// True if it finds the exact A: all samples have the same, so that the first ones are enough.
+    fn finds_exact(&self) -> bool {
+        self.settings.alpha_correction && self.first == 0
     }
 }
 
@@ -217,7 +236,7 @@ impl Sampler {
         }
     }
 
-    /// Renders a window into the target.
+    /// Renders a window into the target, or keeps its sums.
     pub(crate) fn render(
         &mut self,
         bins: &mut Bins,
@@ -225,39 +244,120 @@ impl Sampler {
         job: &WindowJob<'_>,
     ) -> Result<Outcome, Error> {
         let (device, target) = (work.device, work.target);
-        let mut recorder;
         match bins.bin(device, &job.bin, work.timeline)? {
             Bin::TooLarge => return Ok(Outcome::Overflow),
             Bin::Nothing => {
                 self.spread.reserve(device, if job.spread { job.pixels() } else { 1 })?;
                 self.told.reserve(device, if job.spread { job.pixels() } else { 0 })?;
-                recorder = work.timeline.recorder(device)?;
-                record_nothing(&mut recorder, target, job.bin.raster.window)?;
-                recorder.fill("image/clear", self.spread.get().all(), 0)?;
+                self.end_empty(work, job)?;
             }
             Bin::Done(binned) => {
                 work.note_binned(binned);
                 work.facts.bands += 1;
                 self.reserve(device, job)?;
-                for batch in batches(job.settings.samples) {
-                    recorder = work.timeline.recorder(device)?;
-                    let tiles = match batch.before {
-                        0 => bins.record_tiles(&mut recorder, job.bin.raster.cloud, binned)?,
-                        _ => bins.tiles(job.bin.raster.cloud, binned),
+                for batch in job.batches() {
+                    let mut recorder = self.begin_batch(work, job, batch)?;
+                    let tiles = if batch.before == job.first {
+                        bins.record_tiles(&mut recorder, job.bin.raster.cloud, binned)?
+                    } else {
+                        bins.tiles(job.bin.raster.cloud, binned)
                     };
                     self.record_tiles(&mut recorder, job, tiles, batch, target)?;
-                    self.record_gather(&mut recorder, job, batch, target)?;
-                    work.timeline.go_on(recorder, "stochastic/visibility and accumulate")?;
-                    work.progress.set_message(format!("rendering, {} samples", batch.before + batch.left));
+                    self.end_batch(recorder, work, (job, batch), "stochastic/visibility and accumulate")?;
                 }
-                recorder = work.timeline.recorder(device)?;
-                self.record_resolve(&mut recorder, job, target)?;
+                self.end(work, job)?;
             }
         }
-        self.told.record(&mut recorder, self.spread.get());
-        target.record_read_back(&mut recorder, job.pixels())?;
-        work.timeline.submit(recorder, "stochastic/resolve")?;
         Ok(Outcome::Done)
+    }
+
+    /// Resolves sums that were put together into the target.
+    pub(crate) fn resolve(&mut self, work: &mut Work<'_>, kind: Kind, sums: &SamplePart) -> Result<(), Error> {
+        let (device, target, window, samples) = (work.device, work.target, work.window, work.samples.end);
+        self.reserve_sums(device, work.pixels(), kind, most_strata(batches(samples)))?;
+        for batch in batches(samples) {
+            let planes = 0..kind.sums(batch.left.div_ceil(STRATUM)) as u32;
+            let words = planes.flat_map(|number| sums.window(Plane::Batch { before: batch.before, number }, window));
+            self.sums.get().upload(bytemuck::cast_slice(&words.collect::<Vec<u32>>()))?;
+            let mut recorder = work.timeline.recorder(device)?;
+            self.record_gather(&mut recorder, (work.pixels(), kind), batch, target)?;
+            work.timeline.submit(recorder, "stochastic/gather")?;
+        }
+        if kind.exact {
+            self.exact.get().upload(bytemuck::cast_slice(&sums.window(Plane::Exact, window)))?;
+        }
+        target.set_depths(bytemuck::cast_slice(&sums.window(Plane::Depth, window)))?;
+        let mut recorder = work.timeline.recorder(device)?;
+        self.record_resolve(&mut recorder, (work.pixels(), kind), samples, target)?;
+        self.deliver(recorder, work)
+    }
+
+    /// Begins a batch: the first one of a later part has no depths before it.
+    fn begin_batch<'w>(&self, work: &mut Work<'w>, job: &WindowJob<'_>, batch: Batch) -> Result<Recorder<'w>, Error> {
+        let mut recorder = work.timeline.recorder(work.device)?;
+        if batch.before == job.first && job.first > 0 {
+            let depths = work.target.depths().first(job.pixels());
+            recorder.fill("image/clear", depths, f32::INFINITY.to_bits())?;
+        }
+        Ok(recorder)
+    }
+
+    /// Adds a batch to those before, or keeps it.
+    fn end_batch<'a, 'w: 'a>(
+        &'a self,
+        mut recorder: Recorder<'a>,
+        work: &mut Work<'w>,
+        (job, batch): (&WindowJob<'_>, Batch),
+        name: &str,
+    ) -> Result<(), Error> {
+        if work.sums.is_none() {
+            self.record_gather(&mut recorder, (job.pixels(), job.kind()), batch, work.target)?;
+            work.timeline.go_on(recorder, name)?;
+        } else {
+            work.timeline.submit(recorder, name)?;
+            for number in 0..job.kind().sums(batch.left.div_ceil(STRATUM)) {
+                let sums = self.sums.get().read(number * job.pixels(), job.pixels())?;
+                let plane = Plane::Batch { before: batch.before, number: number as u32 };
+                work.keep(plane, bytemuck::cast_slice(&sums));
+            }
+        }
+        work.progress.set_message(format!("rendering, {} samples", batch.before + batch.left));
+        Ok(())
+    }
+
+    /// Resolves a window whose batches are through, or keeps what they have in common.
+    fn end(&self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<(), Error> {
+        let (target, pixels) = (work.target, job.pixels());
+        if work.sums.is_none() {
+            let mut recorder = work.timeline.recorder(work.device)?;
+            self.record_resolve(&mut recorder, (pixels, job.kind()), job.settings.samples, target)?;
+            return self.deliver(recorder, work);
+        }
+        work.keep(Plane::Depth, bytemuck::cast_slice(&target.read_depths(pixels)?));
+        if job.finds_exact() {
+            work.keep(Plane::Exact, bytemuck::cast_slice(&self.exact.get().read(0, pixels)?));
+        }
+        Ok(())
+    }
+
+    /// Ends a window that shows nothing. Sums that are kept begin as those of nothing.
+    fn end_empty(&self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<(), Error> {
+        if work.sums.is_some() {
+            return Ok(());
+        }
+        let mut recorder = work.timeline.recorder(work.device)?;
+        record_nothing(&mut recorder, work.target, job.bin.raster.window)?;
+        // As where something else shows in the window: one stratum tells no spread.
+        let spread = if job.settings.samples <= STRATUM { f32::INFINITY } else { 0.0 };
+        recorder.fill("image/clear", self.spread.get().all(), spread.to_bits())?;
+        self.deliver(recorder, work)
+    }
+
+    /// Submits the end of a window that is in the target, and copies it to the host.
+    fn deliver<'a, 'w: 'a>(&'a self, mut recorder: Recorder<'a>, work: &mut Work<'w>) -> Result<(), Error> {
+        self.told.record(&mut recorder, self.spread.get());
+        work.target.record_read_back(&mut recorder, work.pixels())?;
+        Ok(work.timeline.submit(recorder, "stochastic/resolve")?)
     }
 
     /// The standard error of every pixel of the window, in its order, from the last window rendered with it.
@@ -269,17 +369,16 @@ impl Sampler {
     fn reserve(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
         self.attachments.release();
         let pixels = job.pixels();
-        let strata = batches(job.settings.samples).map(|b| b.strata).max().unwrap_or(0);
+        let strata = most_strata(job.batches());
         self.keys.reserve(device, pixels * u64::from(strata))?;
         self.indices.reserve(device, pixels * u64::from(strata))?;
-        self.reserve_sums(device, job)
+        self.reserve_sums(device, pixels, job.kind(), strata)
     }
 
     /// Reserves the sums that both ways of going through the splats fill.
-    fn reserve_sums(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
-        let (pixels, Kind { exact, spread }) = (job.pixels(), job.kind());
-        let strata = batches(job.settings.samples).map(|b| b.strata).max().unwrap_or(0);
-        self.sums.reserve(device, pixels * job.kind().sums(strata))?;
+    fn reserve_sums(&mut self, device: &Device, pixels: u64, kind: Kind, strata: u32) -> Result<(), Error> {
+        let Kind { exact, spread } = kind;
+        self.sums.reserve(device, pixels * kind.sums(strata))?;
         self.exact.reserve(device, if exact { pixels } else { 1 })?;
         self.spread.reserve(device, if spread { 2 * pixels } else { 1 })?;
         self.told.reserve(device, if spread { pixels } else { 0 })
@@ -288,27 +387,28 @@ impl Sampler {
     fn record_gather<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        (pixels, kind): (u64, Kind),
         batch: Batch,
         target: &'a Target,
     ) -> Result<(), Error> {
         let pass = Gather { sums: self.sums.get().all(), image: target.image(), spread: self.spread.get().all() };
-        let push = GatherPush { pixels: job.pixels() as u32, before: batch.before, left: batch.left };
-        let variant = gather_variant(job.kind(), batch.strata);
-        recorder.run(&pass, push, &Run::new(Dispatch::Invocations(job.pixels())).variant(variant))?;
+        let push = GatherPush { pixels: pixels as u32, before: batch.before, left: batch.left };
+        let variant = gather_variant(kind, batch.strata);
+        recorder.run(&pass, push, &Run::new(Dispatch::Invocations(pixels)).variant(variant))?;
         Ok(())
     }
 
     fn record_resolve<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        (pixels, kind): (u64, Kind),
+        samples: u32,
         target: &'a Target,
     ) -> Result<(), Error> {
         let pass = Resolve { exact: self.exact.get().all(), image: target.image(), spread: self.spread.get().all() };
-        let push = ResolvePush { pixels: job.pixels() as u32, samples: job.settings.samples };
-        let variant = resolve_variant(job.kind());
-        recorder.run(&pass, push, &Run::new(Dispatch::Invocations(job.pixels())).variant(variant))?;
+        let push = ResolvePush { pixels: pixels as u32, samples };
+        let variant = resolve_variant(kind);
+        recorder.run(&pass, push, &Run::new(Dispatch::Invocations(pixels)).variant(variant))?;
         Ok(())
     }
 }

@@ -87,7 +87,7 @@ impl Sampler {
             recorder.run(&visibility, push, &dispatch().variant(variant))?;
         }
         // All strata have the same exact A: the first ones find it.
-        let kind = Kind { exact: job.kind().exact && batch.before == 0, ..job.kind() };
+        let kind = Kind { exact: job.finds_exact() && batch.before == 0, ..job.kind() };
         for segment in 0..binned.region_segments() {
             let (push, variant) = runs(segment);
             recorder.run(&accumulate, push, &dispatch().variant(kind.apply_to(variant)))?;

@@ -1,0 +1,534 @@
+//! Random samples of a frame that are drawn in parts, perhaps by different processes: what each part hands over, put together
+//! to the sums of all samples, from which the image follows with the bytes of a frame drawn at once.
+//!
+//! A part holds planes of 32-bit words for the whole image, row by row, whatever windows it was drawn in. Ensembles
+//! (`spbr`) have whole numbers, which parts add; float32 sums (`stochastic`) depend on the order of additions, so that
+//! each batch of samples stays by itself until all are there.
+
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::ops::Range;
+
+use super::engine::Sums;
+use super::{Facts, Frame, FrameProfile, engine_of};
+use crate::image::MAX_SIDE;
+use crate::passes::bands::Window;
+use crate::random::STRATUM;
+
+/// First word of a part as bytes: "PLPT".
+const MAGIC: u32 = u32::from_le_bytes(*b"PLPT");
+/// The layout of its bytes, counted up with each change.
+const VERSION: u32 = 1;
+/// Words before the ranges of samples: magic, version, columns, rows, samples, step, flags, ranges.
+const HEADER: usize = 8;
+
+/// Where the random samples of a frame may be cut.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SampleSteps {
+    /// All samples of a pixel, or ensembles; at least 1.
+    pub total: u32,
+    /// Parts begin at multiples of it, and end there or at [`Self::total`].
+    pub step: u32,
+}
+
+impl SampleSteps {
+    /// True if a part may have these samples; none of them is allowed, too.
+    pub fn allows(&self, samples: &Range<u32>) -> bool {
+        let is_cut = |at: u32| at == self.total || at.is_multiple_of(self.step);
+        samples.start <= samples.end && samples.end <= self.total && is_cut(samples.start) && is_cut(samples.end)
+    }
+}
+
+impl Frame {
+    /// Where the samples of the frame may be cut into parts; `None` where they can't be: of methods that draw no random ones, and of
+    /// frames with [`Frame::max_error`], whose number of samples follows from the image.
+    pub fn sample_steps(&self) -> Option<SampleSteps> {
+        Layout::of(self).map(|layout| layout.steps)
+    }
+}
+
+/// The part of a frame that was drawn, with what it took.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrawnPart {
+    /// The sums of its samples.
+    pub part: SamplePart,
+    /// Its times.
+    pub profile: FrameProfile,
+    /// Its counts: samples, ensembles and points drawn are those of the part.
+    pub facts: Facts,
+}
+
+/// Why parts of a frame's samples can't be put together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PartError {
+    /// Not the bytes of a part, or not all of them, or more.
+    #[error("these are not the bytes of a part of a frame's samples: {0}")]
+    Bytes(&'static str),
+    /// Parts of frames with another method, size, number of samples, or other channels.
+    #[error("parts of a frame's samples that belong to different frames")]
+    Different,
+    /// The same samples in two parts.
+    #[error("samples {start} to {end} of a frame are in two of its parts")]
+    Twice {
+        /// The first of them.
+        start: u32,
+        /// One past the last.
+        end: u32,
+    },
+    /// Samples that are in no part.
+    #[error("of {total} samples of a frame, those from {first} on are in none of its parts")]
+    Missing {
+        /// The first of them.
+        first: u32,
+        /// All samples of the frame.
+        total: u32,
+    },
+}
+
+/// Words for each pixel that a part may hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Plane {
+    /// Of ensembles: sums of green, red, number and blue, and the complement of the nearest depth's key. Five words.
+    Colors,
+    /// Of ensembles: sums of squares of red, green and blue, low and high word of each. Six words.
+    Squares,
+    /// Nearest depth of the samples, float32. One word.
+    Depth,
+    /// The exact A, float32; with the first sample. One word.
+    Exact,
+    /// Lengths of lists; with the first sample. One word.
+    Lengths,
+    /// Four float32 sums of the batch from sample `before` on: of all of it, or of its stratum `number` − 1. Four words.
+    Batch {
+        /// Samples before those of the batch.
+        before: u32,
+        /// Which of its sums.
+        number: u32,
+    },
+}
+
+impl Plane {
+    /// Words of a pixel.
+    pub fn words(self) -> usize {
+        match self {
+            Self::Colors => 5,
+            Self::Squares => 6,
+            Self::Depth | Self::Exact | Self::Lengths => 1,
+            Self::Batch { .. } => 4,
+        }
+    }
+
+    /// The word of pixels where nothing is.
+    fn nothing(self) -> u32 {
+        if self == Self::Depth { f32::INFINITY.to_bits() } else { 0 }
+    }
+
+    /// Adds the words of other samples. Of the last planes only one part has any: the one with the samples that they are of.
+    fn add(self, to: &mut [u32], from: &[u32]) {
+        let pairs = to.iter_mut().zip(from);
+        match self {
+            Self::Colors => {
+                for (to, from) in to.chunks_exact_mut(5).zip(from.chunks_exact(5)) {
+                    to[..4].iter_mut().zip(from).for_each(|(a, b)| *a = a.wrapping_add(*b));
+                    to[4] = to[4].max(from[4]);
+                }
+            }
+            Self::Squares => {
+                for (to, from) in to.chunks_exact_mut(2).zip(from.chunks_exact(2)) {
+                    let [a, b] = [&*to, from].map(|w| u64::from(w[1]) << 32 | u64::from(w[0]));
+                    let sum = a.wrapping_add(b);
+                    (to[0], to[1]) = (sum as u32, (sum >> 32) as u32);
+                }
+            }
+            Self::Depth => pairs.for_each(|(a, b)| *a = f32::from_bits(*a).min(f32::from_bits(*b)).to_bits()),
+            Self::Exact | Self::Lengths | Self::Batch { .. } => {}
+        }
+    }
+}
+
+/// What the parts of a frame hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Layout {
+    size: [u32; 2],
+    steps: SampleSteps,
+    sums: Sums,
+    /// True if the standard error is asked for.
+    spread: bool,
+    /// True if lengths of lists are asked for, and the method has some.
+    lengths: bool,
+}
+
+impl Layout {
+    /// Of the parts of a frame, if its samples can be drawn in parts.
+    pub fn of(frame: &Frame) -> Option<Self> {
+        let engine = engine_of(&frame.method);
+        let (total, sums) = engine.samples(frame).zip(engine.sums())?;
+        let lengths = frame.fragments && sums != Sums::Ensembles;
+        let (spread, step) = (frame.wants_spread(), sums.step());
+        let steps = SampleSteps { total, step };
+        frame.max_error.is_none().then_some(Self { size: frame.size, steps, sums, spread, lengths })
+    }
+
+    pub fn steps(&self) -> SampleSteps {
+        self.steps
+    }
+
+    fn pixels(&self) -> usize {
+        self.size[0] as usize * self.size[1] as usize
+    }
+
+    /// The planes of parts with these samples.
+    fn planes(self, samples: Range<u32>) -> impl Iterator<Item = Plane> {
+        let (some, first) = (!samples.is_empty(), !samples.is_empty() && samples.start == 0);
+        let sampled = self.sums != Sums::Ensembles;
+        let beside = [
+            (Plane::Colors, some && !sampled),
+            (Plane::Squares, some && !sampled && self.spread),
+            (Plane::Depth, some && sampled),
+            (Plane::Exact, first && self.sums == Sums::Corrected),
+            (Plane::Lengths, first && self.lengths),
+        ];
+        let batches = if sampled { samples } else { 0..0 };
+        let end = batches.end;
+        let sums = move |before: u32| {
+            let strata = if self.spread { (end - before).min(self.steps.step).div_ceil(STRATUM) } else { 0 };
+            (0..=strata).map(move |number| Plane::Batch { before, number })
+        };
+        let batches = batches.step_by(self.steps.step as usize).flat_map(sums);
+        beside.into_iter().filter(|(_, is_there)| *is_there).map(|(plane, _)| plane).chain(batches)
+    }
+
+    fn flags(&self) -> u32 {
+        let sums = match self.sums {
+            Sums::Ensembles => 0,
+            Sums::Samples => 1,
+            Sums::Corrected => 2,
+        };
+        sums | u32::from(self.spread) << 2 | u32::from(self.lengths) << 3
+    }
+
+    fn from_header(header: &[u32]) -> Option<Self> {
+        let [width, height, total, step, flags] = *header else { return None };
+        let sums = [Sums::Ensembles, Sums::Samples, Sums::Corrected].get(flags as usize & 3).copied()?;
+        let (spread, lengths) = (flags & 4 != 0, flags & 8 != 0);
+        let layout = Self { size: [width, height], steps: SampleSteps { total, step }, sums, spread, lengths };
+        let side = 1..=MAX_SIDE;
+        let is_whole = side.contains(&width) && side.contains(&height) && total > 0 && step == sums.step();
+        (is_whole && layout.flags() == flags && !(lengths && sums == Sums::Ensembles)).then_some(layout)
+    }
+}
+
+/// Sums of some random samples of each pixel of a frame, on the host: those of [`Renderer::draw_part`], to be put together by
+/// [`Self::add`] in any order, and resolved by [`Renderer::resolve_parts`].
+///
+/// Bytes per pixel: of ensembles 20, with standard errors 44, however many of them; of samples 16 for each 16 of them and 4, with
+/// standard errors 80 for each 16, and with the first sample 4 for alpha correction and 4 for lengths of lists.
+///
+/// [`Renderer::draw_part`]: super::Renderer::draw_part
+/// [`Renderer::resolve_parts`]: super::Renderer::resolve_parts
+#[derive(Debug, Clone, PartialEq)]
+pub struct SamplePart {
+    layout: Layout,
+    /// Its samples, in ascending order; ranges neither touch nor are empty.
+    samples: Vec<Range<u32>>,
+    planes: BTreeMap<Plane, Vec<u32>>,
+}
+
+impl SamplePart {
+    /// A part in which each pixel has samples that show nothing.
+    pub(crate) fn new(layout: Layout, samples: Range<u32>) -> Self {
+        let filled = |plane: Plane| (plane, vec![plane.nothing(); layout.pixels() * plane.words()]);
+        let planes = layout.planes(samples.clone()).map(filled).collect();
+        let samples = if samples.is_empty() { Vec::new() } else { vec![samples] };
+        Self { layout, samples, planes }
+    }
+
+    /// Columns and rows of the image.
+    pub fn size(&self) -> [u32; 2] {
+        self.layout.size
+    }
+
+    /// The samples of a pixel, or the ensembles, that it has: ranges in ascending order that neither touch nor are empty.
+    pub fn samples(&self) -> &[Range<u32>] {
+        &self.samples
+    }
+
+    /// Adds other samples of the same frame. In whatever order parts are added, the sum is the same. That camera, seed and points
+    /// are the same is up to the caller.
+    ///
+    /// # Errors
+    /// Those are of a frame with another method, size, number of samples or other channels, or some of the samples are there
+    /// already; then nothing was added.
+    pub fn add(&mut self, other: Self) -> Result<(), PartError> {
+        if self.layout != other.layout {
+            return Err(PartError::Different);
+        }
+        let all = united(&self.samples, &other.samples)?;
+        for (plane, words) in other.planes {
+            match self.planes.entry(plane) {
+                Entry::Vacant(place) => {
+                    place.insert(words);
+                }
+                Entry::Occupied(mut place) => plane.add(place.get_mut(), &words),
+            }
+        }
+        self.samples = all;
+        Ok(())
+    }
+
+    /// Everything as bytes, little endian, for [`Self::from_bytes`] of the same version of pellucid.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let Layout { size: [width, height], steps, .. } = self.layout;
+        let mut header = vec![MAGIC, VERSION, width, height, steps.total, steps.step, self.layout.flags()];
+        header.push(self.samples.len() as u32);
+        header.extend(self.samples.iter().flat_map(|range| [range.start, range.end]));
+        let words: usize = header.len() + self.planes.values().map(Vec::len).sum::<usize>();
+        let mut bytes = vec![0; 4 * words];
+        let mut to = bytes.chunks_exact_mut(4);
+        for words in std::iter::once(&header).chain(self.planes.values()) {
+            to.by_ref().zip(words).for_each(|(to, word)| to.copy_from_slice(&word.to_le_bytes()));
+        }
+        bytes
+    }
+
+    /// The part that [`Self::to_bytes`] wrote. Takes no memory before the size of the bytes is known to be right.
+    ///
+    /// # Errors
+    /// Bytes that are no part, too few or too many.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, PartError> {
+        let word_at = |at: usize| {
+            let word = bytes.get(4 * at..4 * at + 4).ok_or(PartError::Bytes("too few"))?;
+            Ok(u32::from_le_bytes([word[0], word[1], word[2], word[3]]))
+        };
+        let header: Vec<u32> = (0..HEADER).map(word_at).collect::<Result<_, _>>()?;
+        if header[..2] != [MAGIC, VERSION] {
+            return Err(PartError::Bytes("another file, or of another version of pellucid"));
+        }
+        let layout = Layout::from_header(&header[2..7]).ok_or(PartError::Bytes("a header without sense"))?;
+        let count = header[7] as usize;
+        let first = HEADER.checked_add(2 * count).filter(|first| 4 * first <= bytes.len());
+        let first = first.ok_or(PartError::Bytes("too few"))?;
+        let mut samples: Vec<Range<u32>> = Vec::with_capacity(count);
+        for at in (HEADER..first).step_by(2) {
+            let range = word_at(at)?..word_at(at + 1)?;
+            let is_behind = samples.last().is_none_or(|last| last.end < range.start);
+            if range.is_empty() || !is_behind || !layout.steps.allows(&range) {
+                return Err(PartError::Bytes("ranges of samples without sense"));
+            }
+            samples.push(range);
+        }
+        Ok(Self { layout, planes: planes(layout, &samples, &bytes[4 * first..])?, samples })
+    }
+
+    /// The samples are those of a whole frame.
+    pub(crate) fn check(&self, frame: &Frame) -> Result<(), PartError> {
+        if Layout::of(frame) != Some(self.layout) {
+            return Err(PartError::Different);
+        }
+        let total = self.layout.steps.total;
+        let first = self.samples.first().map_or(0, |range| if range.start == 0 { range.end } else { 0 });
+        if first < total { Err(PartError::Missing { first, total }) } else { Ok(()) }
+    }
+
+    /// Puts the words of a window's pixels, in its order, in their place.
+    pub(crate) fn place(&mut self, plane: Plane, window: Window, words: &[u32]) {
+        let Some(all) = self.planes.get_mut(&plane) else { return };
+        for (row, words) in rows(self.layout.size, plane, window).zip(words.chunks(row_words(plane, window))) {
+            all[row].copy_from_slice(words);
+        }
+    }
+
+    /// The words of a window's pixels, in its order.
+    pub(crate) fn window(&self, plane: Plane, window: Window) -> Vec<u32> {
+        let all = self.planes.get(&plane).map_or(&[][..], Vec::as_slice);
+        rows(self.layout.size, plane, window).flat_map(|row| all.get(row).unwrap_or_default()).copied().collect()
+    }
+
+    /// The words of all pixels, if it has some of this plane.
+    pub(crate) fn all(&self, plane: Plane) -> Option<&[u32]> {
+        self.planes.get(&plane).map(Vec::as_slice)
+    }
+}
+
+/// Where the rows of a window stand in a plane.
+fn rows(size: [u32; 2], plane: Plane, [x0, y0, x1, y1]: Window) -> impl Iterator<Item = Range<usize>> {
+    let at = move |x: u32, y: u32| (y as usize * size[0] as usize + x as usize) * plane.words();
+    (y0..y1).map(move |y| at(x0, y)..at(x1, y))
+}
+
+fn row_words(plane: Plane, [x0, _, x1, _]: Window) -> usize {
+    (x1 - x0) as usize * plane.words()
+}
+
+/// The planes of a part with these samples, from their bytes.
+fn planes(layout: Layout, samples: &[Range<u32>], bytes: &[u8]) -> Result<BTreeMap<Plane, Vec<u32>>, PartError> {
+    let wanted = || samples.iter().flat_map(|range| layout.planes(range.clone()));
+    // A plane of several ranges is there once. Planes are counted no further than the bytes reach.
+    let mut room = bytes.len();
+    let mut found = BTreeMap::new();
+    for plane in wanted() {
+        if let Entry::Vacant(place) = found.entry(plane) {
+            let needed = 4 * layout.pixels() * plane.words();
+            room = room.checked_sub(needed).ok_or(PartError::Bytes("too few"))?;
+            place.insert(Vec::new());
+        }
+    }
+    if room > 0 {
+        return Err(PartError::Bytes("too many"));
+    }
+    let mut rest = bytes;
+    for (plane, words) in &mut found {
+        let (own, behind) = rest.split_at(4 * layout.pixels() * plane.words());
+        *words = own.chunks_exact(4).map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]])).collect();
+        rest = behind;
+    }
+    Ok(found)
+}
+
+/// The samples of both, unless some are in both.
+fn united(a: &[Range<u32>], b: &[Range<u32>]) -> Result<Vec<Range<u32>>, PartError> {
+    let mut all = [a, b].concat();
+    all.sort_unstable_by_key(|range| range.start);
+    let mut found: Vec<Range<u32>> = Vec::with_capacity(all.len());
+    for range in all {
+        match found.last_mut() {
+            Some(last) if range.start < last.end => {
+                return Err(PartError::Twice { start: range.start, end: last.end.min(range.end) });
+            }
+            Some(last) if range.start == last.end => last.end = range.end,
+            _ => found.push(range),
+        }
+    }
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: [u32; 2] = [3, 2];
+
+    fn layout(sums: Sums, total: u32) -> Layout {
+        let steps = SampleSteps { total, step: sums.step() };
+        Layout { size: SIZE, steps, sums, spread: true, lengths: sums != Sums::Ensembles }
+    }
+
+    /// A part whose words follow from where they are.
+    fn part(sums: Sums, total: u32, samples: Range<u32>) -> SamplePart {
+        let mut part = SamplePart::new(layout(sums, total), samples.clone());
+        for (place, (plane, words)) in part.planes.iter_mut().enumerate() {
+            for (at, word) in words.iter_mut().enumerate() {
+                let value = samples.start.wrapping_mul(0x9e37_79b9).wrapping_add((at * 977 + place * 131) as u32);
+                *word = if *plane == Plane::Depth { (value as f32).to_bits() } else { value };
+            }
+        }
+        part
+    }
+
+    fn sum(parts: &[SamplePart]) -> SamplePart {
+        let mut all = parts[0].clone();
+        parts[1..].iter().for_each(|part| all.add(part.clone()).expect("disjoint"));
+        all
+    }
+
+    #[test]
+    fn the_order_of_parts_does_not_matter() {
+        for sums in [Sums::Ensembles, Sums::Samples, Sums::Corrected] {
+            let parts = [0..32, 32..32, 64..70, 32..64].map(|samples| part(sums, 70, samples));
+            let first = sum(&parts);
+            for order in [[1, 0, 2, 3], [3, 2, 1, 0], [2, 3, 0, 1], [0, 3, 1, 2]] {
+                assert_eq!(sum(&order.map(|i| parts[i].clone())), first);
+            }
+            let [a, b] = [&parts[..2], &parts[2..]].map(sum);
+            assert_eq!(sum(&[b, a]), first);
+            assert_eq!(first.samples(), std::slice::from_ref(&(0..70)));
+        }
+    }
+
+    #[test]
+    fn whole_numbers_are_added_with_their_carry_and_the_nearest_depth_stays() {
+        let mut squares = [u32::MAX, 1, 5, 0, 0, 9];
+        Plane::Squares.add(&mut squares, &[1, 2, 3, 4, 7, 0]);
+        assert_eq!(squares, [0, 4, 8, 4, 7, 9]);
+        let mut colors = [1, 2, 3, 4, 50, 1, 1, 1, 1, 1];
+        Plane::Colors.add(&mut colors, &[10, 20, 30, 40, 5, 0, 0, 0, 0, 2]);
+        assert_eq!(colors, [11, 22, 33, 44, 50, 1, 1, 1, 1, 2]);
+        let mut depths = [2.0, f32::INFINITY, -1.0].map(f32::to_bits);
+        Plane::Depth.add(&mut depths, &[3.0, 1.0, -2.0].map(f32::to_bits));
+        assert_eq!(depths.map(f32::from_bits), [2.0, 1.0, -2.0]);
+    }
+
+    #[test]
+    fn bytes_come_back_and_damaged_ones_are_refused() {
+        for sums in [Sums::Ensembles, Sums::Samples, Sums::Corrected] {
+            for samples in [0..0, 0..16, 16..48, 48..70, 0..70] {
+                let part = part(sums, 70, samples);
+                let bytes = part.to_bytes();
+                assert_eq!(SamplePart::from_bytes(&bytes).as_ref(), Ok(&part));
+                for length in (0..bytes.len()).step_by(5) {
+                    assert!(SamplePart::from_bytes(&bytes[..length]).is_err(), "{length} of {}", bytes.len());
+                }
+                assert_eq!(SamplePart::from_bytes(&[&bytes[..], &[0; 4]].concat()), Err(PartError::Bytes("too many")));
+                // Whatever a word of the header says, it is no panic and takes no memory.
+                for at in 0..HEADER + 2 * part.samples.len() {
+                    for word in [0, 1, 3, 17, 0x7fff_ffff, u32::MAX] {
+                        let mut damaged = bytes.clone();
+                        damaged[4 * at..4 * at + 4].copy_from_slice(&u32::to_le_bytes(word));
+                        if let Ok(other) = SamplePart::from_bytes(&damaged) {
+                            assert_eq!(other.to_bytes(), damaged, "word {at}: {word}");
+                        }
+                    }
+                }
+            }
+        }
+        // Two ranges that leave a gap.
+        let apart = sum(&[part(Sums::Samples, 70, 48..70), part(Sums::Samples, 70, 0..16)]);
+        assert_eq!(SamplePart::from_bytes(&apart.to_bytes()), Ok(apart));
+        assert!(matches!(SamplePart::from_bytes(&[1; 80]), Err(PartError::Bytes(why)) if why.contains("another file")));
+    }
+
+    #[test]
+    fn parts_of_other_frames_and_samples_that_are_there_already_are_refused() {
+        let mut some = part(Sums::Ensembles, 9, 2..5);
+        for (samples, start, end) in [(4..6, 4, 5), (0..3, 2, 3), (0..9, 2, 5), (3..4, 3, 4), (2..5, 2, 5)] {
+            let before = some.clone();
+            let refused = some.add(part(Sums::Ensembles, 9, samples));
+            assert_eq!(refused, Err(PartError::Twice { start, end }));
+            assert_eq!(some, before);
+        }
+        for other in [part(Sums::Ensembles, 10, 5..6), part(Sums::Samples, 9, 0..9), part(Sums::Samples, 9, 0..0)] {
+            assert_eq!(some.add(other), Err(PartError::Different));
+        }
+        some.add(part(Sums::Ensembles, 9, 9..9)).expect("none");
+        some.add(part(Sums::Ensembles, 9, 7..9)).expect("others");
+        some.add(part(Sums::Ensembles, 9, 5..7)).expect("those between");
+        assert_eq!(some.samples(), std::slice::from_ref(&(2..9)));
+    }
+
+    #[test]
+    fn windows_have_their_words_in_place() {
+        let mut part = SamplePart::new(layout(Sums::Samples, 16), 0..16);
+        let plane = Plane::Batch { before: 0, number: 2 };
+        let words: Vec<u32> = (0..16).collect();
+        part.place(plane, [1, 0, 3, 2], &words);
+        assert_eq!(part.window(plane, [1, 0, 3, 2]), words);
+        assert_eq!(part.window(plane, [0, 1, 2, 2]), [0, 0, 0, 0, 8, 9, 10, 11]);
+        // What a part has not is not kept.
+        part.place(Plane::Exact, [0, 0, 3, 2], &[1; 6]);
+        assert_eq!((part.all(Plane::Exact), part.all(Plane::Lengths)), (None, Some(&[0; 6][..])));
+        assert_eq!(part.window(Plane::Depth, [0, 0, 1, 1]), [f32::INFINITY.to_bits()]);
+    }
+
+    #[test]
+    fn cuts_lie_at_steps_and_at_the_end() {
+        let steps = SampleSteps { total: 70, step: 16 };
+        for samples in [0..0, 0..16, 16..70, 64..70, 70..70, 0..70, 32..32] {
+            assert!(steps.allows(&samples), "{samples:?}");
+        }
+        for samples in [0..8, 8..16, 64..80, 71..71, 8..8] {
+            assert!(!steps.allows(&samples), "{samples:?}");
+        }
+        assert!(!steps.allows(&Range { start: 32, end: 16 }));
+    }
+}

@@ -1,0 +1,135 @@
+//! Frames whose random samples are drawn in parts.
+
+use std::cell::RefCell;
+use std::ops::Range;
+
+use super::{Begun, Part, Rendered, Renderer, edl, is_whole, largest};
+use crate::image::Image;
+use crate::methods::parts::{Layout, Plane};
+use crate::methods::{DrawnPart, Error, Frame, SamplePart, Timeline, engine_of};
+use crate::passes::project::DeviceCloud;
+
+impl Renderer {
+    /// Draws some random samples of each pixel of a frame, or ensembles, and hands their sums to the host: all parts of a frame, drawn by
+    /// whatever renderers of equal devices with whatever memory budgets, give the image of [`Self::render`] to the byte
+    /// ([`Self::resolve_parts`]). [`Frame::sample_steps`] tells where samples may be cut; a part may be empty.
+    ///
+    /// # Errors
+    /// A frame whose samples can't be drawn in parts, samples that are no part of it, and those of [`Self::render`].
+    pub fn draw_part(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        samples: Range<u32>,
+    ) -> Result<DrawnPart, Error> {
+        let layout = layout(frame)?;
+        let steps = layout.steps();
+        if !steps.allows(&samples) {
+            let (Range { start, end }, total, step) = (samples, steps.total, steps.step);
+            return Err(Error::SampleRange { start, end, total, step });
+        }
+        // Lists are counted once, not with each part.
+        let frame = Frame { fragments: frame.fragments && samples.start == 0, ..spreading(frame) };
+        self.with_timeline(|renderer, timeline| renderer.part_by(cloud, (&frame, layout), samples, timeline))
+    }
+
+    fn part_by(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        (frame, layout): (&Frame, Layout),
+        samples: Range<u32>,
+        timeline: &mut Timeline,
+    ) -> Result<DrawnPart, Error> {
+        let engine = engine_of(&frame.method);
+        let engine = engine.as_ref();
+        let mut begun = self.begin(engine, cloud, frame, timeline)?;
+        if samples.is_empty() {
+            begun.windows.clear();
+        }
+        let sums = RefCell::new(SamplePart::new(layout, samples.clone()));
+        let drawing = begun.drawing(engine, frame, false, Some(&sums));
+        let mut image = nothing(frame);
+        let mut facts = self.draw(cloud, &drawing, samples, &mut image, timeline)?;
+        let part = sums.into_inner();
+        image.fragments = part.all(Plane::Lengths).map(<[u32]>::to_vec);
+        let profile = self.end(engine, &begun, timeline, &mut facts, (frame, &image), cloud);
+        Ok(DrawnPart { part, profile, facts })
+    }
+
+    /// The image of a frame whose parts were drawn ([`Self::draw_part`]) and put together ([`SamplePart::add`]): the bytes of
+    /// [`Self::render`]. No point is drawn, and of the cloud only its brightest color counts; the counts are those of the windows in
+    /// which the sums were resolved.
+    ///
+    /// # Errors
+    /// Parts that are not all samples of this frame, a device that fails, and a frame that [`Self::progress`] cancels.
+    pub fn resolve_parts(&mut self, cloud: &DeviceCloud, frame: &Frame, parts: &SamplePart) -> Result<Rendered, Error> {
+        let layout = layout(frame)?;
+        parts.check(frame)?;
+        self.with_timeline(|renderer, timeline| renderer.resolve_by(cloud, (frame, layout), parts, timeline))
+    }
+
+    fn resolve_by(
+        &mut self,
+        cloud: &DeviceCloud,
+        (frame, layout): (&Frame, Layout),
+        parts: &SamplePart,
+        timeline: &mut Timeline,
+    ) -> Result<Rendered, Error> {
+        frame.check()?;
+        self.progress.check()?;
+        let engine = engine_of(&frame.method);
+        let engine = engine.as_ref();
+        self.device.reset_peak();
+        let waits = self.device.waits();
+        let (budget, shading) = edl::divided(self.budget(engine, cloud, frame), frame);
+        let windows = self.windows(engine, frame, budget)?;
+        self.target.reserve(&self.device, largest(&windows))?;
+        let begun = Begun { waits, light_views: 0, budget, shading, windows };
+        let mut image = self.begin_image(engine, frame);
+        self.target.keeps_colors &= begun.windows.iter().all(|window| is_whole(*window, frame));
+        let mut facts = self.begin_windows(cloud, frame);
+        // Lengths of lists came with the parts.
+        let of_window = Frame { fragments: false, ..spreading(frame) };
+        for window in begun.windows.iter().copied() {
+            let (samples, sums) = (0..layout.steps().total, None);
+            let (survey, learns) = (false, false);
+            let part = Part { engine, frame: &of_window, window, budget, samples, sums, survey, learns };
+            let (mut work, buffers) = self.work(&part, timeline, &mut facts);
+            engine.resolve(cloud, buffers, &mut work, parts)?;
+            self.deliver(engine, &of_window, window, &mut image)?;
+        }
+        if self.target.keeps_colors {
+            image.rgba = Vec::new();
+        }
+        image.fragments = parts.all(Plane::Lengths).map(<[u32]>::to_vec);
+        let profile = self.end(engine, &begun, timeline, &mut facts, (frame, &image), cloud);
+        Ok(Rendered { image, profile, facts })
+    }
+}
+
+/// What the parts of a frame hold.
+fn layout(frame: &Frame) -> Result<Layout, Error> {
+    Layout::of(frame).ok_or(Error::NoParts { method: frame.method.name() })
+}
+
+/// A frame with the standard errors that another one wants for whatever reason.
+fn spreading(frame: &Frame) -> Frame {
+    Frame { spread: frame.wants_spread(), ..*frame }
+}
+
+/// An image without pixels.
+fn nothing(frame: &Frame) -> Image {
+    let [width, height] = frame.size;
+    let (rgba, depth) = (Vec::new(), Vec::new());
+    Image {
+        width,
+        height,
+        rgba,
+        depth,
+        depth_median: None,
+        depth_mean: None,
+        fragments: None,
+        layers: None,
+        stderr: None,
+    }
+}
