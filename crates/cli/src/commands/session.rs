@@ -10,6 +10,8 @@ use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::brightness::{self, Applied};
 use pellucid_engine::methods::see_through::{self, Found};
+#[cfg(feature = "mpi")]
+use pellucid_engine::methods::{DrawnPart, SamplePart};
 use pellucid_engine::methods::{Frame, PassProfile, Rendered, Renderer, Stop};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::prepare::Arranged;
@@ -167,6 +169,23 @@ impl Session {
     pub fn render(&mut self) -> Result<Rendered> {
         self.progress.begin(Phase::Frame);
         let rendered = self.renderer.render(&mut self.cloud, &self.frame)?;
+        self.device.check_validation()?;
+        Ok(rendered)
+    }
+
+    /// Draws some of the samples of a frame; validation messages are an error.
+    #[cfg(feature = "mpi")]
+    pub fn draw_part(&mut self, samples: std::ops::Range<u32>) -> Result<DrawnPart> {
+        self.progress.begin(Phase::Frame);
+        let drawn = self.renderer.draw_part(&mut self.cloud, &self.frame, samples)?;
+        self.device.check_validation()?;
+        Ok(drawn)
+    }
+
+    /// The frame whose samples were drawn in parts.
+    #[cfg(feature = "mpi")]
+    pub fn resolve(&mut self, parts: &SamplePart) -> Result<Rendered> {
+        let rendered = self.renderer.resolve_parts(&self.cloud, &self.frame, parts)?;
         self.device.check_validation()?;
         Ok(rendered)
     }

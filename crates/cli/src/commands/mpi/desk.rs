@@ -7,7 +7,7 @@ use std::thread::JoinHandle;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 
-use super::ranks::{NAP, Ranks};
+use super::ranks::{Ranks, patiently};
 
 /// Tags of a question for a unit, and of its answer.
 const ASK: i32 = 2;
@@ -61,9 +61,7 @@ impl Iterator for Desk {
             let first = SimpleCommunicator::world();
             let first = first.process_at_rank(0);
             first.send_with_tag(&0u64, ASK);
-            while first.immediate_probe_with_tag(ANSWER).is_none() {
-                std::thread::sleep(NAP);
-            }
+            patiently(|| first.immediate_probe_with_tag(ANSWER));
             let (unit, _) = first.receive_with_tag::<u64>(ANSWER);
             self.asks = unit != NONE;
             return usize::try_from(unit).ok().filter(|_| self.asks);
@@ -80,10 +78,7 @@ fn take(left: &Mutex<Range<usize>>) -> Option<usize> {
 fn answer(left: &Mutex<Range<usize>>, mut others: usize) {
     let world = SimpleCommunicator::world();
     while others > 0 {
-        let Some((question, status)) = world.any_process().immediate_matched_probe_with_tag(ASK) else {
-            std::thread::sleep(NAP);
-            continue;
-        };
+        let (question, status) = patiently(|| world.any_process().immediate_matched_probe_with_tag(ASK));
         let _ = question.matched_receive::<u64>();
         let unit = take(left).map_or(NONE, |unit| unit as u64);
         others -= usize::from(unit == NONE);

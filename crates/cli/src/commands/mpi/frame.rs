@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use pellucid_engine::Result;
-use pellucid_engine::methods::Rendered;
+use pellucid_engine::methods::{Rendered, SamplePart};
 use pellucid_engine::passes::bands::Window;
 
 use super::cut::is_empty;
@@ -37,7 +37,8 @@ pub fn render(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<S
     let (before, read) = (ranks.traffic(), stage.bytes_read());
     let own = match stage.share {
         _ if ranks.count() == 1 => Some(turn.alone(&mut stage.session)?),
-        _ => turn.windows(stage)?,
+        Share::Samples => turn.samples(stage)?,
+        Share::Windows | Share::Frames => turn.windows(stage)?,
     };
     let Turn { begin, mut work, .. } = turn;
     work.read = stage.bytes_read() - read;
@@ -73,9 +74,60 @@ impl Turn<'_> {
     /// The whole frame by one rank.
     fn alone(&mut self, session: &mut Session) -> Result<(Rendered, Duration)> {
         let rendered = session.render()?;
-        self.work.add(&rendered, self.begin, self.listed);
+        self.work.add((&rendered.facts, &rendered.profile), self.begin, self.listed);
         self.work.work_ms = ms(self.begin.elapsed());
         Ok((rendered, Duration::ZERO))
+    }
+
+    /// Draws samples as long as there are some; the first rank gets the sums of all, and resolves them.
+    fn samples(&mut self, stage: &mut Stage) -> Result<Whole> {
+        let ranges = stage.samples(self.ranks.count());
+        let session = &mut stage.session;
+        let (mut desk, mut own) = (Desk::open(self.ranks, ranges.len()), None::<SamplePart>);
+        for range in desk.by_ref().map(|unit| ranges[unit].clone()).filter(|range| !range.is_empty()) {
+            self.work.samples.push([range.start, range.end]);
+            let drawn = session.draw_part(range)?;
+            self.work.add((&drawn.facts, &drawn.profile), self.begin, self.listed);
+            own = Some(self.sum(own, drawn.part));
+        }
+        self.work.work_ms = ms(self.begin.elapsed());
+        self.ranks.begin("bringing parts together");
+        let (begin, waited) = (Instant::now(), self.ranks.traffic().waited);
+        let all = self.sum_of_all(own);
+        let gather = begin.elapsed().saturating_sub(self.ranks.traffic().waited - waited);
+        desk.close();
+        let Some(all) = all else { return Ok(None) };
+        let rendered = session.resolve(&all)?;
+        self.work.add((&rendered.facts, &rendered.profile), self.begin, self.listed);
+        Ok(Some((rendered, gather)))
+    }
+
+    /// The sums of two parts.
+    fn sum(&self, own: Option<SamplePart>, other: SamplePart) -> SamplePart {
+        let Some(mut sum) = own else { return other };
+        sum.add(other).unwrap_or_else(|error| self.ranks.fail(&error.to_string(), 1));
+        sum
+    }
+
+    /// Brings the sums of all ranks to the first one, by a tree: in each round half of the ranks that are left hand theirs to another
+    /// one. Sums are exact, so that their order changes nothing.
+    fn sum_of_all(&self, mut own: Option<SamplePart>) -> Option<SamplePart> {
+        let (rank, count) = (self.ranks.own(), self.ranks.count());
+        for distance in (0..).map(|power| 1 << power).take_while(|distance| *distance < count) {
+            if rank % (2 * distance) != 0 {
+                let bytes = own.map(|part| part.to_bytes()).unwrap_or_default();
+                self.ranks.send(rank - distance, &bytes);
+                return None;
+            }
+            if rank + distance < count {
+                let bytes = self.ranks.received(rank + distance);
+                if !bytes.is_empty() {
+                    let other = SamplePart::from_bytes(&bytes);
+                    own = Some(self.sum(own, other.unwrap_or_else(|error| self.ranks.fail(&error.to_string(), 1))));
+                }
+            }
+        }
+        own
     }
 
     /// Renders windows as long as there are some; the first rank puts those of all together.
@@ -112,7 +164,7 @@ impl Turn<'_> {
     fn window(&mut self, session: &mut Session, window: Window) -> Result<Rendered> {
         session.renderer.region = Some(window);
         let part = session.render()?;
-        self.work.add(&part, self.begin, self.listed);
+        self.work.add((&part.facts, &part.profile), self.begin, self.listed);
         Ok(part)
     }
 

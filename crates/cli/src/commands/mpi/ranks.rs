@@ -14,8 +14,21 @@ const PIECE: usize = 1 << 30;
 /// Tag of everything that is sent to one rank.
 const TAG: i32 = 1;
 
-/// How long somebody who waits for a message sleeps before looking again: a wait that never sleeps takes a core from those who work.
-pub const NAP: Duration = Duration::from_micros(50);
+/// How long somebody who waits for a message sleeps before looking again, at first and at most: a wait that never sleeps takes a core from
+/// those who work.
+const NAPS: [Duration; 2] = [Duration::from_micros(10), Duration::from_millis(1)];
+
+/// Sleeps until something is there, ever longer.
+pub fn patiently<T>(mut look: impl FnMut() -> Option<T>) -> T {
+    let mut nap = NAPS[0];
+    loop {
+        if let Some(found) = look() {
+            return found;
+        }
+        std::thread::sleep(nap);
+        nap = (nap * 2).min(NAPS[1]);
+    }
+}
 
 /// How long a rank that fails waits for those before it to say so, by its number, and at most.
 const PATIENCE: Duration = Duration::from_millis(100);
@@ -176,9 +189,7 @@ impl Ranks {
     /// Sleeps until there is a message.
     fn wait(&self, from: usize) {
         let (process, begin) = (self.world.process_at_rank(from as i32), Instant::now());
-        while process.immediate_probe_with_tag(TAG).is_none() {
-            std::thread::sleep(NAP);
-        }
+        patiently(|| process.immediate_probe_with_tag(TAG));
         let traffic = self.traffic.get();
         self.traffic.set(Traffic { waited: traffic.waited + begin.elapsed(), ..traffic });
     }

@@ -127,8 +127,9 @@ impl Report {
         }
         table.column_iter_mut().skip(2).for_each(|column| column.set_cell_alignment(CellAlignment::Right));
         format!(
-            "{table}\n{} ranks share {}: {:.1} ms, of which {:.1} ms ({:.1} %) to bring the parts together; imbalance {:.2}",
+            "{table}\n{} {} {}: {:.1} ms, of which {:.1} ms ({:.1} %) to bring the parts together; imbalance {:.2}",
             frame.work.len(),
+            if frame.work.len() == 1 { "rank, which would share" } else { "ranks share" },
             self.share,
             ms(frame.wall),
             ms(frame.gather),

@@ -57,7 +57,7 @@ impl Display for Share {
 const FRAGMENT_NS: [f64; 2] = [57.0, 0.4];
 
 /// Slots of `spbr` take as long as so many fragments.
-const SLOT: f64 = 1.5;
+const SLOT: f64 = 5.0;
 
 /// Bytes of a pixel of an image, and of the sums of an ensemble or of a batch of samples.
 const IMAGE_BYTES: f64 = 20.0;

@@ -1,5 +1,6 @@
 //! The scene on the devices of all ranks: the same everywhere, as the first rank decides it.
 
+use std::ops::Range;
 use std::process::ExitCode;
 
 use pellucid_engine::camera::Camera;
@@ -131,6 +132,13 @@ impl Stage {
         }
     }
 
+    /// The samples of each of so many ranks, and those on demand, cut where they may be.
+    pub fn samples(&self, ranks: usize) -> Vec<Range<u32>> {
+        let Some([total, step]) = self.job.samples else { return Vec::new() };
+        let (more, rest) = on_demand(&self.job, ranks);
+        parted(total, step, ranks, if more > 0 { Some((more * ranks, rest)) } else { None })
+    }
+
     /// Learns from what ranks took for a frame.
     pub fn learn(&mut self, work: &[Work], imbalance: f64) {
         let camera = self.session.frame.camera;
@@ -159,6 +167,20 @@ impl Stage {
         };
         &self.costs.get_or_insert_with(make).1
     }
+}
+
+/// Cuts samples into a range for each rank, and ranges on demand, which have a share of all together. Each but the last begins and ends
+/// at a multiple of `step`; none is empty unless there are more ranks than steps.
+pub fn parted(total: u32, step: u32, ranks: usize, more: Option<(usize, f64)>) -> Vec<Range<u32>> {
+    let steps = total.div_ceil(step.max(1));
+    let kept = more.map_or(steps, |(_, rest)| ((1.0 - rest) * f64::from(steps)).ceil() as u32);
+    let cut = |from: u32, to: u32, parts: usize| {
+        let edge = move |part: usize| from + (u64::from(to - from) * part as u64 / parts as u64) as u32;
+        (0..parts).map(move |part| edge(part)..edge(part + 1))
+    };
+    let others = cut(kept, steps, more.map_or(1, |(parts, _)| parts)).filter(|range| !range.is_empty());
+    let of_steps = |range: Range<u32>| (range.start * step).min(total)..(range.end * step).min(total);
+    cut(0, kept, ranks).chain(others).map(of_steps).collect()
 }
 
 /// How many windows each of so many ranks may get on demand, and which share of the work they have together.
@@ -253,6 +275,30 @@ impl Job {
     /// What there is to share, as far as it shows without a device.
     fn of(frame: &Frame, resolved: &Resolved, frames: usize) -> Self {
         let load: Load = Costs::expected(frame, resolved.points()).whole();
-        Self { load, samples: None, slots: 0, frames, is_gpu: false }
+        let samples = frame.sample_steps().map(|steps| [steps.total, steps.step]);
+        Self { load, samples, slots: 0, frames, is_gpu: false }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_sample_is_drawn_once() {
+        for (total, step, ranks, more) in
+            [(100, 1, 2, None), (64, 16, 3, None), (70, 16, 8, None), (1000, 1, 7, Some((21, 0.2))), (5, 1, 4, Some((12, 0.2)))]
+        {
+            let ranges = parted(total, step, ranks, more);
+            assert!(ranges.len() >= ranks);
+            let mut next = 0;
+            for range in &ranges {
+                assert!(range.start == next && (range.end % step == 0 || range.end == total), "{ranges:?}");
+                next = range.end;
+            }
+            assert_eq!(next, total);
+        }
+        assert_eq!(parted(100, 1, 3, None), [0..33, 33..66, 66..100]);
+        assert_eq!(parted(10, 1, 2, Some((2, 0.2))), [0..4, 4..8, 8..9, 9..10]);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use pellucid_engine::methods::{Facts, Rendered};
+use pellucid_engine::methods::{Facts, FrameProfile};
 use pellucid_engine::passes::bands::Window;
 use serde::{Deserialize, Serialize};
 
@@ -54,8 +54,7 @@ impl Work {
     }
 
     /// Adds what was rendered, in a frame that began at some time. Dispatches are kept one by one if they are `listed`.
-    pub fn add(&mut self, rendered: &Rendered, begin: Instant, listed: bool) {
-        let Rendered { facts, profile, .. } = rendered;
+    pub fn add(&mut self, (facts, profile): (&Facts, &FrameProfile), begin: Instant, listed: bool) {
         self.fragments += facts.fragments;
         self.max_list = self.max_list.max(facts.max_list);
         self.visible += facts.visible;

@@ -11,7 +11,7 @@ use clap::Args;
 use pellucid_engine::{Result, output};
 use pellucid_lab::report::plot::{Axis, Figure, Panel, Point, Series, Steps};
 
-use self::model::{Part, Prediction, Scaling};
+use self::model::{Parts, Prediction, Scaling};
 use super::link::Link;
 use super::ranks::Ranks;
 use super::stage::Stage;
@@ -80,11 +80,8 @@ pub fn run(args: &SimulateArgs, stage: &mut Stage, frames: usize, ranks: &Ranks,
         1e6 * link.latency,
         1e-9 * link.bandwidth
     ));
-    for Part { window: [x0, y0, x1, y1], seconds, load } in &measured.parts {
-        console.detail(format_args!(
-            "columns {x0} to {x1}, rows {y0} to {y1}: {:.2} ms for {:.0} points and {:.0} fragments, as expected, in {} pixels",
-            1e3 * seconds, load.points, load.fragments, load.pixels
-        ));
+    if let Parts::Windows(parts) = &measured.parts {
+        parts.iter().for_each(|part| console.detail(part));
     }
     let counts = (0..).map(|power| 1usize << power).take_while(|count| *count <= most as usize);
     let predictions: Vec<Prediction> =

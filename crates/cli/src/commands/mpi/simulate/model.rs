@@ -7,7 +7,7 @@ use pellucid_engine::passes::bands::Window;
 use super::super::cut::{Costs, Load};
 use super::super::link::Link;
 use super::super::share::{Job, Share};
-use super::super::stage::on_demand;
+use super::super::stage::{on_demand, parted};
 
 /// Messages in which a rank hands in a window: what it is, color, depth, what it did.
 const MESSAGES: f64 = 6.0;
@@ -23,6 +23,60 @@ pub struct Part {
     pub load: Load,
 }
 
+impl Display for Part {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { window: [x0, y0, x1, y1], seconds, load } = self;
+        write!(
+            f,
+            "columns {x0} to {x1}, rows {y0} to {y1}: {:.2} ms; {:.0} points and {:.0} fragments were expected",
+            1e3 * seconds,
+            load.points,
+            load.fragments
+        )
+    }
+}
+
+/// What samples of a frame take.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sampled {
+    total: u32,
+    step: u32,
+    /// Seconds that a part of them takes in any case, and of each sample.
+    once: f64,
+    each: f64,
+    /// Seconds for packing and unpacking the sums of a part.
+    copy: f64,
+    /// Seconds of resolving those of all.
+    resolve: f64,
+    /// Bytes of a part.
+    bytes: usize,
+}
+
+impl Sampled {
+    /// By what all samples take and what some of them do, each with the sums brought to the host.
+    pub fn new(
+        alone: f64,
+        [total, step]: [u32; 2],
+        (some, seconds): (u32, f64),
+        copy: f64,
+        resolve: f64,
+        bytes: usize,
+    ) -> Self {
+        let each = ((alone - seconds) / f64::from(total.saturating_sub(some).max(1))).max(0.0);
+        let once = (seconds - f64::from(some) * each).max(0.0);
+        Self { total, step, once, each, copy, resolve, bytes }
+    }
+}
+
+/// What ranks would share.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Parts {
+    /// Whole frames.
+    None,
+    Windows(Vec<Part>),
+    Samples(Sampled),
+}
+
 /// A measured frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
@@ -32,7 +86,7 @@ pub struct Measured {
     once: f64,
     costs: Costs,
     /// The parts.
-    pub parts: Vec<Part>,
+    pub parts: Parts,
     frames: usize,
 }
 
@@ -74,7 +128,8 @@ impl Prediction {
 
 impl Measured {
     /// What follows from measured times.
-    pub fn new(alone: f64, costs: Costs, parts: Vec<Part>, frames: usize) -> Self {
+    pub fn new(alone: f64, costs: Costs, parts: Parts, frames: usize) -> Self {
+        let Parts::Windows(parts) = parts else { return Self { alone, once: 0.0, costs, parts, frames } };
         let all: f64 = parts.iter().map(|part| part.seconds).sum();
         let once = (all - alone).max(0.0) / parts.len().saturating_sub(1).max(1) as f64;
         let least = parts.iter().map(|part| part.seconds).fold(alone, f64::min);
@@ -82,11 +137,12 @@ impl Measured {
         // Chance aside, the parts take together what the whole does.
         let factor = (alone - once) / parts.iter().map(|part| part.seconds - once).sum::<f64>();
         let even = |part: Part| Part { seconds: once + factor * (part.seconds - once), ..part };
-        Self { alone, once, costs, parts: parts.into_iter().map(even).collect(), frames }
+        let parts = Parts::Windows(parts.into_iter().map(even).collect());
+        Self { alone, once, costs, parts, frames }
     }
 
     /// Seconds of a window: those of the measured parts that it meets, by how much of their work it has.
-    fn seconds(&self, window: Window) -> f64 {
+    fn seconds(&self, parts: &[Part], window: Window) -> f64 {
         let of_part = |part: &Part| {
             let [x0, y0, x1, y1] = part.window;
             let common = [window[0].max(x0), window[1].max(y0), window[2].min(x1), window[3].min(y1)];
@@ -95,22 +151,45 @@ impl Measured {
             }
             (part.seconds - self.once) * self.costs.of(common).work / part.load.work.max(f64::MIN_POSITIVE)
         };
-        self.once + self.parts.iter().map(of_part).sum::<f64>()
+        self.once + parts.iter().map(of_part).sum::<f64>()
     }
 
-    /// Predictions for a number of ranks, of which some run at once: of each way to share the work, for both kinds of scaling.
+    /// Predictions for a number of ranks, of which some run at once, for both kinds of scaling.
     pub fn predict(&self, job: &Job, ranks: usize, at_once: usize, link: Link) -> Vec<Prediction> {
-        let mut all = self.windows(job, ranks, at_once, link).to_vec();
-        if self.frames > 1 {
+        let mut all = match &self.parts {
+            Parts::None => Vec::new(),
+            Parts::Windows(parts) => self.windows(parts, job, ranks, at_once, link).to_vec(),
+            Parts::Samples(samples) => self.samples(samples, job, ranks, at_once, link).to_vec(),
+        };
+        if self.frames > 1 || all.is_empty() {
             all.extend(self.frames(ranks, at_once));
         }
         all
     }
 
-    fn windows(&self, job: &Job, ranks: usize, at_once: usize, link: Link) -> [Prediction; 2] {
+    fn samples(&self, of: &Sampled, job: &Job, ranks: usize, at_once: usize, link: Link) -> [Prediction; 2] {
+        let (more, rest) = on_demand(job, ranks);
+        let more = (more > 0).then_some((more * ranks, rest));
+        let ranges = parted(of.total, of.step, ranks, more).into_iter().map(|range| range.len() as f64);
+        let times: Vec<f64> =
+            ranges.map(|samples| if samples > 0.0 { of.once + of.each * samples } else { 0.0 }).collect();
+        let work = if ranks == 1 { self.alone } else { longest(&dealt(&times, ranks), at_once) };
+        // A tree of messages, whose sums are added up; of ensembles they have the same size in each round.
+        let rounds = (ranks as f64).log2().ceil();
+        let gather = rounds * (of.copy + link.seconds(2.0, of.bytes as f64)) + if ranks == 1 { 0.0 } else { of.resolve };
+        let made = |scaling, work: f64, times: f64| {
+            let seconds = work + gather;
+            let speedup = times * self.alone / seconds;
+            Prediction { ranks, share: Share::Samples, scaling, seconds, work, gather, speedup }
+        };
+        let all = slowed(of.once + of.each * f64::from(of.total), ranks, at_once);
+        [made(Scaling::Strong, work, 1.0), made(Scaling::Weak, if ranks == 1 { self.alone } else { all }, ranks as f64)]
+    }
+
+    fn windows(&self, parts: &[Part], job: &Job, ranks: usize, at_once: usize, link: Link) -> [Prediction; 2] {
         let (more, rest) = on_demand(job, ranks);
         let windows = self.costs.windows(ranks, more, rest);
-        let times: Vec<f64> = windows.iter().map(|window| self.seconds(*window)).collect();
+        let times: Vec<f64> = windows.iter().map(|window| self.seconds(parts, *window)).collect();
         let busy = dealt(&times, ranks);
         let pixels = self.costs.whole().pixels;
         let gather = |pixels: f64| {
@@ -182,7 +261,7 @@ mod tests {
         };
         let parts = costs.windows(8, 0, 0.0).into_iter().map(part).collect();
         let load = costs.whole();
-        (Measured::new(1.0 + once, costs, parts, 36), Job { load, samples: None, slots: 0, frames: 36, is_gpu: false })
+        (Measured::new(1.0 + once, costs, Parts::Windows(parts), 36), Job { load, samples: None, slots: 0, frames: 36, is_gpu: false })
     }
 
     fn strong(predictions: &[Prediction], share: Share) -> Prediction {
@@ -209,6 +288,20 @@ mod tests {
         // 36 frames on 32 ranks: two for some.
         let frames = strong(&measured.predict(&job, 32, usize::MAX, LINK), Share::Frames);
         assert!((frames.seconds - 2.0 * 1.001).abs() < 1e-9);
+    }
+
+    #[test]
+    fn samples_are_shared_and_their_sums_travel_along_a_tree() {
+        // A second for each of 100 samples, and one besides; a hundredth for packing and for resolving.
+        let sampled = Sampled::new(101.0, [100, 1], (50, 51.0), 0.01, 0.01, 20_000_000);
+        let (windows, job) = measured(0.0);
+        let measured = Measured { alone: 101.0, parts: Parts::Samples(sampled), ..windows };
+        let of = |ranks| *measured.predict(&job, ranks, usize::MAX, LINK).first().unwrap();
+        assert_eq!((of(1).seconds, of(1).share), (101.0, Share::Samples));
+        assert!((of(4).work - 26.0).abs() < 1e-9, "{:?}", of(4));
+        // Two rounds of two messages, a hundredth of a second for the bytes and for packing each.
+        assert!((of(4).gather - (2.0 * (0.02 + 2e-5) + 0.01)).abs() < 1e-9, "{:?}", of(4));
+        assert!((of(200).work - 2.0).abs() < 1e-9, "some ranks have nothing to do");
     }
 
     #[test]

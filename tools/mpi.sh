@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# Installs MPI (tools/setup.sh --mpi), builds pellucid-mpi in release, lints it and runs its tests with up to 4 ranks, however few cores there are.
+# PELLUCID_MPIRUN names another mpirun than the one in the PATH; MPICC then has to name its compiler, as in
+#   MPICC=mpicc.mpich PELLUCID_MPIRUN=mpirun.mpich tools/mpi.sh
+# Arguments go to the tests.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+tools/setup.sh --tests --mpi
+export PELLUCID_REQUIRE_GPU="${PELLUCID_REQUIRE_GPU:-1}"
+cargo clippy --locked -p pellucid-cli --features mpi --all-targets -- -D warnings
+cargo build --locked --release -p pellucid-cli --features mpi --bin pellucid-mpi --bin pellucid
+tests=(--locked --release -p pellucid-cli --features mpi)
+cargo test "${tests[@]}" --lib -- mpi
+exec cargo test "${tests[@]}" --test mpi -- "$@"
