@@ -185,7 +185,19 @@ fn json(output: &Output) -> Value {
 fn a_profile_has_what_each_rank_did() {
     let folder = folder();
     let cloud = cloud(&folder);
-    let args = ["profile", cloud, "--method", "abuffer", "--size", "128x96", "--frames=2", "--json", "--trace", "t.json", "-q"];
+    let args = [
+        "profile",
+        cloud,
+        "--method",
+        "abuffer",
+        "--size",
+        "128x96",
+        "--frames=2",
+        "--json",
+        "--trace",
+        "t.json",
+        "-q",
+    ];
     let profile = json(&ranks(&folder, 3, &args).output().expect("mpirun"));
     assert_eq!(profile["ranks"]["share"], "windows");
     let frames = profile["ranks"]["frames"].as_array().expect("frames");
@@ -218,7 +230,9 @@ fn area(window: &Value) -> u64 {
 fn a_plan_says_what_is_shared_and_why() {
     let folder = folder();
     let cloud = cloud(&folder);
-    let plan = json(&ranks(&folder, 2, &["plan", cloud, "--size", "320x240", "--ranks", "4", "--json", "-q"]).output().unwrap());
+    let plan = json(
+        &ranks(&folder, 2, &["plan", cloud, "--size", "320x240", "--ranks", "4", "--json", "-q"]).output().unwrap(),
+    );
     assert_eq!((&plan["share"], plan["windows"].as_array().map(Vec::len)), (&"windows".into(), Some(4)));
     let shares: f64 = plan["windows"].as_array().unwrap().iter().map(|window| window["share"].as_f64().unwrap()).sum();
     assert!((shares - 1.0).abs() < 1e-9 && plan["latency_s"].as_f64().unwrap() > 0.0);
@@ -232,7 +246,20 @@ fn a_plan_says_what_is_shared_and_why() {
 fn a_simulation_prints_what_is_predicted() {
     let folder = folder();
     let cloud = cloud(&folder);
-    let args = ["profile", cloud, "--size", "160x120", "--simulate", "8", "--latency", "1e-5", "--bandwidth", "1e9", "--plot", "s.svg"];
+    let args = [
+        "profile",
+        cloud,
+        "--size",
+        "160x120",
+        "--simulate",
+        "8",
+        "--latency",
+        "1e-5",
+        "--bandwidth",
+        "1e9",
+        "--plot",
+        "s.svg",
+    ];
     let output = ranks(&folder, 1, &args).output().expect("mpirun");
     assert_done(&output, "simulate");
     let rows: Vec<Vec<String>> = String::from_utf8_lossy(&output.stdout)
@@ -271,8 +298,14 @@ fn one_rank_without_a_device_is_named() {
     let mut command = Command::new(mpirun());
     with_environment(&mut command, &folder);
     let program = env!("CARGO_BIN_EXE_pellucid-mpi");
-    let of = |extra: &'static [&'static str]| [&["-n", "1"][..], extra, &[program, "render", "--size", "64x64", "-o", "x.png"]].concat();
-    command.args(of(&[])).arg(":").args(of(&["env", "VK_DRIVER_FILES=/nowhere.json", "VK_ICD_FILENAMES=/nowhere.json"]));
+    let of = |extra: &'static [&'static str]| {
+        [&["-n", "1"][..], extra, &[program, "render", "--size", "64x64", "-o", "x.png"]].concat()
+    };
+    command.args(of(&[])).arg(":").args(of(&[
+        "env",
+        "VK_DRIVER_FILES=/nowhere.json",
+        "VK_ICD_FILENAMES=/nowhere.json",
+    ]));
     let output = command.output().expect("mpirun");
     let errors = errors(&output);
     assert_eq!(errors.len(), 1, "{errors:?}");
@@ -329,7 +362,8 @@ fn a_rank_that_is_killed_at_any_moment_ends_all_and_leaves_no_file() {
         for victim in 0..3 {
             let args = ["render", "--size", "1920x1080", "--method", "abuffer", "-v", "-o", "killed.png"];
             let mut running = ranks(&folder, 3, &args).stderr(Stdio::piped()).spawn().expect("mpirun");
-            let mut lines = BufReader::new(running.stderr.take().expect("standard error")).lines().map_while(Result::ok);
+            let mut lines =
+                BufReader::new(running.stderr.take().expect("standard error")).lines().map_while(Result::ok);
             let wanted = format!("rank {victim} of 3 ");
             let line = lines.find(|line| line.starts_with(&wanted) && line.ends_with(moment)).expect("the moment");
             let process = line.split_once("process ").and_then(|(_, rest)| rest.split_once(':')).expect("a process").0;
@@ -340,10 +374,12 @@ fn a_rank_that_is_killed_at_any_moment_ends_all_and_leaves_no_file() {
             assert!(begin.elapsed() < Duration::from_secs(10), "{moment} {victim}: {:?}", begin.elapsed());
             assert!(killed.success() && !status.success(), "{moment} {victim}");
             if mpirun() == "mpirun" {
-                let named = said.iter().any(|line| line.contains(&format!("rank {victim} ")) && line.contains("signal 9"));
+                let named =
+                    said.iter().any(|line| line.contains(&format!("rank {victim} ")) && line.contains("signal 9"));
                 assert!(named, "{moment} {victim}: {said:?}");
             }
-            let left: Vec<_> = fs::read_dir(folder.path()).expect("a folder").flatten().map(|file| file.file_name()).collect();
+            let left: Vec<_> =
+                fs::read_dir(folder.path()).expect("a folder").flatten().map(|file| file.file_name()).collect();
             assert!(left.is_empty(), "{moment} {victim}: {left:?}");
         }
     }

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use pellucid_engine::Result;
+use pellucid_engine::camera::Camera;
 use pellucid_engine::methods::{Rendered, SamplePart};
 use pellucid_engine::passes::bands::Window;
 
@@ -10,8 +11,8 @@ use super::cut::is_empty;
 use super::desk::Desk;
 use super::pixels;
 use super::ranks::Ranks;
-use super::stage::Stage;
 use super::share::Share;
+use super::stage::Stage;
 use super::work::{Work, imbalance, joined, ms};
 use crate::commands::session::Session;
 
@@ -40,23 +41,40 @@ pub fn render(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<S
         Share::Samples => turn.samples(stage)?,
         Share::Windows | Share::Frames => turn.windows(stage)?,
     };
-    let Turn { begin, mut work, .. } = turn;
-    work.read = stage.bytes_read() - read;
-    work.note(ranks.traffic().since(before));
-    let Some((mut rendered, gather)) = own else {
-        ranks.send(0, &encoded(&work));
-        return Ok(None);
-    };
-    let mut all = vec![work];
-    all.extend((1..ranks.count()).map(|rank| decoded(rank, ranks)));
-    if ranks.count() > 1 {
-        joined(&mut rendered.facts, &all);
+    turn.work.read = stage.bytes_read() - read;
+    turn.work.note(ranks.traffic().since(before));
+    let shared = turn.end(own);
+    if let Some(Shared { work, .. }) = &shared
+        && ranks.count() > 1
+        && stage.share == Share::Windows
+    {
+        stage.learn(work, imbalance(work));
     }
-    let wall = begin.elapsed();
-    if ranks.count() > 1 && stage.share == Share::Windows {
-        stage.learn(&all, imbalance(&all));
+    Ok(shared)
+}
+
+/// Renders the frames of cameras, each by one rank, which keeps it; the first one gets its last one, and what all did.
+///
+/// # Errors
+/// Those of rendering.
+pub fn film(stage: &mut Stage, cameras: &[Camera], ranks: &Ranks, listed: bool) -> Result<Option<Shared>> {
+    ranks.meet();
+    let mut turn = Turn { begin: Instant::now(), work: Work::of(ranks), listed, ranks };
+    let (before, read) = (ranks.traffic(), stage.bytes_read());
+    let (mut desk, mut last, session) = (Desk::open(ranks, cameras.len()), None::<Rendered>, &mut stage.session);
+    for number in desk.by_ref() {
+        session.frame.camera = cameras[number];
+        last.into_iter().for_each(|last| session.renderer.recycle(last.image));
+        let rendered = session.render()?;
+        turn.work.add((&rendered.facts, &rendered.profile), turn.begin, listed);
+        turn.work.frames.push(number as u32);
+        last = Some(rendered);
     }
-    Ok(Some(Shared { rendered, work: all, wall, gather }))
+    desk.close();
+    turn.work.work_ms = ms(turn.begin.elapsed());
+    turn.work.read = stage.bytes_read() - read;
+    turn.work.note(ranks.traffic().since(before));
+    Ok(turn.end(last.filter(|_| ranks.is_first()).map(|last| (last, Duration::ZERO))))
 }
 
 /// A rank's turn in a frame.
@@ -71,6 +89,21 @@ struct Turn<'a> {
 type Whole = Option<(Rendered, Duration)>;
 
 impl Turn<'_> {
+    /// Tells the first rank, which has the frame, what all did.
+    fn end(self, own: Whole) -> Option<Shared> {
+        let Self { begin, work, ranks, .. } = self;
+        let Some((mut rendered, gather)) = own else {
+            ranks.send(0, &encoded(&work));
+            return None;
+        };
+        let mut all = vec![work];
+        all.extend((1..ranks.count()).map(|rank| decoded(rank, ranks)));
+        if ranks.count() > 1 {
+            joined(&mut rendered.facts, &all);
+        }
+        Some(Shared { rendered, work: all, wall: begin.elapsed(), gather })
+    }
+
     /// The whole frame by one rank.
     fn alone(&mut self, session: &mut Session) -> Result<(Rendered, Duration)> {
         let rendered = session.render()?;

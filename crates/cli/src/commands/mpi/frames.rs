@@ -8,11 +8,11 @@ use pellucid_engine::methods::Rendered;
 use pellucid_engine::scene::Error;
 
 use super::desk::Desk;
-use super::{frame, simulate};
 use super::ranks::Ranks;
 use super::share::{Share, SharingArgs};
 use super::stage::{Setting, Stage};
 use super::together;
+use super::{frame, simulate};
 use crate::commands::along::Along;
 use crate::commands::bar::Bar;
 use crate::commands::console::Console;
@@ -50,10 +50,10 @@ pub fn run(
         Ok(stage) => stage,
         Err(status) => return Ok(status),
     };
+    stage.session.renderer.timed = false;
     if sharing.simulation.is_asked() {
         return simulate::run(&sharing.simulation, &mut stage, cameras.len(), ranks, console);
     }
-    stage.session.renderer.timed = false;
     let mut frames = Frames::named(args, cameras, pattern, &stage.resolved, &stage.session);
     let found = if ranks.is_first() { frames.find(args.overwrite, pattern) } else { Ok(()) };
     if let Err(status) = together(ranks, found) {
@@ -116,7 +116,8 @@ fn each_by_all(
         stage.session.frame.camera = frames.camera(number);
         let Some(shared) = frame::render(stage, ranks, false)? else { continue };
         let mut whole = Some(shared.rendered);
-        let mut render = |session: &mut Session| -> Result<Rendered> { whole.take().map_or_else(|| session.render(), Ok) };
+        let mut render =
+            |session: &mut Session| -> Result<Rendered> { whole.take().map_or_else(|| session.render(), Ok) };
         let Stage { resolved, session, .. } = &mut *stage;
         let mut records = Records::open(args, frames, resolved, session)?;
         let due = Due { numbers: &mut std::iter::once(number), count: 1, render: &mut render };

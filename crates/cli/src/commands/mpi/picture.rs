@@ -5,11 +5,11 @@ use std::process::ExitCode;
 
 use pellucid_engine::Result;
 
-use super::{frame, simulate};
 use super::ranks::Ranks;
 use super::report::Report;
 use super::share::SharingArgs;
 use super::stage::{Setting, Stage};
+use super::{frame, simulate};
 use crate::commands::console::Console;
 use crate::commands::loaded::read;
 use crate::commands::opacity_notes;
@@ -36,6 +36,7 @@ pub fn run(
         Ok(stage) => stage,
         Err(status) => return Ok(status),
     };
+    stage.session.renderer.timed = false;
     if sharing.simulation.is_asked() {
         return simulate::run(&sharing.simulation, &mut stage, 1, ranks, console);
     }

@@ -25,8 +25,14 @@ pub fn run(
     console: Console,
 ) -> Result<ExitCode> {
     let progress = console.progress();
-    let setting =
-        Setting { device: &args.device, counted: false, stop: Stop::Exact, share: sharing.share, simulated: false, depths: false };
+    let setting = Setting {
+        device: &args.device,
+        counted: false,
+        stop: Stop::Exact,
+        share: sharing.share,
+        simulated: false,
+        depths: false,
+    };
     let resolve = || Ok((prepare(&args.input, console, &progress)?, 1));
     let mut stage = match Stage::open(&setting, ranks, (console, &progress), resolve) {
         Ok(stage) => stage,
@@ -73,7 +79,8 @@ pub fn run(
     );
     for (at, ([x0, y0, x1, y1], work)) in windows.iter().zip(&work).enumerate() {
         let whose = if at < count { format!("rank {at}") } else { "on demand".to_owned() };
-        text += &format!("{whose:<10} columns {x0} to {x1}, rows {y0} to {y1}: {:.1} % of the work\n", 100.0 * work / all);
+        text +=
+            &format!("{whose:<10} columns {x0} to {x1}, rows {y0} to {y1}: {:.1} % of the work\n", 100.0 * work / all);
     }
     print(&text)?;
     Ok(ExitCode::SUCCESS)

@@ -4,11 +4,11 @@ use std::process::ExitCode;
 
 use pellucid_engine::{Result, profile};
 
-use super::{frame, simulate};
 use super::ranks::Ranks;
 use super::report::Report;
-use super::share::SharingArgs;
+use super::share::{Share, SharingArgs};
 use super::stage::{Setting, Stage};
+use super::{frame, simulate};
 use crate::commands::console::{Console, print, print_json};
 use crate::commands::loaded::prepare;
 use crate::commands::profile::{DEFAULT_FRAMES, ProfileArgs};
@@ -32,10 +32,16 @@ pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Co
             }
         };
         cameras = found;
-        Ok((resolved, 1))
+        Ok((resolved, if args.along.option().is_some() { cameras.len() } else { 1 }))
     };
-    let setting =
-        Setting { device: &args.device, counted: true, stop: args.format.stop(), share: sharing.share, simulated: sharing.simulation.is_asked(), depths: false };
+    let setting = Setting {
+        device: &args.device,
+        counted: true,
+        stop: args.format.stop(),
+        share: sharing.share,
+        simulated: sharing.simulation.is_asked(),
+        depths: false,
+    };
     let mut stage = match Stage::open(&setting, ranks, (console, &progress), resolve) {
         Ok(stage) => stage,
         Err(status) => return Ok(status),
@@ -45,23 +51,35 @@ pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Co
         return simulate::run(&sharing.simulation, &mut stage, frames, ranks, console);
     }
     // The first frame pays for pipelines and buffers, and counts lists.
-    let first = frame::render(&mut stage, ranks, false)?;
+    let first = match stage.share {
+        Share::Frames => frame::film(&mut stage, &vec![cameras[0]; ranks.count()], ranks, false)?,
+        Share::Windows | Share::Samples => frame::render(&mut stage, ranks, false)?,
+    };
     let counted = first.as_ref().map(|shared| {
         let lengths = shared.rendered.image.fragments.as_deref();
-        (shared.rendered.facts.fragments, shared.rendered.facts.max_list, lengths.map(profile::histogram).unwrap_or_default())
+        (
+            shared.rendered.facts.fragments,
+            shared.rendered.facts.max_list,
+            lengths.map(profile::histogram).unwrap_or_default(),
+        )
     });
     if stage.session.frame.counts_on_demand() {
         stage.session.frame.fragments = false;
     }
     let mut report = Report::new(&stage.session, stage.share);
     progress.counted("measuring", cameras.len() as u64);
-    for camera in &cameras {
-        stage.session.frame.camera = *camera;
-        if let Some(shared) = frame::render(&mut stage, ranks, args.measure.trace.is_some())? {
-            report.add(&shared);
-            stage.session.renderer.recycle(shared.rendered.image);
+    let listed = args.measure.trace.is_some();
+    if stage.share == Share::Frames {
+        frame::film(&mut stage, &cameras, ranks, listed)?.iter().for_each(|shared| report.add(shared));
+    } else {
+        for camera in &cameras {
+            stage.session.frame.camera = *camera;
+            if let Some(shared) = frame::render(&mut stage, ranks, listed)? {
+                report.add(&shared);
+                stage.session.renderer.recycle(shared.rendered.image);
+            }
+            progress.inc(1);
         }
-        progress.inc(1);
     }
     progress.finish_and_clear();
     let Some((fragments, max_list, histogram)) = counted else { return Ok(ExitCode::SUCCESS) };
@@ -74,9 +92,8 @@ pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Co
     if args.json {
         print_json(&report.to_json())?;
     } else {
-        let median = profile::median(report.walls().collect());
         let passes = pellucid_lab::profile_table(&report.profile, None);
-        print(&format!("{passes}\n\n{}\nmedian of {} frames: {median:.1} ms\n", report.table(), cameras.len()))?;
+        print(&format!("{passes}\n\n{}\n{}\n", report.table(), report.times()))?;
     }
     Ok(ExitCode::SUCCESS)
 }

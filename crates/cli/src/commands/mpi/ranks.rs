@@ -11,8 +11,9 @@ use mpi::traits::*;
 /// Bytes of a message at most: MPI counts elements with 31 bits.
 const PIECE: usize = 1 << 30;
 
-/// Tag of everything that is sent to one rank.
+/// Tags of everything that is sent to one rank, and of words that only say that somebody is there.
 const TAG: i32 = 1;
+const HERE: i32 = 4;
 
 /// How long somebody who waits for a message sleeps before looking again, at first and at most: a wait that never sleeps takes a core from
 /// those who work.
@@ -77,7 +78,9 @@ impl Ranks {
         let (universe, threads) =
             mpi::initialize_with_threading(Threading::Multiple).ok_or("MPI is not available in this process")?;
         if threads != Threading::Multiple {
-            return Err("this MPI was built without support for threads (MPI_THREAD_MULTIPLE), which handing out work needs");
+            return Err(
+                "this MPI was built without support for threads (MPI_THREAD_MULTIPLE), which handing out work needs",
+            );
         }
         let world = universe.world();
         let local = usize::try_from(world.split_shared(world.rank()).rank()).unwrap_or(0);
@@ -120,15 +123,28 @@ impl Ranks {
         self.traffic.get()
     }
 
-    /// What the first rank says, to all.
+    /// What the first rank says, to all: along a tree, in which each rank tells those that differ from it by one bit more.
     pub fn told(&self, said: Vec<u8>) -> Vec<u8> {
-        let first = self.world.process_at_rank(0);
-        let mut length = said.len() as u64;
-        first.broadcast_into(&mut length);
-        let mut bytes = said;
-        bytes.resize(length as usize, 0);
-        bytes.chunks_mut(PIECE).for_each(|piece| first.broadcast_into(piece));
+        let bytes = self.parent().map_or(said, |parent| {
+            self.wait(parent, TAG);
+            self.received_now(parent)
+        });
+        for child in self.children().rev() {
+            self.send_now(child, &bytes);
+        }
         bytes
+    }
+
+    /// The rank from which this one hears what the first one says.
+    fn parent(&self) -> Option<usize> {
+        (!self.is_first()).then(|| self.own() & (self.own() - 1))
+    }
+
+    /// The ranks that this one tells.
+    fn children(&self) -> impl DoubleEndedIterator<Item = usize> {
+        let (own, count) = (self.own(), self.count());
+        let bits = if own == 0 { usize::BITS } else { own.trailing_zeros() };
+        (0..bits.min(31)).map(move |bit| own + (1 << bit)).filter(move |child| *child < count)
     }
 
     /// What every rank says, in their order, to all.
@@ -148,14 +164,26 @@ impl Ranks {
         Some(std::iter::once(said.to_vec()).chain((1..self.count()).map(|rank| self.received(rank))).collect())
     }
 
-    /// Sends bytes to a rank, which has to ask for them ([`Self::received`]).
+    /// Sends bytes to a rank, which has to ask for them ([`Self::received`]). Sleeps until it does: MPI would wait at work.
     pub fn send(&self, to: usize, bytes: &[u8]) {
-        self.send_length(to, bytes.len());
+        self.hear(to);
+        self.send_now(to, bytes);
+    }
+
+    fn send_now(&self, to: usize, bytes: &[u8]) {
+        self.world.process_at_rank(to as i32).send_with_tag(&(bytes.len() as u64), TAG);
         self.send_exactly(to, bytes);
     }
 
-    fn send_length(&self, to: usize, length: usize) {
-        self.world.process_at_rank(to as i32).send_with_tag(&(length as u64), TAG);
+    /// Tells a rank that this one is here.
+    fn tell(&self, to: usize) {
+        self.world.process_at_rank(to as i32).send_with_tag(&0u8, HERE);
+    }
+
+    /// Sleeps until a rank tells that it is here.
+    fn hear(&self, from: usize) {
+        self.wait(from, HERE);
+        let _ = self.world.process_at_rank(from as i32).receive_with_tag::<u8>(HERE);
     }
 
     /// Sends as many bytes as the other one expects ([`Self::receive_exactly`]).
@@ -168,7 +196,12 @@ impl Ranks {
 
     /// The bytes that a rank sends.
     pub fn received(&self, from: usize) -> Vec<u8> {
-        self.wait(from);
+        self.tell(from);
+        self.wait(from, TAG);
+        self.received_now(from)
+    }
+
+    fn received_now(&self, from: usize) -> Vec<u8> {
         let (length, _) = self.world.process_at_rank(from as i32).receive_with_tag::<u64>(TAG);
         let mut bytes = vec![0; length as usize];
         self.receive_exactly(from, &mut bytes);
@@ -179,7 +212,7 @@ impl Ranks {
     pub fn receive_exactly(&self, from: usize, bytes: &mut [u8]) {
         let process = self.world.process_at_rank(from as i32);
         for piece in bytes.chunks_mut(PIECE) {
-            self.wait(from);
+            self.wait(from, TAG);
             process.receive_into_with_tag(piece, TAG);
         }
         let traffic = self.traffic.get();
@@ -187,16 +220,21 @@ impl Ranks {
     }
 
     /// Sleeps until there is a message.
-    fn wait(&self, from: usize) {
+    fn wait(&self, from: usize, tag: i32) {
         let (process, begin) = (self.world.process_at_rank(from as i32), Instant::now());
-        patiently(|| process.immediate_probe_with_tag(TAG));
+        patiently(|| process.immediate_probe_with_tag(tag));
         let traffic = self.traffic.get();
         self.traffic.set(Traffic { waited: traffic.waited + begin.elapsed(), ..traffic });
     }
 
     /// Waits until all ranks are here.
     pub fn meet(&self) {
-        self.world.barrier();
+        self.children().for_each(|child| self.hear(child));
+        if let Some(parent) = self.parent() {
+            self.tell(parent);
+            self.hear(parent);
+        }
+        self.children().rev().for_each(|child| self.tell(child));
     }
 
     /// Says with what this rank begins, if ranks are to.

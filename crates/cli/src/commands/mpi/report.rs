@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use comfy_table::{CellAlignment, Table, presets};
 use pellucid_engine::Result;
-use pellucid_engine::profile::Profile;
+use pellucid_engine::profile::{self, Profile};
 use serde_json::{Value, json};
 
 use super::frame::Shared;
@@ -61,9 +61,16 @@ impl Report {
         self.frames.push(Measured { work: work.clone(), wall: *wall, gather: *gather });
     }
 
-    /// The times of the frames in milliseconds.
-    pub fn walls(&self) -> impl Iterator<Item = f64> {
-        self.frames.iter().map(|frame| ms(frame.wall))
+    /// How long frames took, in a line.
+    pub fn times(&self) -> String {
+        let walls: Vec<f64> = self.frames.iter().map(|frame| ms(frame.wall)).collect();
+        let made: usize = self.frames.iter().flat_map(|frame| &frame.work).map(|work| work.frames.len()).sum();
+        let median = profile::median(walls.clone());
+        if made > 0 {
+            format!("{made} frames in {median:.1} ms")
+        } else {
+            format!("median of {} frames: {median:.1} ms", walls.len())
+        }
     }
 
     /// All measurements.
@@ -81,11 +88,10 @@ impl Report {
     pub fn to_trace(&self) -> Value {
         let (mut events, mut begin) = (Vec::new(), 0.0);
         for frame in &self.frames {
-            let event = |name: &str, start: f64, length: f64, rank: usize| {
-                json!({"name": name, "ph": "X", "ts": 1e3 * (begin + start), "dur": 1e3 * length, "pid": 0, "tid": rank, "args": {}})
-            };
+            let event = |name: &str, start: f64, length: f64, rank: usize| json!({"name": name, "ph": "X", "ts": 1e3 * (begin + start), "dur": 1e3 * length, "pid": 0, "tid": rank, "args": {}});
             for work in &frame.work {
-                events.extend(work.timeline.iter().map(|(name, start, length)| event(name, *start, *length, work.rank)));
+                events
+                    .extend(work.timeline.iter().map(|(name, start, length)| event(name, *start, *length, work.rank)));
                 let rest = (ms(frame.wall) - work.work_ms).max(0.0);
                 let after = if work.rank == 0 { "gather and wait" } else { "send and wait" };
                 events.push(event(after, work.work_ms, rest, work.rank));
@@ -110,13 +116,23 @@ impl Report {
         let Some(frame) = self.frames.last() else { return String::new() };
         let mut table = Table::new();
         table.load_style(presets::NOTHING);
-        table.set_header(["rank", "host", "parts", "work ms", "passes ms", "wait ms", "sent MiB", "received MiB", "read MiB"]);
+        table.set_header([
+            "rank",
+            "host",
+            "parts",
+            "work ms",
+            "passes ms",
+            "wait ms",
+            "sent MiB",
+            "received MiB",
+            "read MiB",
+        ]);
         let mib = |bytes: u64| format!("{:.1}", bytes as f64 / f64::from(1 << 20));
         for work in &frame.work {
             table.add_row([
                 work.rank.to_string(),
                 work.host.clone(),
-                (work.windows.len() + work.samples.len()).max(1).to_string(),
+                (work.windows.len() + work.samples.len() + work.frames.len()).max(1).to_string(),
                 format!("{:.1}", work.work_ms),
                 format!("{:.1}", work.gpu_ms()),
                 format!("{:.1}", work.waited_ms),

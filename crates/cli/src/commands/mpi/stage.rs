@@ -92,7 +92,9 @@ impl Stage {
         // Points come window by window, so that each rank takes those of its own.
         let frame = Frame::of_scene(&resolved.scene, resolved.camera, resolved.seed);
         let expected = Job::of(&frame, &resolved, frames).choose(setting.share, ranks.count(), link);
-        resolved.by_windows = (ranks.count() > 1 || setting.simulated) && matches!(expected, Ok(Share::Windows)) && resolved.shadow_texture.is_none();
+        resolved.by_windows = (ranks.count() > 1 || setting.simulated)
+            && matches!(expected, Ok(Share::Windows))
+            && resolved.shadow_texture.is_none();
         ranks.begin("uploading");
         let mut session = together(ranks, open(setting, &mut resolved, ranks, progress))?;
         agree(&mut session, &resolved, ranks);
@@ -225,7 +227,8 @@ fn device_of(asked: &DeviceArgs, ranks: &Ranks) -> Result<Option<String>> {
         return Ok(asked.device.clone());
     }
     let (all, _) = gpu::devices(None)?;
-    let gpus: Vec<usize> = all.iter().filter(|d| d.kind.contains("discrete") && d.lacks.is_empty()).map(|d| d.index).collect();
+    let gpus: Vec<usize> =
+        all.iter().filter(|d| d.kind.contains("discrete") && d.lacks.is_empty()).map(|d| d.index).collect();
     Ok(if gpus.len() > 1 { Some(gpus[ranks.local() % gpus.len()].to_string()) } else { None })
 }
 
@@ -286,9 +289,13 @@ mod tests {
 
     #[test]
     fn every_sample_is_drawn_once() {
-        for (total, step, ranks, more) in
-            [(100, 1, 2, None), (64, 16, 3, None), (70, 16, 8, None), (1000, 1, 7, Some((21, 0.2))), (5, 1, 4, Some((12, 0.2)))]
-        {
+        for (total, step, ranks, more) in [
+            (100, 1, 2, None),
+            (64, 16, 3, None),
+            (70, 16, 8, None),
+            (1000, 1, 7, Some((21, 0.2))),
+            (5, 1, 4, Some((12, 0.2))),
+        ] {
             let ranges = parted(total, step, ranks, more);
             assert!(ranges.len() >= ranks);
             let mut next = 0;

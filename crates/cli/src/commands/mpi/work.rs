@@ -19,6 +19,8 @@ pub struct Work {
     pub windows: Vec<Window>,
     /// Ranges of ensembles or samples that it drew.
     pub samples: Vec<[u32; 2]>,
+    /// Numbers of the frames that it rendered alone.
+    pub frames: Vec<u32>,
     /// Time that it was at work, until everything was rendered.
     pub work_ms: f64,
     /// Time without work and without a message.

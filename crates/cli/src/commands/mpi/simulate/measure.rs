@@ -23,7 +23,6 @@ const ENOUGH: f64 = 3.0;
 /// # Errors
 /// Those of rendering.
 pub fn measure(stage: &mut Stage, frames: usize) -> Result<Measured> {
-    stage.session.renderer.timed = false;
     let costs = stage.costs().clone();
     let alone = window(stage, None)?;
     let parts = match stage.share {

@@ -55,10 +55,7 @@ impl SimulateArgs {
     }
 
     fn link(&self, known: Link) -> Link {
-        Link {
-            latency: self.latency.unwrap_or(known.latency),
-            bandwidth: self.bandwidth.unwrap_or(known.bandwidth),
-        }
+        Link { latency: self.latency.unwrap_or(known.latency), bandwidth: self.bandwidth.unwrap_or(known.bandwidth) }
     }
 }
 

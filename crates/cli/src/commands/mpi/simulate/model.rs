@@ -176,7 +176,8 @@ impl Measured {
         let work = if ranks == 1 { self.alone } else { longest(&dealt(&times, ranks), at_once) };
         // A tree of messages, whose sums are added up; of ensembles they have the same size in each round.
         let rounds = (ranks as f64).log2().ceil();
-        let gather = rounds * (of.copy + link.seconds(2.0, of.bytes as f64)) + if ranks == 1 { 0.0 } else { of.resolve };
+        let gather =
+            rounds * (of.copy + link.seconds(2.0, of.bytes as f64)) + if ranks == 1 { 0.0 } else { of.resolve };
         let made = |scaling, work: f64, times: f64| {
             let seconds = work + gather;
             let speedup = times * self.alone / seconds;
@@ -198,7 +199,15 @@ impl Measured {
         };
         let of = |scaling: Scaling, work: f64, gather: f64, times: f64| {
             let seconds = work + gather;
-            Prediction { ranks, share: Share::Windows, scaling, seconds, work, gather, speedup: times * self.alone / seconds }
+            Prediction {
+                ranks,
+                share: Share::Windows,
+                scaling,
+                seconds,
+                work,
+                gather,
+                speedup: times * self.alone / seconds,
+            }
         };
         let shared = |work: f64| slowed(work, ranks, at_once);
         let work = longest(&busy, at_once);
@@ -214,7 +223,15 @@ impl Measured {
             let busy = dealt(&vec![self.alone; frames], ranks);
             let seconds = longest(&busy, at_once);
             let one = frames as f64 * self.alone;
-            Prediction { ranks, share: Share::Frames, scaling, seconds, work: seconds, gather: 0.0, speedup: one / seconds }
+            Prediction {
+                ranks,
+                share: Share::Frames,
+                scaling,
+                seconds,
+                work: seconds,
+                gather: 0.0,
+                speedup: one / seconds,
+            }
         };
         [of(Scaling::Strong, self.frames), of(Scaling::Weak, self.frames * ranks)]
     }
@@ -261,7 +278,10 @@ mod tests {
         };
         let parts = costs.windows(8, 0, 0.0).into_iter().map(part).collect();
         let load = costs.whole();
-        (Measured::new(1.0 + once, costs, Parts::Windows(parts), 36), Job { load, samples: None, slots: 0, frames: 36, is_gpu: false })
+        (
+            Measured::new(1.0 + once, costs, Parts::Windows(parts), 36),
+            Job { load, samples: None, slots: 0, frames: 36, is_gpu: false },
+        )
     }
 
     fn strong(predictions: &[Prediction], share: Share) -> Prediction {
