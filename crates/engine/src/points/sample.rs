@@ -23,6 +23,18 @@ pub struct Known {
     splats: Option<(u64, u32, u32)>,
 }
 
+impl Known {
+    /// The number of points.
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// The box around all of them, also around those that are not drawn.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+}
+
 /// The points of a scene that are elsewhere.
 #[derive(Debug)]
 struct Elsewhere;
@@ -79,9 +91,9 @@ impl Points {
         Self { unseen: Arc::new(unseen), whole: self.whole, ..one() }
     }
 
-    /// These points as some that stand for a scene.
+    /// These points as some that stand for a scene; `identity` is the same text for the same points.
     #[must_use]
-    pub fn standing_for(self, known: &Known) -> Self {
+    pub fn standing_for(self, known: &Known, identity: String) -> Self {
         let splats = known.splats.map(|(count, degree, brightest)| WholeSplats {
             count,
             degree,
@@ -93,7 +105,7 @@ impl Points {
             largest_radius: f32::from_bits(known.largest_radius),
             brightest: f32::from_bits(known.brightest),
             is_transparent: known.is_transparent,
-            identity: String::new(),
+            identity,
             splats,
             spheres: Arc::new(Elsewhere),
         };
@@ -118,7 +130,7 @@ mod tests {
     fn what_stands_for_all_is_known_as_all() {
         let all = points((0..300_000).map(|at| DVec3::new(f64::from(at), 0.0, f64::from(at % 1000))).collect());
         let known = all.known().unwrap();
-        let sample = all.sampled_points().standing_for(&known);
+        let sample = all.sampled_points().standing_for(&known, String::new());
         assert!((10_000..200_000).contains(&sample.len()), "{}", sample.len());
         assert_eq!(sample.anchor(), all.anchor());
         assert_eq!(sample.known(), Some(known));

@@ -190,9 +190,14 @@ mod tests {
 
     #[test]
     fn windows_cover_every_pixel_once_and_cut_no_tile() {
-        for (size, ranks, more) in
-            [([70, 50], 1, 0), ([70, 50], 3, 0), ([70, 50], 64, 0), ([200, 130], 4, 3), ([16, 16], 5, 2), ([1, 300], 7, 1)]
-        {
+        for (size, ranks, more) in [
+            ([70, 50], 1, 0),
+            ([70, 50], 3, 0),
+            ([70, 50], 64, 0),
+            ([200, 130], 4, 3),
+            ([16, 16], 5, 2),
+            ([1, 300], 7, 1),
+        ] {
             let costs = costs(size, |column, row| f64::from(1000 * ((column * 7 + row * 3) % 5)));
             let windows = costs.windows(ranks, more, 0.3);
             assert!(windows.len() >= ranks, "each rank has its own");
@@ -239,13 +244,18 @@ mod tests {
         let camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Y, projection, 1.0, 100.0).expect("a camera");
         let mut costs = costs([64, 64], |_, _| 0.0);
         // A pixel is a unit. The second is cut by the image's edge, the third lies outside, the last behind the camera.
-        for (x, y, z, radius) in [(-20.0, 20.0, 0.0, 2.0), (32.0, 0.0, 0.0, 16.0), (60.0, 0.0, 0.0, 2.0), (0.0, 0.0, 200.0, 2.0)] {
+        for (x, y, z, radius) in
+            [(-20.0, 20.0, 0.0, 2.0), (32.0, 0.0, 0.0, 16.0), (60.0, 0.0, 0.0, 2.0), (0.0, 0.0, 200.0, 2.0)]
+        {
             costs.add(&camera, DVec3::new(x, y, z), (radius, 1.0), 10.0);
         }
         let first = costs.of([0, 0, 16, 16]);
         assert_eq!((first.points, first.fragments.round()), (10.0, (40.0 * std::f64::consts::PI).round()));
         let all = costs.whole();
         let half = 0.5 * 10.0 * std::f64::consts::PI * 256.0;
-        assert!((all.fragments - first.fragments) < 1.4 * half && (all.fragments - first.fragments) > 0.5 * half, "{all:?}");
+        assert!(
+            (all.fragments - first.fragments) < 1.4 * half && (all.fragments - first.fragments) > 0.5 * half,
+            "{all:?}"
+        );
     }
 }

@@ -11,6 +11,7 @@ use super::desk::Desk;
 use super::pixels;
 use super::ranks::Ranks;
 use super::share::Share;
+use super::spread;
 use super::stage::Stage;
 use super::work::{Work, joined, ms};
 use crate::commands::session::Session;
@@ -31,10 +32,12 @@ pub struct Shared {
 /// # Errors
 /// Those of rendering.
 pub fn render(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<Shared>> {
+    let (rounds, ranks) = (spread::frame::order(stage, ranks, listed)?, ranks.led().unwrap_or(ranks));
     ranks.meet();
     let mut turn = Turn { begin: Instant::now(), work: Work::of(ranks), listed, ranks };
     let (before, read) = (ranks.traffic(), stage.bytes_read());
     let own = match stage.share {
+        _ if rounds.is_some() => spread::frame::lead(stage, &mut turn, rounds.as_deref().unwrap_or_default())?,
         _ if ranks.count() == 1 => Some(turn.alone(&mut stage.session)?),
         _ => turn.windows(stage)?,
     };
@@ -54,15 +57,15 @@ pub fn render(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<S
 }
 
 /// A rank's turn in a frame.
-struct Turn<'a> {
-    begin: Instant,
-    work: Work,
-    listed: bool,
-    ranks: &'a Ranks,
+pub(super) struct Turn<'a> {
+    pub(super) begin: Instant,
+    pub(super) work: Work,
+    pub(super) listed: bool,
+    pub(super) ranks: &'a Ranks,
 }
 
 /// The whole frame, and the time for bringing it together.
-type Whole = Option<(Rendered, Duration)>;
+pub(super) type Whole = Option<(Rendered, Duration)>;
 
 impl Turn<'_> {
     /// The whole frame by one rank.
@@ -111,7 +114,7 @@ impl Turn<'_> {
     }
 
     /// Sends this rank's windows to the first one.
-    fn hand_in(&self, own: Option<Rendered>) {
+    pub(super) fn hand_in(&self, own: Option<Rendered>) {
         let kinds = own.as_ref().map(|own| pixels::kinds(&own.image));
         self.ranks.send(0, &encoded(&(&self.work.windows, &kinds)));
         if let Some(mut own) = own {
@@ -120,7 +123,7 @@ impl Turn<'_> {
     }
 
     /// Takes the windows of the other ranks.
-    fn put_together(&self, session: &mut Session, mut own: Rendered) -> Result<(Rendered, Duration)> {
+    pub(super) fn put_together(&self, session: &mut Session, mut own: Rendered) -> Result<(Rendered, Duration)> {
         let (begin, waited) = (Instant::now(), self.ranks.traffic().waited);
         let size = [own.image.width, own.image.height];
         for rank in 1..self.ranks.count() {
@@ -140,12 +143,12 @@ impl Turn<'_> {
 }
 
 /// A value as bytes for another rank.
-fn encoded(value: &impl serde::Serialize) -> Vec<u8> {
+pub(super) fn encoded(value: &impl serde::Serialize) -> Vec<u8> {
     serde_json::to_vec(value).unwrap_or_default()
 }
 
 /// The value that a rank sends; another one than expected ends all ranks.
-fn decoded<T: serde::de::DeserializeOwned>(from: usize, ranks: &Ranks) -> T {
+pub(super) fn decoded<T: serde::de::DeserializeOwned>(from: usize, ranks: &Ranks) -> T {
     serde_json::from_slice(&ranks.received(from))
         .unwrap_or_else(|error| ranks.fail(&format!("rank {from} sent something else than expected: {error}"), 1))
 }

@@ -113,7 +113,8 @@ fn each_by_all(
         stage.session.frame.camera = frames.camera(number);
         let Some(shared) = frame::render(stage, ranks, false)? else { continue };
         let mut whole = Some(shared.rendered);
-        let mut render = |session: &mut Session| -> Result<Rendered> { whole.take().map_or_else(|| session.render(), Ok) };
+        let mut render =
+            |session: &mut Session| -> Result<Rendered> { whole.take().map_or_else(|| session.render(), Ok) };
         let Stage { resolved, session, .. } = &mut *stage;
         let mut records = Records::open(args, frames, resolved, session)?;
         let due = Due { numbers: &mut std::iter::once(number), count: 1, render: &mut render };

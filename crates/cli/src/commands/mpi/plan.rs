@@ -73,7 +73,8 @@ pub fn run(
     );
     for (at, ([x0, y0, x1, y1], work)) in windows.iter().zip(&work).enumerate() {
         let whose = if at < count { format!("rank {at}") } else { "on demand".to_owned() };
-        text += &format!("{whose:<10} columns {x0} to {x1}, rows {y0} to {y1}: {:.1} % of the work\n", 100.0 * work / all);
+        text +=
+            &format!("{whose:<10} columns {x0} to {x1}, rows {y0} to {y1}: {:.1} % of the work\n", 100.0 * work / all);
     }
     print(&text)?;
     Ok(ExitCode::SUCCESS)

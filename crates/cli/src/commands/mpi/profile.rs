@@ -43,7 +43,11 @@ pub fn run(args: &ProfileArgs, sharing: SharingArgs, ranks: &Ranks, console: Con
     let first = frame::render(&mut stage, ranks, false)?;
     let counted = first.as_ref().map(|shared| {
         let lengths = shared.rendered.image.fragments.as_deref();
-        (shared.rendered.facts.fragments, shared.rendered.facts.max_list, lengths.map(profile::histogram).unwrap_or_default())
+        (
+            shared.rendered.facts.fragments,
+            shared.rendered.facts.max_list,
+            lengths.map(profile::histogram).unwrap_or_default(),
+        )
     });
     if stage.session.frame.counts_on_demand() {
         stage.session.frame.fragments = false;

@@ -23,8 +23,10 @@ pub struct Ranks {
     local: usize,
     host: String,
     traffic: Cell<Traffic>,
+    /// All ranks, of one that is seen as if it was alone.
+    all: Option<Box<Self>>,
     // Last: dropping it ends MPI.
-    _universe: Universe,
+    _universe: Option<Universe>,
 }
 
 /// What a rank has sent and received, and how long it waited for messages.
@@ -58,12 +60,26 @@ impl Ranks {
         let (universe, threads) =
             mpi::initialize_with_threading(Threading::Multiple).ok_or("MPI is not available in this process")?;
         if threads != Threading::Multiple {
-            return Err("this MPI was built without support for threads (MPI_THREAD_MULTIPLE), which handing out work needs");
+            return Err(
+                "this MPI was built without support for threads (MPI_THREAD_MULTIPLE), which handing out work needs",
+            );
         }
         let world = universe.world();
         let local = usize::try_from(world.split_shared(world.rank()).rank()).unwrap_or(0);
         let host = processor_name().unwrap_or_else(|_| "a host without a name".to_owned());
-        Ok(Self { world, local, host, traffic: Cell::default(), _universe: universe })
+        Ok(Self { world, local, host, traffic: Cell::default(), all: None, _universe: Some(universe) })
+    }
+
+    /// This rank as if it was alone, for a command that the others don't follow: they do as it orders.
+    pub fn leading(self) -> Self {
+        let (local, host) = (self.local, self.host.clone());
+        let world = SimpleCommunicator::self_comm();
+        Self { world, local, host, traffic: Cell::default(), all: Some(Box::new(self)), _universe: None }
+    }
+
+    /// All ranks, of one that leads others.
+    pub fn led(&self) -> Option<&Self> {
+        self.all.as_deref()
     }
 
     /// This rank, from 0.
@@ -93,6 +109,9 @@ impl Ranks {
 
     /// This rank for people: `rank 2 of 4 (node17)`.
     pub fn name(&self) -> String {
+        if let Some(all) = &self.all {
+            return all.name();
+        }
         format!("rank {} of {} ({})", self.own(), self.count(), self.host)
     }
 
@@ -184,6 +203,9 @@ impl Ranks {
 
     /// Says what went wrong and ends all ranks.
     pub fn fail(&self, message: &str, status: u8) -> ! {
+        if let Some(all) = &self.all {
+            all.fail(message, status);
+        }
         // Without a standard error the message is lost, which is fine.
         let _ = writeln!(std::io::stderr(), "error: {}: {message}", self.name());
         self.world.abort(status.into())

@@ -88,11 +88,10 @@ impl Report {
     pub fn to_trace(&self) -> Value {
         let (mut events, mut begin) = (Vec::new(), 0.0);
         for frame in &self.frames {
-            let event = |name: &str, start: f64, length: f64, rank: usize| {
-                json!({"name": name, "ph": "X", "ts": 1e3 * (begin + start), "dur": 1e3 * length, "pid": 0, "tid": rank, "args": {}})
-            };
+            let event = |name: &str, start: f64, length: f64, rank: usize| json!({"name": name, "ph": "X", "ts": 1e3 * (begin + start), "dur": 1e3 * length, "pid": 0, "tid": rank, "args": {}});
             for work in &frame.work {
-                events.extend(work.timeline.iter().map(|(name, start, length)| event(name, *start, *length, work.rank)));
+                events
+                    .extend(work.timeline.iter().map(|(name, start, length)| event(name, *start, *length, work.rank)));
                 let rest = (ms(frame.wall) - work.work_ms).max(0.0);
                 let after = if work.rank == 0 { "gather and wait" } else { "send and wait" };
                 events.push(event(after, work.work_ms, rest, work.rank));
@@ -117,7 +116,17 @@ impl Report {
         let Some(frame) = self.frames.last() else { return String::new() };
         let mut table = Table::new();
         table.load_style(presets::NOTHING);
-        table.set_header(["rank", "host", "parts", "work ms", "passes ms", "wait ms", "sent MiB", "received MiB", "read MiB"]);
+        table.set_header([
+            "rank",
+            "host",
+            "parts",
+            "work ms",
+            "passes ms",
+            "wait ms",
+            "sent MiB",
+            "received MiB",
+            "read MiB",
+        ]);
         let mib = |bytes: u64| format!("{:.1}", bytes as f64 / f64::from(1 << 20));
         for work in &frame.work {
             table.add_row([

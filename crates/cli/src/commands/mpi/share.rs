@@ -133,7 +133,8 @@ impl Job {
         let once = if self.slots > 0 { 0.0 } else { self.seconds(POINT * self.load.points) };
         let work = once + (self.alone() - once) * (parts / n).ceil() / parts;
         let sums = if self.slots > 0 { 1.0 } else { parts };
-        let gather = link.seconds(n - 1.0, self.load.pixels * SUM_BYTES * sums * (n - 1.0) / if self.slots > 0 { 1.0 } else { n });
+        let gather = link
+            .seconds(n - 1.0, self.load.pixels * SUM_BYTES * sums * (n - 1.0) / if self.slots > 0 { 1.0 } else { n });
         Offer {
             share,
             seconds: Some(self.frames as f64 * (work + gather)),

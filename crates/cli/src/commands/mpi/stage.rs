@@ -13,6 +13,7 @@ use super::cut::{Costs, Load};
 use super::link::Link;
 use super::ranks::Ranks;
 use super::share::{Job, Share, Wanted};
+use super::spread::{self, Spread};
 use super::together;
 use crate::commands::DeviceArgs;
 use crate::commands::bar::Bar;
@@ -48,6 +49,8 @@ pub struct Stage {
     /// What there is to share.
     pub job: Job,
     pub link: Link,
+    /// The points of this rank, if they are spread over all.
+    pub spread: Option<Spread>,
     /// The last camera, with the costs of its tiles.
     costs: Option<(Camera, Costs)>,
 }
@@ -68,13 +71,17 @@ impl Stage {
             legend::check(&resolved, console)?;
             Ok((resolved, frames))
         };
+        if let Some(all) = ranks.led() {
+            return together(ranks, checked().and_then(|found| Self::spread(setting, all, (console, progress), found)));
+        }
         let (mut resolved, frames) = together(ranks, checked())?;
         together(ranks, compare(&identity(&resolved), ranks))?;
         let link = Link::measured(ranks).unwrap_or_default();
         // Points come window by window, so that each rank takes those of its own.
         let frame = Frame::of_scene(&resolved.scene, resolved.camera, resolved.seed);
         let expected = Job::of(&frame, &resolved, frames).choose(setting.share, ranks.count(), link);
-        resolved.by_windows = ranks.count() > 1 && matches!(expected, Ok(Share::Windows)) && resolved.shadow_texture.is_none();
+        resolved.by_windows =
+            ranks.count() > 1 && matches!(expected, Ok(Share::Windows)) && resolved.shadow_texture.is_none();
         let mut session = together(ranks, open(setting, &mut resolved, ranks, progress))?;
         agree(&mut session, &resolved, ranks);
         session.frame.depths = setting.depths;
@@ -87,7 +94,22 @@ impl Stage {
                 console.detail(format_args!("{} ranks share {share}", ranks.count()));
             }
         }
-        Ok(Self { resolved, session, share, job, link, costs: None })
+        Ok(Self { resolved, session, share, job, link, spread: None, costs: None })
+    }
+
+    /// The same with the points spread over all ranks, as this one orders.
+    fn spread(
+        setting: &Setting<'_>,
+        all: &Ranks,
+        (console, progress): (Console, &Bar),
+        (mut resolved, frames): (Resolved, usize),
+    ) -> Result<Self> {
+        let (session, spread) = spread::open(setting, &mut resolved, all, progress)?;
+        session.describe(console);
+        session.warn(&resolved, console);
+        console.detail(spread.described());
+        let (share, job) = (Share::Windows, Job::of(&session.frame, &resolved, frames));
+        Ok(Self { resolved, session, share, job, link: Link::default(), spread: Some(spread), costs: None })
     }
 
     /// Bytes that this rank has read of nodes.
@@ -142,12 +164,13 @@ fn compare(own: &[u8], ranks: &Ranks) -> Result<()> {
 }
 
 /// The device of a rank: the one that is asked for, or, where the host has several GPUs, that of the rank's number on the host.
-fn device_of(asked: &DeviceArgs, ranks: &Ranks) -> Result<Option<String>> {
+pub(super) fn device_of(asked: &DeviceArgs, ranks: &Ranks) -> Result<Option<String>> {
     if asked.device.is_some() {
         return Ok(asked.device.clone());
     }
     let (all, _) = gpu::devices(None)?;
-    let gpus: Vec<usize> = all.iter().filter(|d| d.kind.contains("discrete") && d.lacks.is_empty()).map(|d| d.index).collect();
+    let gpus: Vec<usize> =
+        all.iter().filter(|d| d.kind.contains("discrete") && d.lacks.is_empty()).map(|d| d.index).collect();
     Ok(if gpus.len() > 1 { Some(gpus[ranks.local() % gpus.len()].to_string()) } else { None })
 }
 
