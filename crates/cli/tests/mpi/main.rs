@@ -1,5 +1,8 @@
 //! `pellucid-mpi`: the bytes of `pellucid` from any number of ranks, and errors of one as errors of all.
 
+mod spread;
+
+use std::ffi::OsString;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -22,9 +25,14 @@ fn with_environment(command: &mut Command, folder: &TempDir) {
     command.current_dir(folder).envs(ENVIRONMENT).env("PELLUCID_CACHE_DIR", cache).stdin(Stdio::null());
 }
 
-/// The program on so many ranks. `PELLUCID_MPIRUN` names another mpirun, as that of MPICH.
+/// What starts ranks. `PELLUCID_MPIRUN` names another one, as that of MPICH.
+fn mpirun() -> OsString {
+    env::var_os("PELLUCID_MPIRUN").unwrap_or_else(|| "mpirun".into())
+}
+
+/// The program on so many ranks.
 fn ranks(folder: &TempDir, count: usize, args: &[&str]) -> Command {
-    let mut command = Command::new(env::var_os("PELLUCID_MPIRUN").unwrap_or_else(|| "mpirun".into()));
+    let mut command = Command::new(mpirun());
     with_environment(&mut command, folder);
     command.args(["-n", &count.to_string(), env!("CARGO_BIN_EXE_pellucid-mpi")]).args(args);
     command

@@ -53,6 +53,7 @@ pub fn run(args: &ProfileArgs, sharing: SharingArgs, ranks: &Ranks, console: Con
         stage.session.frame.fragments = false;
     }
     let mut report = Report::new(&stage.session, stage.share);
+    report.spread = stage.spread.as_ref().map(|spread| spread.to_json());
     progress.counted("measuring", cameras.len() as u64);
     for camera in &cameras {
         stage.session.frame.camera = *camera;
@@ -75,7 +76,12 @@ pub fn run(args: &ProfileArgs, sharing: SharingArgs, ranks: &Ranks, console: Con
     } else {
         let median = profile::median(report.walls().collect());
         let passes = pellucid_lab::profile_table(&report.profile, None);
-        print(&format!("{passes}\n\n{}\nmedian of {} frames: {median:.1} ms\n", report.table(), cameras.len()))?;
+        let spread = stage.spread.as_ref().map_or_else(String::new, |spread| format!("\n{}", spread.described()));
+        print(&format!(
+            "{passes}\n\n{}{spread}\nmedian of {} frames: {median:.1} ms\n",
+            report.table(),
+            cameras.len()
+        ))?;
     }
     Ok(ExitCode::SUCCESS)
 }

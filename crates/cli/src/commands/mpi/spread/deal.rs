@@ -116,9 +116,9 @@ impl<'a> Dealer<'a> {
         }
     }
 
-    /// What this rank keeps.
-    pub fn finish(self) -> Spread {
-        Spread { portion: self.portion, dealt: self.dealt, sent: self.sent }
+    /// What this rank keeps, after so many bytes were read.
+    pub fn finish(self, read: u64) -> Spread {
+        Spread { portion: self.portion, dealt: self.dealt, sent: self.sent, read }
     }
 }
 

@@ -19,6 +19,7 @@ use pellucid_engine::prepare::{Arranged, Supplied};
 use pellucid_engine::scene::{Error, MethodChoice};
 use pellucid_engine::supply::{Held, Portion};
 use pellucid_engine::{Result, methods, passes};
+use serde_json::{Value, json};
 
 use self::deal::Dealer;
 use self::orders::Order;
@@ -50,6 +51,8 @@ pub struct Spread {
     dealt: Vec<u64>,
     /// Bytes of points that were sent to others before the first frame.
     sent: u64,
+    /// Bytes that were read of nodes for it.
+    read: u64,
 }
 
 impl Spread {
@@ -58,6 +61,11 @@ impl Spread {
         let points: Vec<String> = self.dealt.iter().map(u64::to_string).collect();
         let mib = self.sent as f64 / f64::from(1 << 20);
         format!("points were spread over {} ranks: {} ({mib:.1} MiB sent)", points.len(), points.join(", "))
+    }
+
+    /// The same for programs.
+    pub fn to_json(&self) -> Value {
+        json!({"points": self.dealt, "sent": self.sent, "read": self.read})
     }
 }
 
@@ -88,7 +96,8 @@ pub fn open(setting: &Setting<'_>, resolved: &mut Resolved, all: &Ranks, progres
     )?;
     let mut dealer = Dealer::new(all, &known, PIECE);
     let identity = dealer.deal(resolved, progress)?;
-    let spread = dealer.finish();
+    let read = resolved.stored.as_ref().map_or(0, |stored| stored.bytes_read()[0]);
+    let spread = dealer.finish(read);
     // The points themselves are not needed here any more.
     let sample = Arc::new(sample.standing_for(&known, identity));
     let nowhere = nowhere(&sample);
