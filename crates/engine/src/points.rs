@@ -1,6 +1,6 @@
 //! The points of a whole scene, ready for the device: merged, with every setting applied, in canonical order.
 
-mod packed;
+pub(crate) mod packed;
 mod sample;
 
 use std::collections::HashMap;

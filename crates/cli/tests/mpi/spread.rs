@@ -82,10 +82,11 @@ fn stores_are_read_by_one_rank_block_by_block() {
         .collect();
     assert!(differ.is_empty(), "{differ:?}");
     for (name, more) in [
-        ("little memory", &["--memory-budget", "3MB", "--method", "abuffer"][..]),
+        // In several rounds.
+        ("little memory", &["--memory-budget", "400KB", "--method", "abuffer"][..]),
         ("eye-dome lighting", &["--set", "shading.edl=true", "--method", "circles"]),
         ("see-through", &["--see-through", "0.5", "--method", "sorted"]),
-        ("a class", &["--ortho", "--method", "weighted", "--color-by", "height"]),
+        ("heights", &["--ortho", "--method", "weighted", "--color-by", "height"]),
     ] {
         let more = [more, &unlit].concat();
         assert_eq!(differing(&folder, store, &more, &[1, 2, 4]), [0usize; 0], "{name}");

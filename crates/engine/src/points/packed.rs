@@ -27,6 +27,8 @@ pub struct Unreadable(&'static str);
 impl Unreadable {
     /// Fewer bytes than there have to be.
     pub const SHORT: Self = Self("they end too early");
+    /// Runs that are not one behind the other.
+    pub const RUNS: Self = Self("runs that are none");
 }
 
 impl Points {
@@ -112,12 +114,13 @@ fn gaussians(bytes: &mut &[u8], count: usize, degree: u32) -> Result<Gaussians, 
     })
 }
 
-fn put<T: NoUninit>(to: &mut Vec<u8>, column: &[T]) {
+/// Appends the bytes of a column.
+pub(crate) fn put<T: NoUninit>(to: &mut Vec<u8>, column: &[T]) {
     to.extend_from_slice(cast_slice(column));
 }
 
 /// The first values of some bytes.
-fn taken<T: NoUninit + AnyBitPattern>(bytes: &mut &[u8], count: usize) -> Result<Vec<T>, Unreadable> {
+pub(crate) fn taken<T: NoUninit + AnyBitPattern>(bytes: &mut &[u8], count: usize) -> Result<Vec<T>, Unreadable> {
     let length = count.checked_mul(size_of::<T>()).filter(|length| *length <= bytes.len());
     let (own, rest) = bytes.split_at(length.ok_or(Unreadable::SHORT)?);
     *bytes = rest;

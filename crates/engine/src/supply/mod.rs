@@ -16,7 +16,7 @@ use crate::cloud::Bounds;
 use crate::points::{Points, Unseen};
 use crate::progress::{Cancelled, Progress};
 pub use cut::{Cut, Limits, Picture};
-pub use portion::{Portion, Run, joined};
+pub use portion::{Portion, Runs, joined};
 pub use scale::Scale;
 pub(crate) use spacing::spacing;
 

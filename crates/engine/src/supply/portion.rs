@@ -7,77 +7,100 @@ use rayon::prelude::*;
 use super::{Block, starts};
 use crate::cloud::Bounds;
 use crate::passes::project::{Beam, Present};
-use crate::points::{Points, Unreadable, Unseen};
+use crate::points::{Points, Unreadable, Unseen, packed};
 use crate::prepare::order;
 
 /// Blocks that are looked at at once.
 const AT_ONCE: usize = 64;
 
-/// Some points that are near one another, with the largest radius of all points in their places, wherever these are.
+/// Points in canonical order, in runs of some that are near one another. No place is parted between runs.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Run {
-    /// The points.
-    pub points: Points,
-    /// The largest radius; of Gaussians how far one of them reaches at most.
-    pub radius: f32,
+pub struct Runs {
+    points: Points,
+    /// The first point of each run.
+    starts: Vec<u32>,
+    /// For each run the largest radius of all points in its places, wherever these are; of Gaussians how far one of them reaches at most.
+    radii: Vec<f32>,
 }
 
-impl Run {
-    /// Points in canonical order, in runs that part no place. `radius` is that of the block that they are, if there are others in
-    /// their places.
-    pub fn all(points: &Points, radius: Option<f32>) -> impl Iterator<Item = Self> + '_ {
-        let starts = starts(points);
-        (1..starts.len()).map(move |end| {
-            let range: Vec<u32> = (starts[end - 1] as u32..starts[end] as u32).collect();
-            let points = Points { unseen: Arc::<Unseen>::default(), whole: None, ..points.subset(&range, 1.0) };
-            let largest = || points.radii.iter().copied().fold(0.0, f32::max);
-            Self { radius: radius.unwrap_or_else(largest), points }
-        })
+impl Runs {
+    /// Where runs of points in canonical order begin, and the number of all points.
+    pub fn starts(points: &Points) -> Vec<usize> {
+        if points.is_empty() { Vec::new() } else { starts(points) }
     }
 
-    /// Appends the run to some bytes.
+    /// Some of them: those from one of the [`Self::starts`] to another. `radius` is that of the block that the points are, if there are
+    /// others in their places.
+    pub fn of(points: &Points, starts: &[usize], radius: Option<f32>) -> Self {
+        let (first, end) = (starts[0], starts[starts.len() - 1]);
+        let range: Vec<u32> = (first as u32..end as u32).collect();
+        let largest = |run: &[usize]| points.radii[run[0]..run[1]].iter().copied().fold(0.0, f32::max);
+        Self {
+            points: Points { unseen: Arc::<Unseen>::default(), whole: None, ..points.subset(&range, 1.0) },
+            starts: starts[..starts.len() - 1].iter().map(|start| (start - first) as u32).collect(),
+            radii: starts.windows(2).map(|run| radius.unwrap_or_else(|| largest(run))).collect(),
+        }
+    }
+
+    /// Appends them to some bytes.
     pub fn pack(&self, to: &mut Vec<u8>) {
-        to.extend_from_slice(&self.radius.to_ne_bytes());
+        packed::put(to, &[self.starts.len() as u64]);
+        packed::put(to, &self.starts);
+        packed::put(to, &self.radii);
         self.points.pack(to);
     }
 
-    /// Takes a run off the front of some bytes.
+    /// Takes some off the front of some bytes.
     ///
     /// # Errors
     /// They are none.
     pub fn unpack(bytes: &mut &[u8]) -> Result<Self, Unreadable> {
-        let (radius, mut rest) = bytes.split_first_chunk().ok_or(Unreadable::SHORT)?;
-        let points = Points::unpack(&mut rest)?;
-        *bytes = rest;
-        Ok(Self { radius: f32::from_ne_bytes(*radius), points })
+        let count = packed::taken::<u64>(bytes, 1)?.into_iter().next().and_then(|count| usize::try_from(count).ok());
+        let count = count.ok_or(Unreadable::SHORT)?;
+        let (starts, radii): (Vec<u32>, _) = (packed::taken(bytes, count)?, packed::taken(bytes, count)?);
+        let points = Points::unpack(bytes)?;
+        let is_within = starts.last().is_some_and(|last| (*last as usize) < points.len());
+        if !is_within || starts[0] != 0 || !starts.is_sorted_by(|a, b| a < b) {
+            return Err(Unreadable::RUNS);
+        }
+        Ok(Self { points, starts, radii })
     }
 }
 
 /// The part of a scene's points that is here.
 #[derive(Debug, Default)]
 pub struct Portion {
+    chunks: Vec<Points>,
+    /// The runs of all chunks.
     blocks: Vec<Block>,
-    runs: Vec<Points>,
+    /// For each of them its chunk, its first point there, and the first one behind it.
+    places: Vec<[u32; 3]>,
 }
 
 impl Portion {
-    /// Adds a run, unless it is empty.
-    pub fn add(&mut self, run: Run) {
-        let Run { points, radius } = run;
-        if let Some(bounds) = Bounds::of(&points.positions) {
-            self.blocks.push(Block { bounds, radius, points: points.len() as u64, branch: None });
-            self.runs.push(points);
+    /// Adds points.
+    pub fn add(&mut self, runs: Runs) {
+        let Runs { points, starts, radii } = runs;
+        let chunk = self.chunks.len() as u32;
+        let ends = starts.iter().skip(1).copied().chain([points.len() as u32]);
+        for ((start, end), radius) in starts.iter().copied().zip(ends).zip(radii) {
+            let positions = points.positions[start as usize..end as usize].iter().copied();
+            if let Some(bounds) = Bounds::enclosing(positions) {
+                self.blocks.push(Block { bounds, radius, points: u64::from(end - start), branch: None });
+                self.places.push([chunk, start, end]);
+            }
         }
+        self.chunks.push(points);
     }
 
     /// Number of points.
     pub fn len(&self) -> u64 {
-        self.blocks.iter().map(|block| block.points).sum()
+        self.chunks.iter().map(|points| points.len() as u64).sum()
     }
 
     /// True without points.
     pub fn is_empty(&self) -> bool {
-        self.blocks.is_empty()
+        self.len() == 0
     }
 
     /// Shows the points of which anything may show there, some at a time.
@@ -94,13 +117,14 @@ impl Portion {
 
     /// Those of a block.
     fn taken(&self, beam: &Beam, block: usize) -> Points {
-        let (points, radius) = (&self.runs[block], self.blocks[block].radius);
+        let ([chunk, start, end], radius) = (self.places[block], self.blocks[block].radius);
+        let points = &self.chunks[chunk as usize];
         let present = Present { within: Some(*beam) };
         let keeps = |at: &u32| {
             let at = *at as usize;
             present.keeps(points.positions[at], points.reach(at).unwrap_or(radius))
         };
-        let kept: Vec<u32> = (0..points.len() as u32).filter(keeps).collect();
+        let kept: Vec<u32> = (start..end).filter(keeps).collect();
         points.subset(&kept, 1.0)
     }
 }
@@ -146,10 +170,11 @@ mod tests {
         let (all, beam) = (points(20_000), beam());
         let bounds = all.bounds().unwrap();
         let mut portions = [Portion::default(), Portion::default(), Portion::default()];
-        for (at, run) in Run::all(&all, None).enumerate() {
+        let starts = Runs::starts(&all);
+        for (at, starts) in [&starts[..3], &starts[2..4], &starts[3..]].into_iter().enumerate() {
             let mut bytes = Vec::new();
-            run.pack(&mut bytes);
-            portions[at * 3 / 5].add(Run::unpack(&mut bytes.as_slice()).unwrap());
+            Runs::of(&all, starts, None).pack(&mut bytes);
+            portions[at].add(Runs::unpack(&mut bytes.as_slice()).unwrap());
         }
         assert_eq!(portions.iter().map(Portion::len).sum::<u64>(), 20_000);
         let mut parts = Vec::new();
@@ -172,12 +197,23 @@ mod tests {
 
     #[test]
     fn what_ends_too_early_is_no_run() {
-        let run = Run { points: points(10), radius: 1.0 };
+        let points = points(10_000);
+        let runs = Runs::of(&points, &Runs::starts(&points), Some(1.0));
         let mut bytes = Vec::new();
-        run.pack(&mut bytes);
-        assert_eq!(Run::unpack(&mut bytes.as_slice()), Ok(run));
-        for end in [0, 3, 4, 50, bytes.len() - 1] {
-            assert!(Run::unpack(&mut &bytes[..end]).is_err());
+        runs.pack(&mut bytes);
+        assert_eq!((Runs::unpack(&mut bytes.as_slice()), runs.starts.len()), (Ok(runs.clone()), 3));
+        for end in [0, 3, 8, 31, 50, bytes.len() - 1] {
+            assert!(Runs::unpack(&mut &bytes[..end]).is_err());
         }
+        // Starts that are none.
+        for (at, value) in [(8, 1), (12, 0), (16, 0), (18, 0xff)] {
+            let mut other = bytes.clone();
+            other[at] = value;
+            if at == 16 {
+                other[17] = 0;
+            }
+            assert!(at == 12 || Runs::unpack(&mut other.as_slice()).is_err(), "{at}");
+        }
+        assert!(Runs::starts(&Points::default()).is_empty());
     }
 }

@@ -3,7 +3,7 @@
 use pellucid_engine::points::{Known, Points};
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::stored::Stored;
-use pellucid_engine::supply::{Failure, Portion, Run, joined};
+use pellucid_engine::supply::{Failure, Portion, Runs, joined};
 use pellucid_engine::{Result, methods, passes};
 use rayon::prelude::*;
 
@@ -14,6 +14,9 @@ use crate::commands::loaded::Resolved;
 
 /// Blocks that are read at once, at most.
 const AT_ONCE: usize = 8;
+
+/// Points that are kept in one piece, about.
+const CHUNK: usize = 1 << 18;
 
 /// Gives each rank the next part of the points.
 pub struct Dealer<'a> {
@@ -59,12 +62,11 @@ impl<'a> Dealer<'a> {
     /// Points in memory, in canonical order.
     fn deal_held(&mut self, points: &Points, progress: &Bar) -> String {
         let mut hash = blake3::Hasher::new();
-        for run in Run::all(points, None) {
+        self.put_all((points, None), progress, |runs| {
             let mut bytes = Vec::new();
-            run.pack(&mut bytes);
+            runs.pack(&mut bytes);
             hash.update(&bytes);
-            self.put(run, progress);
-        }
+        });
         hash.finalize().to_hex().to_string()
     }
 
@@ -74,37 +76,50 @@ impl<'a> Dealer<'a> {
         let at_once = rayon::current_num_threads().min(AT_ONCE);
         let numbers: Vec<usize> = (0..stored.blocks().len()).collect();
         for some in numbers.chunks(at_once) {
-            let read = some.par_iter().map(|block| {
-                let points = stored.block(*block)?;
-                Ok((joined(vec![points], &self.known.bounds()), stored.blocks()[*block].radius))
-            });
-            let read = read.collect::<Result<Vec<_>, Failure>>().map_err(failed)?;
-            for (points, radius) in read {
-                Run::all(&points, Some(radius)).for_each(|run| self.put(run, progress));
+            let read = some.par_iter().map(|block| stored.block(*block)).collect::<Result<Vec<_>, Failure>>();
+            for (points, block) in read.map_err(failed)?.into_iter().zip(some) {
+                let points = joined(vec![points], &self.known.bounds());
+                self.put_all((&points, Some(stored.blocks()[*block].radius)), progress, |_| {});
             }
         }
         Ok(())
     }
 
-    fn put(&mut self, run: Run, progress: &Bar) {
-        let (points, ranks) = (run.points.len() as u64, self.ranks.count());
-        if points == 0 {
-            return;
+    /// Deals points in canonical order, with the radius of their block; `see` sees them before.
+    fn put_all(&mut self, (points, radius): (&Points, Option<f32>), progress: &Bar, mut see: impl FnMut(&Runs)) {
+        let starts = Runs::starts(points);
+        let mut first = 0;
+        while first + 1 < starts.len() {
+            let (owner, mut end) = (self.owner_of(0), first + 1);
+            let count = |end: usize| starts[end] - starts[first];
+            while end + 1 < starts.len() && count(end) < CHUNK && self.owner_of(count(end)) == owner {
+                end += 1;
+            }
+            let runs = Runs::of(points, &starts[first..=end], radius);
+            see(&runs);
+            self.put(owner, runs);
+            self.dealt[owner] += count(end) as u64;
+            progress.inc(count(end) as u64);
+            first = end;
         }
-        let before: u64 = self.dealt.iter().sum();
+    }
+
+    /// Whose a point is, with so many before it that were not dealt yet.
+    fn owner_of(&self, before: usize) -> usize {
+        let (before, ranks) = (self.dealt.iter().sum::<u64>() + before as u64, self.ranks.count());
         let owner = u128::from(before) * ranks as u128 / u128::from(self.known.count().max(1));
-        let owner = (owner as usize).min(ranks - 1);
+        (owner as usize).min(ranks - 1)
+    }
+
+    fn put(&mut self, owner: usize, runs: Runs) {
+        if owner == 0 {
+            return self.portion.add(runs);
+        }
         if owner != self.owner || self.waiting.len() >= self.piece {
             self.flush();
             self.owner = owner;
         }
-        self.dealt[owner] += points;
-        if owner == 0 {
-            self.portion.add(run);
-        } else {
-            run.pack(&mut self.waiting);
-        }
-        progress.inc(points);
+        runs.pack(&mut self.waiting);
     }
 
     /// Sends what waits.

@@ -1,5 +1,7 @@
 //! Points from rank to rank: those that may show in another's window.
 
+use std::convert::Infallible;
+
 use pellucid_engine::passes::bands::Window;
 use pellucid_engine::passes::project::Beam;
 use pellucid_engine::points::{Points, Unreadable};
@@ -56,7 +58,7 @@ pub fn exchanged(
 }
 
 fn each(portion: &Portion, beam: &Beam, mut see: impl FnMut(Points)) {
-    let seen: Result<(), std::convert::Infallible> = portion.within(beam, |points| {
+    let seen: Result<(), Infallible> = portion.within(beam, |points| {
         see(points);
         Ok(())
     });
@@ -65,20 +67,25 @@ fn each(portion: &Portion, beam: &Beam, mut see: impl FnMut(Points)) {
 
 /// Sends points in pieces, and an empty one as the end.
 fn send(ranks: &Ranks, to: usize, portion: &Portion, beam: Option<Beam>, piece: usize) {
-    let mut bytes = Vec::new();
     if let Some(beam) = beam {
-        each(portion, &beam, |points| {
-            points.pack(&mut bytes);
-            if bytes.len() >= piece {
-                ranks.send(to, &bytes);
-                bytes.clear();
-            }
-        });
-    }
-    if !bytes.is_empty() {
-        ranks.send(to, &bytes);
+        in_pieces(portion, &beam, piece, |bytes| ranks.send(to, bytes));
     }
     ranks.send(to, &[]);
+}
+
+/// Points that may show there as bytes, about so many at a time.
+fn in_pieces(portion: &Portion, beam: &Beam, piece: usize, mut give: impl FnMut(&[u8])) {
+    let mut bytes = Vec::new();
+    each(portion, beam, |points| {
+        points.pack(&mut bytes);
+        if bytes.len() >= piece {
+            give(&bytes);
+            bytes.clear();
+        }
+    });
+    if !bytes.is_empty() {
+        give(&bytes);
+    }
 }
 
 fn receive(ranks: &Ranks, from: usize) -> Result<Vec<Points>, Unreadable> {
@@ -88,15 +95,25 @@ fn receive(ranks: &Ranks, from: usize) -> Result<Vec<Points>, Unreadable> {
         if bytes.is_empty() {
             return Ok(parts);
         }
-        let mut rest = bytes.as_slice();
-        while !rest.is_empty() {
-            parts.push(Points::unpack(&mut rest)?);
-        }
+        take_piece(&bytes, &mut parts)?;
     }
+}
+
+/// Adds the points of a piece to those of others.
+fn take_piece(mut bytes: &[u8], parts: &mut Vec<Points>) -> Result<(), Unreadable> {
+    while !bytes.is_empty() {
+        parts.push(Points::unpack(&mut bytes)?);
+    }
+    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::{DVec3, Vec3};
+    use pellucid_engine::camera::{Camera, Projection};
+    use pellucid_engine::passes::project::Extent;
+    use pellucid_engine::supply::Runs;
+
     use super::*;
 
     #[test]
@@ -117,5 +134,34 @@ mod tests {
                 met.into_iter().for_each(|own| drop(left[own].remove(0)));
             }
         }
+    }
+
+    #[test]
+    fn points_come_in_pieces_however_small() {
+        let positions: Vec<DVec3> = (0..20_000).map(|at| DVec3::new(f64::from(at) * 1e-4, 0.0, 0.0)).collect();
+        let count = positions.len();
+        let all = Points {
+            positions,
+            colors: vec![Vec3::ONE; count],
+            opacities: vec![0.5; count],
+            radii: vec![0.01; count],
+            ..Points::default()
+        };
+        let mut portion = Portion::default();
+        portion.add(Runs::of(&all, &Runs::starts(&all), None));
+        let projection = Projection::Orthographic { height: 4.0 };
+        let camera = Camera::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, projection, 0.1, 10.0).expect("a camera");
+        let beam = Beam::new(&camera, [100, 100], [50, 0, 75, 100], Extent::discs(1.0));
+        for piece in [1, 100_000, 1 << 30] {
+            let (mut parts, mut pieces) = (Vec::new(), 0);
+            in_pieces(&portion, &beam, piece, |bytes| {
+                pieces += 1;
+                take_piece(bytes, &mut parts).expect("points");
+            });
+            let found: usize = parts.iter().map(Points::len).sum();
+            assert!((10_000..11_000).contains(&found), "{found}");
+            assert_eq!(pieces, [3, 3, 1][usize::from(piece > 1) + usize::from(piece > 100_000)], "{piece}");
+        }
+        assert!(take_piece(&[1, 2, 3], &mut Vec::new()).is_err());
     }
 }

@@ -32,7 +32,7 @@ use crate::commands::loaded::Resolved;
 use crate::commands::session::Session;
 
 /// Bytes of a message with points, about: with that many the next message begins.
-const PIECE: usize = 64 << 20;
+const PIECE: usize = 16 << 20;
 
 /// How points are held.
 #[derive(Debug, Clone, Copy, Args)]

@@ -58,3 +58,33 @@ pub fn stop(ranks: &Ranks) {
 pub fn next(ranks: &Ranks) -> Order {
     decoded(0, ranks)
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use pellucid_engine::camera::{Camera, Projection};
+    use pellucid_engine::scene::{Method, Scene};
+
+    use super::*;
+
+    #[test]
+    fn frames_travel_to_the_last_bit() {
+        let scene = Scene::from_toml("[[cloud]]\npath = \"a.ply\"\n", "scene.toml".as_ref()).expect("a scene");
+        let projection = Projection::Perspective { fov_y: 1.0 / 3.0 };
+        let eye = DVec3::new(0.1, 1.0 / 7.0, 1e300);
+        let camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Y, projection, 5e-324, 1e306).expect("a camera");
+        for method in Method::all() {
+            let mut frame =
+                Frame { method, max_error: Some(f32::MIN_POSITIVE), ..Frame::of_scene(&scene, camera, u64::MAX) };
+            frame.factors.opacity = 1.0 / 3.0;
+            frame.factors.radius = f32::MAX;
+            let order = Order::Render { frame, rounds: vec![vec![[0, 1, 2, 3]]], timed: true, listed: false };
+            assert_eq!(
+                serde_json::from_slice::<Order>(&encoded(&order)).expect("an order"),
+                order,
+                "{}",
+                method.name()
+            );
+        }
+    }
+}

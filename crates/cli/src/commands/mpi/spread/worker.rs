@@ -10,7 +10,7 @@ use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::passes::bands::Window;
 use pellucid_engine::passes::project::{DeviceCloud, Parts};
 use pellucid_engine::points::{Points, Unreadable};
-use pellucid_engine::supply::{Portion, Run};
+use pellucid_engine::supply::{Portion, Runs};
 
 use super::super::frame::{Turn, encoded};
 use super::super::ranks::Ranks;
@@ -43,7 +43,7 @@ pub fn serve(device: &DeviceArgs, ranks: &Ranks) -> Result<ExitCode> {
             }
             Order::Keep => read(ranks, |mut bytes| {
                 while !bytes.is_empty() {
-                    portion.add(Run::unpack(&mut bytes)?);
+                    portion.add(Runs::unpack(&mut bytes)?);
                 }
                 Ok(())
             }),
