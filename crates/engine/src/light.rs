@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 /// A light.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub enum Light {
     /// At the eye (perspective) or against the viewing direction (orthographic).
     #[default]

@@ -1,5 +1,8 @@
 //! The points of a whole scene, ready for the device: merged, with every setting applied, in canonical order.
 
+pub(crate) mod packed;
+mod sample;
+
 use std::collections::HashMap;
 use std::num::NonZeroUsize;
 use std::ops::Range;
@@ -12,6 +15,8 @@ use rayon::prelude::*;
 use crate::cloud::Bounds;
 use crate::cloud::gaussians::{Gaussians, MAX_DEGREE};
 use crate::cloud::sampling::Sampling;
+pub use packed::Unreadable;
+pub use sample::Known;
 
 /// All points of a scene in one list. All columns have the same length.
 ///

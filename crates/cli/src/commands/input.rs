@@ -94,6 +94,9 @@ pub struct InputArgs {
     /// Seed of everything random: of the built-in scene, if it is rendered, and of stochastic methods.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
+    /// True if the points go to other processes in parts: clouds stay in their files wherever they can.
+    #[arg(skip)]
+    pub in_parts: bool,
 }
 
 /// Every method, family by family.

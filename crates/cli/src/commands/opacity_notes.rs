@@ -3,6 +3,7 @@
 use pellucid_engine::Result;
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::see_through::{self, Found};
+use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::{CloudSettings, Family};
 use pellucid_lab::frame_notes;
 
@@ -86,9 +87,9 @@ pub fn judge(session: &mut Session, resolved: &Resolved, image: &Image, console:
     let Session { renderer, cloud, frame, .. } = session;
     let largest = see_through::largest_factor(resolved.points());
     // Each trial would read a cloud that is not in memory.
-    let found = match resolved.stored {
-        Some(_) => None,
-        None => see_through::estimate(renderer, cloud, frame, ADVISED, largest)?,
+    let found = match resolved.arranged {
+        Arranged::Supplied(_) => None,
+        _ => see_through::estimate(renderer, cloud, frame, ADVISED, largest)?,
     };
     let found = found.filter(|found| found.meets(ADVISED));
     let advice = found.map(|found| match has_own_opacities(resolved) {

@@ -1,5 +1,7 @@
 //! `pellucid-mpi`: the bytes of `pellucid` from any number of ranks, and errors of one as errors of all.
 
+mod spread;
+
 use std::ffi::OsString;
 use std::io::{BufRead, BufReader};
 use std::path::Path;

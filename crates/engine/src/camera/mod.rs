@@ -8,7 +8,7 @@ pub mod path;
 use glam::{DVec2, DVec3};
 
 /// The effect of depth on size.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Projection {
     /// Vertical field of view in radians, in (0, π).
     Perspective {
@@ -23,7 +23,7 @@ pub enum Projection {
 }
 
 /// A resolved camera: orthonormal axes, projection, depth range.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Camera {
     /// Eye in world units.
     pub eye: DVec3,

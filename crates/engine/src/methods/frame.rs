@@ -7,7 +7,7 @@ use crate::image::MAX_SIDE;
 use crate::scene::{ColorSpace, Detail, Kernel, Method, Order, Scene, Shading, Shadows};
 
 /// The settings for rendering an uploaded cloud.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Frame {
     /// The camera.
     pub camera: Camera,
@@ -48,7 +48,7 @@ pub struct Frame {
 }
 
 /// Factors on the uploaded values, so that another radius or opacity needs no upload.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Factors {
     /// On all radii, at least 0; on the median radius too, so that the soft methods keep their peak opacity.
     pub radius: f32,

@@ -10,7 +10,7 @@ use super::stored::{Stored, are_complete, have_levels, open_stores};
 use super::{Method, Named, Scene, ScreenSplats, assemble, coloring, layers};
 use crate::cloud::shadow_texture::ShadowTexture;
 use crate::cloud::{Cloud, UpAxis};
-use crate::io::store::Summary;
+use crate::io::store::{self, Summary};
 use crate::points::Points;
 use crate::prepare::Arranged;
 use crate::progress::Progress;
@@ -97,9 +97,31 @@ impl Source {
         messages: &impl Messages,
         progress: &Progress,
     ) -> crate::Result<Self> {
-        if let Some(stored) = stored(named, scene, memory, messages, progress)? {
+        if let Some(stored) = stored(named, scene, (memory, false), messages, progress)? {
             return Ok(Self::Stored(stored));
         }
+        Self::held(named, scene, messages, progress)
+    }
+
+    /// Like [`Self::open`], for points that go to other processes block by block: clouds also stay in their files wherever the picture is
+    /// that of points in memory.
+    ///
+    /// # Errors
+    /// Those of [`Self::open`].
+    pub fn open_in_parts(
+        named: &Named,
+        scene: &Scene,
+        memory: u64,
+        messages: &impl Messages,
+        progress: &Progress,
+    ) -> crate::Result<Self> {
+        match stored(named, scene, (memory, true), messages, progress)? {
+            Some(stored) => Ok(Self::Stored(stored)),
+            None => Self::held(named, scene, messages, progress),
+        }
+    }
+
+    fn held(named: &Named, scene: &Scene, messages: &impl Messages, progress: &Progress) -> crate::Result<Self> {
         let clouds = named.clone().load(progress)?.clouds;
         for (settings, cloud) in scene.clouds.iter().zip(&clouds) {
             tell_of_cloud(&settings.path, cloud, messages);
@@ -175,11 +197,11 @@ fn of_stores(stored: Stored, wanted: Wanted<'_>, messages: &impl Messages, progr
 }
 
 /// The scene with its clouds where they are stored, if memory is too small for all of them, or if they have levels of detail there
-/// with which the picture can do.
+/// with which the picture can do; or, if they are wanted `in_parts`, if their files are read in parts.
 fn stored(
     named: &Named,
     scene: &Scene,
-    memory: u64,
+    (memory, in_parts): (u64, bool),
     messages: &impl Messages,
     progress: &Progress,
 ) -> crate::Result<Option<Stored>> {
@@ -187,7 +209,8 @@ fn stored(
     let needed = announced.unwrap_or(0);
     let fits = needed <= memory;
     let by_levels = || Ok::<_, crate::Error>(announced.is_some() && !scene.detail.is_whole() && have_levels(scene)?);
-    if fits && (scene.method.is_dealt() || !by_levels()?) {
+    let is_wanted = || if in_parts { Ok(announced.is_some() && are_in_parts(scene)?) } else { by_levels() };
+    if fits && (scene.method.is_dealt() || !is_wanted()?) {
         return Ok(None);
     }
     if !fits {
@@ -199,14 +222,31 @@ fn stored(
     }
     let stores = open_stores(scene, progress)?;
     if fits && !are_complete(scene, &stores)? {
-        messages.note(
-            &"the levels of stores have neither the radii nor the normals that the scene needs: points are left out at random instead; \
-             `pellucid prepare` stores both",
-        );
+        let note = match in_parts {
+            false => {
+                "the levels of stores have neither the radii nor the normals that the scene needs: points are left out at random instead; \
+                 `pellucid prepare` stores both"
+            }
+            true => {
+                "the files have neither the radii nor the normals that the scene needs: one rank reads all points to find them; \
+                 `pellucid prepare` stores both"
+            }
+        };
+        messages.note(&note);
         return Ok(None);
     }
     stores.iter().for_each(|store| tell_of_store(store.summary(), messages));
     Ok(Some(Stored::new(scene, &stores, memory, progress)?))
+}
+
+/// True if all clouds of a scene are read in parts.
+fn are_in_parts(scene: &Scene) -> crate::Result<bool> {
+    for cloud in &scene.clouds {
+        if store::announced(&cloud.path, &cloud.hints())?.is_none() {
+            return Ok(false);
+        }
+    }
+    Ok(true)
 }
 
 /// The size of a cloud that stays where it is stored, and what is odd about it.

@@ -21,7 +21,7 @@ macro_rules! methods {
         )+
     ) => {
         /// A method with its settings.
-        #[derive(Debug, Clone, Copy, PartialEq)]
+        #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
         pub enum Method {
             $($(#[doc = $about])+ $Variant $(($Settings))?,)+
         }

@@ -1,6 +1,7 @@
 //! Points in blocks, of which some are taken at a time: clouds that don't fit the device, or the host's memory.
 
 mod cut;
+mod portion;
 mod scale;
 mod spacing;
 mod tree;
@@ -15,6 +16,7 @@ use crate::cloud::Bounds;
 use crate::points::{Points, Unseen};
 use crate::progress::{Cancelled, Progress};
 pub use cut::{Cut, Limits, Picture};
+pub use portion::{Portion, Runs, joined};
 pub use scale::Scale;
 pub(crate) use spacing::spacing;
 

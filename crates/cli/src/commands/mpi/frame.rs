@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use pellucid_engine::Result;
 use pellucid_engine::camera::Camera;
+use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Rendered, SamplePart};
 use pellucid_engine::passes::bands::Window;
 
@@ -12,6 +13,7 @@ use super::desk::Desk;
 use super::pixels;
 use super::ranks::Ranks;
 use super::share::Share;
+use super::spread;
 use super::stage::Stage;
 use super::work::{Work, imbalance, joined, ms};
 use crate::commands::session::Session;
@@ -32,11 +34,13 @@ pub struct Shared {
 /// # Errors
 /// Those of rendering.
 pub fn render(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<Shared>> {
+    let (rounds, ranks) = (spread::frame::order(stage, ranks, listed)?, ranks.led().unwrap_or(ranks));
     ranks.meet();
     ranks.begin("rendering");
     let mut turn = Turn { begin: Instant::now(), work: Work::of(ranks), listed, ranks };
     let (before, read) = (ranks.traffic(), stage.bytes_read());
     let own = match stage.share {
+        _ if rounds.is_some() => spread::frame::lead(stage, &mut turn, rounds.as_deref().unwrap_or_default())?,
         _ if ranks.count() == 1 => Some(turn.alone(&mut stage.session)?),
         Share::Samples => turn.samples(stage)?,
         Share::Windows | Share::Frames => turn.windows(stage)?,
@@ -78,15 +82,15 @@ pub fn film(stage: &mut Stage, cameras: &[Camera], ranks: &Ranks, listed: bool) 
 }
 
 /// A rank's turn in a frame.
-struct Turn<'a> {
-    begin: Instant,
-    work: Work,
-    listed: bool,
-    ranks: &'a Ranks,
+pub(super) struct Turn<'a> {
+    pub(super) begin: Instant,
+    pub(super) work: Work,
+    pub(super) listed: bool,
+    pub(super) ranks: &'a Ranks,
 }
 
 /// The whole frame, and the time for bringing it together.
-type Whole = Option<(Rendered, Duration)>;
+pub(super) type Whole = Option<(Rendered, Duration)>;
 
 impl Turn<'_> {
     /// Tells the first rank, which has the frame, what all did.
@@ -185,7 +189,7 @@ impl Turn<'_> {
             let own = own.map_or_else(|| self.window(session, [0; 4]), Ok)?;
             Some(self.put_together(session, own)?)
         } else {
-            self.hand_in(session, own);
+            self.hand_in(own).into_iter().for_each(|image| session.renderer.recycle(image));
             None
         };
         desk.close();
@@ -201,18 +205,18 @@ impl Turn<'_> {
         Ok(part)
     }
 
-    /// Sends this rank's windows to the first one.
-    fn hand_in(&self, session: &mut Session, own: Option<Rendered>) {
+    /// Sends this rank's windows to the first one; the image is not needed any more.
+    pub(super) fn hand_in(&self, own: Option<Rendered>) -> Option<Image> {
         let kinds = own.as_ref().map(|own| pixels::kinds(&own.image));
         self.ranks.send(0, &encoded(&(&self.work.windows, &kinds)));
-        if let Some(mut own) = own {
+        own.map(|mut own| {
             self.work.windows.iter().for_each(|window| pixels::send(&mut own.image, *window, self.ranks));
-            session.renderer.recycle(own.image);
-        }
+            own.image
+        })
     }
 
     /// Takes the windows of the other ranks.
-    fn put_together(&self, session: &mut Session, mut own: Rendered) -> Result<(Rendered, Duration)> {
+    pub(super) fn put_together(&self, session: &mut Session, mut own: Rendered) -> Result<(Rendered, Duration)> {
         let (begin, waited) = (Instant::now(), self.ranks.traffic().waited);
         let size = [own.image.width, own.image.height];
         for rank in 1..self.ranks.count() {
@@ -238,12 +242,12 @@ pub fn told<T: serde::Serialize + serde::de::DeserializeOwned>(value: T, ranks: 
 }
 
 /// A value as bytes for another rank.
-fn encoded(value: &impl serde::Serialize) -> Vec<u8> {
+pub(super) fn encoded(value: &impl serde::Serialize) -> Vec<u8> {
     serde_json::to_vec(value).unwrap_or_default()
 }
 
 /// The value that a rank sends; another one than expected ends all ranks.
-fn decoded<T: serde::de::DeserializeOwned>(from: usize, ranks: &Ranks) -> T {
+pub(super) fn decoded<T: serde::de::DeserializeOwned>(from: usize, ranks: &Ranks) -> T {
     serde_json::from_slice(&ranks.received(from))
         .unwrap_or_else(|error| ranks.fail(&format!("rank {from} sent something else than expected: {error}"), 1))
 }

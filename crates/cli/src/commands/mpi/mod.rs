@@ -13,6 +13,7 @@ mod ranks;
 mod report;
 mod share;
 mod simulate;
+mod spread;
 mod stage;
 mod work;
 
@@ -24,11 +25,12 @@ use pellucid_engine::scene::Error;
 
 use self::ranks::Ranks;
 use self::share::SharingArgs;
-use super::arguments;
+use self::spread::{SpreadArgs, orders, worker};
 use super::console::{Console, print_stderr};
 use super::plan::PlanArgs;
 use super::profile::ProfileArgs;
 use super::render::{RenderArgs, Target};
+use super::{DeviceArgs, arguments};
 
 /// Renders point clouds you can see through, on many machines: every rank that `mpirun` starts renders a part, and the first one writes
 /// the picture, with the bytes of `pellucid`.
@@ -53,6 +55,8 @@ enum Command {
         args: RenderArgs,
         #[command(flatten)]
         sharing: SharingArgs,
+        #[command(flatten)]
+        spread: SpreadArgs,
     },
     /// Render a few frames with all ranks, and print what each pass costs and what each rank does.
     Profile {
@@ -60,6 +64,8 @@ enum Command {
         args: ProfileArgs,
         #[command(flatten)]
         sharing: SharingArgs,
+        #[command(flatten)]
+        spread: SpreadArgs,
     },
     /// Print how the ranks would share the work, what else they could share, and what each is expected to take.
     Plan {
@@ -97,17 +103,43 @@ pub fn run() -> ExitCode {
     let console = Console::new(cli.quiet || !ranks.is_first(), cli.verbose && ranks.is_first());
     super::interrupt::watch();
     pellucid_engine::io::silence_decoder_panics();
+    let spread = cli.command.spread();
+    if let (Some(device), false) = (spread, ranks.is_first()) {
+        return worker::serve(device, &ranks).unwrap_or_else(|error| fail(error, &ranks));
+    }
+    let ranks = if spread.is_some() { ranks.leading() } else { ranks };
     let done = match cli.command {
-        Command::Render { args, sharing } => render(&args, &sharing, &ranks, console),
-        Command::Profile { args, sharing } => profile::run(&args, &sharing, &ranks, console),
+        Command::Render { mut args, sharing, spread } => {
+            args.input.in_parts = spread.spread;
+            render(&args, &sharing, &ranks, console)
+        }
+        Command::Profile { mut args, sharing, spread } => {
+            args.input.in_parts = spread.spread;
+            profile::run(&args, &sharing, &ranks, console)
+        }
         Command::Plan { args, sharing, ranks: count } => {
             plan::run(&args, &sharing, count.map(|count| count as usize), &ranks, console)
         }
     };
-    done.unwrap_or_else(|error| {
-        let error = crate::error::Error::from(error);
-        ranks.fail(&crate::with_causes(&error), error.exit_status())
-    })
+    let done = done.unwrap_or_else(|error| fail(error, &ranks));
+    ranks.led().into_iter().for_each(orders::stop);
+    done
+}
+
+fn fail(error: pellucid_engine::Error, ranks: &Ranks) -> ! {
+    let error = crate::error::Error::from(error);
+    ranks.fail(&crate::with_causes(&error), error.exit_status())
+}
+
+impl Command {
+    /// The device that is asked for, if points are to be spread over the ranks.
+    fn spread(&self) -> Option<&DeviceArgs> {
+        match self {
+            Self::Render { args, spread, .. } => spread.spread.then_some(&args.device),
+            Self::Profile { args, spread, .. } => spread.spread.then_some(&args.device),
+            Self::Plan { .. } => None,
+        }
+    }
 }
 
 /// A picture, or the frames of a path.

@@ -67,6 +67,7 @@ pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Co
         stage.session.frame.fragments = false;
     }
     let mut report = Report::new(&stage.session, stage.share);
+    report.spread = stage.spread.as_ref().map(|spread| spread.to_json());
     progress.counted("measuring", cameras.len() as u64);
     let listed = args.measure.trace.is_some();
     if stage.share == Share::Frames {
@@ -93,7 +94,8 @@ pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Co
         print_json(&report.to_json())?;
     } else {
         let passes = pellucid_lab::profile_table(&report.profile, None);
-        print(&format!("{passes}\n\n{}\n{}\n", report.table(), report.times()))?;
+        let spread = stage.spread.as_ref().map_or_else(String::new, |spread| format!("\n{}", spread.described()));
+        print(&format!("{passes}\n\n{}{spread}\n{}\n", report.table(), report.times()))?;
     }
     Ok(ExitCode::SUCCESS)
 }

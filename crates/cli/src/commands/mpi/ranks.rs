@@ -43,8 +43,10 @@ pub struct Ranks {
     traffic: Cell<Traffic>,
     /// True if each rank says what it begins with.
     pub tells: bool,
+    /// All ranks, of one that is seen as if it was alone.
+    all: Option<Box<Self>>,
     // Last: dropping it ends MPI.
-    _universe: Universe,
+    _universe: Option<Universe>,
 }
 
 /// What a rank has sent and received, and how long it waited for messages.
@@ -85,7 +87,19 @@ impl Ranks {
         let world = universe.world();
         let local = usize::try_from(world.split_shared(world.rank()).rank()).unwrap_or(0);
         let host = processor_name().unwrap_or_else(|_| "a host without a name".to_owned());
-        Ok(Self { world, local, host, traffic: Cell::default(), tells: false, _universe: universe })
+        Ok(Self { world, local, host, traffic: Cell::default(), tells: false, all: None, _universe: Some(universe) })
+    }
+
+    /// This rank as if it was alone, for a command that the others don't follow: they do as it orders.
+    pub fn leading(self) -> Self {
+        let (local, host, tells) = (self.local, self.host.clone(), self.tells);
+        let world = SimpleCommunicator::self_comm();
+        Self { world, local, host, traffic: Cell::default(), tells, all: Some(Box::new(self)), _universe: None }
+    }
+
+    /// All ranks, of one that leads others.
+    pub fn led(&self) -> Option<&Self> {
+        self.all.as_deref()
     }
 
     /// This rank, from 0.
@@ -115,6 +129,9 @@ impl Ranks {
 
     /// This rank for people: `rank 2 of 4 (node17)`.
     pub fn name(&self) -> String {
+        if let Some(all) = &self.all {
+            return all.name();
+        }
         format!("rank {} of {} ({})", self.own(), self.count(), self.host)
     }
 
@@ -247,6 +264,9 @@ impl Ranks {
     /// Says what went wrong and ends all ranks. Of several that fail for the same reason the first one speaks, and the others are ended
     /// while they wait.
     pub fn fail(&self, message: &str, status: u8) -> ! {
+        if let Some(all) = &self.all {
+            all.fail(message, status);
+        }
         std::thread::sleep(PATIENCE.saturating_mul(self.own() as u32).min(LONGEST_PATIENCE));
         say(&format!("error: {}: {message}", self.name()));
         self.world.abort(status.into())

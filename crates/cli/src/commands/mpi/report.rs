@@ -19,6 +19,8 @@ pub struct Report {
     pub profile: Profile,
     share: Share,
     frames: Vec<Measured>,
+    /// How points were spread over the ranks, if they are.
+    pub spread: Option<Value>,
 }
 
 /// Measurements of a frame.
@@ -51,7 +53,7 @@ fn rank(work: &Work) -> Value {
 impl Report {
     /// No frames yet.
     pub fn new(session: &Session, share: Share) -> Self {
-        Self { profile: session.profile(), share, frames: Vec::new() }
+        Self { profile: session.profile(), share, frames: Vec::new(), spread: None }
     }
 
     /// Adds a frame.
@@ -81,6 +83,9 @@ impl Report {
             "share": self.share.to_string(),
             "frames": self.frames.iter().map(Measured::to_json).collect::<Vec<_>>(),
         });
+        if let Some(spread) = &self.spread {
+            whole["ranks"]["spread"] = spread.clone();
+        }
         whole
     }
 

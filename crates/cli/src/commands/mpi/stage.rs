@@ -14,6 +14,7 @@ use super::cut::{Costs, Load};
 use super::link::Link;
 use super::ranks::Ranks;
 use super::share::{Job, Share, Wanted};
+use super::spread::{self, Spread};
 use super::work::Work;
 use super::{frame, together};
 use crate::commands::DeviceArgs;
@@ -55,6 +56,8 @@ pub struct Stage {
     /// What there is to share.
     pub job: Job,
     pub link: Link,
+    /// The points of this rank, if they are spread over all.
+    pub spread: Option<Spread>,
     /// The last camera, with the costs of its tiles.
     costs: Option<(Camera, Costs)>,
     /// The last frame: its camera and its windows, and if its ranks took much the same time.
@@ -86,6 +89,9 @@ impl Stage {
             Ok((resolved, frames))
         };
         ranks.begin("reading");
+        if let Some(all) = ranks.led() {
+            return together(ranks, checked().and_then(|found| Self::spread(setting, all, (console, progress), found)));
+        }
         let (mut resolved, frames) = together(ranks, checked())?;
         together(ranks, compare(&identity(&resolved), ranks))?;
         let link = Link::measured(ranks).unwrap_or_default();
@@ -108,7 +114,22 @@ impl Stage {
                 console.detail(format_args!("{} ranks share {share}", ranks.count()));
             }
         }
-        Ok(Self { resolved, session, share, job, link, costs: None, last: None })
+        Ok(Self { resolved, session, share, job, link, spread: None, costs: None, last: None })
+    }
+
+    /// The same with the points spread over all ranks, as this one orders.
+    fn spread(
+        setting: &Setting<'_>,
+        all: &Ranks,
+        (console, progress): (Console, &Bar),
+        (mut resolved, frames): (Resolved, usize),
+    ) -> Result<Self> {
+        let (session, spread) = spread::open(setting, &mut resolved, all, progress)?;
+        session.describe(console);
+        session.warn(&resolved, console);
+        console.detail(spread.described());
+        let (share, job) = (Share::Windows, Job::of(&session.frame, &resolved, frames));
+        Ok(Self { resolved, session, share, job, link: Link::default(), spread: Some(spread), costs: None, last: None })
     }
 
     /// Bytes that this rank has read of nodes.
@@ -222,7 +243,7 @@ fn compare(own: &[u8], ranks: &Ranks) -> Result<()> {
 }
 
 /// The device of a rank: the one that is asked for, or, where the host has several GPUs, that of the rank's number on the host.
-fn device_of(asked: &DeviceArgs, ranks: &Ranks) -> Result<Option<String>> {
+pub(super) fn device_of(asked: &DeviceArgs, ranks: &Ranks) -> Result<Option<String>> {
     if asked.device.is_some() {
         return Ok(asked.device.clone());
     }

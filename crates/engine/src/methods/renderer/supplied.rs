@@ -5,7 +5,8 @@ use std::sync::Arc;
 use super::{Error, Outcome, Part, Renderer};
 use crate::cloud::shadow_texture::Casting;
 use crate::gpu::Device;
-use crate::methods::{Frame, Timeline, shadows};
+use crate::methods::{Frame, Timeline, engine_of, shadows};
+use crate::passes::bands::Window;
 use crate::passes::compose::Cut;
 use crate::passes::project::{Beam, CutFor, DeviceCloud, Footprint, Present};
 use crate::passes::tiles::TILE;
@@ -53,6 +54,16 @@ impl Renderer {
     /// No memory for small buffers.
     pub fn supply_held(&self, points: &Arc<Points>) -> Result<DeviceCloud, Error> {
         self.supply(points, &(Arc::new(Held::new(points.clone())) as Arc<dyn Supply>))
+    }
+
+    /// The part of space that a window of a frame shows: points outside of it need not be there.
+    pub fn beam(&self, cloud: &DeviceCloud, frame: &Frame, window: Window) -> Beam {
+        Beam::new(&frame.camera, frame.size, window, engine_of(&frame.method).extent(frame, cloud))
+    }
+
+    /// Points of a cloud that comes window by window that are on the device at a time, at most.
+    pub fn room(&self, cloud: &DeviceCloud, frame: &Frame) -> u64 {
+        room(&self.device, cloud, frame)
     }
 
     /// Has the points drawn that a frame's detail asks for, of clouds whose points come some at a time.

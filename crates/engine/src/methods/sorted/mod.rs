@@ -38,7 +38,7 @@ pass! {
 }
 
 /// Fragments that may be left out at the back of a pixel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub enum Stop {
     /// Those that change no bit of the image.
     #[default]

@@ -54,7 +54,7 @@ pub(super) const PART_SOFT: u32 = 2;
 pub(super) const PART_MARKED: u32 = 3;
 
 /// Numbers of the points that a threshold makes solid and soft.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Parts {
     /// Points with a field of at most the threshold; all if there is no field.
     pub solid: u64,

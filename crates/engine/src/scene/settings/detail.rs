@@ -4,7 +4,7 @@ use crate::scene::schema::{Range, Slider, settings};
 
 settings! {
     /// `[detail]`: which points a picture does without, so that the others grow to cover. By default none.
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Detail {
         /// Points are left out where others are as near as this to one another; 0 leaves none out.
         spacing_px: f32 = 0.0, in Range::NOT_NEGATIVE, unit "pixels", slider Slider::Linear(0.0, 16.0);

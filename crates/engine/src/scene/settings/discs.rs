@@ -7,7 +7,7 @@ use crate::scene::table::Table;
 
 settings! {
     /// Settings of the disc family (`abuffer` and its relatives).
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Discs {
         /// How discs lie: flat ones face the screen, oriented ones lie in the tangent plane.
         shape: DiscShape = DiscShape::Flat;
@@ -24,7 +24,7 @@ settings! {
 
 settings! {
     /// Settings of Gaussian splats, by whatever method of the disc family.
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct GaussianSettings {
         /// How a Gaussian's opacity falls over the pixels.
         kernel: Kernel = Kernel::Ewa;
@@ -117,7 +117,7 @@ pub const MAX_LAYERS: u32 = 65_536;
 
 settings! {
     /// Settings of depth peeling.
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Peel {
         /// Which discs are peeled.
         discs: Discs = Discs::default();
@@ -140,7 +140,7 @@ pub const MAX_SAMPLES: u32 = 4096;
 
 settings! {
     /// Settings of multi-sample stochastic transparency.
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Stochastic {
         /// Which discs are sampled.
         discs: Discs = Discs::default();
@@ -165,7 +165,7 @@ pub const MAX_K: u32 = 64;
 
 settings! {
     /// Settings of hybrid transparency.
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Hybrid {
         /// Which discs are blended.
         discs: Discs = Discs::default();
@@ -204,7 +204,7 @@ pub const MAX_NODES: u32 = 16;
 
 settings! {
     /// Settings of multi-layer alpha blending.
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Mlab {
         /// Which discs are blended.
         discs: Discs = Discs::default();
@@ -224,7 +224,7 @@ const NODES: Ladder = Ladder {
 
 settings! {
     /// Settings of moment-based transparency.
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Moments {
         /// Which discs are blended.
         discs: Discs = Discs::default();
@@ -253,7 +253,7 @@ const MOMENTS: Ladder =
     Ladder { full: &[4, 6, 8], quick: &[4, 8], fine: &[4, 6, 8], ends_at_longest_list: false, at_once: 1, only: &[] };
 
 /// How many power moments there are, besides the sum itself.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum MomentCount {
     /// 4
     Four,
@@ -303,7 +303,7 @@ pub const MAX_RANK: u32 = 5;
 
 settings! {
     /// Settings of transparency by wavelets.
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Wavelet {
         /// Which discs are blended.
         discs: Discs = Discs::default();

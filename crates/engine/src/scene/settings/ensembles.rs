@@ -11,7 +11,7 @@ pub const MAX_ENSEMBLES: u32 = 65_536;
 
 settings! {
     /// Settings of `spbr`.
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Spbr {
         /// L: random parts of the points whose images are averaged.
         ensembles: u32 = 100, in 1..=MAX_ENSEMBLES, slider Slider::Count(1, 1000), refines true, tried ENSEMBLES;
@@ -24,7 +24,7 @@ settings! {
 
 settings! {
     /// Settings of `spbr-simplified`.
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct SpbrSimplified {
         /// L: random parts of the points whose images are averaged.
         ensembles: u32 = 100, in 1..=MAX_ENSEMBLES, slider Slider::Count(1, 1000), refines true;
@@ -43,7 +43,7 @@ const ENSEMBLES: Ladder = Ladder {
 };
 
 /// The factor p on the colors of an image (Uchida et al. 2020, Section 3.4).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Brightness {
     /// Whatever makes the image about as bright as that of a single ensemble.
     Auto,

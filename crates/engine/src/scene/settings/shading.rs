@@ -11,7 +11,7 @@ use crate::scene::tree;
 
 settings! {
     /// `[shading]`.
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Shading {
         /// The formula: lambert is matt, phong has highlights, none shows colors as they are; auto is lambert, but not on foliage.
         model: ShadingModel = ShadingModel::Auto;
@@ -45,7 +45,7 @@ impl Shading {
 
 settings! {
     /// Keys of `[shading]` about eye-dome lighting (Boucheny 2009).
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Edl {
         /// Eye-dome lighting: pixels darken the farther they lie behind those around, which shows shape without normals.
         edl: bool = false;
@@ -139,7 +139,7 @@ pub const MAX_SHADOW_SAMPLES: u32 = 65_536;
 
 settings! {
     /// `[shadows]`: one share of light per point (Dobrev et al. 2010, Section 6).
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Shadows {
         /// Lights that stand for one with an extent: more make smoother rims.
         samples: u32 = 1, in 1..=MAX_SHADOW_SAMPLES, slider Slider::Count(1, 256);

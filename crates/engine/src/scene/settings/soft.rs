@@ -8,7 +8,7 @@ use crate::scene::tree;
 
 settings! {
     /// Settings of soft transparency (Seemann et al. 2018).
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Soft {
         /// Threshold t: points with a field F above it are soft, the others solid.
         threshold: f32 = 0.5, in Range::UNIT;
@@ -44,7 +44,7 @@ fn agree(soft: &Soft, table: &Table<'_>) -> Result<(), Error> {
 }
 
 /// How dense the spheres of the soft methods are.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Density {
     /// `softness`: the opacity of a whole chord through the centre of a sphere of median radius, in [0, 1].
     Softness(f32),
@@ -93,7 +93,7 @@ impl Part for Density {
 pub const MAX_SHELLS: u32 = 64;
 
 /// `shells`: concentric spheres that stand for one of `soft-concentric`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub enum Shells {
     /// As many as its radius in pixels over `pixels_per_shell`, from 1 to [`MAX_SHELLS`].
     #[default]
@@ -145,7 +145,7 @@ words! {
 
 settings! {
     /// Settings of `one-layer`.
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct OneLayer {
         /// Threshold t: points with a field F above it make the transparent layer, the others are solid.
         threshold: f32 = 0.5, in Range::UNIT;

@@ -5,7 +5,7 @@ use crate::scene::schema::{Range, Slider, settings, words};
 
 settings! {
     /// Settings of opaque screen-aligned splats (`squares`, `circles`).
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct ScreenSplats {
         /// Factor on the radius of splats.
         size: f32 = 1.0, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 4.0);
@@ -18,7 +18,7 @@ settings! {
 
 settings! {
     /// Settings of three-pass splats (`hqs`, `splats`).
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct BlendedSplats {
         /// Size and clamp.
         splats: ScreenSplats = ScreenSplats::default();
@@ -31,7 +31,7 @@ settings! {
 
 settings! {
     /// Settings of `paraboloid` and `cone`.
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Interpolated {
         /// Size and clamp.
         splats: ScreenSplats = ScreenSplats::default();

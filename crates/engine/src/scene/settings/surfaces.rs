@@ -7,7 +7,7 @@ pub const MAX_ITERATIONS: u32 = 256;
 
 settings! {
     /// Settings of `image-space` (Dobrev et al. 2010, Section 3).
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct ImageSpace {
         /// How often background pixels between points are filled.
         fill: u32 = 1, in 0..=MAX_ITERATIONS, unit "iterations", slider Slider::Count(0, 16);
@@ -32,7 +32,7 @@ pub const MAX_POINT_LAYERS: u32 = 1024;
 
 settings! {
     /// Settings of `peel-layers` (Dobrev et al. 2010, Sections 4 and 5).
-    #[derive(Copy)]
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct PeelLayers {
         /// Filters of each layer. Back faces are parts of surfaces too, so that they are not culled unless asked for.
         filters: ImageSpace = ImageSpace { cull: false, ..ImageSpace::default() };

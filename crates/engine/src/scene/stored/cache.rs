@@ -44,6 +44,17 @@ impl Cache {
         self.held.lock().unwrap_or_else(PoisonError::into_inner).read
     }
 
+    /// Counts bytes that were read of the store for points that are not kept.
+    pub fn count(&self, bytes: u64) {
+        self.lock().read += bytes;
+    }
+
+    /// Gives the memory of all points back.
+    pub fn clear(&self) {
+        let mut held = self.lock();
+        *held = Held { read: held.read, ..Held::default() };
+    }
+
     /// The points of a block. `read` reads them, with how many bytes of the store that took.
     pub fn get(
         &self,

@@ -257,6 +257,26 @@ impl Stored {
         self.displays
     }
 
+    /// The blocks of all points.
+    pub fn blocks(&self) -> &[Block] {
+        &self.nodes.blocks
+    }
+
+    /// The points of a block, which are read and not kept.
+    ///
+    /// # Errors
+    /// They can't be read.
+    pub fn block(&self, block: usize) -> Result<Points, Failure> {
+        let (points, bytes) = self.nodes.read(block)?;
+        self.nodes.cache.count(bytes);
+        Ok(points)
+    }
+
+    /// Gives the memory of nodes back that were read.
+    pub fn forget(&self) {
+        self.nodes.cache.clear();
+    }
+
     /// Bytes that were read of nodes so far, and those of all nodes.
     pub fn bytes_read(&self) -> [u64; 2] {
         let nodes = self.nodes.clouds.iter().flat_map(|cloud| cloud.store.nodes());
@@ -276,13 +296,15 @@ impl Nodes {
 
     /// The points of a block, with those that are not drawn set apart.
     fn part(&self, block: usize) -> Result<Arc<Points>, Failure> {
+        self.cache.get(block as u32, || self.read(block))
+    }
+
+    /// Reads the points of a block, from so many bytes.
+    fn read(&self, block: usize) -> Result<(Points, u64), Failure> {
         let [cloud, node] = self.places[block].map(|number| number as usize);
-        self.cache.get(block as u32, || {
-            let cloud = &self.clouds[cloud];
-            let points =
-                cloud.points(&self.scene, &self.clips, node).map_err(|error| Failure::Store(Arc::new(error)))?;
-            Ok((points, cloud.store.nodes()[node].bytes))
-        })
+        let cloud = &self.clouds[cloud];
+        let points = cloud.points(&self.scene, &self.clips, node).map_err(|error| Failure::Store(Arc::new(error)))?;
+        Ok((points, cloud.store.nodes()[node].bytes))
     }
 }
 

@@ -308,6 +308,11 @@ impl DeviceCloud {
         Ok(())
     }
 
+    /// Takes over how many points a threshold makes solid and soft, from another cloud of the same scene.
+    pub fn know_parts(&mut self, threshold: f32, parts: Parts) {
+        self.parts = Some((threshold, parts));
+    }
+
     /// How many points a threshold makes solid and soft ([`Self::find_parts`] where only some points are in memory).
     pub fn parts(&mut self, threshold: f32) -> Parts {
         match self.parts {

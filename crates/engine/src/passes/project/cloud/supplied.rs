@@ -60,7 +60,7 @@ impl Present {
     pub const ALL: Self = Self { within: None };
 
     /// True if a Gaussian of this reach, or a disc in a block of this radius, is among them.
-    fn keeps(&self, position: DVec3, radius: f32) -> bool {
+    pub fn keeps(&self, position: DVec3, radius: f32) -> bool {
         self.within.is_none_or(|beam| beam.meets_point(position, radius))
     }
 }
@@ -76,6 +76,13 @@ impl DeviceCloud {
         let max_radius = cloud.max_radius;
         cloud.supplied = Some(Supplied { whole: supply, cut: None, spacing, max_radius, present: None });
         Ok(cloud)
+    }
+
+    /// Has its points come from another supply of the same scene; those that were there are forgotten.
+    pub fn supply_by(&mut self, supply: Arc<dyn Supply>) {
+        if let Some(supplied) = &mut self.supplied {
+            (supplied.whole, supplied.cut, supplied.present) = (supply, None, None);
+        }
     }
 
     /// Where the points that are drawn come from, of clouds whose points come some at a time.

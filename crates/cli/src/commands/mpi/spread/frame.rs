@@ -1,0 +1,112 @@
+//! A frame of points that are spread over all ranks.
+
+use std::sync::Arc;
+
+use pellucid_engine::Result;
+use pellucid_engine::methods::{Frame, Rendered, Renderer};
+use pellucid_engine::passes::bands::Window;
+use pellucid_engine::passes::project::DeviceCloud;
+use pellucid_engine::points::Points;
+use pellucid_engine::supply::{Held, Portion, joined};
+
+use super::super::cut::is_empty;
+use super::super::frame::{Turn, Whole};
+use super::super::pixels;
+use super::super::ranks::Ranks;
+use super::super::stage::Stage;
+use super::super::work::ms;
+use super::exchange::exchanged;
+use super::orders::{self, Order};
+use super::{PIECE, nowhere, rounds};
+
+/// A rank's device, and its part of the points.
+pub struct Own<'a> {
+    pub renderer: &'a mut Renderer,
+    pub cloud: &'a mut DeviceCloud,
+    pub frame: &'a Frame,
+    pub portion: &'a Portion,
+    /// Points that stand for all.
+    pub sample: &'a Points,
+}
+
+/// Orders the others to render the stage's frame; the windows of all, round by round. `None` where points are not spread.
+///
+/// # Errors
+/// A setting that can't be told.
+pub fn order(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<Vec<Vec<Window>>>> {
+    let Some(all) = ranks.led() else { return Ok(None) };
+    let (frame, timed) = (stage.session.frame, stage.session.renderer.timed);
+    let room = stage.session.renderer.room(&stage.session.cloud, &frame);
+    let points = stage.session.cloud.total();
+    let rounds = rounds::rounds(stage.costs(), all.count(), points, room);
+    orders::send_to_others(all, &Order::Render { frame, rounds: rounds.clone(), timed, listed }, None)?;
+    Ok(Some(rounds))
+}
+
+/// The first rank's turn: its own windows, and those of all put together.
+///
+/// # Errors
+/// Those of rendering.
+pub fn lead(stage: &mut Stage, turn: &mut Turn<'_>, rounds: &[Vec<Window>]) -> Result<Whole> {
+    let Stage { resolved, session, spread, .. } = stage;
+    let Some(spread) = spread else { return Ok(None) };
+    let mut own = Own {
+        renderer: &mut session.renderer,
+        cloud: &mut session.cloud,
+        frame: &session.frame,
+        portion: &spread.portion,
+        sample: resolved.points(),
+    };
+    let rendered = own.rounds(turn, rounds)?.map_or_else(|| own.window(turn, [0; 4]), Ok)?;
+    let whole = turn.put_together(session, rendered)?;
+    session.renderer.region = None;
+    Ok(Some(whole))
+}
+
+impl Own<'_> {
+    /// Renders this rank's windows of all rounds into one image; `None` if all are empty.
+    ///
+    /// # Errors
+    /// Those of rendering.
+    pub fn rounds(&mut self, turn: &mut Turn<'_>, rounds: &[Vec<Window>]) -> Result<Option<Rendered>> {
+        let mut whole: Option<Rendered> = None;
+        for windows in rounds {
+            self.bring(turn.ranks, windows);
+            let window = windows[turn.ranks.own()];
+            if is_empty(window) {
+                continue;
+            }
+            let mut part = self.window(turn, window)?;
+            match &mut whole {
+                None => whole = Some(part),
+                Some(Rendered { image, .. }) => {
+                    pixels::copy(image, &mut part.image, window);
+                    self.renderer.recycle(part.image);
+                }
+            }
+            turn.work.windows.push(window);
+        }
+        turn.work.work_ms = ms(turn.begin.elapsed());
+        Ok(whole)
+    }
+
+    /// Has the points of a round here, those of other ranks too.
+    fn bring(&mut self, ranks: &Ranks, windows: &[Window]) {
+        // Before others come, the memory of those of the last round is given back.
+        self.cloud.supply_by(Arc::new(nowhere(self.sample)));
+        let beam = |window| self.renderer.beam(self.cloud, self.frame, window);
+        let parts = exchanged(ranks, windows, self.portion, beam, PIECE);
+        let parts = parts.unwrap_or_else(|error| ranks.fail(&format!("points of another rank: {error}"), 1));
+        let Some(bounds) = self.sample.bounds().filter(|_| !parts.is_empty()) else { return };
+        self.cloud.supply_by(Arc::new(Held::new(Arc::new(joined(parts, &bounds)))));
+    }
+
+    /// Renders a window. Of an empty one there is an image, too.
+    pub fn window(&mut self, turn: &mut Turn<'_>, window: Window) -> Result<Rendered> {
+        self.renderer.region = Some(window);
+        let part = self.renderer.render(self.cloud, self.frame)?;
+        self.renderer.device().check_validation()?;
+        turn.work.add((&part.facts, &part.profile), turn.begin, turn.listed);
+        Ok(part)
+    }
+}

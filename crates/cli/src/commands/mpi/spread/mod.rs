@@ -1,0 +1,159 @@
+//! `--spread`: each rank has a part of the points in memory, and the first one alone reads files.
+//!
+//! The first rank runs the command as if it was alone, and orders the others what to do. It deals the points to all, run by run, as it
+//! reads them. For each frame every rank sends the points that may show in another rank's window to that rank, and renders its own
+//! window from what it received.
+
+mod deal;
+mod exchange;
+pub mod frame;
+pub mod orders;
+mod rounds;
+pub mod worker;
+
+use std::sync::Arc;
+
+use clap::Args;
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::{Arranged, Supplied};
+use pellucid_engine::scene::{Error, MethodChoice};
+use pellucid_engine::supply::{Held, Portion};
+use pellucid_engine::{Result, methods, passes};
+use serde_json::{Value, json};
+
+use self::deal::Dealer;
+use self::orders::Order;
+use super::ranks::Ranks;
+use super::share::Wanted;
+use super::stage::{Setting, device_of};
+use crate::commands::DeviceArgs;
+use crate::commands::bar::Bar;
+use crate::commands::loaded::Resolved;
+use crate::commands::session::Session;
+
+/// Bytes of a message with points, about: with that many the next message begins.
+const PIECE: usize = 16 << 20;
+
+/// How points are held.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct SpreadArgs {
+    /// Spread the points over the ranks: each has a part of them in memory, and gets those of others that its part of the picture needs.
+    /// Only the first rank reads files. For clouds that no machine has the memory for, and for machines that share no file system. Not for
+    /// spbr, shadows and levels of detail.
+    #[arg(long)]
+    pub spread: bool,
+}
+
+/// The points of the first rank, and what it needs to order others about.
+pub struct Spread {
+    pub portion: Portion,
+    /// Points that each rank has.
+    dealt: Vec<u64>,
+    /// Bytes of points that were sent to others before the first frame.
+    sent: u64,
+    /// Bytes that were read of nodes for it.
+    read: u64,
+}
+
+impl Spread {
+    /// How the points were dealt, for people.
+    pub fn described(&self) -> String {
+        let points: Vec<String> = self.dealt.iter().map(u64::to_string).collect();
+        let mib = self.sent as f64 / f64::from(1 << 20);
+        format!("points were spread over {} ranks: {} ({mib:.1} MiB sent)", points.len(), points.join(", "))
+    }
+
+    /// The same for programs.
+    pub fn to_json(&self) -> Value {
+        json!({"points": self.dealt, "sent": self.sent, "read": self.read})
+    }
+}
+
+/// Opens the device of the first rank as if it was alone, decides the method, and deals the points to all ranks.
+///
+/// # Errors
+/// What can't be spread; those of reading points and of the device.
+pub fn open(setting: &Setting<'_>, resolved: &mut Resolved, all: &Ranks, progress: &Bar) -> Result<(Session, Spread)> {
+    refuse(setting, resolved)?;
+    // Method and opacity are those of a rank alone, which has all points at once.
+    resolved.by_windows = matches!(resolved.scene.method, MethodChoice::Fixed(_)) && resolved.see_through.is_none();
+    let device = DeviceArgs { device: device_of(setting.device, all)?, memory_budget: setting.device.memory_budget };
+    let mut session = Session::open(&device, resolved, setting.counted, setting.stop, progress)?;
+    session.frame.depths = setting.depths;
+    let parts = session.frame.method.threshold().map(|threshold| {
+        session.cloud.find_parts(threshold, progress)?;
+        Ok((threshold, session.cloud.parts(threshold)))
+    });
+    let parts = parts.transpose().map_err(|error: passes::Error| methods::Error::from(error))?;
+    progress.stage("dealing points to ranks");
+    let points = resolved.points();
+    let known = points.known().ok_or_else(|| Error::Usage("--spread: the scene has no points".to_owned()))?;
+    let sample = sample(resolved)?;
+    orders::send_to_others(
+        all,
+        &Order::Open { known: known.clone(), frame: session.frame, parts },
+        Some(&packed(&sample)),
+    )?;
+    let mut dealer = Dealer::new(all, &known, PIECE);
+    let identity = dealer.deal(resolved, progress)?;
+    let read = resolved.stored.as_ref().map_or(0, |stored| stored.bytes_read()[0]);
+    let spread = dealer.finish(read);
+    // The points themselves are not needed here any more.
+    let sample = Arc::new(sample.standing_for(&known, identity));
+    let nowhere = nowhere(&sample);
+    session.cloud = session.renderer.supply(&sample, &(Arc::new(nowhere) as Arc<_>))?;
+    if let Some((threshold, parts)) = parts {
+        session.cloud.know_parts(threshold, parts);
+    }
+    match &resolved.stored {
+        Some(stored) => stored.forget(),
+        None => {
+            let supply = Arc::new(Held::new(Arc::default()));
+            resolved.arranged = Arranged::Supplied(Supplied { supply, sample, dealt: None });
+        }
+    }
+    Ok((session, spread))
+}
+
+/// Refuses what needs all points in one place.
+fn refuse(setting: &Setting<'_>, resolved: &Resolved) -> Result<()> {
+    let scene = &resolved.scene;
+    let problem = match setting.share {
+        Wanted::Ensembles | Wanted::Frames => Some("each rank has points for its windows alone: --share windows"),
+        _ if scene.method.is_dealt() => Some("the method deals all points to ensembles, which each rank has to see"),
+        _ if scene.shadows.is_some() || resolved.shadow_texture.is_some() => {
+            Some("shadows fall from points of other ranks")
+        }
+        _ if !scene.detail.is_whole() => {
+            Some("which points are left out follows from all of them (--detail, --max-points)")
+        }
+        _ => None,
+    };
+    problem.map_or(Ok(()), |problem| Err(Error::Usage(format!("--spread: {problem}")).into()))
+}
+
+/// Points that stand for all, at least one.
+fn sample(resolved: &Resolved) -> Result<Points> {
+    let sample = resolved.points().sampled_points();
+    let Some(stored) = resolved.stored.as_ref().filter(|_| sample.is_empty()) else { return Ok(sample) };
+    let origin = resolved.points().anchor().origin;
+    for block in 0..stored.blocks().len() {
+        let points = stored.block(block).map_err(deal::failed)?;
+        if !points.is_empty() {
+            return Ok(sample.with_one(origin, || points.subset(&[0], 1.0)));
+        }
+    }
+    Ok(sample)
+}
+
+fn packed(points: &Points) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    points.pack(&mut bytes);
+    bytes
+}
+
+/// A supply for windows in which no point shows: one of the scene, which shows in none of them.
+fn nowhere(sample: &Points) -> Held {
+    let first: Vec<u32> = (0..sample.len().min(1) as u32).collect();
+    Held::new(Arc::new(Points { unseen: Arc::default(), whole: None, ..sample.subset(&first, 1.0) }))
+}

@@ -1,0 +1,90 @@
+//! What the first rank tells the others to do.
+
+use pellucid_engine::Result;
+use pellucid_engine::methods::Frame;
+use pellucid_engine::passes::bands::Window;
+use pellucid_engine::passes::project::Parts;
+use pellucid_engine::points::Known;
+use pellucid_engine::scene::Error;
+use serde::{Deserialize, Serialize};
+
+use super::super::frame::{decoded, encoded};
+use super::super::ranks::Ranks;
+
+/// A thing to do. Some have bytes with them, in a message of their own.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Order {
+    /// Open the device for such frames of a scene of which this is known, and how many points are solid and soft. The bytes are points
+    /// that stand for all.
+    Open { known: Known, frame: Frame, parts: Option<(f32, Parts)> },
+    /// Keep the runs of points in the bytes.
+    Keep,
+    /// Render, round by round, the window of the rank's number. Passes may be timed, and listed one by one.
+    Render { frame: Frame, rounds: Vec<Vec<Window>>, timed: bool, listed: bool },
+    /// Nothing is left to do.
+    Stop,
+}
+
+/// Orders all others to do the same.
+///
+/// # Errors
+/// A number in it that is none.
+pub fn send_to_others(ranks: &Ranks, order: &Order, bytes: Option<&[u8]>) -> Result<()> {
+    let written = encoded(order);
+    // Text has no infinite numbers, and has to have all others to the last bit.
+    if serde_json::from_slice::<Order>(&written).ok().as_ref() != Some(order) {
+        return Err(Error::Usage("--spread: a setting is infinite or no number".to_owned()).into());
+    }
+    for rank in 1..ranks.count() {
+        ranks.send(rank, &written);
+        bytes.into_iter().for_each(|bytes| ranks.send(rank, bytes));
+    }
+    Ok(())
+}
+
+/// Has a rank keep runs of points.
+pub fn send_runs(ranks: &Ranks, to: usize, runs: &[u8]) {
+    ranks.send(to, &encoded(&Order::Keep));
+    ranks.send(to, runs);
+}
+
+/// Lets all others go.
+pub fn stop(ranks: &Ranks) {
+    let written = encoded(&Order::Stop);
+    (1..ranks.count()).for_each(|rank| ranks.send(rank, &written));
+}
+
+/// Waits for the next order of the first rank.
+pub fn next(ranks: &Ranks) -> Order {
+    decoded(0, ranks)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use pellucid_engine::camera::{Camera, Projection};
+    use pellucid_engine::scene::{Method, Scene};
+
+    use super::*;
+
+    #[test]
+    fn frames_travel_to_the_last_bit() {
+        let scene = Scene::from_toml("[[cloud]]\npath = \"a.ply\"\n", "scene.toml".as_ref()).expect("a scene");
+        let projection = Projection::Perspective { fov_y: 1.0 / 3.0 };
+        let eye = DVec3::new(0.1, 1.0 / 7.0, 1e300);
+        let camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Y, projection, 5e-324, 1e306).expect("a camera");
+        for method in Method::all() {
+            let mut frame =
+                Frame { method, max_error: Some(f32::MIN_POSITIVE), ..Frame::of_scene(&scene, camera, u64::MAX) };
+            frame.factors.opacity = 1.0 / 3.0;
+            frame.factors.radius = f32::MAX;
+            let order = Order::Render { frame, rounds: vec![vec![[0, 1, 2, 3]]], timed: true, listed: false };
+            assert_eq!(
+                serde_json::from_slice::<Order>(&encoded(&order)).expect("an order"),
+                order,
+                "{}",
+                method.name()
+            );
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! A rank that does as the first one orders.
+
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::time::Instant;
+
+use pellucid_engine::Result;
+use pellucid_engine::gpu::{Device, DeviceOptions};
+use pellucid_engine::methods::{Frame, Renderer};
+use pellucid_engine::passes::bands::Window;
+use pellucid_engine::passes::project::{DeviceCloud, Parts};
+use pellucid_engine::points::{Points, Unreadable};
+use pellucid_engine::supply::{Portion, Runs};
+
+use super::super::frame::{Turn, encoded};
+use super::super::ranks::Ranks;
+use super::super::stage::device_of;
+use super::super::work::Work;
+use super::frame::Own;
+use super::nowhere;
+use super::orders::{self, Order};
+use crate::commands::DeviceArgs;
+
+/// The device of a rank, with what it knows of the scene.
+struct Worker {
+    renderer: Renderer,
+    cloud: DeviceCloud,
+    /// Points that stand for all.
+    sample: Points,
+}
+
+/// Does what the first rank orders until that has nothing more to do.
+///
+/// # Errors
+/// Those of the device and of rendering.
+pub fn serve(device: &DeviceArgs, ranks: &Ranks) -> Result<ExitCode> {
+    let (mut worker, mut portion) = (None, Portion::default());
+    loop {
+        match orders::next(ranks) {
+            Order::Open { known, parts, .. } => {
+                let sample = read(ranks, |mut bytes| Points::unpack(&mut bytes)).standing_for(&known, String::new());
+                worker = Some(Worker::open(device, ranks, sample, parts)?);
+            }
+            Order::Keep => read(ranks, |mut bytes| {
+                while !bytes.is_empty() {
+                    portion.add(Runs::unpack(&mut bytes)?);
+                }
+                Ok(())
+            }),
+            Order::Render { frame, rounds, timed, listed } => match &mut worker {
+                Some(worker) => worker.render(ranks, (&frame, &rounds), &portion, (timed, listed))?,
+                None => ranks.fail("rank 0 wants a picture before it told of the scene", 1),
+            },
+            Order::Stop => return Ok(ExitCode::SUCCESS),
+        }
+    }
+}
+
+/// What the bytes of an order say.
+fn read<T>(ranks: &Ranks, from: impl FnOnce(&[u8]) -> std::result::Result<T, Unreadable>) -> T {
+    let bytes = ranks.received(0);
+    from(&bytes).unwrap_or_else(|error| ranks.fail(&format!("points of rank 0: {error}"), 1))
+}
+
+impl Worker {
+    fn open(asked: &DeviceArgs, ranks: &Ranks, sample: Points, parts: Option<(f32, Parts)>) -> Result<Self> {
+        let options = DeviceOptions { device: device_of(asked, ranks)?, ..DeviceOptions::from_env() };
+        let renderer = Renderer::new(&Device::open(&options)?)?;
+        let mut cloud = renderer.supply(&sample, &(Arc::new(nowhere(&sample)) as Arc<_>))?;
+        if let Some((threshold, parts)) = parts {
+            cloud.know_parts(threshold, parts);
+        }
+        Ok(Self { renderer, cloud, sample })
+    }
+
+    /// Renders this rank's windows, and sends them to the first rank.
+    fn render(
+        &mut self,
+        ranks: &Ranks,
+        (frame, rounds): (&Frame, &[Vec<Window>]),
+        portion: &Portion,
+        (timed, listed): (bool, bool),
+    ) -> Result<()> {
+        let before = ranks.traffic();
+        ranks.meet();
+        ranks.begin("rendering");
+        let mut turn = Turn { begin: Instant::now(), work: Work::of(ranks), listed, ranks };
+        let Self { renderer, cloud, sample } = self;
+        renderer.timed = timed;
+        let rendered = Own { renderer, cloud, frame, portion, sample }.rounds(&mut turn, rounds)?;
+        ranks.begin("bringing parts together");
+        turn.hand_in(rendered).into_iter().for_each(|image| renderer.recycle(image));
+        let mut work = turn.work;
+        work.note(ranks.traffic().since(before));
+        ranks.send(0, &encoded(&work));
+        Ok(())
+    }
+}

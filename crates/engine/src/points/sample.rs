@@ -1,0 +1,149 @@
+//! Some points that stand for all of a list, with what is known of all.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::{Points, Spheres, Unseen, Whole, WholeSplats};
+use crate::cloud::Bounds;
+use crate::cloud::sampling::Sampling;
+
+/// What is known of all points of a scene whose points are elsewhere, in a form that travels.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Known {
+    count: u64,
+    bounds: Bounds,
+    /// Bits of the largest radius and of the largest component of a color, which may be infinite.
+    largest_radius: u32,
+    brightest: u32,
+    is_transparent: bool,
+    /// Count, degree and bits of the brightest value of Gaussians.
+    splats: Option<(u64, u32, u32)>,
+}
+
+impl Known {
+    /// The number of points.
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// The box around all of them, also around those that are not drawn.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+}
+
+/// The points of a scene that are elsewhere.
+#[derive(Debug)]
+struct Elsewhere;
+
+impl Spheres for Elsewhere {
+    fn groups(&self) -> Vec<(Bounds, f64)> {
+        Vec::new()
+    }
+
+    fn of_group(&self, _group: usize) -> Vec<(DVec3, f64)> {
+        Vec::new()
+    }
+}
+
+impl Points {
+    /// What is known of all points; `None` without any.
+    pub fn known(&self) -> Option<Known> {
+        let brightest = || self.colors.par_iter().map(|color| color.max_element()).reduce(|| 1.0, f32::max);
+        let whole = self.whole.as_ref();
+        let splats = self.splats().map(|all| (all.count, all.degree, all.brightest.to_bits()));
+        let is_transparent = || self.opacities.par_iter().any(|opacity| *opacity < 1.0);
+        Some(Known {
+            count: self.count(),
+            bounds: self.bounds()?,
+            largest_radius: (self.largest_radius() as f32).to_bits(),
+            brightest: whole.map_or_else(brightest, |whole| whole.brightest).to_bits(),
+            is_transparent: whole.map_or_else(is_transparent, |whole| whole.is_transparent),
+            splats,
+        })
+    }
+
+    /// Some points that stand for these, at least one, without what is known of all: those of a list that stands for more as they are.
+    pub fn sampled_points(&self) -> Self {
+        if self.whole.is_some() {
+            return Self { whole: None, ..self.clone() };
+        }
+        let sampling = Sampling::of((self.len() + self.unseen.positions.len()) as u64);
+        let seen: Vec<u32> = (0..self.len() as u32).filter(|at| sampling.takes(self.positions[*at as usize])).collect();
+        let unseen = self.unseen.positions.iter().zip(&self.unseen.radii);
+        let unseen = unseen.filter(|(position, _)| sampling.takes(**position));
+        let (positions, radii) = unseen.map(|(position, radius)| (*position, *radius)).unzip();
+        let sample = Self { unseen: Arc::new(Unseen { positions, radii }), ..self.subset(&seen, 1.0) };
+        sample.with_one(self.anchor().origin, || self.subset(&[0], 1.0))
+    }
+
+    /// The same points, or, if these are none, one of the scene, which leaves the origin where it is.
+    #[must_use]
+    pub fn with_one(self, origin: DVec3, one: impl FnOnce() -> Self) -> Self {
+        if !self.is_empty() {
+            return self;
+        }
+        // The median of these and another one is theirs.
+        let unseen = Unseen { positions: vec![origin; 3], radii: vec![0.0; 3] };
+        Self { unseen: Arc::new(unseen), whole: self.whole, ..one() }
+    }
+
+    /// These points as some that stand for a scene; `identity` is the same text for the same points.
+    #[must_use]
+    pub fn standing_for(self, known: &Known, identity: String) -> Self {
+        let splats = known.splats.map(|(count, degree, brightest)| WholeSplats {
+            count,
+            degree,
+            brightest: f32::from_bits(brightest),
+        });
+        let whole = Whole {
+            count: known.count,
+            bounds: known.bounds,
+            largest_radius: f32::from_bits(known.largest_radius),
+            brightest: f32::from_bits(known.brightest),
+            is_transparent: known.is_transparent,
+            identity,
+            splats,
+            spheres: Arc::new(Elsewhere),
+        };
+        Self { whole: Some(Arc::new(whole)), ..self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    fn points(positions: Vec<DVec3>) -> Points {
+        let count = positions.len();
+        let radii = (0..count).map(|at| (at % 7) as f32).collect();
+        let colors = vec![Vec3::new(0.5, 2.0, 0.0); count];
+        Points { positions, colors, radii, opacities: vec![0.5; count], ..Points::default() }
+    }
+
+    #[test]
+    fn what_stands_for_all_is_known_as_all() {
+        let all = points((0..300_000).map(|at| DVec3::new(f64::from(at), 0.0, f64::from(at % 1000))).collect());
+        let known = all.known().unwrap();
+        let sample = all.sampled_points().standing_for(&known, String::new());
+        assert!((10_000..200_000).contains(&sample.len()), "{}", sample.len());
+        assert_eq!(sample.anchor(), all.anchor());
+        assert_eq!(sample.known(), Some(known));
+        assert_eq!((sample.count(), sample.bounds()), (300_000, all.bounds()));
+    }
+
+    #[test]
+    fn many_points_in_one_place_keep_their_origin() {
+        // A place that is not sampled.
+        let sampling = Sampling::of(300_000);
+        let place = (1..).map(|at| DVec3::splat(f64::from(at))).find(|place| !sampling.takes(*place)).unwrap();
+        let all = points(vec![place; 300_000]);
+        let sample = all.sampled_points();
+        assert_eq!((sample.len(), sample.anchor().origin), (1, place));
+    }
+}
