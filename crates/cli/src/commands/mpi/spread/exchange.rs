@@ -131,7 +131,9 @@ mod tests {
                 let met: Vec<usize> =
                     (0..count).filter(|own| next[*own].is_some_and(|p| next[p] == Some(*own))).collect();
                 assert!(!met.is_empty(), "{count}: nobody goes on {next:?}");
-                met.into_iter().for_each(|own| drop(left[own].remove(0)));
+                for own in met {
+                    left[own].remove(0);
+                }
             }
         }
     }

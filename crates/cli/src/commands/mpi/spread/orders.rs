@@ -71,7 +71,7 @@ mod tests {
     fn frames_travel_to_the_last_bit() {
         let scene = Scene::from_toml("[[cloud]]\npath = \"a.ply\"\n", "scene.toml".as_ref()).expect("a scene");
         let projection = Projection::Perspective { fov_y: 1.0 / 3.0 };
-        let eye = DVec3::new(0.1, 1.0 / 7.0, 1e300);
+        let eye = DVec3::new(0.1, 1.0 / 7.0, 1e30);
         let camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Y, projection, 5e-324, 1e306).expect("a camera");
         for method in Method::all() {
             let mut frame =
