@@ -105,6 +105,22 @@ fn every_method_has_the_same_bytes_from_any_number_of_ranks() {
 }
 
 #[test]
+fn windows_and_samples_of_random_methods_have_the_same_bytes() {
+    let folder = folder();
+    let cloud = cloud(&folder);
+    for (method, share) in [("stochastic", "ensembles"), ("spbr", "windows"), ("spbr-simplified", "ensembles")] {
+        let args = ["render", cloud, "--method", method, "--opacity", "0.4", "--size", "96x80", "--aov", "-q"];
+        assert_done(&alone(&folder, &[&args[..], &["-o", "one.exr"]].concat()), method);
+        for count in [2, 4] {
+            let more = ["--share", share, "-o", "shared.exr"];
+            let output = ranks(&folder, count, &[&args[..], &more].concat()).output().expect("mpirun runs");
+            assert_done(&output, method);
+            assert_eq!(read(&folder, "shared.exr"), read(&folder, "one.exr"), "{share} of {method} by {count}");
+        }
+    }
+}
+
+#[test]
 fn pictures_with_all_that_a_band_does_not_know() {
     let folder = folder();
     let cloud = cloud(&folder);

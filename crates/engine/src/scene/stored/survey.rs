@@ -14,8 +14,9 @@ use crate::cloud::sampling::Sampling;
 use crate::io::store::{Store, Summary, Survey};
 use crate::progress::Progress;
 
-/// Nodes that are read at once.
+/// Nodes that are read at once at most, and of large ones about so many points for each thread.
 const BATCH: usize = 64;
+const POINTS: u64 = 1 << 19;
 
 /// Nothing of a range is known.
 const NONE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
@@ -113,7 +114,8 @@ fn survey(
     let mut found = Survey { facts: Facts::default(), sample: summary.like.clone() };
     let mut range = NONE;
     let nodes: Vec<usize> = (0..store.nodes().len()).filter(|node| store.nodes()[*node].points > 0).collect();
-    for batch in nodes.chunks(BATCH) {
+    let most = POINTS * rayon::current_num_threads() as u64;
+    for batch in batches(&nodes, most, |node| store.nodes()[node].points) {
         let cancelled = |_| crate::io::Error::Cancelled { path: summary.path.clone() };
         progress.check().map_err(cancelled)?;
         let parts = batch.par_iter().map(|node| look(*node)).collect::<Result<Vec<_>, crate::Error>>()?;
@@ -124,4 +126,36 @@ fn survey(
         }
     }
     Ok((found, range))
+}
+
+/// Nodes in batches of at most [`BATCH`], and of at most so many points if more than one has some.
+fn batches(nodes: &[usize], most: u64, points: impl Fn(usize) -> u64) -> Vec<&[usize]> {
+    let (mut rest, mut found) = (nodes, Vec::new());
+    while !rest.is_empty() {
+        let mut sum = 0;
+        let fits = rest.iter().take(BATCH).take_while(|node| {
+            sum += points(**node);
+            sum <= most
+        });
+        let (batch, others) = rest.split_at(fits.count().max(1));
+        found.push(batch);
+        rest = others;
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn batches_have_few_points_and_every_node() {
+        let points = [3, 3, 5, 20, 1, 1, 9, 2];
+        let nodes: Vec<usize> = (0..points.len()).collect();
+        let found = batches(&nodes, 10, |node| points[node]);
+        assert_eq!(found, [&[0, 1][..], &[2], &[3], &[4, 5], &[6], &[7]]);
+        let small: Vec<usize> = (0..150).collect();
+        assert_eq!(batches(&small, 1000, |_| 1).iter().map(|batch| batch.len()).collect::<Vec<_>>(), [64, 64, 22]);
+        assert!(batches(&[], 10, |_| 1).is_empty());
+    }
 }
