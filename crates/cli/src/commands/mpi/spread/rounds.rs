@@ -9,7 +9,7 @@ const LEAST: f64 = 262_144.0;
 
 /// A rank may have so many points at a time as a part of those that it has itself: they are there several times while they are put into
 /// order, and on the device.
-const PART: f64 = 0.25;
+const PART: f64 = 0.125;
 
 /// Windows for each rank, round by round; some are empty. `all` are the scene's points, and the device has room for `room` at a time.
 pub fn rounds(costs: &Costs, ranks: usize, all: u64, room: u64) -> Vec<Vec<Window>> {
