@@ -8,6 +8,14 @@ cd "$(dirname "$0")/.."
 
 tools/setup.sh --tests --mpi
 export PELLUCID_REQUIRE_GPU="${PELLUCID_REQUIRE_GPU:-1}"
+# Bindings stay those of the MPI for which they were made.
+made=${CARGO_TARGET_DIR:-target}/mpicc
+if [[ $(cat "$made" 2>/dev/null || echo mpicc) != "${MPICC:-mpicc}" ]]; then
+    cargo clean --locked -p mpi-sys
+    cargo clean --locked --release -p mpi-sys
+fi
+mkdir -p "${made%/*}"
+echo "${MPICC:-mpicc}" >"$made"
 cargo clippy --locked -p pellucid-cli --features mpi --all-targets -- -D warnings
 cargo build --locked --release -p pellucid-cli --features mpi --bin pellucid-mpi --bin pellucid
 tests=(--locked --release -p pellucid-cli --features mpi)
