@@ -6,6 +6,10 @@ use bytesize::ByteSize;
 use clap::Args;
 use pellucid_engine::Result;
 use pellucid_engine::cloud::Cloud;
+#[cfg(feature = "mpi")]
+use pellucid_engine::scene::MethodChoice;
+#[cfg(feature = "mpi")]
+use pellucid_engine::scene::stored::have_levels;
 use pellucid_engine::scene::{self, DEFAULT_SCENE, Family, Overrides, Scene, View, ViewName};
 
 use super::filters;
@@ -94,9 +98,41 @@ pub struct InputArgs {
     /// Seed of everything random: of the built-in scene, if it is rendered, and of stochastic methods.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
-    /// True if the points go to other processes in parts: clouds stay in their files wherever they can.
+    /// Which clouds stay in their files even if memory has room for them.
     #[arg(skip)]
-    pub in_parts: bool,
+    pub kept_in_files: KeptInFiles,
+}
+
+/// Clouds that stay in their files even if memory has room for them, where the picture is that of points in memory.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum KeptInFiles {
+    /// None.
+    #[default]
+    Nothing,
+    /// Octrees, of which each of several processes reads the nodes that its part of the picture shows.
+    #[cfg(feature = "mpi")]
+    Octrees,
+    /// All that are read in parts, since the points go to other processes part by part.
+    #[cfg(feature = "mpi")]
+    Everything,
+}
+
+impl KeptInFiles {
+    /// True if the clouds of a scene stay in their files.
+    ///
+    /// # Errors
+    /// A cloud that can't be opened.
+    #[cfg_attr(not(feature = "mpi"), allow(unused_variables, reason = "no other processes"))]
+    pub fn holds(self, scene: &Scene) -> Result<bool> {
+        match self {
+            Self::Nothing => Ok(false),
+            // `auto` may choose otherwise among points in memory.
+            #[cfg(feature = "mpi")]
+            Self::Octrees => Ok(matches!(scene.method, MethodChoice::Fixed(_)) && have_levels(scene)?),
+            #[cfg(feature = "mpi")]
+            Self::Everything => Ok(true),
+        }
+    }
 }
 
 /// Every method, family by family.

@@ -239,6 +239,12 @@ impl RenderArgs {
         self.legend && is_png(output)
     }
 
+    /// True if there are many frames.
+    #[cfg(feature = "mpi")]
+    pub fn is_film(&self) -> bool {
+        self.along.option().is_some()
+    }
+
     /// The motion of the camera, if there is one.
     #[cfg(feature = "mpi")]
     pub fn course(&self, console: Console) -> Result<Option<super::along::Along>> {

@@ -36,12 +36,17 @@ fn refs(args: &[String]) -> Vec<&str> {
 
 /// Renders by one program and by so many ranks; those whose bytes differ.
 fn differing(folder: &TempDir, input: &str, more: &[&str], counts: &[usize]) -> Vec<usize> {
+    differing_in(folder, input, more, counts, &["--spread"])
+}
+
+/// The same with options for ranks.
+fn differing_in(folder: &TempDir, input: &str, more: &[&str], counts: &[usize], of_ranks: &[&str]) -> Vec<usize> {
     assert_done(&alone(folder, &refs(&render(input, "one.exr", more))), &format!("{more:?}"));
     let one = read(folder, "one.exr");
     assert!(!one.is_empty());
     let differs = |count: &usize| {
         let name = format!("{count}.exr");
-        let spread = [more, &["--spread"]].concat();
+        let spread = [more, of_ranks].concat();
         let output = ranks(folder, *count, &refs(&render(input, &name, &spread))).output().expect("mpirun runs");
         assert_done(&output, &format!("{more:?} by {count}"));
         read(folder, &name) != one
@@ -91,6 +96,32 @@ fn stores_are_read_by_one_rank_block_by_block() {
         let more = [more, &unlit].concat();
         assert_eq!(differing(&folder, store, &more, &[1, 2, 4]), [0usize; 0], "{name}");
     }
+}
+
+#[test]
+fn ranks_read_only_the_nodes_that_their_windows_show() {
+    let folder = folder();
+    store(&folder);
+    // An automatic camera looks at nodes, too.
+    let scene = "[[cloud]]\npath = \"sphere/\"\nopacity = 0.3\n[method]\nname = \"abuffer\"\n[shading]\nmodel = \"none\"\n[camera]\n\
+                 eye = [0, -4, 0]\ntarget = [0, 0, 0]\nup = [0, 0, 1]\nfov_y = 40\nnear = 1\nfar = 10\n";
+    fs::write(folder.path().join("scene.toml"), scene).expect("a file");
+    assert_eq!(differing_in(&folder, "scene.toml", &[], &[2], &[]), [0usize; 0]);
+    let args = render("scene.toml", "two.exr", &["--profile", "p.json"]);
+    let args: Vec<String> = args.into_iter().map(|arg| if arg == "-q" { "-v".to_owned() } else { arg }).collect();
+    let output = ranks(&folder, 2, &refs(&args)).output().expect("mpirun");
+    assert_done(&output, "two");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let share = said
+        .lines()
+        .find_map(|line| line.split_once("were read for the picture (")?.1.split_once(" %")?.0.parse::<f64>().ok());
+    let share = share.unwrap_or_else(|| panic!("{said}"));
+    assert!((20.0..80.0).contains(&share), "the first rank read {share} %");
+    let profile: Value = serde_json::from_slice(&read(&folder, "p.json")).expect("JSON");
+    let ranks = profile["ranks"]["frames"][0]["ranks"].as_array().expect("ranks");
+    let bytes: Vec<f64> = ranks.iter().map(|rank| rank["read"].as_f64().expect("bytes")).collect();
+    let all = bytes[0] / (share / 100.0);
+    assert!(bytes[1] > 0.2 * all && bytes[1] < 0.8 * all, "{bytes:?} of {all}");
 }
 
 #[test]

@@ -24,9 +24,10 @@ use pellucid_engine::Result;
 use pellucid_engine::scene::Error;
 
 use self::ranks::Ranks;
-use self::share::SharingArgs;
+use self::share::{SharingArgs, Wanted};
 use self::spread::{SpreadArgs, orders, worker};
 use super::console::{Console, print_stderr};
+use super::input::KeptInFiles;
 use super::plan::PlanArgs;
 use super::profile::ProfileArgs;
 use super::render::{RenderArgs, Target};
@@ -110,11 +111,11 @@ pub fn run() -> ExitCode {
     let ranks = if spread.is_some() { ranks.leading() } else { ranks };
     let done = match cli.command {
         Command::Render { mut args, sharing, spread } => {
-            args.input.in_parts = spread.spread;
+            args.input.kept_in_files = kept_in_files(&sharing, spread, args.is_film(), &ranks);
             render(&args, &sharing, &ranks, console)
         }
         Command::Profile { mut args, sharing, spread } => {
-            args.input.in_parts = spread.spread;
+            args.input.kept_in_files = kept_in_files(&sharing, spread, args.along.option().is_some(), &ranks);
             profile::run(&args, &sharing, &ranks, console)
         }
         Command::Plan { args, sharing, ranks: count } => {
@@ -124,6 +125,18 @@ pub fn run() -> ExitCode {
     let done = done.unwrap_or_else(|error| fail(error, &ranks));
     ranks.led().into_iter().for_each(orders::stop);
     done
+}
+
+/// Which clouds stay in their files: those that are spread, and octrees of which windows show parts.
+fn kept_in_files(sharing: &SharingArgs, spread: SpreadArgs, is_film: bool, ranks: &Ranks) -> KeptInFiles {
+    let by_windows = sharing.share == Wanted::Windows || sharing.share == Wanted::Auto && !is_film;
+    if spread.spread {
+        KeptInFiles::Everything
+    } else if by_windows && ranks.count() > 1 {
+        KeptInFiles::Octrees
+    } else {
+        KeptInFiles::Nothing
+    }
 }
 
 fn fail(error: pellucid_engine::Error, ranks: &Ranks) -> ! {
