@@ -10,7 +10,7 @@ use pellucid_engine::cloud::Cloud;
 use pellucid_engine::scene::MethodChoice;
 #[cfg(feature = "mpi")]
 use pellucid_engine::scene::stored::have_levels;
-use pellucid_engine::scene::{self, DEFAULT_SCENE, Family, Overrides, Scene, View, ViewName};
+use pellucid_engine::scene::{self, DEFAULT_SCENE, Family, Named, Overrides, Scene, View, ViewName};
 
 use super::filters;
 use super::presets::{self, Asked, Preset};
@@ -123,12 +123,14 @@ impl KeptInFiles {
     /// # Errors
     /// A cloud that can't be opened.
     #[cfg_attr(not(feature = "mpi"), allow(unused_variables, reason = "no other processes"))]
-    pub fn holds(self, scene: &Scene) -> Result<bool> {
+    pub fn holds(self, named: &Named, scene: &Scene) -> Result<bool> {
         match self {
             Self::Nothing => Ok(false),
             // `auto` may choose otherwise among points in memory.
             #[cfg(feature = "mpi")]
-            Self::Octrees => Ok(matches!(scene.method, MethodChoice::Fixed(_)) && have_levels(scene)?),
+            Self::Octrees => Ok(matches!(scene.method, MethodChoice::Fixed(_))
+                && named.needed_memory()?.is_some()
+                && have_levels(scene)?),
             #[cfg(feature = "mpi")]
             Self::Everything => Ok(true),
         }

@@ -188,7 +188,7 @@ pub fn read(args: &InputArgs, size: Option<[u32; 2]>, console: Console, progress
     }
     let opacity_given = args.opacity.is_some() || args.surface_opacity.is_some();
     let name = named.name.clone();
-    let open = if args.kept_in_files.holds(&scene)? { Source::open_in_parts } else { Source::open };
+    let open = if args.kept_in_files.holds(&named, &scene)? { Source::open_in_parts } else { Source::open };
     let clouds = open(&named, &scene, host_memory(args.host_memory)?, &console, progress)?;
     let see_through = match &clouds {
         Source::Held(clouds) => args.share(&scene, clouds),
