@@ -5,6 +5,7 @@ pub mod bin;
 pub mod compose;
 mod error;
 pub mod foresight;
+pub mod portion;
 pub mod project;
 pub mod radix;
 pub mod raster;

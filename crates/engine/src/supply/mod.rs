@@ -1,7 +1,6 @@
 //! Points in blocks, of which some are taken at a time: clouds that don't fit the device, or the host's memory.
 
 mod cut;
-mod portion;
 mod scale;
 mod spacing;
 mod tree;
@@ -16,7 +15,6 @@ use crate::cloud::Bounds;
 use crate::points::{Points, Unseen};
 use crate::progress::{Cancelled, Progress};
 pub use cut::{Cut, Limits, Picture};
-pub use portion::{Portion, Runs, joined};
 pub use scale::Scale;
 pub(crate) use spacing::spacing;
 
@@ -190,7 +188,7 @@ impl Held {
 }
 
 /// The first points of blocks that cut no run of points in one place, and the number of all points.
-fn starts(points: &Points) -> Vec<usize> {
+pub(crate) fn starts(points: &Points) -> Vec<usize> {
     let (positions, mut found) = (&points.positions, vec![0]);
     let mut next = BLOCK;
     while next < positions.len() {

@@ -1,9 +1,10 @@
 //! Deals the points of a scene to all ranks, run by run.
 
+use pellucid_engine::passes::portion::{Portion, Runs, joined};
 use pellucid_engine::points::{Known, Points};
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::stored::Stored;
-use pellucid_engine::supply::{Failure, Portion, Runs, joined};
+use pellucid_engine::supply::Failure;
 use pellucid_engine::{Result, methods, passes};
 use rayon::prelude::*;
 

@@ -3,9 +3,9 @@
 use std::convert::Infallible;
 
 use pellucid_engine::passes::bands::Window;
+use pellucid_engine::passes::portion::Portion;
 use pellucid_engine::passes::project::Beam;
 use pellucid_engine::points::{Points, Unreadable};
-use pellucid_engine::supply::Portion;
 
 use super::super::cut::is_empty;
 use super::super::ranks::Ranks;
@@ -111,8 +111,8 @@ fn take_piece(mut bytes: &[u8], parts: &mut Vec<Points>) -> Result<(), Unreadabl
 mod tests {
     use glam::{DVec3, Vec3};
     use pellucid_engine::camera::{Camera, Projection};
+    use pellucid_engine::passes::portion::Runs;
     use pellucid_engine::passes::project::Extent;
-    use pellucid_engine::supply::Runs;
 
     use super::*;
 

@@ -14,10 +14,11 @@ pub mod worker;
 use std::sync::Arc;
 
 use clap::Args;
+use pellucid_engine::passes::portion::Portion;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::{Arranged, Supplied};
 use pellucid_engine::scene::{Error, MethodChoice};
-use pellucid_engine::supply::{Held, Portion};
+use pellucid_engine::supply::Held;
 use pellucid_engine::{Result, methods, passes};
 use serde_json::{Value, json};
 

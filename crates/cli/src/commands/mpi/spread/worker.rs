@@ -8,9 +8,9 @@ use pellucid_engine::Result;
 use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::passes::bands::Window;
+use pellucid_engine::passes::portion::{Portion, Runs};
 use pellucid_engine::passes::project::{DeviceCloud, Parts};
 use pellucid_engine::points::{Points, Unreadable};
-use pellucid_engine::supply::{Portion, Runs};
 
 use super::super::frame::{Turn, encoded};
 use super::super::ranks::Ranks;

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::{Block, starts};
+use super::project::{Beam, Present};
 use crate::cloud::Bounds;
-use crate::passes::project::{Beam, Present};
 use crate::points::{Points, Unreadable, Unseen, packed};
 use crate::prepare::order;
+use crate::supply::{Block, starts};
 
 /// Blocks that are looked at at once.
 const AT_ONCE: usize = 64;
