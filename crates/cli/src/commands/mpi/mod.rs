@@ -80,6 +80,11 @@ enum Command {
     },
 }
 
+/// The command line, for its manual pages.
+pub fn command() -> clap::Command {
+    <Cli as clap::CommandFactory>::command()
+}
+
 /// Parses the command line and runs its command on all ranks.
 pub fn run() -> ExitCode {
     let mut ranks = match Ranks::join() {
