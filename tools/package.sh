@@ -77,6 +77,7 @@ make_deb() {
     } >"$stage/copyright"
     printf 'pellucid (%s-1) stable; urgency=medium\n\n  * See https://crates.io/crates/pellucid, CHANGELOG.md.\n\n -- The pellucid developers <pellucid@localhost>  %s\n' \
         "$version" "$(date -R)" >"$stage/changelog"
+    cp "$binary" "$stage/pellucid"
     cargo deb --locked --no-build -p pellucid-cli -o "$packages/"
 }
 
@@ -139,8 +140,14 @@ if [[ $target == *linux* ]]; then say "the program needs $(glibc_of "$binary")";
 if $deb && [[ $target == *linux* ]]; then make_deb; fi
 if $wheel; then make_wheel; fi
 if $crates; then
+    # Into this very folder.
     cargo package --locked --no-verify -p pellucid-gpu -p pellucid-engine -p pellucid-lab -p pellucid-viewer -p pellucid-cli -p pellucid
-    # In target/package already, where cargo puts them.
+    # What they were packed from.
+    rm -rf "$packages"/pellucid-*/ "$packages"/tmp-*
 fi
 rm -rf "$stage"
-(cd "$packages" && find . -maxdepth 1 -type f ! -name SHA256SUMS -printf '%f\n' | sort | xargs sha256sum >SHA256SUMS && cat SHA256SUMS)
+sum=(sha256sum)
+command -v sha256sum >/dev/null || sum=(shasum -a 256)
+(cd "$packages" && "${sum[@]}" pellucid* >"$packages.sums")
+mv "$packages.sums" "$packages/SHA256SUMS"
+cat "$packages/SHA256SUMS"
