@@ -1,6 +1,7 @@
 """The text of docs/gallery.md, from the catalog and what was measured."""
 
 import re
+import textwrap
 
 from catalog import SCENES, Catalog, Picture, Source
 
@@ -9,7 +10,8 @@ HEAD = """# Gallery
 <!-- Generated: edit docs/gallery.toml, then run tools/pictures/pictures.py --page. -->
 
 Scans, Gaussian splats and built-in scenes, each with the command that made the picture. Download the file, or take one of your own,
-and run the command. Pictures here are stored as WebP to stay small; `render` writes PNG and EXR.
+and run the command; the [table of sources](#sources) says where files are. Pictures here are stored as WebP to stay small; `render`
+writes PNG and EXR.
 
 Each time is that of all the commands shown, from reading the file to writing the picture, on 2 cores without a GPU (Mesa's lavapipe).
 The machine was shared: read times as orders of magnitude.
@@ -69,9 +71,15 @@ def facts(picture: Picture, sources: dict[str, Source], measured: dict) -> str:
     return " · ".join(parts)
 
 
+def wrap(command: str) -> str:
+    """A command of at most 100 columns, continued as a shell has it."""
+    lines = textwrap.wrap(command, 96, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
+    return " \\\n".join(lines)
+
+
 def entry(picture: Picture, sources: dict[str, Source], measured: dict) -> str:
     """A picture's section."""
-    commands = "\n".join(picture.commands)
+    commands = "\n".join(map(wrap, picture.commands))
     return (
         f"### {picture.title}\n\n"
         f"![{picture.alt}](images/gallery/{picture.name}.webp)\n\n"

@@ -7,7 +7,7 @@ import unittest
 from pathlib import Path
 
 from catalog import DOCS, IMAGES, MAX_ALL, MAX_PICTURE, ROOT, CatalogError, load, load_measured, parse
-from page import about, page, slug
+from page import about, page, slug, wrap
 from pictures import command_of, missing_files, sha256
 
 FILE = '[[file]]\npath = "a/b.laz"\nsha256 = "0"\ndone = "d"\nsource = "s"\nlicence = "l"\ncredit = "Ann"\n'
@@ -79,6 +79,13 @@ class Parts(unittest.TestCase):
         )
         self.assertIn("- **Theme:** [A picture, of it](#a-picture-of-it)\n", text)
         self.assertIn("```sh\npellucid render b.laz\n```\n\n*1,234,567 points · about 40 s · data: Ann*\n", text)
+
+    def test_long_commands_are_continued(self):
+        for picture in load().pictures:
+            for command in picture.commands:
+                text = wrap(command)
+                self.assertLessEqual(max(map(len, text.split("\n"))), 100)
+                self.assertEqual(text.replace(" \\\n    ", " "), command)
 
     def test_times_are_orders_of_magnitude(self):
         self.assertEqual([about(s) for s in (0.2, 3.6, 23, 88, 130)], ["1 s", "4 s", "25 s", "90 s", "2 min"])
