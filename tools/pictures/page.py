@@ -73,8 +73,10 @@ def facts(picture: Picture, sources: dict[str, Source], measured: dict) -> str:
 
 def wrap(command: str) -> str:
     """A command of at most 100 columns, continued as a shell has it."""
-    lines = textwrap.wrap(command, 96, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
-    return " \\\n".join(lines)
+    # An option and its value stay together.
+    glued = re.sub(r"( --?[^ ]+) (?!-)", "\\1\0", command)
+    lines = textwrap.wrap(glued, 96, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
+    return " \\\n".join(lines).replace("\0", " ")
 
 
 def entry(picture: Picture, sources: dict[str, Source], measured: dict) -> str:
