@@ -72,6 +72,15 @@ fn extension(path: &Path) -> Option<String> {
     Some(path.extension()?.to_str()?.to_lowercase())
 }
 
+/// Refuses the name of a film with a number in it, as numbered frames have.
+fn refuse_number(path: &Path) -> pellucid_engine::Result<()> {
+    if Pattern::parse(path, Naming::Frames).is_err() {
+        return Ok(());
+    }
+    let path = path.display();
+    Err(usage(format!("-o {path}: a film is one file, without a number in its name; numbered frames are .png or .exr")))
+}
+
 /// True if somebody who gives this name expects a film.
 fn names_film(path: &Path) -> bool {
     let others = ["mkv", "mov", "avi", "m4v", "ogv"];
@@ -105,6 +114,7 @@ impl FilmArgs {
     /// Refuses films and their options where the camera doesn't move.
     pub fn refuse(&self, output: Option<&Path>) -> pellucid_engine::Result<()> {
         if let Some(output) = output.filter(|output| names_film(output)) {
+            refuse_number(output)?;
             let output = output.display();
             return Err(usage(format!("-o {output}: a film needs a camera that moves: --turntable or --path")));
         }
@@ -148,6 +158,7 @@ impl FilmArgs {
 }
 
 fn known_kind(path: &Path) -> pellucid_engine::Result<Kind> {
+    refuse_number(path)?;
     Kind::of(path).ok_or_else(|| {
         let path = path.display();
         usage(format!(
