@@ -5,8 +5,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 use tungstenite::{Message, WebSocket};
 
@@ -159,13 +157,6 @@ impl Browser {
         event("touchStart", json!([{ "x": from[0], "y": from[1] }]));
         between(from, to).for_each(|[x, y]| event("touchMove", json!([{ "x": x, "y": y }])));
         event("touchEnd", json!([]));
-    }
-
-    /// A PNG of what the window shows.
-    pub fn screenshot(&mut self, file: &Path) {
-        let answer = self.call("Page.captureScreenshot", json!({ "format": "png" }));
-        let bytes = STANDARD.decode(answer["data"].as_str().unwrap_or_default()).unwrap();
-        std::fs::write(file, bytes).unwrap();
     }
 
     fn call(&mut self, method: &str, parameters: Value) -> Value {

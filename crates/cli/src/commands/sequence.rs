@@ -105,7 +105,7 @@ fn caption(along: &Along, resolved: &Resolved, session: &Session) -> Caption {
     let method = session.frame.method.name();
     Caption {
         title: name.unwrap_or_else(|| resolved.name.clone()),
-        points: session.cloud.total() as u64,
+        points: session.cloud.total(),
         method,
         closed: along.is_closed(),
         background: resolved.scene.image.background,

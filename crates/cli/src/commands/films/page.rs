@@ -1,6 +1,7 @@
 //! `--html`: a page that turns the scene, out of pictures of it.
 
 use std::io::{self, Write};
+use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -88,7 +89,7 @@ fn whole(stills: &Stills<'_>, fps: u32, caption: &Caption) -> String {
             noscript { p { "The picture turns by JavaScript, which is switched off here." } }
             div.controls {
                 button type="button" { "Play" }
-                label { span.name hidden { "View" } input type="range" min="0" max=(last) step="1" value="0" aria-label="view"; }
+                input type="range" min="0" max=(last) step="1" value="0" aria-label="view";
                 output { "frame 1 of " (count) }
             }
             p.about {
@@ -111,9 +112,13 @@ fn colors(background: Vec3) -> String {
     format!(":root {{ color-scheme: {scheme}; --paper: rgb({r} {g} {b}); --ink: {ink}; }}\n")
 }
 
-/// The command as it was typed, but for the program's folder.
+/// The command as it was typed. Folders from the root on are left out: they name people, and mean nothing elsewhere.
 fn command() -> String {
-    let arguments = std::env::args_os().skip(1).map(|argument| quoted(&argument.to_string_lossy()));
+    let arguments = std::env::args_os().skip(1).map(|argument| {
+        let path = Path::new(&argument);
+        let name = path.file_name().filter(|_| path.is_absolute()).unwrap_or(&argument);
+        quoted(&name.to_string_lossy())
+    });
     std::iter::once("pellucid".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
 }
 

@@ -1,6 +1,6 @@
 //! 256 colors for all frames of a GIF, so that nothing flickers that rests.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::io;
 
 use color_quant::NeuQuant;
@@ -8,10 +8,10 @@ use color_quant::NeuQuant;
 use super::stills::Stills;
 
 /// Pixels that the colors are chosen by.
-const SAMPLES: usize = 400_000;
+const SAMPLES: usize = 200_000;
 
 /// The largest step that dithering adds to or takes from a channel.
-const DITHER: i32 = 10;
+const DITHER: i32 = 6;
 
 /// Thresholds in the order in which the cells of a square of eight by eight light up (Bayer 1973): even apart in each
 /// neighborhood, and the same in each frame.
@@ -28,9 +28,12 @@ pub struct Palette {
     colors: Vec<[u8; 3]>,
     /// True if every color of the frames is among them.
     is_exact: bool,
-    /// The nearest color, once it was looked for.
-    known: HashMap<[u8; 3], u8>,
+    /// The nearest color of each that there is, once it was looked for.
+    known: Vec<u16>,
 }
+
+/// No nearest color yet.
+const UNKNOWN: u16 = u16::MAX;
 
 impl Palette {
     /// Chooses the colors of all frames.
@@ -39,17 +42,19 @@ impl Palette {
     /// A frame that can't be read.
     pub fn of(stills: &Stills<'_>) -> io::Result<Self> {
         let [width, height] = stills.size();
-        let all = width as usize * height as usize * stills.count();
+        let pixels = width as usize * height as usize * stills.count();
         // Odd, so that samples are not all in one column.
-        let every = (all / SAMPLES).max(1) | 1;
-        let mut counts: HashMap<[u8; 3], usize> = HashMap::new();
+        let every = (pixels / SAMPLES).max(1) | 1;
+        // All colors, as long as a palette has room for them.
+        let mut all = HashSet::new();
         let mut samples = Vec::new();
-        let mut is_exact = true;
         let mut number = 0;
         for still in stills.iter() {
-            for pixel in rgb(&still?.bytes) {
-                if counts.len() <= 256 || counts.contains_key(&pixel) {
-                    *counts.entry(pixel).or_default() += 1;
+            let bytes = still?.bytes;
+            let mut before = None;
+            for pixel in rgb(&bytes) {
+                if before.replace(pixel) != Some(pixel) && all.len() <= 256 {
+                    all.insert(pixel);
                 }
                 if number % every == 0 {
                     samples.push(pixel);
@@ -57,18 +62,14 @@ impl Palette {
                 number += 1;
             }
         }
-        if counts.len() > 256 {
-            is_exact = false;
-        }
+        let is_exact = all.len() <= 256;
         let mut colors: Vec<[u8; 3]> = if is_exact {
-            counts.into_keys().collect()
+            all.into_iter().collect()
         } else {
             // The most frequent color is the background's: it is kept as it is, and the others are for the scene.
-            let most = counts
-                .into_iter()
-                .max_by_key(|&(color, count)| (count, color))
-                .map(|(color, _)| color)
-                .unwrap_or_default();
+            let mut counts: HashMap<[u8; 3], usize> = HashMap::new();
+            samples.iter().for_each(|pixel| *counts.entry(*pixel).or_default() += 1);
+            let most = counts.into_iter().map(|(color, count)| (count, color)).max().unwrap_or_default().1;
             let rest: Vec<u8> =
                 samples.iter().filter(|pixel| **pixel != most).flat_map(|&[r, g, b]| [r, g, b, 255]).collect();
             let mut colors = chosen(&rest);
@@ -80,7 +81,11 @@ impl Palette {
         while colors.len() < 2 {
             colors.push([0; 3]);
         }
-        Ok(Self { colors, is_exact, known: HashMap::new() })
+        Ok(Self::new(colors, is_exact))
+    }
+
+    fn new(colors: Vec<[u8; 3]>, is_exact: bool) -> Self {
+        Self { colors, is_exact, known: vec![UNKNOWN; 1 << 24] }
     }
 
     /// The colors one after the other.
@@ -104,11 +109,13 @@ impl Palette {
     }
 
     fn nearest(&mut self, pixel: [u8; 3]) -> u8 {
-        let colors = &self.colors;
-        *self.known.entry(pixel).or_insert_with(|| {
-            let nearest = colors.iter().enumerate().min_by_key(|(_, color)| apart(pixel, **color));
-            nearest.map_or(0, |(at, _)| at as u8)
-        })
+        let [r, g, b] = pixel.map(usize::from);
+        let place = r << 16 | g << 8 | b;
+        if self.known[place] == UNKNOWN {
+            let nearest = self.colors.iter().enumerate().min_by_key(|(_, color)| apart(pixel, **color));
+            self.known[place] = nearest.map_or(0, |(at, _)| at as u16);
+        }
+        self.known[place] as u8
     }
 }
 
@@ -146,8 +153,8 @@ mod tests {
 
     #[test]
     fn colors_between_two_are_mixed_of_both_and_their_mean_stays() {
-        let mut palette = Palette { colors: vec![[100; 3], [110; 3]], is_exact: false, known: HashMap::new() };
-        let indices = palette.indices(&[103; 3 * 64], 8);
+        let mut palette = Palette::new(vec![[100; 3], [106; 3]], false);
+        let indices = palette.indices(&[102; 3 * 64], 8);
         let second = indices.iter().filter(|index| **index == 1).count();
         assert!((8..32).contains(&second), "{second} of 64");
         assert!(
