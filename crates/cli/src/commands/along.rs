@@ -70,6 +70,14 @@ impl PathArgs {
 }
 
 impl Along {
+    /// True if the first frame follows the last.
+    pub fn is_closed(&self) -> bool {
+        match self {
+            Self::Keys { source, .. } => matches!(source, Source::Path(path) if path.closed),
+            Self::Turn { .. } => true,
+        }
+    }
+
     /// Reads the inputs, and finds the camera of each frame; there is at least one, and the scene's is the first. With
     /// `legend` the meaning of colors as well.
     pub fn resolve(

@@ -8,6 +8,7 @@ mod compare_profiles;
 pub mod console;
 mod deep;
 mod devices;
+pub mod films;
 mod filters;
 mod frames;
 mod info;

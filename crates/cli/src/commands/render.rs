@@ -16,6 +16,7 @@ use pellucid_lab::frame_notes;
 use super::along::PathArgs;
 use super::console::Console;
 use super::deep::{self, DeepArgs};
+use super::films::{Asked, FilmArgs, Films};
 use super::frames::{Naming, Pattern};
 use super::input::InputArgs;
 use super::loaded::{Loaded, Resolved, read};
@@ -37,6 +38,8 @@ pub struct RenderArgs {
     /// .png, in the current folder. Z is the distance of the nearest surface along the viewing axis, in the scene's units, and +inf
     /// where there is none. For a .png the methods sorted and abuffer blend until no 8-bit value would move
     /// by more than a quarter of a step, for an .exr until no bit would change.
+    /// With --path or --turntable also a film: .mp4 (H.264) or .webm (VP9), for which the program ffmpeg has to be installed,
+    /// .gif or .apng.
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
     /// EXR: also write the length of each pixel's fragment list, as channel `fragments.Y`, with peel and peel-layers the
@@ -54,8 +57,8 @@ pub struct RenderArgs {
     /// picture), and where the camera is orthographic a scale bar. An EXR has none, since its values are for further use.
     #[arg(long)]
     legend: bool,
-    /// With --path or --turntable the number of frames. The output's name needs a number, as in frame_%04d.png (by default
-    /// the first input's name with _%04d.png), which counts from 0. Frames that are there already and belong to the same
+    /// With --path or --turntable the number of frames. Unless it is a film's, the output's name needs a number, as in
+    /// frame_%04d.png (by default the first input's name with _%04d.png), which counts from 0. Frames that are there already and belong to the same
     /// scene, path and settings are not rendered again.
     /// Without a number a time series: a picture of the first cloud of the scene, one of the first two and so on, all by
     /// the camera that shows the whole scene. The output's name needs a number, as in step_%02d.png (by default the first
@@ -65,6 +68,8 @@ pub struct RenderArgs {
     frames: Option<Option<u32>>,
     #[command(flatten)]
     along: PathArgs,
+    #[command(flatten)]
+    films: FilmArgs,
     /// With --path or --turntable: write how the error of the method changes from frame to frame, against abuffer (of Gaussians with
     /// order = "pixel", of soft spheres soft-base), which renders each frame, too. A table with a line for each frame: the RMSE of its error,
     /// and RMSE and FLIP of the error's change since the frame before, on linear R, G, B over the background. Frames that are there
@@ -179,8 +184,8 @@ pub enum Target {
     One(PathBuf),
     /// A picture for each step of a time series.
     Steps(Pattern),
-    /// A picture for each frame of a camera path.
-    Frames(Pattern),
+    /// A picture for each frame of a camera path, and what is made of them.
+    Frames(Pattern, Films),
 }
 
 impl Target {
@@ -188,6 +193,9 @@ impl Target {
     pub fn from_args(args: &RenderArgs) -> Result<Self> {
         let usage = |problem: String| Err(Error::Usage(problem).into());
         let given = args.output.clone();
+        if args.along.option().is_none() {
+            args.films.refuse(given.as_deref())?;
+        }
         let target = match (args.along.option(), args.frames) {
             (Some(option), Some(None)) => {
                 return usage(format!("--frames needs the number of frames beside {option}, as in --frames 36"));
@@ -199,8 +207,12 @@ impl Target {
                 ));
             }
             (Some(_), _) => {
-                let pattern = given.unwrap_or_else(|| args.input.default_frames());
-                Self::Frames(Pattern::parse(&pattern, Naming::Frames)?)
+                let films = args.films.films(&args.asked())?;
+                let pattern = match films.pattern()? {
+                    Some(pattern) => pattern,
+                    None => Pattern::parse(&given.unwrap_or_else(|| args.input.default_frames()), Naming::Frames)?,
+                };
+                Self::Frames(pattern, films)
             }
             (None, Some(Some(count))) => {
                 return usage(format!(
@@ -215,7 +227,10 @@ impl Target {
             }
             (None, None) => Self::One(given.unwrap_or_else(|| args.input.default_output())),
         };
-        output::check_target(&target.first())?;
+        // The folder of a film's frames need not be there yet.
+        if !matches!(&target, Self::Frames(_, films) if films.has_folder()) {
+            output::check_target(&target.first())?;
+        }
         args.popping.iter().try_for_each(|path| output::check_folder(path))?;
         Ok(target)
     }
@@ -224,7 +239,7 @@ impl Target {
         match self {
             Self::One(path) => path.clone(),
             Self::Steps(pattern) => pattern.file(1),
-            Self::Frames(pattern) => pattern.file(0),
+            Self::Frames(pattern, _) => pattern.file(0),
         }
     }
 }
@@ -237,6 +252,16 @@ impl RenderArgs {
     /// True if an output of this name has a legend.
     pub fn draws_legend(&self, output: &Path) -> bool {
         self.legend && is_png(output)
+    }
+
+    /// What decides whether a film can be made.
+    fn asked(&self) -> Asked<'_> {
+        Asked {
+            output: self.output.as_deref(),
+            transparent: self.transparent,
+            aov: self.aov,
+            deep: self.deep.is_asked(),
+        }
     }
 
     /// True if there are many frames.
@@ -262,8 +287,11 @@ impl RenderArgs {
     }
 }
 
-pub fn run(args: RenderArgs, console: Console) -> Result<ExitCode> {
+pub fn run(args: RenderArgs, console: Console) -> Result<ExitCode, crate::error::Error> {
     let target = Target::from_args(&args)?;
+    if let Target::Frames(_, films) = &target {
+        films.check_tools()?;
+    }
     args.measure.check()?;
     let png = is_png(&target.first());
     if args.deep.is_asked() {
@@ -278,10 +306,10 @@ pub fn run(args: RenderArgs, console: Console) -> Result<ExitCode> {
     if args.legend && !png {
         console.warn("--legend has no effect on an EXR; write a .png");
     }
-    if let Target::Frames(pattern) = &target
+    if let Target::Frames(pattern, films) = &target
         && let Some(along) = args.along.course(args.frames.flatten(), &args.input, console)?
     {
-        return sequence::run(&args, &along, pattern, console);
+        return sequence::run(&args, &along, (pattern, films), console);
     }
     let progress = console.progress();
     let loaded = read(&args.input, None, console, &progress)?.with_legend(args.legend && png);
@@ -296,7 +324,7 @@ pub fn run(args: RenderArgs, console: Console) -> Result<ExitCode> {
             legend::check(&resolved, console)?;
             picture(&args, &resolved, path, None, &mut profile, &progress, console)?;
         }
-        Target::Steps(pattern) | Target::Frames(pattern) => {
+        Target::Steps(pattern) | Target::Frames(pattern, _) => {
             steps(&args, loaded, pattern, &mut profile, &progress, console)?;
         }
     }

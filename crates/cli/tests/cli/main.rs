@@ -15,6 +15,8 @@ mod detail;
 mod failures;
 #[cfg(unix)]
 mod faults;
+mod film_page;
+mod films;
 mod filters;
 mod formats;
 mod frames;

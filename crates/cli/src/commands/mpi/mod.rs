@@ -163,7 +163,7 @@ fn render(args: &RenderArgs, sharing: &SharingArgs, ranks: &Ranks, console: Cons
     };
     match target {
         Target::One(output) => picture::run(args, sharing, &output, ranks, console),
-        Target::Frames(pattern) | Target::Steps(pattern) => match together(ranks, args.course(console)) {
+        Target::Frames(pattern, _) | Target::Steps(pattern) => match together(ranks, args.course(console)) {
             Ok(Some(along)) => frames::run(args, sharing, (&along, &pattern), ranks, console),
             Ok(None) => Ok(ExitCode::FAILURE),
             Err(status) => Ok(status),
@@ -185,6 +185,10 @@ fn target(args: &RenderArgs) -> Result<Target> {
     }
     match Target::from_args(args)? {
         Target::Steps(_) => usage("a time series is for pellucid: its pictures follow from one another"),
+        Target::Frames(_, films) if !films.is_none() => usage(
+            "films and pages are for pellucid: render numbered frames here (-o frame_%04d.png), then give pellucid the same options and \
+             --html, or make a film of them (ffmpeg -framerate 25 -i frame_%04d.png -pix_fmt yuv420p film.mp4)",
+        ),
         target => Ok(target),
     }
 }
