@@ -37,7 +37,8 @@ fn commands(line: &str, program: &str) -> Result<Vec<Vec<String>>, String> {
         } else {
             return None;
         };
-        let is_redirection = |word: &String| word.trim_start_matches(|c: char| c.is_ascii_digit()).starts_with(['>', '<']);
+        let is_redirection =
+            |word: &String| word.trim_start_matches(|c: char| c.is_ascii_digit()).starts_with(['>', '<']);
         Some(command[start..].iter().take_while(|word| !is_redirection(word)).cloned().collect())
     });
     Ok(found.collect())
@@ -144,7 +145,8 @@ fn commands_are_found_where_they_stand_in_a_line() {
         let found = commands(line, "pellucid").unwrap();
         assert_eq!(found.iter().map(|words| words.join(" ")).collect::<Vec<_>>().join(" / "), expected, "{line}");
     }
-    let ranks = commands("mpirun -n 8 --hostfile hosts target/release/pellucid-mpi render a.ply -o a.png", "pellucid-mpi");
+    let ranks =
+        commands("mpirun -n 8 --hostfile hosts target/release/pellucid-mpi render a.ply -o a.png", "pellucid-mpi");
     assert_eq!(ranks.unwrap(), [["render", "a.ply", "-o", "a.png"]]);
 }
 
@@ -174,7 +176,8 @@ fn every_scene_of_the_pages_is_one_that_the_program_reads() {
 
 #[test]
 fn a_wrong_scene_is_found_with_its_place() {
-    let (taken, complaints) = read_all(&blocks_of("page.md", "```toml\n[[cloud]]\npath = \"a.ply\"\nopacty = 1\n```\n"));
+    let (taken, complaints) =
+        read_all(&blocks_of("page.md", "```toml\n[[cloud]]\npath = \"a.ply\"\nopacty = 1\n```\n"));
     assert_eq!(taken, 0);
     assert!(complaints[0].contains("page.md") && complaints[0].contains("opacty"), "{complaints:?}");
 }

@@ -11,7 +11,8 @@ use crate::commands::Cli;
 
 const PAGE: &str = "docs/command-reference.md";
 const REWRITE: &str = "PELLUCID_UPDATE=1 cargo test --locked -p pellucid-cli --lib documents::reference";
-const REWRITE_MPI: &str = "PELLUCID_UPDATE=1 cargo test --locked -p pellucid-cli --features mpi --lib documents::reference";
+const REWRITE_MPI: &str =
+    "PELLUCID_UPDATE=1 cargo test --locked -p pellucid-cli --features mpi --lib documents::reference";
 
 const INTRODUCTION: &str = "\
 # Command reference
@@ -54,7 +55,9 @@ fn section(program: &str, command: &Command, known: &[&Arg]) -> String {
     let mut text = format!("\n## {program} {name}\n\n{}\n\n```text\n{usage}\n```\n", sentence(&about));
     let is_known = |arg: &Arg| known.iter().any(|other| other.get_id() == arg.get_id());
     let mut heading = None;
-    for arg in command.get_arguments().filter(|arg| !arg.is_hide_set() && !arg.is_global_set() && !is_known(arg)) {
+    // What every command has stands at the top of the page.
+    let is_own = |arg: &&Arg| !arg.is_hide_set() && !arg.is_global_set() && *arg.get_id() != "help" && !is_known(arg);
+    for arg in command.get_arguments().filter(is_own) {
         if heading != Some(arg.get_help_heading()) {
             let title = arg.get_help_heading().map_or(String::new(), |title| format!("**{title}**\n\n"));
             let _ = write!(text, "\n{title}");
@@ -128,7 +131,8 @@ fn reference_of_ranks(_: &str) -> String {
                     ([many-machines.md](many-machines.md)).\n"
         .to_owned();
     for command in shown(&ranks) {
-        let known: Vec<_> = program.find_subcommand(command.get_name()).into_iter().flat_map(Command::get_arguments).collect();
+        let known: Vec<_> =
+            program.find_subcommand(command.get_name()).into_iter().flat_map(Command::get_arguments).collect();
         text.push_str(&section("pellucid-mpi", command, &known));
     }
     text
@@ -137,7 +141,10 @@ fn reference_of_ranks(_: &str) -> String {
 #[cfg(not(feature = "mpi"))]
 fn reference_of_ranks(found: &str) -> String {
     let between = found.split_once(BEGIN).and_then(|(_, rest)| rest.split_once(END));
-    between.unwrap_or_else(|| panic!("{PAGE} has no part about pellucid-mpi; this writes it: {REWRITE_MPI}")).0.to_owned()
+    between
+        .unwrap_or_else(|| panic!("{PAGE} has no part about pellucid-mpi; this writes it: {REWRITE_MPI}"))
+        .0
+        .to_owned()
 }
 
 // A program without the window has no `view`.
@@ -171,5 +178,8 @@ fn every_command_and_every_option_has_a_sentence() {
 fn help_is_text_in_markdown() {
     assert_eq!(escaped("a < b, cloud.*.x_y and `cloud.*.x_y < 2`"), "a &lt; b, cloud.\\*.x\\_y and `cloud.*.x_y < 2`");
     let arg = Arg::new("size").short('s').long("size").value_name("WxH").default_value("64x64").help("The size");
-    assert_eq!(item("p-render", &arg), "- <a id=\"p-render--size\"></a>`-s`, `--size <WxH>`: The size. Default: `64x64`.\n");
+    assert_eq!(
+        item("p-render", &arg),
+        "- <a id=\"p-render--size\"></a>`-s`, `--size <WxH>`: The size. Default: `64x64`.\n"
+    );
 }
