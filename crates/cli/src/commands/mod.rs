@@ -50,7 +50,7 @@ use console::Console;
 /// Renders point clouds you can see through: exact transparency on Vulkan, every pass timed.
 #[derive(Debug, Parser)]
 #[command(name = "pellucid", version, max_term_width = 100)]
-struct Cli {
+pub struct Cli {
     #[command(subcommand)]
     command: Command,
     /// Say less: no progress, no warnings.
@@ -144,7 +144,7 @@ impl MeasureArgs {
 
 /// The arguments, with the number of `--frames 36` joined to it (`--frames=36`): without a number `--frames` means a
 /// time series, and the next argument is an input.
-fn arguments(given: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
+pub fn arguments(given: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
     let mut arguments: Vec<OsString> = Vec::new();
     let mut options = true;
     for argument in given {

@@ -80,6 +80,12 @@ enum Command {
     },
 }
 
+/// The table of commands, for the documents.
+#[cfg(test)]
+pub fn command() -> clap::Command {
+    <Cli as clap::CommandFactory>::command()
+}
+
 /// Parses the command line and runs its command on all ranks.
 pub fn run() -> ExitCode {
     let mut ranks = match Ranks::join() {
