@@ -13,7 +13,7 @@ pub fn note_of_layers(scene: &Scene, points: &Points) -> Option<String> {
     let is_near = (suggested / 3.0..=suggested * 3.0).contains(&default);
     let (default, suggested) = (two_digits(default), two_digits(suggested));
     let says = "method.min_layer_distance is 1% of the scene's diagonal";
-    (!is_near).then(|| format!("{says}, {default}; the points' spacing suggests {suggested}"))
+    (!is_near).then(|| format!("{says}, {default}; the spacing of the points suggests {suggested}"))
 }
 
 /// A positive number to two significant digits.
