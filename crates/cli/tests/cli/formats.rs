@@ -37,7 +37,7 @@ fn columns_are_named_wherever_files_are_read() {
 
     for command in ["render", "plan", "profile", "info"] {
         assert_refused(&folder, &[command, "a.xyz", "--columns", "x,y"], 2, &["--columns", "no `z` in \"x,y\""]);
-        assert_refused(&folder, &[command, "a.xyz", "--columns", "x,y,z,x"], 2, &["`x` comes twice"]);
+        assert_refused(&folder, &[command, "a.xyz", "--columns", "x,y,z,x"], 2, &["`x` occurs twice"]);
         let short = [command, "a.xyz", "--columns", "x,y,z"];
         assert_refused(&folder, &short, 1, &["a.xyz: line 1: 7 values, but names are given for 3 columns"]);
     }

@@ -287,7 +287,7 @@ fn comments_that_lie_and_changed_points_are_noticed() {
     let folder = folder();
     write_source(&folder, "a.ply", "uchar");
     prepare(&folder, &["a.ply", "-o", "b.ply"]);
-    let changed = "line 3: the points were changed since `pellucid prepare`";
+    let changed = "line 3: the points changed after `pellucid prepare`";
     // (from, to, the warning, whether the stored radii stay)
     let cases = [
         ("\"neighbors\":24", "\"neighbors\":12", changed, false),

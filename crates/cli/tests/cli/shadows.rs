@@ -187,7 +187,7 @@ fn shadows_that_were_changed_are_noticed() {
     // The message about them.
     let cloud = changed("\"samples\":5", "\"samples\":6");
     assert!(cloud.prepared.is_some_and(|prepared| prepared.shadows.is_none()));
-    assert!(cloud.warnings[0].contains("line 3: what is said of `lit` was changed"), "{:?}", cloud.warnings);
+    assert!(cloud.warnings[0].contains("line 3: the comment about `lit` was changed"), "{:?}", cloud.warnings);
     // A reader that knows nothing of them finds a prepared cloud with one more property.
     let whole = String::from_utf8_lossy(&bytes);
     let object = whole.split("\"shadows\":").nth(1).unwrap();

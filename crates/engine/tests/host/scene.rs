@@ -264,7 +264,7 @@ fn outlines_of_opaque_splats_are_read() {
     // A file whose method was changed by an option.
     for (name, other) in [("hqs", "oriented"), ("cone", "flat"), ("abuffer", "square"), ("auto", "circle")] {
         let scene = with_cloud(&format!("[method]\nname = {name:?}\nshape = {other:?}"));
-        assert!(scene.warnings[0].contains("this `shape` is of other methods"), "{:?}", scene.warnings);
+        assert!(scene.warnings[0].contains("this value of `shape` is for other methods"), "{:?}", scene.warnings);
         assert_eq!(scene.method, with_cloud(&format!("[method]\nname = {name:?}")).method);
     }
     assert!(refused(&format!("[method]\nname = \"hqs\"\nshape = \"round\"\n{CLOUD}")).contains("`method.shape`"));

@@ -217,8 +217,8 @@ mod tests {
             ("", "name 1 of \"\" is empty"),
             ("x,y,,z", "name 3"),
             ("x,y", "no `z` in \"x,y\""),
-            ("x,y,z,X", "`X` comes twice"),
-            ("x,y,z,a,alpha", "`alpha` comes twice"),
+            ("x,y,z,X", "`X` occurs twice"),
+            ("x,y,z,a,alpha", "`alpha` occurs twice"),
         ] {
             assert!(ColumnNames::parse(text).unwrap_err().contains(says), "{text}");
         }
