@@ -364,7 +364,10 @@ mod tests {
         };
         let place = DVec3::new(-83.4, 39.0, 200.0);
         let said = notes("", spread(DVec3::new(0.02, 0.01, 40.0), place));
-        assert!(said.iter().any(|note| note.contains("x and y span only 0.020 and 0.010, but z spans 39.9")), "{said:?}");
+        assert!(
+            said.iter().any(|note| note.contains("x and y span only 0.020 and 0.010, but z spans 39.9")),
+            "{said:?}"
+        );
         let others = [
             (DVec3::new(200.0, 100.0, 40.0), DVec3::new(5e5, 4.5e6, 100.0)),
             (DVec3::new(0.5, 0.5, 30.0), DVec3::ZERO),
