@@ -19,19 +19,18 @@ use super::loaded::{Resolved, read};
 
 /// A camera that moves.
 #[derive(Debug, Args)]
-#[command(next_help_heading = FRAMES)]
 pub struct PathArgs {
     /// Move the camera along the key frames of a file.
     ///
     /// A JSON file of keys with eye, target and more (docs/camera-paths.md), a transforms.json of nerfstudio, or the folder of a
     /// COLMAP model (text or binary). With --frames N the camera is interpolated between the keys; otherwise every key is one
     /// frame.
-    #[arg(long, value_name = "PATH", conflicts_with = "turntable")]
+    #[arg(long, value_name = "PATH", conflicts_with = "turntable", help_heading = FRAMES)]
     path: Option<PathBuf>,
     /// Turn the camera once around the scene, in --frames N steps.
     ///
     /// The vertical axis goes through the camera's target, or through the middle of the scene if it has no target.
-    #[arg(long)]
+    #[arg(long, help_heading = FRAMES)]
     turntable: bool,
 }
 

@@ -107,29 +107,27 @@ impl Command {
 
 /// The device and what it may use.
 #[derive(Debug, Args)]
-#[command(next_help_heading = headings::DEVICE)]
 struct DeviceArgs {
     /// Device to render on, by index or part of its name.
     ///
     /// `pellucid devices` lists them.
-    #[arg(long, value_name = "NAME_OR_INDEX")]
+    #[arg(long, value_name = "NAME_OR_INDEX", help_heading = headings::DEVICE)]
     device: Option<String>,
     /// Device memory for the fragments of a frame, as in 256MiB.
     ///
     /// Default: the memory of the device, less a reserve.
-    #[arg(long, value_name = "SIZE")]
+    #[arg(long, value_name = "SIZE", help_heading = headings::DEVICE)]
     memory_budget: Option<ByteSize>,
 }
 
 /// Measurements of a frame, as files.
 #[derive(Debug, Args)]
-#[command(next_help_heading = headings::MEASUREMENTS)]
 struct MeasureArgs {
     /// Write the time of each pass and of each phase on the CPU as JSON.
-    #[arg(long, value_name = "FILE.json")]
+    #[arg(long, value_name = "FILE.json", help_heading = headings::MEASUREMENTS)]
     profile: Option<PathBuf>,
     /// Write a timeline of phases, frames and passes; opens in Perfetto.
-    #[arg(long, value_name = "FILE.json")]
+    #[arg(long, value_name = "FILE.json", help_heading = headings::MEASUREMENTS)]
     trace: Option<PathBuf>,
 }
 

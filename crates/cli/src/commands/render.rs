@@ -41,13 +41,13 @@ pub struct RenderArgs {
     /// 8-bit value would change by more than a quarter of a step, for an EXR until no bit would change.
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
-    /// EXR: add channels of list lengths, layers, errors and depths.
+    /// EXR: add channels of list lengths, layers, errors and depths
     ///
     /// - `fragments.Y`: length of each pixel's fragment list.
     /// - `layers.Y`: blended layers (peel, peel-layers).
     /// - `stderr.R`, `stderr.G`, `stderr.B`: standard error of the color (stochastic, spbr).
-    /// - `depth.median`: depth at which half of the light is left; +inf if more passes everything.
-    /// - `depth.mean`: mean depth of all fragments, weighted by their share of A; +inf where A is 0.
+    /// - `depth.median`: depth at which half of the light is left, or +inf if more passes.
+    /// - `depth.mean`: mean depth of the fragments, weighted by their share of A, or +inf.
     ///
     /// The two depths need abuffer, linked-list, peel of all layers, or sorted with flat discs.
     /// Each takes as long as another picture.
@@ -93,23 +93,22 @@ pub struct RenderArgs {
 
 /// The method by what it must keep to.
 #[derive(Debug, Args)]
-#[command(next_help_heading = METHOD)]
 struct ChoiceArgs {
     /// Take the fastest method and settings with an RMSE of at most E on this image.
     ///
     /// The RMSE is measured on linear R, G, B over the background, against abuffer, against soft-base for soft spheres, or
     /// against the limit of many ensembles for spbr. With --method only the settings of that method are tried. The method of a
     /// scene file only selects the kind of discs.
-    #[arg(long, value_name = "E", value_parser = not_negative)]
+    #[arg(long, value_name = "E", value_parser = not_negative, help_heading = METHOD)]
     max_error: Option<f64>,
     /// Take the most accurate method and settings with a frame time of at most MS.
     ///
     /// The time in milliseconds is the measured median on the device, as in `pellucid tradeoff`. If nothing is fast enough, the
     /// fastest is taken. --max-error has priority; a warning tells if the time is then exceeded.
-    #[arg(long, value_name = "MS", value_parser = not_negative)]
+    #[arg(long, value_name = "MS", value_parser = not_negative, help_heading = METHOD)]
     budget: Option<f64>,
     /// With --max-error or --budget: repeat measurements already known for this scene and device.
-    #[arg(long)]
+    #[arg(long, help_heading = METHOD)]
     recalibrate: bool,
 }
 

@@ -19,8 +19,6 @@ pub struct SceneArgs {
     /// Name of the scene; --list prints all names.
     #[arg(required_unless_present = "list")]
     name: Option<String>,
-    #[command(flatten)]
-    volume: VolumeArgs,
     /// List the scenes and their parameters with default and range.
     #[arg(long)]
     list: bool,
@@ -33,6 +31,8 @@ pub struct SceneArgs {
     /// Seed of everything random in the scene.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
+    #[command(flatten)]
+    volume: VolumeArgs,
     #[command(flatten)]
     store: StoreArgs,
 }
