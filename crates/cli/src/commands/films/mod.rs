@@ -20,6 +20,7 @@ use pellucid_engine::scene;
 
 use super::console::Console;
 use super::frames::{Naming, Pattern};
+use super::headings::FRAMES;
 use super::interrupt;
 pub use ffmpeg::Error;
 pub use page::Caption;
@@ -37,12 +38,14 @@ const PARTS: [&str; 2] = ["film.mp4", "film.webm"];
 /// What is made of the frames.
 #[derive(Debug, Args)]
 pub struct FilmArgs {
-    /// With --path or --turntable: write a page that turns the scene in any browser, by mouse, finger, keys or a slider. It
-    /// holds all frames and loads nothing. Without -o only the page is written.
-    #[arg(long, value_name = "PAGE.html")]
+    /// With --path or --turntable: write a page that turns the scene in any browser.
+    ///
+    /// Mouse, finger, keys and a slider turn it. The page holds all frames and loads nothing else. Without -o only the page is
+    /// written.
+    #[arg(long, value_name = "PAGE.html", help_heading = FRAMES)]
     html: Option<PathBuf>,
-    /// Frames of a second in a film, an animation or a page that plays [default: 25].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=240))]
+    /// Frames per second of a film, an animation or a page [default: 25].
+    #[arg(long, value_name = "N", help_heading = FRAMES, value_parser = clap::value_parser!(u32).range(1..=240))]
     fps: Option<u32>,
 }
 
