@@ -9,7 +9,7 @@ use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 
-use super::device::{DeviceInfo, DeviceOptions, Limits, queue_family};
+use super::device::{DeviceInfo, DeviceOptions, Limits, has_extension, queue_family};
 use super::instance::Instance;
 use super::paused::Graves;
 use super::pipeline::{Compilation, Made, Pipeline, PipelineKey};
@@ -295,6 +295,9 @@ fn create_device(
     extensions.extend(robustness.second.is_some().then_some(ext::robustness2::NAME.as_ptr()));
     extensions.extend(statistics.then_some(khr::pipeline_executable_properties::NAME.as_ptr()));
     extensions.extend(info.conditional.then_some(ext::conditional_rendering::NAME.as_ptr()));
+    // Vulkan wants it enabled wherever a device has it, as MoltenVK does. Its features stay off.
+    let portability = has_extension(instance, physical, khr::portability_subset::NAME);
+    extensions.extend(portability.then_some(khr::portability_subset::NAME.as_ptr()));
     let mut conditional = vk::PhysicalDeviceConditionalRenderingFeaturesEXT::default().conditional_rendering(true);
     let mut executables =
         vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);

@@ -232,15 +232,21 @@ fn describe(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> 
     }
 }
 
+/// True if the device has the extension of this name.
+pub(super) fn has_extension(instance: &Instance, physical: vk::PhysicalDevice, name: &CStr) -> bool {
+    // SAFETY: a plain query on a live instance.
+    let extensions = unsafe { instance.raw.enumerate_device_extension_properties(physical) }.unwrap_or_default();
+    extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(name))
+}
+
 /// True if the device can leave out commands by a word in a buffer.
 fn is_conditional(instance: &Instance, physical: vk::PhysicalDevice) -> bool {
     let mut features = vk::PhysicalDeviceConditionalRenderingFeaturesEXT::default();
-    // SAFETY: plain queries on a live instance; the struct is only asked for where its extension is present.
+    if !has_extension(instance, physical, ext::conditional_rendering::NAME) {
+        return false;
+    }
+    // SAFETY: a plain query on a live instance; the struct is only asked for where its extension is present.
     unsafe {
-        let extensions = instance.raw.enumerate_device_extension_properties(physical).unwrap_or_default();
-        if !extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(ext::conditional_rendering::NAME)) {
-            return false;
-        }
         let mut all = vk::PhysicalDeviceFeatures2::default().push_next(&mut features);
         instance.raw.get_physical_device_features2(physical, &mut all);
     }

@@ -4,7 +4,7 @@ use std::ffi::{CStr, c_char, c_void};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use ash::{ext, vk};
+use ash::{ext, khr, vk};
 
 use super::Error;
 
@@ -73,8 +73,10 @@ impl Instance {
         let extensions = unsafe { entry.enumerate_instance_extension_properties(None) }.unwrap_or_default();
         // SAFETY: as above.
         let layers = unsafe { entry.enumerate_instance_layer_properties() }.unwrap_or_default();
-        let debug_utils =
-            extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(ext::debug_utils::NAME)) || validation;
+        let offers = |name| extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(name));
+        let debug_utils = offers(ext::debug_utils::NAME) || validation;
+        // Without it the loader hides devices that leave out parts of Vulkan, as MoltenVK does on macOS.
+        let portability = offers(khr::portability_enumeration::NAME);
         if validation && !layers.iter().any(|l| l.layer_name_as_c_str() == Ok(VALIDATION_LAYER)) {
             return Err(Error::NoValidation);
         }
@@ -91,8 +93,15 @@ impl Instance {
         if debug_utils {
             extension_names.push(ext::debug_utils::NAME.as_ptr());
         }
-        let mut info =
-            vk::InstanceCreateInfo::default().application_info(&application).enabled_extension_names(&extension_names);
+        let mut flags = vk::InstanceCreateFlags::empty();
+        if portability {
+            extension_names.push(khr::portability_enumeration::NAME.as_ptr());
+            flags |= vk::InstanceCreateFlags::ENUMERATE_PORTABILITY_KHR;
+        }
+        let mut info = vk::InstanceCreateInfo::default()
+            .flags(flags)
+            .application_info(&application)
+            .enabled_extension_names(&extension_names);
         if validation {
             info = info.enabled_layer_names(&layer_names).push_next(&mut features);
         }

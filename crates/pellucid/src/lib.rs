@@ -19,6 +19,11 @@
 //!
 //! Same points, same settings, same bytes: neither the order of the points nor the scheduling on the device shows.
 //!
+//! # Versions
+//!
+//! The public items of this crate follow Semantic Versioning: before 1.0 a new second number may break, a new third one doesn't. The crates
+//! below it, such as `pellucid-engine`, promise nothing. docs/install.md lists what else is promised.
+//!
 //! # Example
 //!
 //! ```

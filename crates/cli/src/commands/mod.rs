@@ -5,6 +5,7 @@ mod bar;
 mod check;
 mod compare;
 mod compare_profiles;
+mod completions;
 pub mod console;
 mod deep;
 mod devices;
@@ -17,6 +18,7 @@ pub mod input;
 mod interrupt;
 mod limit;
 pub mod loaded;
+mod man;
 mod measured;
 #[cfg(feature = "mpi")]
 pub mod mpi;
@@ -89,6 +91,10 @@ enum Command {
     Devices(devices::DevicesArgs),
     /// Compare two pictures or two profiles.
     Compare(compare::CompareArgs),
+    /// Print a script that completes commands and options in a shell.
+    Completions(completions::CompletionsArgs),
+    /// Write the manual pages.
+    Man(man::ManArgs),
 }
 
 impl Command {
@@ -193,6 +199,8 @@ pub fn run() -> Result<ExitCode, crate::error::Error> {
         Command::View(args) => view::run(args, console)?,
         Command::Devices(args) => devices::run(args, console)?,
         Command::Compare(args) => compare::run(args, console)?,
+        Command::Completions(args) => completions::run(&args)?,
+        Command::Man(args) => man::run(&args, console)?,
     })
 }
 

@@ -22,6 +22,7 @@ mod formats;
 mod frames;
 mod gaussians;
 mod info;
+mod install;
 #[cfg(unix)]
 mod interrupted;
 mod iso;

@@ -81,8 +81,7 @@ enum Command {
     },
 }
 
-/// The table of commands, for the documents.
-#[cfg(test)]
+/// The command line, for its manual pages.
 pub fn command() -> clap::Command {
     <Cli as clap::CommandFactory>::command()
 }

@@ -1,0 +1,51 @@
+//! `pellucid man`: the manual pages, one for the program and one for each command.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Command, CommandFactory};
+use clap_mangen::Man;
+use pellucid_engine::Result;
+use pellucid_engine::output::{Files, check_report_folder, make_folder};
+
+use super::Cli;
+use super::console::Console;
+
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// Folder for the pages, `pellucid.1`, `pellucid-render.1` and so on; created if it isn't there.
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+}
+
+pub fn run(args: &ManArgs, console: Console) -> Result<ExitCode> {
+    check_report_folder(&args.folder)?;
+    let _folder = make_folder(&args.folder)?;
+    let mut files = Files::default();
+    for page in pages() {
+        files.add(&args.folder.join(page.get_filename()), |file| page.render(file))?;
+    }
+    files.publish()?;
+    console.detail(format_args!("{}: manual pages written", args.folder.display()));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The pages of the programs that are built, each before those of its commands.
+fn pages() -> Vec<Man> {
+    #[cfg(not(feature = "mpi"))]
+    let programs = [Cli::command()];
+    #[cfg(feature = "mpi")]
+    let programs = [Cli::command(), super::mpi::command()];
+    programs.into_iter().flat_map(pages_of).collect()
+}
+
+fn pages_of(program: Command) -> Vec<Man> {
+    // Its page would repeat the list of commands.
+    let mut program = program.disable_help_subcommand(true);
+    // Gives commands their full names and the options that all share.
+    program.build();
+    let version = format!("{} {}", program.get_name(), env!("CARGO_PKG_VERSION"));
+    let commands: Vec<Command> = program.get_subcommands().cloned().collect();
+    let page = |command| Man::new(command).source(version.clone()).manual("User Commands");
+    std::iter::once(program).chain(commands).map(page).collect()
+}
