@@ -19,5 +19,5 @@ echo "${MPICC:-mpicc}" >"$made"
 cargo clippy --locked -p pellucid-cli --features mpi --all-targets -- -D warnings
 cargo build --locked --release -p pellucid-cli --features mpi --bin pellucid-mpi --bin pellucid
 tests=(--locked --release -p pellucid-cli --features mpi)
-cargo test "${tests[@]}" --lib -- mpi
+cargo test "${tests[@]}" --lib -- mpi documents
 exec cargo test "${tests[@]}" --test mpi -- "$@"

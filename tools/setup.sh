@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what pellucid needs beside Rust: a Vulkan loader, a Vulkan driver, a C compiler; with --tests the validation
-# layers, a browser, jq and a display without a screen with a window manager as well; in CI (CI=true) also a Wayland
+# layers, a browser, ffmpeg, jq and a display without a screen with a window manager as well; in CI (CI=true) also a Wayland
 # compositor, which takes 95 MB, and OpenEXR for Python, which comes from PyPI and goes to target/openexr. On Debian and Ubuntu missing packages are installed with apt, elsewhere they are named. Does
 # nothing, at once, where nothing is missing. With --mpi also Open MPI, unless there is an MPI already, and libclang, to build
 # pellucid-mpi (docs/many-machines.md).
@@ -84,7 +84,7 @@ has_layers() {
     return 1
 }
 
-# The names that crates/lab/tests/lab/tradeoff_page/browser.rs looks for.
+# The names that crates/testing/src/browser.rs looks for.
 has_browser() {
     [[ -n ${CHROME:-} ]] || command -v google-chrome || command -v chromium || command -v chromium-browser
 } >/dev/null
@@ -123,6 +123,9 @@ find_missing() {
     if $for_tests && ! has_browser; then
         names+=("a browser (Chromium or Chrome; or name it in CHROME)") packages+=(chromium)
     fi
+    if $for_tests && ! { command -v ffmpeg && command -v ffprobe; } >/dev/null; then
+        names+=("ffmpeg and ffprobe, by which films are encoded and looked at") packages+=(ffmpeg)
+    fi
     if $for_tests && ! { command -v Xvfb && command -v xdotool; } >/dev/null; then
         names+=("Xvfb and xdotool, a display and a user for the tests of the window") packages+=(xvfb xdotool)
     fi
@@ -133,7 +136,7 @@ find_missing() {
         names+=("weston, a Wayland compositor for a test of the window") packages+=(weston)
     fi
     if $for_tests && [[ ${CI:-} == true ]] && ! command -v python3 >/dev/null; then
-        names+=("python3, for the tests of tools/peers") packages+=(python3)
+        names+=("python3, for the tests of tools/peers and tools/pictures") packages+=(python3)
     fi
     # Debian's python3 makes no environments by itself.
     if $for_tests && [[ ${CI:-} == true ]] && ! has_openexr && ! python3 -c "import ensurepip" 2>/dev/null; then

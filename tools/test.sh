@@ -2,7 +2,7 @@
 # Runs every test; arguments go to `cargo test`. A machine without a Vulkan device fails: set PELLUCID_REQUIRE_GPU=0 to run the
 # others there. What is skipped is printed, as `skipped: <test>: <reason>`.
 #
-# With CI=true all that CI demands: tools/check.sh's lints, `pellucid check`, the Python package (tools/python.sh), pellucid-mpi (tools/mpi.sh), the barriers of
+# With CI=true all that CI demands: tools/check.sh's lints, `pellucid check`, the book (tools/book.sh), the Python package (tools/python.sh), pellucid-mpi (tools/mpi.sh), the barriers of
 # the release build (tools/barriers.sh) and the budget of registers on a GPU (docs/gpu-shape.md) before the tests, the long tests in a short form
 # among them, and no skip but for the reasons that are named below.
 set -euo pipefail
@@ -29,6 +29,8 @@ tools/check.sh --lints
 echo "== pellucid check, release build"
 cargo build --locked --release
 target/release/pellucid check
+echo "== the book"
+tools/book.sh
 echo "== Python"
 PELLUCID_BINARY=$PWD/target/release/pellucid tools/python.sh
 echo "== MPI"

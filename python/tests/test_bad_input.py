@@ -697,7 +697,7 @@ CASES = [
         "case",
         lambda: pellucid.check("no such case"),
         ValueError,
-        "names: no case is called no such case",
+        "names: no case matches no such case",
     ),
     (
         "see-through",
@@ -709,8 +709,8 @@ CASES = [
         "see-through of walls",
         lambda: pellucid.render(POINTS, see_through=0.5, method="circles"),
         ValueError,
-        "see_through=0.5: no opacity makes light pass through the pictures of method circles; `auto`, abuffer, sorted, spbr and "
-        "others have one",
+        "see_through=0.5: the opacity of points has no effect with method circles; use `auto`, abuffer, sorted, spbr or "
+        "another transparent method",
     ),
     (
         "memory",

@@ -254,11 +254,11 @@ def test_what_is_left_out_adds_up(renderer, points):
     with renderer.load(scene) as loaded:
         assert loaded.frame(slices={"x": (0, None)}).rgba.any()
         for none in ({"classes": [1]}, {"without": [0]}, {"slices": {"z": (None, -0.1)}}):
-            with pytest.raises(pellucid.SceneError, match="no point is left"):
+            with pytest.raises(pellucid.SceneError, match="no point remains"):
                 loaded.frame(**none)
     scene.update(classes=[1], slices={"x": (0, None)})
     assert len(scene.clip) == 2
-    with pytest.raises(pellucid.SceneError, match="no point is left"):
+    with pytest.raises(pellucid.SceneError, match="no point remains"):
         pellucid.render(scene)
     scene.clip = []
     scene.set("cloud.*.class", None)

@@ -6,6 +6,9 @@ pub enum Error {
     /// The engine could not do the work.
     #[error(transparent)]
     Engine(#[from] pellucid_engine::Error),
+    /// A film could not be encoded.
+    #[error(transparent)]
+    Film(#[from] crate::commands::films::Error),
     /// The window could not be opened, or was closed by a failure.
     #[cfg(feature = "viewer")]
     #[error(transparent)]
@@ -20,6 +23,7 @@ impl Error {
             Self::Window(pellucid_viewer::Error::Engine(error)) => error.exit_status(),
             #[cfg(feature = "viewer")]
             Self::Window(_) => 1,
+            Self::Film(_) => 1,
             Self::Engine(error) => error.exit_status(),
         }
     }

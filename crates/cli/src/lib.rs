@@ -1,6 +1,8 @@
 //! The command line of `pellucid`, and with the feature `mpi` that of `pellucid-mpi`.
 
 mod commands;
+#[cfg(test)]
+mod documents;
 mod error;
 mod legend;
 

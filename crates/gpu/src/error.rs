@@ -14,7 +14,7 @@ pub enum Error {
     #[error("no Vulkan device; install a driver (without a GPU: mesa-vulkan-drivers) or run tools/setup.sh")]
     NoDevice,
     /// `--device` matches none of the present devices.
-    #[error("no Vulkan device matches {wanted:?}; there are: {present}")]
+    #[error("no Vulkan device matches {wanted:?}; devices: {present}")]
     NoSuchDevice {
         /// The requested name.
         wanted: String,
@@ -30,15 +30,15 @@ pub enum Error {
         missing: String,
     },
     /// Windows can't be shown here.
-    #[error("no picture can be shown in a window: {0}; `pellucid render` writes it to a file")]
+    #[error("can't show pictures in a window: {0}; `pellucid render` writes them to a file")]
     NoSurface(String),
     /// Validation was asked for, but its layer is not installed.
     #[error(
-        "validation asked for, but VK_LAYER_KHRONOS_validation is not installed (Debian, Ubuntu: vulkan-validationlayers)"
+        "validation was requested, but VK_LAYER_KHRONOS_validation is not installed (Debian, Ubuntu: vulkan-validationlayers)"
     )]
     NoValidation,
     /// An allocation failed.
-    #[error("out of device memory: {name} needs {} beside {} in use; a smaller --memory-budget or --size would help", ByteSize(*.bytes), ByteSize(*.in_use))]
+    #[error("out of device memory: {name} needs {} in addition to {} in use; use a smaller --memory-budget or --size", ByteSize(*.bytes), ByteSize(*.in_use))]
     OutOfMemory {
         /// The allocation's name.
         name: String,
@@ -73,9 +73,8 @@ pub enum Error {
     },
     /// The device stopped answering.
     #[error(
-        "the device was lost during {during}: its driver stopped or started anew, often because a dispatch took too long; try \
-         again, and if that doesn't help, with a smaller --size or --memory-budget, which make dispatches shorter, or with another \
-         --device"
+        "the device was lost during {during}: its driver stopped or restarted, often because a dispatch took too long; try \
+         again, then with a smaller --size or --memory-budget, which make dispatches shorter, or with another --device"
     )]
     Lost {
         /// The submission.
@@ -148,10 +147,8 @@ pub enum Error {
 /// Advice to end an error message with.
 fn help(result: vk::Result) -> &'static str {
     match result {
-        vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => {
-            ": out of device memory; a smaller --memory-budget or --size would help"
-        }
-        vk::Result::ERROR_OUT_OF_HOST_MEMORY => ": out of memory; fewer points or a smaller --size would help",
+        vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => ": out of device memory; use a smaller --memory-budget or --size",
+        vk::Result::ERROR_OUT_OF_HOST_MEMORY => ": out of memory; use fewer points or a smaller --size",
         _ => "",
     }
 }

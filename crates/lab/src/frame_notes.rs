@@ -23,7 +23,7 @@ pub fn warnings(names: &[String], arranged: &Arranged, cloud: &DeviceCloud, fram
         warnings.push(format!("[detail] has no effect: method {name} deals all points to ensembles"));
     } else if !frame.detail.is_whole() && !frame.method.needs_radii() {
         warnings.push(format!(
-            "method {name} draws points of one size, which don't grow to cover what [detail] leaves out"
+            "method {name} draws points of a fixed size, which can't grow to cover the points that [detail] leaves out"
         ));
     }
     if frame.shadows.is_some() && !frame.method.takes_shadows() {

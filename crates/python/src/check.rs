@@ -21,7 +21,7 @@ pub fn check(
         let asked = |case: &Case| names.is_empty() || names.iter().any(|name| case.name.contains(name.as_str()));
         let cases: Vec<Case> = lab::cases().into_iter().filter(asked).collect();
         if cases.is_empty() {
-            return Err(Failure::Value(format!("names: no case is called {}", names.join(", "))));
+            return Err(Failure::Value(format!("names: no case matches {}", names.join(", "))));
         }
         let mut stage = lab::stage(&device)?;
         talk.progress.set_message("checking");

@@ -106,7 +106,7 @@ pub fn tradeoff(
     let formation = settings::compared(&method, session.made.points())?;
     let mut shading = session.scene.shading;
     if shading.edl.edl && !matches!(formation, Formation::Surfaces(_)) {
-        talk.warn("eye-dome lighting is left out: not all of the methods that are compared have it");
+        talk.warn("eye-dome lighting is left out, because not all compared methods support it");
         shading.edl.edl = false;
     }
     let shadows = session.scene.shadows.filter(|_| matches!(formation, Formation::Surfaces(_)));

@@ -1,5 +1,6 @@
 //! Shared parts of the tests: devices with validation, small clouds, comparison with the float64 reference, real clouds.
 
+pub mod browser;
 pub mod signals;
 pub mod skip;
 

@@ -236,7 +236,7 @@ impl Running {
         self.model.release_picture();
         // The new device takes over the window, so the old one must have released it.
         let Some((workload, news, textures)) = graphics.end() else {
-            let why = "the renderer has panicked".to_owned();
+            let why = "the renderer panicked".to_owned();
             return Err(Lost::Gone { device, during, why }.into());
         };
         if !self.losses.allow(Instant::now(), self.shown) {

@@ -32,11 +32,11 @@ impl Dialog {
         let readable = |path: &Path| kind(path).is_some();
         let mut dialog = dialog()
             .title("Open a scene, clouds or a camera path")
-            .add_file_filter("all that can be read", Arc::new(readable));
+            .add_file_filter("all supported files", Arc::new(readable));
         for (name, of) in KINDS {
             dialog = dialog.add_file_filter(name, Arc::new(move |path: &Path| kind(path) == Some(of)));
         }
-        let mut dialog = dialog.default_file_filter("all that can be read").show_new_folder_button(false);
+        let mut dialog = dialog.default_file_filter("all supported files").show_new_folder_button(false);
         dialog.pick_multiple();
         self.0 = Some(dialog);
     }

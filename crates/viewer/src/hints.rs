@@ -21,10 +21,10 @@ pub fn hint(key: &str) -> &'static str {
 /// Parts of a light that have controls of their own.
 fn of_light(key: &str) -> Option<&'static str> {
     Some(match key {
-        "shading.light.direction" => "The direction in which the light travels.",
-        "shading.light.position" => "Where the light is, in world units.",
-        "shading.light.azimuth" => "Where the light comes from, in degrees around the vertical from the front.",
-        "shading.light.elevation" => "How high the light stands, in degrees above the horizon.",
+        "shading.light.direction" => "Direction in which the light travels.",
+        "shading.light.position" => "Position of the light, in world units.",
+        "shading.light.azimuth" => "Direction of the light, in degrees around the vertical, from the front.",
+        "shading.light.elevation" => "Height of the light, in degrees above the horizon.",
         _ => return None,
     })
 }

@@ -78,7 +78,7 @@ pub struct Options {
 
 /// Why there is no window.
 #[derive(Debug, thiserror::Error)]
-#[error("no window can be opened: {reason}; `pellucid render` needs none and writes a picture")]
+#[error("can't open a window: {reason}; `pellucid render` writes a picture without one")]
 pub struct NoDisplay {
     reason: String,
 }

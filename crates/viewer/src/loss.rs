@@ -13,9 +13,8 @@ const PATIENCE: Duration = Duration::from_secs(10);
 pub enum Lost {
     /// Opening it again was no help.
     #[error(
-        "{device} was lost again, during {during}: its driver stops or starts anew, often because a dispatch takes too long; a \
-         smaller --size or --memory-budget makes dispatches shorter, another --device may last; `pellucid render` writes a picture \
-         without a window"
+        "{device} was lost again, during {during}: its driver stopped or restarted, often because a dispatch took too long; \
+         try a smaller --size or --memory-budget, which make dispatches shorter, or another --device; `pellucid render` writes a picture without a window"
     )]
     Again {
         /// The device's name.
@@ -25,8 +24,8 @@ pub enum Lost {
     },
     /// The device could not be opened again.
     #[error(
-        "{device} was lost during {during} and can't be opened again: {why}; `pellucid devices` lists what is there, --device takes \
-         another one, `pellucid render` writes a picture without a window"
+        "{device} was lost during {during} and can't be opened again: {why}; `pellucid devices` lists all devices, --device \
+         selects another one, and `pellucid render` writes a picture without a window"
     )]
     Gone {
         /// The device's name.
@@ -37,12 +36,10 @@ pub enum Lost {
         why: String,
     },
     /// The renderer has a defect.
-    #[error(
-        "the renderer has panicked, which is a defect of this program (what it said stands above); what was saved before is there"
-    )]
+    #[error("the renderer panicked, which is a bug in this program (its message is above); saved files are intact")]
     Panicked,
     /// The server of the window has ended the connection.
-    #[error("the display has closed the window ({0}); what was saved before is there")]
+    #[error("the display server closed the window ({0}); saved files are intact")]
     Display(String),
 }
 

@@ -306,9 +306,9 @@ impl Model {
     /// The line shown in place of the picture until the first one arrives.
     pub fn line_without_picture(&self) -> Option<&'static str> {
         let line = if self.picture_state == PictureState::Current {
-            "there is no picture: the panel (H) says why"
+            "no picture: the panel (H) gives the reason"
         } else {
-            "the first picture is on its way"
+            "rendering the first picture"
         };
         self.picture.is_none().then_some(line)
     }
@@ -344,7 +344,7 @@ impl Model {
                 self.navigate(|navigator| navigator.set_pivot(point));
                 self.message = Some((format!("turns about {:.3}, {:.3}, {:.3}", point.x, point.y, point.z), false));
             }
-            None => self.message = Some(("there is nothing to turn about".to_owned(), false)),
+            None => self.message = Some(("no point to turn about".to_owned(), false)),
         }
     }
 

@@ -20,23 +20,23 @@ const GLANCE: Duration = Duration::from_millis(250);
 const KEYS: &[(&str, &str)] = &[
     ("left drag", "turn about the pivot"),
     ("right drag, middle drag, Shift + left drag", "move the picture"),
-    ("wheel", "nearer to what is under the pointer, or farther"),
-    ("double click", "turn about what is under the pointer"),
+    ("wheel", "move toward or away from the point under the pointer"),
+    ("double click", "turn about the point under the pointer"),
     ("W A S D, Q E", "fly ahead, left, back, right; down, up"),
-    ("1 … 7", "front, back, left, right, top, bottom, iso"),
-    ("Home", "everything"),
-    ("K", "the camera as a key of the path"),
-    ("Space", "along the path, or stop"),
-    ("P", "perspective or orthographic"),
-    ("T", "times of the passes: their sum, each, none"),
-    ("H", "panel"),
-    ("F11", "the whole screen"),
+    ("1 … 7", "view from the front, back, left, right, top, bottom, iso"),
+    ("Home", "show everything"),
+    ("K", "add the camera to the path as a key"),
+    ("Space", "play or stop the path"),
+    ("P", "switch between perspective and orthographic"),
+    ("T", "pass times: sum, each, or none"),
+    ("H", "show or hide the panel"),
+    ("F11", "switch full screen on or off"),
     ("F12", "save the picture and its scene"),
     ("Ctrl + O", "open a scene, clouds or a camera path"),
-    ("Ctrl + S, Ctrl + Shift + S", "save the scene, under any name"),
+    ("Ctrl + S, Ctrl + Shift + S", "save the scene, save it as…"),
     ("Ctrl + K", "save the path"),
     ("Ctrl + Q", "close"),
-    ("F1", "these keys"),
+    ("F1", "show these keys"),
 ];
 
 /// Draws what is asked for.
@@ -92,10 +92,11 @@ fn times(ui: &mut Ui, model: &mut Model, medians: &Medians) {
     };
     let of = match frames {
         1 => "of the last frame".to_owned(),
-        _ => format!("medians of the last {frames} frames that leave out as much as the last one, of its method"),
+        _ => format!("medians of the last {frames} frames with the same method and draft"),
     };
     let title = Label::new(RichText::new(title).strong()).extend().selectable(false).sense(Sense::click());
-    let response = ui.add(title).on_hover_text(format!("{of}; a click or T shows each pass, T once more nothing"));
+    let response =
+        ui.add(title).on_hover_text(format!("{of}; click or press T to show each pass, T again to hide them"));
     if unfolded {
         passes(ui, model, rows);
     }
@@ -174,8 +175,8 @@ fn accuracy(ui: &mut Ui, picture: &Picture) {
     let accuracy = &picture.accuracy;
     ui.separator();
     ui.label(RichText::new(now(picture)).strong().size(11.5)).on_hover_text(
-        "errors are those of linear color, root mean square over all pixels: a standard error is estimated from the spread of \
-         samples or ensembles, an RMSE measured against the picture named",
+        "Errors are of linear color, root mean square over all pixels. A standard error is estimated from the spread of \
+         samples or ensembles; an RMSE is measured against the named picture.",
     );
     if accuracy.rungs.iter().all(|rung| rung.rmse.is_none()) {
         return;
@@ -209,7 +210,7 @@ fn now(picture: &Picture) -> String {
             let suffix = standard_error.map(|error| format!(", {}", labelled(error))).unwrap_or_default();
             format!("draft: {}{suffix}", picture.draft)
         }
-        (Some(Standing::Exact), ..) => format!("exact: {} differs by rounding alone", picture.method),
+        (Some(Standing::Exact), ..) => format!("exact: {} differs only by rounding", picture.method),
         (Some(Standing::Approximation(_)), Some(Reference::Exact(exact)), _) if rmse.is_some() => {
             format!("RMSE {:.5} against {exact}, which is exact", rmse.unwrap_or_default())
         }

@@ -298,7 +298,7 @@ impl Work {
                 News::Stopped(serial)
             }
             error if matches!(task, Task::Measure(_)) => {
-                News::Failed(serial, format!("how accurate the picture is can't be found: {error}"))
+                News::Failed(serial, format!("can't measure the accuracy of the picture: {error}"))
             }
             error => News::Failed(serial, error.to_string()),
         })

@@ -13,19 +13,24 @@ use pellucid_engine::points::Points;
 use pellucid_engine::scene::{self, Course, Scene};
 
 use super::console::Console;
+use super::headings::FRAMES;
 use super::input::InputArgs;
 use super::loaded::{Resolved, read};
 
 /// A camera that moves.
 #[derive(Debug, Args)]
 pub struct PathArgs {
-    /// Move the camera along key frames: a JSON file of keys with eye, target and more (docs/camera-paths.md), a
-    /// transforms.json of nerfstudio, or a model of COLMAP (its folder, text or binary). With --frames N the keys are
-    /// interpolated, without it there is a frame for each of them, exactly as given.
-    #[arg(long, value_name = "PATH", conflicts_with = "turntable")]
+    /// Move the camera along the key frames of a file.
+    ///
+    /// A JSON file of keys with eye, target and more (docs/camera-paths.md), a transforms.json of nerfstudio, or the folder of a
+    /// COLMAP model (text or binary). With --frames N the camera is interpolated between the keys; otherwise every key is one
+    /// frame.
+    #[arg(long, value_name = "PATH", conflicts_with = "turntable", help_heading = FRAMES)]
     path: Option<PathBuf>,
-    /// Turn the camera once around the scene's target, or its middle, about the vertical, in --frames N steps.
-    #[arg(long)]
+    /// Turn the camera once around the scene, in --frames N steps.
+    ///
+    /// The vertical axis goes through the camera's target, or through the middle of the scene if it has no target.
+    #[arg(long, help_heading = FRAMES)]
     turntable: bool,
 }
 
@@ -70,6 +75,14 @@ impl PathArgs {
 }
 
 impl Along {
+    /// True if the first frame follows the last.
+    pub fn is_closed(&self) -> bool {
+        match self {
+            Self::Keys { source, .. } => matches!(source, Source::Path(path) if path.closed),
+            Self::Turn { .. } => true,
+        }
+    }
+
     /// Reads the inputs, and finds the camera of each frame; there is at least one, and the scene's is the first. With
     /// `legend` the meaning of colors as well.
     pub fn resolve(

@@ -11,19 +11,19 @@ use super::console::{Console, print, print_json};
 
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// Only cases whose name contains one of these, as in `abuffer/` or `faint`; by default all.
+    /// Run only cases whose name contains one of these, as in `abuffer/` or `faint`; by default all.
     #[arg(value_name = "NAME")]
     names: Vec<String>,
-    /// Device to run on: its index or a part of its name, as `pellucid devices` lists them.
+    /// Device to run on, by index or part of its name, as `pellucid devices` lists them.
     #[arg(long, value_name = "NAME_OR_INDEX")]
     device: Option<String>,
-    /// Name the cases and what each is about, without running any.
+    /// List the cases with a description, without running them.
     #[arg(long)]
     list: bool,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
-    /// Print a table in Markdown, a row for what several methods have in common, as in docs/numerics.md.
+    /// Print a Markdown table with one row per case, shared by several methods, as in docs/numerics.md.
     #[arg(long, conflicts_with = "json")]
     markdown: bool,
 }
@@ -33,7 +33,7 @@ pub fn run(args: CheckArgs, console: Console) -> Result<ExitCode> {
     let cases: Vec<Case> = check::cases().into_iter().filter(asked).collect();
     if cases.is_empty() {
         let names = args.names.join(", ");
-        return Err(scene::Error::Usage(format!("no case is called {names}; `pellucid check --list` names all")).into());
+        return Err(scene::Error::Usage(format!("no case matches {names}; `pellucid check --list` lists all")).into());
     }
     if args.list {
         print(&cases.iter().map(|case| format!("{:<36} {}\n", case.name, case.about)).collect::<String>())?;

@@ -19,31 +19,39 @@ const AMPLIFY: f64 = 10.0;
 
 #[derive(Debug, Args)]
 pub struct CompareArgs {
-    /// A picture (.png, .exr) or a profile (.json): the reference.
+    /// Reference: a picture (.png, .exr) or a profile (.json).
     a: PathBuf,
-    /// Another of the same kind, which is measured against it.
+    /// Picture or profile to compare with the reference.
     b: PathBuf,
-    /// Pictures: write the absolute difference of the linear values, 10 times as bright, as PNG.
+    /// Pictures: write the difference as a PNG, 10 times as bright.
+    ///
+    /// It is the absolute difference of the linear values.
     #[arg(short, long, value_name = "DIFF.png")]
     output: Option<PathBuf>,
-    /// Print JSON. Pictures: {rmse, nmse, psnr, ssim, flip, max: {value, x, y}, above_1_255}, where whatever is infinite is
-    /// null, as the psnr of equal pictures. Profiles: {frame, passes}, each {name, a_ms, b_ms, ratio, interval: [low, high],
-    /// share, verdict}, null where it is unknown.
+    /// Print JSON.
+    ///
+    /// Pictures: {rmse, nmse, psnr, ssim, flip, max: {value, x, y}, above_1_255}; infinite values are null, as the psnr of equal
+    /// pictures. Profiles: {frame, passes}, each {name, a_ms, b_ms, ratio, interval: [low, high], share, verdict}; unknown values
+    /// are null.
     #[arg(long)]
     json: bool,
-    /// Exit with status 1 if the metric is above the value; repeatable. Pictures: rmse, nmse, psnr, ssim, flip, max,
-    /// above_1_255. Profiles: the ratio B/A of a pass by its name, or of `frame`.
+    /// Exit with status 1 if the metric is above the value; repeatable.
+    ///
+    /// Metrics of pictures: rmse, nmse, psnr, ssim, flip, max, above_1_255. Of profiles: the ratio B/A of a pass by its name,
+    /// or of `frame`.
     #[arg(long, value_name = "METRIC=VALUE")]
     fail_above: Vec<String>,
-    /// Exit with status 1 if the metric is below the value; repeatable. For psnr and ssim, which are larger the closer the
-    /// pictures are; all others are smaller.
+    /// Exit with status 1 if the metric is below the value; repeatable.
+    ///
+    /// For psnr and ssim, which grow as the pictures become more similar. All other metrics shrink.
     #[arg(long, value_name = "METRIC=VALUE")]
     fail_below: Vec<String>,
-    /// Profiles: exit with status 1 if the frame, or a pass of at least 1% of it, takes more than RATIO times as long in B
-    /// beyond the noise; repeatable. PASS=RATIO looks at one pass, however short. Beyond the noise: the whole interval of B/A
-    /// is above, which lies between the opposite ends of the medians' 95% confidence intervals by order statistics (with 5
-    /// frames, the fewest that do: the fastest of B over the slowest of A). Alternate the runs of A and B, and put the
-    /// frames of each together, for noise between runs to count.
+    /// Profiles: exit with status 1 if B is slower by RATIO beyond the noise; repeatable.
+    ///
+    /// RATIO applies to the frame and to each pass of at least 1% of it, PASS=RATIO to one pass, however short. A time counts as
+    /// slower if the whole interval of B/A is above RATIO. The interval lies between opposite ends of the medians' 95% confidence
+    /// intervals by order statistics. With 5 frames, the smallest number that is enough, its lower end is the fastest frame of B
+    /// over the slowest of A. To include the noise between runs, alternate runs of A and B and merge the frames of each.
     #[arg(long, value_name = "[PASS=]RATIO")]
     fail_slower: Vec<String>,
 }
@@ -70,14 +78,14 @@ pub fn run(args: CompareArgs, _talk: Console) -> Result<ExitCode> {
     let is_profile = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
     let within = match (is_profile(&args.a), is_profile(&args.b)) {
         (true, true) if args.output.is_some() => {
-            return Err(usage("-o: two profiles have no difference picture"));
+            return Err(usage("-o: profiles have no difference picture; give two pictures"));
         }
         (true, true) => compare_profiles::run(&args.a, &args.b, args.json, &limits, &slower)?,
         (false, false) if !slower.is_empty() => {
-            return Err(usage("--fail-slower: pictures have no passes; it is for two profiles"));
+            return Err(usage("--fail-slower: pictures have no passes; give two profiles"));
         }
         (false, false) => pictures(&args, &limits)?,
-        _ => return Err(usage("a picture and a profile can't be compared; give two of a kind")),
+        _ => return Err(usage("a picture and a profile can't be compared; give two pictures or two profiles")),
     };
     Ok(if within { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
@@ -104,7 +112,7 @@ fn pictures(args: &CompareArgs, limits: &[Limit]) -> Result<bool> {
 
 fn check_metrics(limits: &[Limit]) -> Result<()> {
     match limits.iter().find(|limit| !METRICS.contains(&limit.metric.as_str())) {
-        Some(limit) => Err(limit.unusable(&format!("unknown metric; there are: {}", METRICS.join(", ")))),
+        Some(limit) => Err(limit.unusable(&format!("unknown metric; expected one of {}", METRICS.join(", ")))),
         None => Ok(()),
     }
 }

@@ -71,7 +71,7 @@ pub fn run(a: &Path, b: &Path, json: bool, limits: &[Limit], slower: &[Slower]) 
     let rows = rows(&read(a)?, &read(b)?);
     let mut ratios = Vec::new();
     for limit in limits {
-        let row = find(&rows, &limit.metric).ok_or_else(|| limit.unusable("there is no pass of this name"))?;
+        let row = find(&rows, &limit.metric).ok_or_else(|| limit.unusable("no pass has this name"))?;
         let ratio = row.ratio().ok_or_else(|| limit.unusable("not measured in both profiles"))?;
         ratios.push((limit, ratio));
     }
@@ -100,7 +100,7 @@ fn find<'a>(rows: &'a [Row], name: &str) -> Option<&'a Row> {
 /// The named pass is missing. The noise can't be estimated, either of the named pass or, without a name, of the frame.
 fn judged<'a>(rows: &'a [Row], limit: &Slower) -> Result<Vec<(&'a str, [f64; 2])>> {
     let name = limit.pass.as_deref().unwrap_or(FRAME);
-    let row = find(rows, name).ok_or_else(|| limit.unusable("there is no pass of this name"))?;
+    let row = find(rows, name).ok_or_else(|| limit.unusable("no pass has this name"))?;
     let interval = row.interval().ok_or_else(|| limit.unusable(&too_few(row)))?;
     if limit.pass.is_some() {
         return Ok(vec![(&row.name, interval)]);
@@ -111,7 +111,7 @@ fn judged<'a>(rows: &'a [Row], limit: &Slower) -> Result<Vec<(&'a str, [f64; 2])
 
 fn too_few(row: &Row) -> String {
     format!(
-        "no noise estimate: it takes {MIN_TIMES} frames of each profile (--frames), and `{}` was measured in {} of A and {} of B",
+        "no noise estimate: each profile needs {MIN_TIMES} frames (--frames), but `{}` was measured in {} of A and {} of B",
         row.name,
         row.a.count(),
         row.b.count()
@@ -218,7 +218,7 @@ fn notes(rows: &[Row]) -> Vec<String> {
         notes.push(too_few(row));
     }
     if rows.iter().any(|row| row.verdict().is_some() && !row.counts()) {
-        notes.push("in parentheses: less than 1% of the frame; --fail-slower looks at it only by name".to_owned());
+        notes.push("in parentheses: less than 1% of the frame; --fail-slower checks it only by name".to_owned());
     }
     notes
 }

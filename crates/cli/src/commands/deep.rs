@@ -15,6 +15,7 @@ use pellucid_engine::{Result, methods::Frame, plan};
 
 use super::bar::Bar;
 use super::console::Console;
+use super::headings::OUTPUT;
 use super::limit::usage;
 use super::loaded::Resolved;
 use super::render::{RenderArgs, is_png};
@@ -23,16 +24,20 @@ use super::session::Session;
 /// Samples of each pixel.
 #[derive(Debug, Args)]
 pub struct DeepArgs {
-    /// EXR: write what each pixel is blended of instead of the blend, as a deep scanline image for compositing: linear R, G, B times A, A and
-    /// Z of each fragment, without the background. Of abuffer, linked-list, sorted and peel; ellipsoids and the shells of soft-concentric
-    /// are volumes, with ZBack. tidy merges fragments at one depth and cuts volumes where others begin or end; sorted keeps each as it is.
-    #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "tidy")]
+    /// EXR: write every fragment of each pixel as a deep image for compositing.
+    ///
+    /// Each sample has linear R, G, B times A, A and Z, without the background. Methods: abuffer, linked-list, sorted, peel, and
+    /// soft-concentric. Ellipsoids and the shells of soft-concentric are volumes and also have ZBack. `tidy` (the default) merges
+    /// fragments at one depth and splits volumes where others begin or end; `sorted` keeps each fragment as it is.
+    #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "tidy", help_heading = OUTPUT)]
     deep: Option<DeepState>,
-    /// With --deep: float has every bit of a color and of A, half 11 of 24 of them in half of the room. Z and ZBack are always float.
-    #[arg(long, value_name = "NUMBERS", requires = "deep")]
+    /// With --deep: type of color and A.
+    ///
+    /// `float` (the default) keeps all 24 bits of precision, `half` 11 bits in half the space. Z and ZBack are always float.
+    #[arg(long, value_name = "NUMBERS", requires = "deep", help_heading = OUTPUT)]
     deep_type: Option<DeepType>,
-    /// With --deep: zips packs each row without loss.
-    #[arg(long, value_name = "HOW", requires = "deep")]
+    /// With --deep: compression; `zips` compresses each row without loss.
+    #[arg(long, value_name = "HOW", requires = "deep", help_heading = OUTPUT)]
     deep_compression: Option<DeepCompression>,
 }
 
@@ -78,7 +83,7 @@ impl DeepArgs {
 pub fn check(args: &RenderArgs, output: &Path, several: bool, console: Console) -> Result<()> {
     if is_png(output) {
         return Err(usage(format!(
-            "--deep: {} is a PNG, and only an .exr holds samples: give its name by -o",
+            "--deep: {} is a PNG, but only an .exr holds samples; name one with -o",
             output.display()
         )));
     }
@@ -87,14 +92,14 @@ pub fn check(args: &RenderArgs, output: &Path, several: bool, console: Console) 
     }
     if args.chooses() {
         return Err(usage(
-            "--deep: --max-error, --budget and --recalibrate choose a method by its picture; give --method and settings instead",
+            "--deep can't be combined with --max-error, --budget and --recalibrate; give --method and its settings instead",
         ));
     }
     if args.measure.is_asked() {
-        return Err(usage("--deep: --profile and --trace measure the frame of a picture; measure it without --deep"));
+        return Err(usage("--deep can't be combined with --profile and --trace; measure without --deep"));
     }
     if args.aov {
-        console.warn("--aov has no effect with --deep, which has the samples that depths and counts are of");
+        console.warn("--aov has no effect with --deep: the samples already give depths and counts");
     }
     Ok(())
 }
@@ -120,7 +125,7 @@ pub fn run(args: &RenderArgs, resolved: &Resolved, output: &Path, progress: &Bar
     device.check_validation()?;
     let bytes = layout.most_bytes(most).map_err(|source| unwritten(output, source))?;
     console.note(format_args!(
-        "{}: at most {most} samples, {} (of {} bytes each) before packing",
+        "{}: at most {most} samples, {} (of {} bytes each) before compression",
         output.display(),
         ByteSize(bytes),
         layout.sample_bytes()

@@ -10,7 +10,7 @@ use super::console::{Console, print, print_json};
 
 #[derive(Debug, Args)]
 pub struct DevicesArgs {
-    /// Device that would be asked for: its index or a part of its name.
+    /// Mark the device that this index or part of a name selects.
     #[arg(long, value_name = "NAME_OR_INDEX")]
     device: Option<String>,
     /// Print the list as JSON.
@@ -48,16 +48,17 @@ pub fn run(args: DevicesArgs, _talk: Console) -> Result<ExitCode> {
             "nothing".to_owned()
         } else {
             let methods = methods.join(", ");
-            format!("subgroups of 8 to 32 invocations, which {methods} need, and soft methods with solid points")
+            format!("subgroups of 8 to 32 invocations (needed by {methods}, and by soft methods with solid points)")
         };
         text += &format!("{mark} {} {} ({}, {}); lacks {lacks}\n", d.index, d.name, d.kind, d.driver);
         if let Some(version) = slow_mesa(&d.driver) {
             text += &format!(
-                "    Mesa {version} is an old one: with Mesa 25 most methods take a tenth to a third less time on a CPU (docs/performance.md)\n"
+                "    Mesa {version} is old: with Mesa 25 most methods take a tenth to a third less time on a CPU \
+                 (docs/performance.md)\n"
             );
         }
     }
-    text += if taken.is_some() { "* would be taken\n" } else { "none can be taken\n" };
+    text += if taken.is_some() { "* selected\n" } else { "no device can be used\n" };
     print(&text)?;
     Ok(ExitCode::SUCCESS)
 }

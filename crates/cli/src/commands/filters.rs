@@ -71,7 +71,10 @@ fn code(option: &str, word: &str) -> Result<u8> {
     let found = word.parse().ok().or_else(|| classes::code(word));
     let names: Vec<_> = classes::names().collect();
     found.ok_or_else(|| {
-        usage(format!("{option}: no class {word:?}; a number from 0 to 255, or one of {}", names.join(", ")))
+        usage(format!(
+            "{option}: unknown class {word:?}; expected a number from 0 to 255, or one of {}",
+            names.join(", ")
+        ))
     })
 }
 

@@ -75,9 +75,6 @@ impl Pattern {
             rest = behind;
         }
         parts[usize::from(number.is_some())].push_str(rest);
-        if let Some(film) = film(path) {
-            return Err(usage(&format!("films are made of pictures, as by `ffmpeg -i frame_%04d.png {film}`")).into());
-        }
         let (width, zeros) = number.ok_or_else(|| usage("every picture would have this name"))?;
         if naming == Naming::Frames && width > 0 && !zeros {
             return Err(usage("spaces would fill the number").into());
@@ -94,13 +91,6 @@ impl Pattern {
         let number = if *zeros { format!("{number:0width$}") } else { format!("{number:width$}") };
         folder.join(format!("{before}{number}{after}"))
     }
-}
-
-/// The name of a file that would hold a film.
-fn film(path: &Path) -> Option<String> {
-    let extension = path.extension()?.to_str()?.to_lowercase();
-    let is_film = ["mp4", "webm", "mkv", "mov", "avi", "gif", "apng"].contains(&extension.as_str());
-    is_film.then(|| path.file_name().unwrap_or_default().to_string_lossy().into_owned())
 }
 
 #[cfg(test)]
@@ -120,7 +110,6 @@ mod tests {
     fn other_names_are_refused() {
         for (name, says) in [
             ("step.png", "every picture would have this name"),
-            ("turn.mp4", "ffmpeg -i frame_%04d.png turn.mp4"),
             ("%d_%d.png", "more than one"),
             ("%s.png", "neither"),
             ("%.png", "neither"),

@@ -24,26 +24,37 @@ use super::limit::usage;
 use facts::Facts;
 
 /// Prints the points, bounds and attributes of files, the points of each class, histograms of height and intensity between their
-/// percentiles 1 and 99, and a command line that suits the file. Spacing, the median distance of a point to the nearest other one,
-/// and the mean number of splats on a covered pixel of the automatic view are estimates from the neighbors of up to 2048 points;
-/// a search tree over all points is built for them. No device is needed.
+/// percentiles 1 and 99, and a command line that suits the file. Two figures are estimated from the neighbors of up to 2048 points,
+/// with a search tree over all points: the spacing (the median distance to the nearest point), and the mean number of splats on a
+/// covered pixel of the automatic view. No device is needed.
 #[derive(Debug, Args)]
 pub struct InfoArgs {
-    /// Point clouds (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV, TXT), Gaussian splats (PLY, SPLAT, SPZ, SOG, KSPLAT, glTF), or pictures that stand for clouds.
+    /// Point clouds, Gaussian splats, or pictures that become clouds.
+    ///
+    /// Point clouds: PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV, TXT. Gaussian splats: PLY, SPLAT, SPZ, SOG, KSPLAT, glTF.
+    /// Pictures: PNG, JPEG, TIFF.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Columns of text files (PTS, PTX, XYZ, CSV, TXT), as in x,y,z,-,r,g,b; `render --help` lists the names.
+    /// Columns of text files, as in x,y,z,-,r,g,b; `pellucid render --help` lists the names.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     columns: Option<String>,
-    /// Count the points that stand apart: those that `outliers` of a [[cloud]] is about, by the default of its outlier_k and
-    /// outlier_factor. Finds the neighbors of every point.
+    /// Count outliers, points far away from all others.
+    ///
+    /// They are the points that `outliers` of a [[cloud]] selects with the default outlier_k and outlier_factor. The count needs
+    /// the neighbors of every point.
     #[arg(long)]
     outliers: bool,
-    /// Print JSON: {points, non_finite, bounds: {min, max}, attributes, classes, ranges, spacing, layers, histograms, command};
-    /// points counts all in the file, classes maps a code to its points, ranges a scalar to [min, max], histograms are {height,
-    /// intensity}, each null or {min, max, counts}. Gaussian splats have `gaussians: {count, degree, filter, extents: {min, median, max}}`. With --outliers also `outliers`, their number. A prepared cloud has `prepared: {neighbors, radius_cap, estimated_radii, field, quantiles}`,
-    /// where quantiles maps a share of the points to the F that they don't exceed, and `shadows` in it if they are stored.
-    /// Several files: an array of these, each with `file`.
+    /// Print JSON.
+    ///
+    /// {points, non_finite, bounds: {min, max}, attributes, classes, ranges, spacing, layers, histograms, command}. `points` counts
+    /// all points in the file, `classes` maps a code to its number of points, `ranges` a scalar to [min, max]. `histograms` is
+    /// {height, intensity}, each null or {min, max, counts}.
+    ///
+    /// Gaussian splats also have `gaussians: {count, degree, filter, extents: {min, median, max}}`. --outliers adds their number as
+    /// `outliers`. A prepared cloud has `prepared: {neighbors, radius_cap, estimated_radii, field, quantiles}`, with `shadows` if they
+    /// are stored; `quantiles` maps a share of the points to the largest field value among them.
+    ///
+    /// Several files become an array, each with `file`.
     #[arg(long)]
     json: bool,
 }
@@ -86,7 +97,7 @@ impl Seen {
     fn of(file: &Path, args: &InfoArgs, cloud: Cloud, progress: &Bar) -> Self {
         let outliers = args.outliers.then(|| count_outliers(&cloud, progress));
         progress.reset();
-        progress.set_message("looking at points");
+        progress.set_message("examining points");
         let facts = Facts::of(file, args.columns.as_deref(), &cloud);
         Self { file: file.to_owned(), cloud, facts, outliers }
     }

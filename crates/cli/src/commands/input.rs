@@ -13,91 +13,116 @@ use pellucid_engine::scene::stored::have_levels;
 use pellucid_engine::scene::{self, DEFAULT_SCENE, Family, Named, Overrides, Scene, View, ViewName};
 
 use super::filters;
+use super::headings::{APPEARANCE, DEVICE, METHOD, POINTS};
 use super::presets::{self, Asked, Preset};
 use super::view_args::ViewArgs;
 
 /// The inputs to render, and the options that stand for keys of a scene file.
 #[derive(Debug, Args)]
 pub struct InputArgs {
-    /// A scene file (.toml) or one or more point clouds (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV, TXT), or pictures
-    /// that stand for clouds. Without any: the built-in scene `garden`.
+    /// A scene file (.toml), or one or more point clouds; without any the built-in scene `garden`.
+    ///
+    /// Point clouds are PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV and TXT files, octrees, and Gaussian splats. A picture
+    /// (PNG, JPEG, TIFF) becomes a cloud with a point for each pixel.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
-    /// A recipe, which stands for keys, and for --see-through and --view in some: canopy, building, indoor, heritage or model;
-    /// `list` prints them. It wins over the scene file, and options win over it.
+    /// Recipe: canopy, building, indoor, heritage or model; `list` prints them.
+    ///
+    /// A recipe sets keys of the scene file, and some also set --see-through and --view. It overrides the scene file; other
+    /// options override the recipe.
     #[arg(long, value_name = "NAME", value_parser = presets::asked)]
     preset: Option<Asked>,
-    // The help lists all methods.
-    #[arg(long, value_name = "NAME", help = method_help())]
-    method: Option<String>,
-    /// Size of the image in pixels, as in 1024x768; by default the scene file's, else 1024x1024.
+    /// Size of the image in pixels, as in 1024x768.
+    ///
+    /// Default: the scene file's, else 1024x1024.
     #[arg(long, value_name = "WxH")]
     pub size: Option<String>,
     // The help lists all keys.
     #[arg(long, value_name = "KEY=VALUE", help = SET_HELP, long_help = set_help())]
     set: Vec<String>,
-    /// Opacity of all points, from 0 to 1; by default the scene file's, else 1. A file's own alpha multiplies it.
-    #[arg(long, value_name = "A", allow_hyphen_values = true)]
+    // The help lists all methods.
+    #[arg(long, value_name = "NAME", help_heading = METHOD, help = METHOD_HELP, long_help = method_help())]
+    method: Option<String>,
+    /// Seed of everything random: stochastic methods, and the built-in scene.
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = METHOD)]
+    pub seed: u64,
+    /// Opacity of every point, from 0 to 1.
+    ///
+    /// Default: the scene file's, else 1. Alpha values of a file are multiplied by it.
+    #[arg(long, value_name = "A", allow_hyphen_values = true, help_heading = APPEARANCE)]
     pub opacity: Option<String>,
-    /// Opacity of the surface that the points lie on, from 0 to 1: discs become as faint as their overlap asks for. For spbr the
-    /// same as --opacity.
-    #[arg(long, value_name = "A", allow_hyphen_values = true, conflicts_with_all = ["opacity"])]
+    /// Opacity of the surface that the points sample, from 0 to 1.
+    ///
+    /// The more discs overlap, the fainter each becomes. With spbr the same as --opacity.
+    #[arg(long, value_name = "A", allow_hyphen_values = true, conflicts_with_all = ["opacity"], help_heading = APPEARANCE)]
     pub surface_opacity: Option<String>,
-    /// Finds the opacity for which half of the covered pixels let at least this share of the light behind them through, from 0
-    /// to 1, and prints it. Of clouds with opacities of their own all are multiplied by one factor.
-    #[arg(long, value_name = "T", value_parser = share, conflicts_with = "opacity")]
+    /// Find the opacity that lets this share of light through, from 0 to 1.
+    ///
+    /// With the opacity found, half of the covered pixels let at least this share of the light behind them through. The program
+    /// prints it. If clouds have opacities of their own, one factor multiplies all of them.
+    #[arg(long, value_name = "T", value_parser = share, conflicts_with = "opacity", help_heading = APPEARANCE)]
     pub see_through: Option<f64>,
-    /// Radius of all points in world units; by default the scene file's, else the point file's, else from the distance
-    /// to the 24th nearest neighbor.
-    #[arg(long, value_name = "R", allow_hyphen_values = true)]
+    /// Radius of every point in world units.
+    ///
+    /// Default: the scene file's, else the point file's, else derived from the distance to the 24th nearest neighbor.
+    #[arg(long, value_name = "R", allow_hyphen_values = true, help_heading = APPEARANCE)]
     radius: Option<String>,
-    /// The meaning of the colors: auto, rgb, height, intensity, classification, return, source, gps-time, normal, cloud, uniform,
-    /// field, or the name of a scalar of the file; by default the scene file's, else auto, which is the file's colors, else
-    /// classes, else height (`plan` says which, and why).
-    #[arg(long, value_name = "WHAT")]
+    /// Source of the colors, as in height, classification or intensity.
+    ///
+    /// One of auto, rgb, height, intensity, classification, return, source, gps-time, normal, cloud, uniform, field, or the name
+    /// of a scalar in the file. Default: the scene file's, else auto, which takes the file's colors, else classes, else height;
+    /// `pellucid plan` prints the choice and its reason.
+    #[arg(long, value_name = "WHAT", help_heading = APPEARANCE)]
     color_by: Option<String>,
-    /// The colors of values: viridis, cividis, magma, inferno, plasma, turbo, terrain or grey; by default the scene file's, else
-    /// viridis.
-    #[arg(long, value_name = "NAME")]
+    /// Colormap for values, as in turbo.
+    ///
+    /// One of viridis, cividis, magma, inferno, plasma, turbo, terrain and grey. Default: the scene file's, else viridis.
+    #[arg(long, value_name = "NAME", help_heading = APPEARANCE)]
     colormap: Option<String>,
-    /// Opacity of a class, as in high-vegetation=0.05 or 5=0.05; repeatable.
-    #[arg(long, value_name = "NAME=OPACITY")]
-    class: Vec<String>,
-    /// Draw these classes only, as in 2,6 or ground,building.
-    #[arg(long, value_name = "LIST")]
-    classes: Option<String>,
-    /// Draw all classes but these, as in 7,18.
-    #[arg(long, value_name = "LIST")]
-    without: Option<String>,
-    /// Draw what lies between two planes across an axis, as in z=2..4, z=2.. or z=..4; repeatable.
-    #[arg(long, value_name = "AXIS=FROM..TO")]
-    slice: Vec<String>,
-    /// Columns of text files (PTS, PTX, XYZ, CSV, TXT), as in x,y,z,-,r,g,b: also a (alpha), i (intensity),
-    /// nx, ny, nz, radius, class, any other word for a scalar, and - for a column to skip. By default the scene file's, else
-    /// the file's own line of names, else by the columns' number and values.
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
-    columns: Option<String>,
-    /// Background: a color of CSS (white, "#80c0ff"), or linear R,G,B, each from 0 to 1; by default the scene file's, else
-    /// black.
-    #[arg(long, value_name = "COLOR", allow_hyphen_values = true)]
+    /// Background color, as in white, "#80c0ff" or 0.1,0.1,0.1.
+    ///
+    /// A CSS color, or linear R,G,B with each from 0 to 1. Default: the scene file's, else black.
+    #[arg(long, value_name = "COLOR", allow_hyphen_values = true, help_heading = APPEARANCE)]
     background: Option<String>,
-    /// Leaves out points where others are as near as PX pixels to one another, and has the radii of those grow to cover; by default the
-    /// scene file's, else 0, which leaves none out.
-    #[arg(long, value_name = "PX", allow_hyphen_values = true)]
+    /// Opacity of one class, as in high-vegetation=0.05 or 5=0.05; repeatable.
+    #[arg(long, value_name = "NAME=OPACITY", help_heading = POINTS)]
+    class: Vec<String>,
+    /// Draw only these classes, as in 2,6 or ground,building.
+    #[arg(long, value_name = "LIST", help_heading = POINTS)]
+    classes: Option<String>,
+    /// Draw all classes except these, as in 7,18.
+    #[arg(long, value_name = "LIST", help_heading = POINTS)]
+    without: Option<String>,
+    /// Draw only points between two planes, as in z=2..4; repeatable.
+    ///
+    /// The planes are perpendicular to the axis x, y or z. One end may be open, as in z=2.. or z=..4.
+    #[arg(long, value_name = "AXIS=FROM..TO", help_heading = POINTS)]
+    slice: Vec<String>,
+    /// Thin out points that are closer than PX pixels to each other.
+    ///
+    /// The radii of the remaining points grow to cover the gaps. Default: the scene file's, else 0, which keeps all points.
+    #[arg(long, value_name = "PX", allow_hyphen_values = true, help_heading = POINTS)]
     detail: Option<String>,
-    /// Draws at most N points of those in the picture, the coarsest levels first, and has their radii grow to cover; by default the
-    /// scene file's, else all.
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    /// Draw at most N of the points in view, coarsest levels first.
+    ///
+    /// The radii of these points grow to cover the gaps. Default: the scene file's, else all points.
+    #[arg(long, value_name = "N", allow_hyphen_values = true, help_heading = POINTS)]
     max_points: Option<String>,
-    /// Memory of the host for points, as in 4GiB; by default half of what is free. Clouds that would take more stay in their files,
-    /// of which a part of the picture reads what shows there: octrees of Potree, EPT, COPC, LAS, LAZ and PLY.
-    #[arg(long, value_name = "SIZE")]
-    pub host_memory: Option<ByteSize>,
+    /// Columns of a text file, as in x,y,z,-,r,g,b.
+    ///
+    /// For PTS, PTX, XYZ, CSV and TXT. Other names: a (alpha), i (intensity), nx, ny, nz, radius, class; `-` skips a column, and
+    /// any other word names a scalar. Default: the scene file's, else the header line of the file, else a guess from the number
+    /// and the values of the columns.
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true, help_heading = POINTS)]
+    columns: Option<String>,
     #[command(flatten)]
     pub view: ViewArgs,
-    /// Seed of everything random: of the built-in scene, if it is rendered, and of stochastic methods.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub seed: u64,
+    /// Main memory for points, as in 4GiB.
+    ///
+    /// Default: half of the free memory. Larger clouds stay on disk, and each part of the picture reads only the points that it
+    /// shows. That works for octrees (Potree, EPT, COPC), LAS, LAZ and PLY.
+    #[arg(long, value_name = "SIZE", help_heading = DEVICE)]
+    pub host_memory: Option<ByteSize>,
     /// Which clouds stay in their files even if memory has room for them.
     #[arg(skip)]
     pub kept_in_files: KeptInFiles,
@@ -137,34 +162,39 @@ impl KeptInFiles {
     }
 }
 
-/// Every method, family by family.
+const METHOD_HELP: &str = "Rendering method, as in abuffer; by default the cheapest exact one";
+
+/// Describes the option, and lists every method, family by family.
 fn method_help() -> String {
     let family = |family: Family| {
         let names: Vec<_> = family.methods().map(|method| method.name()).collect();
-        format!("{} ({})", names.join(", "), family.title())
+        format!("- {}: {}", family.title(), names.join(", "))
     };
     let families: Vec<_> = Family::ALL.into_iter().map(family).collect();
     format!(
-        "The method: {}; or auto, the cheapest one that is exact for the scene (`plan` says which, and why). By default the \
-         scene file's, else auto",
-        families.join("; ")
+        "Rendering method, as in abuffer.\n\n{}\n\nDefault: the scene file's, else auto: the cheapest exact method for the \
+         scene. `pellucid plan` prints the choice and its reason.",
+        families.join("\n")
     )
 }
 
-const SET_HELP: &str = "Any key of the scene file by its dotted path, as in method.shape=oriented, cloud.0.opacity=0.2 or \
-    cloud.*.neighbors=12; the value is TOML, or else a string. Repeatable; wins over the file and over short forms";
+const SET_HELP: &str = "Set any key of the scene file, as in method.shape=oriented; repeatable";
 
 /// Describes the option, and lists every key, table by table.
 fn set_help() -> String {
     let names = |path: &str, keys: &mut dyn Iterator<Item = &'static str>| {
         let keys: Vec<_> = keys.collect();
-        format!("{path}: {}", keys.join(", "))
+        format!("- {path}: {}", keys.join(", "))
     };
     let tables = scene::tables();
     let tables = tables.iter().map(|table| names(table.path, &mut table.keys.iter().map(|key| key.name)));
     let method = names("method", &mut std::iter::once("name").chain(scene::all_method_keys()));
     let lines: Vec<_> = tables.chain([method]).collect();
-    format!("{SET_HELP}. The keys (docs/scene-file.md says more):\n{}", lines.join("\n"))
+    format!(
+        "{SET_HELP}.\n\nA key is its dotted path, as in cloud.0.opacity=0.2 or, for all clouds, cloud.*.neighbors=12. The value is \
+         TOML, else a string. --set overrides the scene file and all other options. docs/scene-file.md describes the keys:\n{}",
+        lines.join("\n")
+    )
 }
 
 fn share(text: &str) -> Result<f64, String> {

@@ -1,7 +1,10 @@
 //! Handling of signals, so that no file is left half-written. The program still ends by the signal, unless a command
 //! asks to finish its current step first.
 
+use std::io;
+use std::process::{Child, ExitStatus};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The status of a program that was interrupted (128 + SIGINT).
 pub const STATUS: u8 = 130;
@@ -23,6 +26,49 @@ pub fn asked() -> bool {
     ASKED.load(Ordering::Relaxed)
 }
 
+/// The other program that works for this one, if there is one.
+static HELPER: Mutex<Option<Child>> = Mutex::new(None);
+
+fn helper() -> MutexGuard<'static, Option<Child>> {
+    HELPER.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Another program that ends with this value, and when a signal ends this program. There is one at a time.
+pub struct Helper(());
+
+impl Helper {
+    /// Takes a program that was started.
+    pub fn keep(child: Child) -> Self {
+        *helper() = Some(child);
+        Self(())
+    }
+
+    /// How it ended, if it has.
+    ///
+    /// # Errors
+    /// Those of the system.
+    pub fn try_wait(&self) -> io::Result<Option<ExitStatus>> {
+        helper().as_mut().map_or_else(|| Err(io::ErrorKind::NotFound.into()), Child::try_wait)
+    }
+
+    /// Ends it.
+    pub fn kill(&self) {
+        if let Some(child) = helper().as_mut() {
+            // It may have ended by itself.
+            let _ = child.kill();
+        }
+    }
+}
+
+impl Drop for Helper {
+    fn drop(&mut self) {
+        if let Some(mut child) = helper().take() {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+}
+
 #[cfg(not(unix))]
 pub fn watch() {}
 
@@ -39,7 +85,7 @@ mod signals {
     use signal_hook::iterator::Signals;
     use signal_hook::{flag, low_level};
 
-    use super::{ASKED, DEFERRED};
+    use super::{ASKED, DEFERRED, helper};
 
     /// From now on SIGINT, SIGTERM and SIGHUP remove unfinished files before they end the program. A signal that was
     /// ignored from the start, as under `nohup` or for background jobs of a shell, stays ignored.
@@ -55,6 +101,9 @@ mod signals {
                 let deferred = signal == SIGINT && DEFERRED.load(Ordering::Relaxed);
                 if deferred && !ASKED.swap(true, Ordering::Relaxed) {
                     continue;
+                }
+                if let Some(child) = helper().as_mut() {
+                    let _ = child.kill();
                 }
                 let _unfinished = atomic::discard_unfinished();
                 let _ = low_level::emulate_default_handler(signal);

@@ -103,7 +103,7 @@ impl Loaded {
         match &self.clouds {
             Source::Held(clouds) => Ok(clouds.len()),
             Source::Stored(_) => Err(usage(
-                "this needs all clouds in memory, and these would take more than --host-memory allows".to_owned(),
+                "this command needs all clouds in memory, but they take more than --host-memory allows".to_owned(),
             )),
         }
     }

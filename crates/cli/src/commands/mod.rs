@@ -9,8 +9,10 @@ mod completions;
 pub mod console;
 mod deep;
 mod devices;
+pub mod films;
 mod filters;
 mod frames;
+mod headings;
 mod info;
 pub mod input;
 mod interrupt;
@@ -48,41 +50,41 @@ use pellucid_engine::Result;
 
 use console::Console;
 
-/// Renders point clouds you can see through: exact transparency on Vulkan, every pass timed.
+/// Render point clouds you can see through, with exact transparency and every GPU pass timed.
 #[derive(Debug, Parser)]
 #[command(name = "pellucid", version, max_term_width = 100)]
-struct Cli {
+pub struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// Say less: no progress, no warnings.
+    /// Print no progress and no warnings.
     #[arg(short, long, global = true, conflicts_with = "verbose", display_order = 1000)]
     quiet: bool,
-    /// Say more: what was read, chosen and written, and what it took.
+    /// Print details: files, choices, counts and times.
     #[arg(short, long, global = true, display_order = 1001)]
     verbose: bool,
 }
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Render a scene or point clouds to a picture.
+    /// Render point clouds or a scene to a picture.
     Render(render::RenderArgs),
-    /// Render a few frames and print what each pass costs.
+    /// Render a few frames and print the time of each pass.
     Profile(profile::ProfileArgs),
-    /// Measure what layers of transparency cost every method: time, memory, error.
+    /// Measure time, memory and error of every method as layers increase.
     Stress(stress::StressArgs),
-    /// Measure what accuracy costs in time: every method and setting on one scene, against the exact image.
+    /// Measure time and error of every method on one scene.
     Tradeoff(tradeoff::TradeoffArgs),
-    /// Run the numerically hard cases on a device: what each is off, and what it may be.
+    /// Run numerically hard cases on a device and compare errors with bounds.
     Check(check::CheckArgs),
-    /// Print which passes a frame would have, and why.
+    /// Print the passes of a frame, and the reason for each.
     Plan(plan::PlanArgs),
-    /// Compute radii and the field of soft transparency once, and store them with the cloud.
+    /// Store a cloud with its radii and fields, or as an octree.
     Prepare(prepare::PrepareArgs),
-    /// Print what point-cloud files hold.
+    /// Print the contents of point-cloud files, and a command that suits them.
     Info(info::InfoArgs),
-    /// Write one of the built-in scenes.
+    /// Write a built-in scene to a folder.
     Scene(scene::SceneArgs),
-    /// Look at a scene in a window: turn it, change its settings, see what each pass costs.
+    /// Open a scene in a window.
     #[cfg(feature = "viewer")]
     View(view::ViewArgs),
     /// List the Vulkan devices.
@@ -113,22 +115,26 @@ impl Command {
 /// The device and what it may use.
 #[derive(Debug, Args)]
 struct DeviceArgs {
-    /// Device to render on: its index or a part of its name, as `pellucid devices` lists them.
-    #[arg(long, value_name = "NAME_OR_INDEX")]
+    /// Device to render on, by index or part of its name.
+    ///
+    /// `pellucid devices` lists them.
+    #[arg(long, value_name = "NAME_OR_INDEX", help_heading = headings::DEVICE)]
     device: Option<String>,
-    /// Largest amount of device memory for a frame's fragments, as in 256MiB; by default what the device has, less a reserve.
-    #[arg(long, value_name = "SIZE")]
+    /// Device memory for the fragments of a frame, as in 256MiB.
+    ///
+    /// Default: the memory of the device, less a reserve.
+    #[arg(long, value_name = "SIZE", help_heading = headings::DEVICE)]
     memory_budget: Option<ByteSize>,
 }
 
 /// Measurements of a frame, as files.
 #[derive(Debug, Args)]
 struct MeasureArgs {
-    /// Write the measurements as JSON: each pass of each frame, and the phases of the host.
-    #[arg(long, value_name = "FILE.json")]
+    /// Write the time of each pass and of each phase on the CPU as JSON.
+    #[arg(long, value_name = "FILE.json", help_heading = headings::MEASUREMENTS)]
     profile: Option<PathBuf>,
-    /// Write a Chrome trace, which opens in Perfetto: phases of the host, frames and passes, each where it happened.
-    #[arg(long, value_name = "FILE.json")]
+    /// Write a timeline of phases, frames and passes; opens in Perfetto.
+    #[arg(long, value_name = "FILE.json", help_heading = headings::MEASUREMENTS)]
     trace: Option<PathBuf>,
 }
 
@@ -149,7 +155,7 @@ impl MeasureArgs {
 
 /// The arguments, with the number of `--frames 36` joined to it (`--frames=36`): without a number `--frames` means a
 /// time series, and the next argument is an input.
-fn arguments(given: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
+pub fn arguments(given: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
     let mut arguments: Vec<OsString> = Vec::new();
     let mut options = true;
     for argument in given {

@@ -25,7 +25,7 @@ fn listed(opacities: &[f32]) -> String {
     match opacities {
         [first, rest @ ..] if rest.iter().any(|opacity| opacity != first) => {
             let all: Vec<_> = opacities.iter().map(f32::to_string).collect();
-            format!("opacities {} of the clouds in their order", all.join(", "))
+            format!("opacities {} of the clouds, in order", all.join(", "))
         }
         [first, ..] => format!("opacity {first}"),
         [] => "no opacity".to_owned(),
@@ -35,7 +35,7 @@ fn listed(opacities: &[f32]) -> String {
 /// Says which opacity was found for `share`.
 pub fn describe(share: f64, found: Option<Found>, resolved: &Resolved, console: Console) {
     let Some(found) = found else {
-        console.warn(format_args!("--see-through {share}: no pixel is covered, so that no opacity was looked for"));
+        console.warn(format_args!("--see-through {share}: no opacity can be found, because no pixel is covered"));
         return;
     };
     let opacities = said(found.factor, resolved, |opacity| opacity);
@@ -46,7 +46,7 @@ pub fn describe(share: f64, found: Option<Found>, resolved: &Resolved, console: 
         ));
     } else {
         console.warn(format_args!(
-            "--see-through {share} is out of reach: nearest comes {opacities}, where the median covered pixel lets \
+            "--see-through {share} is out of reach: the nearest is {opacities}, where the median covered pixel lets \
              {transmittance:.3} of the light through"
         ));
     }

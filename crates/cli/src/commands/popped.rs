@@ -33,8 +33,7 @@ impl Popped {
         let method = session.frame.method;
         let Some(exact) = popping::exact(&method, resolved.points()) else {
             let name = method.name();
-            let problem =
-                format!("--popping follows errors of transparent discs and soft spheres, not those of {name}");
+            let problem = format!("--popping measures transparent discs and soft spheres, not {name}");
             return Err(usage(problem));
         };
         let mut frame = Frame { method: exact, stop: Stop::Exact, fragments: false, depths: false, ..session.frame };

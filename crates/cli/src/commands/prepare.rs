@@ -35,65 +35,76 @@ use super::prepare_store;
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("any_light").args(["light", "light_position"])))]
 pub struct PrepareArgs {
-    /// A point cloud in any format that is read; several for a store.
+    /// Point cloud in any supported format; several for an octree.
     #[arg(value_name = "IN", required = true)]
     inputs: Vec<PathBuf>,
-    /// The file to write, a binary PLY (.ply) with every column of the cloud, `radius` and `field`, or the folder of a store;
-    /// docs/prepared-clouds.md describes both. May be the input.
+    /// Output: a PLY file, or a folder for an octree.
+    ///
+    /// A binary PLY (.ply) holds all columns of the cloud, `radius` and `field`; it may replace the input. A name without
+    /// an extension, or one that ends in /, is the folder of a store, an octree of Potree 2.0 for clouds larger than memory.
+    /// docs/prepared-clouds.md describes both.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Memory to use for a store, as in 4GiB; by default half of what is free.
+    /// Main memory to use for a store, as in 4GiB; by default half of the free memory.
     #[arg(long, value_name = "SIZE")]
     host_memory: Option<ByteSize>,
-    /// Points of a store's node at most; by default 20000.
+    /// Largest number of points in a node of a store; by default 20000.
     #[arg(long, value_name = "N")]
     node_points: Option<u32>,
-    /// Columns of a text file (PTS, PTX, XYZ, CSV, TXT), as in x,y,z,-,r,g,b; `render --help` lists the names.
+    /// Columns of a text file, as in x,y,z,-,r,g,b; `pellucid render --help` lists the names.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     columns: Option<String>,
-    /// K: neighbors of a point that decide its radius and its uncertainty; by default those of a prepared input, else 24.
+    /// Number of neighbors that determine the radius and the uncertainty of a point.
+    ///
+    /// Default: that of a prepared input, else 24.
     #[arg(long, value_name = "K")]
     neighbors: Option<String>,
-    /// Radii are at most so many times the median of the radii around them, so that strays don't become huge; 0: no limit. By
-    /// default that of a prepared input, else 4.
+    /// Largest radius of a point, as a multiple of the median radius around it.
+    ///
+    /// It keeps isolated points small. 0 means no limit. Default: that of a prepared input, else 4.
     #[arg(long, value_name = "C")]
     radius_cap: Option<String>,
-    /// The field F: uncertainty (how unlike a surface the neighborhood is), classification, intensity, distance-to-axis, or the
-    /// name of a scalar property; by default that of a prepared input, else uncertainty.
+    /// Field of soft transparency, as in classification.
+    ///
+    /// One of uncertainty (how little the neighborhood resembles a surface), classification, intensity, distance-to-axis, or the
+    /// name of a scalar in the file. Default: that of a prepared input, else uncertainty.
     #[arg(long, value_name = "NAME")]
     field: Option<String>,
-    /// With --field classification: the classes that are soft, as in 3,4,5.
+    /// With --field classification: soft classes, as in 3,4,5.
     #[arg(long, value_name = "LIST")]
     soft_classes: Option<String>,
-    /// With --field distance-to-axis: a point of the axis; by default the centre of the bounds.
+    /// With --field distance-to-axis: a point on the axis; by default the center of the bounds.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     axis_point: Option<String>,
-    /// With --field distance-to-axis: the direction of the axis; by default the vertical, as of the automatic camera.
+    /// With --field distance-to-axis: direction of the axis; by default the vertical of the automatic camera.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     axis_direction: Option<String>,
-    /// Where a point has no normal, store the one estimated from its neighbors. Then solid points become oriented and
-    /// shaded: the picture is another one. Without this, estimated normals serve the field only.
+    /// Store normals, estimated from the neighbors where the file has none.
+    ///
+    /// They change the picture: solid points are then oriented and shaded. Otherwise estimated normals are only used for the field.
     #[arg(long)]
     normals: bool,
-    /// Store the shadows of a light that travels in this direction.
+    /// Store the shadows of a light that shines in this direction.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     light: Option<String>,
     /// Store the shadows of a light at this position.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     light_position: Option<String>,
-    /// Lights that stand for an area light; by default 1.
+    /// Number of lights that sample an area light; by default 1.
     #[arg(long, value_name = "M", requires = "any_light")]
     shadow_samples: Option<String>,
-    /// How far these are spread: degrees around a direction, world units around a position; by default 0, hard shadows.
+    /// Radius of the area light; by default 0, hard shadows.
+    ///
+    /// Degrees around a direction, world units around a position.
     #[arg(long, value_name = "R", requires = "any_light")]
     light_radius: Option<String>,
-    /// Columns and rows of the light's image; by default 1024.
+    /// Side of the shadow map in pixels; by default 1024.
     #[arg(long, value_name = "N", requires = "any_light")]
     shadow_resolution: Option<String>,
     /// Smallest distance between surfaces in world units; by default 1% of the diagonal of the bounds.
     #[arg(long, value_name = "D", requires = "any_light")]
     min_layer_distance: Option<String>,
-    /// Seed of the lights' places in the area; by default 0.
+    /// Seed of the positions of the lights; by default 0.
     #[arg(long, value_name = "N", requires = "any_light")]
     seed: Option<u64>,
     #[command(flatten)]
@@ -222,7 +233,7 @@ pub fn run(args: PrepareArgs, console: Console) -> Result<ExitCode> {
     }
     let [input] = args.inputs.as_slice() else {
         return Err(usage(format!(
-            "{}: a PLY file holds one prepared cloud, and there are {}; several become a store, a folder",
+            "{}: a PLY file holds one prepared cloud, not {}; name a folder to write several as a store",
             args.output.display(),
             args.inputs.len()
         )));
@@ -237,7 +248,7 @@ pub fn run(args: PrepareArgs, console: Console) -> Result<ExitCode> {
 fn run_store(args: &PrepareArgs, console: Console) -> Result<ExitCode> {
     if args.light.is_some() || args.light_position.is_some() {
         return Err(usage(format!(
-            "{}: shadows are found for PLY files only; name an output that ends in .ply",
+            "{}: shadows can only be stored in a PLY file; name an output that ends in .ply",
             args.output.display()
         )));
     }
@@ -287,9 +298,7 @@ fn run_ply(args: &PrepareArgs, input: &PathBuf, console: Console) -> Result<Exit
 fn write_splats(args: &PrepareArgs, input: &Path, cloud: &Cloud, console: Console) -> Result<()> {
     let shown = input.display();
     if args.light.is_some() || args.light_position.is_some() {
-        return Err(usage(format!(
-            "{shown}: shadows are stored with points, but these are Gaussian splats; leave the light out"
-        )));
+        return Err(usage(format!("{shown}: Gaussian splats can't store shadows; leave out the light")));
     }
     if args.asks_for_values() {
         console.warn(prepare_store::prepare_without(input));

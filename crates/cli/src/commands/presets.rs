@@ -54,7 +54,7 @@ const CLASS: &str = "cloud.*.class+";
 const PRESETS: [Preset; 5] = [
     Preset {
         name: "canopy",
-        purpose: "ground, trunks and walls under trees, of scans with classes; all of it faint without",
+        purpose: "ground, trunks and walls under trees; without classes all points become faint",
         keys: &[
             ("cloud.*.opacity", "0.05"),
             ("cloud.*.radius_factor", "0.8"),
@@ -74,7 +74,7 @@ const PRESETS: [Preset; 5] = [
     },
     Preset {
         name: "building",
-        purpose: "what lies under roofs, of scans with classes: faint buildings, fainter trees, solid ground",
+        purpose: "rooms under roofs, for scans with classes: faint buildings, fainter trees, solid ground",
         keys: &[
             ("image.background", "[1.0, 1.0, 1.0]"),
             ("cloud.*.opacity", "0.02"),
@@ -101,7 +101,7 @@ const PRESETS: [Preset; 5] = [
     },
     Preset {
         name: "heritage",
-        purpose: "a drawing of inner and outer shape, dark on white, as an X-ray; the file's colors don't show",
+        purpose: "inner and outer shape as in an X-ray, dark on white, without the file's colors",
         keys: &[
             ("image.background", "[1.0, 1.0, 1.0]"),
             ("cloud.*.color", "[0.02, 0.05, 0.1]"),
@@ -114,7 +114,7 @@ const PRESETS: [Preset; 5] = [
     },
     Preset {
         name: "model",
-        purpose: "an opaque surface with light on it, closed and smooth",
+        purpose: "an opaque surface, closed, smooth and shaded",
         keys: &[
             ("image.background", "[1.0, 1.0, 1.0]"),
             ("method.name", "\"hqs\""),
@@ -137,7 +137,7 @@ pub fn asked(name: &str) -> Result<Asked, String> {
     let found = PRESETS.into_iter().find(|preset| preset.name == name).map(Asked::Of);
     found.ok_or_else(|| {
         let names = PRESETS.map(|preset| preset.name);
-        format!("no preset of that name; there are {}, and list, which prints them", names.join(", "))
+        format!("unknown preset; expected one of {}, or list to print them", names.join(", "))
     })
 }
 
@@ -179,10 +179,11 @@ impl Preset {
             None => format!("{key} = {value}{}", unless(key)),
         };
         let see_through = self.see_through.map(|SeeThrough { share, without_classes }| {
-            let when = if without_classes { ", of files without classes" } else { "" };
+            let when = if without_classes { ", for files without classes" } else { "" };
             format!("--see-through {share}{when}, unless an option gives an opacity")
         });
-        let view = self.from_outside.then(|| "--view iso, unless anything says from where to look".to_owned());
+        let view =
+            self.from_outside.then(|| "--view iso, unless the scene file or an option places the camera".to_owned());
         self.keys.iter().map(key).chain(see_through).chain(view)
     }
 

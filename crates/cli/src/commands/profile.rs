@@ -22,17 +22,20 @@ pub struct ProfileArgs {
     pub device: DeviceArgs,
     #[command(flatten)]
     pub measure: MeasureArgs,
-    /// Frames to measure, by default 5. With --path or --turntable those of the path, each measured once, and each has its
-    /// camera in the JSON.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    /// Number of frames to measure; by default 5.
+    ///
+    /// With --path or --turntable the number of frames on the path. Each is measured once, and the JSON has its camera.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000), help_heading = super::headings::FRAMES)]
     pub frames: Option<u32>,
     #[command(flatten)]
     pub along: PathArgs,
-    /// For which output the frames are: an .exr gets every bit, for a .png blending stops where no 8-bit value would move by
-    /// more than a quarter of a step. Only the methods sorted and abuffer stop at all.
+    /// Accuracy of the frames, that of an EXR or that of a PNG.
+    ///
+    /// For an EXR every fragment that changes a bit is blended. For a PNG the methods sorted and abuffer stop when no 8-bit value
+    /// would change by more than a quarter of a step. Other methods take the same time for both.
     #[arg(long = "for", value_name = "FORMAT", default_value = "exr")]
     pub format: Format,
-    /// Print the measurements as JSON, as --profile writes them, instead of the table.
+    /// Print JSON instead of the table, as --profile writes it.
     #[arg(long)]
     pub json: bool,
 }
@@ -78,8 +81,8 @@ pub fn run(args: ProfileArgs, console: Console) -> Result<ExitCode> {
     if first.facts.light_views > 0 {
         let views = first.facts.light_views;
         console.note(format_args!(
-            "shadows: {casting_ms:.2} ms on the device for {views} image(s) of a light, in the first frame only; it is not among \
-             those below"
+            "shadows: {casting_ms:.2} ms on the device for {views} image(s) of a light, in the first frame only (not in the \
+             table)"
         ));
     }
     let mut profile = session.profile();

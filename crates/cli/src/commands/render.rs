@@ -16,7 +16,9 @@ use pellucid_lab::frame_notes;
 use super::along::PathArgs;
 use super::console::Console;
 use super::deep::{self, DeepArgs};
+use super::films::{Asked, FilmArgs, Films};
 use super::frames::{Naming, Pattern};
+use super::headings::{FRAMES, METHOD, OUTPUT};
 use super::input::InputArgs;
 use super::loaded::{Loaded, Resolved, read};
 use super::opacity_notes;
@@ -33,46 +35,61 @@ pub struct RenderArgs {
     pub device: DeviceArgs,
     #[command(flatten)]
     pub measure: MeasureArgs,
-    /// The picture: .png (8-bit sRGB) or .exr (32-bit float R, G, B, A, Z); by default the first input's name with
-    /// .png, in the current folder. Z is the distance of the nearest surface along the viewing axis, in the scene's units, and +inf
-    /// where there is none. For a .png the methods sorted and abuffer blend until no 8-bit value would move
-    /// by more than a quarter of a step, for an .exr until no bit would change.
+    /// Picture to write: .png (8-bit sRGB) or .exr (32-bit float R, G, B, A, Z).
+    ///
+    /// Default: the name of the first input with .png, in the current folder. Z is the distance of the nearest surface along the
+    /// viewing axis, in scene units, and +inf where no surface is. For a PNG the methods sorted and abuffer blend until no
+    /// 8-bit value would change by more than a quarter of a step, for an EXR until no bit would change.
+    ///
+    /// With --path or --turntable also a film or an animation: .mp4 (H.264) and .webm (VP9), which need the program ffmpeg, .gif, or
+    /// .apng.
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
-    /// EXR: also write the length of each pixel's fragment list, as channel `fragments.Y`, with peel and peel-layers the
-    /// layers that were blended, as `layers.Y`, and with stochastic and spbr the standard error of color, as `stderr.R`,
-    /// `stderr.G`, `stderr.B`. With abuffer, linked-list, peel of all layers and sorted of flat discs two more depths:
-    /// `depth.median`, at which half of the light or less is left (+inf where more is left behind everything), and
-    /// `depth.mean`, the mean of all fragments by what each adds to A (+inf where A is 0). Each of the two takes the time of another
-    /// picture.
-    #[arg(long)]
+    /// EXR: add channels of list lengths, layers, errors and depths
+    ///
+    /// - `fragments.Y`: length of each pixel's fragment list.
+    /// - `layers.Y`: blended layers (peel, peel-layers).
+    /// - `stderr.R`, `stderr.G`, `stderr.B`: standard error of the color (stochastic, spbr).
+    /// - `depth.median`: depth at which half of the light is left, or +inf if more passes.
+    /// - `depth.mean`: mean depth of the fragments, weighted by their share of A, or +inf.
+    ///
+    /// The two depths need abuffer, linked-list, peel of all layers, or sorted with flat discs.
+    /// Each takes as long as another picture.
+    #[arg(long, help_heading = OUTPUT, verbatim_doc_comment)]
     pub aov: bool,
-    /// PNG: straight alpha instead of the background. (An EXR always has both: R, G, B over the background, and A.)
-    #[arg(long)]
+    /// PNG: write straight alpha instead of the background.
+    ///
+    /// An EXR always has both: R, G, B over the background, and A.
+    #[arg(long, help_heading = OUTPUT)]
     pub transparent: bool,
-    /// PNG: draw what the colors mean into the lower left corner (a color bar with values, or the classes that are in the
-    /// picture), and where the camera is orthographic a scale bar. An EXR has none, since its values are for further use.
-    #[arg(long)]
+    /// PNG: draw a legend of the colors, and a scale bar if the camera is orthographic.
+    ///
+    /// The legend is a color bar with values, or a list of the classes in the picture, in the lower left corner.
+    #[arg(long, help_heading = OUTPUT)]
     legend: bool,
-    /// With --path or --turntable the number of frames. The output's name needs a number, as in frame_%04d.png (by default
-    /// the first input's name with _%04d.png), which counts from 0. Frames that are there already and belong to the same
-    /// scene, path and settings are not rendered again.
-    /// Without a number a time series: a picture of the first cloud of the scene, one of the first two and so on, all by
-    /// the camera that shows the whole scene. The output's name needs a number, as in step_%02d.png (by default the first
-    /// input's name with _%02d.png), which counts from 1.
+    /// Number of frames for --path or --turntable; without a number a time series.
+    ///
+    /// Frames count from 0. Unless the output is a film, its name needs a number, as in frame_%04d.png (default: the name of the
+    /// first input with _%04d.png). Existing frames of the same scene, path and settings are not rendered again.
+    ///
+    /// A time series is a picture of the first cloud of the scene, one of the first two, and so on, all with the camera that
+    /// shows the whole scene. Pictures count from 1, as in step_%02d.png (default: the name of the first input with _%02d.png).
     // The number comes after a space as well: `super::arguments` joins it.
-    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, value_parser = clap::value_parser!(u32).range(1..=100_000), help_heading = FRAMES)]
     frames: Option<Option<u32>>,
     #[command(flatten)]
     along: PathArgs,
-    /// With --path or --turntable: write how the error of the method changes from frame to frame, against abuffer (of Gaussians with
-    /// order = "pixel", of soft spheres soft-base), which renders each frame, too. A table with a line for each frame: the RMSE of its error,
-    /// and RMSE and FLIP of the error's change since the frame before, on linear R, G, B over the background. Frames that are there
-    /// already are rendered again for it, and not written.
-    #[arg(long, value_name = "FILE.csv")]
+    #[command(flatten)]
+    films: FilmArgs,
+    /// With --path or --turntable: write how the error changes from frame to frame.
+    ///
+    /// Every frame is also rendered by the exact method: abuffer (for Gaussians with order = "pixel"), or soft-base for soft
+    /// spheres. Each line of the table has the RMSE of a frame, and RMSE and FLIP of the change of its error since the previous
+    /// frame, on linear R, G, B over the background. Existing frames are rendered again but not written.
+    #[arg(long, value_name = "FILE.csv", help_heading = FRAMES)]
     pub popping: Option<PathBuf>,
-    /// With --path or --turntable: replace files of the frames' names that belong to another sequence.
-    #[arg(long)]
+    /// With --path or --turntable: replace frames of another sequence.
+    #[arg(long, help_heading = FRAMES)]
     pub overwrite: bool,
     #[command(flatten)]
     choice: ChoiceArgs,
@@ -83,18 +100,21 @@ pub struct RenderArgs {
 /// The method by what it must keep to.
 #[derive(Debug, Args)]
 struct ChoiceArgs {
-    /// Take the fastest method and setting whose RMSE on this image is at most E, as measured: on linear R, G, B over the
-    /// background, against abuffer, against soft-base for soft spheres, or against the limit of ever more ensembles of spbr.
-    /// With --method only its settings. A scene file's method says only which discs.
-    #[arg(long, value_name = "E", value_parser = not_negative)]
+    /// Take the fastest method and settings with an RMSE of at most E on this image.
+    ///
+    /// The RMSE is measured on linear R, G, B over the background, against abuffer, against soft-base for soft spheres, or
+    /// against the limit of many ensembles for spbr. With --method only the settings of that method are tried. The method of a
+    /// scene file only selects the kind of discs.
+    #[arg(long, value_name = "E", value_parser = not_negative, help_heading = METHOD)]
     max_error: Option<f64>,
-    /// Take the most accurate method and setting whose frame takes at most MS milliseconds on the device, as measured (the
-    /// median, as in `tradeoff`). If none does, the fastest. With --max-error the error counts, and a warning
-    /// says if the time does not fit.
-    #[arg(long, value_name = "MS", value_parser = not_negative)]
+    /// Take the most accurate method and settings with a frame time of at most MS.
+    ///
+    /// The time in milliseconds is the measured median on the device, as in `pellucid tradeoff`. If nothing is fast enough, the
+    /// fastest is taken. --max-error has priority; a warning tells if the time is then exceeded.
+    #[arg(long, value_name = "MS", value_parser = not_negative, help_heading = METHOD)]
     budget: Option<f64>,
-    /// With --max-error or --budget: measure again what is known of this scene on this device.
-    #[arg(long)]
+    /// With --max-error or --budget: repeat measurements already known for this scene and device.
+    #[arg(long, help_heading = METHOD)]
     recalibrate: bool,
 }
 
@@ -179,8 +199,8 @@ pub enum Target {
     One(PathBuf),
     /// A picture for each step of a time series.
     Steps(Pattern),
-    /// A picture for each frame of a camera path.
-    Frames(Pattern),
+    /// A picture for each frame of a camera path, and what is made of them.
+    Frames(Pattern, Films),
 }
 
 impl Target {
@@ -188,6 +208,9 @@ impl Target {
     pub fn from_args(args: &RenderArgs) -> Result<Self> {
         let usage = |problem: String| Err(Error::Usage(problem).into());
         let given = args.output.clone();
+        if args.along.option().is_none() {
+            args.films.refuse(given.as_deref())?;
+        }
         let target = match (args.along.option(), args.frames) {
             (Some(option), Some(None)) => {
                 return usage(format!("--frames needs the number of frames beside {option}, as in --frames 36"));
@@ -199,8 +222,12 @@ impl Target {
                 ));
             }
             (Some(_), _) => {
-                let pattern = given.unwrap_or_else(|| args.input.default_frames());
-                Self::Frames(Pattern::parse(&pattern, Naming::Frames)?)
+                let films = args.films.films(&args.asked())?;
+                let pattern = match films.pattern()? {
+                    Some(pattern) => pattern,
+                    None => Pattern::parse(&given.unwrap_or_else(|| args.input.default_frames()), Naming::Frames)?,
+                };
+                Self::Frames(pattern, films)
             }
             (None, Some(Some(count))) => {
                 return usage(format!(
@@ -215,7 +242,10 @@ impl Target {
             }
             (None, None) => Self::One(given.unwrap_or_else(|| args.input.default_output())),
         };
-        output::check_target(&target.first())?;
+        // The folder of a film's frames need not be there yet.
+        if !matches!(&target, Self::Frames(_, films) if films.has_folder()) {
+            output::check_target(&target.first())?;
+        }
         args.popping.iter().try_for_each(|path| output::check_folder(path))?;
         Ok(target)
     }
@@ -224,7 +254,7 @@ impl Target {
         match self {
             Self::One(path) => path.clone(),
             Self::Steps(pattern) => pattern.file(1),
-            Self::Frames(pattern) => pattern.file(0),
+            Self::Frames(pattern, _) => pattern.file(0),
         }
     }
 }
@@ -237,6 +267,16 @@ impl RenderArgs {
     /// True if an output of this name has a legend.
     pub fn draws_legend(&self, output: &Path) -> bool {
         self.legend && is_png(output)
+    }
+
+    /// What decides whether a film can be made.
+    fn asked(&self) -> Asked<'_> {
+        Asked {
+            output: self.output.as_deref(),
+            transparent: self.transparent,
+            aov: self.aov,
+            deep: self.deep.is_asked(),
+        }
     }
 
     /// True if there are many frames.
@@ -262,8 +302,11 @@ impl RenderArgs {
     }
 }
 
-pub fn run(args: RenderArgs, console: Console) -> Result<ExitCode> {
+pub fn run(args: RenderArgs, console: Console) -> Result<ExitCode, crate::error::Error> {
     let target = Target::from_args(&args)?;
+    if let Target::Frames(_, films) = &target {
+        films.check_tools()?;
+    }
     args.measure.check()?;
     let png = is_png(&target.first());
     if args.deep.is_asked() {
@@ -278,10 +321,10 @@ pub fn run(args: RenderArgs, console: Console) -> Result<ExitCode> {
     if args.legend && !png {
         console.warn("--legend has no effect on an EXR; write a .png");
     }
-    if let Target::Frames(pattern) = &target
+    if let Target::Frames(pattern, films) = &target
         && let Some(along) = args.along.course(args.frames.flatten(), &args.input, console)?
     {
-        return sequence::run(&args, &along, pattern, console);
+        return sequence::run(&args, &along, (pattern, films), console);
     }
     let progress = console.progress();
     let loaded = read(&args.input, None, console, &progress)?.with_legend(args.legend && png);
@@ -296,7 +339,7 @@ pub fn run(args: RenderArgs, console: Console) -> Result<ExitCode> {
             legend::check(&resolved, console)?;
             picture(&args, &resolved, path, None, &mut profile, &progress, console)?;
         }
-        Target::Steps(pattern) | Target::Frames(pattern) => {
+        Target::Steps(pattern) | Target::Frames(pattern, _) => {
             steps(&args, loaded, pattern, &mut profile, &progress, console)?;
         }
     }

@@ -16,23 +16,23 @@ use super::prepare_store;
 
 #[derive(Debug, Args)]
 pub struct SceneArgs {
-    /// The scene; --list names them.
+    /// Name of the scene; --list prints all names.
     #[arg(required_unless_present = "list")]
     name: Option<String>,
-    #[command(flatten)]
-    volume: VolumeArgs,
-    /// List the scenes and their parameters: name, summary, then each parameter with its default and range.
+    /// List the scenes and their parameters with default and range.
     #[arg(long)]
     list: bool,
-    /// Folder for scene.toml and its clouds; created if it isn't there.
+    /// Folder for scene.toml and its clouds; created if missing.
     #[arg(short, long, value_name = "DIR", required_unless_present = "list")]
     output: Option<PathBuf>,
-    /// A parameter of the scene, as in points=400000; repeatable.
+    /// Set a parameter of the scene, as in points=400000; repeatable.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
     /// Seed of everything random in the scene.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
+    #[command(flatten)]
+    volume: VolumeArgs,
     #[command(flatten)]
     store: StoreArgs,
 }
@@ -41,11 +41,14 @@ pub struct SceneArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Landscapes of any size (terrain)")]
 struct StoreArgs {
-    /// Write a store, an octree of Potree 2.0, instead of a PLY file. From more than 10000000 points on it is always one. A run that was
-    /// cut short goes on where it was.
+    /// Write a store, an octree of Potree 2.0, instead of a PLY file.
+    ///
+    /// Scenes of more than 10000000 points are always written as a store. An interrupted run continues where it stopped.
     #[arg(long)]
     store: bool,
-    /// Memory to use for the store, as in 4GiB; by default half of what is free, but it seldom takes more than 1 GiB.
+    /// Main memory to use for the store, as in 4GiB; by default half of the free memory.
+    ///
+    /// It seldom takes more than 1 GiB.
     #[arg(long, value_name = "SIZE")]
     host_memory: Option<ByteSize>,
 }
@@ -77,18 +80,21 @@ impl StoreArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Surfaces of a volume (iso)")]
 struct VolumeArgs {
-    /// The volume: numbers without a header, x fastest, little-endian, whose name says what they are, as in
-    /// hydrogen_64x64x64_float32.raw. By default a hydrogen orbital: the density of the electron in the state 3d (m = 0)
-    /// over its greatest value.
+    /// Volume: a raw file, as in hydrogen_64x64x64_float32.raw.
+    ///
+    /// It has little-endian numbers without a header, x fastest. The name gives size and type, or else --dims and --type do.
+    /// Default: a hydrogen orbital, the density of the electron in the state 3d (m = 0) relative to its maximum.
     #[arg(long, value_name = "FILE")]
     volume: Option<PathBuf>,
-    /// How many numbers there are along x, y and z, whatever the file's name says.
+    /// Size of the volume along x, y and z; overrides the file's name.
     #[arg(long, value_name = "XxYxZ", requires = "volume")]
     dims: Option<Dims>,
-    /// Type of its values, whatever the file's name says: uint8, int8, uint16, int16, uint32, int32, float32 or float64.
+    /// Type of its values; overrides the file's name.
+    ///
+    /// One of uint8, int8, uint16, int16, uint32, int32, float32 and float64.
     #[arg(long = "type", value_name = "NAME", requires = "volume")]
     scalar: Option<Scalar>,
-    /// Values at which there are surfaces; by default some that enclose a tenth to a hundredth of the volume.
+    /// Values of the surfaces; by default several that enclose a tenth to a hundredth of the volume.
     #[arg(long, value_name = "V1,V2,…", value_delimiter = ',', allow_hyphen_values = true, value_parser = finite)]
     values: Vec<f64>,
 }

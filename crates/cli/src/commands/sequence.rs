@@ -13,6 +13,7 @@ use pellucid_engine::{Result, identity, output};
 
 use super::along::Along;
 use super::console::Console;
+use super::films::{Caption, Films};
 use super::frames::Pattern;
 use super::interrupt;
 use super::loaded::Resolved;
@@ -55,7 +56,12 @@ pub struct Records {
     popped: Option<Popped>,
 }
 
-pub fn run(args: &RenderArgs, along: &Along, pattern: &Pattern, console: Console) -> Result<ExitCode> {
+pub fn run(
+    args: &RenderArgs,
+    along: &Along,
+    (pattern, films): (&Pattern, &Films),
+    console: Console,
+) -> Result<ExitCode, crate::error::Error> {
     let progress = console.progress();
     let legend = args.draws_legend(&pattern.file(0));
     let (resolved, cameras) = along.resolve(&args.input, legend, console, &progress)?;
@@ -68,6 +74,7 @@ pub fn run(args: &RenderArgs, along: &Along, pattern: &Pattern, console: Console
     session.renderer.timed = args.measure.is_asked() || console.is_verbose();
     let mut frames = Frames::named(args, cameras, pattern, &resolved, &session);
     frames.find(args.overwrite, pattern)?;
+    let _folder = films.make_folder()?;
     let mut records = Records::open(args, &frames, &resolved, &session)?;
     interrupt::defer();
     let due = if records.popped.is_some() { (0..frames.files.len()).collect() } else { frames.missing() };
@@ -85,7 +92,25 @@ pub fn run(args: &RenderArgs, along: &Along, pattern: &Pattern, console: Console
         return Ok(ExitCode::from(interrupt::STATUS));
     }
     records.finish(args, &session, count, console)?;
-    Ok(ExitCode::SUCCESS)
+    if films.is_none() || films.make(&frames.files, &caption(along, &resolved, &session), console)? {
+        return Ok(ExitCode::SUCCESS);
+    }
+    console.note(format_args!("interrupted; the same command goes on with the {count} frames, which are all there"));
+    Ok(ExitCode::from(interrupt::STATUS))
+}
+
+/// What a film and a page say of their frames.
+fn caption(along: &Along, resolved: &Resolved, session: &Session) -> Caption {
+    let name = Path::new(&resolved.name).file_name().map(|name| name.to_string_lossy().into_owned());
+    let method = session.frame.method.name();
+    Caption {
+        title: name.unwrap_or_else(|| resolved.name.clone()),
+        points: session.cloud.total(),
+        method,
+        closed: along.is_closed(),
+        background: resolved.scene.image.background,
+        metadata: resolved.metadata(method, &session.device.info().name),
+    }
 }
 
 impl Frames {

@@ -15,42 +15,45 @@ use super::DeviceArgs;
 use super::console::{Console, print, print_json};
 
 const ABOUT: &str = "\
-What is measured: two built-in scenes in which every pixel has exactly as many fragments as there are layers. In `stack` \
-each layer is one disc over the whole image, in `mosaic` each layer is tiled by discs of 3 × 3 pixels. 1 to 4096 layers \
-by factors of 2, over 64², 256² and 1024² pixels; opacity 1 − 2^(−1/layers), so that no layer is hidden. Cells beyond a \
-limit are skipped, and listed with the reason.
+Scenes: In both built-in scenes every pixel has one fragment per layer. In `stack` a layer is one disc over the whole image, in \
+`mosaic` it is tiled by discs of 3 × 3 pixels. The sweep covers 1 to 4096 layers in factors of 2 on 64², 256² and 1024² pixels. \
+The opacity is 1 − 2^(−1/layers), which keeps every layer visible. Cells beyond a limit are skipped and listed with the reason.
 
-What is written: report.html, which needs no other file; stress.csv; stress.json; the figures as .svg.";
+Output: report.html (self-contained), stress.csv, stress.json, and the figures as .svg.";
 
 #[derive(Debug, Args)]
 #[command(after_help = ABOUT)]
 pub struct StressArgs {
-    /// Folder for the report; created if it isn't there, files of the same names are replaced.
+    /// Folder for the report; created if missing. Files of the same names are replaced.
     #[arg(short, long, value_name = "DIR", default_value = "pellucid-stress")]
     output: PathBuf,
-    /// A small sweep for a first look and for CI: 1 to 1024 layers by factors of 4 over 64² and 256² pixels, 3 frames, at
-    /// most 2^20 fragments.
+    /// Run a small sweep, for a first look or for CI.
+    ///
+    /// 1 to 1024 layers in factors of 4, 64² and 256² pixels, 3 frames, at most 2^20 fragments.
     #[arg(long)]
     quick: bool,
-    /// Measure this method only; repeatable. By default all.
+    /// Measure only this method; repeatable. By default all methods.
     #[arg(long, value_name = "NAME", value_parser = method_names())]
     method: Vec<String>,
-    /// Frames behind each median; by default 5.
+    /// Number of frames per median; by default 5.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: Option<u32>,
-    /// Skip cells of more fragments; by default 2^26.
+    /// Skip cells with more fragments; by default 2^26.
     #[arg(long, value_name = "N")]
     max_fragments: Option<u64>,
-    /// Skip cells in which a method's own times so far predict a longer frame; by default 2.
+    /// Skip cells whose frame is predicted to take longer; by default 2.
+    ///
+    /// The prediction comes from the times of the same method in smaller cells.
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     max_seconds: Option<f64>,
-    /// Seed of the scenes and of the pixels that are compared with the float64 reference.
+    /// Seed of the scenes, and of the choice of pixels that are compared with the reference.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
     #[command(flatten)]
     device: DeviceArgs,
-    /// Print what stress.json holds instead of the summary: {version, pellucid, command, device, settings, cells, slopes,
-    /// skipped}.
+    /// Print the contents of stress.json instead of the summary.
+    ///
+    /// Its keys: version, pellucid, command, device, settings, cells, slopes, skipped.
     #[arg(long)]
     json: bool,
 }
@@ -93,7 +96,7 @@ pub fn run(args: StressArgs, console: Console) -> Result<ExitCode> {
         if let Some(counted) = cell.counted.filter(|counted| *counted != cell.fragments) {
             let (scene, side, method) = (cell.workload.name(), cell.side, cell.method);
             console.warn(format_args!(
-                "{scene}, {side} × {side} pixels, {} layers: {method} counted {counted} fragments and not {}",
+                "{scene}, {side} × {side} pixels, {} layers: {method} counted {counted} fragments instead of {}",
                 cell.layers, cell.fragments
             ));
         }
@@ -144,7 +147,7 @@ fn summary(sweep: &Sweep, folder: &Path) -> String {
     }
     format!(
         "{}\n\nEach line: the deepest cell measured, and the slope of time over layers (log-log), - with fewer than three cells.\n\
-         {} cells measured, {} skipped; why, and all figures: {}\n",
+         {} cells measured, {} skipped; reasons and all figures: {}\n",
         table.trim_fmt(),
         sweep.cells.len(),
         sweep.skipped.len(),

@@ -28,41 +28,42 @@ use super::session::Session;
 use super::stress::seconds;
 
 const ABOUT: &str = "\
-What is compared: all methods that draw the scene's transparent discs, with the scene's shape and falloff. The exact ones; \
-peel with 1 to 64 layers; hybrid with k = 1 to 32; stochastic with 1 to 1024 samples, with and without alpha correction, and with \
-the rasteriser; weighted, average and unsorted. Where every point is opaque, circles too. A method that does not apply, a step beyond the \
-longest list, and a setting whose frames would take too long are listed with the reason.
+Methods: All methods that draw the scene's transparent discs are compared, with the scene's shape and falloff: the exact ones; peel \
+with 1 to 64 layers; hybrid with k = 1 to 32; stochastic with 1 to 1024 samples, with and without alpha correction, and with the \
+rasterizer; weighted, average and unsorted. If every point is opaque, also circles. Some settings are left out and listed with the \
+reason: methods that do not apply, steps beyond the longest list, and settings whose frames would take too long.
 
-If the scene's method is a soft one, the models of soft spheres are compared instead, with its threshold, softness and \
-modulation: soft-base with both layouts, soft-concentric with 1 to 8 shells and adaptive ones, soft-express. A lambda counts \
-as the softness that it means for the scene's method. What the paper says of the three stands below the table with what was \
-measured.
+Soft methods: If the scene's method is a soft one, the models of soft spheres are compared instead, with the scene's threshold, \
+softness and modulation: soft-base with both layouts, soft-concentric with 1 to 8 shells and adaptive shells, and soft-express. \
+lambda is converted to the softness that it means for the scene's method. The report compares the paper's claims about the three \
+with the measurements.
 
-If points are Gaussian splats, a table \"by cause\" tells what each approximation costs by itself: abuffer with another order, kernel, \
-cut, cap, dilation, antialias or degree of harmonics, each against the exact image of the scene's own kernel and order. It takes a fifth of \
---time at most; --only leaves it out unless it names abuffer.
+Gaussian splats: A table \"by cause\" gives the cost of each approximation alone: abuffer with another order, kernel, cut, cap, \
+dilation, antialias or degree of harmonics, against the exact image of the scene's own kernel and order. It takes at most a fifth of \
+--time. --only skips it unless it names abuffer.
 
-If it is one of opaque points (points, squares, circles, paraboloid, cone, sphere, hqs, splats, image-space), all of them are \
-compared, with sizes from 0 to 4 and 0 to 8 iterations of the filters, on all points, a quarter and a 16th of them \
-(\"thinning\", which is no key of a scene file). Each leaves other holes: their share is in the table too. Under \
-[shadows] with a light_radius the scene's own method is rendered with 1 to 30 samples and with many.
+Opaque methods: If the scene's method draws opaque points (points, squares, circles, paraboloid, cone, sphere, hqs, splats, \
+image-space), all of these are compared, with sizes from 0 to 4 and 0 to 8 iterations of the filters. Each is run on all points, \
+a quarter and a 16th of them (\"thinning\"; a scene file has no key for it). The table also has the share of holes.
 
-Along a camera path (--path, --turntable) the errors of the methods are followed: popping is how much they change from one frame \
-to the next. Gaussians are held against abuffer with order = \"pixel\" there, since an order of centres is what pops.
+Shadows: With [shadows] and a light_radius the scene's own method is rendered with 1 to 30 samples and with many.
 
-What errors are: against the image of abuffer, which itself is checked against the float64 reference on 256 random pixels; \
-on linear R, G, B over the scene's background. That of soft spheres is soft-base in float64, all pixels, before the solid \
-points as the device splats them. Opaque points are held against three-pass splats of all of them with up to 4 x 4 samples in a \
-pixel. Stochastic settings are rendered with several seeds, from --seed on.
+Camera paths: With --path or --turntable the report has the popping of each method: the change of its error from one frame to the \
+next. For Gaussians the reference is then abuffer with order = \"pixel\", because an order of centers pops.
 
-What times are: medians over frames that take turns, so that a machine that slows down slows all. The Pareto front is that \
-of device time and RMSE.
+Errors: The reference is the image of abuffer, which is checked against the float64 reference on 256 random pixels. Errors are \
+measured on linear R, G, B over the scene's background. For soft spheres the reference is soft-base in float64 at all pixels, in front \
+of the solid points as the device draws them. For opaque points it is three-pass splats of all points with up to 4 x 4 \
+samples per pixel. Stochastic settings are rendered with several seeds, starting with --seed.
 
-An interrupted run leaves what it measured in DIR/tradeoff.partial.json. The same command, or one that differs only in \
---quick, --only or --time, goes on from there.
+Times: Medians over frames. The settings take turns, so that a machine that slows down affects all of them. The Pareto front \
+is that of device time and RMSE.
 
-What is written: report.html, which needs no other file; tradeoff.csv; tradeoff.json; causes.csv of Gaussians; popping.csv along a path; the figures as .svg; the pictures, and \
-their differences from reference.png 10 times as bright, as .png.";
+Interrupted runs: DIR/tradeoff.partial.json keeps the measurements. The same command continues from there, also with another \
+--quick, --only or --time.
+
+Output: report.html (self-contained), tradeoff.csv, tradeoff.json; causes.csv for Gaussians; popping.csv for a path; the figures as .svg; \
+the pictures, and their differences from reference.png (10 times as bright), as .png.";
 
 /// Frames behind a median, and images with seeds of their own, if time permits: for the full run and for a quick look.
 const REPEATS: (usize, u32) = (10, 8);
@@ -76,32 +77,38 @@ const QUICK_SECONDS: f64 = 55.0;
 pub struct TradeoffArgs {
     #[command(flatten)]
     pub input: InputArgs,
-    /// Folder for the report; created if it isn't there, files of the same names are replaced.
+    /// Folder for the report; created if missing. Files of the same names are replaced.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// A part of it for a first look and for CI: three samples, two k and two layers, 3 frames, 4 seeds. --time then bounds
-    /// all of it, and settings that would not fit are left out, with the reason: first one setting of each method is measured, then
-    /// a second one, and so on.
+    /// Measure fewer settings, for a first look or for CI.
+    ///
+    /// Three numbers of samples, two of k and two of layers, 3 frames, 4 seeds. --time then limits the whole run. One setting of
+    /// each method is measured first, then a second one, and so on; settings that don't fit are listed with the reason.
     #[arg(long)]
     quick: bool,
-    /// Compare this method only; repeatable. By default all. (--method, like a scene file's, says only which discs.)
+    /// Compare only this method; repeatable. By default all methods.
+    ///
+    /// --method, like the method of a scene file, only selects the kind of discs.
     #[arg(long, value_name = "NAME", value_parser = method_names())]
     only: Vec<String>,
-    /// About how long frames may be rendered, by default 360; with --quick how long all may take, by default 55. Slow settings
-    /// get fewer frames and seeds; one whose frame takes more than a 60th of it is timed once, by itself, and one is skipped if its
-    /// own ladder predicts that a frame takes more than an 8th, or more than is left.
+    /// Time for rendering in seconds; by default 360, with --quick 55 for the whole run.
+    ///
+    /// Slow settings get fewer frames and seeds. A setting whose frame takes more than a 60th of this time is measured once. A
+    /// setting is skipped if its frame is predicted to take more than an 8th of this time, or more than the rest of it; the
+    /// prediction comes from cheaper settings of the same method.
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     time: Option<f64>,
     #[command(flatten)]
     along: PathArgs,
-    /// With --path or --turntable the number of frames: those of a path of key frames, or of the turn. The methods that are not exact,
-    /// or those of --only, are then followed from frame to frame, and what changes of their errors is reported as popping. That takes a frame
-    /// of each method at each camera beyond --time. The rest of the report is about the first frame.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    /// Number of frames for --path or --turntable.
+    ///
+    /// The report then also has the popping of the approximate methods, or of those given by --only: how their errors change from
+    /// frame to frame. That takes one frame per method and camera in addition to --time. The rest of the report is about the first frame.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), help_heading = super::headings::FRAMES)]
     frames: Option<u32>,
     #[command(flatten)]
     device: DeviceArgs,
-    /// Print what tradeoff.json holds instead of the summary.
+    /// Print the contents of tradeoff.json instead of the summary.
     #[arg(long)]
     json: bool,
 }
@@ -140,17 +147,17 @@ impl TradeoffArgs {
         let Some(option) = self.along.option() else { return Ok(()) };
         let (method, points) = (resolved.scene.method.representative(), resolved.points());
         if resolved.stored.is_some() {
-            let problem = "this needs all clouds in memory, and these would take more than --host-memory allows";
+            let problem = "this command needs all clouds in memory, but they take more than --host-memory allows";
             return Err(usage(problem.to_owned()));
         }
         if popping::exact(&method, points).is_none() {
             let name = method.name();
             return Err(usage(format!(
-                "{option} follows errors of transparent discs and soft spheres, not those of {name}"
+                "{option} measures popping of transparent discs and soft spheres, not of {name}"
             )));
         }
         match cameras.len() {
-            0 | 1 => Err(usage(format!("{option} has one frame, and errors change from one to the next"))),
+            0 | 1 => Err(usage(format!("{option} has one frame, but popping needs at least two"))),
             _ => Ok(()),
         }
     }
@@ -198,7 +205,7 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
     console.detail(format_args!("device {} ({})", device.info().name, device.info().driver));
     let mut shading = resolved.scene.shading;
     if shading.edl.edl && !matches!(formation, Formation::Surfaces(_)) {
-        console.warn("eye-dome lighting is left out: not all of the methods that are compared have it");
+        console.warn("eye-dome lighting is left out, because not all compared methods support it");
         shading.edl.edl = false;
     }
     let frame = Frame {
@@ -229,7 +236,7 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
     progress.finish_and_clear();
     warn_of_left_out(&report, console);
     if report.sittings > 1 {
-        console.detail(format_args!("measured in {} runs: what earlier ones had stored was kept", report.sittings));
+        console.detail(format_args!("measured in {} runs; results of earlier runs were kept", report.sittings));
     }
     if args.json {
         let value =
@@ -247,7 +254,7 @@ fn warn_of_left_out(report: &Tradeoff, console: Console) {
     let late: Vec<String> = report.skipped.iter().filter(|skipped| skipped.for_time).map(name).collect();
     if !late.is_empty() {
         let (count, late) = (late.len(), late.iter().map(|name| name.trim_end()).collect::<Vec<_>>().join(", "));
-        console.note(format_args!("{count} setting(s) left out because of the time (--time): {late}"));
+        console.note(format_args!("{count} setting(s) left out for lack of time (--time): {late}"));
     }
 }
 
@@ -311,8 +318,8 @@ fn summary(report: &Tradeoff, args: &TradeoffArgs) -> String {
         findings += &format!("{}{}", if findings.is_empty() { "" } else { "\n" }, popping::popping_table(found));
     }
     format!(
-        "{}\n\n{}* on the Pareto front: nothing else is at least as fast and as accurate, and better in one of the two.\n\
-         {} settings measured, {} skipped; why, and all figures: {}\n",
+        "{}\n\n{}* on the Pareto front: no other setting is at least as fast and as accurate, and better in one of the two.\n\
+         {} settings measured, {} skipped; reasons and all figures: {}\n",
         table.trim_fmt(),
         if findings.is_empty() { findings } else { format!("{findings}\n") },
         report.rows.len(),

@@ -28,12 +28,14 @@ pub struct ViewArgs {
     pub input: InputArgs,
     #[command(flatten)]
     device: DeviceArgs,
-    /// Key frames to begin with: a JSON file of this program (docs/camera-paths.md), a transforms.json of nerfstudio, or a model
-    /// of COLMAP.
+    /// Open with the key frames of this file.
+    ///
+    /// A JSON file (docs/camera-paths.md), a transforms.json of nerfstudio, or a COLMAP model.
     #[arg(long, value_name = "PATH")]
     path: Option<PathBuf>,
-    /// Milliseconds that a frame should take while something moves: samples, pixels and points that don't fit are left out. At
-    /// rest the picture gets finer until nothing is.
+    /// Target time of a frame during motion, in milliseconds.
+    ///
+    /// Drafts leave out samples, pixels and points to stay within this time. At rest the picture is refined until it is complete.
     #[arg(long, value_name = "MS", default_value_t = 33.0, value_parser = positive)]
     budget: f64,
 }
@@ -61,7 +63,8 @@ pub fn run(args: ViewArgs, console: Console) -> Result<ExitCode, Error> {
     };
     if let Some(share) = share {
         console.note(format_args!(
-            "the window doesn't look for the opacity of --see-through {share}, its slider sets one; `render` finds and prints it"
+            "--see-through {share} has no effect in a window: set the opacity with its slider, or use the one that \
+             `pellucid render` prints"
         ));
     }
     match &opened.clouds {

@@ -6,30 +6,38 @@ use glam::DVec3;
 use pellucid_engine::Result;
 use pellucid_engine::scene::{Overrides, Vertical, View, ViewName};
 
+use super::headings::CAMERA;
+
 /// From where a scene is looked at.
 #[derive(Debug, Args)]
 // A group of this name would be that of `view`'s own options.
 #[group(skip)]
 pub struct ViewArgs {
-    /// Frame the whole scene from a named side, or from where a compass points. This and the two angles replace the camera's eye
-    /// and target. Without any of them the camera stands to the right of the front and above, or a quarter farther around if
-    /// the scene is clearly broader from there.
-    #[arg(long, value_name = "NAME", value_parser = view_name())]
+    /// Show the whole scene from a named side or point of the compass.
+    ///
+    /// --view, --azimuth and --elevation replace the camera's eye and target. Without them the camera stands above, to the
+    /// right of the front, or 90 degrees farther around if the scene is clearly broader from there.
+    #[arg(long, value_name = "NAME", value_parser = view_name(), help_heading = CAMERA)]
     view: Option<ViewName>,
-    /// Degrees around the vertical: 0 from the front (−Y of surveys, +Z of models), 90 from +X; or where a compass points, as in
-    /// SW: N is +Y of surveys and −Z of models, E is +X.
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = azimuth)]
+    /// Direction of the camera around the vertical, in degrees, or as in SW.
+    ///
+    /// 0 looks from the front (−Y in surveys, +Z in models), 90 from +X. Points of the compass: N is +Y in surveys and −Z in
+    /// models, E is +X.
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = azimuth, help_heading = CAMERA)]
     azimuth: Option<f64>,
-    /// Degrees above the horizon, from −90 to 90.
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = elevation)]
+    /// Height of the camera above the horizon in degrees, from −90 to 90.
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = elevation, help_heading = CAMERA)]
     elevation: Option<f64>,
-    /// The vertical, as in y or -z: the axis that points to the top of the image. By default the scene file's camera.up, else Y for
-    /// PLY (Z for one in survey coordinates, or that only lies or stands with Z up), Z for all other point clouds; −Y for PLY and PCD of
-    /// a depth camera.
-    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, value_parser = axis)]
+    /// Axis that points up in the image, as in y or -z.
+    ///
+    /// Default: camera.up of the scene file; else Z. PLY files have Y up, except those in survey coordinates and those whose
+    /// shape shows that Z is up. PLY and PCD files of a depth camera have −Y up.
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, value_parser = axis, help_heading = CAMERA)]
     up: Option<Vertical>,
-    /// An orthographic camera; without camera.height it shows the whole scene.
-    #[arg(long)]
+    /// Use an orthographic camera.
+    ///
+    /// It shows the whole scene unless camera.height is set.
+    #[arg(long, help_heading = CAMERA)]
     ortho: bool,
 }
 

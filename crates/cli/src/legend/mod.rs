@@ -61,8 +61,8 @@ pub fn check(resolved: &Resolved, console: Console) -> Result<()> {
     match Layout::new(legend, &resolved.camera, resolved.scene.image.size) {
         Ok(Some(_)) => {}
         Ok(None) => console.note(
-            "--legend: there is nothing to explain: the colors are not those of values or classes (--color-by chooses), and a \
-             scale bar needs an orthographic camera (--ortho)",
+            "--legend draws nothing: the colors show neither values nor classes (see --color-by), and a scale bar needs an \
+             orthographic camera (--ortho)",
         ),
         Err(misfit) => return Err(Error::Usage(misfit).into()),
     }

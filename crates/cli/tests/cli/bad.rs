@@ -48,14 +48,14 @@ fn missing_empty_and_truncated_files() {
     for (name, content, says) in [
         ("zero.ply", vec![], "empty file (0 bytes)"),
         ("zero.laz", vec![], "empty file (0 bytes)"),
-        ("none.ply", ply("ascii", 0, b""), "cloud without points"),
-        ("none.las", las(0, false), "cloud without points"),
-        ("nan.ply", ply("ascii", 1, b"nan 0 0\n"), "cloud without points"),
+        ("none.ply", ply("ascii", 0, b""), "the cloud has no points"),
+        ("none.las", las(0, false), "the cloud has no points"),
+        ("nan.ply", ply("ascii", 1, b"nan 0 0\n"), "the cloud has no points"),
         ("cut.ply", whole[..whole.len() - 1].to_vec(), "truncated file or wrong header"),
         ("cut.las", las(10, false)[..500].to_vec(), "truncated file or wrong header"),
         ("cut.laz", las(10, true)[..450].to_vec(), ".laz: "),
         ("notes.txt", b"to do\n".to_vec(), "line 1: no column `x`, only [to, do]"),
-        ("notes.md", b"to do\n".to_vec(), "known format (PLY, LAS, LAZ, COPC, E57, PCD"),
+        ("notes.md", b"to do\n".to_vec(), "unknown format; expected a point cloud (PLY, LAS, LAZ, COPC, E57, PCD"),
     ] {
         fs::write(inside(&folder, name), content).unwrap();
         assert_unusable(&folder, name, &[says]);

@@ -76,7 +76,7 @@ fn wrong_guesses_are_noted() {
     write_grid(&folder, "a.xyz", [20, 3, 20]);
     let noted = |options: &[&str]| run(&folder, &[&["render", "a.xyz"], &SMALL[..], options].concat()).2;
     let note = noted(&[]);
-    assert!(note.contains("taken to be z") && note.contains("--up y or --up -y"), "{note}");
+    assert!(note.contains("z is assumed to be up") && note.contains("--up y or --up -y"), "{note}");
     assert_eq!(noted(&["--up", "y"]), "");
     let alike = ["--up", "y", "--color-by", "uniform", "--background", "1,1,1"];
     assert!(noted(&alike).contains("color of the background"));
@@ -98,11 +98,15 @@ fn the_vertical_of_a_ply_file_that_lies_is_z() {
         (stderr, read_image(&inside(&folder, "a.png")).unwrap().pixels)
     };
     let (note, lying) = picture("a.ply", &[]);
-    assert!(note.starts_with("a.ply: its vertical") && note.contains("flattest along z; --up y"), "{note}");
+    assert!(
+        note.starts_with("a.ply: the file does not say which axis is up")
+            && note.contains("flattest along z (--up y changes that)"),
+        "{note}"
+    );
     assert!(lying == picture("a.xyz", &[]).1);
     for up in ["y", "z"] {
         let (note, asked) = picture("a.ply", &["--up", up]);
-        assert!((asked == lying) == (up == "z") && !note.contains("its vertical"), "{up}: {note}");
+        assert!((asked == lying) == (up == "z") && !note.contains("which axis is up"), "{up}: {note}");
     }
 }
 

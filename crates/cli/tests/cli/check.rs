@@ -18,7 +18,7 @@ fn names_are_listed_and_filtered_without_a_device() {
     let (_, some, _) = run(&folder, &["check", "--list", "soft-base/", "radix/1-"]);
     let wanted = names.iter().filter(|name| name.starts_with("soft-base/") || name.starts_with("radix/1-"));
     assert_eq!(some.lines().count(), wanted.count());
-    assert_refused(&folder, &["check", "nonsense"], 2, &["no case is called nonsense", "--list"]);
+    assert_refused(&folder, &["check", "nonsense"], 2, &["no case matches nonsense", "--list"]);
     assert_refused(&folder, &["check", "--json", "--markdown"], 2, &["--markdown"]);
 }
 

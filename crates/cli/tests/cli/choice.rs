@@ -110,7 +110,7 @@ fn what_was_measured_is_kept_until_it_is_measured_again() {
     let said = render(&folder, &scene, "b.exr", &["--budget", "0"]);
     assert!(said.contains("warning: no setting takes at most 0 ms"), "{said}");
     let said = render(&folder, &scene, "b.exr", &["--budget", "0.0001"]);
-    assert!(said.contains(" pixels, or 1 point of ") && said.contains(", would do"), "{said}");
+    assert!(said.contains("; try about ") && said.contains(" pixels, or 1 of every "), "{said}");
     // The five best are listed, the chosen one first.
     let best = choice(&folder, "b.exr");
     let rows: Vec<&str> = said.lines().skip_while(|line| !line.trim_start().starts_with("setting ")).collect();

@@ -86,7 +86,7 @@ fn what_can_not_be_compared_is_refused() {
     assert_refused(&folder, &["compare", "a.png", "no.png"], 1, &["no.png"]);
     assert_refused(&folder, &["compare", "a.png", "broken.png"], 1, &["broken.png"]);
     assert_refused(&folder, &["compare", "a.png", "a.tif"], 2, &["a.tif", "unknown image format"]);
-    assert_refused(&folder, &["compare", "a.png", "p.json"], 2, &["two of a kind"]);
+    assert_refused(&folder, &["compare", "a.png", "p.json"], 2, &["two pictures or two profiles"]);
     assert_refused(&folder, &["compare", "p.json", "p.json"], 1, &["p.json", "not a profile"]);
     let limit = |limit: &'static str| ["compare", "a.png", "a.png", "--fail-above", limit];
     assert_refused(&folder, &limit("nonsense=1"), 2, &["unknown metric", "rmse"]);
@@ -199,7 +199,7 @@ fn a_slower_pass_fails_beyond_the_noise_only() {
     };
     broken("much", "expected RATIO or PASS=RATIO");
     broken("x/count=nan", "expected RATIO or PASS=RATIO");
-    broken("x/none=1.5", "--fail-slower x/none=1.5: there is no pass of this name");
+    broken("x/none=1.5", "--fail-slower x/none=1.5: no pass has this name");
 }
 
 #[test]

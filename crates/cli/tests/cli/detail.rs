@@ -80,7 +80,7 @@ fn what_leaves_nothing_out_or_too_much_is_said() {
         let (code, _, stderr) =
             run(&folder, &["render", "a.ply", "-o", "a.png", "--detail", "2", "--method", "points"]);
         assert_eq!(code, 0, "{stderr}");
-        assert!(stderr.contains("points of one size, which don't grow"), "{stderr}");
+        assert!(stderr.contains("points of a fixed size, which can't grow"), "{stderr}");
         let (code, _, stderr) = run(&folder, &["render", "a.ply", "-o", "a.png", "--detail", "2", "--method", "spbr"]);
         assert_eq!(code, 0, "{stderr}");
         assert!(stderr.contains("[detail] has no effect: method spbr"), "{stderr}");

@@ -33,11 +33,11 @@ fn columns_are_named_wherever_files_are_read() {
     assert_eq!((cloud.up, cloud.prepared.unwrap().values), (UpAxis::Z, vec![1.0, 0.0]));
     // For files that name their columns an error says that nothing is left to name.
     let (code, _, stderr) = run(&folder, &["info", "a.ply", "--columns", "x,y,z"]);
-    assert!(code == 0 && stderr.contains("warning: a.ply: names of columns have no effect"), "{stderr}");
+    assert!(code == 0 && stderr.contains("warning: a.ply: columns have no effect"), "{stderr}");
 
     for command in ["render", "plan", "profile", "info"] {
         assert_refused(&folder, &[command, "a.xyz", "--columns", "x,y"], 2, &["--columns", "no `z` in \"x,y\""]);
-        assert_refused(&folder, &[command, "a.xyz", "--columns", "x,y,z,x"], 2, &["`x` comes twice"]);
+        assert_refused(&folder, &[command, "a.xyz", "--columns", "x,y,z,x"], 2, &["`x` occurs twice"]);
         let short = [command, "a.xyz", "--columns", "x,y,z"];
         assert_refused(&folder, &short, 1, &["a.xyz: line 1: 7 values, but names are given for 3 columns"]);
     }

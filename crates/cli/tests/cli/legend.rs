@@ -53,7 +53,7 @@ fn what_has_no_legend_says_so() {
         assert_eq!(status, 0, "{stderr}");
         stderr
     };
-    assert!(said(&[&tori, "-o", "tori.png"]).starts_with("--legend: there is nothing to explain"));
+    assert!(said(&[&tori, "-o", "tori.png"]).starts_with("--legend draws nothing"));
     assert_eq!(said(&["a.ply", "-o", "a.exr"]), "warning: --legend has no effect on an EXR; write a .png\n");
     let small = ["render", "a.ply", "--size", "120x90", "--legend", "-o", "small.png"];
     assert_refused(&folder, &small, 2, &["--legend", "120 × 90", "each side must have at least 160"]);

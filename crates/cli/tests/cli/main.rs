@@ -15,6 +15,8 @@ mod detail;
 mod failures;
 #[cfg(unix)]
 mod faults;
+mod film_page;
+mod films;
 mod filters;
 mod formats;
 mod frames;
@@ -179,7 +181,7 @@ fn wrong_scene_files_exit_with_2_and_name_line_and_column() {
         ("[[cloud]]\npath = \"a.ply\"\nopacity = 2\n", "s.toml:3:11: `cloud.0.opacity` must be a number"),
         ("[method]\nname = \"abufer\"\n", "did you mean `abuffer`?"),
         ("[camera]\neye = [0, 0, 0]\ntarget = [0, 0, 0]\n", "s.toml:3:10: "),
-        ("[image]\nsize = [8, 8]\n", "there is no cloud"),
+        ("[image]\nsize = [8, 8]\n", "no cloud: add"),
     ];
     for (text, expected) in cases {
         fs::write(folder.path().join("s.toml"), text).unwrap();
@@ -199,7 +201,7 @@ fn wrong_options_exit_with_2() {
     let cases: [(&[&str], &str); 15] = [
         (&["a.ply", "-o", "a.jpg"], ".png"),
         (&["a.ply", "-o", "a"], ".exr"),
-        (&["a.ply", "s.toml"], "a scene file (.toml) comes alone"),
+        (&["a.ply", "s.toml"], "a scene file (.toml) can't be combined with other inputs"),
         (&["a.ply", "--size", "64"], "--size 64: expected WxH"),
         (&["a.ply", "--size", "0x64"], "--size 0x64: `image.size`"),
         (&["a.ply", "--opacity", "-1"], "--opacity -1: `cloud.0.opacity`"),

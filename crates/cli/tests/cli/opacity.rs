@@ -76,7 +76,7 @@ fn what_has_no_opacity_is_refused() {
     let folder = folder();
     let scene = builtin(&folder, "tori", &["points=300"]);
     for method in ["circles", "points", "soft-base"] {
-        let part = format!("--see-through 0.5: no opacity makes light pass through the pictures of method {method}");
+        let part = format!("--see-through 0.5: the opacity of points has no effect with method {method}");
         assert_refused(&folder, &["render", &scene, "--method", method, "--see-through", "0.5"], 2, &[&part]);
     }
     assert_refused(&folder, &["render", &scene, "--see-through", "1.5"], 2, &["expected a share from 0 to 1"]);

@@ -160,9 +160,9 @@ fn other_neighbors_or_fields_are_computed_anew_with_a_note() {
     write_source(&folder, "a.ply", "uchar");
     prepare(&folder, &["a.ply", "-o", "b.ply"]);
     for (keys, note) in [
-        ("neighbors = 5", "b.ply: prepared with 24 neighbors, not 5: radii are computed anew"),
-        ("radius_cap = 0", "b.ply: prepared with radius_cap 4, not 0: radii are computed anew"),
-        ("field = \"height\"", "b.ply: prepared for field \"uncertainty\", not \"height\" as asked: computed anew"),
+        ("neighbors = 5", "b.ply: prepared with 24 neighbors, not 5; radii are computed again"),
+        ("radius_cap = 0", "b.ply: prepared with radius_cap 4, not 0; radii are computed again"),
+        ("field = \"height\"", "b.ply: prepared for field \"uncertainty\" instead of \"height\"; computed again"),
     ] {
         let text = format!("[method]\nname = \"one-layer\"\n[[cloud]]\npath = \"b.ply\"\n{keys}");
         let of = |text: &str| Scene::from_toml(text, &inside(&folder, "s.toml")).unwrap();
@@ -287,7 +287,7 @@ fn comments_that_lie_and_changed_points_are_noticed() {
     let folder = folder();
     write_source(&folder, "a.ply", "uchar");
     prepare(&folder, &["a.ply", "-o", "b.ply"]);
-    let changed = "line 3: the points were changed since `pellucid prepare`";
+    let changed = "line 3: the points changed after `pellucid prepare`";
     // (from, to, the warning, whether the stored radii stay)
     let cases = [
         ("\"neighbors\":24", "\"neighbors\":12", changed, false),
@@ -344,7 +344,7 @@ fn what_can_not_be_prepared_is_one_error() {
         (&["a.ply", "-o", "b.las"], 2, "the name must end in .ply"),
         (&["s.toml", "-o", "b.ply"], 2, "prepare takes a point cloud"),
         (&["no.ply", "-o", "b.ply"], 1, "no.ply: no such file"),
-        (&["a.ply", "-o", "no/b.ply"], 1, "there is no folder"),
+        (&["a.ply", "-o", "no/b.ply"], 1, "no folder"),
         (&["a.ply", "-o", "b.ply", "--neighbors", "0"], 2, "--neighbors: `cloud.0.neighbors`"),
         (&["a.ply", "-o", "b.ply", "--field", "classification"], 2, "needs soft_classes"),
         (&["a.ply", "-o", "b.ply", "--field", "classification", "--soft-classes", "3,x"], 2, "--soft-classes"),

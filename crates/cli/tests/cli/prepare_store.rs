@@ -60,12 +60,12 @@ fn what_can_not_be_a_store_is_said() {
     fs::create_dir(inside(&folder, "full")).unwrap();
     fs::write(inside(&folder, "full/mine"), "").unwrap();
     let cases: [(&[&str], i32, &str); 9] = [
-        (&["a.las", "b.ply", "-o", "c.ply"], 2, "several become a store"),
+        (&["a.las", "b.ply", "-o", "c.ply"], 2, "name a folder to write several as a store"),
         (&["a.las", "-o", "c.ply", "--node-points", "500"], 2, "are for stores"),
-        (&["a.las", "-o", "c", "--light", "0,0,-1"], 2, "shadows are found for PLY files only"),
+        (&["a.las", "-o", "c", "--light", "0,0,-1"], 2, "shadows can only be stored in a PLY file"),
         (&["a.las", "-o", "c", "--host-memory", "1KiB"], 2, "at least 1 MiB"),
         (&["a.las", "-o", "c", "--node-points", "1"], 2, "expected 100 or more"),
-        (&["a.las", "-o", "full"], 1, "a folder with other files"),
+        (&["a.las", "-o", "full"], 1, "the folder has other files"),
         (&["a.las", "-o", "c", "--field", "inetnsity"], 1, "no scalar property `inetnsity`"),
         (&["nowhere", "-o", "c"], 1, "nowhere: no such file"),
         (&["a.las", "full", "-o", "c"], 1, "full: a folder, not a point cloud"),

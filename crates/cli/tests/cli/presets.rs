@@ -48,7 +48,12 @@ fn the_list_needs_no_input() {
             assert!(list.contains(part), "{part:?}: {list}");
         }
     }
-    assert_refused(&folder, &["render", "--preset", "roof", "-o", "a.png"], 2, &["--preset", "no preset", "canopy"]);
+    assert_refused(
+        &folder,
+        &["render", "--preset", "roof", "-o", "a.png"],
+        2,
+        &["--preset", "unknown preset", "canopy"],
+    );
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn what_has_no_store_is_said() {
         (&["terrain", "-o", "d", "--store", "--host-memory", "1KiB"], 2, "at least 1 MiB"),
         (&["terrain", "-o", "d", "--set", "points=1e11"], 2, "it must lie from 10000 to 10000000000"),
         (&["terrain", "-o", "d", "--set", "points=20000000.5"], 2, "must be a whole number"),
-        (&["terrain", "-o", "full", "--set", "points=20000", "--store"], 1, "a folder with other files"),
+        (&["terrain", "-o", "full", "--set", "points=20000", "--store"], 1, "the folder has other files"),
     ];
     for (args, status, says) in cases {
         assert_refused(&folder, &[&["scene"], args].concat(), status, &[says]);

@@ -357,7 +357,7 @@ fn wrong_command_lines_and_paths_are_refused() {
     refused(&["--path", "bad.json"], 2, &["bad.json:2:", "unknown field `eyes`"]);
     let up = "{\"version\": 1, \"keys\": [{\"eye\": [0, 0, 9], \"target\": [0, 0, 0]}]}";
     fs::write(inside(&folder, "up.json"), up).unwrap();
-    refused(&["--path", "up.json"], 2, &["up.json: keys[0].up: ", "along the view"]);
+    refused(&["--path", "up.json"], 2, &["up.json: keys[0].up: ", "parallel to the view"]);
     for args in
         [["--turntable", "--path", "path.json"], ["--turntable", "--frames", "0"], ["--turntable", "--frames", "x"]]
     {

@@ -149,7 +149,7 @@ fn info_and_plan_tell_of_stored_shadows() {
     assert!(lit.contains(" on ") && lit.contains("3100 points"), "{lit}");
     for (args, why) in [
         (["--method", "sorted"], "method \"sorted\" takes no shadows"),
-        (["--set", "shading.model=none"], "without shading"),
+        (["--set", "shading.model=none"], "shadows need shading"),
         (["--set", "shading.light=headlight"], "a headlight casts no shadows"),
     ] {
         let (code, text, stderr) = run(&folder, &[&["plan", "s.toml"], &args[..]].concat());
@@ -187,7 +187,7 @@ fn shadows_that_were_changed_are_noticed() {
     // The message about them.
     let cloud = changed("\"samples\":5", "\"samples\":6");
     assert!(cloud.prepared.is_some_and(|prepared| prepared.shadows.is_none()));
-    assert!(cloud.warnings[0].contains("line 3: what is said of `lit` was changed"), "{:?}", cloud.warnings);
+    assert!(cloud.warnings[0].contains("line 3: the comment about `lit` was changed"), "{:?}", cloud.warnings);
     // A reader that knows nothing of them finds a prepared cloud with one more property.
     let whole = String::from_utf8_lossy(&bytes);
     let object = whole.split("\"shadows\":").nth(1).unwrap();
@@ -201,7 +201,7 @@ fn shadows_that_were_changed_are_noticed() {
     other[last..].copy_from_slice(&0.125f32.to_le_bytes());
     fs::write(inside(&folder, "changed.ply"), other).unwrap();
     let cloud = load(&inside(&folder, "changed.ply"));
-    assert!(cloud.prepared.is_none() && cloud.warnings[0].contains("the points were changed"), "{:?}", cloud.warnings);
+    assert!(cloud.prepared.is_none() && cloud.warnings[0].contains("the points changed"), "{:?}", cloud.warnings);
     assert_eq!(cloud.scalars.len(), 0);
 }
 

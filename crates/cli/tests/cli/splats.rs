@@ -106,13 +106,13 @@ fn what_splats_are_not_made_into() {
     assert_eq!(code, 1, "{errors}");
     assert!(
         errors.contains(
-            "soup.sog holds Gaussian splats, points.xyz other points: one store holds either; make a store of each"
+            "soup.sog has Gaussian splats, points.xyz has points: a store can't mix them; write one store for each"
         ),
         "{errors}"
     );
     assert!(!inside(&folder, "store").exists());
     let (code, _, errors) = run(&folder, &["prepare", &soup, "-o", "out.ply", "--light", "0,-1,0"]);
     assert_eq!(code, 2, "{errors}");
-    assert!(errors.contains("shadows are stored with points, but these are Gaussian splats"), "{errors}");
+    assert!(errors.contains("Gaussian splats can't store shadows"), "{errors}");
     assert!(!inside(&folder, "out.ply").exists());
 }

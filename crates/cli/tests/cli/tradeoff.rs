@@ -166,7 +166,7 @@ fn a_quick_look_leaves_out_what_does_not_fit() {
     }
     assert!(late.iter().all(|skipped| text(skipped, "reason").contains(" s are left of 0.001 s")), "{late:?}");
     assert!(others.iter().any(|skipped| text(skipped, "method") == "splats"), "another image: {others:?}");
-    let told = format!("{} setting(s) left out because of the time (--time): ", late.len());
+    let told = format!("{} setting(s) left out for lack of time (--time): ", late.len());
     assert!(stderr.contains(&told) && stderr.contains("linked-list, sorted, peel layers=1"), "{stderr}");
     let page = fs::read_to_string(inside(&folder, "report/report.html")).unwrap();
     assert!(page.contains(&format!("{} settings were left out because of the time", late.len())));

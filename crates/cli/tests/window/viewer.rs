@@ -38,7 +38,7 @@ fn without_a_display_the_error_names_render() {
         let output = view.output().unwrap();
         let said = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(1), "{said}");
-        assert!(said.starts_with("error: no window can be opened: ") && said.contains("`pellucid render`"), "{said}");
+        assert!(said.starts_with("error: can't open a window: ") && said.contains("`pellucid render`"), "{said}");
         assert_eq!(said.lines().count(), 1, "{said}");
         assert!(output.stdout.is_empty());
     }

@@ -95,7 +95,7 @@ fn record(display: &Display) {
     for (number, picture) in [0, 2, 4].into_iter().zip(&pictures) {
         assert!(frame(number) == pixels(picture), "frame {number} is another picture");
     }
-    assert!(frame(1) != frame(0) && frame(1) != frame(2), "between keys the camera moves");
+    assert!(frame(1) != frame(0) && frame(1) != frame(2), "the camera moves between keys");
 
     // From the last key to the first by a click, to the last again by the path, which runs there by itself.
     click(display, &window, "path.key.1");

@@ -182,10 +182,8 @@ pub fn remedy(error: &io::Error) -> &'static str {
     match error.kind() {
         ErrorKind::StorageFull => "; free some space there or write elsewhere",
         ErrorKind::QuotaExceeded => "; free some of your space there or write elsewhere",
-        ErrorKind::FileTooLarge => {
-            "; a larger limit on the size of files (ulimit -f) or another file system would help"
-        }
-        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "; name a folder that you may write to",
+        ErrorKind::FileTooLarge => "; raise the limit on file sizes (ulimit -f) or use another file system",
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "; choose a folder with write permission",
         _ => "",
     }
 }

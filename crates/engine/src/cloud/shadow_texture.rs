@@ -14,7 +14,7 @@ pub struct Casting {
     pub samples: u32,
     /// Degrees around a direction, world units around a position.
     pub light_radius: f32,
-    /// Columns and rows of the light's image.
+    /// Side of the shadow map.
     pub resolution: u32,
     /// d̃ in world units.
     pub min_layer_distance: f32,

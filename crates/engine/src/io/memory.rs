@@ -65,7 +65,7 @@ mod tests {
         assert!(check(Some(2400), 100).is_ok() && check(None, u64::MAX).is_ok());
         let error = check(Some(2399), 100).unwrap_err().to_string();
         assert!(
-            error.starts_with("a.ply: 100 points take at least 2.3 KiB of memory, of which 2.3 KiB are free"),
+            error.starts_with("a.ply: 100 points take at least 2.3 KiB of memory, but only 2.3 KiB are free"),
             "{error}"
         );
         assert!(error.contains("pellucid prepare") && error.contains("--host-memory"), "{error}");

@@ -38,7 +38,7 @@ pub use text::ColumnNames;
 const PROGRESS_STEP: u64 = 1 << 16;
 
 /// The warning about a hint.
-const NAMES_WITHOUT_EFFECT: &str = "names of columns have no effect: they are for text files";
+const NAMES_WITHOUT_EFFECT: &str = "columns have no effect: they are for text files";
 
 /// First bytes of a file that are looked at to find its format.
 const START: u64 = 512;
@@ -74,7 +74,8 @@ pub enum Error {
         path: PathBuf,
     },
     /// Neither the first bytes nor the extension belong to a known format.
-    #[error("{}: not a point cloud in a known format (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, or a table of numbers as XYZ, CSV and TXT have) nor Gaussian splats (PLY, SPLAT, SPZ, SOG, KSPLAT, glTF) nor a picture (PNG, JPEG, TIFF); it starts with {start:?}", path.display())]
+    #[error("{}: unknown format; expected a point cloud (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, or a table of numbers as \
+         in XYZ, CSV and TXT), Gaussian splats (PLY, SPLAT, SPZ, SOG, KSPLAT, glTF) or a picture (PNG, JPEG, TIFF); the file starts with {start:?}", path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,
@@ -88,7 +89,7 @@ pub enum Error {
         path: PathBuf,
     },
     /// The file is whole but no point is left to draw.
-    #[error("{}: cloud without points{}", path.display(), non_finite_note(*.non_finite))]
+    #[error("{}: the cloud has no points{}", path.display(), non_finite_note(*.non_finite))]
     NoPoints {
         /// The file.
         path: PathBuf,
@@ -125,8 +126,8 @@ pub enum Error {
     },
     /// The points that the header announces, and that the file may well have, are more than memory can hold.
     #[error(
-        "{}: {points} points take at least {} of memory, of which {} are free; `pellucid prepare {} -o DIR` makes a store of them, \
-         within --host-memory",
+        "{}: {points} points take at least {} of memory, but only {} are free; `pellucid prepare {} -o DIR` converts them \
+         to a store within --host-memory",
         path.display(), ByteSize(*needed), ByteSize(*free), path.display()
     )]
     TooLarge {
@@ -140,13 +141,13 @@ pub enum Error {
         free: u64,
     },
     /// Somebody who watches wanted the work to end.
-    #[error("{}: stopped; the same command goes on from there", path.display())]
+    #[error("{}: interrupted; run the same command to continue", path.display())]
     Cancelled {
         /// What was to be written.
         path: PathBuf,
     },
     /// A folder holds something else than what is to be written.
-    #[error("{}: a folder with other files; name a new one, an empty one, or one with an octree that is to be replaced", path.display())]
+    #[error("{}: the folder has other files; name a new or empty folder, or one with an octree to replace", path.display())]
     Occupied {
         /// The folder.
         path: PathBuf,
@@ -161,7 +162,7 @@ pub enum Error {
     },
     /// Gaussian splats and other points were to become one store.
     #[error(
-        "{} holds Gaussian splats, {} other points: one store holds either; make a store of each, a scene can have both",
+        "{} has Gaussian splats, {} has points: a store can't mix them; write one store for each and use both in a scene",
         splats.display(), points.display()
     )]
     Mixed {
@@ -171,7 +172,7 @@ pub enum Error {
         points: PathBuf,
     },
     /// Points could not be put into a temporary file.
-    #[error("{}: no room for points that are dealt to ensembles: {source}; TMPDIR names another folder", folder.display())]
+    #[error("{}: no space for the points of the ensembles: {source}; set TMPDIR to another folder", folder.display())]
     Temporary {
         /// The folder of the file.
         folder: PathBuf,
@@ -179,7 +180,8 @@ pub enum Error {
         source: std::io::Error,
     },
     /// Points that have to be put into order together take more memory than is allowed.
-    #[error("{}: {points} points must be put into order together, as points in one place must, which takes {} of memory: --host-memory {} would do", path.display(), ByteSize(*.needed), ByteSize(needed.next_multiple_of(1 << 20)))]
+    #[error("{}: {points} points lie in one place and must be sorted together, which takes {} of memory; use --host-memory \
+         {}", path.display(), ByteSize(*.needed), ByteSize(needed.next_multiple_of(1 << 20)))]
     Crowded {
         /// Their file.
         path: PathBuf,

@@ -79,7 +79,7 @@ impl FromStr for Scalar {
     fn from_str(text: &str) -> Result<Self, String> {
         let found = SCALARS.iter().find(|(name, _)| *name == text).map(|(_, scalar)| *scalar);
         let known = || SCALARS.map(|(name, _)| name).join(", ");
-        found.ok_or_else(|| format!("no type of numbers is called {text:?}; there are {}", known()))
+        found.ok_or_else(|| format!("unknown type {text:?}; expected one of {}", known()))
     }
 }
 
@@ -123,7 +123,7 @@ pub fn read(path: &Path, dims: Option<Dims>, scalar: Option<Scalar>) -> Result<V
     let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
     let parts = || name.rsplit('_');
     let unknown = |option: &str| {
-        let cause = format!("doesn't say what the file holds, as hydrogen_64x64x64_float32.raw does; {option} says it");
+        let cause = format!("does not give size and type, as hydrogen_64x64x64_float32.raw does; use {option}");
         Error::Malformed { path: path.to_owned(), place: "its name".to_owned(), cause }
     };
     let dims = dims.or_else(|| parts().find_map(|part| part.parse().ok()));
@@ -135,8 +135,8 @@ pub fn read(path: &Path, dims: Option<Dims>, scalar: Option<Scalar>) -> Result<V
     if expected != Some(source.len.into()) {
         let expected = expected.map_or_else(|| "more than any file's".to_owned(), |bytes| bytes.to_string());
         let cause = format!(
-            "{dims} numbers of {} are {expected} bytes, but the file has {}; --dims XxYxZ and --type NAME say what it holds \
-             if its name is wrong",
+            "{dims} numbers of {} are {expected} bytes, but the file has {}; if its name is wrong, give --dims XxYxZ and \
+             --type NAME",
             scalar.name(),
             source.len
         );

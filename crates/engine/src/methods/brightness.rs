@@ -74,13 +74,13 @@ impl Applied {
         let found = self.found?;
         match found {
             Brightening { window: [0, _], .. } => Some(
-                "brightness: at most 1% of the opaque image's pixels are brighter than black, so that nothing was brightened; \
-                 a closer view or `brightness = p` would help"
+                "brightness: not brightened, because at most 1% of the pixels of the opaque image are brighter than black; \
+                 use a closer view or `brightness = p`"
                     .into(),
             ),
             Brightening { end: End::TooDark, .. } => Some(format!(
-                "brightness: no factor up to {LARGEST} makes 1% of the pixels as bright as those of the opaque image, so \
-                 that nothing was brightened"
+                "brightness: not brightened, because no factor up to {LARGEST} makes 1% of the pixels as bright as those of \
+                 the opaque image"
             )),
             _ => None,
         }

@@ -17,7 +17,8 @@ pub enum Error {
     Gpu(#[from] crate::gpu::Error),
     /// A single pixel has more fragments than fit; reported for the pixel with most of those rendered together.
     #[error(
-        "pixel ({x}, {y}) has {length} fragments, which need {} of device memory; the budget leaves {}: --memory-budget {} would do for this pixel",
+        "pixel ({x}, {y}) has {length} fragments, which need {} of device memory; the budget leaves {}; use --memory-budget \
+         {} or more",
         ByteSize(*.needed), ByteSize(*.available), printed(*.budget)
     )]
     PixelOverBudget {
@@ -46,7 +47,8 @@ pub enum Error {
     },
     /// More points than events of soft spheres can name.
     #[error(
-        "{points} points, but method {method} with up to {shells} shells tells at most {limit} apart; fewer shells or soft-express would do"
+        "{points} points, but method {method} with up to {shells} shells supports at most {limit}; use fewer shells or \
+         soft-express"
     )]
     TooManySpheres {
         /// Points of the scene.
@@ -62,9 +64,7 @@ pub enum Error {
     #[error(transparent)]
     Samples(std::io::Error),
     /// A deep image of a method that has no samples.
-    #[error(
-        "method {method} has no list of samples for each pixel; abuffer, linked-list, sorted, peel and soft-concentric have"
-    )]
+    #[error("method {method} has no samples per pixel; use abuffer, linked-list, sorted, peel or soft-concentric")]
     NoSamples {
         /// The method.
         method: &'static str,
@@ -97,7 +97,8 @@ pub enum Error {
     Store(Arc<crate::io::Error>),
     /// The coarsest level of detail has more points than are allowed.
     #[error(
-        "detail.max_points = {allowed}, but the coarsest level alone has {points} points in the picture; {points} or more would do"
+        "detail.max_points = {allowed}, but the coarsest level alone has {points} points in the picture; allow {points} or \
+         more"
     )]
     Coarsest {
         /// Points that are allowed.
@@ -110,7 +111,8 @@ pub enum Error {
     NoLevels,
     /// More points show in a single pixel than fit.
     #[error(
-        "{points} points may show in pixel ({x}, {y}), but the device holds {limit} at a time; a larger --memory-budget or smaller radii would help"
+        "{points} points may show in pixel ({x}, {y}), but the device holds {limit} at a time; use a larger --memory-budget \
+         or smaller radii"
     )]
     PointsOfPixel {
         /// Column.
@@ -123,7 +125,7 @@ pub enum Error {
         limit: u64,
     },
     /// A single pixel overflows the 32-bit counters.
-    #[error("pixel ({x}, {y}) gets more than 2^32 fragments or tiles; fewer or smaller splats would help")]
+    #[error("pixel ({x}, {y}) gets more than 2^32 fragments or tiles; use fewer or smaller splats")]
     PixelOverflow {
         /// Column.
         x: u32,
@@ -140,7 +142,8 @@ pub enum Error {
     },
     /// A window of a single pixel, with the surroundings that filters reach, needs more memory than available.
     #[error(
-        "the filters of all layers reach {halo} pixels around a window of the image, which takes {} of device memory at least; the budget leaves {}: --memory-budget {} would do, or fewer layers or iterations",
+        "the filters of all layers reach {halo} pixels around a window of the image, which takes {} of device memory at \
+         least; the budget leaves {}; use --memory-budget {}, or fewer layers or iterations",
         ByteSize(*.needed), ByteSize(*.available), printed(*.needed)
     )]
     HaloOverBudget {
@@ -153,7 +156,8 @@ pub enum Error {
     },
     /// A window of a single pixel has more tiles than the device can bind, with all around it that filters reach.
     #[error(
-        "the filters of all layers reach {halo} pixels around a window of the image, which has {tiles} tiles of 16 × 16 pixels at least; this device allows {limit}: fewer layers or iterations would do"
+        "the filters of all layers reach {halo} pixels around a window of the image, which has {tiles} tiles of 16 × 16 \
+         pixels at least; this device allows {limit}; use fewer layers or iterations"
     )]
     HaloTooLarge {
         /// Pixels that are rendered on each side of a window.
@@ -173,7 +177,8 @@ pub enum Error {
     },
     /// The sort of splats alone takes more than the budget.
     #[error(
-        "sorting {points} splats needs {} of device memory; the budget leaves {}: --memory-budget {} would do, or for transparent discs method abuffer",
+        "sorting {points} splats needs {} of device memory; the budget leaves {}; use --memory-budget {}, or method abuffer \
+         for transparent discs",
         ByteSize(*.needed), ByteSize(*.available), printed(*.budget)
     )]
     SortOverBudget {
@@ -224,7 +229,8 @@ pub enum Error {
     },
     /// The images of all lights don't fit the budget together, where points come to the device some at a time.
     #[error(
-        "shadows of points that don't all fit the device take images of {resolution} × {resolution} pixels, {count} in all, which need {} together; a quarter of the budget is {}: --memory-budget {} would do, or smaller shadows.samples or shadows.resolution{}",
+        "shadows of points that don't all fit the device take images of {resolution} × {resolution} pixels, {count} in all, \
+         which need {} together; a quarter of the budget is {}; use --memory-budget {}, or smaller shadows.samples or shadows.resolution{}",
         ByteSize(*.needed), ByteSize(*.budget), printed(needed.saturating_mul(4)),
         if *.largest > 0 { format!(" (up to {largest})") } else { String::new() }
     )]
@@ -242,22 +248,21 @@ pub enum Error {
     },
     /// A Gaussian has one place in the order of a method that was to order them pixel by pixel.
     #[error(
-        "order = \"pixel\" orders Gaussians in each pixel, but sorted orders them once: method = \"abuffer\" or order = \"center\" would do"
+        "order = \"pixel\" orders Gaussians in each pixel, but sorted orders them once; use method = \"abuffer\" or order = \
+         \"center\""
     )]
     OneOrder,
     /// Ellipsoids have no single depth for a method that takes one of each splat.
     #[error(
-        "kernel = \"ellipsoid\" integrates along rays through ellipsoids, which method {method} does not: method = \"abuffer\" or \"linked-list\", or kernel = \"ray\" would do"
+        "kernel = \"ellipsoid\" integrates along rays through ellipsoids, which method {method} can't; use method = \
+         \"abuffer\" or \"linked-list\", or kernel = \"ray\""
     )]
     NoEllipsoids {
         /// The method.
         method: &'static str,
     },
     /// Eye-dome lighting of a picture that has no single surface.
-    #[error(
-        "shading.edl shades by the depth of a surface, and method {method} has none: {}",
-        crate::scene::edl_methods()
-    )]
+    #[error("shading.edl needs the depth of a surface, but method {method} has none: {}", crate::scene::edl_methods())]
     NoSurfaceDepth {
         /// The method.
         method: &'static str,

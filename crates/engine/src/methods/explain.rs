@@ -154,7 +154,7 @@ impl Plan<'_> {
         let images = format!("{samples} light(s), {views} image(s) of {0} × {0} pixels", shadows.resolution);
         let points = self.facts.points;
         for (name, reason) in shadows::PASSES.into_iter().zip([
-            format!("{points} points, lit by all lights at first; later frames take what this one finds"),
+            format!("{points} points, first lit by all lights; later frames reuse the result"),
             format!("{images}: nothing is there yet"),
             format!("{images}: the nearest depths"),
             "holes in surfaces are closed, so that no light falls through".to_owned(),
@@ -221,7 +221,7 @@ impl Plan<'_> {
         let reason = if facts.raster == "compute" {
             format!("{large} splats are large enough for tiles")
         } else {
-            "the rasteriser visits the pixels".to_owned()
+            "the rasterizer visits the pixels".to_owned()
         };
         for name in TILES {
             self.add(name, on, reason.clone());

@@ -65,7 +65,7 @@ pub fn refusal(method: MethodChoice) -> Option<String> {
     let method = method.fixed().filter(|method| !method.family().has_opacity())?;
     let name = method.name();
     Some(format!(
-        "no opacity makes light pass through the pictures of method {name}; `auto`, abuffer, sorted, spbr and others have one"
+        "the opacity of points has no effect with method {name}; use `auto`, abuffer, sorted, spbr or another transparent method"
     ))
 }
 

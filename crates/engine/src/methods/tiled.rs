@@ -161,7 +161,7 @@ pub(super) fn explain_stages(plan: &mut Plan<'_>, names: &[&'static str], order:
 
 /// The passes of lists in the plan of a frame without lists.
 pub(super) fn without_lists(plan: &mut Plan<'_>, reason: &str) {
-    plan.rest(&abuffer::COUNT, "lengths of lists are not asked for, and the method needs none");
+    plan.rest(&abuffer::COUNT, "lengths of lists are not requested, and the method does not need them");
     plan.rest(&abuffer::list_passes(), reason);
 }
 

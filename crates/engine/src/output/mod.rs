@@ -36,7 +36,7 @@ pub enum Error {
         path: PathBuf,
     },
     /// The folder of an output file is missing.
-    #[error("{path}: there is no folder {folder}; create it first", path = path.display(), folder = folder.display())]
+    #[error("{path}: no folder {folder}; create it first", path = path.display(), folder = folder.display())]
     NoFolder {
         /// The file to write.
         path: PathBuf,
@@ -44,7 +44,7 @@ pub enum Error {
         folder: PathBuf,
     },
     /// The output's name is that of a folder.
-    #[error("{path}: this is a folder; give the name of a file", path = path.display())]
+    #[error("{path}: this is a folder; give a file name", path = path.display())]
     IsFolder {
         /// The folder.
         path: PathBuf,
@@ -67,8 +67,8 @@ pub enum Error {
     },
     /// The file system has too little room for a file.
     #[error(
-        "{path}: may take {bytes}, and {free} are free there; free some space, write elsewhere, or make it smaller: fewer pixels, fewer \
-         points, --deep-type half",
+        "{path}: may take {bytes}, but only {free} are free there; free some space, write elsewhere, or reduce it (fewer \
+         pixels, fewer points, --deep-type half)",
         path = path.display()
     )]
     NoRoom {
@@ -106,7 +106,8 @@ pub enum Error {
         height: u64,
     },
     /// Two images to compare are not equally large.
-    #[error("{a} has {a_width} × {a_height} pixels and {b} has {b_width} × {b_height}; images to compare must be equally large", a = a.display(), b = b.display())]
+    #[error("{a} has {a_width} × {a_height} pixels, but {b} has {b_width} × {b_height}; only images of the same size can be \
+         compared", a = a.display(), b = b.display())]
     SizesDiffer {
         /// The first file.
         a: PathBuf,
@@ -123,8 +124,8 @@ pub enum Error {
     },
     /// Frames would overwrite other files.
     #[error(
-        "{path}: this file is not a frame of this sequence ({count} such), but of another scene, camera, size or setting, or no \
-         frame at all; give -o another name, or --overwrite to replace them",
+        "{path}: this file is not a frame of this sequence ({count} in total) but of another scene, camera, size or \
+         setting; give -o another name, or --overwrite to replace them",
         path = path.display()
     )]
     Foreign {

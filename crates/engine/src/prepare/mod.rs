@@ -191,14 +191,14 @@ impl Request {
         let difference = self.difference(cloud, prepared);
         let mut notes = Vec::new();
         if self.radii && cloud.radii.is_some() && self.stored_radii(cloud).is_none() {
-            notes.push(format!("prepared with {difference}: radii are computed anew"));
+            notes.push(format!("prepared with {difference}; radii are computed again"));
         }
         if self.fields && self.stored_field(cloud).is_none() {
             let (field, asked) = (&prepared.field, self.field_of(cloud));
             notes.push(if *field == asked {
-                format!("prepared with {difference}: the field is computed anew")
+                format!("prepared with {difference}; the field is computed again")
             } else {
-                format!("prepared for field {:?}, not {:?} as asked: computed anew", field.name(), asked.name())
+                format!("prepared for field {:?} instead of {:?}; computed again", field.name(), asked.name())
             });
         }
         notes

@@ -50,7 +50,7 @@ impl<'a> Course<'a> {
         if let [Some(near), Some(far)] = given
             && near >= far
         {
-            let problem = format!("near ({near}) must be less than far ({far}) where the path says only one of them");
+            let problem = format!("near ({near}) must be less than far ({far}); the path sets only one of them");
             return Err(Error::Conflict { place: Place::Option("[camera]".into()), problem });
         }
         let bounds = &self.subject.bounds;

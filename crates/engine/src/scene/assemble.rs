@@ -80,7 +80,7 @@ pub fn notes(scene: &Scene, clouds: &[Cloud], needs_radii: bool) -> Vec<String> 
 /// Says that the vertical was guessed, where the camera depends on it.
 fn upright_note(scene: &Scene, cloud: &Cloud) -> Option<String> {
     let reason = cloud.up_reason.filter(|_| scene.camera.eye.is_none() && scene.camera.up.is_none())?;
-    Some(format!("its vertical, which the file doesn't say, is taken to be z, {reason}; --up y if it is y"))
+    Some(format!("the file does not say which axis is up; z is assumed, {reason} (--up y changes that)"))
 }
 
 /// The shadow texture that is stored with the scene's cloud, if it matches the scene; else the reason as one sentence,
@@ -104,7 +104,7 @@ pub fn shadow_texture(scene: &Scene, clouds: &[Cloud], seed: u64) -> (Option<Sha
     } else {
         return (Some(texture), None);
     };
-    (None, Some(format!("{}: shadows {why}: cast anew", settings.path.display())))
+    (None, Some(format!("{}: shadows {why}; cast again", settings.path.display())))
 }
 
 /// The data that a scene needs of a cloud's points.

@@ -157,5 +157,5 @@ pub(super) fn note(settings: &CloudSettings, cloud: &Cloud) -> Option<String> {
         Selection::Scalar { name, .. } => is_classification(name),
     };
     let idle = cloud.classification.is_none() && settings.class.iter().any(by_class);
-    idle.then(|| "the file has no classes, so that entries of `class` about classes have no effect on it".to_owned())
+    idle.then(|| "the file has no classes; entries of `class` with an `id` have no effect on it".to_owned())
 }

@@ -135,7 +135,7 @@ pub(super) fn note(settings: &CloudSettings, cloud: &Cloud) -> Option<String> {
     (!by.is_mapped()).then(|| {
         format!(
             "`colormap`, `range`, `reverse` and `log` have no effect, since {why}; color_by (--color-by) height or another \
-             value makes use of them"
+             value uses them"
         )
     })
 }

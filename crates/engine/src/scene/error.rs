@@ -45,8 +45,8 @@ pub enum Error {
     },
     /// A cloud that is read node by node lacks what follows from neighbors.
     #[error(
-        "{path}: {what} would have to be found from the neighbors of all points, which are not in memory at once; `pellucid prepare \
-         {path} -o FOLDER` stores them, more --host-memory loads all points, or another method or setting does without",
+        "{path}: {what} must be found from the neighbors of all points, but these are not in memory at once; store them \
+         with `pellucid prepare {path} -o FOLDER`, load all points with more --host-memory, or choose a method or setting that does not need them",
         path = path.display()
     )]
     Unprepared {
@@ -157,7 +157,10 @@ pub enum Error {
     #[error(transparent)]
     Polygon(#[from] io::Error),
     /// Coordinates beyond what the camera can be computed for.
-    #[error("the scene reaches from {min} to {max}: too far apart or too far out for a camera in float64; use `scale`")]
+    #[error(
+        "the scene extends from {min} to {max}, too large or too far from the origin for a camera in float64; use \
+         `scale`"
+    )]
     Extent {
         /// Smallest corner.
         min: glam::DVec3,
@@ -168,8 +171,8 @@ pub enum Error {
 
 fn no_points(hidden: usize) -> String {
     match hidden {
-        0 => "no finite point is left to draw after `translate` and `scale`".to_owned(),
-        count => format!("no point is left to draw: all {count} are hidden by `class` or cut off by `clip`"),
+        0 => "no finite point remains after `translate` and `scale`".to_owned(),
+        count => format!("no point remains to draw: `class` hides or `clip` cuts off all {count}"),
     }
 }
 

@@ -61,7 +61,8 @@ pub(super) fn camera_of(
     let settings = &with_height(settings, &subject, scene.image.size, vertical);
     let pose = Pose::new(settings, &subject, projection(settings), scene.image.size, vertical);
     let Some(camera) = placed(settings, &pose, &bounds, radius) else {
-        let problem = format!("{} points along the view {}; leave it out or turn it", pose.up, pose.forward);
+        let problem =
+            format!("{} is parallel to the view {}; remove it or choose another direction", pose.up, pose.forward);
         return Err(Error::Conflict { place: super::Place::Option("camera.up".into()), problem });
     };
     let (near, far) = (camera.near, camera.far);
@@ -70,12 +71,12 @@ pub(super) fn camera_of(
     }
     let mut warnings = Vec::new();
     if settings.view.is_given() && (settings.eye.is_some() || settings.target.is_some()) {
-        warnings.push("the view asked for replaces `eye` and `target` of [camera]".to_owned());
+        warnings.push("the requested view replaces `eye` and `target` of [camera]".to_owned());
     }
     if !sees_anything(&camera, points, scene.image.size) {
         warnings.push(format!(
-            "the camera sees nothing: none of the {} points lies between near {near} and far {far} inside the image; \
-             leave [camera] out to frame the whole scene",
+            "the camera sees nothing: none of the {} points lies in the image between near {near} and far {far}; remove \
+             [camera] to show the whole scene",
             points.len()
         ));
     }

@@ -13,7 +13,7 @@ pub fn note_of_layers(scene: &Scene, points: &Points) -> Option<String> {
     let is_near = (suggested / 3.0..=suggested * 3.0).contains(&default);
     let (default, suggested) = (two_digits(default), two_digits(suggested));
     let says = "method.min_layer_distance is 1% of the scene's diagonal";
-    (!is_near).then(|| format!("{says}, {default}; the points' spacing suggests {suggested}"))
+    (!is_near).then(|| format!("{says}, {default}; the spacing of the points suggests {suggested}"))
 }
 
 /// A positive number to two significant digits.
@@ -48,7 +48,7 @@ mod tests {
         let (says, suggested) = sparse.rsplit_once(' ').unwrap();
         assert_eq!(
             says,
-            "method.min_layer_distance is 1% of the scene's diagonal, 0.042; the points' spacing suggests"
+            "method.min_layer_distance is 1% of the scene's diagonal, 0.042; the spacing of the points suggests"
         );
         // 0.29; rings are shifted at random, so that the 8th neighbor gives the spacing to within a seventh.
         assert!((0.25..0.33).contains(&suggested.parse::<f64>().unwrap()), "{suggested}");

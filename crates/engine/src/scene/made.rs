@@ -215,7 +215,7 @@ fn stored(
     }
     if !fits {
         messages.detail(&format_args!(
-            "all points would take {} of memory, {} are allowed: they are read as the picture needs them",
+            "all points would take {} of memory, but only {} are allowed; points are read as the picture needs them",
             ByteSize(needed),
             ByteSize(memory)
         ));
@@ -224,12 +224,12 @@ fn stored(
     if fits && !are_complete(scene, &stores)? {
         let note = match in_parts {
             false => {
-                "the levels of stores have neither the radii nor the normals that the scene needs: points are left out at random instead; \
-                 `pellucid prepare` stores both"
+                "the levels of the stores lack the radii or normals that the scene needs; points are left out at random \
+                 instead (`pellucid prepare` stores both)"
             }
             true => {
-                "the files have neither the radii nor the normals that the scene needs: one rank reads all points to find them; \
-                 `pellucid prepare` stores both"
+                "the files lack the radii or normals that the scene needs; one rank reads all points to find them \
+                 (`pellucid prepare` stores both)"
             }
         };
         messages.note(&note);
@@ -271,7 +271,7 @@ fn warn_of_cloud(path: &Path, cloud: &Cloud, messages: &impl Messages) {
 
 /// Said of a scene of Gaussians alone.
 fn blended_displays() -> String {
-    "colors are blended encoded, since every cloud is of Gaussians".to_owned()
+    "colors are blended as encoded values, because every cloud is of Gaussians".to_owned()
 }
 
 /// How clouds are colored and why, a phrase for each way.

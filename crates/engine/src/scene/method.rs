@@ -18,8 +18,7 @@ pub(super) fn read(table: &Table<'_>) -> Result<MethodChoice, Error> {
     table.refuse_unknown(&known)?;
     let mut choice = choice(table)?;
     if let (Some(softness), true) = (table.get("softness"), table.get("lambda").is_some()) {
-        let problem =
-            "`method.lambda` and `method.softness` are both given, one follows from the other: keep one".into();
+        let problem = "`method.lambda` and `method.softness` set the same thing: keep one".into();
         return Err(Error::Conflict { place: softness.place.clone(), problem });
     }
     let name = choice.name();
@@ -35,7 +34,10 @@ pub(super) fn read(table: &Table<'_>) -> Result<MethodChoice, Error> {
         {
             let own: Vec<_> = words.iter().map(|word| format!("{:?}", word.name)).collect();
             let (key, own) = (key.name, own.join(" and "));
-            table.warn(format!("{place}: this `{key}` is of other methods: {name:?} has {own}, and takes the first"));
+            table.warn(format!(
+                "{place}: this value of `{key}` is for other methods; {name:?} has {own} and takes the \
+                 first"
+            ));
             unread.push(key);
         }
     }

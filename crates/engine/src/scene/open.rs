@@ -105,7 +105,8 @@ pub fn name(inputs: &[PathBuf], overrides: &Overrides, seed: u64) -> crate::Resu
         }
         [path] if is_scene(path) => Document::read(path, overrides)?,
         inputs if inputs.iter().any(is_scene) => {
-            let problem = "a scene file (.toml) comes alone: give either one scene file or point clouds";
+            let problem = "a scene file (.toml) can't be combined with other inputs: give either one scene file or point \
+                 clouds";
             return Err(Error::Usage(problem.into()).into());
         }
         inputs => Document::from_clouds(inputs, overrides)?,

@@ -47,11 +47,11 @@ impl Overrides {
         let place = Place::Option(option);
         let path: Vec<_> = key.split('.').map(|segment| segment.trim().to_owned()).collect();
         if path.len() > MAX_SEGMENTS {
-            let problem = format!("a key of {} segments (at most {MAX_SEGMENTS})", path.len());
+            let problem = format!("a key with {} segments (at most {MAX_SEGMENTS})", path.len());
             return Err(Error::Conflict { place, problem });
         }
         if path.iter().any(String::is_empty) {
-            let problem = format!("{key:?} is no key; write it as in method.shape or cloud.0.opacity");
+            let problem = format!("{key:?} is not a key; write it as in method.shape or cloud.0.opacity");
             return Err(Error::Conflict { place, problem });
         }
         self.entries.push(Entry { path, node: tree::parse_value(text, &place)?, appended });
@@ -145,7 +145,7 @@ fn insert(at: &mut Node, rest: &[String], entry: &Entry) -> Result<(), Error> {
             }
         }
         other => {
-            let problem = format!("goes through {}, which holds no keys", other.describe());
+            let problem = format!("goes through {}, which has no keys", other.describe());
             Err(Error::Value { place: node.place.clone(), key, problem })
         }
     }

@@ -65,7 +65,7 @@ pub(super) fn read_text(path: &Path) -> Result<String, Error> {
         return Err(Error::Empty { path: path.to_owned() });
     }
     if bytes.len() as u64 > MAX_FILE_BYTES {
-        let message = format!("more than {} MiB: this is no scene file", MAX_FILE_BYTES >> 20);
+        let message = format!("larger than {} MiB: not a scene file", MAX_FILE_BYTES >> 20);
         return Err(failed(std::io::Error::new(std::io::ErrorKind::InvalidData, message)));
     }
     String::from_utf8(bytes).map_err(|error| {
@@ -95,7 +95,7 @@ pub(super) fn read_scene(root: &Node, folder: Option<&Path>) -> Result<Scene, Er
     let detail = read(&table.table("detail")?)?;
     check_edl(&table, &shading, &method)?;
     if settings.is_empty() {
-        let problem = "there is no cloud: add [[cloud]] with path = \"FILE\"".into();
+        let problem = "no cloud: add [[cloud]] with path = \"FILE\"".into();
         return Err(Error::Conflict { place: table.place, problem });
     }
     let warnings = context.warnings.take();
@@ -129,7 +129,7 @@ fn cloud(table: &Table<'_>) -> Result<CloudSettings, Error> {
     cloud.read(table)?;
     if let (Some(node), Some(_)) = (table.get("surface_opacity"), table.get("opacity")) {
         let problem =
-            "`opacity` (of a splat) and `surface_opacity` (of all that cover a place) are both given: keep one".into();
+            "`opacity` (of each splat) and `surface_opacity` (of the surface) exclude each other: keep one".into();
         return Err(Error::Conflict { place: node.place.clone(), problem });
     }
     Ok(cloud)
@@ -149,7 +149,7 @@ fn check_edl(root: &Table<'_>, shading: &Shading, method: &MethodChoice) -> Resu
     let table = root.table("shading")?;
     let place = table.get("edl").map_or(&table.place, |node| &node.place).clone();
     let problem = format!(
-        "`shading.edl` shades by the depth of a surface, and method {:?} has none: {}",
+        "`shading.edl` needs the depth of a surface, but method {:?} has none: {}",
         method.name(),
         edl_methods()
     );
@@ -175,7 +175,7 @@ fn shadows(root: &Table<'_>, shading: &Shading, method: &MethodChoice) -> Result
     } else if !method.may_take_shadows() {
         format!("method {:?} takes no shadows: points, squares, circles and other opaque methods do", method.name())
     } else if shading.model == ShadingModel::None {
-        "without shading there are no shadows: shading.model = \"lambert\" or \"phong\" has some".to_owned()
+        "shadows need shading: set shading.model = \"lambert\" or \"phong\"".to_owned()
     } else if shading.light == Light::Headlight {
         "a headlight casts no shadows: give shading.light a direction or a position".to_owned()
     } else {

@@ -79,7 +79,7 @@ impl Layout {
         [0, 1, 2].map(|axis| (place[axis] - self.low[axis]) / self.side(axis))
     }
 
-    /// An eye within a room and a place to look at; `None` unless the points surround their middle as those of a room do.
+    /// An eye within a room and a place to look at; `None` unless the points surround their center, as in a room.
     fn within(&self) -> Option<[DVec3; 2]> {
         if (0..3).any(|axis| self.side(axis) <= 0.0) {
             return None;
@@ -208,8 +208,8 @@ pub fn camera_notes(scene: &Scene, points: &Points, up: UpAxis) -> Vec<String> {
     let layout = if settings.eye.is_none() { Layout::of(points, vertical) } else { None };
     if may_be_inside(settings) && layout.as_ref().is_some_and(|layout| layout.within().is_some()) {
         notes.push(
-            "the points surround the middle of the scene, as those of a room do, so that the camera stands among them; \
-             --view iso looks from outside"
+            "the points surround the middle of the scene, as in a room, so the camera is placed inside; --view iso looks \
+             from outside"
                 .to_owned(),
         );
     }
@@ -231,8 +231,8 @@ fn in_degrees(bounds: &Bounds) -> Option<String> {
     (on_earth && far && wide > 0.0 && extent.z > NEEDLE * wide).then(|| {
         let [x, y, z] = extent.to_array();
         format!(
-            "x and y span {x:.3} and {y:.3}, z spans {z:.1}: if x and y are degrees, a tool such as PDAL projects them to \
-             metres first, or the picture shows a needle"
+            "x and y span only {x:.3} and {y:.3}, but z spans {z:.1}: if x and y are in degrees, project them to meters \
+             first, as with PDAL"
         )
     })
 }
@@ -241,8 +241,8 @@ fn flat_along_another(layout: &Layout, vertical: Vertical) -> Option<String> {
     let flattest = Vertical::nearest(layout.axes[layout.flattest().filter(|axis| *axis != 2)?])?;
     let axis = ["x", "y", "z"][flattest.index()];
     Some(format!(
-        "the vertical is taken to be {vertical}, but the points are flattest along {axis}: --up {axis} or --up -{axis} if that \
-         is the vertical"
+        "{vertical} is assumed to be up, but the points are flattest along {axis}; use --up {axis} or --up -{axis} if that \
+         axis is up"
     ))
 }
 
@@ -261,15 +261,14 @@ fn in_the_background(scene: &Scene, points: &Points) -> Option<String> {
     let is_alike = |color: Vec3| encoded(color).iter().zip(background).all(|(c, b)| (c - b).abs() <= ALIKE);
     if !shaded && share(&is_alike) >= HIDDEN {
         return Some(
-            "nearly all points have the color of the background: --background with another one would show them"
-                .to_owned(),
+            "nearly all points have the color of the background; choose another --background to see them".to_owned(),
         );
     }
     let is_dark = |color: Vec3| color.max_element() <= DARK;
     (points.len() >= FEWEST && is_dark(scene.image.background) && share(&is_dark) >= 0.5).then(|| {
         format!(
-            "{:.0} % of the points are nearly black, as the background is: --background white, or --color-by with height or \
-             something else that the file has, would show more of them",
+            "{:.0} % of the points are nearly black, like the background; --background white or --color-by height shows \
+             more of them",
             100.0 * share(&is_dark)
         )
     })
@@ -365,7 +364,10 @@ mod tests {
         };
         let place = DVec3::new(-83.4, 39.0, 200.0);
         let said = notes("", spread(DVec3::new(0.02, 0.01, 40.0), place));
-        assert!(said.iter().any(|note| note.contains("x and y span 0.020 and 0.010, z spans 39.9")), "{said:?}");
+        assert!(
+            said.iter().any(|note| note.contains("x and y span only 0.020 and 0.010, but z spans 39.9")),
+            "{said:?}"
+        );
         let others = [
             (DVec3::new(200.0, 100.0, 40.0), DVec3::new(5e5, 4.5e6, 100.0)),
             (DVec3::new(0.5, 0.5, 30.0), DVec3::ZERO),
@@ -387,7 +389,7 @@ mod tests {
         let lying = spread(DVec3::new(10.0, 2.0, 10.0), &mut rng);
         let said = notes("", lying.clone());
         assert!(
-            said.len() == 1 && said[0].contains("taken to be z") && said[0].contains("--up y or --up -y"),
+            said.len() == 1 && said[0].contains("z is assumed to be up") && said[0].contains("--up y or --up -y"),
             "{said:?}"
         );
         assert!(notes("[camera]\nup = [0, -1, 0]", lying.clone()).is_empty());

@@ -150,7 +150,7 @@ fn convert(node: Spanned<DeValue<'_>>, place: &dyn Fn(usize) -> Place) -> Result
             Value::Float(number.as_str().parse().map_err(|_| bad(format!("{number} is not a number")))?)
         }
         DeValue::Boolean(value) => Value::Boolean(value),
-        DeValue::Datetime(date) => return Err(bad(format!("no key of a scene holds a date such as {date}"))),
+        DeValue::Datetime(date) => return Err(bad(format!("no key takes a date, found {date}"))),
         DeValue::Array(items) => {
             Value::Array(items.into_iter().map(|item| convert(item, place)).collect::<Result<_, _>>()?)
         }

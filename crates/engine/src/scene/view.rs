@@ -72,11 +72,11 @@ macro_rules! view_names {
 }
 
 view_names! {
-    Front = "front", "The side that a viewer of the file's convention faces: −Y for surveys (from the south), +Z for models.";
+    Front = "front", "From the front: −Y in surveys (from the south), +Z in models.";
     Back = "back", "From behind.";
     Left = "left", "From −X.";
     Right = "right", "From +X.";
-    Top = "top", "From above; north (surveys) or the back (models) is at the image's top.";
+    Top = "top", "From above, with north (surveys) or the back (models) at the top of the image.";
     Bottom = "bottom", "From below.";
     Iso = "iso", "From the front's right and above, all three axes equally foreshortened.";
     South = "south", "From the south and above.";

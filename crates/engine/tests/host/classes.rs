@@ -127,7 +127,7 @@ fn what_an_entry_lacks_or_has_too_much_of_is_an_error() {
     let none =
         scene_of("[[cloud]]\npath = 'a'\nradius = 1\n[[cloud.class]]\nid = 2\nvisible = false", &Overrides::default());
     let error = assemble(&none, vec![cloud(&[2, 2])], true, &Progress::hidden()).unwrap_err();
-    assert_eq!(error.to_string(), "a: no point is left to draw: all 2 are hidden by `class` or cut off by `clip`");
+    assert_eq!(error.to_string(), "a: no point remains to draw: `class` hides or `clip` cuts off all 2");
     let missing = scene_of(
         "[[cloud]]\npath = 'a'\n[[cloud.class]]\nscalar = 'dosis'\nrange = [0, 1]\nopacity = 0",
         &Overrides::default(),

@@ -209,8 +209,5 @@ fn what_is_wrong_with_a_clip_is_said_with_its_place() {
     }
     let none = scene_of("[[clip]]\nslab = { axis = 'x', min = 99 }");
     let error = assemble(&none, vec![cloud()], true, &Progress::hidden()).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "a.ply: no point is left to draw: all 729 are hidden by `class` or cut off by `clip`"
-    );
+    assert_eq!(error.to_string(), "a.ply: no point remains to draw: `class` hides or `clip` cuts off all 729");
 }

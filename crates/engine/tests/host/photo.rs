@@ -324,7 +324,7 @@ fn damaged_pictures_and_bombs() {
         assert_refused(&named("bomb.png", &bomb), None, &["bomb.png", &side.to_string(), says]);
     }
     let empty = write(&folder, "empty.png", [3, 3], ColorType::Rgba, Samples::U8(&[7, 7, 7, 0].repeat(9)));
-    assert_refused(&empty, None, &["cloud without points"]);
+    assert_refused(&empty, None, &["the cloud has no points"]);
 }
 
 /// The checksum of a chunk of a PNG (ISO 3309).

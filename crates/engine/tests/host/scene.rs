@@ -161,7 +161,7 @@ fn contradictions_are_refused() {
         ("[camera]\neye = [1, 2, 3]\ntarget = [1.0, 2, 3]", ":3:10: `camera.eye` and `camera.target` are the same"),
         ("[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 0]\nup = [0, 0, 2]", ":4:6: `camera.up`"),
         ("[[cloud]]\nopacity = 0.5", "a [[cloud]] needs `path`"),
-        ("[image]", "there is no cloud"),
+        ("[image]", "no cloud: add"),
     ];
     for (text, expected) in cases {
         let message = refused(text);
@@ -264,7 +264,7 @@ fn outlines_of_opaque_splats_are_read() {
     // A file whose method was changed by an option.
     for (name, other) in [("hqs", "oriented"), ("cone", "flat"), ("abuffer", "square"), ("auto", "circle")] {
         let scene = with_cloud(&format!("[method]\nname = {name:?}\nshape = {other:?}"));
-        assert!(scene.warnings[0].contains("this `shape` is of other methods"), "{:?}", scene.warnings);
+        assert!(scene.warnings[0].contains("this value of `shape` is for other methods"), "{:?}", scene.warnings);
         assert_eq!(scene.method, with_cloud(&format!("[method]\nname = {name:?}")).method);
     }
     assert!(refused(&format!("[method]\nname = \"hqs\"\nshape = \"round\"\n{CLOUD}")).contains("`method.shape`"));
@@ -303,7 +303,7 @@ fn shadows_without_effect_warn() {
     let down = format!("{lambert}light = [0, -1, 0]\n");
     for (head, line, why) in [
         ("", 1, "a headlight casts no shadows"),
-        ("[shading]\nmodel = \"none\"\nlight = [0, -1, 0]\n", 4, "without shading there are no shadows"),
+        ("[shading]\nmodel = \"none\"\nlight = [0, -1, 0]\n", 4, "shadows need shading"),
         (lambert, 3, "a headlight casts no shadows"),
         (&format!("{down}[method]\nname = \"abuffer\"\n"), 6, "method \"abuffer\" takes no shadows"),
         (&format!("{down}[method]\nname = \"spbr\"\n"), 6, "method \"spbr\" takes no shadows"),

@@ -57,11 +57,11 @@ impl Wish {
         let taken = plan::resolve(scene.method, points).0;
         let stays = format!("{} stays the method", taken.name());
         if scene.shadows.is_some() && taken.takes_shadows() {
-            Some(format!("where there are shadows: {stays}"))
+            Some(format!("with shadows: {stays}"))
         } else if scene.shading.edl.edl {
             Some(format!("with eye-dome lighting, which only some methods have: {stays}"))
         } else if formation(&scene.method.representative(), points).is_err() {
-            Some(format!("on method {}: no other one draws its image", scene.method.name()))
+            Some(format!("with method {}, because no other method draws the same image", scene.method.name()))
         } else {
             None
         }
@@ -169,8 +169,12 @@ pub fn choose(
 
 /// Why nothing could be chosen.
 fn none(only: Option<&str>, refusal: Option<methods::Error>) -> pellucid_engine::Error {
-    let unknown =
-        || scene::Error::Usage(format!("{}: it does not draw what is compared on this scene", only.unwrap_or("any")));
+    let unknown = || {
+        scene::Error::Usage(format!(
+            "{}: this method is not among those compared for this scene",
+            only.unwrap_or("any")
+        ))
+    };
     refusal.map_or_else(|| unknown().into(), Into::into)
 }
 
@@ -180,13 +184,13 @@ fn unfulfilled(wish: Wish, Figures { rmse, gpu_ms }: Figures, size: [u32; 2]) ->
     let time = wish.budget_ms.filter(|most| gpu_ms > *most);
     let missed = match (error, time, wish.max_error) {
         (Some(most), _, _) => {
-            Some(format!("no setting has an RMSE of at most {most}: the most accurate one is taken, with {rmse:.1e}"))
+            Some(format!("no setting has an RMSE of at most {most}; the most accurate one is used, with {rmse:.1e}"))
         }
         (None, Some(most), Some(error)) => Some(format!(
-            "no setting with an RMSE of at most {error} takes at most {most} ms: this one takes {gpu_ms:.1} ms"
+            "no setting with an RMSE of at most {error} takes at most {most} ms; this one takes {gpu_ms:.1} ms"
         )),
         (None, Some(most), None) => {
-            Some(format!("no setting takes at most {most} ms: the fastest one is taken, with {gpu_ms:.1} ms"))
+            Some(format!("no setting takes at most {most} ms; the fastest one is used, with {gpu_ms:.1} ms"))
         }
         (None, None, _) => None,
     }?;
@@ -206,7 +210,7 @@ mod tests {
         assert_eq!(said(Some(0.01), Some(20.0)), "");
         assert!(said(Some(0.001), Some(1.0)).contains("the most accurate one"));
         assert!(said(None, Some(1.0)).contains("the fastest one"));
-        assert!(said(None, Some(5.0)).ends_with("; about 20x15 pixels, or 1 point of 4, would do"));
+        assert!(said(None, Some(5.0)).ends_with("; try about 20x15 pixels, or 1 of every 4 points"));
         assert!(said(Some(0.1), Some(1.0)).contains("takes at most 1 ms"));
     }
 }

@@ -49,12 +49,12 @@ pub(super) fn smaller(size: [u32; 2], gpu_ms: f64, most: f64) -> Option<String> 
     }
     let [width, height] = size.map(|side| (f64::from(side) * share.sqrt()).floor().max(1.0));
     let every = (1.0 / share).ceil();
-    Some(format!("about {width}x{height} pixels, or 1 point of {every}, would do"))
+    Some(format!("try about {width}x{height} pixels, or 1 of every {every} points"))
 }
 
 /// A remark about an error that no picture survives.
 pub(super) fn no_picture(rmse: f64) -> Option<String> {
-    (rmse > NO_PICTURE).then(|| format!("an RMSE of {rmse:.2} is no picture of the scene"))
+    (rmse > NO_PICTURE).then(|| format!("with an RMSE of {rmse:.2} the picture does not show the scene"))
 }
 
 #[cfg(test)]
@@ -88,9 +88,9 @@ mod tests {
 
     #[test]
     fn advice() {
-        assert_eq!(smaller([1000, 500], 400.0, 100.0).unwrap(), "about 500x250 pixels, or 1 point of 4, would do");
+        assert_eq!(smaller([1000, 500], 400.0, 100.0).unwrap(), "try about 500x250 pixels, or 1 of every 4 points");
         assert_eq!((smaller([10, 10], 1.0, 2.0), smaller([10, 10], 1.0, 0.0)), (None, None));
-        assert_eq!(no_picture(0.14).unwrap(), "an RMSE of 0.14 is no picture of the scene");
+        assert_eq!(no_picture(0.14).unwrap(), "with an RMSE of 0.14 the picture does not show the scene");
         assert_eq!(no_picture(0.01), None);
     }
 }

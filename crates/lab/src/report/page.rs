@@ -62,6 +62,11 @@ impl Column {
 
 /// The whole page.
 pub fn page(title: &str, body: &Markup) -> String {
+    document(title, STYLE, &html! { h1 { (title) } (body) })
+}
+
+/// A page with a style of its own. It may not load anything.
+pub fn document(title: &str, style: &str, body: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -70,12 +75,9 @@ pub fn page(title: &str, body: &Markup) -> String {
                 meta http-equiv="Content-Security-Policy" content=(POLICY);
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { (title) }
-                style { (PreEscaped(STYLE)) }
+                style { (PreEscaped(style)) }
             }
-            body {
-                h1 { (title) }
-                (body)
-            }
+            body { (body) }
         }
     };
     page.into_string()

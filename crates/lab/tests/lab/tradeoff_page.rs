@@ -1,7 +1,6 @@
 //! The page of `tradeoff` in a headless browser: it draws, sorts and compares, loads nothing, and complains of nothing.
 //! Without a browser the tests are skipped.
 
-mod browser;
 mod sample;
 
 use std::path::{Path, PathBuf};
@@ -9,15 +8,15 @@ use std::sync::OnceLock;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use browser::Browser;
 use pellucid_engine::output::read_image;
 use pellucid_lab::report::tradeoff;
+use pellucid_testing::browser::{self, Browser};
 use pellucid_testing::skip::{NO_BROWSER, skip};
 use serde_json::Value;
 
 fn with_browser(test: impl FnOnce(&mut Browser)) {
     match browser::find() {
-        Some(program) => test(&mut Browser::start(&program)),
+        Some(program) => test(&mut Browser::start(&program, Path::new(env!("CARGO_TARGET_TMPDIR")))),
         None => skip(NO_BROWSER, "neither Chromium nor Chrome, nor is one named in CHROME"),
     }
 }

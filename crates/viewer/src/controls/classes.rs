@@ -7,7 +7,7 @@ use pellucid_engine::scene::{Change, ClassSettings, Selection, Setting};
 /// What holds of a class of a cloud.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClassLook {
-    /// Opacity in place of the cloud's.
+    /// Opacity of these points, in place of the cloud's.
     pub opacity: Option<f32>,
     /// Color in place of the cloud's, linear.
     pub color: Option<Vec3>,

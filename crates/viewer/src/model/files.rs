@@ -32,7 +32,7 @@ impl Model {
         let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
         let (cameras, files): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| import::is_cameras(file));
         if cameras.len() > 1 {
-            self.message = Some(("there is one camera path at a time: give one file of cameras".to_owned(), true));
+            self.message = Some(("only one camera path can be open: give one file of cameras".to_owned(), true));
             return;
         }
         self.message = Some((format!("reading {}", names.join(", ")), false));
@@ -87,7 +87,7 @@ impl Model {
     /// Like [`Model::save`], to a file of this name.
     pub fn save_to(&mut self, picture: bool, to: Option<PathBuf>) {
         if self.navigator.is_none() || self.viewport.size.contains(&0) {
-            self.message = Some(("nothing is shown yet that could be saved".to_owned(), false));
+            self.message = Some(("no picture yet to save".to_owned(), false));
             return;
         }
         if self.is_leaving() {
@@ -143,8 +143,7 @@ impl Model {
         named.push(".toml");
         let named = PathBuf::from(named);
         if named.exists() {
-            let problem =
-                format!("{} is there already; its whole name says that it is to be replaced", named.display());
+            let problem = format!("{} exists; enter its full name to replace it", named.display());
             self.message = Some((problem, true));
         } else {
             self.save_to(false, Some(named));

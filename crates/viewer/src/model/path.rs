@@ -58,7 +58,7 @@ impl Model {
                 self.go_to_key(self.route.selected().unwrap_or(0));
             }
         } else {
-            self.message = Some(("nothing is shown yet that could be a key".to_owned(), false));
+            self.message = Some(("no picture yet to take a key from".to_owned(), false));
         }
     }
 
@@ -170,7 +170,7 @@ impl Model {
         if self.route.is_playing() {
             self.route.stop();
         } else if self.route.keys().len() < 2 {
-            self.message = Some(("a path needs two keys: K makes one of the present camera".to_owned(), false));
+            self.message = Some(("a path needs two keys: press K to add the current camera".to_owned(), false));
         } else {
             self.route.play();
         }
@@ -209,7 +209,7 @@ impl Model {
                 }
             }
             None => {
-                let said = "this key makes no camera: it is too far away, or near is not less than far";
+                let said = "this key is not a valid camera: it is too far away, or near is not less than far";
                 self.message = Some((said.to_owned(), true));
             }
         }
@@ -242,11 +242,11 @@ impl Model {
     /// Writes the path, and the scene that it leads through, into the current folder.
     pub fn save_path(&mut self) {
         if self.route.keys().is_empty() {
-            self.message = Some(("there is no key yet: K makes one of the present camera".to_owned(), false));
+            self.message = Some(("no keys yet: press K to add the current camera".to_owned(), false));
             return;
         }
         if self.viewport.size.contains(&0) {
-            self.message = Some(("the window has no room for pictures, whose size a path needs".to_owned(), true));
+            self.message = Some(("the window has no room for a picture, and a path needs its size".to_owned(), true));
             return;
         }
         if self.is_leaving() {

@@ -33,7 +33,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
                 if several {
                     ui.label(clouds::name(settings, i));
                 }
-                ui.weak(line.unwrap_or_default()).on_hover_text("a color that a class is given here wins");
+                ui.weak(line.unwrap_or_default()).on_hover_text("a color set here overrides color_by");
             });
         }
         let area = ScrollArea::vertical().id_salt(("classes", i)).max_height(ROOM).auto_shrink([false, true]);
@@ -127,8 +127,8 @@ fn faintness(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings,
     let response = ui.add_enabled(look.visible, opacity_slider(&mut value));
     note(ui, model, &format!("cloud.{i}.class.{code}.opacity"), &response);
     let response = response.on_hover_text(match look.opacity {
-        Some(_) => "opacity in place of the cloud's",
-        None => "the cloud's opacity; moved, the class has its own",
+        Some(_) => "opacity of this class, in place of the cloud's",
+        None => "the cloud's opacity; move to give the class its own",
     });
     response.changed().then(|| ClassKey::Opacity(three_digits(value)))
 }

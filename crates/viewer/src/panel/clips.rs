@@ -23,7 +23,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     }
     add(ui, model, clips.len());
     if clips.iter().any(|clip| matches!(clip.shape, ClipShape::Box { .. })) {
-        ui.weak("drag a face of a box by its dot in the picture");
+        ui.weak("drag a box's dots in the picture to move its faces");
     }
 }
 
@@ -36,9 +36,9 @@ fn add(ui: &mut Ui, model: &mut Model, at: usize) {
     let ahead =
         forward.abs().to_array().into_iter().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(i, _)| i);
     let kinds = [
-        ("box", NewClip::Box, "keeps a box along the axes, at first slightly smaller than the points"),
-        ("slab", NewClip::Slab(vertical), "keeps what lies between two heights, or along another axis"),
-        ("plane", NewClip::Plane(ahead, forward[ahead] > 0.0), "keeps one side of a plane, at first the far half"),
+        ("box", NewClip::Box, "keep the inside of a box along the axes"),
+        ("slab", NewClip::Slab(vertical), "keep the points between two heights, or along another axis"),
+        ("plane", NewClip::Plane(ahead, forward[ahead] > 0.0), "keep one side of a plane"),
     ];
     ui.horizontal(|ui| {
         ui.label("add");
@@ -62,10 +62,10 @@ fn entry(ui: &mut Ui, model: &mut Model, at: usize, clip: &Clip) -> Option<Clip>
         ClipShape::Polygon(file) => format!("polygon {}", file.display()),
     };
     let out = ui.horizontal(|ui| {
-        let out = ui.small_button("×").on_hover_text("takes it out");
+        let out = ui.small_button("×").on_hover_text("remove this clip");
         note(ui, model, &format!("clip.{at}-"), &out);
         ui.label(RichText::new(name).strong());
-        let response = ui.checkbox(&mut edited.invert, "keeps the outside").on_hover_text(hint("clip.0.invert"));
+        let response = ui.checkbox(&mut edited.invert, "keep the outside").on_hover_text(hint("clip.0.invert"));
         note(ui, model, &format!("clip.{at}.invert"), &response);
         out.clicked()
     });
@@ -169,7 +169,7 @@ fn plane(ui: &mut Ui, model: &mut Model, at: usize, point: &mut glam::DVec3, nor
             response.on_hover_text(hint(&key));
         }
     });
-    ui.weak("keeps what lies toward");
+    ui.weak("keep the side toward");
     let turned = vector(ui, model, &format!("clip.{at}.plane.normal"), normal.to_array(), 0.005);
     // A vector without a direction is ignored, as happens while all three numbers are being typed.
     if let Some(numbers) = turned.map(glam::DVec3::from).filter(|v| v.try_normalize().is_some()) {

@@ -30,7 +30,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     } else {
         let all: Vec<usize> = (0..count).collect();
         chooser(ui, model, "*", &all);
-        ui.weak("for all clouds; each has its own under Clouds");
+        ui.weak("for all clouds; Clouds sets each one");
     }
     let facts = model.picture().and_then(|picture| picture.field.clone());
     if let (Some(facts), Some(threshold)) = (facts, model.scene().method.representative().threshold()) {
@@ -44,7 +44,7 @@ pub fn chooser(ui: &mut Ui, model: &mut Model, target: &str, clouds: &[usize]) {
     let known: Vec<_> = clouds.iter().filter_map(|i| Some((scene.clouds.get(*i)?, census.get(*i)?))).collect();
     let fields: Vec<Field> = known.iter().map(|(settings, census)| census.field(settings)).collect();
     let (Some(first), Some((_, some))) = (fields.first(), known.first()) else {
-        ui.weak("the clouds are being looked at");
+        ui.weak("examining the clouds");
         return;
     };
     let same = fields.iter().all(|field| field.name() == first.name());

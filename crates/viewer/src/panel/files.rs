@@ -8,16 +8,27 @@ use crate::model::Model;
 pub fn show(ui: &mut Ui, model: &mut Model) {
     ui.add_enabled_ui(!model.busy, |ui| {
         ui.horizontal_wrapped(|ui| {
-            if ui.button("open…").on_hover_text("a scene, clouds or a camera path (Ctrl+O)").clicked() {
+            if ui.button("open…").on_hover_text("open a scene, clouds or a camera path (Ctrl+O)").clicked() {
                 model.dialog.open();
             }
-            if ui.button("save picture").on_hover_text("with its scene file, into the current folder (F12)").clicked() {
+            if ui
+                .button("save picture")
+                .on_hover_text(
+                    "save the picture and its scene file in the current folder \
+                 (F12)",
+                )
+                .clicked()
+            {
                 model.save(true);
             }
-            if ui.button("save scene").on_hover_text("into the current folder (Ctrl+S)").clicked() {
+            if ui.button("save scene").on_hover_text("save the scene file in the current folder (Ctrl+S)").clicked() {
                 model.save(false);
             }
-            if ui.button("save scene as…").on_hover_text("under any name (Ctrl+Shift+S)").clicked() {
+            if ui
+                .button("save scene as…")
+                .on_hover_text("save the scene file under another name (Ctrl+Shift+S)")
+                .clicked()
+            {
                 model.ask_where_to_save();
             }
         });

@@ -99,7 +99,7 @@ fn saved(ui: &mut Ui, model: &mut Model) {
         if i == 0 { format!("saved {file}") } else { format!("and {file}") }
     });
     let dismissed = ui.horizontal_top(|ui| {
-        let dismissed = ui.small_button("×").on_hover_text("dismisses this line; the files stay");
+        let dismissed = ui.small_button("×").on_hover_text("dismiss this message; the files stay");
         ui.vertical(|ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
             lines.chain(saved.command.clone()).for_each(|line| drop(ui.add(Label::new(small(line)).wrap())));

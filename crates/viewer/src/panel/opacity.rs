@@ -47,11 +47,11 @@ pub fn all(ui: &mut Ui, model: &mut Model, clouds: &[CloudSettings]) {
 pub fn surface(ui: &mut Ui, model: &mut Model, i: usize, cloud: &CloudSettings) {
     let (key, value) = controls::opacity(cloud);
     let mut on = key == "surface_opacity";
-    let response = ui.checkbox(&mut on, "opacity is the surface's");
+    let response = ui.checkbox(&mut on, "opacity of the surface");
     note(ui, model, &format!("cloud.{i}.surface_opacity?"), &response);
     let response = response.on_hover_text(
-        "Discs overlap, so that they hide more together than each of them. Checked, the opacity is that of the surface they lie \
-         on (surface_opacity).",
+        "Overlapping discs hide more than each one alone. If checked, the opacity is that of the surface the discs lie on \
+         (surface_opacity).",
     );
     if response.changed() {
         model.change(&by_the_other_key(i, key, value));

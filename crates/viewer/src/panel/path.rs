@@ -11,7 +11,7 @@ const LIST: f32 = 132.0;
 pub fn show(ui: &mut Ui, model: &mut Model) {
     edit(ui, model);
     if model.route.keys().is_empty() {
-        ui.weak("K makes the present camera a key; between keys the camera moves by itself");
+        ui.weak("press K to add the current camera as a key; the camera moves between keys");
     } else {
         list(ui, model);
         timing(ui, model);
@@ -38,19 +38,26 @@ fn edit(ui: &mut Ui, model: &mut Model) {
     let count = model.route.keys().len();
     let last = selected.is_some_and(|at| at + 1 == count);
     ui.horizontal(|ui| {
-        if button(ui, model, "add", "add key", true, "of the present camera, behind the selected key (K)") {
+        if button(ui, model, "add", "add key", true, "add the current camera after the selected key (K)") {
             model.add_key();
         }
-        if button(ui, model, "replace", "replace", selected.is_some(), "the selected key by the present camera") {
+        if button(
+            ui,
+            model,
+            "replace",
+            "replace",
+            selected.is_some(),
+            "replace the selected key with the current camera",
+        ) {
             model.replace_key();
         }
         if button(ui, model, "delete", "delete", selected.is_some(), "the selected key") {
             model.delete_key();
         }
-        if button(ui, model, "up", "⏶", selected.is_some_and(|at| at > 0), "the selected key comes earlier") {
+        if button(ui, model, "up", "⏶", selected.is_some_and(|at| at > 0), "move the selected key earlier") {
             model.shift_key(true);
         }
-        if button(ui, model, "down", "⏷", selected.is_some() && !last, "the selected key comes later") {
+        if button(ui, model, "down", "⏷", selected.is_some() && !last, "move the selected key later") {
             model.shift_key(false);
         }
     });
@@ -73,7 +80,7 @@ fn row(ui: &mut Ui, model: &mut Model, at: usize) {
     let time = key.time;
     let is_selected = model.route.selected() == Some(at);
     let response = ui.selectable_label(is_selected, format!("{:>3}", at + 1));
-    let response = response.on_hover_text(format!("the eye at {x:.3}, {y:.3}, {z:.3}"));
+    let response = response.on_hover_text(format!("eye at {x:.3}, {y:.3}, {z:.3}"));
     note(ui, model, &format!("key.{}", at + 1), &response);
     if response.clicked() {
         model.go_to_key(at);
@@ -97,11 +104,11 @@ fn row(ui: &mut Ui, model: &mut Model, at: usize) {
 fn timing(ui: &mut Ui, model: &mut Model) {
     ui.horizontal(|ui| {
         let mut closed = model.route.is_closed();
-        if ui.checkbox(&mut closed, "loop").on_hover_text("from the last key back to the first").changed() {
+        if ui.checkbox(&mut closed, "loop").on_hover_text("return from the last key to the first").changed() {
             model.close_route(closed);
         }
         let mut timed = model.route.is_timed();
-        if ui.checkbox(&mut timed, "times").on_hover_text("a time in seconds for each key").changed() {
+        if ui.checkbox(&mut timed, "times").on_hover_text("give each key a time in seconds").changed() {
             model.time_route(timed);
         }
         if !timed {
@@ -113,7 +120,7 @@ fn timing(ui: &mut Ui, model: &mut Model) {
         }
         let mut rate = model.route.rate();
         let drag = DragValue::new(&mut rate).range(1..=240).speed(0.2).suffix(" fps");
-        if ui.add(drag).on_hover_text("frames of a second, of the film that `render` makes").changed() {
+        if ui.add(drag).on_hover_text("frames per second of the film").changed() {
             model.route.set_rate(rate);
         }
         ui.weak(format!("{} frames", model.route.frames()));
@@ -123,7 +130,7 @@ fn timing(ui: &mut Ui, model: &mut Model) {
 fn run(ui: &mut Ui, model: &mut Model) {
     ui.horizontal(|ui| {
         let text = if model.route.is_playing() { "⏸ stop" } else { "▶ play" };
-        if button(ui, model, "play", text, true, "along the path (Space); whatever moves the camera stops it") {
+        if button(ui, model, "play", text, true, "play the path (Space); any camera movement stops it") {
             model.play();
         }
         let (mut position, duration) = (model.route.position(), model.route.duration());
@@ -141,17 +148,16 @@ fn run(ui: &mut Ui, model: &mut Model) {
 fn files(ui: &mut Ui, model: &mut Model) {
     let any = !model.route.keys().is_empty();
     ui.horizontal(|ui| {
-        let hint = "Fills the path with a full turn of the present camera around the vertical through the point that it turns \
-                    about, as far away as it is now: a key every 22.5°.\n`render --turntable` turns around the middle of the \
-                    scene, from so far away that all of it is in every frame.";
+        let hint = "Fill the path with a full turn of the current camera about its pivot: a key every 22.5°.\n`pellucid \
+             render --turntable` turns around the middle of the scene instead, and keeps all of it in every frame.";
         if button(ui, model, "turntable", "turntable", true, hint) {
             model.fill_turntable();
         }
-        let hint = "with the scene, into the current folder (Ctrl+K); the message says how to render it";
+        let hint = "save the path and its scene in the current folder (Ctrl+K); the message shows how to render it";
         if button(ui, model, "save", "save path", any && !model.busy, hint) {
             model.save_path();
         }
-        if button(ui, model, "clear", "clear", any, "takes all keys out") {
+        if button(ui, model, "clear", "clear", any, "remove all keys") {
             model.route.clear();
         }
     });

@@ -15,16 +15,17 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         }
     }
     ui.horizontal(|ui| {
-        ui.label("times (T)").on_hover_text("what the passes of a frame take, over the picture");
+        ui.label("times (T)").on_hover_text("show the time of each pass over the picture");
         for (passes, text) in [(Passes::Hidden, "none"), (Passes::Total, "in all"), (Passes::List, "each pass")] {
             ui.selectable_value(&mut model.shows.passes, passes, text);
         }
     });
-    let hint = "what the colors mean, and a scale bar where the camera is orthographic; `render --legend` draws it into a picture";
+    let hint = "show a legend of the colors, and a scale bar with an orthographic camera; `pellucid render --legend` draws \
+         it into a picture";
     ui.checkbox(&mut model.shows.legend, "legend").on_hover_text(hint);
     if model.picture().is_some_and(|picture| picture.held.is_some()) {
         let mut everything = model.draws_everything();
-        let hint = "also points that are less than a pixel from others: a large cloud takes minutes";
+        let hint = "also draw points closer than a pixel to others; takes minutes for a large cloud";
         if ui.checkbox(&mut everything, "every point at rest").on_hover_text(hint).changed() {
             model.draw_everything(everything);
         }

@@ -113,7 +113,8 @@ fn name_within(ui: &mut Ui, about: &str, label: &str, room: f32) -> Response {
 
 /// The button that removes a given key; keys with a switch have none. Returns true if it was clicked.
 pub fn takes_out(ui: &mut Ui, model: &mut Model, key: &str) -> bool {
-    let response = ui.add(Button::new(RichText::new("⟲").size(11.0)).frame(false)).on_hover_text("back to the default");
+    let response =
+        ui.add(Button::new(RichText::new("⟲").size(11.0)).frame(false)).on_hover_text("reset to the default");
     note(ui, model, &format!("{key} default"), &response);
     response.clicked()
 }

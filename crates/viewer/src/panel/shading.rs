@@ -168,9 +168,9 @@ pub fn shadows(ui: &mut Ui, model: &mut Model) {
     }
     let shading = model.scene().shading;
     if shading.model == ShadingModel::None {
-        ui.weak("none yet: shading has no model");
+        ui.weak("no shadows: shading has no model");
     } else if shading.light == Light::Headlight {
-        ui.weak("none yet: a headlight casts none, the light needs a direction or a position");
+        ui.weak("no shadows: a headlight casts none; give the light a direction or a position");
     }
     let shadows = model.scene().shadows.unwrap_or_default();
     let Shadows { light_radius, .. } = shadows;

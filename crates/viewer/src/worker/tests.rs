@@ -205,7 +205,7 @@ fn a_panic_is_news() {
     let thread = std::thread::spawn(move || {
         teller.tell(News::Stopped(1));
         // Resumes without the panic hook, which is global and would print.
-        std::panic::resume_unwind(Box::new("a defect"));
+        std::panic::resume_unwind(Box::new("a bug"));
     });
     for _ in 0..2 {
         heard.recv_timeout(std::time::Duration::from_secs(60)).expect("a ring");

@@ -41,23 +41,23 @@ fn options(cloud: &Cloud, classes: &Classes, seen: &Overview) -> (Option<&'stati
     let (leaves, roofs) = (points(&VEGETATION), points(&[BUILDING]));
     let told_apart = classes.keys().filter(|code| **code > 1).count() >= ENOUGH_CLASSES;
     if told_apart && leaves > roofs {
-        return (Some("--preset canopy"), "vegetation is a class, which can be faint over what it hides".into());
+        return (Some("--preset canopy"), "the vegetation class becomes faint and shows the points below".into());
     }
     if told_apart && roofs > 0 {
-        return (Some("--preset building"), "buildings are a class, whose roofs can be faint".into());
+        return (Some("--preset building"), "the building class becomes faint and shows the points under roofs".into());
     }
     if seen.inside {
-        return (Some("--preset indoor"), "the points surround their middle as those of a room do".into());
+        return (Some("--preset indoor"), "the points surround their center, as in a room".into());
     }
     if cloud.up == UpAxis::Y && is_near(cloud) && classes.keys().all(|code| *code <= 1) {
         return (Some("--preset model"), "a model: no classes, Y is up".into());
     }
     match seen.layers {
         Some(layers) if layers >= FEW_LAYERS => {
-            let why = format!("half of the light gets through what is now {layers:.1} layers");
+            let why = format!("lets half of the light through {layers:.1} layers");
             (Some("--see-through 0.5"), why)
         }
-        _ => (None, "hardly anything lies behind anything else".into()),
+        _ => (None, "few points hide others".into()),
     }
 }
 

@@ -223,7 +223,7 @@ impl Turn<'_> {
             let (windows, kinds): (Vec<Window>, Option<Vec<bool>>) = decoded(rank, self.ranks);
             let fits = windows.iter().all(|w| !is_empty(*w) && w[2] <= size[0] && w[3] <= size[1]);
             if !fits || kinds.is_some_and(|kinds| kinds != pixels::kinds(&own.image)) {
-                self.ranks.fail(&format!("rank {rank} sent other pixels than were asked for: {windows:?}"), 1);
+                self.ranks.fail(&format!("rank {rank} sent other pixels than requested: {windows:?}"), 1);
             }
             windows.iter().for_each(|window| pixels::receive(&mut own.image, *window, rank, self.ranks));
         }
@@ -249,5 +249,5 @@ pub(super) fn encoded(value: &impl serde::Serialize) -> Vec<u8> {
 /// The value that a rank sends; another one than expected ends all ranks.
 pub(super) fn decoded<T: serde::de::DeserializeOwned>(from: usize, ranks: &Ranks) -> T {
     serde_json::from_slice(&ranks.received(from))
-        .unwrap_or_else(|error| ranks.fail(&format!("rank {from} sent something else than expected: {error}"), 1))
+        .unwrap_or_else(|error| ranks.fail(&format!("rank {from} sent an unexpected message: {error}"), 1))
 }

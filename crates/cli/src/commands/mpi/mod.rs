@@ -33,24 +33,25 @@ use super::profile::ProfileArgs;
 use super::render::{RenderArgs, Target};
 use super::{DeviceArgs, arguments};
 
-/// Renders point clouds you can see through, on many machines: every rank that `mpirun` starts renders a part, and the first one writes
-/// the picture, with the bytes of `pellucid`.
+/// Render point clouds you can see through on many machines.
+///
+/// Every rank that `mpirun` starts renders a part. The first rank writes the picture, with the same bytes as `pellucid`.
 #[derive(Debug, Parser)]
 #[command(name = "pellucid-mpi", version, max_term_width = 100)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// Say less: no progress, no warnings.
+    /// Print no progress and no warnings.
     #[arg(short, long, global = true, conflicts_with = "verbose", display_order = 1000)]
     quiet: bool,
-    /// Say more: what was read, chosen and written, and what it took.
+    /// Print details: files, choices, counts and times.
     #[arg(short, long, global = true, display_order = 1001)]
     verbose: bool,
 }
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Render a scene or point clouds to a picture, or the frames of a path to many.
+    /// Render point clouds or a scene to a picture, or to the frames of a path.
     Render {
         #[command(flatten)]
         args: RenderArgs,
@@ -59,7 +60,7 @@ enum Command {
         #[command(flatten)]
         spread: SpreadArgs,
     },
-    /// Render a few frames with all ranks, and print what each pass costs and what each rank does.
+    /// Render a few frames and print the times of each pass and each rank.
     Profile {
         #[command(flatten)]
         args: ProfileArgs,
@@ -68,13 +69,13 @@ enum Command {
         #[command(flatten)]
         spread: SpreadArgs,
     },
-    /// Print how the ranks would share the work, what else they could share, and what each is expected to take.
+    /// Print the ways to share the work among ranks, with the expected time of each.
     Plan {
         #[command(flatten)]
         args: PlanArgs,
         #[command(flatten)]
         sharing: SharingArgs,
-        /// For so many ranks, whatever the number of those that run.
+        /// Plan for N ranks instead of the running ones.
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
         ranks: Option<u32>,
     },
@@ -168,7 +169,7 @@ fn render(args: &RenderArgs, sharing: &SharingArgs, ranks: &Ranks, console: Cons
     };
     match target {
         Target::One(output) => picture::run(args, sharing, &output, ranks, console),
-        Target::Frames(pattern) | Target::Steps(pattern) => match together(ranks, args.course(console)) {
+        Target::Frames(pattern, _) | Target::Steps(pattern) => match together(ranks, args.course(console)) {
             Ok(Some(along)) => frames::run(args, sharing, (&along, &pattern), ranks, console),
             Ok(None) => Ok(ExitCode::FAILURE),
             Err(status) => Ok(status),
@@ -182,14 +183,24 @@ fn target(args: &RenderArgs) -> Result<Target> {
     let usage = |problem: &str| Err(Error::Usage(problem.to_owned()).into());
     if args.chooses() {
         return usage(
-            "--max-error, --budget and --recalibrate measure one device: choose with pellucid, and give the method here",
+            "--max-error, --budget and --recalibrate measure a single device: choose with `pellucid render`, then give the \
+             method here",
         );
     }
     if args.deep.is_asked() {
-        return usage("--deep is for pellucid: a deep file is written while it is rendered");
+        return usage(
+            "--deep is not supported here, because a deep file is written during rendering; use `pellucid render`",
+        );
     }
     match Target::from_args(args)? {
-        Target::Steps(_) => usage("a time series is for pellucid: its pictures follow from one another"),
+        Target::Frames(_, films) if !films.is_none() => usage(
+            "films and pages are not supported here: render numbered frames (-o frame_%04d.png), then give `pellucid render` the same \
+             options and --html, or make a film of them (ffmpeg -framerate 25 -i frame_%04d.png -pix_fmt yuv420p film.mp4)",
+        ),
+        Target::Steps(_) => usage(
+            "a time series is not supported here, because each picture depends on the previous one; \
+              use `pellucid render`",
+        ),
         target => Ok(target),
     }
 }

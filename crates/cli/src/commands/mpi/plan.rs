@@ -69,13 +69,13 @@ pub fn run(
     };
     let mut text: String = offers.iter().map(line).collect();
     text += &format!(
-        "expected: {:.0} points that show, {:.0} fragments; one rank takes {}; messages: {} each, {:.2} GB/s{}\n",
+        "expected: {:.0} visible points, {:.0} fragments; one rank takes {}; messages: {} each, {:.2} GB/s{}\n",
         job.load.points,
         job.load.fragments,
         time(job.alone()),
         time(link.latency),
         1e-9 * link.bandwidth,
-        if ranks.count() > 1 { ", as measured" } else { ", as is usual: nothing was measured" },
+        if ranks.count() > 1 { ", as measured" } else { " (assumed, not measured)" },
     );
     for (at, ([x0, y0, x1, y1], work)) in windows.iter().zip(&work).enumerate() {
         let whose = if at < count { format!("rank {at}") } else { "on demand".to_owned() };

@@ -81,7 +81,7 @@ impl Ranks {
             mpi::initialize_with_threading(Threading::Multiple).ok_or("MPI is not available in this process")?;
         if threads != Threading::Multiple {
             return Err(
-                "this MPI was built without support for threads (MPI_THREAD_MULTIPLE), which handing out work needs",
+                "this MPI library has no thread support (MPI_THREAD_MULTIPLE), which pellucid-mpi needs to hand out work",
             );
         }
         let world = universe.world();

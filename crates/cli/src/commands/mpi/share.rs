@@ -14,9 +14,11 @@ use super::simulate::SimulateArgs;
 /// How the ranks share the work.
 #[derive(Debug, Args)]
 pub struct SharingArgs {
-    /// What the ranks share. `windows`: parts of the image, cut so that they are expected to cost the same. `ensembles`: the ensembles of
-    /// spbr, or the samples of stochastic. `frames`: those of a path or turntable. `auto` takes what a model of the costs expects to be
-    /// fastest; `pellucid-mpi plan` prints it. The picture has the same bytes in any case.
+    /// Work that the ranks share; the picture has the same bytes in any case.
+    ///
+    /// `windows`: parts of the image, of about the same expected cost. `ensembles`: the ensembles of spbr, or the samples of
+    /// stochastic. `frames`: the frames of a path or turntable. `auto`: whatever a cost model expects to be fastest, as
+    /// `pellucid-mpi plan` prints it.
     #[arg(long, value_name = "WHAT", value_enum, default_value = "auto")]
     pub share: Wanted,
     #[command(flatten)]
@@ -120,7 +122,7 @@ impl Job {
         Offer {
             share: Share::Windows,
             seconds: Some(seconds),
-            why: format!("{} of work a frame on each rank{all}, {} to gather pixels", time(work), time(gather)),
+            why: format!("{} of work per frame on each rank{all}, {} to gather pixels", time(work), time(gather)),
         }
     }
 
@@ -140,7 +142,7 @@ impl Job {
         Offer {
             share,
             seconds: Some(self.frames as f64 * (work + gather)),
-            why: format!("{} of work a frame on each rank, {} to gather sums", time(work), time(gather)),
+            why: format!("{} of work per frame on each rank, {} to gather sums", time(work), time(gather)),
         }
     }
 

@@ -235,7 +235,8 @@ fn compare(own: &[u8], ranks: &Ranks) -> Result<()> {
     let all = ranks.all_told(own);
     match all.iter().position(|one| *one != all[0]) {
         Some(other) => Err(Error::Usage(format!(
-            "rank {other} found another scene, other points or another version of pellucid than rank 0: all ranks have to see the same files"
+            "rank {other} found another scene, other points or another version of pellucid than rank 0: all ranks must see \
+             the same files"
         ))
         .into()),
         None => Ok(()),

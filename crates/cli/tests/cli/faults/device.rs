@@ -68,7 +68,7 @@ fn assert_lost(args: &[&str], fault: &str) -> bool {
 fn assert_out_of_memory(args: &[&str], fault: &str) -> bool {
     let output = failed(args, fault);
     if let Some(output) = &output {
-        let parts = ["out of device memory: ", " needs ", " in use; ", "--memory-budget or --size would help"];
+        let parts = ["out of device memory: ", " needs ", " in use; ", "use a smaller --memory-budget or --size"];
         assert_failed(output, &format!("{args:?} {fault}"), &parts);
     }
     output.is_some()

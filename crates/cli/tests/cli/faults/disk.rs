@@ -180,7 +180,10 @@ fn a_file_system_that_is_only_read_is_an_error_before_any_work() {
         return;
     };
     assert_eq!(status, 1, "{stderr}");
-    assert!(stderr.contains("Read-only file system") && stderr.contains("a folder that you may write to"), "{stderr}");
+    assert!(
+        stderr.contains("Read-only file system") && stderr.contains("choose a folder with write permission"),
+        "{stderr}"
+    );
     assert_eq!(left, "filler\ninner.ply\nold");
 }
 

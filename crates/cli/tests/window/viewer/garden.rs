@@ -90,7 +90,7 @@ fn shows_windows(display: &Display) -> bool {
                 command(folder.path()).env("DISPLAY", &display.name).args(["view", "scene.toml"]).output().unwrap();
             let said = String::from_utf8(view.stderr).unwrap();
             assert_eq!(view.status.code(), Some(1), "{said}");
-            assert!(said.starts_with("error: no picture can be shown in a window: "), "{said}");
+            assert!(said.starts_with("error: can't show pictures in a window: "), "{said}");
             assert!(said.contains("`pellucid render`"), "{said}");
             skip(NO_PRESENTING, &device.info().name);
             false

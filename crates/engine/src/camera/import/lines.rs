@@ -15,7 +15,7 @@ pub fn cameras(path: &Path) -> Result<BTreeMap<u32, Intrinsics>, Error> {
     for (number, line) in entries(&text) {
         let (id, camera) = camera(line).map_err(|problem| wrong(path, number, problem))?;
         if cameras.insert(id, camera).is_some() {
-            return Err(wrong(path, number, format!("there is a camera {id} already")));
+            return Err(wrong(path, number, format!("camera {id} occurs twice")));
         }
     }
     Ok(cameras)

@@ -91,7 +91,7 @@ impl Source {
             true if json.is_file() => Self::read_json(&json),
             true => Err(content(
                 path,
-                "this folder holds neither a transforms.json nor cameras and images of COLMAP (.bin or .txt)",
+                "this folder has neither a transforms.json nor cameras and images of COLMAP (.bin or .txt)",
             )),
             false => Self::read_json(path),
         }
@@ -193,13 +193,10 @@ fn warnings(all: &[Intrinsics]) -> Vec<String> {
         }
     };
     let count = |is: fn(&Intrinsics) -> bool| all.iter().filter(|camera| is(camera)).count();
-    warn(count(|camera| camera.distorted), "the lens distortion is left out: lines stay straight");
+    warn(count(|camera| camera.distorted), "the lens distortion is ignored");
     // A thousandth is a pixel at the edge of a picture of 2000.
     let square = |camera: &Intrinsics| (camera.focal[0] / camera.focal[1] - 1.0).abs() <= 1e-3;
-    warn(
-        all.iter().filter(|camera| !square(camera)).count(),
-        "the focal lengths differ along x and y: the one along y counts",
-    );
+    warn(all.iter().filter(|camera| !square(camera)).count(), "the focal lengths in x and y differ; that in y is used");
     let off = |camera: &Intrinsics| {
         let center = camera.center.unwrap_or(camera.size.map(|side| 0.5 * side));
         (0..2).map(|axis| (center[axis] - 0.5 * camera.size[axis]).abs()).fold(0.0, f64::max)
@@ -207,13 +204,15 @@ fn warnings(all: &[Intrinsics]) -> Vec<String> {
     let most = all.iter().map(off).fold(0.0, f64::max);
     warn(
         all.iter().filter(|camera| off(camera) > 0.5).count(),
-        &format!("the principal point is not the picture's centre, by up to {most:.1} pixels: it is taken to be"),
+        &format!(
+            "the principal point is up to {most:.1} pixels away from the center of the picture; the center is used"
+        ),
     );
     let sizes = all.iter().map(Intrinsics::pixels);
     if let Some([width, height]) = sizes.clone().next()
         && sizes.clone().any(|size| size != [width, height])
     {
-        warnings.push(format!("the pictures differ in size: all are made as large as the first, {width} × {height}"));
+        warnings.push(format!("the pictures differ in size; all get the size of the first, {width} × {height}"));
     }
     warnings
 }

@@ -77,12 +77,11 @@ pub fn read(text: &str, path: &Path) -> Result<Cameras, Error> {
     }
     let mut warnings = warnings(&intrinsics);
     if intrinsics.is_empty() && bent(&file) {
-        warnings.push("the lens distortion is left out: lines stay straight".to_owned());
+        warnings.push("the lens distortion is ignored".to_owned());
     }
     if file.applied_transform.is_some() {
         warnings.push(
-            "its cameras are taken as they are, in the world after its applied_transform; a cloud from before it would have to be \
-             transformed alike"
+            "its cameras are used as they are, after its applied_transform; a cloud from before that needs the same transform"
                 .to_owned(),
         );
     }
@@ -106,7 +105,7 @@ fn pose(rows: &[[f64; 4]]) -> Result<(DVec3, glam::DQuat), String> {
         return Err("transform_matrix puts the camera farther away than 1e75".to_owned());
     }
     let turn = rotation([column(0), column(1), column(2)])
-        .ok_or("transform_matrix holds no rotation: its first three columns must be orthogonal and right-handed")?;
+        .ok_or("transform_matrix is not a rotation: its first three columns must be orthogonal and right-handed")?;
     Ok((eye, turn))
 }
 
@@ -145,7 +144,7 @@ impl Both<'_> {
                 (None, Some(angle)) => Ok(KnownLens::Angle(Angle::Horizontal(angle))),
                 (None, None) if focal_x.or(focal_y).is_some() => Err("fl_x and fl_y need w and h".to_owned()),
                 (None, None) => {
-                    Err("neither fl_x, fl_y, w and h nor camera_angle_x say what the camera sees".to_owned())
+                    Err("the field of view is missing: give fl_x, fl_y, w and h, or camera_angle_x".to_owned())
                 }
             };
         };
@@ -153,7 +152,7 @@ impl Both<'_> {
         let along_x = focal_x.or_else(|| from_angle(width, angle_x));
         let along_y = focal_y.or_else(|| from_angle(height, angle_y));
         let (Some(x), Some(y)) = (along_x.or(along_y), along_y.or(along_x)) else {
-            return Err("neither fl_x nor camera_angle_x says what the camera sees".to_owned());
+            return Err("the field of view is missing: give fl_x or camera_angle_x".to_owned());
         };
         let center = self.get(|lens| lens.cx).zip(self.get(|lens| lens.cy)).map(|(x, y)| [x, y]);
         let camera = Intrinsics { focal: [x, y], center, size: [width, height], distorted: self.is_distorted() };

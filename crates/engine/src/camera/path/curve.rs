@@ -39,7 +39,7 @@ impl Curve {
         let knots = path.keys.iter().enumerate().map(|(number, key)| Knot::new(number, key, defaults));
         let knots = knots.collect::<Result<Vec<_>, _>>()?;
         if let Some(number) = knots.iter().position(|knot| knot.lens.orthographic != knots[0].lens.orthographic) {
-            return Err(Problem::of_key(number, "", "is orthographic and others are not: a path is one or the other"));
+            return Err(Problem::of_key(number, "", "is orthographic, but others are not; a path can't mix them"));
         }
         // A single key has nothing to return from.
         let closed = path.closed && knots.len() > 1;

@@ -68,7 +68,11 @@ impl Knot {
                 // Step by step as `scene::camera` does, so that a key gives the camera of a scene with its vectors, bit for bit.
                 let camera =
                     Camera::look_at(DVec3::ZERO, arm.normalize(), up, projection, 1.0, 2.0).ok_or_else(|| {
-                        Problem::of_key(number, "up", format!("{up} points along the view {arm}; give another one"))
+                        Problem::of_key(
+                            number,
+                            "up",
+                            format!("{up} is parallel to the view {arm}; give another direction"),
+                        )
                     })?;
                 let Camera { right, up: top, forward, .. } = camera;
                 let turn = DQuat::from_mat3(&DMat3::from_cols(right, top, -forward)).normalize();

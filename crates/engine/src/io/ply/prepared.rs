@@ -109,7 +109,7 @@ pub(super) fn recognize(cloud: &mut Cloud, comments: &[(u64, String)]) {
     let mut claim = match read(&text) {
         Ok(claim) => claim,
         Err(why) => {
-            cloud.warnings.push(format!("line {line}: {why}; what `pellucid prepare` stored is not used as such"));
+            cloud.warnings.push(format!("line {line}: {why}; the values stored by `pellucid prepare` are ignored"));
             return;
         }
     };
@@ -131,7 +131,9 @@ pub(super) fn recognize(cloud: &mut Cloud, comments: &[(u64, String)]) {
         let shadows = shadows.and_then(|shadows| {
             let texture = texture(shadows, lit, cloud.len(), &claimed);
             if texture.is_none() {
-                cloud.warnings.push(format!("line {line}: what is said of `lit` was changed: shadows are cast anew"));
+                cloud
+                    .warnings
+                    .push(format!("line {line}: the comment about `lit` was changed; shadows are cast again"));
             }
             texture
         });
@@ -144,7 +146,7 @@ pub(super) fn recognize(cloud: &mut Cloud, comments: &[(u64, String)]) {
         cloud.radii = None;
     }
     cloud.warnings.push(format!(
-        "line {line}: the points were changed since `pellucid prepare`: radii and field are computed anew (prepare them \
+        "line {line}: the points changed after `pellucid prepare`; radii and field are computed again (prepare the file \
          again)"
     ));
 }

@@ -120,8 +120,8 @@ fn check_box(file: &LasFile, chunk: &Chunk, columns: &Columns, bounds: &Bounds) 
         Some(found) if !bounds.holds(&found) => {
             let (first, last) = (chunk.first_point, chunk.first_point + chunk.points - 1);
             let cause = format!(
-                "they reach from {} to {}, but their box from {} to {}; `lasinfo -repair_bb` or a conversion with `pdal translate` \
-                 mends such a box",
+                "they extend from {} to {}, but their box from {} to {}; repair it with `lasinfo -repair_bb` or `pdal \
+                 translate`",
                 found.min, found.max, bounds.min, bounds.max
             );
             Err(file.file.malformed(format!("points {first}–{last}"), cause))

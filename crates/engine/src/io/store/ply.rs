@@ -94,7 +94,7 @@ impl Store for PlyPieces {
         let cloud = Cloud { up: *up, up_reason: like.up_reason, ..cloud };
         let fits = cloud.len() as u64 == known.points && cloud.bounds() == Some(known.bounds);
         if !fits || self.whole.and(whole) != self.whole {
-            let cause = "not the points that were there when the file was opened: it changed meanwhile";
+            let cause = "the file changed after it was opened";
             return Err(self.rows.file.malformed(format!("vertices {}–{}", rows.start, rows.end - 1), cause));
         }
         let mut left_out = left_out.into_iter().peekable();

@@ -50,7 +50,7 @@ pub(super) fn read(
     progress: &Progress,
 ) -> Result<Cloud, Error> {
     if start.starts_with(b"\xff\xfe") || start.starts_with(b"\xfe\xff") {
-        return Err(source.malformed("byte 0", "UTF-16 text; saved as UTF-8 it can be read"));
+        return Err(source.malformed("byte 0", "UTF-16 text is not supported; save the file as UTF-8"));
     }
     if let Some(at) = start.iter().position(|&byte| byte == 0) {
         return Err(source.malformed(format!("byte {at}"), "binary data, not text"));

@@ -25,7 +25,7 @@ impl ColumnNames {
         let mut seen = HashSet::new();
         let twice = (0..known.len()).find(|&at| known[at] != "-" && !seen.insert(&known[at]));
         if let Some(at) = twice {
-            return Err(format!("`{}` comes twice in {text:?}", names[at]));
+            return Err(format!("`{}` occurs twice in {text:?}", names[at]));
         }
         match ["x", "y", "z"].into_iter().find(|&name| !known.iter().any(|known| known == name)) {
             Some(missing) => Err(format!("no `{missing}` in {text:?}, as in \"x,y,z,-,r,g,b\"")),
@@ -217,8 +217,8 @@ mod tests {
             ("", "name 1 of \"\" is empty"),
             ("x,y,,z", "name 3"),
             ("x,y", "no `z` in \"x,y\""),
-            ("x,y,z,X", "`X` comes twice"),
-            ("x,y,z,a,alpha", "`alpha` comes twice"),
+            ("x,y,z,X", "`X` occurs twice"),
+            ("x,y,z,a,alpha", "`alpha` occurs twice"),
         ] {
             assert!(ColumnNames::parse(text).unwrap_err().contains(says), "{text}");
         }

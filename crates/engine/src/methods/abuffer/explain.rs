@@ -182,14 +182,14 @@ fn kernels(plan: &mut Plan<'_>, longest: u32, discs: &Discs) {
         plan.add(name, long && taken, reason);
     }
     let ends = discs.gaussians.stop > 0.0;
-    let end = if ends { reason.clone() } else { "no early end of lists asked for (stop)".to_owned() };
+    let end = if ends { reason.clone() } else { "no early end of lists requested (stop)".to_owned() };
     plan.add("abuffer/end", long && ends, end);
     let wanted = wants_medians(plan);
     plan.add("abuffer/median", long && wanted, if wanted { reason } else { NO_MEDIANS.to_owned() });
 }
 
 /// Why no medians are found.
-const NO_MEDIANS: &str = "neither eye-dome lighting (shading.edl) nor median depths asked for";
+const NO_MEDIANS: &str = "neither eye-dome lighting (shading.edl) nor median depths requested";
 
 /// True if the depths are wanted at which half of the light or less is left.
 fn wants_medians(plan: &Plan<'_>) -> bool {

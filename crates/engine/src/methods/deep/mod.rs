@@ -64,8 +64,8 @@ pub fn check(frame: &Frame, gaussians: bool, state: State) -> Result<(), Error> 
     let refused = |problem: String| Err(Error::Usage(problem));
     if Source::of(&frame.method).is_none() {
         return refused(format!(
-            "--deep: method.name = {name:?} has no list of samples for each pixel; abuffer, linked-list, sorted, peel and \
-             soft-concentric have"
+            "--deep: method.name = {name:?} has no samples per pixel; use abuffer, linked-list, sorted, peel or \
+             soft-concentric"
         ));
     }
     if frame.color == ColorSpace::Encoded {

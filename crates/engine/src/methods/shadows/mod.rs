@@ -128,7 +128,7 @@ pub fn refusal(frame: &Frame) -> Option<String> {
     } else if !frame.method.takes_shadows() {
         Some(format!("method {} takes no shadows", frame.method.name()))
     } else if frame.shading.model == ShadingModel::None {
-        Some("no shading asked for: there is no light that could be missing".to_owned())
+        Some("no shading requested, so no shadows".to_owned())
     } else if frame.shading.light == Light::Headlight {
         Some("a headlight casts no shadows".to_owned())
     } else {

@@ -162,8 +162,8 @@ pub(crate) fn explain_solids(plan: &mut Plan<'_>, why: &str) -> u64 {
     let seen = plan.facts.splatted > 0;
     let counters = if seen { plan.order(Order::Index, EACH_PIXEL) } else { 0 };
     let reasons = [
-        format!("{why}; what is nearest hides what lies deeper"),
-        "what is not hidden is summed by weight".to_owned(),
+        format!("{why}; the nearest splats hide deeper ones"),
+        "splats that are not hidden are summed by weight".to_owned(),
         "sums to colors".to_owned(),
     ];
     for (name, reason) in PASSES.into_iter().zip(reasons) {

@@ -151,7 +151,7 @@ impl Engine for StochasticEngine {
         plan.emptied();
         let why = plan.why;
         if plan.facts.raster == "hardware" {
-            plan.rest(&SAMPLES, "the rasteriser takes the samples");
+            plan.rest(&SAMPLES, "the rasterizer takes the samples");
         }
         plan.rest(&ORDER, &format!("splats are blended in no order: {why}"));
         plan.rest(&tiled::stage_group().names, &format!("samples are taken: {why}"));

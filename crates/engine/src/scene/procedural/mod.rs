@@ -88,7 +88,7 @@ pub struct Generated {
 #[non_exhaustive]
 pub enum Error {
     /// No scene has this name.
-    #[error("no built-in scene is called \"{name}\"{hint}; there are {known}")]
+    #[error("no built-in scene is called \"{name}\"{hint}; expected one of {known}")]
     UnknownScene {
         /// The name asked for.
         name: String,
@@ -150,8 +150,8 @@ pub enum Error {
     },
     /// The volume has no surface at a value.
     #[error(
-        "iso: there is no surface at the value {value}; those of the volume lie from {least} to {greatest}, and a surface is \
-         where some are above and some below"
+        "iso: no surface has the value {value}; the values of the volume range from {least} to {greatest}, and a surface \
+         needs some above it and some below"
     )]
     NoSurface {
         /// The requested value, or the only one in the volume.
@@ -162,7 +162,7 @@ pub enum Error {
         greatest: f64,
     },
     /// More values than available colors.
-    #[error("iso: {values} values are given, and there may be {most}")]
+    #[error("iso: {values} values, but at most {most} are allowed")]
     TooManySurfaces {
         /// The number of given values.
         values: usize,

@@ -11,22 +11,22 @@ settings! {
     /// `[camera]` as given, and the view asked for on the command line; [`camera`](crate::scene::camera) fills in the rest.
     #[derive(Copy)]
     pub struct CameraSettings {
-        /// Where the camera stands; ignored if a view is asked for.
+        /// Position of the camera; ignored if a view is requested.
         eye: Option<DVec3> = None, in Vectors::Any, unit "world units",
             without "the whole scene in view; inside a room that is scanned on all sides";
-        /// The point that the camera looks at; ignored if a view is asked for.
+        /// Point that the camera looks at; ignored if a view is requested.
         target: Option<DVec3> = None, in Vectors::Any, unit "world units", without "the middle of the scene";
-        /// Which direction points to the top of the image; if a view is asked for, the nearest axis is its vertical.
+        /// Direction that points up in the image; a requested view uses the nearest axis.
         up: Option<DVec3> = None, in Vectors::Directions, without "the vertical of the clouds";
-        /// How wide the view is from bottom to top: a perspective camera.
+        /// Vertical field of view of a perspective camera.
         fov_y: Option<f64> = None, in Range::open(0.0, 180.0), unit "degrees", without "45", rival "height";
-        /// How much of the world the image shows from bottom to top: an orthographic camera.
+        /// Height of the image in the world, for an orthographic camera.
         height: Option<f64> = None, in Range::POSITIVE, unit "world units", without "a perspective camera", rival "fov_y";
-        /// An orthographic camera that shows the whole scene, unless `height` says how much.
+        /// Use an orthographic camera; it shows the whole scene unless `height` is given.
         ortho: bool = false, rival "fov_y";
-        /// The nearest depth that is drawn, by the points' own depths.
+        /// Nearest depth that is drawn, measured at the center of each point.
         near: Option<f64> = None, in Range::POSITIVE, unit "world units", without "before the scene";
-        /// The farthest depth that is drawn, by the points' own depths.
+        /// Farthest depth that is drawn, measured at the center of each point.
         far: Option<f64> = None, in Range::POSITIVE, unit "world units", without "behind the scene";
         /// The direction from which the scene is framed; no key sets it.
         view: View = View::default();

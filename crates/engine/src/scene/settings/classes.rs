@@ -105,24 +105,24 @@ impl Part for Vec<ClassSettings> {
         vec![
             key(
                 "class.id",
-                "Of an entry of `[[cloud.class]]`: its points are those of this class. Of several entries the last counts, key by key.",
+                "Class of the points that this entry of `[[cloud.class]]` changes. For each key the last matching entry counts.",
                 Kind::Other(
                     "integer from 0 to 255, or a name as `\"ground\"`, `\"high-vegetation\"`, `\"building\"`, `\"water\"`",
                 ),
                 "by `scalar`",
             ),
+            key("class.scalar", "Name of the scalar that selects the points, with `range`.", Kind::Text, "by `id`"),
+            key("class.range", "Range of the scalar, including both ends.", Kind::Other("`[low, high]`"), "by `id`"),
             key(
-                "class.scalar",
-                "Its points are those whose scalar of this name lies in `range`.",
-                Kind::Text,
-                "by `id`",
+                "class.opacity",
+                "Opacity of these points, in place of the cloud's.",
+                Kind::Number(Range::UNIT),
+                "the cloud's",
             ),
-            key("class.range", "Values of the scalar, both ends included.", Kind::Other("`[low, high]`"), "by `id`"),
-            key("class.opacity", "Opacity in place of the cloud's.", Kind::Number(Range::UNIT), "the cloud's"),
-            key("class.color", "Color in place of the cloud's.", Kind::Color, "the cloud's"),
+            key("class.color", "Color of these points, in place of the cloud's.", Kind::Color, "the cloud's"),
             key(
                 "class.visible",
-                "Points that are not visible are not drawn; they still count for radii, percentiles and the camera.",
+                "False hides these points; they still count for radii, percentiles and the camera.",
                 Kind::Flag,
                 "`true`",
             ),

@@ -54,26 +54,27 @@ impl Clip {
     /// The keys of `[[clip]]` with their descriptions.
     pub fn keys() -> Vec<Key> {
         let key = |name, about, kind| Key { kind, without: "one of the four must be given", ..Key::new(name, about) };
-        let invert = Key {
-            value: Some(false.into()),
-            kind: Kind::Flag,
-            ..Key::new("invert", "Keeps what lies outside instead.")
-        };
+        let invert =
+            Key { value: Some(false.into()), kind: Kind::Flag, ..Key::new("invert", "Keep the outside instead.") };
         vec![
-            key("box", "Keeps a box along the axes.", Kind::Other("`{ min = [x, y, z], max = [x, y, z] }`")),
+            key(
+                "box",
+                "Keep the inside of a box along the axes.",
+                Kind::Other("`{ min = [x, y, z], max = [x, y, z] }`"),
+            ),
             key(
                 "plane",
-                "Keeps the side of a plane that its normal points to.",
+                "Keep the side of a plane that its normal points to.",
                 Kind::Other("`{ point = [x, y, z], normal = [x, y, z] }`"),
             ),
             key(
                 "slab",
-                "Keeps what lies from `min` to `max` along an axis; either may be left out.",
+                "Keep the space from `min` to `max` along an axis; one of them may be left out.",
                 Kind::Other("`{ axis = \"x\", min = …, max = … }`, or `\"y\"`, or `\"z\"`"),
             ),
             key(
                 "polygon",
-                "A GeoJSON file; keeps what lies in one of its polygons, in x and y, and in none of its holes.",
+                "GeoJSON file; keep the inside of its polygons in x and y, without their holes.",
                 Kind::Text,
             ),
             invert,

@@ -18,41 +18,41 @@ use crate::scene::table::Table;
 settings! {
     /// `[[cloud]]`.
     pub struct CloudSettings {
-        /// The file of the points, relative to the folder of the scene file; the name of a built-in cloud.
+        /// File of the points, relative to the folder of the scene file, or the name of a built-in cloud.
         path: PathBuf = PathBuf::new();
-        /// What the points of a file are that holds Gaussian splats.
+        /// How a file of Gaussian splats is drawn.
         primitive: Primitive = Primitive::Gaussians;
-        /// The highest degree of the harmonics of Gaussians that is drawn.
+        /// Highest degree of the spherical harmonics of Gaussians.
         sh_degree: Option<u32> = None, in 0..=MAX_DEGREE, without "the file's", start 0.0;
-        /// One color instead of the file's.
+        /// One color for all points, in place of the file's colors.
         color: Option<Vec3> = None, without "by `color_by`";
-        /// How points without `color` are colored.
+        /// Source of the colors if `color` is not given.
         coloring: ColorSettings = ColorSettings::default();
-        /// What is different about the points of some classes, or of a range of a scalar.
+        /// Opacity, color and visibility of single classes, or of a range of a scalar.
         class: Vec<ClassSettings> = Vec::new();
-        /// How much a point's splat hides, for spbr a surface; the file's alpha multiplies it.
+        /// Opacity of each splat, or for spbr of the surface; multiplied by the file's alpha.
         opacity: f32 = 1.0, in Range::UNIT, slider Slider::Opacity, rival "surface_opacity";
-        /// How much the surface hides that the points lie on, in place of `opacity`: discs are as faint as their overlap asks for.
+        /// Opacity of the surface that the points lie on, in place of `opacity`: the more discs overlap, the fainter each one is.
         surface_opacity: Option<f32> = None, in Range::UNIT, without "by `opacity`", start 0.3, slider Slider::Opacity, rival "opacity";
-        /// One radius for all points, not scaled.
+        /// Radius of all points, not multiplied by `scale`.
         radius: Option<f32> = None, in Range::NOT_NEGATIVE, unit "world units",
             without "the file's, else estimated from neighbors", start 0.003, slider Slider::Lengths(1e-5, 0.1);
-        /// Factor on the radii, wherever they come from, and on the extents of Gaussians.
+        /// Factor on all radii, and on the extents of Gaussians.
         radius_factor: f32 = 1.0, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 4.0);
-        /// K: neighbors that radii and uncertainty are estimated from.
+        /// Number K of neighbors from which radii and uncertainty are estimated.
         neighbors: Option<usize> = None, in 1..=65_535, without "those of a prepared file, else 24", start 24.0,
             slider Slider::Count(1, 256);
         /// Points that stand apart.
         strays: Strays = Strays::default();
-        /// A vector added to positions, after `scale`.
+        /// Vector added to positions, after `scale`.
         translate: DVec3 = DVec3::ZERO, in Vectors::Any, unit "world units";
-        /// Factor on positions and on the file's own radii.
+        /// Factor on positions and on the radii of the file.
         scale: f64 = 1.0, in Range::POSITIVE;
-        /// Where a picture stands, before `scale` and `translate`.
+        /// Position of a picture in the world, before `scale` and `translate`.
         photo: Option<Photo> = None;
         /// Columns of a text file, as in `"x,y,z,-,r,g,b"`.
         columns: Option<ColumnNames> = None, without "by its header or its values";
-        /// F: what tells soft points from solid ones, in the scene's coordinates.
+        /// Field F that separates soft points from solid ones.
         field: Option<Field> = None;
     }
 }
@@ -60,9 +60,9 @@ settings! {
 words! {
     /// What the points of a file with Gaussian splats are.
     pub enum Primitive {
-        /// The Gaussians that they are; of other files points.
+        /// As Gaussians; files without Gaussians as points.
         Gaussians = "gaussians",
-        /// Their centres, with a radius as other points have it.
+        /// As points at the centers of the Gaussians.
         Points = "points",
     }
 }
@@ -110,7 +110,7 @@ impl Part for Option<Field> {
             Key {
                 kind: Kind::Integers(255),
                 without: "none; classification needs some",
-                ..Key::new("soft_classes", "Points of these classes are soft (classification).")
+                ..Key::new("soft_classes", "Classes whose points are soft (classification).")
             },
             Key {
                 unit: "world units",

@@ -10,15 +10,15 @@ use crate::scene::table::Table;
 settings! {
     /// How the points of a `[[cloud]]` without a `color` are colored.
     pub struct ColorSettings {
-        /// The meaning of the colors.
+        /// Source of the colors.
         color_by: ColorBy = ColorBy::Auto;
-        /// The colors of values, from the lowest to the highest.
+        /// Colors of values, from the lowest to the highest.
         colormap: ColormapName = ColormapName::Viridis;
-        /// The values that get the first and the last color; of gps-time in seconds since the first point.
+        /// Values of the first and the last color; gps-time in seconds since the first point.
         range: Option<[f64; 2]> = None, without "percentiles 1 and 99 of the cloud's finite values";
-        /// Turns the colormap round.
+        /// Reverse the colormap.
         reverse: bool = false;
-        /// Logarithmic: colors show ln of values; those that are 0 or less are grey.
+        /// Use a logarithmic scale; values of 0 or less are grey.
         log: bool = false;
     }
     check check;
@@ -68,13 +68,13 @@ pub enum ColorBy {
     Intensity,
     /// The colors of classes.
     Classification,
-    /// The number of a return within its pulse.
+    /// Number of the return within its pulse.
     Return,
-    /// The source of a point, mostly a flight line.
+    /// Source of the point, usually a flight line.
     Source,
     /// Time in seconds since the first point.
     GpsTime,
-    /// The normal's direction: x, y, z as red, green, blue.
+    /// Direction of the normal: x, y, z as red, green, blue.
     Normal,
     /// One color for each cloud.
     Cloud,
@@ -101,10 +101,10 @@ impl ColorBy {
         word("height", "The coordinate along the vertical; with auto darker where intensity is small."),
         word("intensity", "The file's intensity."),
         word("classification", "Classes, each with a color of its own."),
-        word("return", "The number of a return within its pulse."),
-        word("source", "The source of a point, mostly a flight line."),
+        word("return", "Number of the return within its pulse."),
+        word("source", "Source of the point, usually a flight line."),
         word("gps-time", "Seconds since the first point."),
-        word("normal", "The normal's direction: x, y, z as red, green, blue."),
+        word("normal", "Direction of the normal: x, y, z as red, green, blue."),
         word("cloud", "One color for each cloud."),
         word("uniform", "White for all."),
         word("field", "The field F of `field`."),

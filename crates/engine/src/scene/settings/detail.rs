@@ -6,9 +6,9 @@ settings! {
     /// `[detail]`: which points a picture does without, so that the others grow to cover. By default none.
     #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Detail {
-        /// Points are left out where others are as near as this to one another; 0 leaves none out.
+        /// Points that are closer to each other than this are thinned out; 0 keeps all.
         spacing_px: f32 = 0.0, in Range::NOT_NEGATIVE, unit "pixels", slider Slider::Linear(0.0, 16.0);
-        /// Points in the picture, at most: the finest are left out.
+        /// Largest number of points in the picture; the finest levels are left out.
         max_points: Option<u32> = None, in 1..=u32::MAX, without "no limit", start 1_000_000.0;
     }
 }

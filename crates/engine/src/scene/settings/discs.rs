@@ -9,13 +9,13 @@ settings! {
     /// Settings of the disc family (`abuffer` and its relatives).
     #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Discs {
-        /// How discs lie: flat ones face the screen, oriented ones lie in the tangent plane.
+        /// Orientation of discs: flat ones face the screen, oriented ones lie in the tangent plane.
         shape: DiscShape = DiscShape::Flat;
-        /// How opacity falls toward a disc's rim.
+        /// Falloff of opacity toward the rim of a disc.
         falloff: Falloff = Falloff::Flat;
-        /// Visitor of a splat's pixels: compute shaders or the rasteriser; the picture is the same.
+        /// Rasterization by compute shaders or by the hardware rasterizer; the picture is the same.
         raster: Raster = Raster::Auto;
-        /// How long lists of fragments are sorted; the picture is the same.
+        /// Sorting of long lists of fragments; the picture is the same.
         long_lists: LongLists = LongLists::Merge, only &["abuffer", "linked-list"];
         /// How Gaussians are drawn.
         gaussians: GaussianSettings = GaussianSettings::default();
@@ -26,19 +26,19 @@ settings! {
     /// Settings of Gaussian splats, by whatever method of the disc family.
     #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct GaussianSettings {
-        /// How a Gaussian's opacity falls over the pixels.
+        /// Falloff of a Gaussian's opacity over the pixels.
         kernel: Kernel = Kernel::Ewa;
-        /// What Gaussians are ordered by.
+        /// Order of Gaussians.
         order: Option<Order> = None, without "`\"center\"` for sorted, else `\"pixel\"`";
-        /// Most opacity of a Gaussian's fragment.
+        /// Largest opacity of a fragment of a Gaussian.
         alpha_max: f32 = 0.99, in Range::UNIT;
-        /// Where a Gaussian ends: fragments of less opacity are none.
+        /// Smallest opacity of a fragment; a Gaussian ends there.
         alpha_min: f32 = 1.0 / 255.0, in ALPHA_MIN, slider Slider::Powers(1e-5, 0.1);
         /// Added to the variance on the screen along both axes (ewa).
         dilation: f32 = 0.3, in Range::NOT_NEGATIVE, unit "px²", slider Slider::Linear(0.0, 2.0);
-        /// Takes back the opacity that the dilation adds (ewa).
+        /// Compensate for the opacity that the dilation adds (ewa).
         antialias: bool = false;
-        /// A list ends at the first fragment that would leave less than this share of the light, which isn't added; 0 ends none.
+        /// End a list before the fragment that would leave less than this share of the light; 0 never ends a list early.
         stop: f32 = 0.0, in Range::below(0.0, 1.0), slider Slider::Powers(0.0, 0.1), only &["auto", "abuffer", "linked-list", "sorted", "peel"];
     }
 }
@@ -47,7 +47,7 @@ settings! {
 const ALPHA_MIN: Range = Range::closed(1e-6, 1.0);
 
 words! {
-    /// How a Gaussian's opacity falls over the pixels.
+    /// Falloff of a Gaussian's opacity over the pixels.
     pub enum Kernel {
         /// By the Gaussian's projection, linear around its centre (Zwicker et al. 2001; Kerbl et al. 2023).
         Ewa = "ewa",
@@ -59,7 +59,7 @@ words! {
 }
 
 words! {
-    /// What Gaussians are ordered by.
+    /// Order of Gaussians.
     pub enum Order {
         /// The depth of their centres along the viewing axis.
         Center = "center",
@@ -81,7 +81,7 @@ words! {
 }
 
 words! {
-    /// How opacity falls toward a disc's rim.
+    /// Falloff of opacity toward the rim of a disc.
     pub enum Falloff {
         /// Constant.
         Flat = "flat",
@@ -93,11 +93,11 @@ words! {
 words! {
     /// The visitor of a splat's pixels.
     pub enum Raster {
-        /// Whichever is expected to be faster on this device for these splats.
+        /// The one expected to be faster on this device for these splats.
         Auto = "auto",
         /// Compute shaders.
         Compute = "compute",
-        /// The rasteriser, with atomics in the fragment shader.
+        /// The hardware rasterizer, with atomics in the fragment shader.
         Hardware = "hardware",
     }
 }
@@ -121,7 +121,7 @@ settings! {
     pub struct Peel {
         /// Which discs are peeled.
         discs: Discs = Discs::default();
-        /// Layers that are peeled and blended, the nearest ones; 0 is all of them.
+        /// Number of nearest layers that are peeled and blended; 0 means all.
         layers: u32 = 0, in 0..=MAX_LAYERS, slider Slider::Count(0, 256), tried LAYERS;
     }
 }
@@ -144,9 +144,9 @@ settings! {
     pub struct Stochastic {
         /// Which discs are sampled.
         discs: Discs = Discs::default();
-        /// Samples of each pixel: more have less noise and take longer.
+        /// Samples per pixel: more samples have less noise and take longer.
         samples: u32 = 64, in 1..=MAX_SAMPLES, slider Slider::Count(1, 1024), refines true, tried SAMPLES;
-        /// Takes exact opacity, and scales color to it: less noise.
+        /// Use the exact opacity and scale colors to it, for less noise.
         alpha_correction: bool = true;
     }
 }
@@ -169,13 +169,13 @@ settings! {
     pub struct Hybrid {
         /// Which discs are blended.
         discs: Discs = Discs::default();
-        /// So many of the nearest fragments are exact; those behind are the tail.
+        /// Number of nearest fragments that are exact; those behind are the tail.
         k: u32 = 8, in 1..=MAX_K, tried NEAREST;
-        /// Fragments of less opacity are none of the nearest, but belong to the tail, wherever they lie.
+        /// Fragments with less opacity always belong to the tail, at any depth.
         core_alpha_min: f32 = 0.0, in Range::UNIT, slider Slider::Linear(0.0, 0.25);
-        /// How the fragments behind are composed.
+        /// Composition of the tail.
         tail: Tail = Tail::Average;
-        /// Power moments of a tail by moments.
+        /// Number of power moments of the tail (moments).
         moments: MomentCount = MomentCount::Four;
     }
 }
@@ -208,7 +208,7 @@ settings! {
     pub struct Mlab {
         /// Which discs are blended.
         discs: Discs = Discs::default();
-        /// Layers that each pixel keeps while discs come in the order of the files; up to one fragment more is exact.
+        /// Layers kept per pixel while discs come in file order; one fragment more than this is still exact.
         nodes: u32 = 4, in 1..=MAX_NODES, tried NODES;
     }
 }
@@ -228,11 +228,11 @@ settings! {
     pub struct Moments {
         /// Which discs are blended.
         discs: Discs = Discs::default();
-        /// Power moments that each pixel knows its optical depth by.
+        /// Number of power moments of each pixel's optical depth.
         moments: MomentCount = MomentCount::Four, tried MOMENTS;
-        /// Where between its bounds the light before a fragment is taken to be: 0 is the most light, 1 the least.
+        /// Position of the light before a fragment between its bounds: 0 is the most light, 1 the least.
         overestimation: f32 = 0.1, in Range::UNIT;
-        /// Share by which moments are moved toward those of a smooth distribution: more is smoother, less is sharper.
+        /// Share by which moments are moved toward a smooth distribution: more is smoother, less is sharper.
         bias: Option<f32> = None, in Range::UNIT, without "`5e-7`, `5e-6`, `5e-5` for 4, 6, 8 moments", start 5e-6, slider Slider::Powers(1e-8, 0.1);
     }
 }
@@ -307,7 +307,7 @@ settings! {
     pub struct Wavelet {
         /// Which discs are blended.
         discs: Discs = Discs::default();
-        /// Each pixel knows its optical depth by 2^(rank + 1) coefficients.
+        /// Rank of the wavelets; each pixel stores 2^(rank + 1) coefficients of its optical depth.
         rank: u32 = 3, in 1..=MAX_RANK, tried RANKS;
     }
 }

@@ -13,11 +13,11 @@ settings! {
     /// Settings of `spbr`.
     #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Spbr {
-        /// L: random parts of the points whose images are averaged.
+        /// Number L of random parts of the points whose images are averaged.
         ensembles: u32 = 100, in 1..=MAX_ENSEMBLES, slider Slider::Count(1, 1000), refines true, tried ENSEMBLES;
-        /// Slanted surfaces are more opaque (Tanaka et al. 2016, Eq. 2), as they are if nothing is done about it.
+        /// Slanted surfaces appear more opaque (Tanaka et al. 2016, Eq. 2); false compensates for it.
         cos_theta: bool = true;
-        /// Makes the picture as bright as that of the opaque surfaces, as `spbr-simplified` does.
+        /// Brighten the picture to that of opaque surfaces, as `spbr-simplified` does.
         brighten: bool = false;
     }
 }
@@ -26,7 +26,7 @@ settings! {
     /// Settings of `spbr-simplified`.
     #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct SpbrSimplified {
-        /// L: random parts of the points whose images are averaged.
+        /// Number L of random parts of the points whose images are averaged.
         ensembles: u32 = 100, in 1..=MAX_ENSEMBLES, slider Slider::Count(1, 1000), refines true;
         /// Factor p on the colors; auto makes the picture as bright as a single ensemble.
         brightness: Brightness = Brightness::Auto, without "auto", start 1.0, slider Slider::Powers(0.1, 100.0);

@@ -11,9 +11,9 @@ settings! {
     pub struct ImageSettings {
         /// Width and height of the image.
         size: [u32; 2] = [1024, 1024], in 1..=MAX_SIDE, unit "pixels";
-        /// The color behind all points, in linear light whatever `color` says.
+        /// Color behind all points, always in linear light.
         background: Vec3 = Vec3::ZERO;
-        /// Space in which colors are blended: linear light, or encoded as they are stored.
+        /// Color space of blending: linear light, or the encoded (stored) values.
         color: Option<ColorSpace> = None, without "`\"linear\"`; `\"encoded\"` where every cloud is of Gaussians";
     }
 }

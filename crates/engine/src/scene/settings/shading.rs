@@ -13,17 +13,17 @@ settings! {
     /// `[shading]`.
     #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Shading {
-        /// The formula: lambert is matt, phong has highlights, none shows colors as they are; auto is lambert, but not on foliage.
+        /// Shading model: lambert is matt, phong has highlights, none shows plain colors; auto is lambert except on foliage.
         model: ShadingModel = ShadingModel::Auto;
-        /// Light that is everywhere, as a factor on the color.
+        /// Ambient light, as a factor on the color.
         ambient: f32 = 0.2, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 1.0);
-        /// Light by the angle to the normal, as a factor on the color.
+        /// Diffuse light, as a factor on the color.
         diffuse: f32 = 0.8, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 1.0);
         /// Strength of highlights (phong).
         specular: f32 = 0.0, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 1.0);
-        /// How small highlights are (phong): their exponent.
+        /// Exponent of highlights (phong): larger values make them smaller.
         shininess: f32 = 32.0, in Range::NOT_NEGATIVE, slider Slider::Powers(1.0, 1000.0);
-        /// The light: at the eye, from afar along a direction, or at a place.
+        /// Light: at the eye, along a direction, or at a position.
         light: Light = Light::Headlight;
         /// Eye-dome lighting.
         edl: Edl = Edl::default();
@@ -47,11 +47,11 @@ settings! {
     /// Keys of `[shading]` about eye-dome lighting (Boucheny 2009).
     #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Edl {
-        /// Eye-dome lighting: pixels darken the farther they lie behind those around, which shows shape without normals.
+        /// Eye-dome lighting: pixels behind their neighbors get darker, which shows shape without normals.
         edl: bool = false;
-        /// How dark it gets.
+        /// Strength of the darkening.
         edl_strength: f32 = 1.0, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 4.0);
-        /// How far away the pixels are that it compares with.
+        /// Distance to the neighbors it compares with.
         edl_radius: f32 = 1.4, in Range::open(0.0, 100.0), unit "pixels", slider Slider::Linear(1.0, 8.0);
     }
 }
@@ -141,13 +141,13 @@ settings! {
     /// `[shadows]`: one share of light per point (Dobrev et al. 2010, Section 6).
     #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Shadows {
-        /// Lights that stand for one with an extent: more make smoother rims.
+        /// Number of lights that sample an area light; more make smoother edges.
         samples: u32 = 1, in 1..=MAX_SHADOW_SAMPLES, slider Slider::Count(1, 256);
-        /// Extent of the light: degrees around a direction, below 90, or world units around a place; 0 makes hard shadows.
+        /// Radius of the area light: degrees (below 90) around a direction, world units around a position; 0 makes hard shadows.
         light_radius: f32 = 0.0, in Range::NOT_NEGATIVE, slider Slider::Lengths(0.0, 0.25);
-        /// Columns and rows of the light's image.
+        /// Side of the shadow map.
         resolution: u32 = 1024, in 1..=MAX_SIDE, unit "pixels", slider Slider::Count(16, 8192);
-        /// Points so near to the first lit surface are lit with it.
+        /// Points closer than this to the first lit surface are lit, too.
         min_layer_distance: Option<f32> = None, in Range::POSITIVE, unit "world units",
             without "1% of the scene's diagonal", start 0.01, slider Slider::Lengths(1e-5, 1.0);
     }

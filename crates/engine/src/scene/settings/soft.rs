@@ -12,15 +12,15 @@ settings! {
     pub struct Soft {
         /// Threshold t: points with a field F above it are soft, the others solid.
         threshold: f32 = 0.5, in Range::UNIT;
-        /// How dense soft points are: `softness` or `lambda`.
+        /// Density of soft points: `softness` or `lambda`.
         density: Density = Density::Softness(0.5);
-        /// Fields from the threshold up to this one fade in from transparent to the full density.
+        /// Field value of full density; from the threshold up to it points fade in.
         modulation: Option<f32> = None, in Range::UNIT, without "off", start 0.75;
-        /// Spheres that stand for a soft one (soft-concentric); adaptive ones follow its radius in pixels.
+        /// Number of concentric spheres per soft sphere (soft-concentric); adaptive follows its radius in pixels.
         shells: Shells = Shells::Adaptive, without "adaptive", start 8.0, tried SHELLS;
-        /// How thick a shell is where shells are adaptive (soft-concentric).
+        /// Thickness of an adaptive shell (soft-concentric).
         pixels_per_shell: f32 = 4.0, in Range::POSITIVE, unit "pixels", slider Slider::Linear(1.0, 16.0);
-        /// The layout in which a sphere on a ray is stored (soft-base).
+        /// Storage layout of a sphere on a ray (soft-base).
         layout: SoftLayout = SoftLayout::Precise;
     }
     check agree;
@@ -67,7 +67,7 @@ impl Part for Density {
                 value: value(lambda),
                 without: "softness",
                 rival: Some("softness"),
-                ..Key::new("lambda", "The density of soft spheres itself, as in the equations, instead of softness.")
+                ..Key::new("lambda", "Density of soft spheres, as in the equations, in place of softness.")
             },
             Key {
                 kind: Kind::Number(Range::UNIT),
@@ -147,7 +147,7 @@ settings! {
     /// Settings of `one-layer`.
     #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct OneLayer {
-        /// Threshold t: points with a field F above it make the transparent layer, the others are solid.
+        /// Threshold t: points with a field F above it form the transparent layer, the others are solid.
         threshold: f32 = 0.5, in Range::UNIT;
         /// Opacity of the layer.
         softness: f32 = 0.5, in Range::UNIT;

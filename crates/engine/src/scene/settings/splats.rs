@@ -9,9 +9,9 @@ settings! {
     pub struct ScreenSplats {
         /// Factor on the radius of splats.
         size: f32 = 1.0, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 4.0);
-        /// Splats are no larger than this.
+        /// Largest radius of a splat.
         max_pixel_radius: f32 = 25.0, in Range::NOT_NEGATIVE, unit "pixels", slider Slider::Linear(0.0, 100.0);
-        /// Visitor of a splat's pixels: compute shaders or the rasteriser; the picture is the same.
+        /// Rasterization by compute shaders or by the hardware rasterizer; the picture is the same.
         raster: Raster = Raster::Auto, only &["squares", "circles", "paraboloid", "cone", "sphere"];
     }
 }
@@ -22,9 +22,9 @@ settings! {
     pub struct BlendedSplats {
         /// Size and clamp.
         splats: ScreenSplats = ScreenSplats::default();
-        /// So many radii behind the nearest splat others are blended with it.
+        /// Depth, in radii behind the nearest splat, within which others are blended with it.
         blend_depth: f32 = 1.0, in Range::NOT_NEGATIVE, unit "radii", slider Slider::Linear(0.0, 4.0);
-        /// The outline of a splat.
+        /// Outline of a splat.
         shape: SplatShape = SplatShape::Circle, only &["hqs"];
     }
 }
@@ -35,7 +35,7 @@ settings! {
     pub struct Interpolated {
         /// Size and clamp.
         splats: ScreenSplats = ScreenSplats::default();
-        /// The outline of a splat.
+        /// Outline of a splat.
         shape: SplatShape = SplatShape::Circle;
     }
 }

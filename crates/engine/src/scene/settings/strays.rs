@@ -7,14 +7,14 @@ settings! {
     /// Keys of `[[cloud]]` about points that stand apart from the others.
     #[derive(Copy)]
     pub struct Strays {
-        /// Estimated radii are at most so many times the median of the radii around them; 0 is no limit.
+        /// Largest estimated radius, as a multiple of the median radius around it; 0 means no limit.
         radius_cap: Option<f32> = None, in Range::NOT_NEGATIVE, without "that of a prepared file, else 4", start 4.0,
             slider Slider::Linear(0.0, 16.0);
-        /// What becomes of points whose mean distance to their neighbors is far above that of others.
+        /// Treatment of outliers: points whose mean distance to their neighbors is far above that of others.
         outliers: Outliers = Outliers::Keep;
-        /// Neighbors over which that mean distance is taken.
+        /// Number of neighbors in that mean distance.
         outlier_k: usize = 16, in 1..=65_535, slider Slider::Count(1, 64);
-        /// A point is an outlier from so many standard deviations above the mean of the cloud.
+        /// Limit for outliers, in standard deviations above the mean of the cloud.
         outlier_factor: f32 = 3.0, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 10.0);
     }
 }
@@ -22,11 +22,11 @@ settings! {
 words! {
     /// `outliers`.
     pub enum Outliers {
-        /// They are points as others are.
+        /// They are drawn like other points.
         Keep = "keep",
-        /// Methods of soft points take them for soft: F = 1.
+        /// Methods of soft points draw them as soft: F = 1.
         Soft = "soft",
-        /// They are left out, and the picture is framed without them.
+        /// They are left out, also when the picture is framed.
         Drop = "drop",
     }
 }

@@ -271,7 +271,7 @@ fn frames_of_open_and_closed_paths() {
     assert_eq!(eyes(&one, 3), [1.0; 3]);
     let up = Key { up: Some([0.0, 0.0, -2.0]), ..looking([0.0, 0.0, 5.0], [0.0; 3]) };
     let problem = Curve::new(&CameraPath::new(vec![up]), &defaults()).unwrap_err().to_string();
-    assert!(problem.starts_with("keys[0].up: ") && problem.contains("along the view"), "{problem}");
+    assert!(problem.starts_with("keys[0].up: ") && problem.contains("parallel to the view"), "{problem}");
 }
 
 #[test]

@@ -95,7 +95,7 @@ fn what_a_pinhole_lacks_is_said() {
         assert!(said.contains(says) && said.lines().count() == 1, "{said}");
     }
     let said = warnings(r#""fl_x": 101, "fl_y": 100, "w": 200, "h": 100"#);
-    assert!(said.contains("of 2 of 2 cameras the focal lengths differ"), "{said}");
+    assert!(said.contains("of 2 of 2 cameras the focal lengths in x and y differ"), "{said}");
 }
 
 #[test]
@@ -112,8 +112,8 @@ fn damaged_transforms_are_refused() {
         ("{\"frames\": [{}]}".to_owned(), "transform_matrix"),
         (frame("[]", ""), "frames[0]: transform_matrix must have"),
         (frame("[[1,0,0],[0,1,0],[0,0,1]]", ""), "length 4"),
-        (frame("[[1,0,0,0],[0,1,0,0],[0,0,-1,0]]", ""), "no rotation"),
-        (frame("[[1,0,0,0],[0,0,0,0],[0,0,1,0]]", ""), "no rotation"),
+        (frame("[[1,0,0,0],[0,1,0,0],[0,0,-1,0]]", ""), "not a rotation"),
+        (frame("[[1,0,0,0],[0,0,0,0],[0,0,1,0]]", ""), "not a rotation"),
         (frame("[[1,0,0,1e200],[0,1,0,0],[0,0,1,0]]", ""), "1e75"),
         (frame(unit, ", \"h\": 10"), "duplicate"),
         (frame(unit, ", \"camera_angle_x\": 4"), "camera_angle_x"),
@@ -177,7 +177,7 @@ fn colmap_text_by_hand() {
         assert_eq!(said.is_empty(), !bent);
     }
     let off = read(&model(&folder, "1 PINHOLE 200 100 120 100 102 50\n")).warnings().join("\n");
-    assert!(off.contains("focal lengths differ") && off.contains("by up to 2.0 pixels"), "{off}");
+    assert!(off.contains("focal lengths in x and y differ") && off.contains("by up to 2.0 pixels"), "{off}");
     assert_model(&read(&folder.path().join("images.txt")));
     // As COLMAP and nerfstudio lay it out.
     let above = tempfile::tempdir().unwrap();
@@ -205,7 +205,7 @@ fn damaged_colmap_text_names_its_line() {
         ("1 HOLE 200 100 100 100 100 50", "unknown camera model HOLE; known: SIMPLE_PINHOLE"),
         ("-1 PINHOLE", "not a camera's number"),
         ("1", "model is missing"),
-        ("1 PINHOLE 9 9 9 9 9 9\n1 PINHOLE 9 9 9 9 9 9", "cameras.txt:2:1: there is a camera 1 already"),
+        ("1 PINHOLE 9 9 9 9 9 9\n1 PINHOLE 9 9 9 9 9 9", "cameras.txt:2:1: camera 1 occurs twice"),
         ("3 PINHOLE 200 100 100 100 100 50", "image a.jpg: its camera 1 is not among"),
         ("", "its camera 1"),
     ] {

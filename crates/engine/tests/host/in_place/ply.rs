@@ -93,7 +93,7 @@ fn a_file_that_changes_is_noticed() {
     other[at..at + 8].copy_from_slice(&1e9f64.to_le_bytes());
     std::fs::write(&path, &other).unwrap();
     store.read(0).unwrap();
-    assert!(store.read(2).unwrap_err().to_string().contains("changed meanwhile"));
+    assert!(store.read(2).unwrap_err().to_string().contains("the file changed after it was opened"));
     std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
     let error = store.read(2).unwrap_err().to_string();
     assert!(error.contains("became shorter"), "{error}");

@@ -13,7 +13,11 @@ fn missing_empty_folder_and_unknown() {
     assert!(matches!(load(&folder.0.path().join("none.ply")), Err(Error::Missing { .. })));
     assert!(matches!(load(folder.0.path()), Err(Error::Folder { .. })));
     assert_refused("a.ply", "", &["empty file (0 bytes)"]);
-    assert_refused("a.dat", "one 2 3\n", &["known format (PLY, LAS, LAZ, COPC, E57, PCD", "one 2 3"]);
+    assert_refused(
+        "a.dat",
+        "one 2 3\n",
+        &["unknown format; expected a point cloud (PLY, LAS, LAZ, COPC, E57, PCD", "one 2 3"],
+    );
     assert_refused("a.las", "ABCDEFGH", &["byte 0", "expected `LASF`", "ABCD"]);
     assert_refused("a.PLY", "plain text", &["byte 0", "expected `ply`", "plain te"]);
     assert_refused("a.ply", "plywood\nend_header\n", &["line 1", "plywood"]);
@@ -47,11 +51,15 @@ fn more_points_than_memory_holds_are_refused_before_they_are_read() {
 
 #[test]
 fn clouds_without_points() {
-    assert_refused("a.ply", ply("ascii", "0", b""), &["cloud without points"]);
+    assert_refused("a.ply", ply("ascii", "0", b""), &["the cloud has no points"]);
     let rows = b"nan 0 0\n0 inf 0\n";
-    assert_refused("a.ply", ply("ascii", "2", rows), &["without points", "all 2 have a coordinate that is not finite"]);
-    assert_refused("a.las", sample(2, 0, false, 0), &["cloud without points"]);
-    assert_refused("a.laz", sample(2, 0, true, 0), &["cloud without points"]);
+    assert_refused(
+        "a.ply",
+        ply("ascii", "2", rows),
+        &["the cloud has no points", "all 2 have a coordinate that is not finite"],
+    );
+    assert_refused("a.las", sample(2, 0, false, 0), &["the cloud has no points"]);
+    assert_refused("a.laz", sample(2, 0, true, 0), &["the cloud has no points"]);
 }
 
 #[test]

@@ -209,11 +209,11 @@ fn damaged_and_lying_files() {
     for lie in [1_000_000_000_000, u64::MAX] {
         assert_refused("a.e57", count(lie), &["scan 1", &format!("{lie} points of 192 bits each")]);
     }
-    assert_refused("a.e57", count(0), &["without points"]);
+    assert_refused("a.e57", count(0), &["the cloud has no points"]);
     assert_refused("a.e57", xml("<cartesianX", "<wrong"), &["E57 header", "XML"]);
     assert_refused("a.e57", xml("fileOffset=\"", "fileOffset=\"9"), &["scan 1"]);
     assert_refused("a.e57", xml("cartesianX", "otherX"), &["scan 1", "no coordinates"]);
-    assert_refused("a.e57", xml("data3D", "noData"), &["without points"]);
+    assert_refused("a.e57", xml("data3D", "noData"), &["the cloud has no points"]);
     // Constants take no bits, so that any number of them could be claimed.
     let constant = "type=\"Integer\" minimum=\"5\" maximum=\"5\"";
     assert_refused(

@@ -81,7 +81,7 @@ fn octrees_that_lie_are_refused() {
         (|m| m["boundingBox"]["max"][2] = 1e308.into(), "no box"),
         (|m| m["attributes"][5]["numElements"] = u64::MAX.into(), "18446744073709551615 elements"),
         (|m| m["attributes"][5]["type"] = "int128".into(), "unknown variant `int128`"),
-        (|m| m["encoding"] = "BROTLI".into(), "a compression that is not read; convert it anew with"),
+        (|m| m["encoding"] = "BROTLI".into(), "is not supported; convert the source with"),
         (|m| m["version"] = "1.8".into(), "only Potree 2 is known"),
         (|m| m["scale"][1] = 0.into(), "scales must be above 0"),
         (|m| m["boundingBox"]["min"][2] = 9.into(), "no box"),

@@ -156,7 +156,7 @@ fn headers_that_are_wrong() {
     assert_refused("a.pcd", file(&good, "zipped", b""), &["line 10", "\"zipped\"", "binary_compressed"]);
     assert_refused("a.pcd", "hello", &["line 1", "`hello`"]);
     assert_refused("a.pcd", vec![b'#'; 3 << 20], &["no line `DATA` in the first 1048576 bytes"]);
-    assert_refused("a.pcd", file(&header(&XYZ, 0), "binary", b""), &["without points"]);
+    assert_refused("a.pcd", file(&header(&XYZ, 0), "binary", b""), &["the cloud has no points"]);
 }
 
 #[test]

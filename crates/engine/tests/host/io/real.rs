@@ -109,12 +109,12 @@ const REFUSED: &[(&str, &str)] = &[
     ("nasty/laszip_broken_coder.laz", "end before 213093 points are decoded"),
     ("nasty/laszip_broken_compressor.laz", "ompressor"),
     ("nasty/laszip_broken_size.laz", "LAZ"),
-    ("nasty/no-points.las", "without points"),
+    ("nasty/no-points.las", "the cloud has no points"),
     ("nasty/no_vertex.ply", "no element `vertex`"),
     ("nasty/sized_dims.ply", "no property `z`"),
     ("nasty/corrupt_crc.e57", "checksum"),
-    ("nasty/empty_pc.e57", "without points"),
-    ("nasty/empty.e57", "without points"),
+    ("nasty/empty_pc.e57", "the cloud has no points"),
+    ("nasty/empty.e57", "the cloud has no points"),
     ("nasty/badheader.txt", "line 1: no column `z`, only [X, Y, X]"),
 ];
 

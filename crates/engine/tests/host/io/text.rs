@@ -123,7 +123,7 @@ fn columns_that_the_user_names() {
     assert!(message.contains("line 2, column 6: `5 m` is not a number"), "{message}");
     // Where they mean nothing it is said.
     let ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3\n";
-    assert!(named("a.ply", ply, "x,y,z").unwrap().warnings[0].contains("names of columns have no effect"));
+    assert!(named("a.ply", ply, "x,y,z").unwrap().warnings[0].contains("columns have no effect"));
     assert_eq!(named("a.xyz", text, "x,y,z,-,r,g,b").unwrap().warnings, [""; 0]);
 }
 
@@ -162,9 +162,9 @@ fn what_is_no_number() {
         ("x y z\n1 2\n", "line 2: 2 values, but line 1 names 3 columns"),
         ("x y z\n1 2 3 4\n", "line 2: 4 values, but line 1 names 3 columns"),
         ("x y z\nx y z\n1 2 3\n", "line 2, column 1: `x` is not a number"),
-        ("x y z\n", "cloud without points"),
-        ("# nothing\n", "cloud without points"),
-        (" \n\n", "cloud without points"),
+        ("x y z\n", "the cloud has no points"),
+        ("# nothing\n", "the cloud has no points"),
+        (" \n\n", "the cloud has no points"),
         ("12\n", "truncated"),
     ] {
         assert_refused("a.txt", text, &[says]);

@@ -104,9 +104,9 @@ impl ApplicableSettings {
         let unclamped = ScreenSplats { max_pixel_radius: f32::MAX, ..ScreenSplats::default() };
         let circles = Setting::single(Method::Circles(unclamped), &format!("method.max_pixel_radius={:e}", f32::MAX));
         if !occasion.opaque {
-            self.skipped.push(circles.skipped("draws opaque discs, and not all of this scene are"));
+            self.skipped.push(circles.skipped("draws opaque discs, but some of this scene are transparent"));
         } else if occasion.oriented {
-            self.skipped.push(circles.skipped("draws discs that face the screen, and those of this scene don't"));
+            self.skipped.push(circles.skipped("draws discs that face the screen, but those of this scene don't"));
         } else {
             // Before the ladders, with the other exact ones.
             let at = self.settings.iter().position(|setting| setting.step.is_some()).unwrap_or(self.settings.len());

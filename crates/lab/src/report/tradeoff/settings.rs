@@ -233,9 +233,8 @@ pub fn formation(method: &Method, points: &Points) -> Result<Formation, scene::E
         Some(Method::SoftBase(soft)) => Ok(Formation::Soft { soft, from_lambda }),
         Some(Method::Spbr(spbr)) => Ok(Formation::Ensembles(spbr)),
         _ => Err(scene::Error::Usage(format!(
-            "method {} draws points in a way of its own, so that there is nothing to compare it with; \
-             --method auto compares the methods of transparent discs, --method circles those of opaque points, \
-             --method soft-base those of soft spheres, --method spbr numbers of ensembles",
+            "no other method draws the same image as {}, so there is nothing to compare; --method auto compares the methods \
+             of transparent discs, --method circles those of opaque points, --method soft-base those of soft spheres, --method spbr numbers of ensembles",
             method.name()
         ))),
     }

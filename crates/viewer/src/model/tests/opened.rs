@@ -34,13 +34,13 @@ fn files_that_are_opened_one_upon_the_other_are_waited_for() {
 fn a_scene_without_a_picture_does_not_promise_one() {
     let mut model = model();
     let request = asked(&mut model, Instant::now()).unwrap();
-    assert!(model.line_without_picture().unwrap().contains("on its way"));
+    assert!(model.line_without_picture().unwrap().contains("rendering the first picture"));
     model.take_in(News::Failed(request.serial, "no property `height`".into())).unwrap();
     assert!(model.line_without_picture().unwrap().contains("no picture"));
     // Another setting may have one, and then nothing is wrong any more.
     model.navigate(|_| ());
     model.look_from(View::default());
-    assert!(model.line_without_picture().unwrap().contains("on its way"));
+    assert!(model.line_without_picture().unwrap().contains("rendering the first picture"));
     let request = asked(&mut model, Instant::now()).unwrap();
     model.take_in(picture(&request, true)).unwrap();
     assert_eq!((model.line_without_picture(), &model.message), (None, &None));

@@ -153,7 +153,7 @@ fn a_scene_is_saved_under_the_name_that_was_chosen() {
     assert_eq!(chosen("a.b").unwrap(), "a.b.toml");
     // For a complete name the dialog has already asked whether to replace the file.
     assert_eq!(chosen("there.toml").unwrap(), "there.toml");
-    assert!(chosen("there").unwrap_err().contains("is there already"));
+    assert!(chosen("there").unwrap_err().contains("exists; "));
 }
 
 #[test]
@@ -230,7 +230,7 @@ fn cameras_are_told_from_clouds() {
     for ask in [Model::play, Model::save_path] {
         model.message = None;
         ask(&mut model);
-        assert!(model.message.as_ref().is_some_and(|(text, wrong)| text.contains("K makes one") && !wrong));
+        assert!(model.message.as_ref().is_some_and(|(text, wrong)| text.contains("press K") && !wrong));
     }
     assert!(!model.route.is_playing() && model.next_task(now).is_none());
 }

@@ -20,20 +20,26 @@ use crate::commands::console::{Console, print};
 /// What is simulated.
 #[derive(Debug, Clone, Args)]
 pub struct SimulateArgs {
-    /// Predict the times of a frame on 1, 2, 4 and so on up to RANKS ranks, from what its parts take on the first rank's device. Prints
-    /// CSV; renders no picture. Each rank is taken to have a device as fast as this one.
+    /// Predict the time of a frame on 1, 2, 4 … up to RANKS ranks.
+    ///
+    /// Measures the parts of the frame on the first rank's device and assumes that every rank has an equally fast one. Prints CSV
+    /// and writes no picture.
     #[arg(long, value_name = "RANKS", value_parser = clap::value_parser!(u32).range(1..=1 << 20), help_heading = "Simulation")]
     simulate: Option<u32>,
-    /// So many ranks run at once at full speed, others wait: for ranks that share the cores of one machine.
+    /// Number of ranks that run at full speed at the same time, for ranks on one machine.
     #[arg(long, value_name = "N", requires = "simulate", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Simulation")]
     at_once: Option<u32>,
-    /// Seconds of a message without content; by default measured between the first two ranks, with one rank 30e-6.
+    /// Latency of an empty message in seconds.
+    ///
+    /// Default: measured between the first two ranks; with one rank 30e-6.
     #[arg(long, value_name = "SECONDS", requires = "simulate", value_parser = positive, help_heading = "Simulation")]
     latency: Option<f64>,
-    /// Bytes per second of a message; by default measured between the first two ranks, with one rank 2e9.
+    /// Bandwidth of messages in bytes per second.
+    ///
+    /// Default: measured between the first two ranks; with one rank 2e9.
     #[arg(long, value_name = "BYTES", requires = "simulate", value_parser = positive, help_heading = "Simulation")]
     bandwidth: Option<f64>,
-    /// Also draw speedup and efficiency.
+    /// Also draw speedup and efficiency to an SVG file.
     #[arg(long, value_name = "FILE.svg", requires = "simulate", help_heading = "Simulation")]
     plot: Option<PathBuf>,
 }

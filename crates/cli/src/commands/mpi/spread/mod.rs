@@ -38,8 +38,10 @@ const PIECE: usize = 16 << 20;
 /// How points are held.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct SpreadArgs {
-    /// Spread the points over the ranks: each has a part of them in memory, and gets those of others that its part of the picture needs.
-    /// Only the first rank reads files. For clouds that no machine has the memory for, and for machines that share no file system. Not for
+    /// Distribute the points over the memory of the ranks.
+    ///
+    /// For clouds larger than the memory of one machine, and for machines without a shared file system. Only the first rank reads
+    /// files. Each rank keeps a part of the points and receives the others that its part of the picture needs. Not available for
     /// spbr, shadows and levels of detail.
     #[arg(long)]
     pub spread: bool,

@@ -33,7 +33,7 @@ pub fn send_to_others(ranks: &Ranks, order: &Order, bytes: Option<&[u8]>) -> Res
     let written = encoded(order);
     // Text has no infinite numbers, and has to have all others to the last bit.
     if serde_json::from_slice::<Order>(&written).ok().as_ref() != Some(order) {
-        return Err(Error::Usage("--spread: a setting is infinite or no number".to_owned()).into());
+        return Err(Error::Usage("--spread: a setting is infinite or not a number".to_owned()).into());
     }
     for rank in 1..ranks.count() {
         ranks.send(rank, &written);

@@ -49,7 +49,7 @@ pub fn serve(device: &DeviceArgs, ranks: &Ranks) -> Result<ExitCode> {
             }),
             Order::Render { frame, rounds, timed, listed } => match &mut worker {
                 Some(worker) => worker.render(ranks, (&frame, &rounds), &portion, (timed, listed))?,
-                None => ranks.fail("rank 0 wants a picture before it told of the scene", 1),
+                None => ranks.fail("rank 0 asked for a picture before it sent the scene", 1),
             },
             Order::Stop => return Ok(ExitCode::SUCCESS),
         }

@@ -62,7 +62,7 @@ impl Kind {
 impl<'a> Numbers<'a> {
     /// The numbers of an accessor whose elements have this shape, or what is wrong with it.
     pub fn find(document: &Document, buffers: &'a Buffers, number: usize, shape: &str) -> Result<Self, String> {
-        let of = |what: &str, number: usize| format!("there is no {what} {number}");
+        let of = |what: &str, number: usize| format!("no {what} has the number {number}");
         let accessor = document.accessors.get(number).ok_or_else(|| of("accessor", number))?;
         let named = format!("accessor {number}");
         if accessor.shape != shape {

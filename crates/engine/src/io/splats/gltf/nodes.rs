@@ -71,7 +71,7 @@ fn roots(document: &Document) -> Result<Vec<usize>, Wrong> {
     let number = document.scene.unwrap_or(0);
     match document.scenes.get(number) {
         Some(scene) => Ok(scene.nodes.clone()),
-        None if document.scene.is_some() => Err(("scene".to_owned(), format!("there is no scene {number}"))),
+        None if document.scene.is_some() => Err(("scene".to_owned(), format!("no scene has the number {number}"))),
         None => {
             let mut is_root = vec![true; document.nodes.len()];
             let children = document.nodes.iter().flat_map(|node| &node.children);

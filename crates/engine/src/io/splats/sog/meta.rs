@@ -88,7 +88,8 @@ impl Meta {
             Some(other) => return Err(wrong(format!("SOG version {other}, expected {VERSION}"))),
             None if value.get("means").is_some() => {
                 return Err(wrong(
-                    "no `version`: SOG 1, which is not read; the tool that made it writes SOG 2 by now".into(),
+                    "no `version`: SOG 1 is not supported; convert it with a newer version of its tool, which writes SOG \
+                     2".into(),
                 ));
             }
             None => return Err(wrong("neither `version` nor `means`: not the description of SOG splats".into())),

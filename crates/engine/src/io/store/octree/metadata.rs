@@ -137,8 +137,7 @@ pub(crate) fn read(path: &Path) -> Result<Checked, Error> {
     }
     if metadata.encoding != "DEFAULT" {
         let cause = format!(
-            "{:?} is a compression that is not read; convert it anew with `--encoding UNCOMPRESSED`, or `pellucid prepare` \
-             the source",
+            "compression {:?} is not supported; convert the source with `--encoding UNCOMPRESSED` or with `pellucid prepare`",
             metadata.encoding
         );
         return Err(malformed("encoding", cause));
@@ -171,7 +170,7 @@ fn bounds(corners: &Corners) -> Result<Bounds, String> {
 /// What this program added, if it can be used; a warning if not.
 fn about(metadata: &Metadata, warnings: &mut Vec<String>) -> Option<About> {
     let value = metadata.pellucid.clone()?;
-    let refused = |why: String| format!("{METADATA}: {why}; what `pellucid prepare` stored is not used as such");
+    let refused = |why: String| format!("{METADATA}: {why}; the values stored by `pellucid prepare` are ignored");
     match value.get("version").and_then(serde_json::Value::as_u64) {
         Some(VERSION) => {}
         Some(version) => {

@@ -77,8 +77,7 @@ impl Octree {
                 path: folder.join("cloud.js"),
                 place: "format".to_owned(),
                 cause:
-                    "an octree of Potree 1, which is not read; convert its source with PotreeConverter 2 or `pellucid \
-                        prepare`"
+                    "an octree of Potree 1 is not supported; convert its source with PotreeConverter 2 or `pellucid prepare`"
                         .to_owned(),
             });
         }

@@ -136,7 +136,7 @@ fn spz_headers() {
     );
     assert_refused("a.spz", gzip(&spz(4, 1, 0, 12)), &["version 4 in a gzip stream, expected 1, 2 or 3"]);
     assert_refused("a.spz", "nothing", &["byte 0", "expected `NGSP` or"]);
-    assert_refused("a.spz", gzip(&spz(2, 0, 0, 12)), &["cloud without points"]);
+    assert_refused("a.spz", gzip(&spz(2, 0, 0, 12)), &["the cloud has no points"]);
     // The last eight bytes are checksum and length.
     let mut wrong = bytes("soup-v2.spz");
     let at = wrong.len() - 8;
@@ -179,7 +179,7 @@ fn sog_descriptions() {
     type Change = fn(&mut Value);
     let cases: [(Change, &[&str]); 20] = [
         (|json| json["version"] = 3.into(), &["/meta.json: ", "SOG version 3, expected 2"]),
-        (|json| drop(json.as_object_mut().unwrap().remove("version")), &["/meta.json: ", "SOG 1, which is not read"]),
+        (|json| drop(json.as_object_mut().unwrap().remove("version")), &["/meta.json: ", "SOG 1 is not supported"]),
         (|json| *json = json!({}), &["/meta.json: ", "neither `version` nor `means`"]),
         (|json| drop(json.as_object_mut().unwrap().remove("quats")), &["/meta.json: ", "missing field `quats`"]),
         (|json| json["count"] = (-1).into(), &["/meta.json: ", "invalid value"]),

@@ -170,7 +170,7 @@ fn what_is_refused_says_why() {
         (|json| json["nodes"][1]["scale"] = json!([1, 1, 2]), &["node 1", "scales them differently along its axes"]),
         (|json| json["nodes"][1]["children"] = json!([0]), &["node 0", "belongs to two nodes, or to itself"]),
         (|json| json["nodes"][1]["mesh"] = 7.into(), &["node 1", "there is no mesh 7"]),
-        (|json| json["scene"] = 3.into(), &["scene", "there is no scene 3"]),
+        (|json| json["scene"] = 3.into(), &["scene", "no scene has the number 3"]),
         (|json| json["scenes"][0]["nodes"] = json!([9]), &["node 9", "no such node"]),
         (|json| json["meshes"][0]["primitives"][0]["mode"] = 4.into(), &["mesh 0, primitive 0", "mode 4, expected 0"]),
         (

@@ -161,7 +161,7 @@ fn splats_and_other_points_are_no_single_store() {
     let error = build(&inputs, &target, &settings(100, ROOMY), &Progress::hidden()).unwrap_err();
     assert!(matches!(error, Error::Mixed { .. }) && !target.exists());
     let says = error.to_string();
-    assert!(says.starts_with("splats.sog holds Gaussian splats, points.ply other points"), "{says}");
+    assert!(says.starts_with("splats.sog has Gaussian splats, points.ply has points"), "{says}");
 }
 
 /// A store of splats of degree 2 whose description is changed.

@@ -36,10 +36,10 @@ pub struct Browser {
 }
 
 impl Browser {
-    /// Starts a browser with a profile of its own and an empty page.
-    pub fn start(program: &Path) -> Self {
-        // Not in the system's folder for such things, which a snap does not see.
-        let profile = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
+    /// Starts a browser with a profile of its own, in a folder, and an empty page. The folder is not the system's for temporary
+    /// files, which a snap does not see.
+    pub fn start(program: &Path, folder: &Path) -> Self {
+        let profile = tempfile::tempdir_in(folder).unwrap();
         let mut process = Command::new(program)
             // Root has no sandbox, and the only page is our own.
             .args(["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run"])
@@ -138,6 +138,27 @@ impl Browser {
         }
     }
 
+    /// Presses the left button at a place of the page, moves to another in steps and lets go.
+    pub fn drag(&mut self, from: [f64; 2], to: [f64; 2]) {
+        let mut event = |kind: &str, [x, y]: [f64; 2], held: u32| {
+            let event = json!({ "type": kind, "x": x, "y": y, "button": "left", "buttons": held, "clickCount": 1 });
+            self.call("Input.dispatchMouseEvent", event);
+        };
+        event("mousePressed", from, 1);
+        between(from, to).for_each(|place| event("mouseMoved", place, 1));
+        event("mouseReleased", to, 0);
+    }
+
+    /// The same by a finger.
+    pub fn swipe(&mut self, from: [f64; 2], to: [f64; 2]) {
+        let mut event = |kind: &str, points: Value| {
+            self.call("Input.dispatchTouchEvent", json!({ "type": kind, "touchPoints": points }));
+        };
+        event("touchStart", json!([{ "x": from[0], "y": from[1] }]));
+        between(from, to).for_each(|[x, y]| event("touchMove", json!([{ "x": x, "y": y }])));
+        event("touchEnd", json!([]));
+    }
+
     fn call(&mut self, method: &str, parameters: Value) -> Value {
         self.calls += 1;
         let mut message = json!({ "id": self.calls, "method": method, "params": parameters });
@@ -189,6 +210,15 @@ impl Drop for Browser {
         let _ = self.process.kill();
         let _ = self.process.wait();
     }
+}
+
+/// Places on the way from one to another, which is the last of them.
+fn between(from: [f64; 2], to: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
+    const STEPS: u32 = 8;
+    (1..=STEPS).map(move |step| {
+        let share = f64::from(step) / f64::from(STEPS);
+        [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]))
+    })
 }
 
 /// Port and path of the browser's socket, which it writes into its profile.
