@@ -132,7 +132,7 @@ fn a_method_that_is_asked_for_keeps_its_settings_to_choose_from() {
     assert!(found["rmse"].as_f64().unwrap() < 1e-4, "{found}");
     // Where there is no choice the options change nothing, and say so.
     let said = render(&folder, &scene, "b.exr", &["--max-error", "0.1", "--method", "circles"]);
-    assert!(said.contains("warning: --max-error and --budget have no effect on method circles"), "{said}");
+    assert!(said.contains("warning: --max-error and --budget have no effect with method circles"), "{said}");
     let (_, metadata) = exr(&inside(&folder, "b.exr"));
     assert!(!metadata.contains_key("pellucid:choice"));
     done(&folder, &["render", &scene, "--size", "64x48", "-o", "c.exr", "--method", "circles"]);

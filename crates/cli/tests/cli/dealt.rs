@@ -141,7 +141,7 @@ fn as_many_ensembles_as_an_error_needs() {
     let simplified =
         ["render", &plane, "--method", "spbr-simplified", "--max-error", "0.1", "--size", "24x24", "-o", "s.exr"];
     let (code, _, said) = run(&folder, &simplified);
-    assert!(code == 0 && said.contains("no effect on method spbr-simplified"), "{said}");
+    assert!(code == 0 && said.contains("no effect with method spbr-simplified"), "{said}");
 }
 
 #[test]

@@ -77,14 +77,14 @@ fn what_options_can_t_mean_is_refused() {
     let folder = folder();
     scan(&folder);
     for (options, status, parts) in [
-        (["--class", "grund=1"], 2, ["--class grund=1: no class \"grund\"", "ground"]),
+        (["--class", "grund=1"], 2, ["--class grund=1: unknown class \"grund\"", "ground"]),
         (["--class", "ground"], 2, ["--class ground", "NAME=OPACITY"]),
         (["--class", "2=2"], 2, ["--class 2=2", "from 0.0 to 1.0"]),
-        (["--classes", "2,300"], 2, ["--classes 2,300", "no class \"300\""]),
+        (["--classes", "2,300"], 2, ["--classes 2,300", "unknown class \"300\""]),
         (["--slice", "z=4"], 2, ["--slice z=4", "AXIS=FROM..TO"]),
         (["--slice", "z=4..2"], 2, ["--slice z=4..2", "`min` of a slab"]),
-        (["--slice", "z=9.."], 1, ["scan.ply: no point is left to draw", "`clip`"]),
-        (["--without", "2,5,6"], 1, ["scan.ply: no point is left to draw", "`class`"]),
+        (["--slice", "z=9.."], 1, ["scan.ply: no point remains to draw", "`clip`"]),
+        (["--without", "2,5,6"], 1, ["scan.ply: no point remains to draw", "`class`"]),
         (["--color-by", "hight"], 1, ["scan.ply: no scalar `hight`", "did you mean `height`"]),
         (["--color-by", "intensity"], 1, ["color_by = \"intensity\"", "the file has no intensity"]),
         (["--colormap", "viridi"], 2, ["--colormap viridi", "\"viridis\""]),

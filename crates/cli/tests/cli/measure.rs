@@ -535,6 +535,6 @@ fn devices_are_listed_and_one_is_taken() {
     assert!(taken.len() == 1 && taken[0]["lacks"].as_array().unwrap().is_empty(), "{json}");
     let (_, text, _) = run(&folder, &["devices"]);
     assert!(list.iter().all(|device| text.contains(device["name"].as_str().unwrap())), "{text}");
-    let starred: Vec<_> = text.lines().filter(|line| line.starts_with("* ") && !line.contains("would be")).collect();
+    let starred: Vec<_> = text.lines().filter(|line| line.starts_with("* ") && !line.contains("selected")).collect();
     assert!(starred.len() == 1 && starred[0].contains(taken[0]["name"].as_str().unwrap()), "{text}");
 }

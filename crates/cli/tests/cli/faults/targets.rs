@@ -42,7 +42,7 @@ fn outputs_that_can_not_be_written_are_refused_by_every_command() {
         assert_refused(&redirected(args, "file/deeper/new"), &["file is a file and not a folder"]);
     }
     for case in CASES.into_iter().filter(|case| case.args[0] != "scene") {
-        assert_refused(&redirected(case.args, "none"), &["none/", "there is no folder none; create it first"]);
+        assert_refused(&redirected(case.args, "none"), &["none/", "no folder none; create it first"]);
         assert_refused(&redirected(case.args, "file"), &["file/", "file is a file and not a folder"]);
         assert_refused(&redirected(case.args, "file/deeper"), &["file/", "file is a file and not a folder"]);
         assert_refused(&redirected(case.args, "taken"), &["taken/", "this is a folder"]);

@@ -121,6 +121,6 @@ fn what_can_not_be_followed_is_refused() {
     assert_refused(&folder, &with(&["--frames", "3"]), 2, &["--frames 3 needs --path or --turntable"]);
     assert_refused(&folder, &with(&["--turntable"]), 2, &["--turntable needs the number of its frames"]);
     let opaque = with(&["--turntable", "--frames", "3", "--method", "circles"]);
-    assert_refused(&folder, &opaque, 2, &["not those of circles"]);
+    assert_refused(&folder, &opaque, 2, &[", not of circles"]);
     assert_refused(&folder, &["render", &scene, "--popping", "a.csv"], 2, &["--popping needs --path or --turntable"]);
 }
