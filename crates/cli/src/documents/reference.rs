@@ -72,7 +72,7 @@ fn section(program: &str, command: &Command, known: &[&Arg]) -> String {
 fn item(command: &str, arg: &Arg) -> String {
     let anchor = if command.is_empty() { String::new() } else { format!("<a id=\"{command}--{}\"></a>", arg.get_id()) };
     let help = sentence(&plain(arg.get_long_help().or(arg.get_help())));
-    let mut text = format!("- {anchor}{}: {}", names(arg), help.replace("\n\n", "\n\n  "));
+    let mut text = format!("- {anchor}{}: {}", names(arg), indented(&help));
     let values: Vec<_> = arg.get_possible_values().into_iter().filter(|value| !value.is_hide_set()).collect();
     let takes_value = matches!(arg.get_action(), ArgAction::Set | ArgAction::Append);
     if takes_value && !values.is_empty() && !arg.is_hide_possible_values_set() {
@@ -87,6 +87,21 @@ fn item(command: &str, arg: &Arg) -> String {
         let _ = write!(text, " Default: {}.", defaults.join(", "));
     }
     text + "\n"
+}
+
+/// The lines behind the first, as parts of an item of a list; a list in them stands apart.
+fn indented(help: &str) -> String {
+    let mut text = String::new();
+    let mut last = "";
+    for line in help.lines() {
+        if line.starts_with("- ") && !last.starts_with("- ") && !last.is_empty() {
+            text.push('\n');
+        }
+        let indent = if text.is_empty() || line.is_empty() { "" } else { "  " };
+        let _ = writeln!(text, "{indent}{line}");
+        last = line;
+    }
+    text.trim_end().to_owned()
 }
 
 /// `-o`, `--output <FILE>`, or `[INPUT]...`.
@@ -178,8 +193,12 @@ fn every_command_and_every_option_has_a_sentence() {
 fn help_is_text_in_markdown() {
     assert_eq!(escaped("a < b, cloud.*.x_y and `cloud.*.x_y < 2`"), "a &lt; b, cloud.\\*.x\\_y and `cloud.*.x_y < 2`");
     let arg = Arg::new("size").short('s').long("size").value_name("WxH").default_value("64x64").help("The size");
+    let mut program = Command::new("p").arg(arg);
+    program.build();
+    let arg = program.get_arguments().find(|arg| *arg.get_id() == "size").unwrap();
     assert_eq!(
-        item("p-render", &arg),
+        item("p-render", arg),
         "- <a id=\"p-render--size\"></a>`-s`, `--size <WxH>`: The size. Default: `64x64`.\n"
     );
+    assert_eq!(indented("Either.\n\nOne of:\n- a\n- b"), "Either.\n\n  One of:\n\n  - a\n  - b");
 }

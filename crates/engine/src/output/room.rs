@@ -40,7 +40,7 @@ mod tests {
         assert!(check_free(path, 100, Some(100)).is_ok() && check_free(path, u64::MAX, None).is_ok());
         let error = check_free(path, 3 << 30, Some(2 << 30)).unwrap_err();
         let text = error.to_string();
-        assert!(text.starts_with("out/a.exr: may take 3.0 GiB, and 2.0 GiB are free there"), "{text}");
+        assert!(text.starts_with("out/a.exr: may take 3.0 GiB, but only 2.0 GiB are free there"), "{text}");
         assert_eq!(error.exit_status(), 1);
     }
 

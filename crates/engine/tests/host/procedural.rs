@@ -426,7 +426,7 @@ fn values_are_chosen_such_that_surfaces_lie_within_each_other() {
         assert!(error.contains(part), "{error}");
     };
     wrong(&[20.5], &[], "from 0 to");
-    wrong(&[-1.0], &[], "no surface at the value -1");
+    wrong(&[-1.0], &[], "no surface has the value -1");
     wrong(&[1.0; 9], &[], "9 values");
     wrong(&[1.0], &[("layers", 3.0)], "no parameter \"layers\"");
     wrong(&[1.0], &[("points", 1e12)], "out of range");

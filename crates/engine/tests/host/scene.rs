@@ -382,7 +382,7 @@ fn options_win_over_the_file_and_are_checked_alike() {
     assert!(refused("cloud.2.opacity=1").contains("needs a number below 2"));
     assert!(refused("image.size.x=1").contains("needs a number below 2"));
     assert!(refused("image.color.x=1").starts_with("--set image.color.x=1: `image.color` must be one of"));
-    assert!(refused("image..size=1").contains("is no key"));
+    assert!(refused("image..size=1").contains("is not a key"));
     assert!(refused("image.size").contains("expected KEY=VALUE"));
     // One step of a recursion for each segment would be more than a stack holds.
     let deep = "a.".repeat(60_000) + "a=1";

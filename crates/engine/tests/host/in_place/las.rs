@@ -61,7 +61,7 @@ fn a_box_that_lies_is_found_or_refused() {
     store.read(0).unwrap();
     let error = store.read(1).unwrap_err().to_string();
     assert!(
-        error.starts_with(&path.display().to_string()) && error.contains("200") && error.contains("mends"),
+        error.starts_with(&path.display().to_string()) && error.contains("200") && error.contains("repair it"),
         "{error}"
     );
 }

@@ -149,7 +149,7 @@ fn truncated_and_lying_las() {
     assert_eq!(load_bytes("a.las", vlrs).unwrap().len(), 10);
     // A scale that is not a number leaves no finite point.
     let nan = patched(plain, field::SCALE_X, &f64::NAN.to_le_bytes());
-    assert_refused("a.las", nan, &["without points (all 10 have a coordinate that is not finite)"]);
+    assert_refused("a.las", nan, &["no points (all 10 have a coordinate that is not finite)"]);
     for compressed in [false, true] {
         let large = patched(sample(4, 6, compressed, 10), field::COUNT, &[0; 4]);
         let lie = patched(large, field::COUNT_14, &1_000_000_000_000u64.to_le_bytes());

@@ -176,7 +176,7 @@ fn spherical_coordinates_and_states() {
     assert_eq!(cloud.positions, found);
 
     let scan = Scan { points: vec![point(1.0, 0.0, 0.0, 2)], prototype: spherical.to_vec(), pose: None };
-    assert_refused("a.e57", write(vec![scan]), &["without points (all 1"]);
+    assert_refused("a.e57", write(vec![scan]), &["no points (all 1"]);
 }
 
 #[test]

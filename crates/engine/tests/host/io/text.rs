@@ -144,7 +144,7 @@ fn what_is_no_number() {
     assert_eq!((points(&cloud).len(), cloud.non_finite), (2, 4));
     let (intensity, scalar) = (cloud.intensity.unwrap(), &cloud.scalars[0].1);
     assert!(intensity[0].is_nan() && scalar[0].is_nan() && intensity[1] == 9.0 && scalar[1] == 10.0);
-    assert_refused("a.txt", "nan nan nan\n", &["without points (all 1 have"]);
+    assert_refused("a.txt", "nan nan nan\n", &["no points (all 1 have"]);
     for (text, says) in [
         ("1 2 3\n4 5\n", "line 2: expected 3 values, found 2"),
         ("1 2 3\n\n4 5 6 7\n", "line 3: expected 3 values, found 4"),
@@ -247,7 +247,7 @@ fn ptx() {
     refused(head("1", "1") + "1 2 3 4 5\n", &["line 11: 5 values (expected x y z, then intensity", "--columns"]);
     refused(head("1", "1") + "1 2 3\nmore\n", &["line 12: expected the number of columns", "`more`"]);
     refused("1 2 3\n".into(), &["line 1", "expected the number of columns"]);
-    refused(head("1", "1") + "0 0 0\n", &["without points (all 1"]);
+    refused(head("1", "1") + "0 0 0\n", &["no points (all 1"]);
 }
 
 #[test]
