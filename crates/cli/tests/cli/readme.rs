@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use crate::films::has_ffmpeg;
 use crate::{device, folder, has_device, inside, run};
 
 /// The lines of README's shell blocks that run the program on a scan, without it and its name.
@@ -41,6 +42,9 @@ fn the_commands_of_readme_run() {
     let scan = pellucid_testing::root().join("tests/data/lidar/sample_c_2k.las");
     fs::copy(scan, inside(&folder, "scan.laz")).unwrap();
     for command in &commands {
+        if command.iter().any(|word| word.ends_with(".mp4")) && !has_ffmpeg() {
+            continue;
+        }
         let mut args: Vec<&str> = command.iter().map(|arg| own(arg)).collect();
         let device = device();
         if command[0] == "render" {
