@@ -33,10 +33,10 @@ and `fonts-dejavu-core`. [gallery.toml](gallery.toml) holds titles, commands and
 
 ## Sources
 
-Copyright is with the authors named here. Where a file carries no note of its own, the licence is that of the repository. The
+Copyright is with the authors named here. Where a file carries no note of its own, the license is that of the repository. The
 SHA-256 of a folder is that of what `sha256sum *` prints in it.
 
-| file | what was done to it | source | licence | SHA-256 |
+| file | what was done to it | source | license | SHA-256 |
 |---|---|---|---|---|
 """
 

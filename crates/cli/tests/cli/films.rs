@@ -24,7 +24,7 @@ fn film<'a>(more: &[&'a str]) -> Vec<&'a str> {
 }
 
 /// True if films can be encoded here, or must be.
-fn has_ffmpeg() -> bool {
+pub fn has_ffmpeg() -> bool {
     let found = ["ffmpeg", "ffprobe"].iter().all(|name| Command::new(name).arg("-version").output().is_ok());
     if !found {
         skip(NO_PROGRAM, "ffmpeg and ffprobe");

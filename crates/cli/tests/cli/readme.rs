@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use crate::films::has_ffmpeg;
 use crate::{device, folder, has_device, inside, run};
 
 /// The lines of README's shell blocks that run the program on a scan, without it and its name.
@@ -21,6 +22,15 @@ fn readme_is_short() {
     assert!(text.split_ascii_whitespace().count() <= 1200);
 }
 
+/// A word of a command for the small scan, whose heights are others and of which a few frames will do.
+fn own(word: &str) -> &str {
+    match word {
+        "72" => "4",
+        _ if word.starts_with("z=") => "z=630..635",
+        _ => word,
+    }
+}
+
 #[test]
 fn the_commands_of_readme_run() {
     if !has_device() {
@@ -32,8 +42,9 @@ fn the_commands_of_readme_run() {
     let scan = pellucid_testing::root().join("tests/data/lidar/sample_c_2k.las");
     fs::copy(scan, inside(&folder, "scan.laz")).unwrap();
     for command in &commands {
-        // Heights are of another scan.
-        let own = |arg| if str::starts_with(arg, "z=") { "z=630..635" } else { arg };
+        if command.iter().any(|word| word.ends_with(".mp4")) && !has_ffmpeg() {
+            continue;
+        }
         let mut args: Vec<&str> = command.iter().map(|arg| own(arg)).collect();
         let device = device();
         if command[0] == "render" {
