@@ -424,8 +424,8 @@ fn what_does_not_fit_is_refused() {
     let missing = |more: &[&'static str], says: &[&str]| {
         assert_refused(&folder, &[&["render"], &turn[..], more].concat(), 1, says);
     };
-    missing(&["-o", "none/turn.gif"], &["none/turn.gif: there is no folder none"]);
-    missing(&["--html", "none/a.html"], &["none/a.html: there is no folder none"]);
+    missing(&["-o", "none/turn.gif"], &["none/turn.gif: no folder none"]);
+    missing(&["--html", "none/a.html"], &["none/a.html: no folder none"]);
     fs::write(inside(&folder, "turn.gif.frames"), "").unwrap();
     missing(&["-o", "turn.gif"], &["turn.gif.frames", "is a file and not a folder"]);
 }

@@ -200,13 +200,13 @@ fn frames_that_are_there_are_not_rendered_again_and_others_are_not_mixed_in() {
     other(
         &[&["render", "garden/scene.toml", "--method", "circles", "--size", "50x36", "--frames", "6"], &path[..]]
             .concat(),
-        "(6 such)",
+        "(6 such files)",
     );
-    other(&small(&["--path", "path.json", "-o", "f_%d.png", "--frames", "4"]), "(6 such)");
+    other(&small(&["--path", "path.json", "-o", "f_%d.png", "--frames", "4"]), "(6 such files)");
     fs::write(inside(&folder, "path.json"), KEYS.replace("[3, 9, 2]", "[3, 9, 3]")).unwrap();
     // The first frame is where it was, and so is its picture; the others are not.
     let (status, _, stderr) = run(&folder, &args(&["-o", "f_%d.png"]));
-    assert!(status == 1 && stderr.contains("f_1.png: ") && stderr.contains("(5 such)"), "{stderr}");
+    assert!(status == 1 && stderr.contains("f_1.png: ") && stderr.contains("(5 such files)"), "{stderr}");
     assert!(pictures(&folder) == whole);
     // Asked to, it replaces them all, and what follows the last.
     fs::write(inside(&folder, "f_7.png"), "not next to the others").unwrap();

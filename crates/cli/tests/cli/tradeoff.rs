@@ -434,5 +434,5 @@ fn wrong_requests_are_refused_before_any_work() {
     assert_refused(&folder, &["tradeoff", &scene, "-o", "new", "--only", "auto"], 2, &["auto", "abuffer", "splats"]);
     assert_refused(&folder, &["tradeoff", &scene, "-o", "new", "--time", "0"], 2, &["seconds above 0"]);
     let other = ["tradeoff", &scene, "-q", "-o", "new", "--method", "one-layer"];
-    assert_refused(&folder, &other, 2, &["one-layer draws points in a way of its own", "--method circles"]);
+    assert_refused(&folder, &other, 2, &["no other method draws the same image as one-layer", "--method circles"]);
 }

@@ -124,7 +124,7 @@ pub enum Error {
     },
     /// Frames would overwrite other files.
     #[error(
-        "{path}: this file is not a frame of this sequence ({count} in total) but of another scene, camera, size or \
+        "{path}: this file is not a frame of this sequence ({count} such files) but of another scene, camera, size or \
          setting; give -o another name, or --overwrite to replace them",
         path = path.display()
     )]
