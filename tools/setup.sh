@@ -129,6 +129,7 @@ find_missing() {
     if $for_tests && ! { command -v Xvfb && command -v xdotool; } >/dev/null; then
         names+=("Xvfb and xdotool, a display and a user for the tests of the window") packages+=(xvfb xdotool)
     fi
+    if $for_tests && ! command -v man >/dev/null; then names+=("man, by which manual pages are rendered") packages+=(man-db); fi
     if $for_tests && ! command -v ctwm >/dev/null; then
         names+=("ctwm, a window manager for the tests of the window") packages+=(ctwm)
     fi
