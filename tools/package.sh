@@ -35,11 +35,16 @@ done
 # The newest version of glibc that a binary asks for.
 glibc_of() { objdump -T "$1" | grep -o 'GLIBC_[0-9.]*' | sort -uV | tail -n 1; }
 
+# The licences of all that the crate in a folder is built from, into another folder.
+licenses() {
+    cargo about generate --locked --fail -m "$1/Cargo.toml" -c about.toml tools/about.hbs -o "$2/THIRD-PARTY-LICENSES.html"
+}
+
 # What all packages hold besides the program: licences, manual pages, completions. The program that runs here makes them.
 make_stage() {
     rm -rf "$packages"
     mkdir -p "$stage/completions"
-    cargo about generate --locked --fail -m crates/cli/Cargo.toml -c about.toml tools/about.hbs -o "$stage/THIRD-PARTY-LICENSES.html"
+    licenses crates/cli "$stage"
     "$runs" man "$stage/man"
     local shell
     while read -r shell file; do "$runs" completions "$shell" >"$stage/completions/$file"; done <<'LIST'
@@ -75,18 +80,21 @@ make_deb() {
         printf '\nLicense: Apache-2.0\n On Debian systems the text is in /usr/share/common-licenses/Apache-2.0.\n'
         printf '\nComment:\n The program holds code of other crates. Their licences are in THIRD-PARTY-LICENSES.html beside this file.\n'
     } >"$stage/copyright"
-    printf 'pellucid (%s-1) stable; urgency=medium\n\n  * See https://crates.io/crates/pellucid, CHANGELOG.md.\n\n -- The pellucid developers <pellucid@localhost>  %s\n' \
+    printf 'pellucid (%s-1) stable; urgency=medium\n\n  * New version; changelog.gz tells what is new.\n\n -- The pellucid developers <pellucid@localhost>  %s\n' \
         "$version" "$(date -R)" >"$stage/changelog"
+    gzip -9nc CHANGELOG.md >"$stage/changelog.gz"
     cp "$binary" "$stage/pellucid"
     cargo deb --locked --no-build -p pellucid-cli -o "$packages/"
 }
 
 make_wheel() {
+    licenses crates/python python
     if [[ $target == *linux* ]]; then
         tools/python.sh --wheel
     else
         (cd python && maturin build --locked --out ../target/wheels)
     fi
+    rm python/THIRD-PARTY-LICENSES.html
     cp target/wheels/*.whl "$packages"
 }
 
