@@ -37,12 +37,12 @@ done
 # The newest version of glibc that a binary asks for.
 glibc_of() { objdump -T "$1" | grep -o 'GLIBC_[0-9.]*' | sort -uV | tail -n 1; }
 
-# The licences of all that the crate in a folder is built from, into another folder.
+# The licenses of all that the crate in a folder is built from, into another folder.
 licenses() {
     cargo about generate --locked --fail -m "$1/Cargo.toml" -c about.toml tools/about.hbs -o "$2/THIRD-PARTY-LICENSES.html"
 }
 
-# What all packages hold besides the program: licences, manual pages, completions. The program that runs here makes them.
+# What all packages hold besides the program: licenses, manual pages, completions. The program that runs here makes them.
 make_stage() {
     rm -rf "$packages"
     mkdir -p "$stage/completions"
@@ -73,14 +73,14 @@ make_archive() {
     rm -rf "$folder"
 }
 
-# What Debian wants to know of licences, in its form, and of changes.
+# Licenses and changes in the form that Debian wants.
 make_deb() {
     {
         printf 'Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/\nUpstream-Name: pellucid\n\n'
         printf 'Files: *\nCopyright: 2026 the pellucid developers\nLicense: Expat or Apache-2.0\n\nLicense: Expat\n'
         sed -n '/^Permission/,$p' LICENSE-MIT | sed 's/^$/./; s/^/ /'
         printf '\nLicense: Apache-2.0\n On Debian systems the text is in /usr/share/common-licenses/Apache-2.0.\n'
-        printf '\nComment:\n The program holds code of other crates. Their licences are in THIRD-PARTY-LICENSES.html beside this file.\n'
+        printf '\nComment:\n The program holds code of other crates. Their licenses are in THIRD-PARTY-LICENSES.html beside this file.\n'
     } >"$stage/copyright"
     printf 'pellucid (%s-1) stable; urgency=medium\n\n  * New version; changelog.gz tells what is new.\n\n -- The pellucid developers <pellucid@localhost>  %s\n' \
         "$version" "$(date -R)" >"$stage/changelog"
@@ -113,9 +113,9 @@ cd /packages
 mountpoint -q /proc || mount -t proc proc /proc
 trap 'umount /proc' EXIT
 # Not from standard input, which holds these lines.
-apt-get() { command apt-get "$@" </dev/null; }
+apt-get() { command apt-get -o=Dpkg::Use-Pty=0 "$@" </dev/null; }
 apt-get update -qq
-apt-get install -y -qq -o=Dpkg::Use-Pty=0 ./*.deb xz-utils >install.log
+apt-get install -y -qq ./*.deb xz-utils >install.log
 pellucid --version
 pellucid devices
 pellucid scene garden -o garden
@@ -123,13 +123,13 @@ pellucid render garden/scene.toml --size 640x360 -o deb-garden.png
 pellucid render "$SCAN" --see-through 0.5 --size 640x360 -o deb-scan.png
 test -e /usr/share/man/man1/pellucid-render.1.gz && test -e /usr/share/bash-completion/completions/pellucid
 apt-get remove -y -qq pellucid >remove.log
-if command -v pellucid; then exit 1; fi
+test ! -e /usr/bin/pellucid
 tar -xJf pellucid-*.tar.xz
 pellucid-*/pellucid render "$SCAN" --see-through 0.5 --size 640x360 -o archive-scan.png
 cmp deb-scan.png archive-scan.png
 ls -l ./*.png
 if ! $WHEEL; then exit 0; fi
-apt-get install -y -qq -o=Dpkg::Use-Pty=0 python3-venv >python.log
+apt-get install -y -qq python3-venv >python.log
 python3 -m venv venv
 venv/bin/pip install -q ./*.whl
 venv/bin/python -c "import os, pellucid; pellucid.render(os.environ['SCAN'], see_through=0.5, size=(640, 360), accuracy='8-bit').save('wheel-scan.png')"
