@@ -6,7 +6,8 @@
 #   tools/package.sh --no-wheel      without the wheel; --no-deb without the Debian package
 #   tools/package.sh --crates        packs the .crate files as well, unverified
 #   tools/package.sh --binary FILE   packs this binary instead of building one; with --target TRIPLE it is that target's
-#   tools/package.sh --try ROOT      installs what is in target/package into ROOT, the folder of a bare Debian, and renders there
+#   tools/package.sh --try ROOT      installs what is in target/package into ROOT, the folder of a bare Debian, and renders there;
+#                                    with --scan FILE this scan, and with --no-wheel without Python
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -17,7 +18,7 @@ packages=$PWD/target/package
 stage=$packages/stage
 version=$(sed -nE '/^\[workspace.package\]/,/^\[/s/^version = "(.*)"/\1/p' Cargo.toml)
 target=$(rustc -vV | sed -n 's/^host: //p')
-binary="" root="" wheel=true deb=true crates=false
+binary="" root="" scan=tests/data/lidar/sample_c_2k.las wheel=true deb=true crates=false
 while (($# > 0)); do
     case $1 in
         --no-wheel) wheel=false ;;
@@ -26,7 +27,8 @@ while (($# > 0)); do
         --binary) binary=$2; shift ;;
         --target) target=$2; shift ;;
         --try) root=$2; shift ;;
-        -h | --help) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 0 ;;
+        --scan) scan=$2; shift ;;
+        -h | --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 0 ;;
         *) fail "unknown argument '$1'; tools/package.sh --help lists them" ;;
     esac
     shift
@@ -35,11 +37,16 @@ done
 # The newest version of glibc that a binary asks for.
 glibc_of() { objdump -T "$1" | grep -o 'GLIBC_[0-9.]*' | sort -uV | tail -n 1; }
 
-# What all packages hold besides the program: licences, manual pages, completions. The program that runs here makes them.
+# The licenses of all that the crate in a folder is built from, into another folder.
+licenses() {
+    cargo about generate --locked --fail -m "$1/Cargo.toml" -c about.toml tools/about.hbs -o "$2/THIRD-PARTY-LICENSES.html"
+}
+
+# What all packages hold besides the program: licenses, manual pages, completions. The program that runs here makes them.
 make_stage() {
     rm -rf "$packages"
     mkdir -p "$stage/completions"
-    cargo about generate --locked --fail -m crates/cli/Cargo.toml -c about.toml tools/about.hbs -o "$stage/THIRD-PARTY-LICENSES.html"
+    licenses crates/cli "$stage"
     "$runs" man "$stage/man"
     local shell
     while read -r shell file; do "$runs" completions "$shell" >"$stage/completions/$file"; done <<'LIST'
@@ -66,58 +73,67 @@ make_archive() {
     rm -rf "$folder"
 }
 
-# What Debian wants to know of licences, in its form, and of changes.
+# Licenses and changes in the form that Debian wants.
 make_deb() {
     {
         printf 'Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/\nUpstream-Name: pellucid\n\n'
         printf 'Files: *\nCopyright: 2026 the pellucid developers\nLicense: Expat or Apache-2.0\n\nLicense: Expat\n'
         sed -n '/^Permission/,$p' LICENSE-MIT | sed 's/^$/./; s/^/ /'
         printf '\nLicense: Apache-2.0\n On Debian systems the text is in /usr/share/common-licenses/Apache-2.0.\n'
-        printf '\nComment:\n The program holds code of other crates. Their licences are in THIRD-PARTY-LICENSES.html beside this file.\n'
+        printf '\nComment:\n The program holds code of other crates. Their licenses are in THIRD-PARTY-LICENSES.html beside this file.\n'
     } >"$stage/copyright"
-    printf 'pellucid (%s-1) stable; urgency=medium\n\n  * See https://crates.io/crates/pellucid, CHANGELOG.md.\n\n -- The pellucid developers <pellucid@localhost>  %s\n' \
+    printf 'pellucid (%s-1) stable; urgency=medium\n\n  * New version; changelog.gz tells what is new.\n\n -- The pellucid developers <pellucid@localhost>  %s\n' \
         "$version" "$(date -R)" >"$stage/changelog"
+    gzip -9nc CHANGELOG.md >"$stage/changelog.gz"
     cp "$binary" "$stage/pellucid"
     cargo deb --locked --no-build -p pellucid-cli -o "$packages/"
 }
 
 make_wheel() {
+    licenses crates/python python
     if [[ $target == *linux* ]]; then
         tools/python.sh --wheel
     else
         (cd python && maturin build --locked --out ../target/wheels)
     fi
+    rm python/THIRD-PARTY-LICENSES.html
     cp target/wheels/*.whl "$packages"
 }
 
 # A bare Debian, as of `debootstrap --variant=minbase bookworm ROOT`: each package by its own installer, and a picture by each.
 try_in() {
     [[ $(id -u) == 0 && -x $1/usr/bin/apt-get ]] || fail "--try wants root and a folder with a Debian in it, found neither apt nor root in '$1'"
-    local within=(chroot "$1" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive)
+    local within=(chroot "$1" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive SCAN="${scan##*/}" WHEEL=$wheel)
     mkdir -p "$1/packages"
-    cp "$packages"/*.deb "$packages"/*.tar.xz "$packages"/*.whl tests/data/lidar/sample_c_2k.las "$1/packages"
+    cp "$packages"/*.deb "$packages"/*.tar.xz "$scan" "$1/packages"
+    if $wheel; then cp "$packages"/*.whl "$1/packages"; fi
     cp /etc/resolv.conf "$1/etc/resolv.conf"
     "${within[@]}" bash -euo pipefail -s <<'TRY'
 cd /packages
 mountpoint -q /proc || mount -t proc proc /proc
 trap 'umount /proc' EXIT
+# Not from standard input, which holds these lines.
+apt-get() { command apt-get -o=Dpkg::Use-Pty=0 "$@" </dev/null; }
 apt-get update -qq
-apt-get install -y -qq -o=Dpkg::Use-Pty=0 ./*.deb python3-venv xz-utils >install.log
+apt-get install -y -qq ./*.deb xz-utils >install.log
 pellucid --version
 pellucid devices
 pellucid scene garden -o garden
 pellucid render garden/scene.toml --size 640x360 -o deb-garden.png
-pellucid render sample_c_2k.las --see-through 0.5 --size 640x360 -o deb-scan.png
+pellucid render "$SCAN" --see-through 0.5 --size 640x360 -o deb-scan.png
 test -e /usr/share/man/man1/pellucid-render.1.gz && test -e /usr/share/bash-completion/completions/pellucid
 apt-get remove -y -qq pellucid >remove.log
-! command -v pellucid
+test ! -e /usr/bin/pellucid
 tar -xJf pellucid-*.tar.xz
-pellucid-*/pellucid render sample_c_2k.las --see-through 0.5 --size 640x360 -o archive-scan.png
+pellucid-*/pellucid render "$SCAN" --see-through 0.5 --size 640x360 -o archive-scan.png
 cmp deb-scan.png archive-scan.png
+ls -l ./*.png
+if ! $WHEEL; then exit 0; fi
+apt-get install -y -qq python3-venv >python.log
 python3 -m venv venv
 venv/bin/pip install -q ./*.whl
-venv/bin/python -c "import pellucid; pellucid.render('sample_c_2k.las', see_through=0.5, size=(640, 360), accuracy='8-bit').save('wheel-scan.png')"
-ls -l ./*.png
+venv/bin/python -c "import os, pellucid; pellucid.render(os.environ['SCAN'], see_through=0.5, size=(640, 360), accuracy='8-bit').save('wheel-scan.png')"
+ls -l wheel-scan.png
 TRY
 }
 

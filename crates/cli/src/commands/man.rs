@@ -11,6 +11,9 @@ use pellucid_engine::output::{Files, check_report_folder, make_folder};
 use super::Cli;
 use super::console::Console;
 
+/// The day of the release, in the pages' footer. Without one, `man` shows the version in its place.
+const RELEASED: &str = "2026-11-27";
+
 #[derive(Debug, Args)]
 pub struct ManArgs {
     /// Folder for the pages, `pellucid.1`, `pellucid-render.1` and so on; created if it isn't there.
@@ -46,6 +49,6 @@ fn pages_of(program: Command) -> Vec<Man> {
     program.build();
     let version = format!("{} {}", program.get_name(), env!("CARGO_PKG_VERSION"));
     let commands: Vec<Command> = program.get_subcommands().cloned().collect();
-    let page = |command| Man::new(command).source(version.clone()).manual("User Commands");
+    let page = |command| Man::new(command).date(RELEASED).source(version.clone()).manual("User Commands");
     std::iter::once(program).chain(commands).map(page).collect()
 }

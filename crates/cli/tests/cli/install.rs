@@ -119,7 +119,7 @@ fn manual_pages_want_a_folder() {
 }
 
 #[test]
-fn one_version_stands_everywhere() {
+fn one_version_and_one_day_stand_everywhere() {
     let version = env!("CARGO_PKG_VERSION");
     let read = |name: &str| fs::read_to_string(root().join(name)).unwrap();
     let manifest: toml::Table = toml::from_str(&read("Cargo.toml")).unwrap();
@@ -133,8 +133,16 @@ fn one_version_stands_everywhere() {
     let changelog = read("CHANGELOG.md");
     let newest =
         changelog.lines().filter_map(|line| line.strip_prefix("## [")).find(|line| !line.starts_with("Unreleased"));
-    assert!(newest.unwrap().starts_with(&format!("{version}]")), "CHANGELOG.md: {newest:?}");
-    assert!(read("CITATION.cff").contains(&format!("\nversion: {version}\n")), "CITATION.cff");
+    let (found, day) = newest.unwrap().split_once("] - ").unwrap();
+    assert_eq!(found, version, "CHANGELOG.md");
+    let citation = read("CITATION.cff");
+    assert!(citation.contains(&format!("\nversion: {version}\n")), "CITATION.cff");
+    assert!(citation.contains(&format!("\ndate-released: {day}\n")), "CITATION.cff");
+    let folder = folder();
+    assert_eq!(run(&folder, &["man", "pages"]), (0, String::new(), String::new()));
+    let page = fs::read_to_string(inside(&folder, "pages/pellucid-render.1")).unwrap();
+    let title = format!(".TH pellucid-render 1 {day} \"pellucid {version}\" \"User Commands\"");
+    assert!(page.contains(&title), "{page}");
 }
 
 #[test]
