@@ -386,7 +386,7 @@ fn options_win_over_the_file_and_are_checked_alike() {
     assert!(refused("image.size").contains("expected KEY=VALUE"));
     // One step of a recursion for each segment would be more than a stack holds.
     let deep = "a.".repeat(60_000) + "a=1";
-    assert!(refused(&deep).contains("a key of 60001 segments (at most 32)"));
+    assert!(refused(&deep).contains("a key with 60001 segments (at most 32)"));
 }
 
 #[test]
