@@ -115,15 +115,15 @@ fn shadows_of_other_settings_are_cast_anew_with_a_note() {
     done(&folder, &[&["prepare", "a.ply", "-o", "b.ply"], &LIGHT[..]].concat());
     let (light, samples) = ("light = [0.6, -2.0, 0.4]", "samples = 5");
     for (from, to, why) in [
-        (light, "light = [0, -1, 0]", "stored for other settings (light): cast again"),
-        (light, "light = { position = [0, 5, 0] }", "stored for other settings (light): cast again"),
-        (samples, "samples = 6", "stored for other settings (samples): cast again"),
-        ("light_radius = 4", "light_radius = 5", "stored for other settings (light_radius): cast again"),
-        ("resolution = 64", "resolution = 32", "stored for other settings (resolution): cast again"),
-        (samples, "min_layer_distance = 0.2", "stored for other settings (samples, min_layer_distance): cast again"),
-        ("radius = 0.08", "radius = 0.08\nscale = 2.0", "stored for the cloud where it is in its file: cast again"),
-        ("radius = 0.08", "translate = [1, 0, 0]", "stored for the cloud where it is in its file: cast again"),
-        ("radius = 0.08", "[[cloud]]\npath = \"a.ply\"", "stored for this cloud by itself: cast again"),
+        (light, "light = [0, -1, 0]", "stored for other settings (light); cast again"),
+        (light, "light = { position = [0, 5, 0] }", "stored for other settings (light); cast again"),
+        (samples, "samples = 6", "stored for other settings (samples); cast again"),
+        ("light_radius = 4", "light_radius = 5", "stored for other settings (light_radius); cast again"),
+        ("resolution = 64", "resolution = 32", "stored for other settings (resolution); cast again"),
+        (samples, "min_layer_distance = 0.2", "stored for other settings (samples, min_layer_distance); cast again"),
+        ("radius = 0.08", "radius = 0.08\nscale = 2.0", "stored for the cloud where it is in its file; cast again"),
+        ("radius = 0.08", "translate = [1, 0, 0]", "stored for the cloud where it is in its file; cast again"),
+        ("radius = 0.08", "[[cloud]]\npath = \"a.ply\"", "stored for this cloud by itself; cast again"),
     ] {
         write_scene(&folder, "c.ply", "points", "");
         let text = fs::read_to_string(inside(&folder, "s.toml")).unwrap();
