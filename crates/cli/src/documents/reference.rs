@@ -141,7 +141,9 @@ const END: &str = "<!-- pellucid-mpi: end -->\n";
 /// The part about `pellucid-mpi`, which only a build with MPI knows; other builds keep the one that is there.
 #[cfg(feature = "mpi")]
 fn reference_of_ranks(_: &str) -> String {
-    let (program, ranks) = (Cli::command(), crate::commands::mpi::command());
+    let (mut program, mut ranks) = (Cli::command(), crate::commands::mpi::command());
+    program.build();
+    ranks.build();
     let mut text = "\n# pellucid-mpi\n\nIts commands take what those of `pellucid` take, and these options as well \
                     ([many-machines.md](many-machines.md)).\n"
         .to_owned();
