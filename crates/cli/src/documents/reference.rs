@@ -54,16 +54,23 @@ fn section(program: &str, command: &Command, known: &[&Arg]) -> String {
     usage = usage.trim_start_matches("Usage: ").trim().to_owned();
     let mut text = format!("\n## {program} {name}\n\n{}\n\n```text\n{usage}\n```\n", sentence(&about));
     let is_known = |arg: &Arg| known.iter().any(|other| other.get_id() == arg.get_id());
-    let mut heading = None;
     // What every command has stands at the top of the page.
     let is_own = |arg: &&Arg| !arg.is_hide_set() && !arg.is_global_set() && *arg.get_id() != "help" && !is_known(arg);
-    for arg in command.get_arguments().filter(is_own) {
-        if heading != Some(arg.get_help_heading()) {
-            let title = arg.get_help_heading().map_or(String::new(), |title| format!("**{title}**\n\n"));
-            let _ = write!(text, "\n{title}");
-            heading = Some(arg.get_help_heading());
+    let own: Vec<&Arg> = command.get_arguments().filter(is_own).collect();
+    // As in `--help`: those without a heading come first.
+    let mut headings = vec![None];
+    for arg in &own {
+        if !headings.contains(&arg.get_help_heading()) {
+            headings.push(arg.get_help_heading());
         }
-        text.push_str(&item(&format!("{program}-{name}"), arg));
+    }
+    for heading in headings {
+        let title = heading.map_or(String::new(), |title| format!("**{title}**\n\n"));
+        let mut of_heading = own.iter().filter(|arg| arg.get_help_heading() == heading).peekable();
+        if of_heading.peek().is_some() {
+            let _ = write!(text, "\n{title}");
+        }
+        of_heading.for_each(|arg| text.push_str(&item(&format!("{program}-{name}"), arg)));
     }
     text
 }
