@@ -576,7 +576,7 @@ CASES = [
         "device",
         lambda: pellucid.Renderer("no such device"),
         pellucid.DeviceError,
-        'no Vulkan device matches "no such device"; there are: …',
+        'no Vulkan device matches "no such device"; devices: …',
     ),
     (
         "no clouds",

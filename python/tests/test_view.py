@@ -410,7 +410,8 @@ def test_what_was_chosen_for_the_first_picture_stays() -> None:
     try:
         begin = made.painter.begin
         chosen = json.loads(begin.image.metadata["pellucid:choice"])["setting"]
-        assert chosen == f"method.samples={begin.settings['samples']}"
+        # Which other keys belong to the fastest setting depends on the machine.
+        assert chosen.split()[0] == f"method.samples={begin.settings['samples']}"
         image = made.painter.whole(made.request)
         assert json.loads(image.metadata["pellucid:settings"])["method"]["samples"] == begin.settings["samples"]
         assert "pellucid:choice" not in image.metadata

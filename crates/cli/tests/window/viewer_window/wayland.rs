@@ -61,7 +61,7 @@ fn a_compositor_shows_the_window_and_its_end_ends_it() {
         drop(compositor);
         let (status, said) = window.end();
         assert_eq!(status, Some(1), "{said}");
-        assert!(said.contains("error: the display has closed the window"), "{said}");
+        assert!(said.contains("error: the display server closed the window"), "{said}");
         for part in ["validation", "leaked", "panicked"] {
             assert!(!said.contains(part), "{said}");
         }
