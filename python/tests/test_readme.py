@@ -25,7 +25,8 @@ def test_the_lines_of_readme_write_the_file_of_the_command_line(renderer, cli, t
     assert len([line for line in lines.splitlines() if line.strip()]) <= 5
     exec(compile(lines, "README.md", "exec"), {})
     ours = (tmp_path / "out.png").read_bytes()
-    (command,) = re.findall(r"^pellucid (render scan\.laz --see-through .* -o out\.png)$", (ROOT / "README.md").read_text("utf-8"), re.M)
+    page = (ROOT / "README.md").read_text("utf-8")
+    (command,) = re.findall(r"^pellucid (render scan\.laz --see-through .* -o out\.png)$", page, re.M)
     cli(*command.split())
     assert (tmp_path / "out.png").read_bytes() == ours
 
