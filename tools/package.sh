@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Makes the files of a release for this platform in target/package: an archive, and on Linux a Debian package and the Python wheel,
-# with SHA256SUMS. Needs cargo-about, and on Linux cargo-deb (`cargo install --locked cargo-deb cargo-about --features cargo-about/cli`).
+# with SHA256SUMS. Needs cargo-about, and on Linux cargo-deb:
+#   cargo install --locked cargo-deb; cargo install --locked --features cli cargo-about
 #
 #   tools/package.sh                 builds and packs everything
 #   tools/package.sh --no-wheel      without the wheel; --no-deb without the Debian package
@@ -28,7 +29,7 @@ while (($# > 0)); do
         --target) target=$2; shift ;;
         --try) root=$2; shift ;;
         --scan) scan=$2; shift ;;
-        -h | --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 0 ;;
+        -h | --help) sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 0 ;;
         *) fail "unknown argument '$1'; tools/package.sh --help lists them" ;;
     esac
     shift
