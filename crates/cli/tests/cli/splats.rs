@@ -21,7 +21,7 @@ fn info_describes_splats() {
         "\n  attributes  color, alpha 0.1",
         "\n  gaussians   40, harmonics of degree 2, trained with filter mip\n",
         "\n  extents     0.00",
-        "--method auto\n",
+        "\n              (Gaussian splats have opacities of their own)\n",
     ] {
         assert!(text.contains(part), "{part:?}: {text}");
     }

@@ -35,7 +35,7 @@ pub fn propose(file: &Path, columns: Option<&str>, cloud: &Cloud, classes: &Clas
 
 fn options(cloud: &Cloud, classes: &Classes, seen: &Overview) -> (Option<&'static str>, String) {
     if cloud.gaussians.is_some() {
-        return (Some("--method auto"), "Gaussian splats have opacities of their own".into());
+        return (None, "Gaussian splats have opacities of their own".into());
     }
     let points = |codes: &[u8]| codes.iter().filter_map(|code| classes.get(code)).sum::<usize>();
     let (leaves, roofs) = (points(&VEGETATION), points(&[BUILDING]));
