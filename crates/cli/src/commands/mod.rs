@@ -70,7 +70,7 @@ enum Command {
     Render(render::RenderArgs),
     /// Render a few frames and print the time of each pass.
     Profile(profile::ProfileArgs),
-    /// Measure time, memory and error of every method as layers increase.
+    /// Measure time, memory and error of the exact methods as layers increase.
     Stress(stress::StressArgs),
     /// Measure time and error of every method on one scene.
     Tradeoff(tradeoff::TradeoffArgs),
@@ -122,7 +122,7 @@ struct DeviceArgs {
     device: Option<String>,
     /// Device memory for the fragments of a frame, as in 256MiB.
     ///
-    /// Default: the memory of the device, less a reserve.
+    /// Default: three quarters of the memory of the device, less the cloud.
     #[arg(long, value_name = "SIZE", help_heading = headings::DEVICE)]
     memory_budget: Option<ByteSize>,
 }

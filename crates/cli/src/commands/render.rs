@@ -49,7 +49,7 @@ pub struct RenderArgs {
     ///
     /// - `fragments.Y`: length of each pixel's fragment list.
     /// - `layers.Y`: blended layers (peel, peel-layers).
-    /// - `stderr.R`, `stderr.G`, `stderr.B`: standard error of the color (stochastic, spbr).
+    /// - `stderr.R`, `stderr.G`, `stderr.B`: standard error of the color (stochastic, spbr, spbr-simplified).
     /// - `depth.median`: depth at which half of the light is left, or +inf if more passes.
     /// - `depth.mean`: mean depth of the fragments, weighted by their share of A, or +inf.
     ///

@@ -32,7 +32,7 @@ pub struct StressArgs {
     /// 1 to 1024 layers in factors of 4, 64² and 256² pixels, 3 frames, at most 2^20 fragments.
     #[arg(long)]
     quick: bool,
-    /// Measure only this method; repeatable. By default all methods.
+    /// Measure only this method; repeatable. By default all four.
     #[arg(long, value_name = "NAME", value_parser = method_names())]
     method: Vec<String>,
     /// Number of frames per median; by default 5.

@@ -135,7 +135,7 @@ methods! {
     "splats" => Splats(BlendedSplats), Opaque, for Opaque;
     /// Points whose holes are closed by filters of the image (Dobrev et al. 2010); needs no radii.
     "image-space" => ImageSpace(ImageSpace), Surfaces, for Opaque;
-    /// Soft points as spheres, integrated exactly along each ray, before solid ones (Seemann et al. 2018).
+    /// Soft points as spheres, integrated exactly along each ray, in front of solid ones (Seemann et al. 2018).
     "soft-base" => SoftBase(Soft), Soft, for Soft, also &["layout=paper"];
     /// As `soft-base`, each sphere as concentric ones of constant density.
     "soft-concentric" => SoftConcentric(Soft), Soft, for Soft;
@@ -233,7 +233,7 @@ impl Purpose {
             Self::Exact => "transparent discs, exactly",
             Self::Approximate => "transparent discs, approximately",
             Self::Surfaces => "surfaces of a chosen opacity",
-            Self::Soft => "soft foliage or noise before solid points",
+            Self::Soft => "soft foliage or noise in front of solid points",
             Self::Opaque => "opaque surfaces",
             Self::Compare => "wrong pictures, to compare with",
         }

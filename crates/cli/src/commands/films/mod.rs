@@ -44,7 +44,7 @@ pub struct FilmArgs {
     /// written.
     #[arg(long, value_name = "PAGE.html", help_heading = FRAMES)]
     html: Option<PathBuf>,
-    /// Frames per second of a film, an animation or a page [default: 25].
+    /// Frames per second of a film, an animation or a page; by default 25.
     #[arg(long, value_name = "N", help_heading = FRAMES, value_parser = clap::value_parser!(u32).range(1..=240))]
     fps: Option<u32>,
 }

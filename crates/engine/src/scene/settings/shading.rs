@@ -13,7 +13,7 @@ settings! {
     /// `[shading]`.
     #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Shading {
-        /// Shading model: lambert is matt, phong has highlights, none shows plain colors; auto is lambert except on foliage.
+        /// Shading model: lambert is matte, phong has highlights, none shows plain colors; auto is lambert except on foliage.
         model: ShadingModel = ShadingModel::Auto;
         /// Ambient light, as a factor on the color.
         ambient: f32 = 0.2, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 1.0);
