@@ -48,11 +48,11 @@ pub struct Points {
     pub gaussians: Option<Gaussians>,
     /// Points that are not drawn but belong to the scene, for its bounds and its camera.
     pub unseen: Arc<Unseen>,
-    /// What is known of the scene, if these points only stand for more of them.
+    /// Facts about the scene, if these points only stand for more of them.
     pub whole: Option<Arc<Whole>>,
 }
 
-/// What is known of all points of a scene that are not in one list.
+/// Facts about all points of a scene that are not in one list.
 #[derive(Debug, Clone)]
 pub struct Whole {
     /// Their number, with those that are not drawn.
@@ -65,18 +65,18 @@ pub struct Whole {
     pub brightest: f32,
     /// True if some of them may be transparent.
     pub is_transparent: bool,
-    /// What identifies them: the same text for the same points.
+    /// Identity of the points: the same text for the same points.
     pub identity: String,
     /// Count and bounds of those that are Gaussians; `None` if none is.
     pub splats: Option<WholeSplats>,
-    /// Where all of them are.
+    /// Source of all spheres.
     pub spheres: Arc<dyn Spheres>,
 }
 
 /// Count and bounds of all Gaussians of a scene that are not in one list.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WholeSplats {
-    /// How many they are.
+    /// Number of spheres.
     pub count: u64,
     /// The highest degree of their harmonics, 0 to 4.
     pub degree: u32,
@@ -112,7 +112,7 @@ pub trait Spheres: std::fmt::Debug + Send + Sync {
     fn of_group(&self, group: usize) -> Vec<(DVec3, f64)>;
 }
 
-/// What the points of a scene are relative to on a device.
+/// Origin that the points of a scene are relative to on a device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Anchor {
     /// The origin of positions: about the median of each coordinate.
@@ -221,7 +221,7 @@ impl Points {
         is_disc.then_some(self.radii[index])
     }
 
-    /// How far a Gaussian reaches; `None` for a disc.
+    /// Returns the reach of a Gaussian; `None` for a disc.
     pub fn reach(&self, index: usize) -> Option<f32> {
         let is_one = self.gaussians.as_ref().is_some_and(|gaussians| gaussians.is_one(index));
         is_one.then(|| self.radii[index])
@@ -253,7 +253,8 @@ impl Points {
         [&self.positions, &self.unseen.positions].into_iter().filter_map(|some| Bounds::of(some)).reduce(Bounds::union)
     }
 
-    /// What these points are relative to on a device. It follows from all points of the scene, also from those that are not drawn.
+    /// Returns the origin that these points are relative to on a device. It follows from all points of the scene, also
+    /// from those that are not drawn.
     pub fn anchor(&self) -> Anchor {
         let sampled: Vec<DVec3> = self.sampled().copied().collect();
         // Points that stand for all may be none where nearly all are in one place.

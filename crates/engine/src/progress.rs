@@ -25,7 +25,7 @@ pub trait Observer: Send + Sync {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cancelled;
 
-/// What the host is busy with, in the order of a command.
+/// Phase of the host's work, in the order of a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Phase {
     /// Reads files, or generates the built-in scene.
@@ -68,9 +68,9 @@ impl Phase {
 pub struct Span {
     /// The phase.
     pub phase: Phase,
-    /// When it began.
+    /// Time when the phase began.
     pub begin: Instant,
-    /// How long it took.
+    /// Duration of the phase.
     pub length: Duration,
 }
 

@@ -1,4 +1,5 @@
-//! What a driver's compiler made of a pipeline: registers, scratch, occupancy (VK_KHR_pipeline_executable_properties).
+//! Statistics of a driver's compiler about a pipeline: registers, scratch, occupancy
+//! (VK_KHR_pipeline_executable_properties).
 
 use std::time::{Duration, Instant};
 

@@ -45,7 +45,7 @@ pub struct Context {
     pub submission: Mutex<()>,
     /// Command buffers that nobody records, each with a pool of its own.
     idle_commands: Mutex<Vec<Commands>>,
-    /// What interrupted recordings may still need.
+    /// Resources that interrupted recordings may still need.
     pub graves: Mutex<Graves>,
     allocator: Mutex<Option<Allocator>>,
     /// Names and sizes by kind and handle: handles of different kinds may be equal.
@@ -133,12 +133,12 @@ impl Context {
         })
     }
 
-    /// When each pipeline so far was made, and how long that took.
+    /// Returns when each pipeline so far was made, and how long that took.
     pub fn compilations(&self) -> Vec<Compilation> {
         lock(&self.compilations).clone()
     }
 
-    /// What all pipelines were made from.
+    /// Returns what all pipelines were made from.
     pub fn made(&self) -> Vec<Made> {
         lock(&self.pipelines).values().map(|pipeline| pipeline.made.clone()).collect()
     }

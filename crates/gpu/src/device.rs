@@ -382,8 +382,8 @@ impl Device {
         self.0.uploaded.load(Ordering::Relaxed)
     }
 
-    /// How many submissions the host has waited for so far, those of uploads and reads among them. Those that show pictures in a
-    /// window don't count.
+    /// Returns the number of submissions that the host has waited for so far, those of uploads and reads among them.
+    /// Those that show pictures in a window don't count.
     pub fn waits(&self) -> u64 {
         self.0.waits.load(Ordering::Relaxed)
     }
@@ -393,13 +393,13 @@ impl Device {
         self.0.live_allocations()
     }
 
-    /// When each pipeline so far was made, and how long that took, from WGSL to what the driver makes of it. In the order in
-    /// which they were done.
+    /// Returns when each pipeline so far was made, and how long that took, from WGSL to what the driver makes of it.
+    /// The pipelines are in the order in which they were done.
     pub fn compilations(&self) -> Vec<Compilation> {
         self.0.compilations()
     }
 
-    /// What every pipeline so far was made from; in no order.
+    /// Returns what every pipeline so far was made from; in no order.
     pub fn made(&self) -> Vec<Made> {
         self.0.made()
     }

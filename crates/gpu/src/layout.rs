@@ -4,7 +4,7 @@ use std::fmt;
 
 use bytemuck::Pod;
 
-/// How a type lies in memory, as far as a shader sees it.
+/// Layout of a type in memory, as far as a shader sees it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Shape {
     /// A scalar, vector, matrix or texture by its WGSL name, as `vec2<f32>`; an atomic counts as its scalar.

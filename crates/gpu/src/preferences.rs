@@ -1,4 +1,4 @@
-//! How work is shaped to fit a device. Decided here alone, by what a device says of itself and never by its name.
+//! Shape of work that fits a device. It is decided here alone, by what a device says of itself and never by its name.
 
 use ash::vk;
 
@@ -25,7 +25,7 @@ impl Preferences {
         if device_type == vk::PhysicalDeviceType::CPU { Self::CPU } else { Self::GPU }
     }
 
-    /// What `PELLUCID_PREFER` asks for: `cpu` or `gpu`.
+    /// Returns what `PELLUCID_PREFER` asks for: `cpu` or `gpu`.
     pub(super) fn from_env() -> Option<Self> {
         match std::env::var("PELLUCID_PREFER").as_deref() {
             Ok("cpu") => Some(Self::CPU),

@@ -1,4 +1,4 @@
-//! What is known of all points of a cloud together.
+//! Facts about all points of a cloud together.
 
 use glam::Vec3;
 use rayon::prelude::*;

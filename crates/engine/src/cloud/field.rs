@@ -99,7 +99,7 @@ impl Field {
         Ok(values.map(|values| self.scaled(&values, range(&values))))
     }
 
-    /// What F is made of, for some points of a cloud with these bounds; `None` for uncertainty.
+    /// Returns the column that F is made of, for some points of a cloud with these bounds; `None` for uncertainty.
     ///
     /// # Errors
     /// The cloud lacks the property.

@@ -1,4 +1,4 @@
-//! How splats were trained to be filtered, as their file says it.
+//! Filters that splats were trained with, as their file says it.
 
 /// The filter that a file of splats names. It is shown, and does not change how they are rendered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -11,13 +11,13 @@ pub const Y0: f64 = 0.282_094_791_773_878_14;
 /// The highest degree of harmonics that any format has.
 pub const MAX_DEGREE: u32 = 4;
 
-/// How far a Gaussian reaches at most, in its largest standard deviations: where opacity 1 falls below 1/255.
+/// Largest reach of a Gaussian, in its largest standard deviations: where opacity 1 falls below 1/255.
 pub const REACH: f32 = 3.33;
 
 /// A number for each degree, from 0 on.
 pub type ByDegree = [f32; MAX_DEGREE as usize + 1];
 
-/// How far a Gaussian with these extents reaches at most ([`REACH`]), in their unit; finite.
+/// Returns the largest reach of a Gaussian with these extents ([`REACH`]), in their unit; finite.
 pub fn reach(extents: Vec3) -> f32 {
     (REACH * extents.max_element()).min(f32::MAX)
 }
@@ -80,7 +80,7 @@ impl Gaussians {
         self.extents[index] != Vec3::ZERO
     }
 
-    /// How many points are Gaussians.
+    /// Returns the number of points that are Gaussians.
     pub fn count(&self) -> u64 {
         self.extents.par_iter().filter(|extents| **extents != Vec3::ZERO).count() as u64
     }

@@ -44,7 +44,7 @@ pub fn same_scalar(a: &str, b: &str) -> bool {
     letters(a) == letters(b)
 }
 
-/// Which axis of a file points up; decides the automatic camera.
+/// Axis of a file that points up; decides the automatic camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum UpAxis {
     /// Models (PLY): +Y is up.
@@ -95,7 +95,7 @@ pub struct Cloud {
     pub non_finite: usize,
     /// The file's vertical.
     pub up: UpAxis,
-    /// Why it isn't the one of the file's format, if its points say so alone: the end of a sentence.
+    /// Reason why it isn't the axis of the file's format, if its points alone say so: the end of a sentence.
     pub up_reason: Option<&'static str>,
     /// Data that `pellucid prepare` stored with the points, if they are unchanged since then.
     pub prepared: Option<Prepared>,

@@ -8,7 +8,7 @@ const ALL: u64 = 1 << 18;
 /// Points that are taken of more of them, at most, on average.
 const MOST: u64 = 1 << 17;
 
-/// Which points of a cloud of some size are taken.
+/// Rule that selects points of a cloud of some size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sampling {
     /// One of so many less one: a power of two.

@@ -13,7 +13,7 @@ const ENOUGH_POWERS: usize = 3;
 pub struct Tick {
     /// The number: the float64 value that is nearest to the label.
     pub value: f64,
-    /// Where it stands: 0 at the scale's low end, 1 at the high one.
+    /// Place on the scale: 0 at its low end, 1 at the high one.
     pub place: f64,
     /// The number as text.
     pub label: String,

@@ -43,7 +43,7 @@ const NAMES_WITHOUT_EFFECT: &str = "columns have no effect: they are for text fi
 /// First bytes of a file that are looked at to find its format.
 const START: u64 = 512;
 
-/// Why a file could not be read or written. Every message starts with the file.
+/// Reason why a file could not be read or written. Every message starts with the file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

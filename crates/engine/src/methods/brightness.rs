@@ -36,11 +36,11 @@ pub struct Brightening {
     pub factor: f32,
     /// B_th and B_max of the opaque image, 0 to 255. B_th = 0: at most 1% of its pixels are brighter than black, and p is 1.
     pub window: [u8; 2],
-    /// Why p is this.
+    /// Reason why p has this value.
     pub end: End,
 }
 
-/// Why a search for p ended.
+/// Reason why a search for p ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
     /// The paper's condition is met.

@@ -68,7 +68,7 @@ fn factor(strength: f32) -> f32 {
     (factor as f32).min(f32::MAX)
 }
 
-/// What is shaded: an image's size, and the depth of each of its pixels.
+/// Input of shading: an image's size, and the depth of each of its pixels.
 #[derive(Clone, Copy)]
 pub(crate) struct Surface<'a> {
     /// Width and height in pixels.

@@ -132,7 +132,7 @@ pub(crate) trait Engine {
     fn explain(&self, plan: &mut Plan<'_>);
 }
 
-/// What the random samples of a pixel leave before they are resolved.
+/// Sums that the random samples of a pixel leave before they are resolved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sums {
     /// Whole numbers over ensembles.
@@ -162,7 +162,7 @@ pub(crate) struct Channels {
     pub layers: bool,
 }
 
-/// How an engine knows the lengths of a pixel's lists.
+/// Source of the lengths of a pixel's lists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Fragments {
     /// Not at all.
@@ -218,7 +218,7 @@ pub(crate) struct Work<'a> {
     pub budget: Budget,
     /// Samples or ensembles to draw; none where the engine draws no random ones.
     pub samples: Range<u32>,
-    /// Where sums of the samples are kept, which then are not resolved.
+    /// Sums of the samples, which then are kept and not resolved.
     pub sums: Option<&'a RefCell<SamplePart>>,
     /// The target of the pixels, large enough for the window.
     pub target: &'a Target,
@@ -232,7 +232,7 @@ pub(crate) struct Work<'a> {
     pub switches: Switches,
     /// True if counting is enough.
     pub survey: bool,
-    /// What is added to the counts once the window was submitted.
+    /// Numbers that are added to the counts once the window has been submitted.
     pub later: Vec<Later>,
 }
 

@@ -1,4 +1,4 @@
-//! Why a frame cannot be rendered.
+//! Reasons why a frame cannot be rendered.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use super::parts::PartError;
 use crate::passes;
 use crate::progress::Cancelled;
 
-/// Why a frame cannot be rendered.
+/// Reason why a frame cannot be rendered.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

@@ -28,7 +28,7 @@ pub(crate) struct PassGroup {
     pub absent: Absent,
 }
 
-/// Why a group of passes doesn't run.
+/// Reason why a group of passes doesn't run.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Absent {
     /// This reason.
@@ -46,10 +46,10 @@ impl PassGroup {
     }
 }
 
-/// Why a pass over splats is off.
+/// Reason why a pass over splats is off.
 pub(crate) const NOTHING: &str = "no splat touches the image";
 
-/// Why splats go through tiles where any order would do.
+/// Reason why splats go through tiles where any order would do.
 pub(crate) const EACH_PIXEL: &str = "tiles give each pixel to one subgroup";
 
 /// Counters and pixels that most methods clear, and the results of the projection.
@@ -88,7 +88,7 @@ pub(crate) struct Plan<'a> {
     pub facts: &'a Facts,
     /// True if 64-bit atomics are used.
     pub wide_atomics: bool,
-    /// Why this method.
+    /// Reason for this method.
     pub why: &'a str,
     /// The passes so far.
     pub steps: Vec<Step>,

@@ -21,7 +21,7 @@ pub struct Frame {
     pub color: ColorSpace,
     /// The method.
     pub method: Method,
-    /// Which points are drawn, of clouds whose points come some at a time; dealt ones are all drawn.
+    /// Selection of the points that are drawn, of clouds whose points come some at a time; dealt ones are all drawn.
     pub detail: Detail,
     /// Limit on device bytes beside cloud and image; `None` allows the device's memory minus a reserve. A dealt cloud
     /// that exceeds the limit is streamed: only the part on the device at a time counts.

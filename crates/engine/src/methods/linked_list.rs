@@ -76,7 +76,7 @@ pub struct Through<'a> {
     pub heads: Slice<'a, u32>,
     /// Room for the band's fragments.
     pub nodes: Slice<'a, [u32; 2]>,
-    /// Where the lists end up.
+    /// Buffer that the lists end up in.
     pub fragments: Slice<'a, [u32; 2]>,
 }
 

@@ -158,7 +158,7 @@ pub(crate) struct Machines {
     pub filterer: image_space::Filterer,
     /// Sums for each pixel.
     pub approximations: approximate::Approximations,
-    /// How the light of each pixel fades.
+    /// Fading of the light of each pixel.
     pub fadings: fading::Fadings,
     /// Samples of pixels.
     pub sampler: stochastic::Sampler,

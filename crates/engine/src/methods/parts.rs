@@ -22,7 +22,7 @@ const VERSION: u32 = 1;
 /// Words before the ranges of samples: magic, version, columns, rows, samples, step, flags, ranges.
 const HEADER: usize = 8;
 
-/// Where the random samples of a frame may be cut.
+/// Steps at which the random samples of a frame may be cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SampleSteps {
     /// All samples of a pixel, or ensembles; at least 1.
@@ -40,8 +40,9 @@ impl SampleSteps {
 }
 
 impl Frame {
-    /// Where the samples of the frame may be cut into parts; `None` where they can't be: of methods that draw no random ones, and of
-    /// frames with [`Frame::max_error`], whose number of samples follows from the image.
+    /// Returns the steps at which the samples of the frame may be cut into parts; `None` where they can't be: of
+    /// methods that draw no random ones, and of frames with [`Frame::max_error`], whose number of samples follows from
+    /// the image.
     pub fn sample_steps(&self) -> Option<SampleSteps> {
         Layout::of(self).map(|layout| layout.steps)
     }
@@ -58,7 +59,7 @@ pub struct DrawnPart {
     pub facts: Facts,
 }
 
-/// Why parts of a frame's samples can't be put together.
+/// Reason why parts of a frame's samples can't be put together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PartError {
@@ -147,7 +148,7 @@ impl Plane {
     }
 }
 
-/// What the parts of a frame hold.
+/// Contents of the parts of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Layout {
     size: [u32; 2],

@@ -11,7 +11,7 @@ use crate::passes::project::DeviceCloud;
 use crate::points::Points;
 use crate::scene::{CloudSettings, MethodChoice};
 
-/// How near the median comes to the share that was asked for.
+/// Largest difference of the median from the share that was asked for.
 pub const TOLERANCE: f64 = 0.004;
 
 /// Longer side of the images of the first trials.

@@ -66,7 +66,7 @@ pub fn byte_steps(color: ColorSpace) -> [f32; 257] {
     steps
 }
 
-/// How a window shows an image.
+/// Way in which a window shows an image.
 #[derive(Debug, Clone, Copy)]
 pub struct Showing {
     /// Columns and rows of the image.

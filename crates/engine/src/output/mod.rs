@@ -25,7 +25,7 @@ use crate::image::MAX_SIDE;
 use crate::image::{Image, LinearImage};
 use crate::scene::ColorSpace;
 
-/// Why a result could not be written or an image not be read.
+/// Reason why a result could not be written or an image not be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

@@ -7,7 +7,7 @@ use crate::passes::project::{DISCS, DeviceCloud, Footprint, Splat, Tilt, View};
 use crate::scene::Falloff;
 use crate::{choices, group};
 
-/// How per-splat buffers are cut so that one pass reaches every splat: 1 or 4 parts of `len` splats.
+/// Division of per-splat buffers so that one pass reaches every splat: 1 or 4 parts of `len` splats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cut {
     /// 1 or 4.

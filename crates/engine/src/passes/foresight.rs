@@ -9,7 +9,7 @@
 use super::Error;
 use crate::gpu::{self, Buffer, Device, Memory, Recorder, Slice};
 
-/// How the counts of a window are known before it is rendered.
+/// Source from which the counts of a window are known before it is rendered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Knowledge {
     /// Not at all: the host waits for each.
@@ -26,11 +26,11 @@ pub enum Knowledge {
 pub struct Answer {
     /// The words.
     pub words: Vec<u32>,
-    /// Where the counts themselves are found.
+    /// Place at which the counts themselves are found.
     pub place: Place,
 }
 
-/// Where the counts are that answer a question, once they were submitted.
+/// Place of the counts that answer a question, once they were submitted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Place {
     first: u64,
@@ -57,7 +57,7 @@ const FORGIVEN: u32 = 64;
 /// Words from one answer to the next are a multiple of this many, so that each can be bound by itself.
 const ALIGNED: u64 = 64;
 
-/// What is known of windows of one kind.
+/// Facts about windows of one kind.
 #[derive(Default)]
 pub struct Foresight {
     knowledge: Knowledge,
@@ -118,7 +118,7 @@ impl Foresight {
         };
     }
 
-    /// How the counts of this window are known.
+    /// Returns the source from which the counts of this window are known.
     pub fn knowledge(&self) -> Knowledge {
         self.knowledge
     }
@@ -244,7 +244,7 @@ impl Foresight {
         waited || self.answers.as_ref().is_some_and(|answers| answers.go_host.mapped_slice()[0] == 1)
     }
 
-    /// What was found, once the submission with the question has been waited for.
+    /// Returns what was found, once the submission with the question has been waited for.
     pub fn found(&self, Place { first, count }: Place) -> &[u32] {
         let range = first as usize..(first + count) as usize;
         self.answers.as_ref().map_or(&[], |answers| &answers.host.mapped_slice()[range])

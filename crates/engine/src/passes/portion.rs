@@ -24,7 +24,7 @@ pub struct Runs {
 }
 
 impl Runs {
-    /// Where runs of points in canonical order begin, and the number of all points.
+    /// Returns the indices where runs of points in canonical order begin, and the number of all points.
     pub fn starts(points: &Points) -> Vec<usize> {
         if points.is_empty() { Vec::new() } else { starts(points) }
     }

@@ -93,7 +93,7 @@ pub struct Raster<'a> {
     pub tiles: &'a Tiles,
     /// The visitor of pixels.
     pub walker: Walker,
-    /// Which pixels a splat covers.
+    /// Shape of the pixels that a splat covers.
     pub footprint: Footprint,
     /// The rectangle of pixels in work.
     pub window: Window,

@@ -101,7 +101,7 @@ impl Scan {
         capacity.div_ceil(SCAN_RUN) * 8 * 2
     }
 
-    /// How many elements fit.
+    /// Returns the number of elements that fit.
     pub fn capacity(&self) -> u64 {
         self.capacity
     }

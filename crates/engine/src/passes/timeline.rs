@@ -10,7 +10,7 @@ use crate::progress::Progress;
 /// Submits the work of a frame, and collects its times.
 pub struct Timeline {
     progress: Progress,
-    /// When the first submission began.
+    /// Time when the first submission began.
     pub start: Option<Instant>,
     /// Each pass with its start, counted from the first submission's. The passes of a submission follow one another from its
     /// beginning on.
@@ -19,7 +19,7 @@ pub struct Timeline {
     pub submitted: Duration,
     /// True if passes are timed.
     pub timed: bool,
-    /// What is known of the window in work before it is rendered.
+    /// Facts about the window in work that are known before it is rendered.
     pub foresight: Foresight,
     /// What was recorded so far, where nobody waits for it.
     paused: Option<Paused>,
@@ -73,7 +73,7 @@ impl Timeline {
         Ok(self.foresight.answer())
     }
 
-    /// What was found, once it was submitted.
+    /// Returns what was found, once it was submitted.
     pub fn found(&self, place: Place) -> &[u32] {
         self.foresight.found(place)
     }

@@ -10,7 +10,7 @@ use super::{Points, Spheres, Unseen, Whole, WholeSplats};
 use crate::cloud::Bounds;
 use crate::cloud::sampling::Sampling;
 
-/// What is known of all points of a scene whose points are elsewhere, in a form that travels.
+/// Facts about all points of a scene whose points are elsewhere, in a form that travels.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Known {
     count: u64,
@@ -50,7 +50,7 @@ impl Spheres for Elsewhere {
 }
 
 impl Points {
-    /// What is known of all points; `None` without any.
+    /// Returns what is known of all points; `None` without any.
     pub fn known(&self) -> Option<Known> {
         let brightest = || self.colors.par_iter().map(|color| color.max_element()).reduce(|| 1.0, f32::max);
         let whole = self.whole.as_ref();

@@ -70,7 +70,7 @@ pub struct Deal {
 /// Ensembles to which points are dealt but once.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pass {
-    /// Which.
+    /// Range of ensembles.
     pub ensembles: Range<u32>,
     /// The positions of their points; `None` for the first pass, whose n-th copy is the n-th point.
     pub rows: Option<Rows>,

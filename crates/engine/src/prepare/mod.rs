@@ -64,7 +64,7 @@ impl Request {
     }
 }
 
-/// Which normals are estimated for shading, where the file has none.
+/// Normals that are estimated for shading, where the file has none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ShadingNormals {
     /// All.
@@ -104,12 +104,12 @@ pub struct FieldKey {
 }
 
 impl Request {
-    /// What the radii of this cloud depend on.
+    /// Returns what the radii of this cloud depend on.
     pub fn radius_key(&self, cloud: &Cloud) -> RadiusKey {
         (self.neighbors_of(cloud), self.radius_cap_of(cloud).to_bits())
     }
 
-    /// What F of this cloud depends on.
+    /// Returns what F of this cloud depends on.
     pub fn field_key(&self, cloud: &Cloud) -> FieldKey {
         let definition = self.field_of(cloud);
         let radii = (definition == Field::Uncertainty).then(|| self.radius_key(cloud));
@@ -164,8 +164,8 @@ impl Request {
         (prepared.field == self.field_of(cloud) && same_radii).then_some(&prepared.values)
     }
 
-    /// What has to be found from neighbors or from the whole cloud, in words: `like` has the columns of the cloud. Normals to shade by don't
-    /// count.
+    /// Returns in words what has to be found from neighbors or from the whole cloud. `like` has the columns of the
+    /// cloud. Normals to shade by don't count.
     pub(crate) fn missing(&self, like: &Cloud) -> Option<&'static str> {
         if self.uncapped {
             Some("the distances to neighbors that `surface_opacity` follows from")
@@ -251,8 +251,8 @@ pub fn find(cloud: &Cloud, request: &Request, progress: &Progress) -> Result<Poi
     Ok(PointData { radii, uncapped, fields, normals, shading, dropped })
 }
 
-/// What of the requested data the points of a part of a cloud have with them; nothing is found from neighbors. `bounds` and `range`
-/// are those of the whole cloud, the range that of what F is made of.
+/// Returns the requested data that the points of a part of a cloud have with them; nothing is found from neighbors.
+/// `bounds` and `range` are those of the whole cloud, the range that of what F is made of.
 ///
 /// # Errors
 /// The cloud lacks the property of its field.

@@ -26,7 +26,7 @@ pub(super) struct SmallestAxis {
     pub planar: bool,
 }
 
-/// How points spread around their mean.
+/// Spread of points around their mean.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Moments {
     /// Σ of x², y², z².

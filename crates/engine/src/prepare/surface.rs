@@ -67,7 +67,7 @@ fn look(
     Surface { fields: field::scaled(&seen.spreads), ..seen.surface }
 }
 
-/// What is seen of points before F is scaled, in their order.
+/// View of points before F is scaled, in their order.
 #[derive(Debug, Default)]
 pub(super) struct Seen {
     /// Without F.
@@ -78,7 +78,7 @@ pub(super) struct Seen {
     pub last: Vec<f64>,
 }
 
-/// What is to be seen beside radii.
+/// Data that is wanted beside radii.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Wants {
     /// Normals in place of missing ones; F needs them, too.

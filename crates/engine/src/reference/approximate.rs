@@ -48,7 +48,7 @@ pub fn average(list: &[Fragment], colors: &[DVec3]) -> Composite {
     Composite { color: mean(list, colors, |_| 1.0), alpha, depth: nearest(list) }
 }
 
-/// Where in the files a fragment's point stood.
+/// Returns the place of a fragment's point in the files.
 pub(super) fn place(f: &Fragment, places: &[u32]) -> u32 {
     places.get(f.index as usize).copied().unwrap_or(f.index)
 }

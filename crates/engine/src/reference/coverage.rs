@@ -1,4 +1,4 @@
-//! Which pixels a splat covers, at which depth, and how far from its centre.
+//! Pixels that a splat covers, at which depth, and how far from its center.
 //!
 //! Every pixel of a window around the splat is tested by the definition itself: the pixel's centre against the drawn
 //! outline, or the ray through the pixel's centre against the tangent plane.

@@ -1,4 +1,4 @@
-//! Which points of a cloud each ensemble gets.
+//! Points of a cloud that each ensemble gets.
 //!
 //! The definition (Tanaka et al. 2016; Uchida et al. 2020) asks for ensembles whose sizes differ by one point at most, that are
 //! random parts of the points, and for copies of a point in different ensembles. It leaves open which copy goes where. Here

@@ -22,7 +22,7 @@ fn bias_vector(count: u32) -> &'static [f64] {
     }
 }
 
-/// Where a depth lies between near (−1) and far (1), by logarithms; both must be above 0.
+/// Returns where a depth lies between near (−1) and far (1), by logarithms; both must be above 0.
 pub fn place_of(z: f64, [near, far]: [f64; 2]) -> f64 {
     2.0 * (z.clamp(near, far) / near).ln() / (far / near).ln() - 1.0
 }

@@ -10,7 +10,7 @@ use crate::camera::{Camera, Projection};
 use crate::points::Points;
 use crate::scene::{Discs, Falloff, GaussianSettings, Order};
 
-/// What this method orders Gaussians by. Each has one place for the whole image.
+/// Returns what this method orders Gaussians by. Each has one place for the whole image.
 pub fn key(settings: &GaussianSettings) -> Order {
     match settings.order {
         Some(Order::Distance) => Order::Distance,

@@ -210,7 +210,7 @@ pub(super) fn no_points(scene: &Scene, points: &Points) -> Error {
     Error::NoPoints { clouds: clouds.join(", "), hidden: points.unseen.positions.len() }
 }
 
-/// How much of a cloud is there.
+/// Available part of a cloud.
 pub(super) enum Source<'a> {
     /// All of it. What its colors mean goes to the legend.
     Whole { needs_radii: bool, progress: &'a Progress, legend: Option<&'a mut Legend> },
@@ -218,12 +218,12 @@ pub(super) enum Source<'a> {
     Part(&'a Known, Vec<u32>),
 }
 
-/// What must be known of a cloud before some of its points can be made by themselves.
+/// Facts about a cloud that are needed before some of its points can be made by themselves.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Known {
-    /// What follows from the points that stand for all.
+    /// Scales that follow from the points that stand for all.
     pub scales: Scales,
-    /// What is wanted of each point; all of it is stored, or follows from its columns.
+    /// Data that is wanted of each point; all of it is stored, or follows from its columns.
     pub request: prepare::Request,
     /// The box of the cloud, in the file's units.
     pub bounds: Bounds,

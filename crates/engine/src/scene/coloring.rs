@@ -29,7 +29,7 @@ fn vertical(scene: &Scene, cloud: &Cloud) -> Vertical {
     scene.camera.up.and_then(Vertical::nearest).unwrap_or(cloud.up.into())
 }
 
-/// What the colors of a cloud show, once `auto` is decided.
+/// Meaning of the colors of a cloud, once `auto` is decided.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Choice {
     by: ColorBy,
@@ -81,7 +81,7 @@ fn classes_beside_0_and_1(cloud: &Cloud, facts: Option<&Facts>) -> usize {
     seen.iter().skip(2).filter(|seen| **seen).count()
 }
 
-/// Where the colors of a cloud's points come from.
+/// Source of the colors of a cloud's points.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Colors {
     /// The file.
@@ -115,7 +115,7 @@ pub(super) struct Coloring<'a> {
     scales: Option<&'a Scales>,
 }
 
-/// What the colors of a part of a cloud follow from, besides its points.
+/// Facts that the colors of a part of a cloud follow from, besides its points.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Scales {
     choice: Choice,
@@ -188,7 +188,7 @@ impl<'a> Coloring<'a> {
         self.settings.color.is_none() && self.choice.by == ColorBy::Field
     }
 
-    /// What the colors depend on. `request` is that of the cloud's data.
+    /// Returns what the colors depend on. `request` is that of the cloud's data.
     pub fn key(&self, request: &crate::prepare::Request) -> ColorKey {
         let CloudSettings { color, scale, translate, .. } = self.settings;
         let field = self.needs_field().then(|| request.field_key(self.cloud));
@@ -212,7 +212,7 @@ impl<'a> Coloring<'a> {
         format!("{}{map}{intensity}: {why}", by.word())
     }
 
-    /// What the colors show; `None` if the scene gives one color in place of it.
+    /// Returns what the colors show; `None` if the scene gives one color in place of it.
     pub fn by(&self) -> Option<&ColorBy> {
         self.settings.color.is_none().then_some(&self.choice.by)
     }
@@ -365,7 +365,7 @@ fn doubles(values: &[f32]) -> Vec<f64> {
     values.par_iter().map(|value| f64::from(*value)).collect()
 }
 
-/// How the points of each cloud are colored and why, a sentence for each.
+/// Returns how the points of each cloud are colored and why, a sentence for each.
 pub fn colorings(scene: &Scene, clouds: &[Cloud]) -> Vec<String> {
     let describe = |(index, cloud)| Coloring::of(scene, index, cloud).describe();
     clouds.iter().enumerate().map(describe).collect()

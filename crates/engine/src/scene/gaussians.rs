@@ -18,7 +18,7 @@ pub(super) fn would_be_drawn(scene: &Scene, settings: &CloudSettings) -> bool {
     settings.primitive == Primitive::Gaussians && scene.method.is_made_of_discs()
 }
 
-/// Where the colors of a cloud's points come from.
+/// Source of the colors of a cloud's points.
 #[derive(Clone, Copy)]
 pub(super) struct Paint<'a> {
     /// Linear colors of all points.
@@ -56,7 +56,7 @@ fn growth(settings: &CloudSettings) -> f64 {
     settings.scale * f64::from(settings.radius_factor)
 }
 
-/// How far a Gaussian reaches at most, as the cloud's settings have it.
+/// Returns the largest reach of a Gaussian, as the cloud's settings have it.
 pub(super) fn reach(extents: Vec3, settings: &CloudSettings) -> f32 {
     gaussians::reach(scaled(extents, growth(settings)))
 }
@@ -76,7 +76,7 @@ fn scaled(extents: Vec3, factor: f64) -> Vec3 {
     extents.to_array().map(|extent| ((f64::from(extent) * factor) as f32).min(f32::MAX)).into()
 }
 
-/// How far Gaussians reach at most.
+/// Returns the largest reach of each Gaussian.
 pub(super) fn radii(all: &Gaussians) -> Vec<f32> {
     all.extents.par_iter().map(|extents| gaussians::reach(*extents)).collect()
 }

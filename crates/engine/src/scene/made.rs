@@ -53,15 +53,15 @@ pub struct Made {
     pub scene: Scene,
     /// All points, in the order that the method wants.
     pub arranged: Arranged,
-    /// What the colors mean, if it was wanted.
+    /// Meaning of the colors, if it was wanted.
     pub legend: Option<Legend>,
-    /// How clouds are colored and why, a phrase for each way.
+    /// Coloring of clouds and the reason for it, a phrase for each way.
     pub colorings: Vec<String>,
     /// The vertical of the clouds.
     pub up: UpAxis,
     /// The shadows of the scene that were stored with its cloud, in the order of the file.
     pub shadow_texture: Option<ShadowTexture>,
-    /// Where the clouds are stored, if they are not in memory.
+    /// Location of the clouds, if they are not in memory.
     pub stored: Option<Stored>,
     /// True if some clouds are of Gaussians: their points, and the color space, follow from method and detail as well.
     pub follows_method: bool,
@@ -255,7 +255,7 @@ pub fn tell_of_store(summary: &Summary, messages: &impl Messages) {
     warn_of_cloud(&summary.path, &summary.like, messages);
 }
 
-/// What was read, and what was odd about it.
+/// Tells what was read, and what was odd about it.
 pub fn tell_of_cloud(path: &Path, cloud: &Cloud, messages: &impl Messages) {
     messages.detail(&format_args!("{}: {} points", path.display(), cloud.len()));
     warn_of_cloud(path, cloud, messages);

@@ -57,14 +57,14 @@ macro_rules! methods {
                 &[]
             }
 
-            /// Which methods draw the same things.
+            /// Returns the family of methods that draw the same things.
             pub fn family(&self) -> Family {
                 match self {
                     $(Self::$Variant { .. } => Family::$family,)+
                 }
             }
 
-            /// What it is for.
+            /// Returns the purpose of the method.
             pub fn purpose(&self) -> Purpose {
                 match self {
                     $(Self::$Variant { .. } => Purpose::$purpose,)+
@@ -204,7 +204,7 @@ impl Family {
     }
 }
 
-/// What a method is for: the groups in which the window lists them.
+/// Purpose of a method: the groups in which the window lists them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Purpose {
@@ -227,7 +227,7 @@ impl Purpose {
     pub const ALL: [Self; 6] =
         [Self::Exact, Self::Approximate, Self::Surfaces, Self::Soft, Self::Opaque, Self::Compare];
 
-    /// What one wants who takes one of its methods.
+    /// Returns the wish that the methods of this group fulfill.
     pub fn title(self) -> &'static str {
         match self {
             Self::Exact => "transparent discs, exactly",

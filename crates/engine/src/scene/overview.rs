@@ -1,4 +1,4 @@
-//! What a picture of a cloud would meet, found on the host without a device: spacing, and layers on a pixel.
+//! Facts that a picture of a cloud would meet, found on the host without a device: spacing, and layers on a pixel.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -23,7 +23,7 @@ const FITTED: usize = 1 << 18;
 /// Rows of discs that are drawn, at most: where discs are larger or more, every nth of them stands for its neighbors.
 const ROWS: u64 = 1 << 28;
 
-/// What the automatic view of a cloud meets, at the default size and without any setting.
+/// Facts that the automatic view of a cloud meets, at the default size and without any setting.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Overview {
     /// The median distance of a point to the nearest other place that has one, in the file's units, from at most 2048 places;

@@ -166,7 +166,7 @@ impl Method {
         self.part()
     }
 
-    /// What it orders Gaussians by: the centre, if it orders splats once.
+    /// Returns what it orders Gaussians by: the center, if it orders splats once.
     pub fn order(&self) -> Order {
         let default = if matches!(self, Self::Sorted(_)) { Order::Center } else { Order::Pixel };
         match self.discs().map(|discs| discs.gaussians) {

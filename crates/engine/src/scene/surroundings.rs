@@ -1,5 +1,5 @@
-//! How the points of a scene lie around its middle: a room that is scanned on all sides is looked at from within, and notes say
-//! where a camera that was not given may be a wrong guess.
+//! Distribution of the points of a scene around its middle: a room that is scanned on all sides is looked at from
+//! within, and notes say where a camera that was not given may be a wrong guess.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;

@@ -12,7 +12,7 @@ use crate::cloud::sampling;
 use crate::points::Points;
 use crate::progress::Progress;
 
-/// How much of a cloud is drawn.
+/// Limits of how much of a cloud is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Levels are left out where those above them have points this near to one another, in pixels.
@@ -90,7 +90,8 @@ impl Random {
 }
 
 impl Cut {
-    /// What limits leave of a supply. `spacing` is the distance between all points of clouds without levels, in world units.
+    /// Returns what limits leave of a supply. `spacing` is the distance between all points of clouds without levels, in
+    /// world units.
     ///
     /// # Errors
     /// Points of clouds without levels can't be read to be counted, the coarsest level has more than are allowed, or `progress`

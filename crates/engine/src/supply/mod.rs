@@ -66,8 +66,8 @@ pub fn each(
     Ok(())
 }
 
-/// Which points are taken, and how much larger than they are: by their place and the number of their block. Discs in one place of a
-/// block are taken together, and Gaussians that reach as far.
+/// Choice of the points that are taken, and of how much larger they become: by their place and the number of their
+/// block. Discs in one place of a block are taken together, and Gaussians that reach as far.
 #[derive(Clone, Copy)]
 pub struct Keep<'a> {
     /// True of those that are: by place, block, and of a Gaussian how far it reaches. One that reaches farther is taken before others.
@@ -103,7 +103,7 @@ pub(crate) fn grown(radius: f32, factor: f32) -> f32 {
     (radius * factor).min(f32::MAX)
 }
 
-/// Why points can't be taken.
+/// Reason why points can't be taken.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
     /// The store failed.
@@ -142,7 +142,7 @@ pub struct Block {
     pub branch: Option<Branch>,
 }
 
-/// Where a block is in a tree of levels, each of which makes those above it finer.
+/// Place of a block in a tree of levels, each of which makes those above it finer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Branch {
     /// The block above, whose number is smaller; `None` of a root.

@@ -1,4 +1,4 @@
-//! How far apart the points of a cloud without levels are.
+//! Distance between the points of a cloud without levels.
 
 use glam::DVec3;
 use rayon::prelude::*;

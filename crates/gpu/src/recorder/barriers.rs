@@ -16,7 +16,7 @@ pub(super) struct Touch {
     pub(super) writes: bool,
 }
 
-/// What commands since the last barrier touch.
+/// Resources that commands since the last barrier touch.
 #[derive(Default)]
 pub(super) struct Touched {
     all: Vec<Touch>,

@@ -64,7 +64,7 @@ impl<'a> Run<'a> {
 pub struct Submitted {
     /// The passes in order.
     pub passes: Vec<PassTime>,
-    /// When it was submitted.
+    /// Time when it was submitted.
     pub begin: Instant,
     /// From the submission to the end of waiting for it.
     pub wall: Duration,

@@ -1,11 +1,11 @@
-//! Which of a shader's variants is meant, and lists of all of them.
+//! Choice of one of a shader's variants, and lists of all of them.
 
 use std::collections::HashSet;
 
 use super::{Reflection, check, reflection};
 use crate::{Compiled, Device, Error, Outputs, Pass};
 
-/// Which of a shader's variants: values of overrides by name, and text constants.
+/// One of a shader's variants: values of overrides by name, and text constants.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Variant {
     /// Overrides.

@@ -95,7 +95,7 @@ impl Problem {
     }
 }
 
-/// Why a file of cameras can't be used.
+/// Reason why a file of cameras can't be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

@@ -23,7 +23,7 @@ pub(crate) fn is_bitmap(start: &[u8]) -> bool {
     [PNG, JPEG].iter().chain(&TIFF).any(|signature| start.starts_with(signature))
 }
 
-/// Why a file could not be decoded.
+/// Reason why a file could not be decoded.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Error {
     /// The system failed, or the file ended too early.
@@ -111,7 +111,7 @@ impl<R: BufRead + Seek> Decoder<R> {
         (u64::from(width) * u64::from(height)).saturating_mul(pixel)
     }
 
-    /// How the stored pixels have to be turned.
+    /// Returns the orientation by which the stored pixels have to be turned.
     pub fn orientation(&mut self) -> Result<Orientation, Error> {
         match self {
             Self::Png(decoder) => Ok(decoder.orientation()),

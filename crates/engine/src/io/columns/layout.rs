@@ -1,4 +1,4 @@
-//! Which values of a row are what.
+//! Roles of the values of a row.
 
 use glam::{DVec3, Vec3};
 

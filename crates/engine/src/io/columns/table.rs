@@ -16,7 +16,7 @@ pub(in crate::io) struct Table {
     pub(super) codes: Option<Vec<f32>>,
 }
 
-/// What only all rows of a table tell.
+/// Facts that only all rows of a table tell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::io) struct Whole {
     /// Some normal has a direction.
@@ -157,7 +157,7 @@ impl Table {
         &self.cloud
     }
 
-    /// What these rows tell of all.
+    /// Returns what these rows tell of all.
     pub fn whole(&self, layout: &Layout) -> Whole {
         let cloud = &self.cloud;
         let [colors, alphas] = layout.measures();

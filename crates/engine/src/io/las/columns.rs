@@ -109,7 +109,7 @@ impl Columns {
         Bounds::of(&self.positions)
     }
 
-    /// What these points tell of the whole file.
+    /// Returns what these points tell of the whole file.
     pub fn traits(&self) -> Traits {
         let largest = |rgb: &[[u16; 3]]| rgb.par_iter().map(|&[r, g, b]| r.max(g).max(b)).max().unwrap_or(0);
         let times = self.gps_time.iter().flatten().copied().filter(|time| time.is_finite());

@@ -72,8 +72,8 @@ impl LasFile {
         if self.asked.gps_time { selection.decompress_gps_time() } else { selection }
     }
 
-    /// What a chunk's points tell of the whole file, and their box if it is asked for. Only what that takes is decoded, where the
-    /// compression stores it apart from the rest (LAS 1.4, point formats 6 to 10).
+    /// Returns what a chunk's points tell of the whole file, and their box if it is asked for. Only the fields that
+    /// this needs are decoded, where the compression stores them apart from the rest (LAS 1.4, point formats 6 to 10).
     pub fn traits(&self, chunk: &Chunk, boxes: bool) -> Result<(Traits, Option<Bounds>), Error> {
         let selection = if boxes { self.decisive().decompress_z() } else { self.decisive() };
         let columns = self.decode_selected(chunk, selection, &Progress::hidden())?;

@@ -159,7 +159,7 @@ pub(in crate::io) fn left_out(count: u64) -> String {
     format!("{count} {LEFT_OUT}")
 }
 
-/// Why splats of a cloud were left out that have a centre.
+/// Returns the reason why splats of a cloud were left out that have a center.
 pub(in crate::io) fn reason(cloud: &Cloud) -> Option<&str> {
     cloud.warnings.iter().find(|warning| warning.ends_with(LEFT_OUT)).map(String::as_str)
 }

@@ -57,7 +57,7 @@ pub trait Store: Debug + Send + Sync {
     }
 }
 
-/// What follows from all points of a cloud.
+/// Facts that follow from all points of a cloud.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Survey {
     /// Facts about all points.
@@ -66,7 +66,7 @@ pub struct Survey {
     pub sample: Cloud,
 }
 
-/// What is known of a cloud in nodes before any of them is read.
+/// Facts about a cloud in nodes, known before any of them is read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
     /// The file or folder.

@@ -19,7 +19,7 @@ pub(super) struct Batch {
 
 /// The rows of a batch.
 pub(super) struct Parsed<P> {
-    /// What was made of the rows of each part.
+    /// Results for the rows of each part.
     pub parts: Vec<P>,
     pub rows: u64,
     fields: Fields,

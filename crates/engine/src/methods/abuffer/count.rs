@@ -39,7 +39,7 @@ impl Counted {
         Self { overflow: words[0] != 0, lengths, total, bodies, most_bodies, place }
     }
 
-    /// What adds the counts themselves to those of the frame.
+    /// Returns a closure that adds the counts themselves to those of the frame.
     pub(super) fn noting(&self, job: &WindowJob<'_>, bands: Vec<Band>) -> impl FnOnce(&mut Facts, &Timeline) + 'static {
         let (place, events, need) = (self.place, job.storing.counted_beside(), Need::for_window(job, self));
         move |facts, timeline| {

@@ -378,9 +378,9 @@ impl Approximations {
 /// One of the runs that it takes to get through the tiles' splats.
 #[derive(Debug, Clone, Copy)]
 pub struct OneRun {
-    /// Which; all but the first go on from the result of others.
+    /// Number of the part; all but the first go on from the result of others.
     pub number: u32,
-    /// How many there are; with more than one, each leaves what it knows.
+    /// Number of parts; with more than one, each leaves what it knows.
     pub of: u32,
     /// The invocations that go through the tiles.
     pub lanes: Lanes,

@@ -45,7 +45,7 @@ pub(super) struct Tail<'a> {
     pub sums: Sums<'a>,
     pub lasts: Slice<'a, [u32; 2]>,
     pub known: Slice<'a, [f32; 2]>,
-    /// How many moments.
+    /// Number of moments.
     pub moments: MomentCount,
     pub core_alpha_min: f32,
     /// Near and far.

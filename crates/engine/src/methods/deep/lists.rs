@@ -9,7 +9,7 @@ use crate::output::deep::{Sample, State, tidy};
 /// Pixels that are worked on together.
 const PIXELS: usize = 1024;
 
-/// Which samples of a list are part of an image, and how orderly they are to be.
+/// Samples of a list that are part of an image, and the order that they need.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wanted {
     pub state: State,

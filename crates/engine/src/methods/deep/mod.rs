@@ -29,7 +29,7 @@ pub(crate) fn pass_group() -> PassGroup {
 /// Takes the next pixels of an image, row by row: how many samples each has, and all their samples.
 pub type Sink<'a> = dyn FnMut(&[u32], &[Sample]) -> io::Result<()> + 'a;
 
-/// What a deep image is made of.
+/// Source of a deep image.
 pub(crate) enum Source {
     /// Discs and Gaussians, of each pixel at most so many; all of them with 0.
     Discs(Discs, u32),

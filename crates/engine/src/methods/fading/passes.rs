@@ -10,7 +10,7 @@ use crate::scene::{Falloff, MAX_RANK, MomentCount, Moments};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
-    /// How light follows from moments; shaders/shared/moment.wgsl explains the members.
+    /// Estimate of light from moments; shaders/shared/moment.wgsl explains the members.
     pub struct Estimate {
         scale: f32,
         overestimation: f32,

@@ -15,7 +15,7 @@ use crate::scene::{Relief, ScreenSplats};
 pub(crate) struct NearestEngine {
     /// Size, clamp and rasteriser.
     pub splats: ScreenSplats,
-    /// Which pixels a splat covers.
+    /// Shape of the pixels that a splat covers.
     pub footprint: Footprint,
     /// The displacement of its fragments toward the viewer.
     pub relief: Relief,

@@ -36,7 +36,7 @@ const PIXEL_BYTES: u64 = 16;
 const COUNTED_BYTES: u64 = 8;
 
 gpu_struct! {
-    /// How far peeling is.
+    /// Progress of peeling.
     pub struct PeelWork {
         found: u32,
         layers: u32,

@@ -26,7 +26,7 @@ fn all_bytes(device: &Device, frame: &Frame) -> u64 {
     frame.memory_budget.unwrap_or(device.limits().heap_bytes / 4 * 3)
 }
 
-/// What a budget leaves the engine.
+/// Returns the bytes that a budget leaves the engine.
 pub(super) fn rest(device: &Device, frame: &Frame) -> u64 {
     let bytes = all_bytes(device, frame);
     bytes - bytes / PART

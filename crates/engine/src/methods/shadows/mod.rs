@@ -121,7 +121,7 @@ fn lit_variant(cube: bool) -> Variant {
     walk_variant().with("CUBE", u32::from(cube))
 }
 
-/// Why a frame has no shadows; `None` if it has.
+/// Returns the reason why a frame has no shadows; `None` if it has.
 pub fn refusal(frame: &Frame) -> Option<String> {
     if frame.shadows.is_none() {
         Some("no shadows asked for".to_owned())

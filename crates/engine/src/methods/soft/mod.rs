@@ -58,7 +58,7 @@ impl Layer {
     }
 }
 
-/// How dense spheres are.
+/// Model of the density of spheres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SoftModel {
     /// λ of Eq. 1, 14 or 19: per squared world unit (`soft-base`), per world unit (`soft-concentric`), or an opacity

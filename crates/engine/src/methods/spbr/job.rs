@@ -41,7 +41,7 @@ pub struct WindowJob<'a> {
     pub spread: bool,
     /// True if the width of points depends on depth.
     pub perspective: bool,
-    /// How the nearest points are found.
+    /// Way to find the nearest points.
     pub form: Form,
     /// Points on the device at a time, if not all: see `stream::window_points`. [`Form::Single`] needs all.
     pub streamed: Option<u64>,
@@ -133,7 +133,7 @@ impl WindowJob<'_> {
     }
 }
 
-/// How colors become whole numbers.
+/// Scale by which colors become whole numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
     /// The whole number for a color of 1.

@@ -21,7 +21,7 @@ pub struct Piece {
     pub rows: Option<Again>,
 }
 
-/// How a dispatch finds points of a later pass.
+/// Way in which a dispatch finds points of a later pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Again {
     /// The rows.

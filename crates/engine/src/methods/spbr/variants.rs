@@ -9,7 +9,7 @@ use crate::passes::compose::Cut;
 use crate::passes::project::{DeviceCloud, Projecting, Shaded};
 use crate::scene::{ColorSpace, ShadingModel};
 
-/// How the nearest points are found.
+/// Way to find the nearest points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     /// `spbr/draw`: nearest point and sum of colors in one go, by 64-bit atomics; colors of all points within reach.
@@ -87,7 +87,7 @@ pub struct Kind {
 
 choices!(struct Kind { weighted, thinned, slanted, squares, planes, spread });
 
-/// How a pass goes through slots.
+/// Way in which a pass goes through slots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Through {
     /// An invocation for some slots each.

@@ -17,7 +17,7 @@ use crate::scene::{BlendedSplats, ScreenSplats};
 pub(crate) struct SplatsEngine {
     /// Size, clamp and depth of blending.
     pub settings: BlendedSplats,
-    /// Which pixels a splat covers.
+    /// Shape of the pixels that a splat covers.
     pub footprint: Footprint,
 }
 
@@ -74,7 +74,7 @@ impl Engine for SplatsEngine {
 pub(crate) struct Drawing<'a> {
     /// The results of their projection, by chunk.
     pub stats: &'a [Stats],
-    /// Which pixels a splat covers.
+    /// Shape of the pixels that a splat covers.
     pub footprint: Footprint,
     /// Fragments up to this many radii behind the nearest are blended with it.
     pub blend_depth: f32,

@@ -198,7 +198,7 @@ pub struct OneRun {
     pub kept: bool,
     /// True if only fragments behind a layer count.
     pub behind: bool,
-    /// How splats are reached.
+    /// Way to reach splats.
     pub cut: Cut,
     /// The invocations that go through the tiles.
     pub lanes: Lanes,

@@ -90,7 +90,7 @@ fn fold_variant(kind: Kind) -> Variant {
     kind.apply_to(Variant::plain())
 }
 
-/// How depth keys become depths for the test, which has 2³⁰ of them for 2³² keys: `held_depth` in WGSL.
+/// Map from depth keys to depths for the test, which has 2³⁰ of them for 2³² keys: `held_depth` in WGSL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct HeldDepths {
     base: u32,
@@ -98,8 +98,9 @@ pub struct HeldDepths {
 }
 
 impl HeldDepths {
-    /// Where all depths are positive, 126 octaves of them, beginning 40 before the near plane: none is lost. Only tilted
-    /// discs in orthographic views and Gaussians along a ray reach depths of both signs, and lose the key's last two bits.
+    /// Returns the map for a camera and a footprint. Where all depths are positive, it holds 126 octaves of them,
+    /// beginning 40 before the near plane: none is lost. Only tilted discs in orthographic views and Gaussians along a
+    /// ray reach depths of both signs, and lose the key's last two bits.
     pub fn new(camera: &Camera, footprint: Footprint) -> Self {
         let near = camera.near as f32;
         let orthographic = matches!(camera.projection, Projection::Orthographic { .. });

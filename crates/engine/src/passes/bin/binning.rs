@@ -1,4 +1,4 @@
-//! How the splats of a window are binned: its tiles, and the runs of splats that subgroups take.
+//! Binning of the splats of a window: its tiles, and the runs of splats that subgroups take.
 
 use super::lanes::Lanes;
 use super::passes::{TilePush, TileWalk};
@@ -43,11 +43,11 @@ const LEAST_RUNS: u64 = 32;
 /// Shorter than any run that fills up, whatever the splats' extent.
 const LEAST_RUN: u64 = 128;
 
-/// How the drawn splats of a window are binned.
+/// Binning of the drawn splats of a window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Binning {
     pub(super) drawn: u64,
-    /// How stages reach splats.
+    /// Way in which stages reach splats.
     pub(super) cut: Cut,
     pub(super) runs: Runs,
     pub(super) columns: u32,
@@ -147,11 +147,11 @@ impl Binning {
 #[derive(Debug, Clone, Copy)]
 pub struct Binned {
     pub(super) binning: Binning,
-    /// Which of the buffers of records holds the sorted ones.
+    /// Index of the buffer of records that holds the sorted ones.
     pub(super) records: usize,
     /// Splats of the tile with most of them, at most.
     pub(super) longest: u32,
-    /// Where the counts are: overflow, pairs of splat and tile, splats of the tile with most of them.
+    /// Place of the counts: overflow, pairs of splat and tile, splats of the tile with most of them.
     pub(super) counts: Place,
 }
 
@@ -192,7 +192,7 @@ impl Binned {
         timeline.found(self.counts)[1].into()
     }
 
-    /// How stages reach splats by their indices.
+    /// Returns the way in which stages reach splats by their indices.
     pub fn cut(&self) -> Cut {
         self.binning.cut
     }

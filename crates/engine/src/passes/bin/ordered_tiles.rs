@@ -11,7 +11,7 @@ use crate::passes::compose::{self, Cut};
 /// Tiles with their splats in order, and what a stage binds that goes through them.
 #[derive(Clone, Copy)]
 pub struct OrderedTiles<'a> {
-    /// How they were made.
+    /// Binning that they were made by.
     pub binned: Binned,
     /// Bindings.
     pub tiled: Tiled<'a>,

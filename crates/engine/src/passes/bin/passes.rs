@@ -106,8 +106,8 @@ pass! {
 }
 
 gpu_struct! {
-    /// Which run a stage takes of the tiles' splats: the first member of its push constants; shaders/shared/tile_run.wgsl
-    /// explains them.
+    /// Run of the tiles' splats that a stage takes: the first member of its push constants;
+    /// shaders/shared/tile_run.wgsl explains them.
     pub struct TileWalk {
         columns: u32,
         first_tile: u32,

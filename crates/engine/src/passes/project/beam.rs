@@ -1,4 +1,5 @@
-//! Which blocks of points may show in a window: those of which anything reaches it, and no other ones as far as their boxes tell.
+//! Blocks of points that may show in a window: those of which anything reaches it, and no other ones as far as their
+//! boxes tell.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -9,7 +10,7 @@ use crate::passes::bands::Window;
 use crate::scene::{GaussianSettings, Kernel};
 use crate::supply::Block;
 
-/// How far a point reaches beyond its place.
+/// Reach of a point beyond its place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
     /// Its radius in the frame over that of the cloud.
@@ -100,7 +101,7 @@ pub struct Beam {
 }
 
 impl Beam {
-    /// What a window of an image of this size shows of points with this extent.
+    /// Returns what a window of an image of this size shows of points with this extent.
     pub fn new(camera: &Camera, size: [u32; 2], window: Window, extent: Extent) -> Self {
         let Camera { eye, right, up, forward, near, far, .. } = *camera;
         let focal = camera.focal_px(size[1]);

@@ -1,8 +1,8 @@
-//! Which pixels a splat covers.
+//! Shapes of the pixels that a splat covers.
 
 use crate::choices;
 
-/// Which pixels a splat covers; the values of `SHAPE` in WGSL.
+/// Shape of the pixels that a splat covers; the values of `SHAPE` in WGSL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Footprint {
     /// Screen-aligned disc.

@@ -144,7 +144,7 @@ pub(crate) const CONSTANTS: [(&str, u32); 16] = [
     ("SHADING_PHONG", Formula::Phong as u32),
 ];
 
-/// How splats are made from points.
+/// Settings by which splats are made from points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Projecting {
     /// Shape.
@@ -166,18 +166,18 @@ pub struct Projecting {
     pub color: ColorSpace,
     /// True if the cloud's shares of light count ([`DeviceCloud::casting`]); only where it has some.
     pub lit: bool,
-    /// How Gaussians are drawn, of footprints that have some.
+    /// Settings by which Gaussians are drawn, of footprints that have some.
     pub gaussians: Drawing,
 }
 
-/// How Gaussians are drawn.
+/// Settings by which Gaussians are drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drawing {
     /// Kernel and what goes with it.
     pub settings: GaussianSettings,
     /// The order in force.
     pub order: Order,
-    /// How discs lie that are in the scene, too.
+    /// Orientation of discs that are in the scene, too.
     pub discs: DiscShape,
 }
 

@@ -4,7 +4,7 @@ use crate::points::Points;
 use crate::progress::Progress;
 use crate::supply::{self, Supply};
 
-/// Which points of a cloud are projected.
+/// Part of the points of a cloud that is projected.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Part {
     /// All.

@@ -8,7 +8,7 @@ use crate::passes::compose::Cut;
 use crate::scene::{ColorSpace, Formula};
 
 impl Projecting {
-    /// How points of a cloud with or without normals are shaded.
+    /// Returns how points of a cloud with or without normals are shaded.
     pub(crate) fn shaded(&self, normals: bool) -> Shaded {
         Shaded { model: self.shading.model.formula(), color: self.color, lit: self.lit, normals }
     }

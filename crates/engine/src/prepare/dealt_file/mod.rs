@@ -39,7 +39,7 @@ pub type Read = Arc<dyn Fn(usize) -> Result<Points, Error> + Send + Sync>;
 /// A cloud that is read block by block.
 #[derive(Clone)]
 pub struct Source {
-    /// Where it is stored, for errors.
+    /// Path of the store, for errors.
     pub path: PathBuf,
     /// Points of each block.
     pub blocks: Vec<u64>,
@@ -47,7 +47,7 @@ pub struct Source {
     pub read: Read,
     /// The box of all points, also of those that are not drawn, in world coordinates.
     pub bounds: Bounds,
-    /// What ids are made from: that of the cloud by itself.
+    /// Anchor that ids are made from: that of the cloud by itself.
     pub anchor: Anchor,
 }
 
@@ -57,7 +57,7 @@ impl fmt::Debug for Source {
     }
 }
 
-/// How clouds are dealt.
+/// Settings by which clouds are dealt.
 #[derive(Debug, Clone)]
 pub struct Settings {
     /// True if points have normals.
@@ -70,7 +70,7 @@ pub struct Settings {
     pub folder: PathBuf,
 }
 
-/// What is known of a cloud of the list.
+/// Facts about a cloud of the list.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Facts {
     /// Properties of the cloud.

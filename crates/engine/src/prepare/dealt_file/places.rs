@@ -1,4 +1,4 @@
-//! Which points may share their places with others, found in little memory.
+//! Search for points that may share their places with others, in little memory.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

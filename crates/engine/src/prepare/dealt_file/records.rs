@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::points::Points;
 
-/// How a point stands in the file.
+/// Layout of a point in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Layout {
     /// True if points have normals.

@@ -313,7 +313,7 @@ impl Again {
     }
 }
 
-/// How many of `k` neighbors and the point itself have a value or a larger one, if their median does.
+/// Returns how many of `k` neighbors and the point itself have a value or a larger one, if their median does.
 pub(super) fn least_of_median(k: usize) -> usize {
     k.div_ceil(2) + 1
 }

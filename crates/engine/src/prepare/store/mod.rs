@@ -35,7 +35,7 @@ const BYTES_OF_POINT: u64 = 300;
 /// See [`BYTES_OF_POINT`].
 const BYTES_OF_NEIGHBOR: u64 = 4;
 
-/// Why a store can't be prepared.
+/// Reason why a store can't be prepared.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

@@ -22,9 +22,9 @@ use crate::scene::{Discs, GaussianSettings, Kernel};
 pub struct Body {
     /// The point's place in the canonical order.
     pub index: u32,
-    /// Where it begins on the ray, as a length from the ray's origin, not before near.
+    /// Beginning on the ray, as a length from the ray's origin, not before near.
     pub start: f64,
-    /// Where it ends; a surface ends where it begins.
+    /// End on the ray; a surface ends where it begins.
     pub end: f64,
     /// Its effect on light.
     pub matter: Matter,

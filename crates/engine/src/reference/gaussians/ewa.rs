@@ -27,7 +27,7 @@ pub struct Projected {
     pub columns: [DVec2; 3],
     /// The slope that J goes along, x/z and y/z: that of the centre, within its bounds. 0 of an orthographic camera.
     pub slope: DVec2,
-    /// What is added to both variances, in px².
+    /// Addition to both variances, in px².
     pub dilation: f64,
     /// o, with the factor for the dilation.
     pub opacity: f64,

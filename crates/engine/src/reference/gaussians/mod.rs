@@ -40,7 +40,7 @@ pub struct Hit {
     pub y: u32,
     /// Opacity, from `alpha_min` to `alpha_max`.
     pub alpha: f64,
-    /// What fragments are sorted by: a depth along the viewing axis, or the distance from the eye.
+    /// Key that fragments are sorted by: a depth along the viewing axis, or the distance from the eye.
     pub key: f64,
     /// The depth along the viewing axis that an image shows.
     pub z: f64,
@@ -57,7 +57,7 @@ pub fn gaussian(points: &Points, index: usize) -> Option<Gaussian> {
     })
 }
 
-/// What methods other than `sorted` order Gaussians by.
+/// Returns what methods other than `sorted` order Gaussians by.
 pub fn order(settings: &GaussianSettings) -> Order {
     settings.order.unwrap_or(Order::Pixel)
 }

@@ -10,7 +10,7 @@ use glam::{DMat3, DVec2, DVec3};
 use super::{Hit, Placed, alpha, is_orthographic, largest_rho2};
 use crate::scene::{GaussianSettings, Order};
 
-/// Where a Gaussian is densest along a ray.
+/// Place at which a Gaussian is densest along a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Densest {
     /// Distance from the centre in standard deviations, squared; not finite where the ray is in the plane of a flat Gaussian.
@@ -19,7 +19,7 @@ pub struct Densest {
     pub depth: f64,
 }
 
-/// Where a Gaussian with these axes in camera coordinates is densest along the ray through a pixel's centre.
+/// Returns where a Gaussian with these axes in camera coordinates is densest along the ray through a pixel's center.
 pub fn densest(placed: &Placed, axes: DMat3, pixel: [u32; 2]) -> Densest {
     let rows = axes.transpose();
     let on_plane = placed.on_plane(pixel);

@@ -22,7 +22,7 @@ pub struct LayerRange {
     pub rgba: Vec<ColorRange>,
 }
 
-/// Where a point may show.
+/// Place where a point may show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Home {
     /// The pixel, row by row.

@@ -124,7 +124,7 @@ pub fn ranges(
     picture
 }
 
-/// How many splats a pixel has.
+/// Returns the number of splats of a pixel.
 pub(in crate::reference) fn count(list: &[Candidate]) -> Range {
     Range { low: list.iter().filter(|f| f.sure).count() as f64, high: list.len() as f64 }
 }

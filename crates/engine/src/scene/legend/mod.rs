@@ -1,4 +1,4 @@
-//! What the colors of a scene's points mean, and how long things are: the facts of a legend, without its looks.
+//! Meaning of the colors of a scene's points, and lengths: the facts of a legend, without its looks.
 
 mod scale_bar;
 
@@ -40,7 +40,7 @@ pub struct Entry {
     clouds: Vec<usize>,
     /// The names of their files, without folders.
     files: Vec<String>,
-    /// What the colors show, with its unit; `None` if single colors were given to some points.
+    /// Name and unit of what the colors show; `None` if single colors were given to some points.
     pub heading: Option<String>,
     /// Values by way of a color map.
     pub values: Option<Values>,
@@ -57,7 +57,7 @@ pub struct Values {
     pub scale: Scale,
     /// True for values that are whole numbers.
     pub whole: bool,
-    /// What else colors depend on, as a phrase.
+    /// Phrase for what else colors depend on.
     pub note: Option<&'static str>,
     map: Colormap,
     reverse: bool,
@@ -75,7 +75,7 @@ impl Values {
 pub struct Swatch {
     /// sRGB, each from 0 to 1.
     pub srgb: DVec3,
-    /// What has this color.
+    /// Name of what has this color.
     pub label: String,
 }
 

@@ -83,7 +83,7 @@ pub struct Generated {
     pub scene_toml: String,
 }
 
-/// Why a built-in scene could not be made.
+/// Reason why a built-in scene could not be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

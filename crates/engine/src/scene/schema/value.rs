@@ -169,7 +169,7 @@ impl Value for Vec3 {
     }
 }
 
-/// Which vectors are allowed.
+/// Vectors that are allowed.
 #[derive(Clone, Copy)]
 pub(crate) enum Vectors {
     /// All.

@@ -8,7 +8,7 @@ use crate::scene::schema::{Kind, Value, Word, settings, words};
 use crate::scene::table::Table;
 
 settings! {
-    /// How the points of a `[[cloud]]` without a `color` are colored.
+    /// Coloring of the points of a `[[cloud]]` without a `color`.
     pub struct ColorSettings {
         /// Source of the colors.
         color_by: ColorBy = ColorBy::Auto;

@@ -43,7 +43,7 @@ fn agree(soft: &Soft, table: &Table<'_>) -> Result<(), Error> {
     Ok(())
 }
 
-/// How dense the spheres of the soft methods are.
+/// Density of the spheres of the soft methods.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Density {
     /// `softness`: the opacity of a whole chord through the centre of a sphere of median radius, in [0, 1].

@@ -20,7 +20,7 @@ use crate::prepare;
 use crate::progress::Progress;
 use crate::supply::Block;
 
-/// Where a cloud is in its scene.
+/// Place of a cloud in its scene.
 pub(super) struct Place<'a> {
     pub scene: &'a Scene,
     pub clips: &'a Clips,
@@ -49,7 +49,7 @@ pub(super) struct StoredCloud {
     /// Count and bounds of its Gaussians, if its points are drawn as such.
     pub splats: Option<WholeSplats>,
     pub is_transparent: bool,
-    /// How it is colored and why, a phrase.
+    /// Coloring and the reason for it, a phrase.
     pub coloring: String,
 }
 
@@ -167,7 +167,7 @@ impl StoredCloud {
         above.into_iter().zip(below).map(|(above, below)| above.max(below)).collect()
     }
 
-    /// What identifies its points.
+    /// Returns the identity of its points.
     pub fn identity(&self) -> String {
         format!("{:?} {:?} {:?}", self.store.summary(), self.known, self.splats)
     }

@@ -227,7 +227,7 @@ impl Stored {
         most_frequent(self.nodes.clouds.iter().map(|cloud| cloud.store.summary().up))
     }
 
-    /// What the colors of the points mean.
+    /// Returns what the colors of the points mean.
     pub fn legend(&self) -> &Legend {
         &self.legend
     }
@@ -237,12 +237,12 @@ impl Stored {
         self.nodes.clouds.iter().any(|cloud| (2..=u8::MAX).any(|code| cloud.facts.has_class(code)))
     }
 
-    /// What else should be known, one sentence each.
+    /// Returns what else should be known, one sentence each.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
 
-    /// How clouds are colored and why, a phrase for each.
+    /// Returns how clouds are colored and why, a phrase for each.
     pub fn colorings(&self) -> Vec<String> {
         self.nodes.clouds.iter().map(|cloud| cloud.coloring.clone()).collect()
     }

@@ -1,4 +1,4 @@
-//! What follows from all points of a store: facts, and some points that stand for all.
+//! Facts that follow from all points of a store, and some points that stand for all.
 
 use std::sync::{Arc, Mutex, PoisonError};
 

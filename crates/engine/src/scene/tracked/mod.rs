@@ -270,7 +270,7 @@ fn views<'a>(
     .collect()
 }
 
-/// What the colors of a scene's points mean; `derived` is that of the points of this scene.
+/// Returns what the colors of a scene's points mean; `derived` is that of the points of this scene.
 ///
 /// # Errors
 /// Those of [`Tracked::new`].

@@ -93,7 +93,7 @@ pub(super) struct Buffer {
 }
 
 impl PrimitiveOf {
-    /// What the extension says, of a primitive of splats.
+    /// Returns what the extension says, of a primitive of splats.
     pub fn splats(&self) -> Option<&Value> {
         self.extensions.get(EXTENSION)
     }

@@ -127,7 +127,7 @@ impl Transform {
         Ok(Self { scale, rotation: DQuat::from_mat3(&unit).normalize(), translation })
     }
 
-    /// Where a point goes.
+    /// Returns the position that a point moves to.
     pub fn point(&self, point: DVec3) -> DVec3 {
         self.rotation * (point * self.scale) + self.translation
     }

@@ -28,7 +28,7 @@ pub(super) struct Primitive<'a> {
     pub count: usize,
     /// True if colors are linear.
     pub linear: bool,
-    /// What is not as expected.
+    /// Deviations from what is expected.
     pub odd: Vec<String>,
 }
 

@@ -13,7 +13,7 @@ use crate::io::{Error, SharedFile, Source};
 /// Bytes that may come of a byte of an archive, at most. Pictures can't be packed any further, and text not by so much.
 const MOST_PER_BYTE: u64 = 64;
 
-/// Where the files are.
+/// Locations of the files.
 pub(super) enum Files {
     /// An archive in memory, and the folder in it.
     Archive { file: SharedFile, bytes: Vec<u8>, folder: String },

@@ -19,7 +19,7 @@ const ENTRIES: usize = 256;
 /// The largest palette: its entries have numbers of 16 bits.
 const MOST_ENTRIES: u32 = 1 << 16;
 
-/// What the pictures mean.
+/// Meaning of the pictures.
 #[derive(Debug, Deserialize)]
 pub(super) struct Meta {
     pub count: u64,

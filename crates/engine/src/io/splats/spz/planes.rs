@@ -12,7 +12,7 @@ use crate::cloud::gaussians::coefficients;
 /// A byte of color is 255·(½ + this·coefficient).
 const COLOR: f64 = 0.15;
 
-/// What the planes hold, in order.
+/// Contents of the planes, in order.
 pub(super) const NAMES: [&str; 6] = ["positions", "opacities", "colors", "scales", "rotations", "harmonics"];
 
 /// The bytes of each attribute.

@@ -1,5 +1,5 @@
-//! What an assembler needs to go on after its process ended: a file of the nodes that are written, which grows, and one of those that
-//! are open, of which there are two in turn.
+//! State that an assembler needs to go on after its process ended: a file of the nodes that are written, which grows,
+//! and one of those that are open, of which there are two in turn.
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};

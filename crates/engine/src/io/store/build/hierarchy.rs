@@ -19,7 +19,7 @@ pub(super) struct Written {
     pub offset: u64,
     pub bytes: u64,
     pub points: u32,
-    /// Where it has points.
+    /// Extent that has points.
     pub extent: Option<Extent>,
 }
 

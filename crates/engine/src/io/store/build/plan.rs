@@ -1,4 +1,4 @@
-//! Which points are put into nodes together.
+//! Choice of the points that are put into nodes together.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! How far a build is, in a file of its folder, so that it can go on after its process ended.
+//! Progress of a build, in a file of its folder, so that it can go on after its process ended.
 
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
@@ -15,7 +15,7 @@ use crate::io::Error;
 /// The file.
 const STATE: &str = "state.json";
 
-/// How far a build is.
+/// Progress of a build.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct State {
     /// A hash of inputs and settings.

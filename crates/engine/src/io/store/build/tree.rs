@@ -19,7 +19,7 @@ const ALONE: usize = 1 << 13;
 /// Parts of a node's grid along an axis at most, as a binary logarithm.
 const MAX_GRID_BITS: u32 = 7;
 
-/// What the nodes of a store have in common.
+/// Rules that the nodes of a store have in common.
 #[derive(Debug, Clone)]
 pub(super) struct Rules {
     pub cube: Cube,

@@ -163,7 +163,7 @@ impl Metadata {
         }
     }
 
-    /// What decides about whole columns, if the description has all of it.
+    /// Returns the facts that decide about whole columns, if the description has all of them.
     pub fn traits(&self, asked: LasColumns) -> Option<Traits> {
         // No dimension, no value; but a dimension without its limits says nothing.
         let largest = |name| self.dimension(name).map_or(Some(0.0), |dimension| dimension.maximum);

@@ -71,7 +71,7 @@ impl Kind {
     }
 }
 
-/// What an attribute is to a cloud.
+/// Role of an attribute in a cloud.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Role {
@@ -208,9 +208,9 @@ pub struct Attribute {
     pub name: String,
     /// The type of its numbers.
     pub kind: Kind,
-    /// How many numbers it has.
+    /// Number of values of the attribute.
     pub elements: usize,
-    /// What it is.
+    /// Role of the attribute.
     pub role: Role,
     /// The first of its bytes in a record.
     pub at: usize,

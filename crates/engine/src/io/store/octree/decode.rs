@@ -15,7 +15,7 @@ const UNIT: f64 = 1e-5;
 /// Largest value of colors that have 8 bits.
 const BYTE: u16 = 255;
 
-/// What turns records into clouds.
+/// Decoder that turns records into clouds.
 #[derive(Debug)]
 pub(super) struct Decoder {
     layout: Layout,

@@ -49,7 +49,7 @@ fn uncompressed() -> String {
     "DEFAULT".to_owned()
 }
 
-/// How hierarchy.bin is divided.
+/// Division of hierarchy.bin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(crate) struct Hierarchy {

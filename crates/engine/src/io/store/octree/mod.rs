@@ -110,7 +110,7 @@ impl Octree {
         path.join(METADATA).is_file() || path.file_name().is_some_and(|name| name == METADATA)
     }
 
-    /// How many points of the file are before those of a node.
+    /// Returns the number of points of the file that are before those of a node.
     pub(crate) fn first_point(&self, node: usize) -> u64 {
         self.starts[node] / self.decoder.stride().max(1)
     }

@@ -36,7 +36,7 @@ pub fn lower_bound(class: usize) -> u32 {
     class.checked_sub(1).map_or(0, |i| CLASSES[i].0)
 }
 
-/// How the lists of a class are sorted.
+/// Way in which the lists of a class are sorted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sorting {
     /// By the kernel that blends them, in registers.
@@ -48,8 +48,9 @@ pub(crate) enum Sorting {
 }
 
 impl Sorting {
-    /// How lists of up to `capacity` fragments are sorted; `shared` if a device prefers that invocations share work. On a CPU
-    /// an array of the invocation's own lies in the cache, on a GPU in the device's memory.
+    /// Returns the way to sort lists of up to `capacity` fragments; `shared` is `true` if a device prefers that
+    /// invocations share work. On a CPU an array of the invocation's own lies in the cache, on a GPU in the device's
+    /// memory.
     pub(crate) fn of(capacity: u32, shared: bool) -> Self {
         let in_registers = if shared { NETWORK_LENGTH } else { BLOCK_LENGTH };
         match shared {

@@ -51,7 +51,7 @@ pub struct Blender {
 /// A band whose fragments are stored.
 #[derive(Clone, Copy)]
 pub struct Stored<'a> {
-    /// How the splats are reached.
+    /// Way to reach the splats.
     pub cut: Cut,
     /// Prefix sums of the window's list lengths.
     pub offsets: Slice<'a, u32>,

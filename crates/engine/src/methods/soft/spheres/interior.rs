@@ -108,7 +108,7 @@ pub struct Kind {
 }
 
 impl Kind {
-    /// How spheres are projected.
+    /// Returns the footprint of spheres.
     pub fn footprint(self) -> Footprint {
         if self.exact { Footprint::ExactSphere } else { Footprint::Sphere }
     }

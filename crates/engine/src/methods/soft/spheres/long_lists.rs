@@ -27,7 +27,7 @@ impl Default for LongSpheres {
 /// A band's long lists, sorted.
 #[derive(Clone, Copy)]
 pub struct Sorted<'a> {
-    /// How the splats are reached.
+    /// Way to reach the splats.
     pub composing: compose::Composing<'a>,
     /// The same.
     pub cut: Cut,
@@ -37,11 +37,11 @@ pub struct Sorted<'a> {
     pub runs: Slice<'a, ListRun>,
     /// The lists.
     pub lists: Slice<'a, LongList>,
-    /// Where their events are.
+    /// Buffer of their events.
     pub fragments: Slice<'a, [u32; 2]>,
     /// Records of packed events.
     pub records: Slice<'a, [u32; 4]>,
-    /// Where the composed runs come out.
+    /// Buffer that the composed runs are written to.
     pub partials: Slice<'a, Partial>,
 }
 

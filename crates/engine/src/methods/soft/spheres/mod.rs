@@ -63,7 +63,7 @@ pub(crate) const CONSTANTS: [(&str, u32); 2] = [("MODEL_BASE", MODEL_BASE), ("MO
 pub struct Spheres<'a> {
     /// Their kind.
     pub kind: Kind,
-    /// How dense they are.
+    /// Model of the density of spheres.
     pub model: SoftModel,
     /// Largest world radius.
     pub max_radius: f32,

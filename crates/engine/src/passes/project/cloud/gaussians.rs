@@ -21,7 +21,7 @@ pub struct GaussianColumns {
     pub harmonics: Buffer<f32>,
     /// Degree of the harmonics.
     pub degree: u32,
-    /// How many points of the scene are Gaussians.
+    /// Number of points of the scene that are Gaussians.
     pub count: u64,
     /// True if every point on the device is one.
     pub are_all: bool,

@@ -9,7 +9,7 @@ use crate::cloud::shadow_texture::Casting;
 use crate::gpu::{Buffer, Device, Error, Memory};
 use crate::points::Points;
 
-/// What lights see of all points of a cloud whose points come some at a time.
+/// Light's view of all points of a cloud whose points come some at a time.
 pub struct LightImages {
     /// The lights.
     pub casting: Casting,

@@ -313,7 +313,8 @@ impl DeviceCloud {
         self.parts = Some((threshold, parts));
     }
 
-    /// How many points a threshold makes solid and soft ([`Self::find_parts`] where only some points are in memory).
+    /// Returns the numbers of points that a threshold makes solid and soft ([`Self::find_parts`] where only some points
+    /// are in memory).
     pub fn parts(&mut self, threshold: f32) -> Parts {
         match self.parts {
             Some((known, parts)) if known == threshold => parts,
@@ -336,7 +337,7 @@ impl DeviceCloud {
         Ok(())
     }
 
-    /// How often points were put into order along an axis.
+    /// Returns how often points were put into order along an axis.
     pub fn orders_made(&self) -> u32 {
         self.orders_made
     }
@@ -392,7 +393,7 @@ impl DeviceCloud {
         self.gaussians.is_some()
     }
 
-    /// How many of the points are Gaussians.
+    /// Returns the number of points that are Gaussians.
     pub fn gaussian_count(&self) -> u64 {
         self.gaussians.as_ref().map_or(0, |gaussians| gaussians.count)
     }

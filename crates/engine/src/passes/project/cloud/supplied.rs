@@ -13,7 +13,7 @@ use crate::points::Points;
 use crate::progress::Progress;
 use crate::supply::{self, Cut, Failure, Keep, Limits, Picture, Scale, Supply, each};
 
-/// Where the points of a cloud come from, and which of them are on the device.
+/// Source of the points of a cloud, and those of them that are on the device.
 pub(super) struct Supplied {
     pub(super) whole: Arc<dyn Supply>,
     /// What is drawn of it, if that is not all.
@@ -26,10 +26,10 @@ pub(super) struct Supplied {
     present: Option<Present>,
 }
 
-/// What a cut is for.
+/// Purpose of a cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CutFor {
-    /// What limits it.
+    /// Limits of the cut.
     pub limits: Limits,
     /// The picture's camera.
     pub camera: Camera,
@@ -39,7 +39,7 @@ pub struct CutFor {
     pub seed: u64,
 }
 
-/// Which points of a cloud are on the device.
+/// Points of a cloud that are on the device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Present {
     /// Those of which anything may show there; `None` for all.
@@ -85,7 +85,7 @@ impl DeviceCloud {
         }
     }
 
-    /// Where the points that are drawn come from, of clouds whose points come some at a time.
+    /// Returns the source of the points that are drawn, of clouds whose points come some at a time.
     pub fn supply(&self) -> Option<Arc<dyn Supply>> {
         self.supplied.as_ref().map(Supplied::drawn)
     }

@@ -1,4 +1,4 @@
-//! Where a Gaussian is densest along a ray, as far as float32 can tell.
+//! Place at which a Gaussian is densest along a ray, as far as float32 can tell.
 //!
 //! With the columns of P for the kernel `ray`, J not clamped and nothing dilated, Y = P⁺d is where the ray would meet the plane of the
 //! rows of P, were it parallel to the one through the centre. Let r hold the depths of the axes, n the unit normal of that plane, z the
@@ -12,7 +12,7 @@ use super::factor::{AXIS, Factor, Met};
 use super::{Bounded, is_orthographic};
 use crate::reference::range::{DEPTH_ERROR, ROUNDING, Range};
 
-/// What float32 may make of [`super::super::ray::Densest`].
+/// Range that float32 may make of [`super::super::ray::Densest`].
 #[derive(Clone, Copy)]
 pub(super) struct Possible {
     pub rho2: Range,
@@ -20,7 +20,7 @@ pub(super) struct Possible {
 }
 
 impl Possible {
-    /// Where roundings leave nothing.
+    /// Range where roundings leave nothing.
     pub const ANYTHING: Self = Self {
         rho2: Range { low: 0.0, high: f64::INFINITY },
         depth: Range { low: f64::NEG_INFINITY, high: f64::INFINITY },

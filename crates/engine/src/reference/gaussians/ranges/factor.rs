@@ -67,7 +67,7 @@ pub(super) struct Factor {
     pub epsilon: f64,
 }
 
-/// What an offset becomes.
+/// Result of an offset.
 pub(super) struct Met {
     /// |y|².
     pub rho2: Range,
@@ -75,7 +75,7 @@ pub(super) struct Met {
     pub length: f64,
     /// P⁺d of the first three columns, as long as y without a dilation.
     pub nearest: DVec3,
-    /// How far y may be off, up to a turn of all y.
+    /// Largest error of y, up to a turn of all y.
     pub error: f64,
 }
 
@@ -104,7 +104,7 @@ impl Factor {
         self.m.abs() * v
     }
 
-    /// How far the plane of the rows of P may be tilted, in radians: ‖M δP‖.
+    /// Returns the largest tilt of the plane of the rows of P, in radians: ‖M δP‖.
     pub fn tilt(&self) -> f64 {
         self.of_columns().map(|(_, error)| error * error).sum::<f64>().sqrt()
     }

@@ -24,7 +24,7 @@ pub struct Possible {
     pub y: u32,
     /// Opacity, if the pixel is covered.
     pub alpha: Range,
-    /// What fragments are sorted by.
+    /// Key that fragments are sorted by.
     pub key: Range,
     /// The depth along the viewing axis that an image shows.
     pub z: Range,

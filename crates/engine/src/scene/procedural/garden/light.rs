@@ -66,7 +66,7 @@ impl ShadowMap {
     }
 }
 
-/// Which cells of space hold points.
+/// Cells of space that hold points.
 pub(super) struct Occupancy {
     cell: f64,
     side: [usize; 3],

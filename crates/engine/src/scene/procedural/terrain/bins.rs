@@ -1,4 +1,4 @@
-//! Which things may stand over a position: lists by cells of a square grid.
+//! Things that may stand over a position: lists by cells of a square grid.
 
 use glam::DVec2;
 

@@ -1,4 +1,4 @@
-//! What is built on the plan of a town: houses with chimneys, a church, a bridge; parked cars and lamps.
+//! Buildings on the plan of a town: houses with chimneys, a church, a bridge; parked cars and lamps.
 
 use glam::{DVec2, DVec3};
 

@@ -1,4 +1,4 @@
-//! What covers the ground where nothing stands on it: water, roads, yards, fields, meadows and the floor of forests.
+//! Cover of the ground where nothing stands on it: water, roads, yards, fields, meadows and the floor of forests.
 
 use glam::DVec2;
 

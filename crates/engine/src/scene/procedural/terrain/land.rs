@@ -41,7 +41,7 @@ pub(super) struct Land {
 pub(super) struct Place {
     /// Across the main road, and along it.
     pub(super) uv: DVec2,
-    /// Which town.
+    /// Cell of the grid of towns.
     pub(super) town: [i64; 2],
     /// Metres from the middle of the river.
     pub(super) river: f64,

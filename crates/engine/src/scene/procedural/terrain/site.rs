@@ -43,7 +43,7 @@ pub(super) struct Site<'a> {
     bins: Bins,
 }
 
-/// What a pulse from above meets.
+/// Thing that a pulse from above meets.
 pub(super) enum Hit<'a> {
     /// A roof: its body, height and normal.
     Roof(&'a Solid, f64, DVec3),
@@ -87,7 +87,7 @@ impl<'a> Site<'a> {
         if z < 0.0 { (0.0, DVec3::Z) } else { (z, normal) }
     }
 
-    /// What a pulse that comes straight down at a position meets.
+    /// Returns what a pulse that comes straight down at a position meets.
     pub(super) fn hit(&self, p: DVec2) -> Hit<'_> {
         let mut roof: Option<(&Solid, f64, DVec3)> = None;
         let mut crowns = [None; 3];

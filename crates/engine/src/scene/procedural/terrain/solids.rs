@@ -22,7 +22,7 @@ pub(super) enum Roof {
     Flat,
 }
 
-/// What a wall looks like.
+/// Look of a wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Front {
     Plain,
@@ -40,9 +40,9 @@ pub(super) struct Solid {
     pub(super) axis: DVec2,
     /// Half the lengths along and across the ridge.
     pub(super) half: DVec2,
-    /// Where walls begin, unless the ground is higher.
+    /// Height at which walls begin, unless the ground is higher.
     pub(super) base: f64,
-    /// Where walls end.
+    /// Height at which walls end.
     pub(super) eave: f64,
     /// From there to the top.
     pub(super) rise: f64,

@@ -103,7 +103,7 @@ impl Block {
     }
 }
 
-/// What covers a place of a town; `None` outside.
+/// Returns what covers a place of a town; `None` outside.
 pub(super) fn cover(land: &Land, place: &Place) -> Option<Cover> {
     if place.uv.length() > 1.2 * land.town_radius(place.town) + BLOCK.length() {
         return None;
