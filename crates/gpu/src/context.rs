@@ -174,7 +174,7 @@ impl Context {
         lock(&self.live).remove(&key);
     }
 
-    /// The name of an allocation; empty if it is gone.
+    /// Returns the name of an allocation; empty if it is gone.
     pub fn name_of(&self, key: (vk::ObjectType, u64)) -> String {
         lock(&self.live).get(&key).map_or_else(String::new, |(name, _)| name.clone())
     }
@@ -185,7 +185,7 @@ impl Context {
         list
     }
 
-    /// A command buffer to record, used again if one is idle.
+    /// Returns a command buffer to record, used again if one is idle.
     pub fn take_commands(&self) -> Result<Commands, Error> {
         if let Some(commands) = lock(&self.idle_commands).pop() {
             return Ok(commands);
@@ -221,7 +221,7 @@ impl Context {
         }
     }
 
-    /// The pipeline of a key, built at its first use.
+    /// Returns the pipeline of a key, built at its first use.
     pub fn pipeline(
         &self,
         key: PipelineKey,

@@ -51,12 +51,12 @@ impl fmt::Display for Shape {
     }
 }
 
-/// An array in words: element, length, and bytes from one to the next.
+/// Returns an array in words: element, length, and bytes from one to the next.
 pub(crate) fn array_text(element: &str, count: usize, stride: usize) -> String {
     format!("array<{element}, {count}> every {stride} bytes")
 }
 
-/// A struct in words, from names, offsets and types of its members.
+/// Returns a struct in words, from names, offsets and types of its members.
 pub(crate) fn struct_text<'a>(members: impl Iterator<Item = (&'a str, usize, String)>, size: usize) -> String {
     let members: Vec<String> = members.map(|(name, offset, shape)| format!("{name}: {shape} at {offset}")).collect();
     format!("{{ {} }} of {size} bytes", members.join(", "))

@@ -26,7 +26,7 @@ pub enum Blend {
 pub struct Outputs {
     /// A color attachment.
     pub color: Option<(Format, Blend)>,
-    /// True with a depth attachment, whose test only a nearer fragment passes: of equals the first one drawn stays.
+    /// `true` with a depth attachment, whose test only a nearer fragment passes: of equals the first one drawn stays.
     pub depth: bool,
     /// Samples per pixel.
     pub samples: u32,
@@ -75,7 +75,7 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// The compute pipeline of a pass, by the label under which it runs.
+    /// Returns the compute pipeline of a pass, by the label under which it runs.
     pub fn compute<P: Pass>(context: &Context, variant: &Variant, label: &'static str) -> Result<Arc<Self>, Error> {
         context.pipeline((P::SHADER, P::PIECE, variant.key(), None), || {
             let words = shader::compile::<P>(variant)?;
@@ -97,7 +97,7 @@ impl Pipeline {
         })
     }
 
-    /// The graphics pipeline of a pass that draws triangles, by the label under which it runs.
+    /// Returns the graphics pipeline of a pass that draws triangles, by the label under which it runs.
     pub fn draw<P: Pass>(
         context: &Context,
         variant: &Variant,

@@ -105,7 +105,7 @@ impl Cloud {
         self.0.scalars.iter().map(|(name, values)| (name.clone(), PyArray1::from_slice(py, values))).collect()
     }
 
-    /// True if +Z points up.
+    /// Returns `true` if +Z points up.
     fn z_up(&self) -> bool {
         self.0.up == UpAxis::Z
     }

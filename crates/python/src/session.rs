@@ -30,7 +30,7 @@ pub struct Session {
     asked: (Scene, u64),
     /// Their box, which takes a look at all of them.
     pub bounds: Option<Bounds>,
-    /// True if points have radii whatever the method.
+    /// `true` if points have radii whatever the method.
     radii: bool,
     /// The camera that was found last, and for which settings.
     camera: Option<(Scene, Camera)>,
@@ -63,7 +63,7 @@ struct Decided {
     wish: Option<Wish>,
 }
 
-/// True if a scene wants other points than were made for another one, or others of their columns.
+/// Returns `true` if a scene wants other points than were made for another one, or others of their columns.
 fn is_outdated(made: &Made, (a, seed): &(Scene, u64), (b, other_seed): (&Scene, u64)) -> bool {
     let needs = |scene: &Scene| {
         let method = &scene.method;

@@ -30,7 +30,7 @@ struct Heard {
     stage: String,
     done: u64,
     total: Option<u64>,
-    /// True if nobody was told of this yet.
+    /// `true` if nobody was told of this yet.
     is_news: bool,
     warnings: Vec<String>,
     notes: Vec<String>,

@@ -12,7 +12,7 @@ pub enum Filter {
 }
 
 impl Filter {
-    /// The filter of a name as files have it, in any case.
+    /// Returns the filter of a name as files have it, in any case.
     pub fn named(name: &str) -> Option<Self> {
         match name.to_ascii_lowercase().as_str() {
             "default" => Some(Self::Plain),
@@ -22,7 +22,7 @@ impl Filter {
         }
     }
 
-    /// The name that PLY files have for it.
+    /// Returns the name that PLY files have for it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Plain => "default",

@@ -167,7 +167,8 @@ fn shortest(value: f64) -> String {
     if plain.len() <= short.len().max(PLAIN) { plain } else { short }
 }
 
-/// The largest of 1, 2 and 5 times a power of ten that is at most so much, with its label. `None` if this is not above 0.
+/// Returns the largest of 1, 2 and 5 times a power of ten that is at most so much, with its label. `None` if this is
+/// not above 0.
 pub fn round_below(most: f64) -> Option<(f64, String)> {
     if !(most > 0.0 && most.is_finite()) {
         return None;

@@ -240,7 +240,7 @@ impl LasColumns {
         }
     }
 
-    /// The column that a scalar of this name is; none for other names.
+    /// Returns the column that a scalar of this name is; none for other names.
     pub fn named(name: &str) -> Self {
         let same = |known| same_scalar(name, known);
         Self {
@@ -360,7 +360,7 @@ impl Format {
     }
 }
 
-/// True if the file's extension is that of a point-cloud format.
+/// Returns `true` if the file's extension is that of a point-cloud format.
 pub fn is_cloud(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     matches!(extension.as_str(), "ply" | "las" | "laz" | "e57" | "pcd")

@@ -99,12 +99,13 @@ pub(crate) trait Engine {
         Err(Error::NoParts { method: work.frame.method.name() })
     }
 
-    /// True if no frame can do without subgroups of 8 to 32 invocations on this device, because tiles of splats need them.
+    /// Returns `true` if no frame can do without subgroups of 8 to 32 invocations on this device, because tiles of
+    /// splats need them.
     fn needs_subgroups(&self, _device: &DeviceInfo) -> bool {
         false
     }
 
-    /// True if a survey renders into the target, because only rendering yields the frame's counts.
+    /// Returns `true` if a survey renders into the target, because only rendering yields the frame's counts.
     fn renders_to_survey(&self) -> bool {
         false
     }
@@ -158,7 +159,7 @@ impl Sums {
 pub(crate) struct Channels {
     /// Lengths of lists.
     pub fragments: Fragments,
-    /// True if it counts peeled layers.
+    /// `true` if it counts peeled layers.
     pub layers: bool,
 }
 
@@ -196,9 +197,9 @@ pub(crate) struct Counts {
 /// Features that tests switch off or limit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Switches {
-    /// True if 64-bit atomics are used.
+    /// `true` if 64-bit atomics are used.
     pub wide_atomics: bool,
-    /// True if ensembles are drawn in one go where possible.
+    /// `true` if ensembles are drawn in one go where possible.
     pub single_pass: bool,
     /// Most bits of a key for epochs of ensembles.
     pub epoch_bits: u32,
@@ -230,7 +231,7 @@ pub(crate) struct Work<'a> {
     pub progress: &'a Progress,
     /// Switches set by tests.
     pub switches: Switches,
-    /// True if counting is enough.
+    /// `true` if counting is enough.
     pub survey: bool,
     /// Numbers that are added to the counts once the window has been submitted.
     pub later: Vec<Later>,

@@ -325,8 +325,8 @@ fn smaller_image(largest: u32) -> String {
 }
 
 impl Error {
-    /// True if only this method with its settings fails here, while another may succeed: neither a failed device nor a
-    /// frame that no method could render.
+    /// Returns `true` if only this method with its settings fails here, while another may succeed: neither a failed
+    /// device nor a frame that no method could render.
     pub fn is_refusal(&self) -> bool {
         use crate::gpu::Error::{OutOfMemory, TooLarge};
         match self {

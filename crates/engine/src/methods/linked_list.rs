@@ -133,7 +133,7 @@ impl LinkedList {
     }
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     vec![Shader::new::<Store>(raster::flat_variants()), Shader::new::<Gather>([false, true].map(gather_variant))]
 }

@@ -32,7 +32,7 @@ pub struct SampleSteps {
 }
 
 impl SampleSteps {
-    /// True if a part may have these samples; none of them is allowed, too.
+    /// Returns `true` if a part may have these samples; none of them is allowed, too.
     pub fn allows(&self, samples: &Range<u32>) -> bool {
         let is_cut = |at: u32| at == self.total || at.is_multiple_of(self.step);
         samples.start <= samples.end && samples.end <= self.total && is_cut(samples.start) && is_cut(samples.end)
@@ -154,9 +154,9 @@ pub(crate) struct Layout {
     size: [u32; 2],
     steps: SampleSteps,
     sums: Sums,
-    /// True if the standard error is asked for.
+    /// `true` if the standard error is asked for.
     spread: bool,
-    /// True if lengths of lists are asked for, and the method has some.
+    /// `true` if lengths of lists are asked for, and the method has some.
     lengths: bool,
 }
 
@@ -237,7 +237,7 @@ pub struct SamplePart {
 }
 
 impl SamplePart {
-    /// A part in which each pixel has samples that show nothing.
+    /// Returns a part in which each pixel has samples that show nothing.
     pub(crate) fn new(layout: Layout, samples: Range<u32>) -> Self {
         let filled = |plane: Plane| (plane, vec![plane.nothing(); layout.pixels() * plane.words()]);
         let planes = layout.planes(samples.clone()).map(filled).collect();
@@ -250,7 +250,8 @@ impl SamplePart {
         self.layout.size
     }
 
-    /// The samples of a pixel, or the ensembles, that it has: ranges in ascending order that neither touch nor are empty.
+    /// Returns the samples of a pixel, or the ensembles, that it has: ranges in ascending order that neither touch nor
+    /// are empty.
     pub fn samples(&self) -> &[Range<u32>] {
         &self.samples
     }
@@ -293,7 +294,8 @@ impl SamplePart {
         bytes
     }
 
-    /// The part that [`Self::to_bytes`] wrote. Takes no memory before the size of the bytes is known to be right.
+    /// Returns the part that [`Self::to_bytes`] wrote. Takes no memory before the size of the bytes is known to be
+    /// right.
     ///
     /// # Errors
     /// Bytes that are no part, too few or too many.
@@ -340,13 +342,13 @@ impl SamplePart {
         }
     }
 
-    /// The words of a window's pixels, in its order.
+    /// Returns the words of a window's pixels, in its order.
     pub(crate) fn window(&self, plane: Plane, window: Window) -> Vec<u32> {
         let all = self.planes.get(&plane).map_or(&[][..], Vec::as_slice);
         rows(self.layout.size, plane, window).flat_map(|row| all.get(row).unwrap_or_default()).copied().collect()
     }
 
-    /// The words of all pixels, if it has some of this plane.
+    /// Returns the words of all pixels, if it has some of this plane.
     pub(crate) fn all(&self, plane: Plane) -> Option<&[u32]> {
         self.planes.get(&plane).map(Vec::as_slice)
     }

@@ -65,9 +65,9 @@ pub struct Foresight {
     known: Option<Vec<Question>>,
     /// What this one has asked so far.
     asked: Vec<Question>,
-    /// True if buffers have room for what is known.
+    /// `true` if buffers have room for what is known.
     roomy: bool,
-    /// True if windows of this kind don't fit with a margin.
+    /// `true` if windows of this kind don't fit with a margin.
     hopeless: bool,
     /// Windows that were not as foreseen, windows since then that were, and windows that are to wait.
     misses: u32,
@@ -202,7 +202,7 @@ impl Foresight {
         Ok(Some(Answer { words: most, place: Place { first, count } }))
     }
 
-    /// The answer to the last question, which was waited for.
+    /// Returns the answer to the last question, which was waited for.
     pub fn answer(&mut self) -> Answer {
         let Some(place) = self.asked.len().checked_sub(1) else { return Answer::default() };
         self.bound(place);

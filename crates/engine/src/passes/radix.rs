@@ -202,12 +202,12 @@ fn counters(device: &Device, records: u64) -> u64 {
     u64::from(cut.runs) << widest(cut, records)
 }
 
-/// The variant of `radix/scatter`.
+/// Returns the variant of `radix/scatter`.
 pub fn scatter_variant(subgroup: u32) -> Variant {
     Variant::plain().subgroup(subgroup).network(subgroup)
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     vec![
         Shader::plain::<Count>(),

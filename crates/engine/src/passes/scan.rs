@@ -59,7 +59,7 @@ pass! {
     }
 }
 
-/// The variant of `scan/spread` at the top level, or at one below.
+/// Returns the variant of `scan/spread` at the top level, or at one below.
 pub fn spread_variant(top: bool) -> Variant {
     Variant::plain().with("TOP", u32::from(top))
 }
@@ -183,7 +183,7 @@ fn run(shared: bool) -> u64 {
     if shared { GROUP_RUN } else { SCAN_RUN }
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let spread = || [false, true].map(spread_variant);
     vec![

@@ -17,7 +17,7 @@ pub struct Timeline {
     pub passes: Vec<(PassTime, Duration)>,
     /// The submissions' times together.
     pub submitted: Duration,
-    /// True if passes are timed.
+    /// `true` if passes are timed.
     pub timed: bool,
     /// Facts about the window in work that are known before it is rendered.
     pub foresight: Foresight,
@@ -31,7 +31,7 @@ impl Timeline {
         Self::with(progress, Foresight::default())
     }
 
-    /// The same, with what is known of earlier frames. What comes before the first window waits.
+    /// Returns the same, with what is known of earlier frames. What comes before the first window waits.
     pub fn with(progress: &Progress, mut foresight: Foresight) -> Self {
         // An earlier frame may have ended in the middle of a window.
         foresight.begin(true);

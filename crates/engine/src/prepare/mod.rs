@@ -43,13 +43,13 @@ pub struct Request {
     pub soft_outliers: Option<outliers::Rule>,
     /// Outliers that are to be dropped.
     pub dropped_outliers: Option<outliers::Rule>,
-    /// True if radii are wanted.
+    /// `true` if radii are wanted.
     pub radii: bool,
-    /// True if radii of Eq. 20 without its cap are wanted, whatever radii the file has.
+    /// `true` if radii of Eq. 20 without its cap are wanted, whatever radii the file has.
     pub uncapped: bool,
-    /// True if F is wanted.
+    /// `true` if F is wanted.
     pub fields: bool,
-    /// True if normals are wanted, estimated where the file has none.
+    /// `true` if normals are wanted, estimated where the file has none.
     pub normals: bool,
     /// Normals that shading needs.
     pub shading: Option<ShadingNormals>,
@@ -116,13 +116,13 @@ impl Request {
         FieldKey { definition, radii, soft: self.soft_outliers }
     }
 
-    /// True if neighbors may have to be found for it.
+    /// Returns `true` if neighbors may have to be found for it.
     pub fn needs_neighbors(&self) -> bool {
         let parts = [self.radii, self.uncapped, self.fields, self.normals];
         parts.contains(&true) || self.shading.is_some() || self.dropped_outliers.is_some()
     }
 
-    /// The cap of radii for this cloud.
+    /// Returns the cap of radii for this cloud.
     pub fn radius_cap_of(&self, cloud: &Cloud) -> f32 {
         let prepared = cloud.prepared.as_ref().map(|prepared| prepared.radius_cap);
         self.radius_cap.or(prepared).unwrap_or(radius::DEFAULT_CAP)
@@ -134,13 +134,13 @@ impl Request {
         self.neighbors.or(prepared).unwrap_or(DEFAULT_NEIGHBORS)
     }
 
-    /// True if normals are wanted that the cloud lacks.
+    /// Returns `true` if normals are wanted that the cloud lacks.
     pub(crate) fn lacks_normals(&self, cloud: &Cloud) -> bool {
         let wanted = self.normals || self.shading.is_some();
         wanted && cloud.normals.as_ref().is_none_or(|normals| normals.contains(&Vec3::ZERO))
     }
 
-    /// The definition of F for this cloud.
+    /// Returns the definition of F for this cloud.
     pub fn field_of(&self, cloud: &Cloud) -> Field {
         let prepared = cloud.prepared.as_ref().map(|prepared| &prepared.field);
         self.field.as_ref().or(prepared).cloned().unwrap_or_default()
@@ -152,7 +152,7 @@ impl Request {
         radii.filter(|_| !cloud.prepared.as_ref().is_some_and(|p| p.estimated_radii && !self.has_radii_of(cloud, p)))
     }
 
-    /// True if radii were prepared as this request wants them.
+    /// Returns `true` if radii were prepared as this request wants them.
     fn has_radii_of(&self, cloud: &Cloud, prepared: &Prepared) -> bool {
         prepared.neighbors == self.neighbors_of(cloud) && prepared.radius_cap == self.radius_cap_of(cloud)
     }
@@ -180,7 +180,7 @@ impl Request {
         }
     }
 
-    /// The field of which the range must be known.
+    /// Returns the field of which the range must be known.
     pub(crate) fn unscaled_field(&self, like: &Cloud) -> Option<Field> {
         (self.fields && self.stored_field(like).is_none()).then(|| self.field_of(like))
     }
@@ -282,7 +282,7 @@ fn shading_normals(cloud: &Cloud, which: ShadingNormals, surface: &surface::Surf
     (0..cloud.len()).map(one).collect()
 }
 
-/// The cloud with radii and field, and with normals if they are asked for, ready for
+/// Returns the cloud with radii and field, and with normals if they are asked for, ready for
 /// [`write_prepared`](crate::io::ply::write_prepared). A shadow texture that it has stays, unless normals are others.
 ///
 /// # Errors

@@ -58,7 +58,7 @@ fn limit(places: &Places, distances: &[f64], factor: f64) -> f64 {
     mean * (1.0 + LEAST_DIFFERENCE) + factor * variance.sqrt()
 }
 
-/// Number of marks.
+/// Returns the number of marks.
 pub fn count(marks: &[bool]) -> usize {
     marks.par_iter().filter(|mark| **mark).count()
 }

@@ -19,7 +19,7 @@ pub struct Surface {
     pub uncapped: Vec<f32>,
     /// The given normals, with estimated ones in place of missing ones; zero where both are missing.
     pub normals: Vec<Vec3>,
-    /// True for normals that were estimated from points about a surface, false for other estimated ones.
+    /// `true` for normals that were estimated from points about a surface, `false` for other estimated ones.
     pub planar: Vec<bool>,
     /// F of Eq. 21, in [0, 1]; empty unless asked for.
     pub fields: Vec<f32>,
@@ -39,7 +39,7 @@ pub fn estimate(positions: &[DVec3], normals: Option<&[Vec3]>, around: (usize, f
     look(positions, normals, around, true, progress)
 }
 
-/// The same without F.
+/// Returns the same without F.
 pub fn shape(positions: &[DVec3], normals: Option<&[Vec3]>, around: (usize, f32), progress: &Progress) -> Surface {
     look(positions, normals, around, false, progress)
 }
@@ -87,7 +87,7 @@ pub(super) struct Wants {
     pub fields: bool,
 }
 
-/// The same without scaling, of the points of some places, of which there are more than K.
+/// Returns the same without scaling, of the points of some places, of which there are more than K.
 pub(super) fn see(
     places: &Places,
     given: Option<&[Vec3]>,

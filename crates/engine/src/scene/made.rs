@@ -63,18 +63,19 @@ pub struct Made {
     pub shadow_texture: Option<ShadowTexture>,
     /// Location of the clouds, if they are not in memory.
     pub stored: Option<Stored>,
-    /// True if some clouds are of Gaussians: their points, and the color space, follow from method and detail as well.
+    /// `true` if some clouds are of Gaussians: their points, and the color space, follow from method and detail as
+    /// well.
     pub follows_method: bool,
 }
 
 impl Made {
-    /// All points, or of stored ones a sample.
+    /// Returns all points, or of stored ones a sample.
     pub fn points(&self) -> &Points {
         self.arranged.points()
     }
 }
 
-/// The names of the clouds in [`Arranged::surfaces`], which omits clouds without points.
+/// Returns the names of the clouds in [`Arranged::surfaces`], which omits clouds without points.
 pub fn cloud_names(scene: &Scene, arranged: &Arranged) -> Vec<String> {
     let (clouds, count) = (&scene.clouds, arranged.surfaces().len());
     if clouds.len() == count {
@@ -239,7 +240,7 @@ fn stored(
     Ok(Some(Stored::new(scene, &stores, memory, progress)?))
 }
 
-/// True if all clouds of a scene are read in parts.
+/// Returns `true` if all clouds of a scene are read in parts.
 fn are_in_parts(scene: &Scene) -> crate::Result<bool> {
     for cloud in &scene.clouds {
         if store::announced(&cloud.path, &cloud.hints())?.is_none() {

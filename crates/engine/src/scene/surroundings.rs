@@ -122,7 +122,7 @@ impl Plan {
         Self(cells)
     }
 
-    /// True if a cell and all four beside it have points.
+    /// Returns `true` if a cell and all four beside it have points.
     fn is_within(&self, cell: usize) -> bool {
         let (x, y) = (cell % CELLS, cell / CELLS);
         let inner = 1..CELLS - 1;
@@ -131,7 +131,8 @@ impl Plan {
             && [cell, cell - 1, cell + 1, cell - CELLS, cell + CELLS].iter().all(|cell| self.0[*cell].any)
     }
 
-    /// True if there are floor and ceiling nearly everywhere, walls nearly all around, and little between them.
+    /// Returns `true` if there are floor and ceiling nearly everywhere, walls nearly all around, and little between
+    /// them.
     fn is_room(&self) -> bool {
         let (mut within, mut around): (Vec<Cell>, Vec<Cell>) = (Vec::new(), Vec::new());
         for cell in (0..self.0.len()).filter(|cell| self.0[*cell].any) {
@@ -183,8 +184,9 @@ fn stand(layout: &Layout, plan: &Plan) -> Option<DVec3> {
     eyes.find(|eye| free(*eye)).map(|eye| layout.at(eye))
 }
 
-/// The settings of a camera within the points, if these surround the middle of the scene as those of a room do: floor and
-/// ceiling, and walls around. `None` where the settings say anything of eye, target, view, lens or depths, and of other scenes.
+/// Returns the settings of a camera within the points, if these surround the middle of the scene as those of a room do:
+/// floor and ceiling, and walls around. `None` where the settings say anything of eye, target, view, lens or depths,
+/// and of other scenes.
 pub(super) fn inside(settings: &CameraSettings, points: &Points, vertical: Vertical) -> Option<CameraSettings> {
     if !may_be_inside(settings) {
         return None;
@@ -194,7 +196,7 @@ pub(super) fn inside(settings: &CameraSettings, points: &Points, vertical: Verti
     Some(CameraSettings { eye: Some(eye), target: Some(target), up: Some(up), ..*settings })
 }
 
-/// True if the settings leave it open whether the camera stands within the points.
+/// Returns `true` if the settings leave it open whether the camera stands within the points.
 fn may_be_inside(settings: &CameraSettings) -> bool {
     *settings == CameraSettings { up: settings.up, fov_y: settings.fov_y, ..CameraSettings::default() }
 }
@@ -221,7 +223,7 @@ pub fn camera_notes(scene: &Scene, points: &Points, up: UpAxis) -> Vec<String> {
     notes
 }
 
-/// Says that X and Y may be degrees of longitude and latitude, where heights are metres: the scene is a needle then.
+/// Says that X and Y may be degrees of longitude and latitude, where heights are meters: the scene is a needle then.
 fn in_degrees(bounds: &Bounds) -> Option<String> {
     let extent = bounds.max - bounds.min;
     let wide = extent.x.max(extent.y);

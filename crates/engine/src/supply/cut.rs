@@ -28,7 +28,7 @@ pub struct Picture<'a> {
     pub scale: Scale,
     /// The blocks of which something may be in it.
     pub blocks: &'a [u32],
-    /// True of places in it.
+    /// Function that returns `true` for places in it.
     pub shows: &'a (dyn Fn(DVec3) -> bool + Sync),
     /// A place that no camera of the picture sees.
     pub nowhere: DVec3,
@@ -48,7 +48,7 @@ pub struct Cut {
     blocks: Vec<Block>,
     numbers: Vec<u32>,
     random: Random,
-    /// True if some blocks have no levels.
+    /// `true` if some blocks have no levels.
     is_random: bool,
     /// Pixels between points, at most.
     px: f64,
@@ -145,12 +145,13 @@ impl Cut {
         Self { tree, kept, blocks, numbers, random, is_random, px, nowhere, most_growth, whole }
     }
 
-    /// The pixels that points are apart at most, where there are so many: those asked for, or more to be as few as asked for.
+    /// Returns the pixels that points are apart at most, where there are so many: those asked for, or more to be as few
+    /// as asked for.
     pub fn px(&self) -> f64 {
         self.px
     }
 
-    /// Number of points in all blocks; of clouds without levels about as many.
+    /// Returns the number of points in all blocks; of clouds without levels about as many.
     pub fn points(&self) -> u64 {
         self.blocks.iter().map(|block| block.points).sum()
     }
@@ -160,7 +161,7 @@ impl Cut {
         self.most_growth
     }
 
-    /// A place that the picture doesn't show.
+    /// Returns a place that the picture doesn't show.
     pub fn nowhere(&self) -> DVec3 {
         self.nowhere
     }

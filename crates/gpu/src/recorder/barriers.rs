@@ -20,7 +20,7 @@ pub(super) struct Touch {
 #[derive(Default)]
 pub(super) struct Touched {
     all: Vec<Touch>,
-    /// True if there was more than this list says: attachments, guards.
+    /// `true` if there was more than this list says: attachments, guards.
     more: bool,
 }
 

@@ -69,8 +69,8 @@ impl Table {
         single.chain(cloud.scalars.iter_mut().map(|(_, column)| column)).for_each(|column| column.reserve_exact(rows));
     }
 
-    /// The rows of parts that have the columns of this layout, one part behind the other. Each column of the parts is gone once it is
-    /// joined.
+    /// Returns the rows of parts that have the columns of this layout, one part behind the other. Each column of the
+    /// parts is gone once it is joined.
     pub fn join(layout: &Layout, mut parts: Vec<Self>) -> Self {
         fn join_optional<T: Zeroable + Copy + Send + Sync>(
             column: &mut Option<Vec<T>>,
@@ -152,7 +152,7 @@ impl Table {
         single.chain(cloud.scalars.iter_mut().map(|(_, column)| column)).for_each(|column| compact(column, run, kept));
     }
 
-    /// The points so far; colors, alphas and classes may be as they are stored.
+    /// Returns the points so far; colors, alphas and classes may be as they are stored.
     pub fn points(&self) -> &Cloud {
         &self.cloud
     }
@@ -172,8 +172,8 @@ impl Table {
         }
     }
 
-    /// The cloud of some rows of a table of which all rows together tell this; its vertical is +Y. Normals that are all zero are
-    /// dropped.
+    /// Returns the cloud of some rows of a table of which all rows together tell this; its vertical is +Y. Normals that
+    /// are all zero are dropped.
     pub fn finish(self, layout: &Layout, whole: &Whole) -> Cloud {
         let mut cloud = self.cloud;
         if let (Some(codes), Some((_, name))) = (self.codes, &layout.classification) {

@@ -56,7 +56,7 @@ impl LasFile {
         Ok(Self { file: source.into(), header, chunks, asked })
     }
 
-    /// The columns of a chunk, as they are stored.
+    /// Returns the columns of a chunk, as they are stored.
     pub fn decode(&self, chunk: &Chunk, progress: &Progress) -> Result<Columns, Error> {
         let mut selection = self.decisive().decompress_z().decompress_intensity();
         selection = selection.decompress_classification().decompress_flags().decompress_extra_bytes();
@@ -99,17 +99,17 @@ impl LasFile {
         })
     }
 
-    /// The cloud of some of the points, of which all together have these traits.
+    /// Returns the cloud of some of the points, of which all together have these traits.
     pub fn finish(&self, columns: Columns, traits: &Traits) -> Cloud {
         columns.finish(self.extra_names(), self.asked, traits)
     }
 
-    /// The names of the extra dimensions.
+    /// Returns the names of the extra dimensions.
     pub fn extra_names(&self) -> impl Iterator<Item = &str> {
         self.header.extra.iter().map(|dimension| &*dimension.name)
     }
 
-    /// The grid that the positions lie on.
+    /// Returns the grid that the positions lie on.
     pub fn grid(&self) -> Grid {
         let transforms = &self.header.transforms;
         let each = |of: fn(&las::Transform) -> f64| DVec3::new(of(&transforms.x), of(&transforms.y), of(&transforms.z));

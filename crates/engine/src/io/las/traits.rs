@@ -29,7 +29,7 @@ impl Traits {
         }
     }
 
-    /// True if whatever the other points of the file are changes no column.
+    /// Returns `true` if whatever the other points of the file are changes no column.
     pub fn are_settled(&self, header: &Header, asked: LasColumns) -> bool {
         self.settle(header.format.has_color, asked.gps_time && header.format.has_gps_time, asked.returns)
     }

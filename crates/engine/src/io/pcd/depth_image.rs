@@ -38,7 +38,7 @@ impl DepthImage {
         self.rows.add((index / self.width) as f64, y / z);
     }
 
-    /// True if the points lie where a depth camera sees them.
+    /// Returns `true` if the points lie where a depth camera sees them.
     pub fn is_one(&self) -> bool {
         self.possible && self.columns.fits() && self.rows.fits()
     }
@@ -65,7 +65,7 @@ impl Line {
         self.yy += y * y;
     }
 
-    /// True if y rises with x and the residue is small.
+    /// Returns `true` if y rises with x and the residue is small.
     fn fits(&self) -> bool {
         let Self { count, x, y, xx, xy, yy } = *self;
         let (sxx, sxy, syy) = (xx - x * x / count, xy - x * y / count, yy - y * y / count);

@@ -17,9 +17,9 @@ pub(in crate::io) fn step(points: u64) -> usize {
     (points / SAMPLE).max(1) as usize
 }
 
-/// The vertical of points in a box, some of which are given: Y, as of models, but Z of what stands far from the origin along X and Y
-/// alone, as surveys do whose coordinates are eastings, northings and heights, −Y in the frame of a depth camera, and Z where only
-/// then the shape lies or stands as things do, with the reason.
+/// Returns the vertical of points in a box, some of which are given: Y, as of models, but Z of what stands far from the
+/// origin along X and Y alone, as surveys do whose coordinates are eastings, northings and heights, −Y in the frame of
+/// a depth camera, and Z where only then the shape lies or stands as things do, with the reason.
 pub(in crate::io) fn vertical(bounds: &Bounds, sample: &[DVec3]) -> (UpAxis, Option<&'static str>) {
     let (center, diagonal) = (bounds.center().abs(), bounds.diagonal());
     let surveyed =

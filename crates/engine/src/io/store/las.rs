@@ -103,7 +103,7 @@ pub(super) fn summary(file: &LasFile, traits: &Traits, bounds: Bounds) -> Summar
     Summary { path, points: file.header.count, bounds, up: like.up, ranges: Vec::new(), grid: Some(file.grid()), like }
 }
 
-/// The points of some chunks, which should lie in a box.
+/// Returns the points of some chunks, which should lie in a box.
 pub(super) fn read(file: &LasFile, chunks: &[Chunk], traits: &Traits, bounds: &Bounds) -> Result<Piece, Error> {
     let decode = |chunk: &Chunk| {
         let columns = file.decode(chunk, &Progress::hidden())?;

@@ -135,7 +135,7 @@ impl ABuffer {
     }
 }
 
-/// The variant of `abuffer/measure`: lists longer than `long` are long.
+/// Returns the variant of `abuffer/measure`: lists longer than `long` are long.
 pub(super) fn measure_variant(long: u32) -> Variant {
     Variant::plain().with("RUN", MEASURE_RUN as f64).with("LONG", long)
 }

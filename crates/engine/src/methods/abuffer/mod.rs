@@ -53,7 +53,7 @@ pub const INDEX_BYTES: u64 = 4;
 /// Bytes per pixel of a window: count, offset, their share of the scan's levels, and place in the work list.
 pub const PIXEL_BYTES: u64 = 13;
 
-/// The footprint of a disc's shape.
+/// Returns the footprint of a disc's shape.
 pub fn footprint(shape: DiscShape) -> Footprint {
     match shape {
         DiscShape::Flat => Footprint::Disc,
@@ -76,7 +76,7 @@ pub struct ABuffer {
     records: Kept<[u32; 4]>,
     /// Bodies of each pixel that events are of (spheres, ellipsoids, discs), where they are counted beside, and their lengths.
     bodies: Kept<u32>,
-    /// True if they were, of the last window.
+    /// `true` if they were, of the last window.
     beside: bool,
     told_bodies: Told<u32>,
     body_lengths: Buffer<Lengths>,
@@ -340,7 +340,7 @@ impl ABuffer {
     }
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let gather = || <(Cut, Lanes)>::all().into_iter().map(|(cut, lanes)| bin::gather_variant(cut, lanes));
     let mut all = vec![

@@ -20,7 +20,7 @@ pub(super) const MOST_SAMPLES: u64 = 1 << 22;
 /// Way in which samples are taken.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sampling {
-    /// True if each ellipsoid is one sample, however many of them overlap.
+    /// `true` if each ellipsoid is one sample, however many of them overlap.
     pub bodies: bool,
 }
 

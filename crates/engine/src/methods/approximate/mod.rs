@@ -240,7 +240,7 @@ fn run_bytes(rounds: &[u32]) -> u64 {
     STATE_BYTES + rounds.first().map_or(0, |slots| 16 + SLOT_BYTES * u64::from(*slots))
 }
 
-/// An error whose budget leaves room for `more` bytes besides.
+/// Returns an error whose budget leaves room for `more` bytes besides.
 pub(super) fn beside(error: Error, more: u64) -> Error {
     match error {
         Error::SortOverBudget { points, needed, available, .. } => {
@@ -391,9 +391,9 @@ pub struct OneRun {
 pub struct Round {
     /// Fragments that it composes.
     pub slots: u32,
-    /// True if other runs came before.
+    /// `true` if other runs came before.
     pub behind: bool,
-    /// True if it is the last one, and what falls out of it is averaged.
+    /// `true` if it is the last one, and what falls out of it is averaged.
     pub tail: bool,
 }
 
@@ -520,7 +520,7 @@ fn variants<W>(footprints: &[Footprint], ways: &[W], of: impl Fn(Variant, OneRun
     all
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let sums = |footprints: &[Footprint]| variants(footprints, &[()], |shape, run, ()| sum_variant(shape, run));
     // The last round, which is the first one or not, has the slots that are left, and a tail or not.

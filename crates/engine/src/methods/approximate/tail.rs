@@ -69,7 +69,7 @@ pub(super) fn pixel_bytes(moments: MomentCount) -> u64 {
     fading::PAIR_BYTES * fading::pairs(moments) + super::LAST_BYTES
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub(super) fn shaders() -> [Shader; 2] {
     [Shader::new::<GatherTail>(fading::by_moments(learning)), Shader::new::<WeighTail>(fading::by_moments(leaving))]
 }

@@ -95,7 +95,7 @@ impl Sums {
         Ok(recorder.run(&Carry { work, lists, sums }, (), &Run::new(long_groups(work, 4)))?)
     }
 
-    /// The sums themselves.
+    /// Returns the sums themselves.
     pub fn sums(&self) -> Slice<'_, RunSums> {
         self.0.get().all()
     }
@@ -170,7 +170,7 @@ fn samples_variant(run: Variant, bodies: bool) -> Variant {
     run.with("BODIES", u32::from(bodies))
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let walked = || raster::computed_variants(&[Footprint::Gaussian], SEGMENT);
     let runs = || <(Cut, Falloff)>::all().into_iter().map(|(cut, falloff)| run_variant(cut, falloff));

@@ -89,9 +89,9 @@ pub struct WindowJob<'a> {
     pub distance: f32,
     /// Depth of background where edges are looked for.
     pub far: f32,
-    /// True if 64-bit atomics are used.
+    /// `true` if 64-bit atomics are used.
     pub wide: bool,
-    /// True if opacities count.
+    /// `true` if opacities count.
     pub transparent: bool,
 }
 
@@ -321,7 +321,7 @@ impl Filterer {
         Dispatch::Indirect(self.slots.get().slice(4 * u64::from(slot), 3))
     }
 
-    /// The tiles of a filtered image that are not background alone.
+    /// Returns the tiles of a filtered image that are not background alone.
     pub(super) fn deliver_dispatch(&self, job: &WindowJob<'_>) -> Dispatch<'_> {
         self.listed_dispatch(job.deliver_slot())
     }

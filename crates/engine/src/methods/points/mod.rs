@@ -188,7 +188,7 @@ pub(super) fn record_nearest<'a>(
     Ok(())
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let variants = || <(bool, bool)>::all().into_iter().map(|(cull, limited)| nearest_variant(cull, limited));
     vec![

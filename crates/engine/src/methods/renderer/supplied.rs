@@ -48,7 +48,7 @@ impl Renderer {
         Ok(DeviceCloud::of_supply(&self.device, points, Arc::clone(supply))?)
     }
 
-    /// The same of points in canonical order that stay in the host's memory.
+    /// Returns the same of points in canonical order that stay in the host's memory.
     ///
     /// # Errors
     /// No memory for small buffers.
@@ -56,7 +56,7 @@ impl Renderer {
         self.supply(points, &(Arc::new(Held::new(points.clone())) as Arc<dyn Supply>))
     }
 
-    /// The part of space that a window of a frame shows: points outside of it need not be there.
+    /// Returns the part of space that a window of a frame shows: points outside of it need not be there.
     pub fn beam(&self, cloud: &DeviceCloud, frame: &Frame, window: Window) -> Beam {
         Beam::new(&frame.camera, frame.size, window, engine_of(&frame.method).extent(frame, cloud))
     }

@@ -325,7 +325,7 @@ pub fn least_bytes(name: &str, runs: u64, points: u64, chunks: u64, resolution: 
     }
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     vec![
         Shader::new::<Start>([false, true].map(start_variant)),

@@ -160,7 +160,7 @@ fn size([x0, y0, x1, y1]: Window) -> [u32; 2] {
     [x1 - x0, y1 - y0]
 }
 
-/// True if a window shows anything.
+/// Returns `true` if a window shows anything.
 pub fn is_seen(raster: &Raster<'_>) -> bool {
     raster.stats.iter().any(|s| s.visible > 0)
 }
@@ -292,7 +292,7 @@ pub fn least_bytes(name: &str, runs: u64, strata: u64, quads: u64, pixels: u64) 
     }
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub(super) fn shaders() -> Vec<Shader> {
     vec![
         Shader::new::<DrawAlpha>(compose::shape_variants()),

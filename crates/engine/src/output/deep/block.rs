@@ -21,7 +21,7 @@ pub(super) struct Line<'a> {
 }
 
 impl Line<'_> {
-    /// The chunk.
+    /// Returns the chunk.
     ///
     /// # Errors
     /// 2 GiB or more, which OpenEXR does not read.

@@ -65,7 +65,7 @@ pub struct Layout {
     pub numbers: Numbers,
     /// Packing of lines.
     pub packing: Packing,
-    /// True if samples have a length: with a channel `ZBack`.
+    /// `true` if samples have a length: with a channel `ZBack`.
     pub volumes: bool,
     /// Names and values.
     pub metadata: Vec<(String, String)>,

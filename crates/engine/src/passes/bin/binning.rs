@@ -29,8 +29,8 @@ const MOST_ITERATIONS: u64 = 50_000;
 /// Splats of a tile that one run takes, at five iterations each. Runs are composed by themselves and then joined, so that
 /// the smallest opacities don't round away in a sum of millions.
 pub(super) const SEGMENT: u32 = 2048;
-/// The same for stages that go through tiles region by region, whose workgroups note that many: wide ones may not take the
-/// room of others.
+/// Returns the same for stages that go through tiles region by region, whose workgroups note that many: wide ones may
+/// not take the room of others.
 pub(super) const fn region_segment(subgroup: u32) -> u32 {
     if subgroup < 16 { SEGMENT } else { SEGMENT / 2 }
 }
@@ -156,7 +156,7 @@ pub struct Binned {
 }
 
 impl Binned {
-    /// The part `segment` of each tile's splats, of all tiles.
+    /// Returns the part `segment` of each tile's splats, of all tiles.
     pub fn walk(&self, segment: u32) -> TileWalk {
         TileWalk {
             columns: self.binning.columns,
@@ -172,12 +172,12 @@ impl Binned {
         self.binning.tiles() as u32
     }
 
-    /// A dispatch with a subgroup for each tile.
+    /// Returns a dispatch with a subgroup for each tile.
     pub fn over_tiles(&self) -> Dispatch<'static> {
         Dispatch::Groups(self.lanes().groups(self.binning.tiles()))
     }
 
-    /// A dispatch with a subgroup for each block of each tile.
+    /// Returns a dispatch with a subgroup for each block of each tile.
     pub fn over_blocks(&self) -> Dispatch<'static> {
         Dispatch::Groups(self.lanes().groups(self.binning.tiles() * u64::from(BLOCKS)))
     }
@@ -197,7 +197,7 @@ impl Binned {
         self.binning.cut
     }
 
-    /// The invocations of stages that go through the tiles.
+    /// Returns the invocations of stages that go through the tiles.
     pub fn lanes(&self) -> Lanes {
         self.binning.lanes
     }
@@ -207,7 +207,7 @@ impl Binned {
         self.longest.div_ceil(SEGMENT).max(1)
     }
 
-    /// The same for stages that go through tiles region by region.
+    /// Returns the same for stages that go through tiles region by region.
     pub fn region_segments(&self) -> u32 {
         self.longest.div_ceil(region_segment(self.lanes().subgroup)).max(1)
     }

@@ -80,7 +80,7 @@ pub fn order_runs(device: &Device, points: u64) -> Runs {
     Runs::new(device.info().prefers.concurrent_runs, points, SHORTEST_RUN, 1 << 17)
 }
 
-/// The variant of `bin/pick` and `bin/place`.
+/// Returns the variant of `bin/pick` and `bin/place`.
 pub(super) fn presorted_variant(subgroup: u32) -> Variant {
     Variant::plain().subgroup(subgroup)
 }

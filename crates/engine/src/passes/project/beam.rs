@@ -19,12 +19,12 @@ pub struct Extent {
     pub pixels: f64,
 }
 
-/// The half of a pixel that roundings may take, and another half for the pixel around a centre.
+/// The half of a pixel that roundings may take, and another half for the pixel around a center.
 const ONE: f64 = 1.0;
 /// What roundings of float32 and here may move a point, as a share of its coordinates from the eye.
 const ROUNDING: f64 = 1e-6;
 
-/// Slopes of a Gaussian's centre are clamped to so many times those of the image's sides (`clamped_slopes` in WGSL).
+/// Slopes of a Gaussian's center are clamped to so many times those of the image's sides (`clamped_slopes` in WGSL).
 const SLOPE: f64 = 1.3;
 
 impl Extent {
@@ -64,7 +64,7 @@ impl Extent {
         }
     }
 
-    /// The farther of two reaches.
+    /// Returns the farther of two reaches.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self { radius: self.radius.max(other.radius), pixels: self.pixels.max(other.pixels) }
@@ -130,7 +130,7 @@ impl Beam {
         DVec3::from(self.axes.map(|axis| p.dot(axis)))
     }
 
-    /// True if anything of a block may show.
+    /// Returns `true` if anything of a block may show.
     pub fn meets(&self, block: &Block) -> bool {
         let corners = block.bounds.corners().map(|corner| self.view(corner));
         let size = corners.iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max);
@@ -141,14 +141,14 @@ impl Beam {
         })
     }
 
-    /// True if anything of a point with this radius may show.
+    /// Returns `true` if anything of a point with this radius may show.
     pub fn meets_point(&self, position: DVec3, radius: f32) -> bool {
         let p = self.view(position);
         let slack = self.radius * f64::from(radius) + ROUNDING * p.abs().max_element();
         self.sides.iter().all(|side| side.normal.dot(p) + side.offset >= -slack * side.length)
     }
 
-    /// The blocks of which anything may show, in ascending order.
+    /// Returns the blocks of which anything may show, in ascending order.
     pub fn pick(&self, blocks: &[Block]) -> Vec<u32> {
         let all = blocks.par_iter().enumerate().with_min_len(1 << 8);
         all.filter(|(_, block)| self.meets(block)).map(|(i, _)| i as u32).collect()

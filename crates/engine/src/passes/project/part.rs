@@ -23,7 +23,7 @@ pub enum Part {
 }
 
 impl Part {
-    /// The value of `PART` in WGSL.
+    /// Returns the value of `PART` in WGSL.
     pub(super) fn value(self) -> u32 {
         match self {
             Self::All => PART_ALL,

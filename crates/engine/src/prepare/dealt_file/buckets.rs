@@ -56,7 +56,7 @@ impl Plan {
         Self { words, buckets, numbers_at_once, layout }
     }
 
-    /// True if a word belongs to one of the buckets.
+    /// Returns `true` if a word belongs to one of the buckets.
     pub fn has(&self, word: u64) -> bool {
         (self.words.start..self.words.end).contains(&u128::from(word))
     }

@@ -30,7 +30,7 @@ impl Cuboid {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// The squared distance of another box, zero if they touch.
+    /// Returns the squared distance of another box, zero if they touch.
     pub fn squared(&self, other: &Self) -> f64 {
         (self.min - other.max).max(other.min - self.max).max(DVec3::ZERO).length_squared()
     }
@@ -64,7 +64,7 @@ impl Tree {
         Self { leaves: leaves.map(|(index, _)| index as u32).collect(), nodes }
     }
 
-    /// The index among leaves of the one with a place.
+    /// Returns the index among leaves of the one with a place.
     pub fn leaf_of(&self, place: usize) -> usize {
         self.leaves.partition_point(|&leaf| self.nodes[leaf as usize].first as usize <= place) - 1
     }

@@ -58,7 +58,7 @@ struct Plan {
     /// K of a cloud with so many points.
     k: usize,
     cap: f32,
-    /// True if radii are computed; else the points have their own.
+    /// `true` if radii are computed; else the points have their own.
     radii: bool,
     wants: Wants,
 }

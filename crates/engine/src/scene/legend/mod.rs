@@ -46,7 +46,7 @@ pub struct Entry {
     pub values: Option<Values>,
     /// Single colors.
     pub swatches: Vec<Swatch>,
-    /// True if each cloud has a color of its own.
+    /// `true` if each cloud has a color of its own.
     by_cloud: bool,
 }
 
@@ -55,7 +55,7 @@ pub struct Entry {
 pub struct Values {
     /// From values to places, 0 to 1.
     pub scale: Scale,
-    /// True for values that are whole numbers.
+    /// `true` for values that are whole numbers.
     pub whole: bool,
     /// Phrase for what else colors depend on.
     pub note: Option<&'static str>,
@@ -64,7 +64,7 @@ pub struct Values {
 }
 
 impl Values {
-    /// The color at a place of the scale, 0 at its low end and 1 at its high one: sRGB, each from 0 to 1.
+    /// Returns the color at a place of the scale, 0 at its low end and 1 at its high one: sRGB, each from 0 to 1.
     pub fn srgb(&self, place: f64) -> DVec3 {
         self.map.srgb(if self.reverse { 1.0 - place } else { place })
     }
@@ -89,12 +89,12 @@ impl Swatch {
 }
 
 impl Legend {
-    /// True if there is nothing to explain.
+    /// Returns `true` if there is nothing to explain.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
 
-    /// The title of an entry: its files, unless it is about all clouds.
+    /// Returns the title of an entry: its files, unless it is about all clouds.
     pub fn title(&self, entry: &Entry) -> Option<String> {
         if entry.by_cloud || entry.files.len() == self.clouds {
             return None;
@@ -107,7 +107,7 @@ impl Legend {
         }
     }
 
-    /// The entry about a cloud, by its number in the scene.
+    /// Returns the entry about a cloud, by its number in the scene.
     pub fn entry_of(&self, cloud: usize) -> Option<&Entry> {
         self.entries.iter().find(|entry| entry.clouds.contains(&cloud))
     }

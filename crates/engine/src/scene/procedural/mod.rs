@@ -44,7 +44,7 @@ pub struct Parameter {
     pub min: f64,
     /// Largest value allowed.
     pub max: f64,
-    /// True for a count, which has to be a whole number.
+    /// `true` for a count, which has to be a whole number.
     pub integer: bool,
     /// A single line for `--list`.
     pub summary: &'static str,

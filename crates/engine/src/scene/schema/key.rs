@@ -28,7 +28,7 @@ pub struct Key {
     pub rival: Option<&'static str>,
     /// The methods that use it, of those that share these settings, `auto` among them; empty: all of them.
     pub only: &'static [&'static str],
-    /// True if larger numbers only make the image better and slower, so that a draft may use fewer.
+    /// `true` if larger numbers only make the image better and slower, so that a draft may use fewer.
     pub refines: bool,
     /// The values that `tradeoff` and `--max-error` try.
     pub tried: Option<Ladder>,
@@ -160,7 +160,7 @@ pub struct Ladder {
     pub quick: &'static [u32],
     /// The steps that a choice considers.
     pub fine: &'static [u32],
-    /// True if a step as large as the longest list of fragments draws all of them, so that larger ones draw the same.
+    /// `true` if a step as large as the longest list of fragments draws all of them, so that larger ones draw the same.
     pub ends_at_longest_list: bool,
     /// Number of those done at once, which take the time of one.
     pub at_once: u32,

@@ -234,7 +234,7 @@ impl Value for PathBuf {
     }
 }
 
-/// The shortest number that is this one in float32: 0.17 and not 0.17000000178813934.
+/// Returns the shortest number that is this one in float32: 0.17 and not 0.17000000178813934.
 pub fn rounded(x: f32) -> f64 {
     x.to_string().parse().unwrap_or(f64::from(x))
 }

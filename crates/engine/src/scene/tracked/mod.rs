@@ -284,8 +284,8 @@ pub fn legend(scene: &Scene, clouds: &[Cloud], derived: &[DerivedColumns]) -> Re
 }
 
 impl Tracked {
-    /// The points of a scene, as [`arrange`](super::arrange) orders them. `derived` has one entry per cloud, with earlier
-    /// results.
+    /// Returns the points of a scene, as [`arrange`](super::arrange) orders them. `derived` has one entry per cloud,
+    /// with earlier results.
     ///
     /// # Errors
     /// No point is left, a cloud lacks the property of its field or its colors, or the polygons of a clip can't be read.
@@ -324,12 +324,12 @@ impl Tracked {
         Ok(Self { arranged, placement, column_keys, dealt: trace.origins, ties: trace.ties, origins })
     }
 
-    /// The points as they are arranged.
+    /// Returns the points as they are arranged.
     pub fn arranged(&self) -> &Arranged {
         &self.arranged
     }
 
-    /// All points, in either order.
+    /// Returns all points, in either order.
     pub fn points(&self) -> &Points {
         self.arranged.points()
     }

@@ -33,7 +33,7 @@ pub(super) struct Transform {
 /// A place in the file, and what is wrong there.
 type Wrong = (String, String);
 
-/// All primitives of splats in the scene, and the number of other primitives.
+/// Returns all primitives of splats in the scene, and the number of other primitives.
 pub(super) fn find(document: &Document) -> Result<(Vec<Placed<'_>>, usize), Wrong> {
     let (mut placed, mut others) = (Vec::new(), 0);
     let mut seen = vec![false; document.nodes.len()];

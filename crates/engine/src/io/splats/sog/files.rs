@@ -41,14 +41,14 @@ impl Files {
         }
     }
 
-    /// The archive, or the file of the folder, as messages name it.
+    /// Returns the archive, or the file of the folder, as messages name it.
     pub fn file(&self) -> &SharedFile {
         match self {
             Self::Archive { file, .. } | Self::Folder { file, .. } => file,
         }
     }
 
-    /// The content of a file.
+    /// Returns the content of a file.
     pub fn read(&self, name: &str) -> Result<Vec<u8>, Error> {
         if name.is_empty() || name.contains(['/', '\\', '\0']) || name == ".." {
             return Err(self.malformed(META, format!("{name:?} isn't the name of a file beside it")));
@@ -63,7 +63,7 @@ impl Files {
         }
     }
 
-    /// The error of a file that breaks the rules.
+    /// Returns the error of a file that breaks the rules.
     pub fn malformed(&self, name: &str, cause: impl Into<String>) -> Error {
         match self {
             Self::Folder { folder, .. } => {

@@ -46,7 +46,7 @@ impl Planes {
         }
     }
 
-    /// The planes that stand one behind the other; if one ends too early, a message that says which.
+    /// Returns the planes that stand one behind the other; if one ends too early, a message that says which.
     pub fn cut(header: &Header, mut bytes: &[u8]) -> Result<Self, String> {
         let mut planes: [Vec<u8>; 6] = Default::default();
         for ((plane, len), name) in planes.iter_mut().zip(lengths(header)).zip(NAMES) {
@@ -59,7 +59,7 @@ impl Planes {
         Ok(Self::new(header, planes))
     }
 
-    /// A splat, in the axes of other splats.
+    /// Returns a splat, in the axes of other splats.
     pub fn splat(&self, at: usize, harmonics: &mut [Vec3]) -> Splat {
         let [_, alphas, colors, scales, _, coefficients] = &self.planes;
         let three = |plane: &[u8]| [0, 1, 2].map(|channel| f64::from(plane[at * 3 + channel]));

@@ -59,7 +59,7 @@ fn open_path(folder: &Path, number: u8) -> PathBuf {
 }
 
 impl Kept {
-    /// The nodes of a checkpoint, and their file.
+    /// Returns the nodes of a checkpoint, and their file.
     pub fn resume(folder: &Path, checkpoint: &Checkpoint) -> Result<(Self, Vec<Written>), Error> {
         let path = folder.join(NODES);
         let file = Sink::keep(&path, checkpoint.nodes)?;
@@ -107,7 +107,7 @@ impl Kept {
     }
 }
 
-/// The open nodes of a checkpoint.
+/// Returns the open nodes of a checkpoint.
 pub(super) fn read_open(folder: &Path, checkpoint: &Checkpoint) -> Result<Vec<Open>, Error> {
     let Some(number) = checkpoint.open else { return Ok(Vec::new()) };
     let path = open_path(folder, number);

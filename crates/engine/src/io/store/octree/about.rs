@@ -83,7 +83,8 @@ impl PreparedRecord {
         }
     }
 
-    /// The same without values; shadows only if there is an attribute for their light. The reason why it can't be.
+    /// Returns the same without values; shadows only if there is an attribute for their light. The reason why it can't
+    /// be.
     pub fn prepared(&self, has_light: bool) -> Result<Prepared, String> {
         let Self { neighbors, radius_cap, estimated_radii, .. } = *self;
         if neighbors == 0 || neighbors > 65_535 {

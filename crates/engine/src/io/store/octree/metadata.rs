@@ -97,7 +97,7 @@ impl Described {
         (least <= most && (most - least).is_finite()).then_some([least, most])
     }
 
-    /// The largest value of all elements.
+    /// Returns the largest value of all elements.
     pub fn largest(&self) -> Option<f64> {
         self.max.iter().copied().flatten().max_by(f64::total_cmp)
     }
@@ -217,7 +217,7 @@ fn layout(metadata: &Metadata, about: Option<&About>) -> Result<Layout, (String,
     Ok(layout)
 }
 
-/// The description of an attribute with its range.
+/// Returns the description of an attribute with its range.
 pub(crate) fn describe(attribute: &Attribute, ranges: &[[f64; 2]]) -> Described {
     // Ranges of nothing, and what is not finite, are none; the viewer wants numbers.
     let end = |end: usize| {
@@ -238,7 +238,7 @@ pub(crate) fn describe(attribute: &Attribute, ranges: &[[f64; 2]]) -> Described 
     }
 }
 
-/// The corners of a box.
+/// Returns the corners of a box.
 pub(crate) fn corners(min: DVec3, max: DVec3) -> Corners {
     Corners { min: min.to_array(), max: max.to_array() }
 }

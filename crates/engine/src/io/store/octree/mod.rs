@@ -60,7 +60,7 @@ pub struct Octree {
     starts: Vec<u64>,
     decoder: Decoder,
     file: SharedFile,
-    /// True if this program wrote it.
+    /// `true` if this program wrote it.
     is_ours: bool,
 }
 
@@ -105,7 +105,7 @@ impl Octree {
         Ok(Self { summary, nodes, starts, decoder, file, is_ours: checked.about.is_some() })
     }
 
-    /// True if a path is a folder with an octree, or its metadata.json.
+    /// Returns `true` if a path is a folder with an octree, or its metadata.json.
     pub fn is_one(path: &Path) -> bool {
         path.join(METADATA).is_file() || path.file_name().is_some_and(|name| name == METADATA)
     }

@@ -31,7 +31,7 @@ pub(super) const CLASS_START: u64 = 4;
 /// Place of how many of them are in place.
 pub(super) const CLASS_PLACED: u64 = 5;
 
-/// The longest list of the classes before this one.
+/// Returns the longest list of the classes before this one.
 pub fn lower_bound(class: usize) -> u32 {
     class.checked_sub(1).map_or(0, |i| CLASSES[i].0)
 }
@@ -60,7 +60,7 @@ impl Sorting {
         }
     }
 
-    /// The variant of the kernel for lists of up to `capacity` fragments, from the one that composes.
+    /// Returns the variant of the kernel for lists of up to `capacity` fragments, from the one that composes.
     pub(crate) fn resolve_variant(self, compose: Variant, capacity: u32) -> Variant {
         let classified = compose.text(&class_text());
         match self {
@@ -70,7 +70,7 @@ impl Sorting {
         }
     }
 
-    /// The variants of the kernels of all classes that are sorted so, from the variants that resolve.
+    /// Returns the variants of the kernels of all classes that are sorted so, from the variants that resolve.
     pub(crate) fn kernels(self, resolving: impl Fn(Self, u32) -> Vec<Variant>) -> Vec<Variant> {
         let capacities = CLASSES.iter().map(|(capacity, _)| *capacity);
         let wanted =
@@ -86,7 +86,7 @@ impl Sorting {
     }
 }
 
-/// The variant of the passes that know the classes.
+/// Returns the variant of the passes that know the classes.
 pub(super) fn class_variant() -> Variant {
     Variant::plain().text(&class_text())
 }
@@ -99,7 +99,7 @@ fn class_text() -> String {
     format!("const CLASS_COUNT = {count}u;\nfn class_of(n: u32) -> u32 {{ return select({count}u, {sum}, n > 0u); }}\n")
 }
 
-/// The variant of `abuffer/sort-runs`.
+/// Returns the variant of `abuffer/sort-runs`.
 pub(super) fn sort_runs_variant() -> Variant {
     local_sort(Variant::plain())
 }

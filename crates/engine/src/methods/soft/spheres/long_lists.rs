@@ -111,12 +111,12 @@ pub fn long_runs(events: u64) -> u64 {
     (2 * events).div_ceil(u64::from(LOCAL_LENGTH))
 }
 
-/// The variant of the passes over runs of long lists.
+/// Returns the variant of the passes over runs of long lists.
 pub(super) fn run_variant(kind: Kind, cut: Cut) -> Variant {
     kind.interior.terms(compose::variant(cut, kind.footprint(), Falloff::Flat), kind.modulated)
 }
 
-/// The variant of `soft/segments`.
+/// Returns the variant of `soft/segments`.
 pub(super) fn segments_variant(kind: Kind, cut: Cut) -> Variant {
     run_variant(kind, cut).with("TAKEN", SEGMENTS_TAKEN)
 }

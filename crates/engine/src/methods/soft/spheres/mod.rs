@@ -136,7 +136,7 @@ impl<'a> Spheres<'a> {
         SoftPush { class_index, first_fragment, max_color, lambda, peak, max_radius: self.max_radius, first: 0 }
     }
 
-    /// The variant of the kernel for lists of up to `capacity` events.
+    /// Returns the variant of the kernel for lists of up to `capacity` events.
     pub(crate) fn resolve_variant(&self, cut: Cut, stop: u32, sorting: Sorting, capacity: u32) -> Variant {
         resolve_variant(self.kind, cut, stop, sorting, capacity)
     }
@@ -188,7 +188,7 @@ fn resolve_variant(kind: Kind, cut: Cut, stop: u32, sorting: Sorting, capacity: 
     if asked { kernel.constant("CAPACITY", capacity) } else { kernel }
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub(super) fn shaders() -> Vec<Shader> {
     let walked = |of: fn(Variant, Interior, bool) -> Variant, segment: fn(Interior) -> u32| {
         let spheres =

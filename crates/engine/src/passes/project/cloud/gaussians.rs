@@ -23,7 +23,7 @@ pub struct GaussianColumns {
     pub degree: u32,
     /// Number of points of the scene that are Gaussians.
     pub count: u64,
-    /// True if every point on the device is one.
+    /// `true` if every point on the device is one.
     pub are_all: bool,
     /// The largest component that a display color may have, from whatever direction.
     pub brightest: f32,

@@ -59,7 +59,7 @@ impl Present {
     /// All points.
     pub const ALL: Self = Self { within: None };
 
-    /// True if a Gaussian of this reach, or a disc in a block of this radius, is among them.
+    /// Returns `true` if a Gaussian of this reach, or a disc in a block of this radius, is among them.
     pub fn keeps(&self, position: DVec3, radius: f32) -> bool {
         self.within.is_none_or(|beam| beam.meets_point(position, radius))
     }
@@ -90,7 +90,7 @@ impl DeviceCloud {
         self.supplied.as_ref().map(Supplied::drawn)
     }
 
-    /// The points that are drawn, if they are not all ([`Self::cut`]).
+    /// Returns the points that are drawn, if they are not all ([`Self::cut`]).
     pub fn cut_in_force(&self) -> Option<&Cut> {
         self.supplied.as_ref()?.cut.as_ref().map(|(_, cut)| &**cut)
     }
@@ -135,7 +135,7 @@ impl DeviceCloud {
         columns + tilts + (size_of::<Splat>() + size_of::<Bounds>()) as u64 + 4 + 16 + 4 + 4
     }
 
-    /// True if these points are on the device, and, unless `others` may be there too, no others.
+    /// Returns `true` if these points are on the device, and, unless `others` may be there too, no others.
     pub fn has(&self, wanted: &Present, others: bool) -> bool {
         let present = self.supplied.as_ref().and_then(|supplied| supplied.present);
         present.is_some_and(|present| others && present == Present::ALL || present == *wanted)

@@ -109,7 +109,7 @@ impl Factor {
         self.of_columns().map(|(_, error)| error * error).sum::<f64>().sqrt()
     }
 
-    /// The directions of the rows that y is measured along.
+    /// Returns the directions of the rows that y is measured along.
     pub fn directions(&self) -> [DVec3; 2] {
         let turned = [0, 1, 2].map(|k| self.m * self.rows.columns[k]);
         [0, 1].map(|i| DVec3::from(turned.map(|column| column[i])))
@@ -142,7 +142,7 @@ impl Factor {
         Met { rho2, length, nearest, error: own + slack * self.largest(moved).length() }
     }
 
-    /// The most that y of an offset within a box has as error of its own.
+    /// Returns the most that y of an offset within a box has as error of its own.
     pub fn most_error(&self, half: DVec2) -> f64 {
         16.0 * ROUNDING * self.largest(DVec2::ONE + half).length()
     }

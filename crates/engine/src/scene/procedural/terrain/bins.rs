@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-/// Side of a cell, metres.
+/// Side of a cell, meters.
 const CELL: f64 = 4.0;
 
 /// Lists of numbers, one for each cell.
@@ -46,7 +46,7 @@ impl Bins {
         Self { low, side, starts, members }
     }
 
-    /// The circles that may be over a position; none outside the square.
+    /// Returns the circles that may be over a position; none outside the square.
     pub(super) fn at(&self, p: DVec2) -> impl Iterator<Item = usize> + '_ {
         let cell = (p - self.low) / CELL;
         let inside = cell.min_element() >= 0.0 && cell.max_element() < self.side as f64;

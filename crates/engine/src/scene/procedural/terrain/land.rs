@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::super::random;
 
-/// Distance between rivers and between main roads, metres; a town stands near each crossing.
+/// Distance between rivers and between main roads, meters; a town stands near each crossing.
 const PERIOD: f64 = 2400.0;
 
 /// Cosine and sine of the angle by which streets are turned against the axes.
@@ -20,7 +20,7 @@ mod layer {
     pub(super) const KNOLLS: i64 = 20;
 }
 
-/// A landscape without anything on it. Lengths in metres; the origin is in the middle of a town, z = 0 the level of the water.
+/// A landscape without anything on it. Lengths in meters; the origin is in the middle of a town, z = 0 the level of the water.
 #[derive(Debug, Clone)]
 pub(super) struct Land {
     salt: i64,
@@ -43,7 +43,7 @@ pub(super) struct Place {
     pub(super) uv: DVec2,
     /// Cell of the grid of towns.
     pub(super) town: [i64; 2],
-    /// Metres from the middle of the river.
+    /// Meters from the middle of the river.
     pub(super) river: f64,
 }
 
@@ -96,7 +96,7 @@ impl Land {
         bend(u) - bend(0.0)
     }
 
-    /// A position in the coordinates of streets.
+    /// Returns a position in the coordinates of streets.
     pub(super) fn place(&self, p: DVec2) -> Place {
         let [cos, sin] = TURN;
         let turned = DVec2::new(cos * p.x + sin * p.y, cos * p.y - sin * p.x);
@@ -109,7 +109,7 @@ impl Land {
         Place { uv, town, river: self.river_gap(uv, town) }
     }
 
-    /// The position of a place.
+    /// Returns the position of a place.
     pub(super) fn position(&self, uv: DVec2, town: [i64; 2]) -> DVec2 {
         let all = uv + PERIOD * DVec2::new(town[0] as f64, town[1] as f64);
         let turned_v = all.y - self.bend_v(all.x);
@@ -118,7 +118,7 @@ impl Land {
         DVec2::new(cos * turned_u - sin * turned_v, sin * turned_u + cos * turned_v)
     }
 
-    /// The unit vector along v at a place.
+    /// Returns the unit vector along v at a place.
     pub(super) fn along_v(&self, uv: DVec2, town: [i64; 2]) -> DVec2 {
         let step = self.position(uv + DVec2::Y, town) - self.position(uv - DVec2::Y, town);
         step.normalize_or(DVec2::Y)
@@ -131,7 +131,7 @@ impl Land {
         -0.72 * self.town - self.river + swing * self.wave(u / length, layer::RIVER + 100 * row)
     }
 
-    /// Metres from the middle of the river to a place.
+    /// Meters from the middle of the river to a place.
     pub(super) fn river_gap(&self, uv: DVec2, town: [i64; 2]) -> f64 {
         uv.y - self.river_line(uv.x + PERIOD * town[0] as f64, town[1])
     }
