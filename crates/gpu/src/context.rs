@@ -58,7 +58,7 @@ pub struct Context {
     /// Submissions that may still be made.
     pub allowed: AtomicU64,
     pipelines: Mutex<HashMap<PipelineKey, Arc<Pipeline>>>,
-    /// When each of them was made.
+    /// Times at which each of them was made.
     compilations: Mutex<Vec<Compilation>>,
     cache_key: String,
 }

@@ -78,7 +78,7 @@ mod armed {
 
     const VARIABLE: &str = "PELLUCID_FAULT";
 
-    /// How long a hanging program waits for a signal.
+    /// Time that a hanging program waits for a signal.
     const PATIENCE: Duration = Duration::from_secs(120);
 
     const POINTS: [&str; 9] = [

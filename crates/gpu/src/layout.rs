@@ -13,7 +13,7 @@ pub enum Shape {
     Array {
         /// The shape of its elements.
         element: Box<Shape>,
-        /// How many.
+        /// Number of elements.
         count: usize,
         /// Bytes from one to the next.
         stride: usize,

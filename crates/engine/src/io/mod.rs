@@ -143,7 +143,7 @@ pub enum Error {
     /// Somebody who watches wanted the work to end.
     #[error("{}: interrupted; run the same command to continue", path.display())]
     Cancelled {
-        /// What was to be written.
+        /// Path of the file that was to be written.
         path: PathBuf,
     },
     /// A folder holds something else than what is to be written.
@@ -185,7 +185,7 @@ pub enum Error {
     Crowded {
         /// Their file.
         path: PathBuf,
-        /// How many.
+        /// Number of points.
         points: u64,
         /// Bytes that they take.
         needed: u64,

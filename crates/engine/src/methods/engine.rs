@@ -34,7 +34,8 @@ pub(crate) trait Engine {
         bands::halves(window)
     }
 
-    /// How far beyond its place a point may show in a frame, for clouds whose points come to the device window by window.
+    /// Returns how far beyond its place a point may show in a frame, for clouds whose points come to the device window
+    /// by window.
     fn extent(&self, frame: &Frame, cloud: &DeviceCloud) -> Extent {
         let discs = Extent::discs(frame.factors.radius);
         match frame.method.discs().filter(|_| cloud.has_gaussians()) {
@@ -79,7 +80,8 @@ pub(crate) trait Engine {
         None
     }
 
-    /// What the samples of a pixel leave before they are resolved to an image; `None` for engines that draw no random ones.
+    /// Returns what the samples of a pixel leave before they are resolved to an image; `None` for engines that draw no
+    /// random ones.
     fn sums(&self) -> Option<Sums> {
         None
     }

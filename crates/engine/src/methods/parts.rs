@@ -104,7 +104,7 @@ pub(crate) enum Plane {
     Batch {
         /// Samples before those of the batch.
         before: u32,
-        /// Which of its sums.
+        /// Number of the sum.
         number: u32,
     },
 }
@@ -354,7 +354,7 @@ impl SamplePart {
     }
 }
 
-/// Where the rows of a window stand in a plane.
+/// Returns where the rows of a window stand in a plane.
 fn rows(size: [u32; 2], plane: Plane, [x0, y0, x1, y1]: Window) -> impl Iterator<Item = Range<usize>> {
     let at = move |x: u32, y: u32| (y as usize * size[0] as usize + x as usize) * plane.words();
     (y0..y1).map(move |y| at(x0, y)..at(x1, y))

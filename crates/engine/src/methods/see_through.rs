@@ -215,7 +215,7 @@ impl Search {
         Some(guess.unwrap_or((low * high).sqrt()))
     }
 
-    /// Where the secant through the last trials, or the slope 1 through a single one, meets the share.
+    /// Returns where the secant through the last trials, or the slope 1 through a single one, meets the share.
     fn guess(&self) -> Option<f64> {
         let wanted = (-self.share.ln()).ln();
         let [.., [x, y]] = self.last[..] else { return None };

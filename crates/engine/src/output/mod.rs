@@ -137,7 +137,7 @@ pub enum Error {
     /// A part of a report could not be made.
     #[error("the report: {reason}")]
     Report {
-        /// Which part, and why.
+        /// The part, and the reason for it.
         reason: String,
     },
     /// Standard output can't be written to.

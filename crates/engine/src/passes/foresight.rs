@@ -40,7 +40,7 @@ pub struct Place {
 /// A question of a window.
 struct Question {
     name: &'static str,
-    /// Where its answer begins.
+    /// Index at which its answer begins.
     first: u64,
     /// The upper bound of each word of the answer; nothing until it was given.
     most: Vec<u32>,
@@ -61,9 +61,9 @@ const ALIGNED: u64 = 64;
 #[derive(Default)]
 pub struct Foresight {
     knowledge: Knowledge,
-    /// What the last window asked, in order, if there was one.
+    /// Questions of the last window, in order, if there was one.
     known: Option<Vec<Question>>,
-    /// What this one has asked so far.
+    /// Questions of this window so far.
     asked: Vec<Question>,
     /// `true` if buffers have room for what is known.
     roomy: bool,

@@ -76,7 +76,7 @@ struct Visit {
     amount: Amount,
 }
 
-/// How much it runs.
+/// Amount that a pass runs.
 enum Amount {
     Compute(Dispatch<'static>),
     Vertices(u32),

@@ -69,11 +69,11 @@ pub struct Scan {
     /// Sums and their prefix sums, level by level.
     levels: Vec<[Buffer<u32>; 2]>,
     capacity: u64,
-    /// Whether workgroups share runs.
+    /// `true` if workgroups share runs.
     shared: bool,
 }
 
-/// What a dispatch of either half goes through.
+/// Level that a dispatch of either half goes through.
 #[derive(Clone, Copy)]
 struct Level<'a> {
     values: Slice<'a, u32>,

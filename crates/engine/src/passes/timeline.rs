@@ -21,7 +21,7 @@ pub struct Timeline {
     pub timed: bool,
     /// Facts about the window in work that are known before it is rendered.
     pub foresight: Foresight,
-    /// What was recorded so far, where nobody waits for it.
+    /// Commands that were recorded so far, where nobody waits for them.
     paused: Option<Paused>,
 }
 

@@ -63,10 +63,10 @@ pub fn estimate(shuffled: &[DVec3], progress: &Progress) -> f64 {
 
 /// Finite positions in random order, which may be somewhere else than in memory.
 pub(super) trait Shuffled {
-    /// Why they can't be read.
+    /// Reason why they can't be read.
     type Error;
 
-    /// How many there are.
+    /// Returns how many there are.
     fn count(&self) -> usize;
 
     /// The box around all of them; `None` without any.

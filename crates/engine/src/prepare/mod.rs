@@ -204,7 +204,7 @@ impl Request {
         notes
     }
 
-    /// How a file was prepared and how it is wanted, as a phrase.
+    /// Returns how a file was prepared and how it is wanted, as a phrase.
     fn difference(&self, cloud: &Cloud, prepared: &Prepared) -> String {
         let (neighbors, cap) = (self.neighbors_of(cloud), self.radius_cap_of(cloud));
         if prepared.neighbors != neighbors {

@@ -133,7 +133,7 @@ pub fn real_roots(coefficients: &[f64]) -> Vec<f64> {
     turns.windows(2).map(|ends| bisected(at, ends[0], ends[1])).collect()
 }
 
-/// Where a function changes its sign, by halves until there is no number between.
+/// Returns where a function changes its sign, by halves until there is no number between.
 fn bisected(at: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let rises = at(high) >= at(low);
     loop {

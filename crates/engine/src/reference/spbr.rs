@@ -117,7 +117,7 @@ struct Drawn {
     z: f64,
     /// In pixels; below 1 it is the probability of being drawn.
     area: f64,
-    /// How much of the area roundings of float32 may add or take.
+    /// Largest area that roundings of float32 may add or take.
     area_error: f64,
 }
 
@@ -137,7 +137,7 @@ fn drawn(view: &View<'_>, share: &Share, index: usize, apart: f64) -> Option<Dra
     Some(Drawn { at, z, area: upright * slant, area_error: area_error(upright, slant) })
 }
 
-/// How far float32 may be off the product of an area and of |cos θ|.
+/// Returns how far float32 may be off the product of an area and of |cos θ|.
 ///
 /// The area itself, in roundings of the result: 7 for the square of a quotient of two rounded depths; 7 for a logarithm
 /// (1 of 1 − x, 2 of the function, 2 of Kahan's correction) over a rounded number; 2 for their product and that with

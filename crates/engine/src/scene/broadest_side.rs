@@ -16,7 +16,7 @@ const FEWEST: usize = 1000;
 const POINTS_A_CELL: f64 = 12.0;
 /// Cells along a side of it, at least and at most.
 const CELLS: [usize; 2] = [16, 128];
-/// How many times as broad the other side must be as the usual one.
+/// Factor by which the other side must be broader than the usual one.
 const MORE: f64 = 1.25;
 
 /// Returns the settings of a camera that looks a quarter farther around than the usual one, if the scene is clearly

@@ -72,7 +72,7 @@ impl<'a> Rules<'a> {
         Ok(Self { rules })
     }
 
-    /// What the last rule for a point gives.
+    /// Returns what the last rule for a point gives.
     fn last<T>(&self, i: usize, given: impl Fn(&ClassSettings) -> Option<T>) -> Option<T> {
         self.rules.iter().rev().find_map(|rule| given(rule.settings).filter(|_| rule.points.holds(i)))
     }

@@ -21,7 +21,7 @@ use crate::color::scale::Scale;
 /// Classes besides 0 and 1 that a cloud must have to be colored by them.
 const ENOUGH_CLASSES: usize = 3;
 
-/// How bright a height is where intensity is smallest.
+/// Brightness of a height where intensity is smallest.
 const DARKEST: f64 = 0.35;
 
 /// The vertical along which height is measured: the axis nearest to the camera's `up`, else that of the file's convention.

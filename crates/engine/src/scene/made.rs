@@ -275,7 +275,7 @@ fn blended_displays() -> String {
     "colors are blended as encoded values, because every cloud is of Gaussians".to_owned()
 }
 
-/// How clouds are colored and why, a phrase for each way.
+/// Returns how clouds are colored and why, a phrase for each way.
 fn colorings(scene: &Scene, each: &[String]) -> Vec<String> {
     let mut ways: Vec<(&str, Vec<&Path>)> = Vec::new();
     for (settings, way) in scene.clouds.iter().zip(each) {

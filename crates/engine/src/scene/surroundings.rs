@@ -29,11 +29,11 @@ const FURNISHED: f64 = 0.35;
 const ROOM: f64 = 0.4;
 /// A side is flat if it is shorter than this share of the others.
 const FLAT: f64 = 0.5;
-/// How many times as high as wide points are whose X and Y may be degrees.
+/// Ratio of height to width from which on the X and Y of points may be degrees.
 const NEEDLE: f64 = 20.0;
-/// How many times their width they are away from the origin then.
+/// Distance from the origin, in widths, that they then have.
 const FAR: f64 = 50.0;
-/// How much two sRGB values differ at most that can hardly be told apart.
+/// Largest difference of two sRGB values that can hardly be told apart.
 const ALIKE: f32 = 0.1;
 /// The share of points in the background's color from which on there is little to see.
 const HIDDEN: f64 = 0.9;
@@ -97,7 +97,7 @@ impl Layout {
     }
 }
 
-/// Which parts of the height have points in a cell of the plan.
+/// Parts of the height that have points in a cell of the plan.
 #[derive(Clone, Copy, Default)]
 struct Cell {
     any: bool,
@@ -157,7 +157,7 @@ fn index(x: f64, y: f64) -> Option<usize> {
     Some(column(y)? * CELLS + column(x)?)
 }
 
-/// Where to stand: as far from the middle as there is room.
+/// Places to stand: as far from the middle as there is room.
 const STANDS: [f64; 2] = [0.38, 0.28];
 /// Height of the eye, and of what it looks at, as shares of the room's.
 const EYE: f64 = 0.6;

@@ -232,7 +232,7 @@ fn bin(px: f64) -> usize {
     ((px as f32).to_bits() >> BIN_SHIFT) as usize
 }
 
-/// How many points of a picture have how many pixels.
+/// Returns how many points of a picture have how many pixels.
 fn counts(
     whole: &dyn Supply,
     levels: &[Option<f64>],

@@ -94,7 +94,7 @@ impl Tree {
     }
 }
 
-/// How far from its box a place belongs to a block.
+/// Returns the largest distance from its box at which a place belongs to a block.
 fn reach(block: &Block) -> f64 {
     block.branch.map_or(0.0, |branch| branch.spacing)
 }

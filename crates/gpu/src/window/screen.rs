@@ -323,7 +323,7 @@ impl Drop for Screen {
     }
 }
 
-/// How long to wait for an image, in nanoseconds.
+/// Time to wait for an image, in nanoseconds.
 const PATIENCE_NS: u64 = 200_000_000;
 /// Around the picture, where the window has nothing else.
 const GRAY: f32 = 0.1;

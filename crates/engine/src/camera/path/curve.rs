@@ -131,7 +131,8 @@ impl Curve {
         knot.eye + knot.forward() * (share * knot.reach)
     }
 
-    /// How far toward the target the point lies that moves least on these pieces: |Δeye| / (|Δeye| + |Δtarget|).
+    /// Returns how far toward the target the point lies that moves least on these pieces: |Δeye| / (|Δeye| +
+    /// |Δtarget|).
     fn share(&self, spans: impl IntoIterator<Item = usize>) -> f64 {
         let moved = |share: f64, span: usize| {
             let [a, b] = self.ends(span).map(|knot| self.pivot(knot, share));

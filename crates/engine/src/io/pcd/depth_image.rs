@@ -7,7 +7,7 @@ const STEP: u64 = 7;
 /// Points below which nothing is told.
 const FEWEST: f64 = 100.0;
 
-/// How far points are from where a pinhole camera has their pixels, root mean square, in pixels.
+/// Largest distance of points from where a pinhole camera has their pixels, root mean square, in pixels.
 const NEAR: f64 = 4.0;
 
 /// Fits x/z to a point's column and y/z to its row.

@@ -37,7 +37,7 @@ pub(in crate::io) struct SplatColumns {
     kept: Vec<usize>,
     /// Of a row of the position and those, if there are any.
     layout: Option<Layout>,
-    /// What is odd.
+    /// Warning of what is odd.
     warning: Option<String>,
 }
 

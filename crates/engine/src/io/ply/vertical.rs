@@ -6,7 +6,7 @@ use crate::cloud::depth_camera::is_depth_camera;
 use crate::cloud::upright::reason_for_z;
 use crate::cloud::{Bounds, UpAxis};
 
-/// Where a survey's coordinates begin that are not local ones, in its units.
+/// Smallest coordinates of a survey that are not local ones, in its units.
 const SURVEY: f64 = 1e4;
 
 /// Points that the vertical is told from, at most twice as many: places of hundredths among them are those among all.

@@ -22,7 +22,7 @@ const MAX_DEGREE: u16 = 3;
 /// The range of harmonics of mode 2 where the header has none.
 const RANGE: f64 = 1.5;
 
-/// What holds for all sections.
+/// Settings that hold for all sections.
 struct Mode {
     number: u16,
     /// The harmonics that the bytes 0 and 255 of mode 2 mean.
@@ -107,7 +107,7 @@ fn sections<'a>(file: &SharedFile, bytes: &'a [u8], mode: &Mode) -> Result<Vec<S
     Ok(found)
 }
 
-/// What is wrong with a section.
+/// Fault of a section.
 enum Fault {
     Short(String),
     Wrong(String),

@@ -11,7 +11,8 @@ const BITS: i32 = 30;
 /// Bits of a float64.
 const MANTISSA: i32 = 52;
 
-/// How far offsets may be from whole steps of a grid that they share, in steps: texts of offsets have few digits.
+/// Largest difference of offsets from whole steps of a grid that they share, in steps: texts of offsets have few
+/// digits.
 const COMMENSURABLE: f64 = 1e-4;
 
 /// Positions scale·i + offset of integers i, axis by axis.

@@ -36,7 +36,7 @@ const PIECE: u64 = 500_000;
 
 /// A cloud whose nodes are read one by one, by any number of threads at once.
 pub trait Store: Debug + Send + Sync {
-    /// What is known of the whole cloud.
+    /// Returns what is known of the whole cloud.
     fn summary(&self) -> &Summary;
 
     /// The nodes, parents before their children. Each point of the cloud is in one of them.
@@ -48,7 +48,7 @@ pub trait Store: Debug + Send + Sync {
     /// The node can't be read, is damaged, or isn't as [`Self::nodes`] describes it.
     fn read(&self, node: usize) -> Result<Piece, Error>;
 
-    /// What follows from all points, if the store has it.
+    /// Returns what follows from all points, if the store has it.
     ///
     /// # Errors
     /// It can't be read, or is that of another store.

@@ -116,7 +116,7 @@ fn whole(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn Store
     Ok(Box::new(Held::new(path, load_with(path, hints, progress)?)?))
 }
 
-/// What is said of hints that are for other files.
+/// Returns a warning about hints that are for other files.
 fn warning(hints: &Hints) -> Option<String> {
     hints.columns.map(|_| NAMES_WITHOUT_EFFECT.to_owned())
 }

@@ -103,7 +103,7 @@ impl Store for PlyPieces {
     }
 }
 
-/// What all points tell together.
+/// Facts that all points tell together.
 struct Survey {
     whole: Whole,
     non_finite: usize,

@@ -220,7 +220,7 @@ enum Part {
     Kept(Vec<f64>),
 }
 
-/// What the values of a line are.
+/// Roles of the values of a line.
 struct Places {
     layout: columns::Layout,
     /// The value of a line that each column of the layout takes.

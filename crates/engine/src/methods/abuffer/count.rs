@@ -22,7 +22,7 @@ pub(super) struct Counted {
     /// As the last two, but a sphere counts once, however many events it has.
     pub(super) bodies: u32,
     most_bodies: u32,
-    /// Where the counts are found.
+    /// Place at which the counts are found.
     place: Place,
 }
 

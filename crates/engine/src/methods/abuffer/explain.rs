@@ -188,7 +188,7 @@ fn kernels(plan: &mut Plan<'_>, longest: u32, discs: &Discs) {
     plan.add("abuffer/median", long && wanted, if wanted { reason } else { NO_MEDIANS.to_owned() });
 }
 
-/// Why no medians are found.
+/// Reason why no medians are found.
 const NO_MEDIANS: &str = "neither eye-dome lighting (shading.edl) nor median depths requested";
 
 /// Returns `true` if the depths are wanted at which half of the light or less is left.

@@ -69,8 +69,8 @@ impl Wanted {
     }
 }
 
-/// How many samples a list has before its end (shaders/shared/early_end.wgsl): by the same float32 sums, of long lists run by run, so that
-/// both decide alike.
+/// Returns the number of samples that a list has before its end (shaders/shared/early_end.wgsl): by the same float32
+/// sums, of long lists run by run, so that both decide alike.
 fn before_end(list: &[Sample], stop: f32) -> usize {
     let run = LOCAL_LENGTH as usize;
     let opacity = |sum: f32, sample: &Sample| sum + (1.0 - sum) * sample.rgba[3];

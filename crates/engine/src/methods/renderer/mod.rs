@@ -56,10 +56,10 @@ pub struct Renderer {
     buffers: Buffers,
     target: Target,
     eye_dome: EyeDomeLighting,
-    /// What is known of frames of one kind, and which kind that is.
+    /// Facts about frames of one kind, and which kind that is.
     foresight: Foresight,
     kind: Option<Kind>,
-    /// How long the submissions of the last frame took.
+    /// Duration of the submissions of the last frame.
     submitted: Duration,
     /// An image that was given back.
     spare: Option<Image>,
@@ -623,7 +623,7 @@ struct Drawing<'a> {
     budget: Budget,
     /// `true` if its windows learn from earlier frames.
     learns: bool,
-    /// Where sums of samples are kept, which then are not resolved to an image.
+    /// Place for sums of samples, which then are not resolved to an image.
     sums: Option<&'a RefCell<SamplePart>>,
 }
 
@@ -633,7 +633,7 @@ struct Begun {
     waits: u64,
     light_views: u64,
     budget: Budget,
-    /// What of the budget is for shading.
+    /// Bytes of the budget for shading.
     shading: u64,
     windows: Vec<Window>,
 }

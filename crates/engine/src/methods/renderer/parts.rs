@@ -107,7 +107,7 @@ impl Renderer {
     }
 }
 
-/// What the parts of a frame hold.
+/// Returns what the parts of a frame hold.
 fn layout(frame: &Frame) -> Result<Layout, Error> {
     Layout::of(frame).ok_or(Error::NoParts { method: frame.method.name() })
 }

@@ -15,8 +15,8 @@ use crate::supply::{Held, Limits, Supply};
 
 /// The part of a memory budget that is for points; the rest is the engine's.
 const PART: u64 = 2;
-/// How many times as many points as fit are read, where nobody knows how many to expect, in the hope that so many of them lie outside of
-/// the window: blocks are larger than the parts of them that a window shows.
+/// Factor on the number of points that fit, which are read where nobody knows how many to expect, in the hope that so
+/// many of them lie outside of the window: blocks are larger than the parts of them that a window shows.
 const READ: u64 = 3;
 /// Bytes of an element of the sort of splats, for each point.
 const SORT_BYTES: u64 = 16;

@@ -46,7 +46,7 @@ struct Resident {
     place: u64,
 }
 
-/// Which points are on the device.
+/// Points that are on the device.
 #[derive(Debug, Default)]
 struct Shelf {
     /// The number of points that fit.

@@ -97,7 +97,7 @@ pub(super) enum Through {
     },
     /// So many workgroups for each square of the list of large ones.
     Large {
-        /// How many.
+        /// Number of stripes.
         stripes: u32,
     },
 }

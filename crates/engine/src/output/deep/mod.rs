@@ -105,11 +105,11 @@ pub struct Written {
 pub struct Writer<'a, W> {
     out: W,
     layout: &'a Layout,
-    /// Where the length of the longest list, and where the table of lines stand.
+    /// Offset of the length of the longest list; the table of lines follows.
     longest_at: u64,
     table_at: u64,
     table: Vec<u64>,
-    /// Where the next line goes.
+    /// Offset of the next line.
     at: u64,
     written: Written,
     /// Pixels of lines that are not complete.

@@ -132,7 +132,7 @@ group! {
     pub Tiled as TiledGroup {
         /// The splats, reached by their indices.
         splats: Shared<ComposingGroup>,
-        /// Where each cell's entries end.
+        /// End of each cell's entries.
         ends: Read<u32>,
         /// Indices of the tiles' splats.
         entries: Read<u32>,

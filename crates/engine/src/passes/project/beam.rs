@@ -21,7 +21,7 @@ pub struct Extent {
 
 /// The half of a pixel that roundings may take, and another half for the pixel around a center.
 const ONE: f64 = 1.0;
-/// What roundings of float32 and here may move a point, as a share of its coordinates from the eye.
+/// Largest distance that roundings of float32 and here may move a point, as a share of its coordinates from the eye.
 const ROUNDING: f64 = 1e-6;
 
 /// Slopes of a Gaussian's center are clamped to so many times those of the image's sides (`clamped_slopes` in WGSL).

@@ -109,7 +109,7 @@ fn add(nodes: &mut Vec<Node>, columns: &Columns, codes: &[u64], first: usize) ->
     cuboid
 }
 
-/// Where to cut at least two places: at the highest bit in which their codes differ, or in the middle.
+/// Returns where to cut at least two places: at the highest bit in which their codes differ, or in the middle.
 fn middle(codes: &[u64]) -> usize {
     let differing = codes[0] ^ codes[codes.len() - 1];
     match differing.checked_ilog2() {

@@ -27,7 +27,7 @@ use solve::Solver;
 use source::Source;
 use values::{Value, Values};
 
-/// What a finished store of points without values is made of, and what was said of it.
+/// Name of the file that says what a finished store of points without values is made of, and what was said of it.
 const MARKER: &str = "made.json";
 
 /// Bytes that finding the neighbors of a point takes, and for each neighbor.
@@ -47,12 +47,12 @@ pub enum Error {
     Field {
         /// The store that was to be.
         path: PathBuf,
-        /// What it lacks.
+        /// Reason for what it lacks.
         source: field::Error,
     },
 }
 
-/// What is computed of each point, beside the radius.
+/// Data that is computed of each point, beside the radius.
 #[derive(Debug, Clone, PartialEq)]
 struct Plan {
     /// K of a cloud with so many points.
@@ -197,7 +197,7 @@ fn solve(source: &Source, plan: &Plan, regions: &[Region], values: &Values, prog
     Ok(())
 }
 
-/// What is known of the store with the values.
+/// Returns what is known of the store with the values.
 fn enriched_summary(summary: &Summary, request: &Request, plan: &Plan) -> Summary {
     let mut summary = summary.clone();
     let like = &mut summary.like;

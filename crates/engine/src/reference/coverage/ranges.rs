@@ -35,7 +35,7 @@ pub fn possible(camera: &Camera, size: [u32; 2], splat: &Splat, rows: std::ops::
     }
 }
 
-/// Where a pixel's center meets an outline.
+/// Meeting of a pixel's center with an outline.
 struct Met {
     z: Range,
     rho: Range,

@@ -95,7 +95,7 @@ pub fn meet(placed: &Placed, settings: &GaussianSettings, pixel: [u32; 2], index
     Some(Body { index, start, end, matter: Matter::Density(density) })
 }
 
-/// Where a ray meets a Gaussian of which one axis has no length; none of a needle.
+/// Returns where a ray meets a Gaussian of which one axis has no length; none of a needle.
 fn meet_flat(placed: &Placed, ray: &Ray) -> Option<f64> {
     let sides: Vec<DVec3> = (0..3).map(|k| placed.axes.col(k)).filter(|axis| *axis != DVec3::ZERO).collect();
     let [a, b] = sides[..] else { return None };
@@ -188,7 +188,7 @@ impl Piece {
         }
     }
 
-    /// Where of the light that reaches it so much is left, if it doesn't let more through.
+    /// Returns where so much of the light that reaches it is left, if it doesn't let more through.
     fn place_of(&self, left: f64) -> f64 {
         match *self {
             Self::Dense { start, length, density, .. } => start + (-left.ln() / density).clamp(0.0, length),

@@ -9,7 +9,8 @@ use glam::{DMat3, DVec2, DVec3};
 use super::{Hit, Placed, alpha, is_orthographic, largest_rho2, ray};
 use crate::scene::{GaussianSettings, Order};
 
-/// How far beyond the border of the image J still follows the center, over the image's half side (Kerbl et al. 2023).
+/// Largest distance beyond the border of the image at which J still follows the center, over the image's half side
+/// (Kerbl et al. 2023).
 const CLAMP: f64 = 1.3;
 
 /// The least opacity factor for the dilation, squared (Yu et al. 2023, "Mip-Splatting").

@@ -9,7 +9,7 @@ use super::settings::{Clip, ClipShape};
 use crate::io;
 use polygon::Area;
 
-/// Where a point lies.
+/// Side on which a point lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Side {
     Inside,

@@ -18,7 +18,7 @@ use crate::color::{classes, encode_srgb_f64};
 
 pub use scale_bar::ScaleBar;
 
-/// What lengths are in as long as a file doesn't say.
+/// Unit of lengths as long as a file doesn't say.
 const UNITS: &str = "units";
 
 /// Columns that are lengths.
@@ -143,7 +143,7 @@ impl Legend {
     }
 }
 
-/// What is met among the points of a cloud that are drawn.
+/// Facts that are met among the points of a cloud that are drawn.
 struct Met {
     /// By code: classes whose points have the class's color.
     classes: Vec<bool>,
@@ -246,7 +246,7 @@ fn met(coloring: &Coloring<'_>, rules: &Rules<'_>, clips: &Clips, scaled: &Scale
     Met { classes: all, rules: rest, own, missing }
 }
 
-/// What colors show, with its unit; `None` if it needs no words.
+/// Returns what colors show, with its unit; `None` if it needs no words.
 fn quantity(by: &ColorBy) -> Option<String> {
     let words = match by {
         ColorBy::Height => return Some(format!("height ({UNITS})")),

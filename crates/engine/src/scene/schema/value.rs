@@ -13,7 +13,7 @@ use crate::scene::table::Table;
 
 /// A type that a key gives a value to.
 pub(crate) trait Value: Sized {
-    /// Which of its values are allowed; `()` if all are.
+    /// Values that are allowed; `()` if all are.
     type Allowed;
 
     /// The form of its value in a file.

@@ -82,7 +82,7 @@ pub struct Stored {
     nodes: Arc<Nodes>,
     /// Points of the scene that stand for all.
     sample: Arc<Points>,
-    /// What the colors of the points mean, by those that stand for all.
+    /// Meaning of the colors of the points, by those that stand for all.
     legend: Legend,
     notes: Vec<String>,
     /// `true` if colors are blended encoded because all clouds are Gaussians.
@@ -97,7 +97,7 @@ struct Nodes {
     scene: Scene,
     clips: Clips,
     clouds: Vec<StoredCloud>,
-    /// What ids follow from where clouds are kept apart.
+    /// Anchors that ids follow from where clouds are kept apart.
     anchors: Vec<Anchor>,
     /// The box of all points.
     bounds: Bounds,

@@ -62,11 +62,11 @@ struct PlacementKey {
     clips: Vec<Clip>,
     /// Normals that are estimated, and K of each cloud.
     normals: Option<(ShadingNormals, Vec<Option<usize>>)>,
-    /// What shapes and colors of Gaussians follow from, of clouds that are drawn as such.
+    /// Keys that shapes and colors of Gaussians follow from, of clouds that are drawn as such.
     gaussians: Vec<Option<GaussianKey>>,
 }
 
-/// What the Gaussians of a cloud follow from, but for its scale.
+/// Key that the Gaussians of a cloud follow from, but for its scale.
 #[derive(Debug, Clone, PartialEq)]
 struct GaussianKey {
     radius_factor: u32,

@@ -5,7 +5,7 @@
 pub(super) struct Origins {
     /// Number of each cloud's first point among those of all clouds, cloud after cloud.
     starts: Vec<u32>,
-    /// Which of a cloud's points are there; `None`: all.
+    /// Points of a cloud that are there; `None`: all.
     kept: Vec<Option<Vec<u32>>>,
     count: u32,
 }

@@ -4,7 +4,7 @@ use glam::{DMat3, DMat4, DQuat, DVec3, DVec4};
 
 use super::document::{Document, Node, PrimitiveOf};
 
-/// How far a transform may be from one that keeps angles, of its scale.
+/// Largest difference of a transform from one that keeps angles, relative to its scale.
 const TOLERANCE: f64 = 1e-4;
 
 /// The `mode` of points.

@@ -118,8 +118,8 @@ fn smallest_three(word: u32) -> [f64; 4] {
     parts
 }
 
-/// How the harmonics of each degree and order change where y and z change their signs: those of negative order are odd in y, and
-/// those whose degree and order differ by an odd number are odd in z.
+/// Returns how the harmonics of each degree and order change where y and z change their signs: those of negative order
+/// are odd in y, and those whose degree and order differ by an odd number are odd in z.
 fn signs(degree: u32) -> Vec<f32> {
     let orders = (1..=degree as i32).flat_map(|degree| (-degree..=degree).map(move |order| (degree, order)));
     orders.map(|(degree, order)| if (order < 0) != ((degree + order) % 2 != 0) { -1.0 } else { 1.0 }).collect()

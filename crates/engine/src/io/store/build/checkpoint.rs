@@ -39,13 +39,13 @@ pub(super) struct Checkpoint {
 #[derive(Debug)]
 pub(super) struct Kept {
     file: Sink,
-    /// How many are in it.
+    /// Number of records in it.
     count: usize,
     /// The file of open nodes that is written next.
     next: u8,
 }
 
-/// What is said of an open node before its records.
+/// Description of an open node before its records.
 #[derive(Serialize, Deserialize)]
 struct Head {
     cell: Cell,

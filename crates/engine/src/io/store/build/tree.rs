@@ -140,7 +140,7 @@ impl Rules {
         (Open { cell, total, is_inner, records }, done)
     }
 
-    /// Which points of the children a node takes, counted through all of them.
+    /// Returns the points of the children that a node takes, counted through all of them.
     fn pick(&self, cell: Cell, children: &[Open]) -> Vec<u32> {
         let levels = self.grid_bits.min(self.cube.levels() - cell.level);
         let records = || children.iter().flat_map(|child| child.records.chunks_exact(self.stride));

@@ -54,7 +54,7 @@ pub(super) fn read(file: &SharedFile, root: Page) -> Result<Vec<Entry>, Error> {
     Ok(entries)
 }
 
-/// What an entry stands for.
+/// Target of an entry.
 enum Target {
     Node(Entry),
     Page(Page),

@@ -12,7 +12,7 @@ use crate::cloud::{Bounds, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUM
 use crate::io::las::{MAX_POINTS_PER_BYTE, Traits};
 use crate::io::{Error, LasColumns, Source};
 
-/// What is read of the file.
+/// Parts of the file that are read.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct Json {

@@ -171,7 +171,7 @@ impl Role {
         }
     }
 
-    /// How many numbers it takes.
+    /// Returns the number of values that it takes.
     fn elements(&self) -> usize {
         match self {
             Self::Position | Self::Rgb | Self::NormalVector | Self::Exact | Self::Extents | Self::Base => 3,

@@ -9,7 +9,8 @@ use crate::color::decode_srgb;
 use crate::io::columns::unit_or_zero;
 use crate::io::store::Grid;
 
-/// How far the square of a quaternion's length may be from 1. Those of our own stores are as close as float32 allows.
+/// Largest difference of the square of a quaternion's length from 1. Those of our own stores are as close as float32
+/// allows.
 const UNIT: f64 = 1e-5;
 
 /// Largest value of colors that have 8 bits.

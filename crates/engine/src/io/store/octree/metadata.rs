@@ -167,7 +167,7 @@ fn bounds(corners: &Corners) -> Result<Bounds, String> {
     Err(format!("no box: from {} to {}", bounds.min, bounds.max))
 }
 
-/// What this program added, if it can be used; a warning if not.
+/// Returns the description that this program added, if it can be used; a warning if not.
 fn about(metadata: &Metadata, warnings: &mut Vec<String>) -> Option<About> {
     let value = metadata.pellucid.clone()?;
     let refused = |why: String| format!("{METADATA}: {why}; the values stored by `pellucid prepare` are ignored");

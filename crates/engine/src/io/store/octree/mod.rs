@@ -293,7 +293,7 @@ fn around_children(mut nodes: Vec<(Node, Option<Bounds>)>) -> Vec<Node> {
     done
 }
 
-/// What decodes points, and a cloud without points but with all that they have in common.
+/// Returns the decoder of points, and a cloud without points but with all that they have in common.
 fn decoder(checked: &Checked, points: u64) -> Result<(Decoder, Cloud), String> {
     let Checked { metadata, about, layout, grid, .. } = checked;
     layout.splats()?;

@@ -44,7 +44,7 @@ pub struct Blender {
     work: Buffer<LongWork>,
     spheres: LongSpheres,
     ellipsoids: ellipsoids::Sums,
-    /// Whether workgroups share lists.
+    /// `true` if workgroups share lists.
     shared: bool,
 }
 

@@ -71,11 +71,11 @@ pub struct DeviceCloud {
     surfaces: Option<Vec<Placed>>,
     /// The shadows that the shares of light beside the normals belong to.
     casting: Option<Casting>,
-    /// What lights see, if points come some at a time.
+    /// View of lights, if points come some at a time.
     light_images: Option<Arc<LightImages>>,
     /// The points of a dealt list: whether they fit the device, the frame decides.
     host: Option<List>,
-    /// Where the points come from, if they come some at a time.
+    /// Source of the points, if they come some at a time.
     supplied: Option<Supplied>,
     /// Positions relative to the cloud's origin, rounded, with radii.
     pub points_hi: Buffer<[f32; 4]>,

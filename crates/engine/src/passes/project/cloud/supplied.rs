@@ -16,13 +16,13 @@ use crate::supply::{self, Cut, Failure, Keep, Limits, Picture, Scale, Supply, ea
 /// Source of the points of a cloud, and those of them that are on the device.
 pub(super) struct Supplied {
     pub(super) whole: Arc<dyn Supply>,
-    /// What is drawn of it, if that is not all.
+    /// Part that is drawn, if that is not all.
     cut: Option<(CutFor, Arc<Cut>)>,
     /// The distance between points of clouds without levels, in world units.
     spacing: f64,
     /// The largest radius of all points.
     max_radius: f32,
-    /// Which points are on the device.
+    /// Points that are on the device.
     present: Option<Present>,
 }
 

@@ -97,9 +97,9 @@ struct Bounded<'a> {
     order: Order,
     projected: Projected,
     opacity: Range,
-    /// What the kernel's ρ² comes from; `None` where roundings leave nothing of it.
+    /// Factor that the kernel's ρ² comes from; `None` where roundings leave nothing of it.
     factor: Option<Factor>,
-    /// Where a ray meets it: its own axes (`ray`), thickened ones (`ewa`).
+    /// Axes that a ray meets: its own axes (`ray`), thickened ones (`ewa`).
     depth_axes: DMat3,
     depth_factor: Option<Factor>,
 }

@@ -10,7 +10,7 @@ const CELL: f64 = 4.0;
 pub(super) struct Bins {
     low: DVec2,
     side: usize,
-    /// Where the list of each cell begins, and where the last one ends.
+    /// Index at which the list of each cell begins, and the last one ends.
     starts: Vec<u32>,
     members: Vec<u32>,
 }

@@ -83,7 +83,7 @@ impl Land {
         self.noise(DVec2::new(t, 0.5), layer)
     }
 
-    /// How far streets along v are bent at `v`, zero at the origin.
+    /// Returns how far streets along v are bent at `v`, zero at the origin.
     fn bend_u(&self, v: f64) -> f64 {
         let bend =
             |v: f64| 17.0 * self.wave(v / 210.0, layer::BEND_U) + 55.0 * self.wave(v / 1300.0, layer::BEND_U + 50);
@@ -124,7 +124,7 @@ impl Land {
         step.normalize_or(DVec2::Y)
     }
 
-    /// Where a river runs, from the middle of its towns.
+    /// Returns where a river runs, from the middle of its towns.
     fn river_line(&self, u: f64, row: i64) -> f64 {
         let swing = (0.05 * self.side).clamp(6.0, 80.0);
         let length = (0.3 * self.side).clamp(80.0, 450.0);

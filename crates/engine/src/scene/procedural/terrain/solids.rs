@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use super::super::random;
 use super::light::Tone;
 
-/// How far a gable roof reaches beyond the walls, meters.
+/// Distance that a gable roof reaches beyond the walls, meters.
 const EAVES: f64 = 0.4;
 /// Height of a storey and distance of windows, meters.
 const STOREY: f64 = 2.8;

@@ -157,7 +157,7 @@ name = "auto"
         self.places[index].map(|place| place * self.tile - half)
     }
 
-    /// What stands in a tile.
+    /// Returns what stands in a tile.
     fn site(&self, index: usize) -> Site<'_> {
         let [x, y] = self.corner(index).map(|mm| 0.001 * mm as f64);
         Site::new(&self.land, DVec2::new(x, y), 0.001 * self.tile as f64)

@@ -195,7 +195,7 @@ fn candidate(land: &Land, cell: [i64; 2]) -> Option<Tree> {
     Some(Tree::new(land, p, kind, size, cell))
 }
 
-/// What grows at a place, by chance, and how large in comparison with others.
+/// Returns what grows at a place, by chance, and how large in comparison with others.
 fn kind(land: &Land, p: DVec2, place: &Place, chance: f64, which: f64) -> Option<(Kind, f64)> {
     let or_bush = |tree: Kind, share: f64| if which < share { (tree, 0.75) } else { (Kind::Bush, 1.0) };
     let grows = match cover(land, p, place) {
