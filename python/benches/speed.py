@@ -1,4 +1,4 @@
-"""Measures what Python adds: frames against `pellucid profile`, uploads against a copy and the ordering, and the import.
+"""Measure what Python adds: frames against `pellucid profile`, uploads against a copy and the ordering, and the import.
 
 Run it on an idle machine, with the package installed and the command line built in release:
 
@@ -34,7 +34,7 @@ def median_ms(work: Callable[[], object], repeats: int) -> float:
 
 
 def beyond(loaded: pellucid.Loaded) -> float:
-    """Milliseconds that a frame takes in Python beyond what its own profile says."""
+    """Return the milliseconds that a frame takes in Python beyond what its own profile says."""
     begin = time.perf_counter()
     image = loaded.frame()
     return 1e3 * (time.perf_counter() - begin) - image.profile.wall_ms
@@ -47,7 +47,7 @@ def ply(path: Path, points: np.ndarray) -> None:
 
 
 def frames(count: int, binary: Path, repeats: int) -> None:
-    """The steady state: the wall time of `Loaded.frame`, and of the same frame as the command line measures it."""
+    """Measure the steady state: the wall time of `Loaded.frame`, and of the same frame as the command line measures it."""
     points = np.random.default_rng(0).normal(size=(count, 3)).astype(np.float32)
     settings = {"opacity": 0.1, "radius": 0.01, "size": (1024, 1024)}
     with tempfile.TemporaryDirectory() as folder:
@@ -70,7 +70,7 @@ def frames(count: int, binary: Path, repeats: int) -> None:
 
 
 def upload(count: int) -> None:
-    """From a float32 array to the device, against a copy of it and the ordering, which the command line does, too."""
+    """Measure the upload of a float32 array, against a copy of it and the ordering, which the command line does, too."""
     points = np.random.default_rng(0).normal(size=(count, 3)).astype(np.float32)
     copy = median_ms(points.copy, 5)
     with pellucid.Renderer() as renderer, tempfile.TemporaryDirectory() as folder:

@@ -1,12 +1,13 @@
-"""Renders point clouds you can see through, exactly, on any Vulkan device, and times every pass.
+"""Render point clouds you can see through, exactly, on any Vulkan device, and time every pass.
 
 >>> import numpy, pellucid
 >>> points = numpy.random.default_rng(0).normal(size=(10_000, 3))
 >>> image = pellucid.render(points, opacity=0.2, size=(256, 256))
 >>> image.save("cloud.png")
 
-`render` takes arrays, files, and the objects of laspy, open3d, pyvista, plyfile and pandas. A `Renderer` uploads points once for
-any number of frames. `profile`, `tradeoff`, `stress`, `check`, `compare` and `plan` measure; `view` is a window in a notebook.
+`render` takes arrays, files, and objects of laspy, Open3D, PyVista, plyfile and pandas. A `Renderer` uploads points once and
+renders any number of frames. `profile`, `tradeoff`, `stress`, `check`, `compare` and `plan` measure. `view` opens a window in a
+notebook.
 """
 
 from __future__ import annotations
@@ -83,7 +84,7 @@ __all__ = [
 
 
 def _end() -> None:
-    """Interrupted work may still be on the device, which the end of the process takes away from under it. Ctrl-C ends the wait."""
+    """Wait for interrupted work, which may still use the device that the end of the process takes away. Ctrl-C ends the wait."""
     with _suppress(KeyboardInterrupt):
         _pellucid.wait(10.0)
 
@@ -92,7 +93,7 @@ _atexit.register(_end)
 
 
 def __getattr__(name: str) -> object:
-    """Images, which need numpy, and the classes of measurements, which take a fifth of the time to import everything."""
+    """Import `Image`, which needs NumPy, and the measurement classes, a fifth of the import time, when they are first used."""
     if name == "Image":
         from ._image import Image
 

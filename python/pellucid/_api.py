@@ -1,4 +1,4 @@
-"""The functions of the package."""
+"""Functions of the package."""
 
 from __future__ import annotations
 
@@ -41,44 +41,44 @@ def render(
     progress: Progress = None,
     **settings: Any,
 ) -> Image:
-    """Renders points.
+    """Render points to a picture.
 
     Parameters
     ----------
     points
-        An array of shape (n, 3); a `Cloud` or several; a `Scene`; a path of a cloud or of a scene file; or an object of laspy,
-        open3d (legacy and tensor), pyvista, plyfile or pandas.
+        An array of shape (n, 3); a `Cloud` or several of them; a `Scene`; the path of a point cloud or of a scene file; or an
+        object of laspy, Open3D (legacy or tensor), PyVista, plyfile or pandas.
     colors, opacities, radii, normals, scalars
-        Columns of an array of points, as of `Cloud`.
+        Columns that belong to an array of points, as for `Cloud`.
     opacity
-        Opacity of all points, from 0 to 1; by default 1.
+        Opacity of all points, from 0 to 1; 1 by default.
     method
-        One of `methods`; "auto" is the cheapest one that is exact for the scene, unless the scene names one.
+        One of the names that `methods` returns. "auto" is the cheapest method that is exact for the scene, unless the scene names a
+        method.
     camera
-        A `Camera`, or a dict of keys of [camera]; by default one that sees the whole scene.
+        A `Camera`, or a dict of keys of [camera]. By default, a camera that sees the whole scene.
     size
-        Columns and rows, each from 1 to 16384; by default the scene's, else 1024 x 1024.
+        Width and height in pixels, each from 1 to 16384. By default, the size that the scene gives, else 1024 × 1024.
     fragments
-        Count the fragments of each pixel (`Image.fragments`), and find the standard error of stochastic methods.
+        If True, count the fragments of each pixel (`Image.fragments`) and find the standard error of stochastic methods.
     depths
-        Find median and mean depths, each of which takes the time of another picture.
+        If True, find median and mean depths, each of which takes the time of another picture.
     accuracy
-        "exact", or "8-bit" where blending may stop once no 8-bit value would move by more than a quarter of a step: faster, and
-        what the command line does for a PNG.
+        "exact", or "8-bit" to stop blending once no 8-bit value would change by more than a quarter of a step. "8-bit" is faster,
+        and is what the command line uses for a PNG.
     device
-        Index or a part of the name; by default the best one.
+        Index of a device, or a part of its name. By default, the best device.
     seed
-        Of everything random; by default the scene's, else 0.
+        Seed of everything random, from 0 to 2**64 - 1. By default, the seed of the scene, else 0.
     progress
-        True for a bar of tqdm, or what makes one.
+        True for a tqdm bar, or a callable that makes a bar, such as ``tqdm.tqdm``.
     settings
         Keys of the scene file (docs/scene-file.md): ``samples=64`` of [method], ``radius=0.1`` of all clouds,
-        ``background="white"``. A table before the key is for those that several tables have, as in ``shadows__samples=4``,
-        ``cloud__0__color`` or ``method__size``; whole tables are dicts, as in ``shading={"model": "none"}``. Besides, as on the
-        command line:
-        ``view``, ``azimuth``, ``elevation``; ``class_opacity={"building": 0.1}``, ``classes``, ``without``;
-        ``slices={"z": (2, 4)}``; ``see_through``, ``max_error``, ``budget_ms``; ``memory_budget`` and ``host_memory``, bytes or a
-        text as "4GiB".
+        ``background="white"``. If several tables have a key, put the table before it, as in ``shadows__samples=4``,
+        ``cloud__0__color`` or ``method__size``. A whole table is a dict, as in ``shading={"model": "none"}``. These options of the
+        command line are also accepted: ``view``, ``azimuth``, ``elevation``; ``class_opacity={"building": 0.1}``, ``classes``,
+        ``without``; ``slices={"z": (2, 4)}``; ``see_through``, ``max_error``, ``budget_ms``; ``memory_budget`` and ``host_memory``,
+        in bytes or as a text such as "4GiB".
 
     Returns
     -------
@@ -88,14 +88,14 @@ def render(
     Raises
     ------
     ValueError, TypeError
-        An argument is wrong; the message names it, what it is and what it should be. `SceneError`, which is a ValueError, of
-        a setting.
+        An argument is wrong. The message names the argument, what was found and what was expected. For a setting, the error is a
+        `SceneError`, which is a ValueError.
     ReadError
-        A file can't be read. It is an OSError.
+        A file can't be read. ReadError is an OSError.
     DeviceError
-        No device is there, or it failed or has no room.
+        No device was found, or the device failed or has too little memory.
     KeyboardInterrupt
-        Ctrl-C, within 0.2 s.
+        Ctrl-C was pressed. It ends the call within 0.2 s.
     """
     columns = {"colors": colors, "opacities": opacities, "radii": radii, "normals": normals, "scalars": scalars}
     arguments = _arguments(opacity, method, camera, size, {**columns, **settings})
@@ -117,9 +117,10 @@ def profile(
     progress: Progress = None,
     **settings: Any,
 ) -> Profile:
-    """Measures what frames of a scene cost, pass by pass, after a first one, which pays for pipelines and buffers.
+    """Measure what the frames of a scene cost, pass by pass.
 
-    ``frames`` are those that count, from 1 to 100000; the others are as of `render`.
+    A first frame, which isn't counted, pays for pipelines and buffers. ``frames`` is the number of frames that count, from 1 to
+    100000. The other arguments are those of `render`.
     """
     count = positive("frames", frames)
     arguments = _arguments(opacity, method, camera, size, settings)
@@ -139,7 +140,10 @@ def plan(
     progress: Progress = None,
     **settings: Any,
 ) -> Plan:
-    """The passes of a frame, each on or off, and the fact that decided it; renders nothing. The arguments are those of `render`."""
+    """Return the passes of a frame, each on or off, with the fact that decides it, without rendering.
+
+    The arguments are those of `render`.
+    """
     from ._measures import Plan
 
     arguments = _arguments(opacity, method, camera, size, settings)
@@ -165,20 +169,21 @@ def tradeoff(
     progress: Progress = None,
     **settings: Any,
 ) -> Tradeoff:
-    """Accuracy against time: every method and setting that draws the scene's image, against the exact one.
+    """Measure error against time: every method and setting that draws the scene's image, compared with the exact one.
 
     Parameters
     ----------
     quick
-        A part of it for a first look, in about a minute.
+        If True, measure only a part of them, for a first look in about a minute.
     only
-        Names of methods; by default all that apply.
+        Names of methods. By default, all methods that apply.
     seconds
-        About how long frames may be rendered: by default 360, of a quick look 55.
+        Approximate rendering time in seconds, above 0. By default 360, or 55 with ``quick``.
     folder
-        Where report.html, tables, figures and pictures go; by default they are thrown away. An interrupted run goes on there.
+        Folder for report.html, tables, figures and pictures. By default, they are thrown away. An interrupted run continues from
+        what the folder holds.
 
-    The others are as of `render`; ``method`` says which image is compared.
+    The other arguments are those of `render`; ``method`` selects the image that is compared.
     """
     import tempfile
 
@@ -217,18 +222,18 @@ def stress(
     device: str | int | None = None,
     progress: Progress = None,
 ) -> Stress:
-    """Time, memory and error of the exact transparent methods over ever more layers.
+    """Measure time, memory and error of the exact transparent methods as the number of layers grows.
 
     Parameters
     ----------
     quick
-        1 to 1024 layers over 64² and 256² pixels instead of 1 to 4096 over 64², 256² and 1024².
+        If True, 1 to 1024 layers over 64² and 256² pixels; else 1 to 4096 layers over 64², 256² and 1024² pixels.
     methods, sides, layers
-        Other methods, sides of the square images and numbers of layers.
+        Names of methods, side lengths of the square images in pixels, and numbers of layers, in place of the default ones.
     frames
-        Frames behind each median.
+        Number of frames per median.
     max_fragments, max_seconds
-        Cells with more fragments, or of which a longer frame is predicted, are skipped.
+        Limits beyond which a cell is skipped: its number of fragments, and the time predicted for one of its frames in seconds.
     """
     from ._measures import Stress
 
@@ -252,9 +257,9 @@ def stress(
 
 
 def check(*names: str, device: str | int | None = None, progress: Progress = None) -> Check:
-    """Runs the numerically hard cases on a device, each with a known answer.
+    """Run the numerically hard cases on a device, each with a known answer.
 
-    With ``names`` those whose names contain one of them, as in ``check("abuffer/")``.
+    With ``names``, only cases run whose names contain one of them, as in ``check("abuffer/")``.
     """
     from ._measures import Check
 
@@ -268,10 +273,11 @@ def check(*names: str, device: str | int | None = None, progress: Progress = Non
 
 
 def compare(a: Image | ArrayLike | Path, b: Image | ArrayLike | Path) -> Comparison:
-    """Measures how far the picture ``b`` is off ``a``: RMSE, PSNR, SSIM, FLIP and the largest difference, in linear light.
+    """Measure how far picture ``b`` is from picture ``a``: RMSE, PSNR, SSIM, FLIP and the largest difference, in linear light.
 
-    Pictures are of one size: an `Image`, which counts over its background; a PNG or EXR file; or an array of shape (h, w, 3), of
-    linear floats, or of uint8 or uint16 as sRGB. Raises ValueError for other shapes and types, and for colors that are not finite.
+    Both pictures must have the same size. Each is an `Image`, which is compared over its background; a PNG or EXR file; or an array
+    of shape (h, w, 3) that holds linear floats, or uint8 or uint16 in sRGB. Raises ValueError for other shapes and types, and for
+    colors that are not finite.
     """
     from ._measures import Comparison
 
@@ -280,7 +286,7 @@ def compare(a: Image | ArrayLike | Path, b: Image | ArrayLike | Path) -> Compari
 
 
 def devices() -> list[Device]:
-    """The Vulkan devices of this machine. Raises DeviceError where the loader is missing."""
+    """Return the Vulkan devices of this machine. Raises DeviceError if the Vulkan loader is missing."""
     from ._measures import Device
 
     found = _pellucid.devices()
@@ -290,7 +296,7 @@ def devices() -> list[Device]:
 
 
 def methods() -> list[str]:
-    """The names of all methods; docs/methods.md describes them."""
+    """Return the names of all methods. docs/methods.md describes them."""
     return [name for name, _ in _pellucid.methods()]
 
 
@@ -315,32 +321,33 @@ def view(
     frame_ms: float = 33.0,
     **settings: Any,
 ) -> Any:
-    """Shows points in a notebook: drag to turn, wheel to come nearer, sliders for what the method has.
+    """Show points in a notebook: drag to turn, scroll to zoom, and move sliders for the settings of the method.
 
-    Shift and drag moves the view, and so does another button than the left one. The wheel works once the picture was clicked.
-    A double click brings the first view back.
+    Drag with Shift, or with a button other than the left one, to move the view. The wheel works once you have clicked the picture.
+    A double click brings back the first view.
 
-    While something moves, pictures have as many samples, pixels and points as fit ``frame_ms``; at rest they get finer until
-    nothing is left out. The window needs `jupyter_rfb` and `ipywidgets`, and a notebook (JupyterLab, Jupyter Notebook, VS
-    Code). Elsewhere the result is the picture of `render`. Raises what `render` raises.
+    While something moves, pictures have as many samples, pixels and points as fit in ``frame_ms``. At rest, they become finer until
+    nothing is left out. The window needs `jupyter_rfb` and `ipywidgets`, and a notebook (JupyterLab, Jupyter Notebook, VS Code).
+    Elsewhere, the result is the picture of `render`. Raises what `render` raises.
 
     Parameters
     ----------
     size
-        Columns and rows of the window in pixels of the page, by default at most 720 × 540. It can be pulled at its corner.
+        Width and height of the window in pixels of the page, by default at most 720 × 540. Drag its corner to resize it.
     fragments, depths, accuracy
-        Of the pictures that ``picture()`` gives.
+        Arguments for the pictures that ``picture()`` returns.
     frame_ms
-        Milliseconds that a picture may take while something moves, above 0.
+        Time that a picture may take while something moves, in milliseconds, above 0.
     settings
-        As of `render`. What ``see_through``, ``max_error`` and ``budget_ms`` find for the first picture stays in force for all.
+        Settings as for `render`. What ``see_through``, ``max_error`` and ``budget_ms`` find for the first picture stays in force
+        for the later ones.
 
-    The others are as of `render`.
+    The other arguments are those of `render`.
 
     Returns
     -------
-    A widget with ``camera``, the present view; ``picture()``, which renders it whole; and ``close()``, which gives the
-    device's memory back. Or an `Image`.
+    A widget with ``camera``, the current view; ``picture()``, which renders it with nothing left out; and ``close()``, which frees
+    device memory. Without a window, an `Image`.
     """
     from ._view import shown
 
@@ -357,7 +364,7 @@ def _arguments(
     size: Size | None,
     settings: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """Arguments of `render` as `Renderer.load` takes them."""
+    """Turn arguments of `render` into those of `Renderer.load`."""
     # The default leaves the scene its own.
     asked = None if method == "auto" else method
     return {"method": asked, "opacity": opacity, "camera": camera, "size": size, **settings}
@@ -371,13 +378,13 @@ def _loaded(
     progress: Progress,
     with_radii: bool = False,
 ) -> Loaded:
-    """A scene on a renderer."""
+    """Load a scene on a renderer."""
     scene, found, camera = prepared(points, arguments)
     return _load(renderer, scene, found, camera, seed=seed, progress=progress, with_radii=with_radii)
 
 
 def _names(name: str, given: Sequence[str]) -> list[str]:
-    """A list of texts, of which one may come without the list."""
+    """Return a list of texts; a single text counts as a list of one."""
     if isinstance(given, str):
         return [given]
     if not hasattr(given, "__iter__") or isinstance(given, bytes):
@@ -394,7 +401,7 @@ def _integers(name: str, values: Sequence[int] | None) -> list[int] | None:
 
 
 def _picture(name: str, given: Any) -> Any:
-    """A picture for native code: a path, or linear R, G, B with columns and rows."""
+    """Return a picture for native code: a path, or R, G, B of all pixels with width and height."""
     from ._image import Image
 
     if isinstance(given, (str, os.PathLike)):
@@ -405,7 +412,7 @@ def _picture(name: str, given: Any) -> Any:
 
 
 def _pixels(name: str, given: ArrayLike) -> NDArray[Any]:
-    """An array of a picture, in the byte order and layout of native code."""
+    """Return the array of a picture in the byte order and layout that native code needs."""
     import numpy as np
 
     array = np.asarray(given)

@@ -1,4 +1,4 @@
-"""Arguments that are arrays: their shapes and types are checked here, their values where they are copied."""
+"""Array arguments. Their shapes and types are checked here, their values where they are copied."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _ONE_COLOR = "one color for all points is a setting of render and Scene: color"
 
 
 def numbers(name: str, given: Any) -> NDArray[Any]:
-    """An array of real numbers, of any shape, in the byte order of this machine."""
+    """Return an array of real numbers, of any shape, in the byte order of this machine."""
     import numpy as np
 
     try:
@@ -30,14 +30,14 @@ def numbers(name: str, given: Any) -> NDArray[Any]:
 
 
 def _flat(array: NDArray[Any], dtype: Any) -> NDArray[Any]:
-    """An aligned, contiguous array of one dimension, as native code wants them."""
+    """Return an aligned, contiguous array of one dimension, as native code needs it."""
     import numpy as np
 
     return np.require(array, dtype, ["C", "A"]).reshape(-1)
 
 
 def rows(name: str, given: Any, count: int | None = None) -> NDArray[Any]:
-    """Three floats for each point, flat: float32 stays as it is, everything else becomes float64."""
+    """Return three floats for each point, flat: float32 stays as it is, everything else becomes float64."""
     import numpy as np
 
     array = _shaped(name, numbers(name, given), count)
@@ -66,7 +66,7 @@ def _shaped(name: str, array: NDArray[Any], count: int | None) -> NDArray[Any]:
 
 
 def colors(given: Any, count: int) -> NDArray[Any]:
-    """Colors of points, flat: uint8, uint16, float32 or float64."""
+    """Return the colors of points, flat: uint8, uint16, float32 or float64."""
     import numpy as np
 
     if isinstance(given, str):
@@ -85,7 +85,7 @@ def colors(given: Any, count: int) -> NDArray[Any]:
 
 
 def column(name: str, given: Any, count: int) -> NDArray[Any]:
-    """A float32 for each point."""
+    """Return a float32 for each point."""
     import numpy as np
 
     array = _single(name, numbers(name, given), count)
@@ -100,7 +100,7 @@ def column(name: str, given: Any, count: int) -> NDArray[Any]:
 
 
 def codes(name: str, given: Any, count: int) -> NDArray[Any]:
-    """A whole number from 0 to 255 for each point."""
+    """Return a whole number from 0 to 255 for each point."""
     import numpy as np
 
     array = _single(name, numbers(name, given), count)
@@ -115,7 +115,7 @@ def codes(name: str, given: Any, count: int) -> NDArray[Any]:
 
 
 def _single(name: str, array: NDArray[Any], count: int) -> NDArray[Any]:
-    """One number for each point, of an array of shape (n,) or (n, 1)."""
+    """Return one number for each point, from an array of shape (n,) or (n, 1)."""
     if array.shape == (count, 1):
         array = array[:, 0]
     if array.shape != (count,):
@@ -124,7 +124,7 @@ def _single(name: str, array: NDArray[Any], count: int) -> NDArray[Any]:
 
 
 def vector(name: str, given: Any, length: int = 3) -> tuple[float, ...]:
-    """Finite coordinates."""
+    """Return finite coordinates."""
     import numpy as np
 
     array = np.asarray(numbers(name, given), dtype=np.float64)
@@ -138,7 +138,7 @@ def vector(name: str, given: Any, length: int = 3) -> tuple[float, ...]:
 
 
 def matrix(name: str, given: Any, *shapes: tuple[int, int]) -> NDArray[Any]:
-    """A matrix of finite float64 that has one of some shapes."""
+    """Return a matrix of finite float64 in one of the given shapes."""
     import numpy as np
 
     array = np.asarray(numbers(name, given), dtype=np.float64)

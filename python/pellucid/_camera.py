@@ -28,26 +28,26 @@ _ALONG = 1e-9
 
 @dataclass(frozen=True)
 class Camera:
-    """Where a picture is taken from, in world units: a right-handed world, ``up`` toward the top of the image.
+    """A camera in world units: the world is right-handed, and ``up`` points to the top of the image.
 
-    What is None is found: without ``up`` the clouds' vertical, without ``fov_y`` and ``height`` 45 degrees, without ``near``
-    and ``far`` depths that keep all points in front of the camera.
+    A value of None is found automatically: ``up`` becomes the vertical of the clouds; without ``fov_y`` and ``height``, the angle
+    is 45 degrees; ``near`` and ``far`` become depths that keep all points in front of the camera.
     """
 
     eye: Vector | None = None
-    """Where it stands, world units."""
+    """Position of the camera, world units."""
     target: Vector | None = None
-    """What it looks at, world units: the middle of the image."""
+    """Point that the camera looks at, in the middle of the image, world units."""
     up: Vector | None = None
-    """The direction that points to the top of the image, of any length."""
+    """Direction that points to the top of the image, of any length."""
     fov_y: float | None = None
-    """Full vertical angle in degrees, above 0 and below 180: a perspective camera."""
+    """Full vertical angle in degrees, above 0 and below 180, of a perspective camera."""
     height: float | None = None
-    """World units over the height of the image: an orthographic camera."""
+    """Height of the image in world units, above 0, of an orthographic camera."""
     near: float | None = None
-    """Depth from which points are seen, world units, above 0."""
+    """Smallest depth at which points are visible, world units, above 0."""
     far: float | None = None
-    """Depth up to which points are seen, world units, above 0."""
+    """Largest depth at which points are visible, world units, above 0."""
 
     def __post_init__(self) -> None:
         for name in ("eye", "target", "up"):
@@ -83,7 +83,7 @@ class Camera:
         near: float | None = None,
         far: float | None = None,
     ) -> Camera:
-        """A perspective camera at ``eye`` that looks at ``target``; ``fov_y`` is the full vertical angle in degrees."""
+        """Return a perspective camera at ``eye`` that looks at ``target``; ``fov_y`` is the full vertical angle in degrees."""
         return cls(*_pose(eye, target, up), fov_y=fov_y, near=near, far=far)
 
     @classmethod
@@ -97,7 +97,7 @@ class Camera:
         near: float | None = None,
         far: float | None = None,
     ) -> Camera:
-        """An orthographic camera; ``height`` is how many world units the image shows from bottom to top."""
+        """Return an orthographic camera; ``height`` is the height of the image in world units."""
         return cls(*_pose(eye, target, up), height=height, near=near, far=far)
 
     @classmethod
@@ -110,24 +110,24 @@ class Camera:
         t: ArrayLike | None = None,
         size: Size,
     ) -> Camera:
-        """The camera of a calibration of OpenCV: +x right, +y down, +z forward.
+        """Return the camera of an OpenCV calibration: +x right, +y down, +z forward.
 
         Parameters
         ----------
         K
-            Intrinsics, 3 x 3, in pixels, with the last row 0, 0, 1.
+            Intrinsics, 3 × 3, in pixels, with the last row 0, 0, 1.
         world_to_camera
-            Extrinsics, 3 x 4, or 4 x 4 with the last row 0, 0, 0, 1. In their place ``R`` (3 x 3, a rotation; a vector of
-            cv2.Rodrigues is none) and ``t`` (3): x_camera = R x_world + t.
+            Extrinsics, 3 × 4, or 4 × 4 with the last row 0, 0, 0, 1. In their place you can pass ``R`` (a rotation matrix, 3 × 3,
+            not a vector of cv2.Rodrigues) and ``t`` (3): x_camera = R x_world + t.
         size
-            Columns and rows of the calibrated images.
+            Width and height of the calibrated images in pixels.
 
         Raises
         ------
         ValueError
-            A matrix that is transposed, or no rotation. Pixels that aren't square, skew, or a principal point more than half a
-            pixel off the middle of the image: scenes have none of them. Undistort and crop the images first (cv2.undistort,
-            cv2.getOptimalNewCameraMatrix with centerPrincipalPoint=True).
+            A matrix is transposed, or isn't a rotation. Or the calibration has pixels that aren't square, skew, or a principal
+            point more than half a pixel off the middle of the image, which scenes don't have. Undistort and crop the images first
+            (cv2.undistort, cv2.getOptimalNewCameraMatrix with centerPrincipalPoint=True).
         """
         import numpy as np
 
@@ -153,10 +153,10 @@ class Camera:
     def from_nerfstudio(
         cls, camera_to_world: ArrayLike, *, fl_x: float, fl_y: float, cx: float, cy: float, w: int, h: int
     ) -> Camera:
-        """The camera of a frame of nerfstudio's ``transforms.json``: +x right, +y up, -z forward.
+        """Return the camera of a frame in nerfstudio's ``transforms.json``: +x right, +y up, -z forward.
 
-        ``camera_to_world`` is the frame's ``transform_matrix``, 3 x 4, or 4 x 4 with the last row 0, 0, 0, 1. The others are
-        keys of the file, in pixels. Raises ValueError as `from_opencv` does.
+        ``camera_to_world`` is the ``transform_matrix`` of the frame, 3 × 4, or 4 × 4 with the last row 0, 0, 0, 1. The other
+        arguments are keys of the file, in pixels. Raises ValueError as `from_opencv` does.
         """
         pose = _pose_matrix("camera_to_world", camera_to_world)
         _check_rotation("camera_to_world", pose[:3, :3])
@@ -165,9 +165,10 @@ class Camera:
         return cls(_triple(eye), _triple(eye - pose[:3, 2]), _triple(pose[:3, 1]), fov_y=fov_y)
 
     def orbit(self, azimuth: float, elevation: float = 0.0) -> Camera:
-        """Turned around the target: by ``azimuth`` degrees around ``up``, counter-clockwise from above, and ``elevation`` higher.
+        """Return the camera turned around its target, by ``azimuth`` and ``elevation`` in degrees.
 
-        It stays one degree off the vertical. Raises ValueError unless eye, target and up are given.
+        A positive azimuth turns it counterclockwise around ``up``, seen from above; a positive elevation raises it. It stays at
+        least one degree off the vertical. Raises ValueError unless eye, target and up are given.
         """
         import numpy as np
 
@@ -190,7 +191,7 @@ class Camera:
         return replace(self, eye=_triple(eye), up=_triple(up))
 
     def zoom(self, factor: float) -> Camera:
-        """``factor`` times as far from the target; an orthographic camera shows as much more.
+        """Return the camera at ``factor`` times its distance from the target; the height of an orthographic one grows by it, too.
 
         Raises ValueError unless eye and target are given, and for a factor that is not above 0.
         """
@@ -202,9 +203,9 @@ class Camera:
         return replace(self, eye=_triple(target + number * (eye - target)), height=height)
 
     def pan(self, right: float, up: float) -> Camera:
-        """Moved across the view, eye and target, by parts of the height of the image at the target.
+        """Return the camera with eye and target moved across the view, in parts of the image height at the target.
 
-        Raises ValueError unless eye, target and up are given, and for a camera that looks along up.
+        Raises ValueError unless eye, target and up are given, and for a camera that looks along ``up``.
         """
         import numpy as np
 
@@ -232,7 +233,7 @@ class Camera:
         return np.array(self.eye), np.array(self.target), direction
 
     def _changes(self) -> list[Change]:
-        """Its keys in the scene file."""
+        """Return its keys in the scene file."""
         from ._settings import toml
 
         names = ("eye", "target", "up", "fov_y", "height", "near", "far")
@@ -266,7 +267,7 @@ def _pose(eye: ArrayLike, target: ArrayLike, up: ArrayLike | None) -> tuple[Any,
 
 
 def _pose_matrix(name: str, given: ArrayLike) -> Any:
-    """A pose of shape (3, 4), or (4, 4) with the last row 0, 0, 0, 1."""
+    """Return a pose of shape (3, 4), from one of that shape or of (4, 4) with the last row 0, 0, 0, 1."""
     matrix = _arrays.matrix(name, given, (3, 4), (4, 4))
     if len(matrix) == 4:
         _check_last_row(name, matrix)
@@ -283,7 +284,7 @@ def _rotation_matrix(given: ArrayLike) -> Any:
 
 
 def _check_last_row(name: str, matrix: Any) -> None:
-    """The last row must be 0, …, 0, 1, as of matrices for columns of coordinates."""
+    """Check that the last row is 0, …, 0, 1, as in a matrix that multiplies columns of coordinates."""
     import numpy as np
 
     wanted = np.eye(len(matrix))[-1]
@@ -307,7 +308,7 @@ def _check_rotation(name: str, rotation: Any) -> None:
 
 
 def _lens(name: str, fl_x: float, fl_y: float, cx: float, cy: float, size: Size) -> float:
-    """The vertical angle in degrees of square pixels around the middle of an image."""
+    """Return the vertical angle in degrees of square pixels around the middle of an image."""
     from ._settings import _size
 
     width, height = _size(size)

@@ -1,4 +1,4 @@
-"""Clouds of points."""
+"""Point clouds."""
 
 from __future__ import annotations
 
@@ -16,39 +16,39 @@ if TYPE_CHECKING:
 
 
 class Cloud:
-    """Points with their attributes. They are copied, and never change.
+    """Points with their attributes. The arrays are copied, and a cloud never changes.
 
     Parameters
     ----------
     points
         Positions in world units, shape (n, 3), real numbers, all finite. They are kept in float64.
     colors
-        Shape (n, 3). uint8 and uint16 are sRGB, as files have them. Floats lie from 0 to 1; see ``color_space``.
+        Shape (n, 3). uint8 and uint16 are sRGB, as in files. Floats are from 0 to 1; see ``color_space``.
     opacity
-        One opacity for all points, from 0 to 1, which those of the points multiply.
+        One opacity for all points, from 0 to 1, which multiplies ``opacities``.
     opacities
-        Shape (n,), from 0 to 1; uint8 counts as parts of 255.
+        Shape (n,), from 0 to 1; uint8 values are divided by 255.
     radii
-        Shape (n,), world units, at least 0. Without them the radius of a point follows from its neighbors.
+        Shape (n,), world units, at least 0. Without them, the radius of each point is estimated from its neighbors.
     normals
-        Shape (n, 3), of any length; a zero vector is no normal.
+        Shape (n, 3), of any length. A zero vector means that the point has no normal.
     classification
         Shape (n,), whole numbers from 0 to 255: the classes of LAS.
     intensity
         Shape (n,).
     scalars
-        Further values by name, each of shape (n,). ``color_by`` and ``field`` know them by these names.
+        Further values by name, each of shape (n,). ``color_by`` and ``field`` accept these names.
     z_up
-        True if +Z points up, as in surveys, False for +Y, as in models. None tells it from the shape.
+        True if +Z points up, as in surveys; False if +Y does, as in models. None decides by the shape of the cloud.
     color_space
-        What floats in ``colors`` are: "linear" light, or "srgb", as open3d and PLY files have them.
+        Color space of floats in ``colors``: "linear", or "srgb", as Open3D and PLY files have them.
     name
-        What metadata and scene files call it in place of a file, not empty; "cloud" by default.
+        Name that metadata and scene files use in place of a file, not empty; "cloud" by default.
 
     Raises
     ------
     ValueError
-        A wrong shape, type or value; the message names the argument, what it is and what it should be.
+        A wrong shape, type or value. The message names the argument, what was found and what was expected.
     """
 
     __slots__ = ("_file", "_native", "name", "opacity")
@@ -57,9 +57,9 @@ class Cloud:
     # True if the name is the path of the file that it was read from.
     _file: bool
     name: str
-    """What metadata and scene files call it in place of a file."""
+    """Name that metadata and scene files use in place of a file."""
     opacity: float | None
-    """One opacity for all points, from 0 to 1; None where none was given."""
+    """One opacity for all points, from 0 to 1; None if none was given."""
 
     def __init__(
         self,
@@ -105,7 +105,7 @@ class Cloud:
 
     @classmethod
     def read(cls, path: Path, *, progress: Progress = None) -> Cloud:
-        """Reads a file: PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, a table of numbers, or Gaussian splats.
+        """Read a file: PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, a table of numbers, or Gaussian splats.
 
         Raises ReadError for a file that is missing, damaged or without points.
         """
@@ -114,10 +114,11 @@ class Cloud:
 
     @classmethod
     def from_any(cls, object: Any, **columns: Any) -> Cloud:
-        """A cloud of an object of laspy, open3d, pyvista, plyfile or pandas, or of an array.
+        """Make a cloud from an array or an object of laspy, Open3D, PyVista, plyfile or pandas.
 
-        ``columns`` are arguments of `Cloud`, which win over those of the object. Objects of plyfile and Gaussian splats are read
-        as their files are: with columns beside them it raises TypeError, and for other objects.
+        ``columns`` are arguments of `Cloud`, which take precedence over the columns of the object. Objects of plyfile and Gaussian
+        splats are read as their files are, and take no columns. Raises TypeError if you pass columns with them, and for other types
+        of objects.
         """
         if isinstance(object, Cloud):
             if columns:
@@ -180,39 +181,39 @@ class Cloud:
 
     @property
     def points(self) -> NDArray[np.float64]:
-        """A copy of the positions, shape (n, 3)."""
+        """Copy of the positions, shape (n, 3), world units."""
         return self._native.points().reshape(-1, 3)
 
     @property
     def colors(self) -> NDArray[np.float32] | None:
-        """A copy of the colors, shape (n, 3), linear; None without."""
+        """Copy of the colors, shape (n, 3), linear; None if there are none."""
         flat = self._native.colors()
         return None if flat is None else flat.reshape(-1, 3)
 
     @property
     def normals(self) -> NDArray[np.float32] | None:
-        """A copy of the normals, shape (n, 3), of length 1 or 0; None without."""
+        """Copy of the normals, shape (n, 3), of length 1 or 0; None if there are none."""
         flat = self._native.normals()
         return None if flat is None else flat.reshape(-1, 3)
 
     @property
     def opacities(self) -> NDArray[np.float32] | None:
-        """A copy of the opacities of points, shape (n,); None without."""
+        """Copy of the opacities of the points, shape (n,); None if there are none."""
         return self._native.opacities()
 
     @property
     def radii(self) -> NDArray[np.float32] | None:
-        """A copy of the radii, shape (n,), world units; None without."""
+        """Copy of the radii, shape (n,), world units; None if there are none."""
         return self._native.radii()
 
     @property
     def classification(self) -> NDArray[np.uint8] | None:
-        """A copy of the classes, shape (n,); None without."""
+        """Copy of the classes, shape (n,); None if there are none."""
         return self._native.classification()
 
     @property
     def intensity(self) -> NDArray[np.float32] | None:
-        """A copy of the intensities, shape (n,); None without."""
+        """Copy of the intensities, shape (n,); None if there are none."""
         return self._native.intensity()
 
     @property
@@ -227,7 +228,7 @@ class Cloud:
 
 
 def _check_rows(given: Sequence[Any]) -> None:
-    """Refuses a list of clouds, files or whole arrays; a list of rows is an array."""
+    """Refuse a list of clouds, files or whole arrays; a list of rows is an array."""
     from ._scene import Scene
 
     for item in given:

@@ -1,5 +1,6 @@
-"""Decides what a picture leaves out while things move, as the window of `pellucid view` does: first samples, then pixels and, where
-that can be, points in the same proportion.
+"""Decide what a picture leaves out while things move in the window of `pellucid.view`.
+
+Samples go first, then pixels and, where that is possible, points in the same proportion.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ _NEARLY_ALL = 0.5
 
 @dataclass(frozen=True)
 class Draft:
-    """The part of the whole picture that is rendered."""
+    """Part of the whole picture that is rendered."""
 
     # Samples, of methods that have some.
     samples: int | None
@@ -29,35 +30,35 @@ class Draft:
     coarse: int
 
     def work(self, samples: int | None) -> float:
-        """Its share of the work of the picture with all samples."""
+        """Return its share of the work of the picture with all samples."""
         share = 1.0 if self.samples is None or not samples else self.samples / samples
         return share / self.coarse**2
 
     def points(self, all: int) -> int | None:
-        """Points that are drawn at most; `None` for all."""
+        """Return the largest number of points to draw; None for all."""
         return None if self.coarse == 1 else max(all // self.coarse**2, 1)
 
     def size(self, size: tuple[int, int]) -> tuple[int, int]:
-        """Columns and rows that are rendered of a picture of this size."""
+        """Return the width and height that are rendered for a picture of this size."""
         width, height = size
         return -(-width // self.coarse), -(-height // self.coarse)
 
 
 class Costs:
-    """What frames took: the last one, and the last one with a very different share of the work, which shows what all take alike."""
+    """Costs of two frames: the last one, and the last one with a very different share of the work, to find the fixed cost."""
 
     def __init__(self) -> None:
         self._last: tuple[float, float] | None = None
         self._other: tuple[float, float] | None = None
 
     def add(self, ms: float, work: float) -> None:
-        """Adds a frame's milliseconds and its share of the whole work."""
+        """Add a frame's milliseconds and its share of the whole work."""
         if self._last is not None and _apart(work, self._last[1]):
             self._other = self._last
         self._last = (ms, work)
 
     def share(self, budget_ms: float, *, thins: bool = True) -> float | None:
-        """The share of the work that should fit so many milliseconds; `None` without any frame."""
+        """Return the share of the work that should fit in a budget in milliseconds; None without any frame."""
         if self._last is None:
             return None
         ms, work = self._last
@@ -74,14 +75,14 @@ def _apart(a: float, b: float) -> bool:
 
 
 def whole(samples: int | None) -> Draft:
-    """The picture that leaves nothing out."""
+    """Return the draft that leaves nothing out."""
     return Draft(samples, 1)
 
 
 def moving(costs: Costs, budget_ms: float, samples: int | None, *, thins: bool = True) -> Draft:
-    """The most accurate picture that should take no more than the budget; the coarsest if none does.
+    """Return the most accurate draft that should take no more than the budget; the coarsest if none does.
 
-    `thins` is true if coarser pictures have fewer points.
+    `thins` is True if coarser pictures have fewer points.
     """
     share = costs.share(budget_ms, thins=thins)
     fewest = None if samples is None else min(samples, _FEWEST)
@@ -96,7 +97,7 @@ def moving(costs: Costs, budget_ms: float, samples: int | None, *, thins: bool =
 
 
 def resting(costs: Costs, budget_ms: float, samples: int | None, *, thins: bool = True) -> Draft:
-    """As `moving`, or the whole picture if half of its work would fit."""
+    """Return the draft of `moving`, or the whole picture if half of its work would fit."""
     share = costs.share(budget_ms, thins=thins)
     if share is not None and share >= _NEARLY_ALL:
         return whole(samples)

@@ -7,13 +7,13 @@ from os.path import dirname
 
 
 class Error(RuntimeError):
-    """Something could not be done; the message says why, and what would help."""
+    """Something could not be done. The message says why, and what would help."""
 
 
 class DeviceError(Error):
-    """No Vulkan device was found, it lacks something, it failed, or its memory is too small.
+    """No Vulkan device was found, or the device lacks a feature, failed, or has too little memory.
 
-    Where no driver is installed the message says what to install.
+    If no driver is installed, the message says what to install.
     """
 
 
@@ -22,15 +22,15 @@ class SceneError(Error, ValueError):
 
 
 class ReadError(Error, OSError):
-    """A file is missing, damaged, or no point cloud."""
+    """A file is missing, damaged, or not a point cloud."""
 
 
 class PellucidWarning(UserWarning):
-    """Something was done in another way than one might expect: points that were left out, settings without effect."""
+    """The result differs from what you might expect: points were left out, or settings had no effect."""
 
 
 def outside() -> int:
-    """The ``stacklevel`` of the first caller that is not of this package, for `warnings.warn` in the function that calls."""
+    """Return the ``stacklevel`` of the first caller outside this package, for `warnings.warn` in the calling function."""
     here = dirname(__file__)
     level, frame = 1, sys._getframe(1)
     while frame.f_back is not None and dirname(frame.f_code.co_filename) == here:
@@ -39,7 +39,7 @@ def outside() -> int:
 
 
 def tell(warned: list[str], noted: list[str]) -> None:
-    """Hands on what work had to say: warnings, and notes for the logger ``pellucid``."""
+    """Pass on warnings, and notes for the logger ``pellucid``."""
     if warned:
         import warnings
 

@@ -1,4 +1,4 @@
-"""Figures of results, for matplotlib: each function takes a result and gives a figure that shows itself in a notebook."""
+"""Matplotlib figures of results. Each function takes a result and returns a figure that displays itself in a notebook."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _GREEN, _RED, _GREY = "#009e73", "#d55e00", "#8a8a8a"
 
 
 class Figure(_Figure):
-    """A figure that a notebook shows without `pyplot`, which would hold on to it."""
+    """A figure that a notebook shows without `pyplot`, which would keep it alive."""
 
     def _repr_png_(self) -> bytes:
         file = io.BytesIO()
@@ -51,12 +51,12 @@ def _axes(size: tuple[float, float], columns: int = 1, rows: int = 1, **given: A
 
 
 def _plain(value: float, _: object = None) -> str:
-    """A number on an axis: 0.05, 3, 1 200."""
+    """Format a number on an axis: 0.05, 3, 1 200."""
     return f"{value:,.12g}".replace(",", "\u2009") if 1e-4 <= abs(value) < 1e6 or value == 0 else f"{value:.0e}"
 
 
 def _styles(names: Iterable[str]) -> Callable[[str], dict[str, Any]]:
-    """A color and a marker for each name, in the order of the names."""
+    """Return a function that gives each name a color and a marker, in the order of the names."""
     places = {name: place for place, name in enumerate(dict.fromkeys(names))}
     return lambda name: {
         "color": _COLORS[places[name] % len(_COLORS)],
@@ -65,7 +65,7 @@ def _styles(names: Iterable[str]) -> Callable[[str], dict[str, Any]]:
 
 
 def profile(data: Profile) -> Figure:
-    """What the passes of a frame take, and how long the lists of its pixels are."""
+    """Draw the times of the passes of a frame, and the lengths of the lists of its pixels."""
     times: dict[str, list[float]] = {}
     for frame in data.frames:
         # A pass may stand in a frame several times.
@@ -111,7 +111,7 @@ def _passes(axes: Axes, bars: list[tuple[str, float, list[float]]]) -> None:
 
 
 def _lists(axes: Axes, histogram: list[tuple[int, int]]) -> None:
-    """Pixels by the length of their lists, in bins of powers of √2: single lengths are ragged where they are few."""
+    """Draw pixels by the length of their lists, in bins of powers of √2: single lengths are ragged where they are few."""
     lengths = np.array([length for length, _ in histogram], dtype=float)
     pixels = np.array([count for _, count in histogram], dtype=float)
     edges = np.unique(np.round(np.sqrt(2.0) ** np.arange(0, 2 * math.log2(lengths.max()) + 3)))
@@ -127,7 +127,7 @@ def _lists(axes: Axes, histogram: list[tuple[int, int]]) -> None:
 
 
 def tradeoff(data: Tradeoff) -> Figure:
-    """Error over time of each method and setting, with the front of those that no other beats in both."""
+    """Draw error over time of each method and setting, with the Pareto front."""
     figure, (axes,) = _axes((9, 5.6))
     errors = [row.rmse for row in data.rows if row.rmse > 0]
     # Exact ones lie on a line of their own below all others: a logarithm has no zero.
@@ -176,7 +176,7 @@ def tradeoff(data: Tradeoff) -> Figure:
 
 
 def _plain_logarithm(axis: Axis) -> None:
-    """Plain numbers at powers of ten, and at 2 and 5 between them; at all ticks of an axis that has hardly a power of ten."""
+    """Put plain numbers at powers of ten, and at 2 and 5 between them; at all ticks if the axis has hardly a power of ten."""
 
     def between(value: float, _: object = None) -> str:
         low, high = axis.get_view_interval()
@@ -189,7 +189,7 @@ def _plain_logarithm(axis: Axis) -> None:
 
 
 def stress(data: Stress) -> Figure:
-    """Time and error of each method over the layers, a column for each workload, of the largest image that was measured."""
+    """Draw time and error of each method over the layers, a column for each workload, of the largest measured image."""
     workloads = list(dict.fromkeys(cell.workload for cell in data.cells))
     figure, axes = _axes((5.2 * max(len(workloads), 1) + 1.6, 7), max(len(workloads), 1), 2, sharex="col", sharey="row")
     style = _styles(cell.method for cell in data.cells)
@@ -223,7 +223,7 @@ def stress(data: Stress) -> Figure:
 
 
 def check(data: Check) -> Figure:
-    """The error of each hard case as a share of its bound, a row for each method: what lies right of the line fails."""
+    """Draw the error of each hard case as a share of its bound, a row for each method; cases right of the line fail."""
     cases = sorted((case for case in data.cases if case.verdict in ("pass", "fail")), key=_share)
     groups = dict.fromkeys(_group(case) for case in data.cases if case in cases)
     rows = {group: row for row, group in enumerate(groups)}
@@ -251,7 +251,7 @@ def check(data: Check) -> Figure:
 
 
 def _share(case: CheckCase) -> float:
-    """The error as a share of its bound; infinite for failures without numbers."""
+    """Return the error as a share of its bound; infinite for failures without numbers."""
     if case.error is None or case.bound is None:
         return math.inf if case.verdict == "fail" else 0.0
     return case.error / case.bound if case.bound else math.inf if case.error else 0.0
@@ -262,7 +262,7 @@ def _group(case: CheckCase) -> str:
 
 
 def comparison(data: Comparison) -> Figure:
-    """Where two images differ: the largest difference of each pixel over its channels, and its place."""
+    """Draw where two images differ: the largest difference of each pixel over its channels, and its place."""
     largest = np.asarray(data.difference).max(axis=2)
     height, width = largest.shape
     wide = width >= height
@@ -293,7 +293,7 @@ def comparison(data: Comparison) -> Figure:
 
 
 def plan(data: Plan) -> Figure:
-    """The passes that run, in their order, each with its reason; below them the others, a row for each reason."""
+    """Draw the passes that run, in order, each with its reason; below them the others, a row for each reason."""
     rows = [(one.name, True, _reason(data, one)) for one in data.passes if one.on]
     off: dict[str, list[str]] = {}
     for one in data.passes:
@@ -322,12 +322,12 @@ def plan(data: Plan) -> Figure:
 
 
 def _reason(data: Plan, one: PlanPass) -> str:
-    """Why a pass runs or not, without the reason for the method, which the title has."""
+    """Return why a pass runs or not, without the reason for the method, which the title has."""
     return one.reason.removesuffix(f": {data.reason}").removeprefix(f"{data.reason}: ")
 
 
 def _names(names: list[str]) -> str:
-    """A few names, or the methods that many belong to and their number."""
+    """Return a few names, or the methods that many names belong to and their number."""
     if len(names) <= 3:
         return ", ".join(names)
     return ", ".join(dict.fromkeys(f"{name.partition('/')[0]}/…" for name in names)) + f" ({len(names)} passes)"

@@ -1,7 +1,7 @@
-"""Clouds of other packages, told by the module of their class: none of these packages is imported here.
+"""Point clouds of other packages, recognized by the module of their class; none of these packages is imported here.
 
-What an array means is what the readers of files take the same column for (docs/formats.md), so that a picture of an object has the
-bytes of the picture of its file.
+An array means what the file readers take the same column for (docs/formats.md), so that the picture of an object has the bytes of
+the picture of its file.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ _SPLATS = {"f_dc": "f_dc_", "scale": "scale_", "rot": "rot_"}
 
 
 def columns(object: Any) -> Any:
-    """The points of an object of laspy, open3d, pyvista, plyfile or pandas.
+    """Return the points of an object of laspy, Open3D, PyVista, plyfile or pandas.
 
-    Returns arguments of `Cloud` by their names; or a `Cloud`, of objects that a reader of files takes as they are (PLY, Gaussian
-    splats); or `None` if the object is of none of these packages. Raises ValueError if it has no points, or lacks a coordinate.
+    The result is a dict of arguments of `Cloud`; or a `Cloud`, for objects that a file reader takes as they are (PLY, Gaussian
+    splats); or None for an object of none of these packages. Raises ValueError if the object has no points, or lacks a coordinate.
     """
     for kind in type(object).__mro__:
         package = kind.__module__.partition(".")[0]
@@ -48,7 +48,7 @@ def columns(object: Any) -> Any:
 
 
 def _of_las(las: Any) -> dict[str, Any]:
-    """A `laspy.LasData`, or points of one: coordinates, colors, classes, intensity, returns, extra dimensions."""
+    """Convert a `laspy.LasData`, or points of one: coordinates, colors, classes, intensity, returns, extra dimensions."""
     names = set(las.point_format.dimension_names)
     extra = list(las.point_format.extra_dimension_names)
 
@@ -80,7 +80,7 @@ def _of_las(las: Any) -> dict[str, Any]:
 
 
 def _eight_or_sixteen_bits(rgb: NDArray[np.uint16]) -> NDArray[Any] | None:
-    """Colors of LAS: many writers put 8-bit values into the 16-bit fields. Colors that are all zero are none."""
+    """Return the colors of LAS, of 8 bits if all are below 256, as many writers store them; None if all are zero."""
     largest = rgb.max(initial=0)
     if largest == 0:
         return None
@@ -88,13 +88,13 @@ def _eight_or_sixteen_bits(rgb: NDArray[np.uint16]) -> NDArray[Any] | None:
 
 
 def _since_first(times: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Seconds since the first time: a float32 of a GPS time is off by seconds."""
+    """Return seconds since the first time, because a GPS time in float32 is off by seconds."""
     finite = times[np.isfinite(times)]
     return (times - finite.min() if finite.size else times).astype(np.float32)
 
 
 def _of_open3d(cloud: Any) -> dict[str, Any]:
-    """An `open3d.geometry.PointCloud`: float64 arrays, colors from 0 to 1 and sRGB-encoded."""
+    """Convert an `open3d.geometry.PointCloud`: float64 arrays, colors from 0 to 1 and sRGB-encoded."""
     parts = _table.Parts(points=np.asarray(cloud.points, dtype=np.float64))
     if cloud.has_colors():
         parts.colors = np.asarray(cloud.colors)
@@ -104,7 +104,7 @@ def _of_open3d(cloud: Any) -> dict[str, Any]:
 
 
 def _of_open3d_tensor(cloud: Any) -> Any:
-    """An `open3d.t.geometry.PointCloud`, on any device: every attribute by its name."""
+    """Convert an `open3d.t.geometry.PointCloud`, on any device: every attribute by its name."""
     what = "open3d.t.geometry.PointCloud"
     arrays = {str(name): cloud.point[name].cpu().numpy() for name in cloud.point}
     points = arrays.pop("positions", None)
@@ -116,7 +116,7 @@ def _of_open3d_tensor(cloud: Any) -> Any:
 
 
 def _splat_columns(points: NDArray[Any], arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    """Splats of Open3D as the columns of the file that they came from: harmonics are first all of red there."""
+    """Return Open3D splats as the columns of the file they came from, where all harmonics of red come first."""
     table = dict(zip("xyz", points.T, strict=True))
     for name, stem in _SPLATS.items():
         table |= {f"{stem}{at}": column for at, column in enumerate(np.atleast_2d(arrays[name].T))}
@@ -131,14 +131,14 @@ def _splat_columns(points: NDArray[Any], arrays: Mapping[str, NDArray[Any]]) -> 
 
 
 def _of_pyvista(mesh: Any) -> dict[str, Any]:
-    """A `pyvista.PolyData`, `PointSet` or other data set with points: arrays of `point_data` by their names."""
+    """Convert a `pyvista.PolyData`, `PointSet` or other data set with points: arrays of `point_data` by their names."""
     arrays = {str(name): np.asarray(mesh.point_data[name]) for name in mesh.point_data}
     found: dict[str, Any] = _named_arrays(np.asarray(mesh.points), arrays, f"pyvista.{type(mesh).__name__}")
     return found
 
 
 def _named_arrays(points: NDArray[Any], arrays: dict[str, NDArray[Any]], what: str) -> dict[str, Any]:
-    """Points, and an array with a row for each of them under each name."""
+    """Convert points, and arrays with a row for each point, by their names."""
     arrays = {name: _flat(array) for name, array in arrays.items() if array.dtype.kind in "buif"}
     parts = _table.Parts(points=points)
     parts.colors, parts.alpha = _take_colors(arrays)
@@ -150,12 +150,12 @@ def _named_arrays(points: NDArray[Any], arrays: dict[str, NDArray[Any]], what: s
 
 
 def _flat(array: NDArray[Any]) -> NDArray[Any]:
-    """One number of each point as a list of numbers."""
+    """Return a column of shape (n,) from one number for each point."""
     return array[:, 0] if array.ndim == 2 and array.shape[1] == 1 else array
 
 
 def _take_colors(arrays: dict[str, NDArray[Any]]) -> tuple[NDArray[Any] | None, NDArray[Any] | None]:
-    """Takes the colors, and alphas if there are four numbers: by their name, else the first rows of three or four bytes."""
+    """Take the colors, and alphas if there are four numbers: by name, else the first rows of three or four bytes."""
     colors = _take(arrays, _COLORS, width=3)
     colors = _take(arrays, _COLORS, width=4) if colors is None else colors
     if colors is None:
@@ -168,7 +168,7 @@ def _take_colors(arrays: dict[str, NDArray[Any]]) -> tuple[NDArray[Any] | None, 
 
 
 def _take(arrays: dict[str, NDArray[Any]], names: Iterable[str], *, width: int) -> NDArray[Any] | None:
-    """Takes the first array with one of the names, in any case, and so many numbers a point."""
+    """Take the first array with one of the names, in any case, and this many numbers per point."""
     for wanted in names:
         for name, array in arrays.items():
             if name.lower() == wanted and _width(array) == width:
@@ -177,14 +177,14 @@ def _take(arrays: dict[str, NDArray[Any]], names: Iterable[str], *, width: int) 
 
 
 def _width(array: NDArray[Any]) -> int:
-    """Numbers of each point; 0 of an array that is no table."""
+    """Return the number of values per point; 0 for an array that is no table."""
     if array.ndim == 1:
         return 1
     return int(array.shape[1]) if array.ndim == 2 else 0
 
 
 def _single(arrays: Mapping[str, NDArray[Any]]) -> Iterable[tuple[str, NDArray[Any]]]:
-    """Arrays of one number a point; those of several as so many, `NAME_0` and so on."""
+    """Yield arrays of one number per point; those of several as one array each, `NAME_0` and so on."""
     for name, array in arrays.items():
         if array.ndim == 1:
             yield name, array
@@ -193,7 +193,7 @@ def _single(arrays: Mapping[str, NDArray[Any]]) -> Iterable[tuple[str, NDArray[A
 
 
 def _of_plyfile(ply: Any) -> Any:
-    """A `plyfile.PlyData`: what the reader of PLY files makes of its bytes, so splats and prepared clouds, too."""
+    """Convert a `plyfile.PlyData` as the PLY reader reads its bytes, so splats and prepared clouds work, too."""
     names = [element.name for element in ply.elements]
     if "vertex" not in names:
         raise ValueError(f"points: plyfile.PlyData has no element 'vertex', only {names}")
@@ -204,7 +204,7 @@ def _of_plyfile(ply: Any) -> Any:
 
 
 def _of_pandas(frame: Any) -> Any:
-    """A `pandas.DataFrame`: columns by their names, as of a text file with a header. Columns that hold no numbers are left out."""
+    """Convert a `pandas.DataFrame`: columns by name, as in a text file with a header, without those that hold no numbers."""
     table: dict[str, NDArray[Any]] = {}
     for at, name in enumerate(frame.columns):
         column = frame.iloc[:, at]
@@ -234,7 +234,7 @@ def _of_pandas(frame: Any) -> Any:
 
 
 def _numbers(column: Any) -> NDArray[Any]:
-    """The numbers of a column; missing ones are NaN."""
+    """Return the numbers of a column; missing ones are NaN."""
     if isinstance(column.dtype, np.dtype):
         return np.asarray(column)
     if column.isna().any():

@@ -1,4 +1,4 @@
-"""Pictures."""
+"""Rendered pictures."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 
 class Image(NDArrayOperatorsMixin):
-    """A rendered picture: linear light, row 0 at the top.
+    """A rendered picture in linear light, with row 0 at the top.
 
-    It stands for its `rgba` wherever numpy takes an array: ``numpy.asarray(image)``, ``image * 2``, ``a - b``, ``a == b``,
-    ``image[y, x]``, ``len(image)``. What comes of it is a plain array. Its own arrays are read-only views without a copy;
-    ``numpy.array(image)`` is a copy to write to. Only `size` is another than that of an array: columns and rows, by
-    ``numpy.size(image)`` as well. In a notebook it shows itself.
+    NumPy takes it as the array `rgba`: ``numpy.asarray(image)``, ``image * 2``, ``a - b``, ``a == b``, ``image[y, x]``,
+    ``len(image)``. The results are plain arrays. The arrays of an image are read-only views that share its memory;
+    ``numpy.array(image)`` returns a copy that you can write to. Only `size` differs from that of an array: it is width and height,
+    also as ``numpy.size(image)``. In a notebook, an image displays itself.
     """
 
     __slots__ = ("_native", "_parts", "_profile", "_shape")
@@ -93,7 +93,7 @@ class Image(NDArrayOperatorsMixin):
 
     @property
     def dtype(self) -> np.dtype[np.float32]:
-        """The type of its numbers: float32."""
+        """Type of the values: float32."""
         return np.dtype(np.float32)
 
     @property
@@ -108,88 +108,94 @@ class Image(NDArrayOperatorsMixin):
 
     @property
     def size(self) -> tuple[int, int]:
-        """Columns and rows; that of an array, the number of its values, is ``image.rgba.size``."""
+        """Width and height in pixels. The number of values, which an array calls its size, is ``image.rgba.size``."""
         return (self._shape[1], self._shape[0])
 
     @property
     def rgba(self) -> NDArray[np.float32]:
-        """Shape (h, w, 4): R, G, B multiplied by opacity, and opacity A, without the background.
+        """R, G, B multiplied by opacity, and opacity A, without the background, shape (h, w, 4).
 
-        Linear light, unless the scene says ``image.color = "encoded"``.
+        The values are in linear light, unless the scene says ``image.color = "encoded"``.
         """
         plane: NDArray[np.float32] = self._plane("rgba", 4)
         return plane
 
     @property
     def depth(self) -> NDArray[np.float32]:
-        """Shape (h, w): depth of the nearest fragment along the view, world units; infinite where there is none."""
+        """Depth of the nearest fragment along the view, shape (h, w), world units; infinite where there is none."""
         plane: NDArray[np.float32] = self._plane("depth")
         return plane
 
     @property
     def median_depth(self) -> NDArray[np.float32] | None:
-        """Shape (h, w): depth at which half of the light or less is left; infinite where A is below 1/2.
+        """Depth at which half of the light or less is left, shape (h, w), world units; infinite where A is below 1/2.
 
-        None unless ``depths=True`` was asked for and the method has it.
+        None unless you asked for ``depths=True`` and the method has this depth.
         """
         plane: NDArray[np.float32] | None = self._plane("median")
         return plane
 
     @property
     def mean_depth(self) -> NDArray[np.float32] | None:
-        """Shape (h, w): mean depth of the fragments, each weighted by what it adds to A; None as of `median_depth`."""
+        """Mean depth of the fragments, each weighted by what it adds to A, shape (h, w), world units.
+
+        None under the conditions of `median_depth`.
+        """
         plane: NDArray[np.float32] | None = self._plane("mean")
         return plane
 
     @property
     def fragments(self) -> NDArray[np.uint32] | None:
-        """Shape (h, w): fragments of each pixel. None unless ``fragments=True`` was asked for and the method has lists."""
+        """Number of fragments of each pixel, shape (h, w).
+
+        None unless you asked for ``fragments=True`` and the method has lists.
+        """
         plane: NDArray[np.uint32] | None = self._plane("fragments")
         return plane
 
     @property
     def layers(self) -> NDArray[np.uint32] | None:
-        """Shape (h, w): blended layers of each pixel, of methods that peel, with ``fragments=True``; else None."""
+        """Number of blended layers of each pixel, shape (h, w), of methods that peel, with ``fragments=True``; else None."""
         plane: NDArray[np.uint32] | None = self._plane("layers")
         return plane
 
     @property
     def stderr(self) -> float | None:
-        """Standard error of the picture, root mean square over pixels and R, G, B.
+        """Standard error of the picture: root mean square over all pixels and R, G, B.
 
-        Of stochastic methods with ``fragments=True``; else None.
+        Stochastic methods have it with ``fragments=True``; else it is None.
         """
         return self._native.stderr
 
     @property
     def pixel_stderr(self) -> NDArray[np.float32] | None:
-        """Shape (h, w, 3): standard error of each pixel; None as of `stderr`."""
+        """Standard error of each pixel, shape (h, w, 3); None under the conditions of `stderr`."""
         plane: NDArray[np.float32] | None = self._plane("stderr", 3)
         return plane
 
     @property
     def method(self) -> str:
-        """The method in force."""
+        """Name of the method that drew the picture."""
         return self._native.method
 
     @property
     def reason(self) -> str:
-        """Why this method."""
+        """Reason for the method."""
         return self._native.reason
 
     @property
     def metadata(self) -> dict[str, str]:
-        """What files of it say: scene, method, settings, device, version, seed."""
+        """Metadata that saved files contain: scene, method, settings, device, version and seed."""
         return dict(self._native.metadata)
 
     @property
     def camera(self) -> Camera:
-        """The camera, with all that was found where nothing was given."""
+        """Camera of the picture, with every value that was found automatically."""
         return Camera._of(self._native.camera())
 
     @property
     def profile(self) -> Profile:
-        """What the frame cost: device time of each pass, memory."""
+        """Cost of the frame: device time of each pass, and memory."""
         if self._profile is None:
             from ._measures import Profile
 
@@ -197,25 +203,25 @@ class Image(NDArrayOperatorsMixin):
         return self._profile
 
     def over_background(self) -> NDArray[np.float32]:
-        """Linear R, G, B over the scene's background, shape (h, w, 3)."""
+        """Return linear R, G, B over the background of the scene, shape (h, w, 3)."""
         return self._native.linear(self._parts).reshape(*self._shape, 3)
 
     def to_srgb(self) -> NDArray[np.uint8]:
-        """8-bit sRGB over the scene's background, shape (h, w, 3): the pixels of the PNG."""
+        """Return 8-bit sRGB over the background of the scene, shape (h, w, 3): the pixels of the PNG."""
         return self._native.srgb(self._parts).reshape(*self._shape, 3)
 
     def to_png(self, *, transparent: bool = False) -> bytes:
-        """The bytes of a PNG, as `save` writes it."""
+        """Return the bytes of the PNG that `save` writes."""
         return bytes(self._native.png(bool(transparent), self._parts))
 
     def save(self, path: Path, *, transparent: bool = False) -> None:
-        """Writes a PNG (8-bit sRGB) or an EXR (float32 R, G, B, A, Z and what was asked for), by the extension.
+        """Save the picture as PNG (8-bit sRGB) or EXR (float32 R, G, B, A, Z and what else was asked for), by the extension.
 
-        A PNG is over the background, or with ``transparent=True`` has straight alpha. The file appears whole or not at all.
+        A PNG is over the background, or has straight alpha with ``transparent=True``. The file is written whole or not at all.
 
-        An EXR has the very bytes of the command line's. So has a PNG over the background of a picture with
-        ``accuracy="8-bit"``. A PNG with straight alpha has them but for single values that differ by 1 of 255: for such a file
-        the command line blends on for longer, since colors are divided by A. It is most accurate with ``accuracy="exact"``.
+        An EXR has the same bytes as that of the command line. So has a PNG over the background, of a picture with
+        ``accuracy="8-bit"``. A PNG with straight alpha differs in single values by 1 of 255: for such a file the command line
+        continues blending longer, because colors are divided by A. It is most accurate with ``accuracy="exact"``.
 
         Raises OSError for another extension, a missing folder, and errors of the system.
         """

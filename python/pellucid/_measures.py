@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class _Shown:
-    """What all of them can do."""
+    """Base of all measurements."""
 
     json: Any
 
@@ -22,7 +22,7 @@ class _Shown:
         raise NotImplementedError
 
     def to_pandas(self) -> Any:
-        """A pandas.DataFrame. Raises ImportError without pandas."""
+        """Return a pandas.DataFrame. Raises ImportError without pandas."""
         try:
             import pandas
         except ImportError as error:
@@ -30,7 +30,7 @@ class _Shown:
         return pandas.DataFrame(self._rows())
 
     def figure(self) -> Any:
-        """A matplotlib.figure.Figure. Raises ImportError without matplotlib."""
+        """Return a matplotlib.figure.Figure. Raises ImportError without matplotlib."""
         try:
             import matplotlib  # noqa: F401
         except ImportError as error:
@@ -42,30 +42,30 @@ class _Shown:
 
 @dataclass(frozen=True)
 class Pass:
-    """A pass of a frame, with all its dispatches together."""
+    """A pass of a frame, with all its dispatches added up."""
 
     name: str
     """Method and stage, as in ``abuffer/store``."""
     gpu_ms: float
-    """Time on the device, milliseconds."""
+    """Time on the device, in milliseconds."""
     invocations: int | None
-    """Shader invocations, where they are counted."""
+    """Number of shader invocations; None where they are not counted."""
     bytes: int | None
-    """Bytes that it must read and write at least, where that is known."""
+    """Smallest number of bytes that the pass must read and write; None where it is unknown."""
 
 
 @dataclass(frozen=True)
 class FrameCost:
-    """What a frame cost."""
+    """Cost of a frame."""
 
     gpu_ms: float
-    """Time on the device of all passes, milliseconds."""
+    """Time of all passes on the device, in milliseconds."""
     wall_ms: float
-    """From the first submission to the picture in memory, milliseconds."""
+    """Time from the first submission to the picture in memory, in milliseconds."""
     waits: int
-    """Submissions that the host waited for."""
+    """Number of submissions that the host waited for."""
     passes: tuple[Pass, ...]
-    """The passes, in the order of the frame."""
+    """Passes, in the order of the frame."""
 
     @classmethod
     def _of(cls, json: dict[str, Any]) -> FrameCost:
@@ -75,30 +75,30 @@ class FrameCost:
 
 @dataclass(frozen=True)
 class Profile(_Shown):
-    """What frames cost, pass by pass."""
+    """Cost of frames, pass by pass."""
 
     device: str
-    """The device's name."""
+    """Name of the device."""
     driver: str
-    """The driver's name and version."""
+    """Name and version of the driver."""
     points: int
-    """Points of the scene."""
+    """Number of points in the scene."""
     pixels: int
-    """Pixels of the picture."""
+    """Number of pixels in the picture."""
     fragments: int
-    """Fragments of all pixels; 0 of methods that count none."""
+    """Number of fragments of all pixels; 0 for methods that don't count them."""
     max_list: int
-    """Fragments of the pixel with most of them; 0 of methods that count none."""
+    """Number of fragments of the pixel with the most; 0 for methods that don't count them."""
     list_histogram: tuple[tuple[int, int], ...]
-    """Length of a list, and pixels with lists of that length."""
+    """Pairs of a list length and the number of pixels with lists of that length."""
     peak_device_bytes: int
-    """Largest number of device bytes at any time, points and picture included."""
+    """Largest number of device bytes in use at any time, points and picture included."""
     fragment_bytes: int
-    """Device bytes of the fragments that are stored at a time."""
+    """Number of device bytes for the fragments stored at a time."""
     frames: tuple[FrameCost, ...]
-    """Each frame that was measured."""
+    """Frames that were measured."""
     json: dict[str, Any] = field(repr=False, compare=False)
-    """What ``pellucid profile --json`` prints."""
+    """JSON that ``pellucid profile --json`` prints."""
 
     @classmethod
     def _of(cls, json: dict[str, Any]) -> Profile:
@@ -119,16 +119,16 @@ class Profile(_Shown):
 
     @property
     def gpu_ms(self) -> float:
-        """Median time on the device of a frame, milliseconds."""
+        """Median time of a frame on the device, in milliseconds."""
         return _median([frame.gpu_ms for frame in self.frames])
 
     @property
     def wall_ms(self) -> float:
-        """Median time of a frame, milliseconds."""
+        """Median time of a frame, in milliseconds."""
         return _median([frame.wall_ms for frame in self.frames])
 
     def _rows(self) -> list[dict[str, Any]]:
-        """A row for each pass of each frame."""
+        """Return a row for each pass of each frame."""
         frames = enumerate(self.frames)
         return [{"frame": number, **asdict(of)} for number, frame in frames for of in frame.passes]
 
@@ -142,50 +142,50 @@ def _median(values: list[float]) -> float:
 
 @dataclass(frozen=True)
 class TradeoffRow:
-    """A method with a setting."""
+    """Measurement of a method with one setting."""
 
     method: str
     """Name of the method."""
     setting: str
-    """As options of the command line would give it; empty for the defaults."""
+    """Setting as options of the command line; empty for the defaults."""
     gpu_ms: float
-    """Median time on the device, milliseconds."""
+    """Median time on the device, in milliseconds."""
     rmse: float
-    """Root mean square error against the reference, on linear R, G, B over the background."""
+    """Root mean square error against the reference, in linear R, G, B over the background."""
     flip: float
     """Mean FLIP error against the reference, from 0 to 1."""
     above_1_255: float
-    """Share of pixels with a channel off by more than 1/255."""
+    """Share of pixels with a channel off by more than 1/255, from 0 to 1."""
     peak_device_bytes: int
-    """Largest number of device bytes at any time, points and picture included."""
+    """Largest number of device bytes in use at any time, points and picture included."""
     fragment_bytes: int
-    """Device bytes of the fragments that are stored at a time."""
+    """Number of device bytes for the fragments stored at a time."""
     frames: int
-    """Frames behind the median."""
+    """Number of frames of which the median is taken."""
     front: bool
-    """True on the Pareto front of time and RMSE."""
+    """True if the row is on the Pareto front of time and RMSE."""
 
 
 @dataclass(frozen=True)
 class Tradeoff(_Shown):
-    """Accuracy against time of the methods that draw a scene."""
+    """Error against time of the methods that draw a scene."""
 
     scene: str
     """Name of the scene."""
     device: str
-    """The device's name."""
+    """Name of the device."""
     driver: str
-    """The driver's name and version."""
+    """Name and version of the driver."""
     size: Size
-    """Columns and rows of the picture."""
+    """Width and height of the picture in pixels."""
     points: int
-    """Points of the scene."""
+    """Number of points in the scene."""
     rows: tuple[TradeoffRow, ...]
-    """Each method and setting that was measured."""
+    """Methods and settings that were measured."""
     skipped: tuple[tuple[str, str, str], ...]
-    """Method, setting and reason of what was not measured."""
+    """Method, setting and reason for each row that was not measured."""
     json: dict[str, Any] = field(repr=False, compare=False)
-    """What ``pellucid tradeoff`` writes to tradeoff.json."""
+    """JSON that ``pellucid tradeoff`` writes to tradeoff.json."""
 
     @classmethod
     def _of(cls, json: dict[str, Any]) -> Tradeoff:
@@ -222,22 +222,22 @@ class Tradeoff(_Shown):
 
 @dataclass(frozen=True)
 class StressCell:
-    """A method on a scene in which every pixel has so many layers."""
+    """Measurement of a method on a scene in which every pixel has the same number of layers."""
 
     workload: str
-    """Either "stack" (a disc over the image for each layer) or "mosaic" (discs of 3 × 3 pixels)."""
+    """Either "stack" (each layer is a disc over the whole image) or "mosaic" (discs of 3 × 3 pixels)."""
     side: int
-    """Columns, and rows, of the picture."""
+    """Width, and height, of the picture in pixels."""
     layers: int
-    """Layers of each pixel."""
+    """Number of layers of each pixel."""
     fragments: int
-    """Fragments of all pixels."""
+    """Number of fragments of all pixels."""
     method: str
     """Name of the method."""
     gpu_ms: float
-    """Median time on the device, milliseconds."""
+    """Median time on the device, in milliseconds."""
     peak_device_bytes: int
-    """Largest number of device bytes at any time, points and picture included."""
+    """Largest number of device bytes in use at any time, points and picture included."""
     max_error: float
     """Largest error of any channel against the reference in float64."""
     rmse: float
@@ -246,18 +246,18 @@ class StressCell:
 
 @dataclass(frozen=True)
 class Stress(_Shown):
-    """Time, memory and error over layers and pixels."""
+    """Time, memory and error for numbers of layers and pixels."""
 
     device: str
-    """The device's name."""
+    """Name of the device."""
     driver: str
-    """The driver's name and version."""
+    """Name and version of the driver."""
     cells: tuple[StressCell, ...]
-    """Each combination that was measured."""
+    """Combinations that were measured."""
     skipped: tuple[tuple[str, int, int, str, str], ...]
-    """Workload, side, layers, method and reason of what was not measured."""
+    """Workload, side, layers, method and reason for each combination that was not measured."""
     json: dict[str, Any] = field(repr=False, compare=False)
-    """What ``pellucid stress`` writes to stress.json."""
+    """JSON that ``pellucid stress`` writes to stress.json."""
 
     @classmethod
     def _of(cls, json: dict[str, Any]) -> Stress:
@@ -285,38 +285,38 @@ class Stress(_Shown):
 
 @dataclass(frozen=True)
 class CheckCase:
-    """A hard case with a known answer."""
+    """A numerically hard case with a known answer."""
 
     name: str
     """Method or topic, and the case, as in ``abuffer/faint-layers``."""
     about: str
-    """What is hard about it."""
+    """What makes the case hard."""
     verdict: str
     """One of "pass", "fail" or "not applicable"."""
     error: float | None
-    """Its error, in the unit of the bound; None where it has none."""
+    """Error, in the unit of the bound; None if the case has none."""
     bound: float | None
-    """The largest error with which it passes."""
+    """Largest error with which the case passes."""
     reason: str | None
-    """Of cases that did not run, or failed without an error."""
+    """Reason why the case did not run, or failed without an error; else None."""
 
 
 @dataclass(frozen=True)
 class Check(_Shown):
-    """The hard cases on a device; true if some passed and none failed."""
+    """Results of the hard cases on a device; true if some passed and none failed."""
 
     device: str
-    """The device's name."""
+    """Name of the device."""
     driver: str
-    """The driver's name and version."""
+    """Name and version of the driver."""
     passed: int
     """Number of cases that passed."""
     failed: int
     """Number of cases that failed."""
     cases: tuple[CheckCase, ...]
-    """Each case, in the order in which they ran."""
+    """Cases, in the order in which they ran."""
     json: dict[str, Any] = field(repr=False, compare=False)
-    """What ``pellucid check --json`` prints."""
+    """JSON that ``pellucid check --json`` prints."""
 
     @classmethod
     def _of(cls, json: dict[str, Any]) -> Check:
@@ -340,26 +340,26 @@ class Check(_Shown):
 
 @dataclass(frozen=True, eq=False)
 class Comparison(_Shown):
-    """How far a picture is off another one, on linear R, G, B of all pixels."""
+    """Difference of two pictures, in linear R, G, B of all pixels."""
 
     rmse: float
     """Root mean square error; 0 for equal pictures."""
     psnr: float
-    """Decibels; infinite for equal pictures."""
+    """Peak signal-to-noise ratio in decibels; infinite for equal pictures."""
     ssim: float
-    """From -1 to 1; 1 for equal pictures."""
+    """Structural similarity, from -1 to 1; 1 for equal pictures."""
     flip: float
-    """From 0 to 1; 0 for equal pictures."""
+    """Mean FLIP error, from 0 to 1; 0 for equal pictures."""
     max_value: float
-    """The largest difference in any channel."""
+    """Largest difference in any channel."""
     max_at: tuple[int, int]
-    """Its column and row."""
+    """Column and row of the largest difference."""
     above_1_255: float
-    """Share of pixels with a channel off by more than 1/255."""
+    """Share of pixels with a channel off by more than 1/255, from 0 to 1."""
     difference: NDArray[np.float32] = field(repr=False)
     """Absolute differences, shape (h, w, 3)."""
     json: dict[str, Any] = field(repr=False, compare=False)
-    """What ``pellucid compare --json`` prints."""
+    """JSON that ``pellucid compare --json`` prints."""
 
     @classmethod
     def _of(cls, json: dict[str, Any], difference: NDArray[np.float32]) -> Comparison:
@@ -376,28 +376,28 @@ class Comparison(_Shown):
 
 @dataclass(frozen=True)
 class PlanPass:
-    """A pass, if it runs, and the fact about the scene that decided it."""
+    """A pass, whether it runs, and the fact about the scene that decided it."""
 
     name: str
     """Name of the pass."""
     on: bool
-    """True if it runs."""
+    """True if the pass runs."""
     reason: str
-    """The fact that decided it."""
+    """Fact that decided whether it runs."""
 
 
 @dataclass(frozen=True)
 class Plan(_Shown):
-    """The passes of a frame, each on or off."""
+    """Passes of a frame, each on or off."""
 
     method: str
     """Name of the method."""
     reason: str
-    """Why this method."""
+    """Reason for the method."""
     passes: tuple[PlanPass, ...]
-    """Each pass, in the order of a frame."""
+    """Passes, in the order of a frame."""
     json: list[dict[str, Any]] = field(repr=False, compare=False)
-    """What ``pellucid plan --json`` prints."""
+    """JSON that ``pellucid plan --json`` prints."""
 
     @classmethod
     def _of(cls, method: str, reason: str, json: list[dict[str, Any]]) -> Plan:
@@ -413,14 +413,14 @@ class Device:
     """A Vulkan device of this machine."""
 
     index: int
-    """Its index, which ``device=`` takes."""
+    """Index, which ``device=`` takes."""
     name: str
-    """Its name; a part of it is what ``device=`` takes as well."""
+    """Name; ``device=`` also takes a part of it."""
     driver: str
-    """The driver's name and version."""
+    """Name and version of the driver."""
     lacks: tuple[str, ...]
-    """Features that are missing; empty if it can be used."""
+    """Features that the device lacks; empty if it can be used."""
     without: tuple[str, ...]
-    """Methods that it can't run, since its subgroups have another size."""
+    """Methods that the device can't run, because its subgroups have another size."""
     taken: bool
-    """True of the one that would be taken."""
+    """True if this is the device that is used by default."""

@@ -39,7 +39,7 @@ _CLOSED = "the window is closed"
 
 @dataclass(frozen=True)
 class Request:
-    """A picture that is wanted."""
+    """A requested picture."""
 
     camera: Camera
     size: tuple[int, int]
@@ -52,7 +52,7 @@ class Request:
 
 @dataclass(frozen=True)
 class Begin:
-    """The first picture, whole, and what was asked for it."""
+    """The first picture, whole, and the request for it."""
 
     request: Request
     image: Image
@@ -65,7 +65,7 @@ class Begin:
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture that was made."""
+    """A finished picture."""
 
     # (h, w, 3), sRGB; of a draft fewer rows and columns than were asked for.
     pixels: NDArray[np.uint8]
@@ -79,35 +79,35 @@ class Picture:
 
 
 class OutdatedError(Exception):
-    """Work was stopped, since another picture is wanted, or none any more."""
+    """Raised to stop work because another picture is wanted, or none any more."""
 
 
 class Painter:
-    """Renders requests, the latest first, in a thread that alone touches the device.
+    """A renderer of requests, the latest first, in a thread that alone uses the device.
 
     Parameters
     ----------
     points
-        What `pellucid.render` takes.
+        Points as for `pellucid.render`.
     arguments
         Arguments of `Renderer.load`.
     frame
         Arguments of `Loaded.frame` for whole pictures.
     device
-        As of `Renderer`.
+        Device as for `Renderer`.
     size
-        Columns and rows of the first picture; `None` for the scene's, made smaller until it fits `most`.
+        Width and height of the first picture in pixels; None for those of the scene, made smaller until they fit `most`.
     frame_ms
-        Milliseconds that a picture may take while requests come.
+        Time that a picture may take while requests come, in milliseconds.
     deliver
-        Is called with each picture, or with the error that came in place of one, in the painter's thread.
+        Callable that takes each picture, or the error in place of one. The painter's thread calls it.
 
     Raises
     ------
     Error
         Whatever `Renderer` and `Renderer.load` refuse.
     KeyboardInterrupt
-        Ctrl-C while points are loaded, which ends the thread.
+        Ctrl-C was pressed while points are loaded. It ends the thread.
     """
 
     begin: Begin
@@ -149,13 +149,13 @@ class Painter:
             raise
 
     def ask(self, request: Request) -> None:
-        """Wants a picture; one that was wanted before and isn't made yet will not be."""
+        """Request a picture in place of the one requested before, if that isn't made yet."""
         with self._changed:
             self._wanted = request
             self._changed.notify()
 
     def whole(self, request: Request) -> Image:
-        """The picture that leaves nothing out. Raises Error if the painter is closed, or the frame fails."""
+        """Return the picture that leaves nothing out. Raises Error if the painter is closed, or the frame fails."""
         made: Future[Image] = Future()
         with self._changed:
             if self._closed:
@@ -170,7 +170,7 @@ class Painter:
             raise
 
     def close(self, patience_s: float | None = None) -> None:
-        """Ends the thread, which gives the device's memory back. Waits for that, at most so many seconds."""
+        """End the thread, which frees the device memory, and wait for it, at most ``patience_s`` seconds."""
         with self._changed:
             self._closed = True
             self._changed.notify()
@@ -206,7 +206,7 @@ class Painter:
             self._fail_tasks()
 
     def _fail_tasks(self) -> None:
-        """Lets nobody wait for pictures that nobody will make."""
+        """Fail requests for whole pictures that nobody will make, so that nobody waits for them."""
         with self._changed:
             self._closed = True
             tasks, self._tasks = self._tasks, deque()
@@ -215,7 +215,7 @@ class Painter:
                 made.set_exception(Error(self._why_closed))
 
     def _paint(self, scene: Loaded) -> None:
-        """Makes pictures until the end."""
+        """Make pictures until the painter is closed."""
         while True:
             with self._changed:
                 self._changed.wait_for(self._is_outdated)
@@ -234,7 +234,7 @@ class Painter:
                     self._deliver(error)
 
     def _fulfil(self, scene: Loaded, request: Request, made: Future[Image]) -> None:
-        """Makes the whole picture that somebody waits for, unless the window is closed meanwhile."""
+        """Make the whole picture that somebody waits for, unless the window is closed meanwhile."""
         if not made.set_running_or_notify_cancel():
             return
         try:
@@ -247,7 +247,7 @@ class Painter:
             made.set_exception(error)
 
     def _follow(self, scene: Loaded, request: Request) -> None:
-        """A draft of a request, then, while no other one comes, finer pictures until nothing is left out."""
+        """Make a draft of a request, then, while no other request comes, finer pictures until nothing is left out."""
         kind = (request.method, request.samples, request.size)
         if kind != self._costs_of:
             self._costs, self._costs_of = _drafts.Costs(), kind
@@ -295,7 +295,7 @@ class Painter:
         points: int | None = None,
         **others: Any,
     ) -> Image:
-        """A frame, with what was found for the first one."""
+        """Render a frame with what was found for the first one."""
         settings = {**self.begin.found, **request.settings}
         if points is not None:
             settings["detail"] = {"max_points": points}
@@ -318,7 +318,7 @@ class Painter:
 
 
 class _Stopper:
-    """Stands in front of a bar of progress, if there is one, and stops work once it is outdated."""
+    """A progress bar that stops outdated work, and passes progress on to another bar if there is one."""
 
     def __init__(self, is_outdated: Callable[[], bool], bar: Any = None) -> None:
         self._is_outdated = is_outdated
@@ -333,13 +333,13 @@ class _Stopper:
             self._bar.update(count)
 
     def close(self) -> None:
-        """Ends the bar."""
+        """End the bar."""
         if self._bar is not None:
             self._bar.close()
 
 
 def _begin(scene: Loaded, image: Image, camera: Any) -> Begin:
-    """What follows from the first picture of a scene, which decided the method; `camera` is the one that was asked for."""
+    """Return what the first picture of a scene decides, the method included; `camera` is the one that was asked for."""
     if not isinstance(camera, Camera) or None in (camera.eye, camera.target, camera.up):
         given = scene.scene
         vertical = given.get("camera.up") or _nearest_axis(image.camera)
@@ -353,14 +353,14 @@ def _begin(scene: Loaded, image: Image, camera: Any) -> Begin:
 
 
 def _chosen(image: Image) -> dict[str, Any]:
-    """Settings by their dotted keys that `max_error` or `budget_ms` chose for a picture."""
+    """Return settings by their dotted keys that `max_error` or `budget_ms` chose for a picture."""
     choice = json.loads(image.metadata.get("pellucid:choice", "{}"))
     pairs = (pair.partition("=") for pair in choice.get("setting", "").split())
     return {key: _value(text) for key, _, text in pairs}
 
 
 def _value(text: str) -> Any:
-    """A value as an option of the command line has it: a number or a bool, else a text."""
+    """Return a value as an option of the command line has it: a number or a bool, else a text."""
     try:
         return json.loads(text)
     except ValueError:
@@ -368,20 +368,20 @@ def _value(text: str) -> Any:
 
 
 def _may_thin(scene: Loaded) -> bool:
-    """True if drafts may leave points out: with shadows each has its own share of light, and a scene may do so by itself."""
+    """Return True if drafts may leave points out: not with shadows, nor where the scene leaves points out by itself."""
     settings = scene.scene
     detail = (settings.get("detail.max_points"), settings.get("detail.spacing_px"))
     return len(scene) > _FEW_POINTS and not any(detail) and "shadows" not in settings.given()
 
 
 def _fitting(size: tuple[int, int], most: tuple[int, int]) -> tuple[int, int]:
-    """The size, made smaller until it fits."""
+    """Return the size, made smaller until it fits."""
     factor = min(1.0, most[0] / size[0], most[1] / size[1])
     return max(round(size[0] * factor), 1), max(round(size[1] * factor), 1)
 
 
 def _nearest_axis(camera: Camera) -> tuple[float, float, float]:
-    """The axis of the world that points to the top of the image, nearly: the camera turns around it."""
+    """Return the axis of the world that is nearest to the top of the image; the camera turns around it."""
     up = np.asarray(camera.up)
     axis = np.zeros(3)
     axis[np.abs(up).argmax()] = np.sign(up[np.abs(up).argmax()])

@@ -1,4 +1,4 @@
-"""The native part of the package. `pellucid` has the documentation; this is not for others."""
+"""Native part of the package, for internal use only. `pellucid` has the documentation."""
 
 from collections.abc import Callable
 from typing import Any, Final, TypeAlias, final

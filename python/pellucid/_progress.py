@@ -1,4 +1,4 @@
-"""Progress bars: by tqdm, or by anything that is called like it."""
+"""Progress bars: tqdm, or any callable with the same arguments."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Listener = Callable[[str, int, "int | None"], None]
 
 
 class _Bars:
-    """One bar at a time, a new one for each stage."""
+    """One bar at a time, and a new bar for each stage."""
 
     def __init__(self, make: Callable[..., Any]) -> None:
         self.make = make
@@ -32,13 +32,13 @@ class _Bars:
         self.done = done
 
     def finish(self) -> None:
-        """Ends the bar of a stage that is done: full, since the last step may not have been told."""
+        """End the bar of a finished stage. It becomes full, since the last step may not have been reported."""
         if self.bar is not None and self.total is not None and self.done < self.total:
             self.bar.update(self.total - self.done)
         self.close()
 
     def close(self) -> None:
-        """Ends the bar where it is, as of work that failed."""
+        """End the bar where it is, for example after an error."""
         if self.bar is not None:
             self.bar.close()
             self.bar = None
@@ -46,7 +46,7 @@ class _Bars:
 
 @contextmanager
 def listening(progress: Progress) -> Iterator[Listener | None]:
-    """A callable for native code that shows how far work is, or None. Raises what `maker_of` raises."""
+    """Yield a callable that native code reports progress to, or None. Raises what `maker_of` raises."""
     make = maker_of(progress)
     if make is None:
         yield None
@@ -60,7 +60,7 @@ def listening(progress: Progress) -> Iterator[Listener | None]:
 
 
 def maker_of(progress: Progress) -> Callable[..., Any] | None:
-    """What makes bars, or None.
+    """Return the callable that makes bars, or None.
 
     Raises TypeError for a ``progress`` that is neither a bool, None nor callable, and ImportError without tqdm.
     """

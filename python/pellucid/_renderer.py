@@ -1,4 +1,4 @@
-"""Devices, and scenes on them."""
+"""Devices, and scenes loaded on them."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ if TYPE_CHECKING:
 
 
 class Renderer:
-    """A device that renders scenes: one upload, many frames.
+    """A device that renders scenes: upload once, render many frames.
 
     Parameters
     ----------
     device
-        Its index in `devices`, or a part of its name; by default the best one.
+        Index of the device in `devices`, or a part of its name. By default, the best device.
 
     Raises
     ------
     DeviceError
-        No Vulkan loader, driver or device is there; the message says what to install.
+        No Vulkan loader, driver or device was found. The message says what to install.
     """
 
     __slots__ = ("_native",)
@@ -52,21 +52,21 @@ class Renderer:
 
     @property
     def name(self) -> str:
-        """The device's name."""
+        """Name of the device."""
         return self._native.name()
 
     @property
     def driver(self) -> str:
-        """The driver's name and version."""
+        """Name and version of the driver."""
         return self._native.driver()
 
     @property
     def bytes_in_use(self) -> int:
-        """Bytes of the device's memory that its scenes and frames take now."""
+        """Device memory that the scenes and frames of this renderer use now, in bytes."""
         return self._native.bytes_in_use()
 
     def load(self, points: Any, *, seed: int | None = None, progress: Progress = None, **settings: Any) -> Loaded:
-        """Brings points to the device: finds missing radii, orders and uploads them.
+        """Load points on the device: estimate missing radii, order the points and upload them.
 
         ``points`` and ``settings`` are those of `render`. Raises what `render` raises.
         """
@@ -74,7 +74,7 @@ class Renderer:
         return _load(self, scene, found, camera, seed=seed, progress=progress)
 
     def close(self) -> None:
-        """Ends it, once the scenes on it are closed, too."""
+        """Close the renderer. It ends once the scenes loaded on it are closed, too."""
         self._native.close()
 
     def __enter__(self) -> Renderer:
@@ -85,7 +85,7 @@ class Renderer:
 
 
 class Loaded:
-    """A scene on a device, ready to render any number of frames. Threads that share one take turns."""
+    """A scene on a device, ready to render any number of frames. Threads that share it take turns."""
 
     __slots__ = ("_limits", "_native", "_scene", "_seed")
 
@@ -112,15 +112,15 @@ class Loaded:
         progress: Progress = None,
         **settings: Setting,
     ) -> Image:
-        """Renders a frame. What is not given is as the scene has it.
+        """Render a frame. Whatever is not given is as in the scene.
 
-        Settings of the method, the image, the shading, the camera and the detail are live; those that change points (of
-        clouds and clips, and methods that want other points) arrange and upload them again. The factors, at least 0, multiply
-        the radii and opacities of all points at no cost; with ``see_through`` the opacity that it finds is multiplied.
-        ``seed`` is that of stochastic methods. The others are those of `render`.
+        Settings of the method, image, shading, camera and detail change without a new upload. Settings that change points (those of
+        clouds and clips, and methods that need other points) arrange and upload the points again. ``opacity_factor`` and
+        ``radius_factor``, at least 0, multiply the opacities and radii of all points at no cost; with ``see_through``, the opacity
+        that it finds is multiplied. ``seed`` is the seed of stochastic methods. The other arguments are those of `render`.
 
-        ``clip``, ``slices``, ``classes`` and ``without`` leave out further points, and can't bring back those that the scene
-        leaves out. ``eye`` and ``target`` take the place of the scene's ``view``.
+        ``clip``, ``slices``, ``classes`` and ``without`` leave out further points. They can't bring back points that the scene
+        leaves out. ``eye`` and ``target`` replace the ``view`` of the scene.
         """
         from ._image import Image
 
@@ -152,7 +152,10 @@ class Loaded:
         progress: Progress = None,
         **settings: Setting,
     ) -> Profile:
-        """Measures frames after a first one, which pays for pipelines and buffers."""
+        """Measure frames, after a first one that isn't counted and pays for pipelines and buffers.
+
+        ``frames`` is the number of frames that count, from 1 to 100000. The other arguments are those of `frame`.
+        """
         from ._measures import Profile
 
         request = self._ask(settings, camera=camera, size=size, method=method, accuracy=accuracy, seed=seed)
@@ -185,33 +188,33 @@ class Loaded:
 
     @property
     def camera(self) -> Camera:
-        """The camera of the last frame, before it that of the scene, with all that was found where nothing was given."""
+        """Camera of the last frame, or of the scene before the first frame, with every value that was found automatically."""
         return Camera._of(self._native.camera())
 
     @property
     def size(self) -> Size:
-        """Columns and rows of the last frame, before it those of the scene."""
+        """Width and height in pixels of the last frame, or of the scene before the first frame."""
         width, height = self._native.size()
         return (width, height)
 
     @property
     def method(self) -> str:
-        """The method of the last frame."""
+        """Name of the method of the last frame."""
         return self._native.method()[0]
 
     @property
     def reason(self) -> str:
-        """Why this method; empty before the first frame."""
+        """Reason for the method; empty before the first frame."""
         return self._native.method()[1]
 
     @property
     def colorings(self) -> list[str]:
-        """How clouds are colored, and why."""
+        """How each cloud is colored, and why."""
         return self._native.colorings()
 
     @property
     def bounds(self) -> NDArray[np.float64]:
-        """Smallest and largest corner of the points, shape (2, 3), world units."""
+        """Smallest and largest corner of the points, shape (2, 3), world units; NaN without points."""
         import numpy as np
 
         flat = self._native.bounds()
@@ -219,14 +222,14 @@ class Loaded:
 
     @property
     def scene(self) -> Scene:
-        """A copy of the scene, with the seed that it was loaded with."""
+        """Copy of the scene, with the seed it was loaded with."""
         return self._scene.copy()
 
     def __len__(self) -> int:
         return self._native.count()
 
     def close(self) -> None:
-        """Gives the device's memory back."""
+        """Free the device memory."""
         self._native.close()
 
     def __enter__(self) -> Loaded:
@@ -246,7 +249,7 @@ def _load(
     progress: Progress = None,
     with_radii: bool = False,
 ) -> Loaded:
-    """Brings a scene to a device. What was found beside its keys is in force for its frames, too."""
+    """Load a scene on a device. Limits that were given beside its keys also hold for its frames."""
     loaded = Loaded.__new__(Loaded)
     loaded._scene, loaded._limits, loaded._seed = scene, found.limits, scene.seed if seed is None else seed
     if found.direction:
@@ -261,7 +264,7 @@ def _load(
 
 
 def prepared(points: Any, arguments: Mapping[str, Any]) -> tuple[Scene, Asked, Camera | None]:
-    """The scene that arguments of `render` describe, those that are no keys, and the camera."""
+    """Return the scene that arguments of `render` describe, the arguments that are not keys, and the camera."""
     settings = {name: value for name, value in arguments.items() if name not in COLUMNS}
     columns = {name: value for name, value in arguments.items() if value is not None and name in COLUMNS}
     camera, table = _camera(settings.get("camera"))
@@ -274,7 +277,7 @@ def prepared(points: Any, arguments: Mapping[str, Any]) -> tuple[Scene, Asked, C
 
 
 def scene_of(points: Any, columns: Mapping[str, Any]) -> Scene:
-    """A scene of whatever `render` takes."""
+    """Return a scene of whatever `render` takes."""
     if isinstance(points, (str, os.PathLike)):
         _without(columns, "a path")
         return Scene.read(points)
@@ -301,7 +304,7 @@ def camera_changes(camera: Camera | None) -> list[Any] | None:
 
 
 def _camera(given: Any) -> tuple[Camera | None, Mapping[str, Any] | None]:
-    """A camera, or keys of [camera]; neither where none is given."""
+    """Return a camera, or keys of [camera]; both None if nothing is given."""
     if isinstance(given, Mapping):
         return None, given
     if given is not None and not isinstance(given, Camera):
@@ -310,12 +313,12 @@ def _camera(given: Any) -> tuple[Camera | None, Mapping[str, Any] | None]:
 
 
 def positive(name: str, number: Any) -> int:
-    """A whole number from 1 to 100000. Raises ValueError for anything else."""
+    """Return a whole number from 1 to 100000. Raises ValueError for anything else."""
     return whole(name, number, 100_000)
 
 
 def whole(name: str, number: Any, most: int) -> int:
-    """A whole number from 1 to the most. Raises ValueError for anything else."""
+    """Return a whole number from 1 to ``most``. Raises ValueError for anything else."""
     if isinstance(number, bool) or not hasattr(number, "__index__") or not 1 <= number.__index__() <= most:
         shown = "2**63" if most == 2**63 else most
         raise ValueError(f"{name}: expected a whole number from 1 to {shown}, found {number!r}")
@@ -323,7 +326,7 @@ def whole(name: str, number: Any, most: int) -> int:
 
 
 def above_zero(name: str, number: Any) -> float:
-    """A finite number above 0. Raises ValueError for anything else."""
+    """Return a finite number above 0. Raises ValueError for anything else."""
     try:
         found = math.nan if isinstance(number, (str, bytes, bool)) else float(number)
     except (TypeError, ValueError):
@@ -334,7 +337,7 @@ def above_zero(name: str, number: Any) -> float:
 
 
 def _device(device: Any) -> str | int | None:
-    """A device as it is asked for. Raises TypeError for what is neither an index nor a text."""
+    """Return the device that was asked for. Raises TypeError for anything but an index or a text."""
     if device is None or isinstance(device, str):
         return device
     if isinstance(device, bool) or not hasattr(device, "__index__"):
@@ -347,9 +350,10 @@ _opening = threading.Lock()
 
 
 class Sharing:
-    """The renderer that `render` and others share, for the length of a call.
+    """The renderer that `render` and other functions share, held for the length of a call.
 
-    It is opened once, since that takes longer than a small frame. A device that failed may be lost: the next call opens it anew.
+    It is opened once, since that takes longer than a small frame. A device that failed may be lost, so the next call opens a new
+    one.
     """
 
     __slots__ = ("_device", "_renderer")

@@ -1,4 +1,4 @@
-"""Scenes: clouds, and the settings by which they are rendered."""
+"""Scenes: point clouds and the settings for rendering them."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from ._types import Path, Progress, Setting
 
 
 class Table:
-    """A table of a scene file; its keys are attributes, each with the value in force.
+    """A table of a scene file. Its keys are attributes, and each attribute is the value in force.
 
-    What is assigned is checked as in a scene file. None, or ``del``, takes a key out, so that its default holds. `keys` lists
-    them, and ``help()`` describes them.
+    An assigned value is checked as in a scene file. Assign None, or use ``del``, to remove a key, so that its default holds. `keys`
+    lists all keys, and ``help()`` describes them.
     """
 
     __slots__ = ("_path", "_scene")
@@ -34,11 +34,11 @@ class Table:
         object.__setattr__(self, "_path", path)
 
     def keys(self) -> list[str]:
-        """The names of all keys."""
+        """Return the names of all keys."""
         return list(tables()[_generic(self._path)])
 
     def doc(self, key: str) -> str:
-        """The description of a key: values, unit, default."""
+        """Return the description of a key: values, unit, default."""
         table = tables()[_generic(self._path)]
         if key not in table:
             raise AttributeError(f"[{self._path}] has no key {key!r}; it has {', '.join(table)}")
@@ -67,7 +67,7 @@ class Table:
 
 
 class CloudTables:
-    """The settings of the clouds: ``scene.cloud[0].opacity = 0.2`` of one, ``scene.cloud.opacity = 0.2`` of all."""
+    """Settings of the clouds: ``scene.cloud[0].opacity = 0.2`` changes one, ``scene.cloud.opacity = 0.2`` changes all."""
 
     __slots__ = ("_scene",)
 
@@ -113,7 +113,7 @@ def _generic(path: str) -> str:
 
 @functools.cache
 def _class(path: str) -> type[Table]:
-    """A class of a table with a property for each key, for completion and help."""
+    """Return the class of a table, with a property for each key, for completion and help."""
 
     def key_property(key: str, about: str) -> property:
         def get(table: Table) -> Any:
@@ -134,29 +134,29 @@ def _table(scene: Scene, path: str) -> Table:
 
 
 class Scene:
-    """Clouds, and the settings by which they are rendered: what a scene file holds.
+    """Point clouds and the settings for rendering them, as in a scene file.
 
-    The tables of the file are attributes, their keys attributes of those: ``scene.method.samples = 64``,
-    ``scene.image.background``, ``scene.cloud[0].opacity``. docs/scene-file.md describes all keys; so do completion and
+    The tables of the file are attributes, and their keys are attributes of the tables: ``scene.method.samples = 64``,
+    ``scene.image.background``, ``scene.cloud[0].opacity``. docs/scene-file.md describes all keys. So do completion and
     ``help(scene.method)``.
 
     Parameters
     ----------
     clouds
-        A `Cloud`, or several.
+        A `Cloud`, or several of them.
     camera
-        A `Camera`, or keys of [camera]; by default one that sees all of them.
+        A `Camera`, or keys of [camera]. By default, a camera that sees all clouds.
     settings
-        Keys of the scene file, as of `render`: ``size=(480, 360)`` is the picture's. A plain name that several tables have is
-        that of [method], as ``samples``, or that of all clouds, as ``color``; ``shadows__samples`` is that of [shadows].
-        ``shadows=True`` or an empty dict switches shadows on as they are by default.
+        Keys of the scene file, as for `render`; ``size=(480, 360)`` is the size of the picture. If several tables have a key, its
+        plain name means the key of [method], as for ``samples``, or of all clouds, as for ``color``; ``shadows__samples`` is the
+        key of [shadows]. ``shadows=True`` or an empty dict switches shadows on with their defaults.
 
     Raises
     ------
     SceneError
-        A key or value that a scene file can't have. It is a ValueError, too.
+        A key or value is not possible in a scene file. SceneError is also a ValueError.
     TypeError
-        Something that is no cloud, or an argument of another name.
+        Something is not a cloud, or an argument has an unknown name.
     """
 
     __slots__ = ("_direction", "_named", "_native", "seed")
@@ -167,7 +167,7 @@ class Scene:
     # From where all clouds are seen: view, azimuth, elevation.
     _direction: dict[str, Any]
     seed: int
-    """Of everything random: a whole number from 0 to 2**64 - 1."""
+    """Seed of everything random, a whole number from 0 to 2**64 - 1."""
 
     def __init__(
         self, clouds: Cloud | Iterable[Cloud], *, camera: Camera | Mapping[str, Any] | None = None, **settings: Setting
@@ -183,9 +183,10 @@ class Scene:
 
     @classmethod
     def read(cls, *paths: Path, progress: Progress = None) -> Scene:
-        """Opens a scene file (``.toml``), or clouds. Clouds are read when they are needed; huge ones stay where they are stored.
+        """Open a scene file (``.toml``), or point clouds, which are read when they are needed.
 
-        Raises SceneError for what is wrong with the file, by line and column, and ReadError for a cloud that isn't there.
+        Very large clouds stay where they are stored. Raises SceneError for an error in the scene file, with line and column, and
+        ReadError for a missing cloud.
         """
         if not paths:
             raise TypeError("paths: expected a scene file or clouds, found none; Scene.built_in() is the built-in scene")
@@ -208,12 +209,12 @@ class Scene:
     def from_toml(
         cls, text: str, *, folder: Path = ".", clouds: Cloud | Iterable[Cloud] | None = None, progress: Progress = None
     ) -> Scene:
-        """A scene of the text of a scene file, whose relative paths begin in ``folder``.
+        """Make a scene from the text of a scene file. Relative paths in it start from ``folder``.
 
-        ``clouds`` take the place of the files, in the order of [[cloud]]: of a scene that was made of arrays,
-        ``Scene.from_toml(scene.to_toml(), clouds=scene.clouds)`` has the same points and keys. What is no key isn't in the text:
-        ``view``, ``azimuth``, ``elevation`` and the seed. Raises SceneError for what is wrong with the text, and ValueError for
-        another number of clouds than it has.
+        ``clouds`` replace the files, in the order of [[cloud]]. For a scene made from arrays, ``Scene.from_toml(scene.to_toml(),
+        clouds=scene.clouds)`` has the same points and keys. The text doesn't contain what isn't a key: ``view``, ``azimuth``,
+        ``elevation`` and the seed. Raises SceneError for an error in the text, and ValueError if the number of clouds differs from
+        that in the text.
         """
         scene = cls._of(_pellucid.Scene.of_toml(text, os.fspath(folder)))
         if clouds is not None:
@@ -223,7 +224,7 @@ class Scene:
         return scene
 
     def _filled(self, clouds: list[Cloud]) -> Scene:
-        """The same settings with clouds in place of the files."""
+        """Return a scene with the same settings and clouds in place of the files."""
         tables = self.given()
         entries, clips = tables.pop("cloud", []), tables.pop("clip", None)
         if len(entries) != len(clouds):
@@ -243,7 +244,7 @@ class Scene:
 
     @classmethod
     def built_in(cls, seed: int = 0) -> Scene:
-        """The built-in scene: a garden with a house."""
+        """Return the built-in scene: a garden with a house. ``seed`` is from 0 to 2**64 - 1."""
         scene = cls._of(_pellucid.Scene.of_files([], seed))
         scene.seed = seed
         return scene
@@ -256,7 +257,7 @@ class Scene:
         return scene
 
     def copy(self) -> Scene:
-        """Another scene of the same clouds, whose settings change by themselves."""
+        """Return another scene with the same clouds, whose settings change independently."""
         scene = Scene._of(self._native.copy())
         scene.seed = self.seed
         scene._named, scene._direction = self._named, dict(self._direction)
@@ -273,10 +274,10 @@ class Scene:
         raise TypeError("a Scene can't be pickled; send scene.to_toml() and the arrays of its clouds, and make it anew from them")
 
     def to_toml(self, folder: Path = ".") -> str:
-        """The text of a scene file for ``folder``, with the files of clouds as found from there.
+        """Return the text of a scene file that lies in ``folder``. Paths of clouds are relative to it.
 
-        Clouds that came from arrays have their names in place of files. Such a text is no scene without the clouds:
-        `from_toml` takes them beside it. ``view``, ``azimuth``, ``elevation`` and the seed are no keys, and not in it.
+        Clouds made from arrays have their names in place of files. Such a text isn't a scene without the clouds; pass them to
+        `from_toml` with it. ``view``, ``azimuth``, ``elevation`` and the seed aren't keys, so the text doesn't contain them.
         """
         written = self.copy()
         entries = self.given()["cloud"] if self._named else []
@@ -286,10 +287,10 @@ class Scene:
         return written._native.to_toml(os.fspath(folder))
 
     def set(self, key: str, value: Setting) -> None:
-        """Gives a dotted key a value, as in ``method.samples``, ``cloud.0.opacity`` or ``cloud.*.radius``; None takes it out.
+        """Set a dotted key, such as ``method.samples``, ``cloud.0.opacity`` or ``cloud.*.radius``. None removes the key.
 
-        A plain name stands for the same key as an argument of `Scene` does: ``samples`` for ``method.samples``.
-        Raises SceneError for a key or value that no scene has; the scene then stays as it was.
+        A plain name means the same key as it does as an argument of `Scene`: ``samples`` is ``method.samples``. Raises SceneError
+        for a key or value that no scene has; the scene is then unchanged.
         """
         if not isinstance(key, str):
             raise TypeError(f"key: expected a dotted key as 'method.samples', found {type(key).__name__}")
@@ -301,7 +302,7 @@ class Scene:
             self._change([change(key, path, value)])
 
     def _check_key(self, path: str) -> None:
-        """Refuses a dotted key that no scene has; a part of one is a key, too."""
+        """Refuse a dotted key that no scene has. A part of a key is also a key."""
         parts = path.split(".")
         table = parts.pop(0)
         if table in ("cloud", "clip") and parts:
@@ -321,7 +322,10 @@ class Scene:
         return index.isdigit() and int(index) < (clouds if table == "cloud" else clips)
 
     def get(self, key: str) -> Any:
-        """The value in force of a dotted key; None where nothing is given and nothing stands for it. KeyError for unknown keys."""
+        """Return the value in force of a dotted key, or None where nothing is given and there is no default.
+
+        Raises KeyError for unknown keys.
+        """
         path = _path(key)
         if key in TABLES:
             return self.given().get(key)
@@ -344,18 +348,19 @@ class Scene:
         return given
 
     def given(self) -> dict[str, Any]:
-        """All keys that were given, table by table."""
+        """Return all keys that were given, table by table."""
         return cast("dict[str, Any]", json.loads(self._native.given()))
 
     def update(self, *, camera: Camera | Mapping[str, Any] | None = None, **settings: Setting) -> None:
-        """Changes several settings at once, named as for `render`: ``size`` is the picture's. All of them change or none.
+        """Change several settings at once, with names as for `render`: either all of them change or none.
 
-        A `Camera` takes the place of the whole table [camera]; a dict changes keys of it. ``view``, ``azimuth`` and
-        ``elevation`` say from where all clouds are seen. A new ``view`` forgets earlier angles, and so does a camera.
+        ``size`` is the size of the picture. A `Camera` replaces the whole table [camera]; a dict changes keys of it. ``view``,
+        ``azimuth`` and ``elevation`` give the direction from which all clouds are seen. A new ``view`` discards earlier angles, and
+        so does a camera.
 
-        ``clip``, ``slices``, ``classes`` and ``without`` leave out further points: after ``classes=[2]`` and then ``classes=[6]``
-        none is left. ``scene.clip = []`` takes all clips and slices out, ``scene.set("cloud.*.class", None)`` all that was said
-        of classes, also ``class_opacity``.
+        ``clip``, ``slices``, ``classes`` and ``without`` leave out further points: after ``classes=[2]`` and then ``classes=[6]``,
+        no point is left. ``scene.clip = []`` removes all clips and slices. ``scene.set("cloud.*.class", None)`` removes all
+        settings of classes, ``class_opacity`` included.
         """
         found = asked(settings if isinstance(camera, Camera) else {"camera": camera, **settings})
         for name in found.limits:
@@ -370,12 +375,12 @@ class Scene:
         self._native, self._direction = changed._native, changed._direction
 
     def _look(self, camera: Camera) -> None:
-        """Takes a camera in place of the scene's own, and of a direction."""
+        """Replace the scene's own camera, and a direction, by a camera."""
         self._native.change(["camera"], camera._changes())
         self._turn({})
 
     def _direct(self, direction: dict[str, Any]) -> None:
-        """Looks from a direction. Angles change the one in force, a view takes its place."""
+        """Look from a direction. Angles change the direction in force; a view replaces it."""
         self._turn(direction if "view" in direction else {**self._direction, **direction})
 
     def _turn(self, direction: dict[str, Any]) -> None:
@@ -390,7 +395,7 @@ class Scene:
             self._turn({})
 
     def _assign(self, table: str, value: Mapping[str, Any] | bool | None) -> None:
-        """Puts a dict in place of a whole table; None takes it out."""
+        """Replace a whole table by a dict; None removes the table."""
         self._native.change([table], asked({table: value}).changes)
 
     def _values(self, table: str) -> dict[str, Any]:
@@ -402,7 +407,7 @@ class Scene:
 
     @property
     def clouds(self) -> list[Cloud]:
-        """The points of its clouds; those of files are read now."""
+        """Point clouds of the scene. Those of files are read when you ask for them."""
         natives = self._clouds(None)
         names = [str(self.get(f"cloud.{index}.path")) for index in range(len(natives))]
         return [
@@ -423,7 +428,7 @@ class Scene:
 
     @property
     def image(self) -> Any:
-        """``[image]``: size, background, color space. A dict takes the place of all its keys, as of other tables."""
+        """``[image]``: size, background, color space. An assigned dict replaces all its keys, as for other tables."""
         return _table(self, "image")
 
     @image.setter
@@ -432,7 +437,7 @@ class Scene:
 
     @property
     def camera(self) -> Any:
-        """``[camera]``. Assign a `Camera` to look from elsewhere, or None for one that sees all clouds."""
+        """``[camera]``. Assign a `Camera` to look from elsewhere, or None for a camera that sees all clouds."""
         return _table(self, "camera")
 
     @camera.setter
@@ -445,7 +450,7 @@ class Scene:
 
     @property
     def shading(self) -> Any:
-        """``[shading]``."""
+        """``[shading]``: how points are lit."""
         return _table(self, "shading")
 
     @shading.setter
@@ -463,7 +468,7 @@ class Scene:
 
     @property
     def detail(self) -> Any:
-        """``[detail]``: points that are left out."""
+        """``[detail]``: which points are left out."""
         return _table(self, "detail")
 
     @detail.setter
@@ -472,7 +477,7 @@ class Scene:
 
     @property
     def method(self) -> Any:
-        """``[method]``: the name, and the keys that the method has."""
+        """``[method]``: the name, and the keys of the method."""
         return _table(self, "method")
 
     @method.setter
@@ -484,12 +489,12 @@ class Scene:
 
     @property
     def cloud(self) -> CloudTables:
-        """The settings of the clouds, ``scene.cloud[0]`` those of the first one."""
+        """Settings of the clouds; ``scene.cloud[0]`` has those of the first one."""
         return CloudTables(self)
 
     @property
     def clip(self) -> tuple[dict[str, Any], ...]:
-        """``[[clip]]``: boxes, planes, slabs and polygons that points must lie in. They are copies.
+        """``[[clip]]``: copies of the boxes, planes, slabs and polygons that points must lie in.
 
         Assign dicts to change them, as in ``scene.clip = [*scene.clip, {"slab": {"axis": "z", "max": 2.0}}]``.
         """
@@ -505,7 +510,7 @@ class Scene:
 
 
 def _several(clouds: Cloud | Iterable[Cloud]) -> list[Cloud]:
-    """One cloud or several as a list. Raises TypeError for anything else, and ValueError for none."""
+    """Return one cloud or several as a list. Raises TypeError for anything else, and ValueError for none."""
     if isinstance(clouds, Cloud):
         return [clouds]
     if isinstance(clouds, (str, os.PathLike)):
@@ -522,12 +527,12 @@ def _several(clouds: Cloud | Iterable[Cloud]) -> list[Cloud]:
 
 
 def _without_files(clouds: list[Cloud]) -> frozenset[int]:
-    """Clouds by index that have a name in place of a file."""
+    """Return the indices of clouds that have a name in place of a file."""
     return frozenset(index for index, cloud in enumerate(clouds) if not cloud._file)
 
 
 def _names(clouds: list[Cloud]) -> list[str]:
-    """Names that tell clouds apart; those of files stay as they are."""
+    """Return names that tell clouds apart; those of files stay as they are."""
     names = [cloud.name for cloud in clouds]
     return [
         name if cloud._file or names.count(name) == 1 else f"{name}-{index}"
@@ -536,7 +541,7 @@ def _names(clouds: list[Cloud]) -> list[str]:
 
 
 def _full(key: str) -> str:
-    """A dotted key; of a plain name the one that it stands for. Raises SceneError for one that no table has."""
+    """Return the dotted key that a name stands for. Raises SceneError for a name that no table has."""
     if "." in key or key in TABLES:
         return key
     try:
@@ -546,7 +551,7 @@ def _full(key: str) -> str:
 
 
 def _where(name: str) -> str:
-    """What to say of an attribute that a scene doesn't have."""
+    """Return a message for an attribute that a scene doesn't have."""
     try:
         table, _, key = dotted(name).partition(".")
     except TypeError as error:
@@ -556,7 +561,7 @@ def _where(name: str) -> str:
 
 
 def _path(key: str) -> list[str]:
-    """The parts of a dotted key; of all clouds the first one stands for them. Raises KeyError for a name that no table has."""
+    """Return the parts of a dotted key, with the first cloud in place of all. Raises KeyError for a name that no table has."""
     try:
         parts = _full(key).split(".")
     except SceneError as error:
@@ -567,13 +572,13 @@ def _path(key: str) -> list[str]:
 
 
 def _split(path: list[str]) -> tuple[str, str]:
-    """Table and name of a key."""
+    """Return the table and the name of a key."""
     head = 2 if path[0] in ("cloud", "clip") else 1
     return ".".join(path[:head]), ".".join(path[head:])
 
 
 def _parsed(text: str) -> Any:
-    """A value as the scene file writes it."""
+    """Return a value as it is written in the scene file."""
     try:
         return json.loads(text)
     except json.JSONDecodeError:

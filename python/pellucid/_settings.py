@@ -1,7 +1,6 @@
 """Keyword arguments as keys of the scene file.
 
-The keys, their tables and their descriptions come from the table that the readers of scene files have; the values are
-checked there, too.
+The keys, their tables and their descriptions come from the table of the scene file readers, which also check the values.
 """
 
 from __future__ import annotations
@@ -90,7 +89,7 @@ class KeyInfo(TypedDict):
 
 @functools.cache
 def tables() -> dict[str, dict[str, KeyInfo]]:
-    """All keys by table and name."""
+    """Return all keys by table and name."""
     found = json.loads(_pellucid.keys())
     all = {table["path"]: {key["name"]: cast(KeyInfo, key) for key in table["keys"]} for table in found}
     name: KeyInfo = {
@@ -107,7 +106,7 @@ def tables() -> dict[str, dict[str, KeyInfo]]:
 
 
 def described(info: KeyInfo) -> str:
-    """The description of a key, as a docstring."""
+    """Return the description of a key, as a docstring."""
     text = f"{info['about']}\n\n{info['kind']}"
     if info["unit"]:
         text += f", {info['unit']}"
@@ -121,7 +120,7 @@ def described(info: KeyInfo) -> str:
 
 
 def toml(name: str, value: Any) -> str:
-    """A value as TOML. Raises ValueError and TypeError that name the argument."""
+    """Return a value as TOML. Raises ValueError and TypeError that name the argument."""
     if hasattr(value, "tolist") and not isinstance(value, (str, bytes)):
         value = value.tolist()
     if isinstance(value, bool):
@@ -144,7 +143,7 @@ def toml(name: str, value: Any) -> str:
 
 
 def dotted(name: str) -> str:
-    """The dotted key that a keyword stands for. Raises TypeError for one that no table has."""
+    """Return the dotted key that a keyword stands for. Raises TypeError for a keyword that no table has."""
     path = name.replace("__", ".")
     first, _, rest = path.partition(".")
     if rest and first in ("cloud", "clip"):
@@ -177,14 +176,14 @@ def _unknown(name: str) -> str:
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
-    """The known name that is most like one that isn't known."""
+    """Return the known name that is most like an unknown one, or None."""
     import difflib
 
     return next(iter(difflib.get_close_matches(name.lower(), sorted(known), n=1, cutoff=0.7)), None)
 
 
 class Asked(NamedTuple):
-    """Keyword arguments, sorted."""
+    """Keyword arguments, sorted into changes of keys, directions and limits."""
 
     changes: list[Change]
     direction: dict[str, Any]
@@ -192,7 +191,7 @@ class Asked(NamedTuple):
 
 
 def asked(settings: Mapping[str, Any]) -> Asked:
-    """Sorts keyword arguments that are keys or options. Those that are None count as not given."""
+    """Sort keyword arguments that are keys or options. A value of None counts as not given."""
     found = Asked([], {}, {})
     for name, value in with_bytes(settings).items():
         if value is None:
@@ -213,24 +212,24 @@ def asked(settings: Mapping[str, Any]) -> Asked:
 
 
 def check_name(name: str) -> None:
-    """Raises TypeError for a name that is neither a key nor an option."""
+    """Raise TypeError for a name that is neither a key nor an option."""
     if name not in TABLES + _DIRECTIONS + _LIMITS + _SHORT:
         dotted(name)
 
 
 def places(changes: Iterable[Change]) -> bool:
-    """True if changes say where the camera is, or what it looks at."""
+    """Return True if changes say where the camera is, or what it looks at."""
     return any(path in ("camera.eye", "camera.target") for _, path, _, _ in changes)
 
 
 def one_view(direction: Mapping[str, Any]) -> None:
-    """Refuses a direction; for use where a camera was given."""
+    """Refuse a direction where a camera was given."""
     for name in direction:
         raise TypeError(f"{name}: expected no camera beside it: both say from where; of a lens alone, camera={{'fov_y': 30}}")
 
 
 def change(name: str, path: str, value: Any) -> Change:
-    """The value of a dotted key; errors call it by `name`. Raises ValueError and TypeError that name the argument."""
+    """Return the change of a dotted key. Raises ValueError and TypeError that call the key by `name`."""
     _check_one(name, path, value)
     given = _size(value) if name == "size" else value.tolist() if hasattr(value, "tolist") else value
     info = _info(path)
@@ -240,7 +239,7 @@ def change(name: str, path: str, value: Any) -> Change:
 
 
 def _info(path: str) -> KeyInfo | None:
-    """What is known of a dotted key."""
+    """Return what is known of a dotted key."""
     table, _, key = path.partition(".")
     if table in ("cloud", "clip"):
         table, key = f"{table}.*", key.partition(".")[2]
@@ -248,14 +247,14 @@ def _info(path: str) -> KeyInfo | None:
 
 
 def _whole(value: Any) -> Any:
-    """Whole floats as integers, also in lists; all else as it is."""
+    """Return whole floats as integers, also in lists, and all else as it is."""
     if isinstance(value, (list, tuple)):
         return [_whole(item) for item in value]
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
 def _check_one(name: str, path: str, value: Any) -> None:
-    """Refuses a value for each point where there is one for all of them."""
+    """Refuse a value for each point where there is one for all of them."""
     key = path.rpartition(".")[2]
     if key not in _OF_EACH or not path.startswith("cloud.") or "class" in path:
         return
@@ -267,7 +266,7 @@ def _check_one(name: str, path: str, value: Any) -> None:
 
 
 def _levels(value: Any) -> int:
-    """How deep lists are nested: 0 of a number, 1 of a list of them."""
+    """Return how deep lists are nested: 0 for a number, 1 for a list of numbers."""
     if hasattr(value, "ndim"):
         return int(value.ndim)
     return 1 + (_levels(value[0]) if value else 0) if isinstance(value, (list, tuple)) else 0
@@ -286,7 +285,7 @@ def _number(name: str, value: Any) -> float:
 
 
 def with_bytes(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """The settings with numbers of bytes for ``memory_budget`` and ``host_memory``, which may be texts as "4GiB" as well."""
+    """Return the settings with ``memory_budget`` and ``host_memory`` in bytes, which may be texts such as "4GiB"."""
     return {**settings, **{name: _bytes(name, settings[name]) for name in _BYTES if settings.get(name) is not None}}
 
 
@@ -299,7 +298,7 @@ def _bytes(name: str, value: Any) -> int:
 
 
 def _bytes_of(text: str) -> float:
-    """The bytes that a text stands for, as on the command line; NaN of any other text."""
+    """Return the bytes that a text stands for, as on the command line; NaN for any other text."""
     parts = _TEXT_OF_BYTES.fullmatch(text.strip())
     if parts is None:
         return math.nan
@@ -309,7 +308,7 @@ def _bytes_of(text: str) -> float:
 
 
 def _table(name: str, value: Any, found: Asked) -> None:
-    """A whole table: its keys one by one; the method by its name alone, clips as a list, shadows as True or empty."""
+    """Add a whole table: its keys one by one; the method by its name alone, clips as a list, shadows as True or empty."""
     if name == "method" and isinstance(value, str):
         found.changes.append((f"method={value!r}", "method.name", toml(name, value), False))
     elif name == "clip":
@@ -331,7 +330,7 @@ def _table(name: str, value: Any, found: Asked) -> None:
 
 
 def _short(name: str, value: Any) -> list[Change]:
-    """Options that leave points out or make them see-through."""
+    """Return the changes for options that leave points out or make them see-through."""
 
     def entry(text: str, entry: dict[str, Any]) -> Change:
         return (text, "cloud.*.class", toml(name, entry), True)
@@ -362,7 +361,7 @@ def _short(name: str, value: Any) -> list[Change]:
 
 
 def _code(name: str, given: Any) -> int:
-    """The code of a class that is given by its number or name."""
+    """Return the code of a class, given by its number or name."""
     if isinstance(given, str) and not given.isdigit():
         code = _pellucid.class_code(given)
         if code is None:
@@ -406,7 +405,7 @@ def ask(
     radius_factor: float = 1.0,
     seed: int | None = None,
 ) -> dict[str, Any]:
-    """What native code is asked for."""
+    """Return a request for native code."""
     if accuracy not in ("exact", "8-bit"):
         raise ValueError(f"accuracy: expected 'exact' or '8-bit', found {accuracy!r}")
     return {

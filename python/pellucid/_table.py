@@ -51,10 +51,10 @@ class Parts:
 
 
 def assign(table: Mapping[str, NDArray[Any]], parts: Parts | None, *, measured: bool) -> Parts:
-    """Finds the columns of a table, each (n,), by their names; what has none of them is a scalar.
+    """Find the columns of a table, each of shape (n,), by their names; a column of another name is a scalar.
 
-    `parts` is what is known already, points above all; `None` if they are columns as well. With `measured` the values tell
-    which number is full intensity, unless they are bytes; else their type does.
+    `parts` is what is known already, points above all; None if points are columns, too. With `measured`, the values decide which
+    number is full intensity, unless they are bytes; else their type does.
     """
     rest = dict(table)
     if parts is None:
@@ -79,7 +79,7 @@ def assign(table: Mapping[str, NDArray[Any]], parts: Parts | None, *, measured: 
 
 
 def finish(parts: Parts, *, what: str, z_up: bool | None = None) -> dict[str, Any]:
-    """Arguments of `Cloud`. Points that are not finite are left out, with a warning."""
+    """Return arguments of `Cloud`. Points that are not finite are left out, with a warning."""
     if parts.points.ndim != 2 or parts.points.shape[1] != 3:
         raise ValueError(f"points: {what} has points of shape {parts.points.shape}, expected (n, 3)")
     finite = np.isfinite(parts.points).all(axis=1)
@@ -93,7 +93,7 @@ def finish(parts: Parts, *, what: str, z_up: bool | None = None) -> dict[str, An
 
 
 def _columns(parts: Parts) -> dict[str, Any]:
-    """Arguments of `Cloud` beside the points."""
+    """Return arguments of `Cloud` other than the points."""
     given: dict[str, Any] = {}
     if parts.colors is not None:
         given |= _colors(parts)
@@ -122,7 +122,7 @@ def _keep(parts: Parts, rows: NDArray[np.bool_]) -> None:
 
 
 def _find(table: Mapping[str, Any], names: tuple[str, ...]) -> str | None:
-    """The name in the table of the first of some names that it has, in any case."""
+    """Return the name in the table of the first of some names that it has, in any case."""
     lower = {name.lower(): name for name in reversed(list(table))}
     return next((lower[name] for name in names if name in lower), None)
 
@@ -133,7 +133,7 @@ def _take(table: dict[str, NDArray[Any]], names: tuple[str, ...]) -> NDArray[Any
 
 
 def _take_three(table: dict[str, NDArray[Any]], threes: tuple[tuple[str, str, str], ...]) -> Any:
-    """Takes three columns and makes rows of them; `None` unless all three are there."""
+    """Take three columns as the columns of one array; return None unless all three are there."""
     for three in threes:
         found = [_find(table, (name,)) for name in three]
         if None not in found:
@@ -146,7 +146,7 @@ def _are_codes(values: NDArray[Any]) -> bool:
 
 
 def _full_scale(values: NDArray[np.float32]) -> float | None:
-    """The number of full intensity where the type doesn't say it; `None` if no value is above 0."""
+    """Return the number of full intensity where the type doesn't decide it; None if no value is above 0."""
     finite = values[np.isfinite(values)]
     largest = finite.max(initial=0)
     if largest <= 0:
@@ -157,7 +157,7 @@ def _full_scale(values: NDArray[np.float32]) -> float | None:
 
 
 def _colors(parts: Parts) -> dict[str, Any]:
-    """Colors as `Cloud` takes them: 8 or 16 bits, or floats from 0 to 1 with their color space."""
+    """Return colors as `Cloud` takes them: 8 or 16 bits, or floats from 0 to 1 with their color space."""
     colors = parts.colors
     assert colors is not None
     if colors.dtype.kind == "u" and (colors.itemsize == 1 or (colors.itemsize == 2 and not parts.measured)):
@@ -179,12 +179,12 @@ def _colors(parts: Parts) -> dict[str, Any]:
 
 
 def _as_bytes(values: NDArray[Any]) -> NDArray[np.uint8]:
-    """Integers of another type than bytes as bytes; those below 0 of signed bytes are bytes that someone declared wrongly."""
+    """Return integers of another type as bytes; signed bytes below 0 are taken for bytes that were declared wrongly."""
     return values.view(np.uint8) if values.dtype == np.int8 else np.clip(values, 0, 255).astype(np.uint8)
 
 
 def _alphas(alpha: NDArray[Any], *, measured: bool) -> NDArray[np.float32]:
-    """Opacities from 0 to 1; what is no number is 1."""
+    """Return opacities from 0 to 1; NaN becomes 1."""
     full = 255.0
     if measured and alpha.dtype != np.uint8:
         full = _full_scale(alpha.astype(np.float32)) or 1.0
@@ -200,20 +200,20 @@ def _alphas(alpha: NDArray[Any], *, measured: bool) -> NDArray[np.float32]:
 
 
 def _normals(normals: NDArray[Any]) -> NDArray[np.float32] | None:
-    """Normals; zero where one is not finite, none if all are."""
+    """Return normals, zero where one is not finite; None if no normal is left."""
     values = normals.astype(np.float32)
     values[~np.isfinite(values).all(axis=1)] = 0
     return values if values.any() else None
 
 
 def are_splats(table: Mapping[str, Any]) -> bool:
-    """True if the columns are those of Gaussian splats in a PLY file."""
+    """Return True if the columns are those of Gaussian splats in a PLY file."""
     names = {name.lower() for name in table}
     return all(name in names for name in _SPLAT)
 
 
 def splats(table: Mapping[str, NDArray[Any]], *, what: str) -> Any:
-    """A `Cloud` of Gaussian splats: the columns are those of a PLY file, which the reader of such files then reads."""
+    """Return a `Cloud` of Gaussian splats, from the columns of a PLY file, which the reader of such files reads."""
 
     def write(file: BinaryIO) -> None:
         # PLY has no integers of 8 bytes and no booleans.
@@ -230,7 +230,7 @@ def splats(table: Mapping[str, NDArray[Any]], *, what: str) -> Any:
 
 
 def read(write: Callable[[BinaryIO], object], *, what: str) -> Any:
-    """The `Cloud` of a file that `write` writes."""
+    """Return the `Cloud` of a file that `write` writes."""
     from ._cloud import Cloud
 
     with _file(write) as path:
@@ -244,7 +244,7 @@ def read(write: Callable[[BinaryIO], object], *, what: str) -> Any:
 
 @contextmanager
 def _file(write: Callable[[BinaryIO], object]) -> Iterator[str]:
-    """The path of a file in memory where the system has such files, else of a temporary one."""
+    """Yield the path of a file in memory where the system has such files, else of a temporary one."""
     if hasattr(os, "memfd_create"):
         with open(os.memfd_create("pellucid.ply"), "wb") as file:
             write(file)

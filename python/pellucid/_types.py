@@ -1,4 +1,4 @@
-"""Names of types in signatures."""
+"""Type names used in signatures."""
 
 from __future__ import annotations
 

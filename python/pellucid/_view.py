@@ -1,4 +1,4 @@
-"""`pellucid.view`: a window in a notebook, or a picture where there can be none."""
+"""`pellucid.view`: a window in a notebook, or a picture where a window isn't possible."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ._types import Size
 def shown(
     points: Any, *, size: Size | None, device: str | int | None, frame_ms: float, arguments: dict[str, Any], frame: dict[str, Any]
 ) -> Any:
-    """What `pellucid.view` gives. `arguments` are those of `Renderer.load`, `frame` those of `Loaded.frame`."""
+    """Return what `pellucid.view` returns. `arguments` are those of `Renderer.load`, `frame` those of `Loaded.frame`."""
     # What is wrong with these a window would find out by its first `picture()`.
     ask(Asked([], {}, {}), **frame)
     if _is_notebook():
@@ -35,7 +35,7 @@ def shown(
 
 
 def _is_notebook() -> bool:
-    """True if a kernel of Jupyter runs this, whose front end shows widgets."""
+    """Return True if a Jupyter kernel runs this, whose front end shows widgets."""
     shell = sys.modules.get("IPython")
     running = None if shell is None else shell.get_ipython()
     return getattr(running, "kernel", None) is not None

@@ -1,4 +1,4 @@
-"""The window of `pellucid.view`: a canvas that is drawn from here, and controls below it."""
+"""The window of `pellucid.view`: a canvas that Python draws, and controls below it."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _SAMPLES = (1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024)
 
 
 class Canvas(jupyter_rfb.RemoteFrameBuffer):  # type: ignore[misc]
-    """Shows the latest picture and hands the pointer's movements on."""
+    """Canvas that shows the latest picture and passes on pointer events."""
 
     def __init__(self, window: Window, size: tuple[int, int]) -> None:
         self._window = weakref.proxy(window)
@@ -40,18 +40,18 @@ class Canvas(jupyter_rfb.RemoteFrameBuffer):  # type: ignore[misc]
         super().__init__(css_width=f"{size[0]}px", css_height=f"{size[1]}px", resizable=True, cursor="grab")
 
     def get_frame(self) -> NDArray[np.uint8] | None:
-        """The latest picture, at most one for each frame that the page has taken."""
+        """Return the latest picture, at most one for each frame that the page has taken."""
         return self.pixels
 
     def handle_event(self, event: dict[str, Any]) -> None:
-        """Turns, moves and resizes."""
+        """Turn, move or resize the view."""
         self._window._handle(event)
 
 
 class Window(ipywidgets.VBox):  # type: ignore[misc]
-    """A scene in a notebook. `pellucid.view` makes it; its arguments are explained there.
+    """A scene in a notebook. `pellucid.view` makes it and explains its arguments.
 
-    ``arguments`` are those of `Renderer.load`, ``frame`` those of `Loaded.frame` for whole pictures.
+    ``arguments`` are those of `Renderer.load`; ``frame`` has those of `Loaded.frame` for whole pictures.
     """
 
     def __init__(
@@ -74,7 +74,7 @@ class Window(ipywidgets.VBox):  # type: ignore[misc]
             raise
 
     def _begin(self) -> None:
-        """Makes canvas and controls around the first picture."""
+        """Make the canvas and the controls around the first picture."""
         begin = self._painter.begin
         self._home = begin.request.camera
         self._still = begin.image.to_png()
@@ -94,7 +94,7 @@ class Window(ipywidgets.VBox):  # type: ignore[misc]
 
     @property
     def camera(self) -> Camera:
-        """The present view. Setting it shows another one; eye, target and up stay where that has none."""
+        """Current view. Assign a `Camera` to change it; eye, target and up stay where the new camera has none."""
         return self._request.camera
 
     @camera.setter
@@ -104,11 +104,11 @@ class Window(ipywidgets.VBox):  # type: ignore[misc]
         self._want(camera=_placed(camera, self.camera))
 
     def picture(self, size: tuple[int, int] | None = None) -> Image:
-        """Renders the present view with nothing left out. `size` is columns and rows, by default those of the window."""
+        """Render the current view with nothing left out. `size` is width and height, by default those of the window."""
         return self._painter.whole(self._request if size is None else replace(self._request, size=size))
 
     def close(self) -> None:
-        """Ends the window and gives the device's memory back."""
+        """Close the window and free the device memory."""
         # ipywidgets closes windows that were never finished, too.
         if hasattr(self, "_finalizer"):
             self._finalizer()
@@ -116,7 +116,7 @@ class Window(ipywidgets.VBox):  # type: ignore[misc]
         super().close()
 
     def _repr_mimebundle_(self, **given: Any) -> Any:
-        """The widget, and a picture of it for pages that have no kernel."""
+        """Return the widget, and a picture of it for pages without a kernel."""
         bundle = super()._repr_mimebundle_(**given)
         if bundle:
             (bundle[0] if isinstance(bundle, tuple) else bundle)["image/png"] = base64.b64encode(self._still).decode()
@@ -130,11 +130,11 @@ class Window(ipywidgets.VBox):  # type: ignore[misc]
         self._painter.ask(self._request)
 
     def _control(self, _: Any) -> None:
-        """A slider was moved."""
+        """Take over the value of a slider that was moved."""
         self._want(**_values(self._controls))
 
     def _show(self, made: Picture | Exception) -> None:
-        """Shows a picture, or why there is none."""
+        """Show a picture, or the reason why there is none."""
         if isinstance(made, Exception):
             self._status.value = f"{type(made).__name__}: {made}"
             return
@@ -164,7 +164,7 @@ class Window(ipywidgets.VBox):  # type: ignore[misc]
             self._finalizer()
 
     def _drag(self, x: float, y: float) -> None:
-        """Turns by half a turn over the window's height; moves with Shift or another button than the left one."""
+        """Turn by half a turn over the window's height; move the view with Shift or a button other than the left one."""
         assert self._pointer is not None
         right, down = (x - self._pointer[0]) / self._css_size[1], (y - self._pointer[1]) / self._css_size[1]
         self._pointer = (x, y)
@@ -184,7 +184,7 @@ class Window(ipywidgets.VBox):  # type: ignore[misc]
 
 
 def _deliver_to(window: weakref.ref[Window], loop: asyncio.AbstractEventLoop) -> Any:
-    """Brings what the painter made from its thread to the loop. Nothing here keeps the window."""
+    """Return a function that brings pictures from the painter's thread to the loop and keeps no reference to the window."""
 
     def show(made: Picture | Exception) -> None:
         if (there := window()) is not None:
@@ -198,13 +198,13 @@ def _deliver_to(window: weakref.ref[Window], loop: asyncio.AbstractEventLoop) ->
 
 
 def _placed(camera: Camera, present: Camera) -> Camera:
-    """A camera with eye, target and up, of another one where they aren't given: the pointer moves no other cameras."""
+    """Return a camera with eye, target and up, taken from the current one where missing: the pointer can move no other camera."""
     names = ("eye", "target", "up")
     return replace(camera, **{name: getattr(present, name) for name in names if getattr(camera, name) is None})
 
 
 def _controls(method: str, settings: dict[str, Any], changed: Any) -> dict[str, Any]:
-    """Sliders by what they change: opacity of all but opaque methods, the threshold of soft ones, samples."""
+    """Return sliders by name: opacity for all but opaque methods, the threshold for soft ones, and samples."""
     layout = ipywidgets.Layout(width="320px")
     made: dict[str, Any] = {}
     if method not in _OPAQUE:
@@ -224,20 +224,20 @@ def _controls(method: str, settings: dict[str, Any], changed: Any) -> dict[str, 
 
 
 def _methods_with(key: str) -> list[str]:
-    """The methods for which a scene file has a key."""
+    """Return the methods for which a scene file has a key."""
     found = tables()["method"].get(key)
     return [] if found is None else found["methods"]
 
 
 def _values(controls: dict[str, Any]) -> dict[str, Any]:
-    """What the controls say, as a request has it."""
+    """Return the values of the controls as a request has them."""
     values = {name: control.value for name, control in controls.items()}
     settings = {"threshold": values.pop("threshold")} if "threshold" in values else {}
     return {**values, "settings": settings}
 
 
 def _caption(made: Picture) -> str:
-    """Below the canvas: the method, what is left out, the time."""
+    """Return the caption below the canvas: the method, what is left out, and the time."""
     parts = [made.method]
     if made.draft.samples is not None:
         parts.append(f"{made.draft.samples} samples")

@@ -1,8 +1,8 @@
-"""Runs the notebooks and writes them with what they show.
+"""Run the notebooks and write them with their output.
 
     python python/tools/notebooks.py [NOTEBOOK…]
 
-Pictures get a palette, so that the files stay small; run by themselves the notebooks show all colors.
+Pictures get a palette, so that the files stay small. If you run the notebooks yourself, they show all colors.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ NOTEBOOKS = Path(__file__).resolve().parents[1] / "notebooks"
 
 
 def run(path: Path) -> None:
-    """Runs all cells in the notebook's folder."""
+    """Run all cells in the notebook's folder."""
     notebook = nbformat.read(path, as_version=4)
     folder = {"metadata": {"path": str(path.parent)}}
     NotebookClient(notebook, timeout=600, kernel_name="python3", resources=folder, record_timing=False).execute()
@@ -36,7 +36,7 @@ def run(path: Path) -> None:
 
 
 def with_palette(png: bytes) -> bytes:
-    """The same picture in 256 colors."""
+    """Return the same picture in 256 colors."""
     picture = Image.open(io.BytesIO(png)).convert("RGB")
     palette = picture.quantize(255, kmeans=2)
     indices = np.array(picture.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG))

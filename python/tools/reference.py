@@ -1,8 +1,8 @@
-"""Builds the API reference from docstrings, and fails where a public name has none.
+"""Build the API reference from docstrings, and fail if a public name has none.
 
     python python/tools/reference.py [FOLDER]
 
-FOLDER is target/python-reference by default. Made by pdoc: it needs no configuration and no theme, reads signatures and
+FOLDER is target/python-reference by default. The generator is pdoc: it needs no configuration and no theme, reads signatures and
 docstrings as they are, and its pages work from disk.
 """
 
@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def undocumented() -> list[str]:
-    """Public names without a docstring."""
+    """Return the public names without a docstring."""
     found: list[str] = []
     for name in sorted(pellucid.__all__):
         thing = getattr(pellucid, name)

@@ -7,9 +7,9 @@ use crate::methods::Frame;
 use crate::points::Points;
 use crate::prepare::Arranged;
 
-/// A hash of everything that determines the image and the time of a frame, except for the method: points, properties of
-/// their clouds, camera, size, shading, color space, background, memory budget, factors and seed; device and driver;
-/// the program's version. In hexadecimal digits.
+/// Returns a hash of everything that determines the image and the time of a frame, except for the method: points,
+/// properties of their clouds, camera, size, shading, color space, background, memory budget, factors and seed; device
+/// and driver; the program's version. In hexadecimal digits.
 ///
 /// The method only enters through `formation`.
 pub fn hash(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &str, device: &DeviceInfo) -> String {

@@ -34,7 +34,7 @@ pub struct Image {
 }
 
 impl Image {
-    /// True if the colors came to the host.
+    /// Returns `true` if the colors came to the host.
     pub fn has_colors(&self) -> bool {
         self.rgba.len() == self.depth.len()
     }
@@ -44,12 +44,12 @@ impl Image {
         self.stderr.as_deref().map(|errors| mean_square(errors).sqrt())
     }
 
-    /// The image over a background: C + (1 − A)·background.
+    /// Returns the image over a background: C + (1 − A)·background.
     pub fn composed(&self, background: Vec3) -> Vec<[f32; 3]> {
         self.rgba.iter().map(|pixel| Self::over(*pixel, background)).collect()
     }
 
-    /// A premultiplied pixel over a background.
+    /// Returns a premultiplied pixel over a background.
     pub fn over([r, g, b, a]: [f32; 4], background: Vec3) -> [f32; 3] {
         (Vec3::new(r, g, b) + (1.0 - a) * background).to_array()
     }

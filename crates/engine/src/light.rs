@@ -1,4 +1,4 @@
-//! Where light comes from.
+//! Directions that light comes from.
 
 use glam::DVec3;
 

@@ -106,7 +106,7 @@ impl Declared {
         panic!("{source}: nothing is declared")
     }
 
-    /// How it reaches the device.
+    /// Returns how it reaches the device.
     fn kind(&self) -> &'static str {
         let path = Path::new(CRATE).join("shaders").join(&self.stem).with_extension("wgsl");
         let shader = fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));

@@ -13,7 +13,7 @@ use crate::scene::{
     ScreenSplats, Shells, Soft, SoftLayout, Spbr,
 };
 
-/// The method for these points: `auto` is replaced by one that is exact for them.
+/// Returns the method for these points: `auto` is replaced by one that is exact for them.
 ///
 /// Opaque splats need no transparency: the nearest decides. Flat splats only need an order of splats; unless the scene
 /// asks for a method, [`choose`] finds the cheaper of two. Splats that may cross need an order of fragments.
@@ -73,8 +73,8 @@ fn resolve_gaussians(discs: Discs) -> (Method, String) {
     }
 }
 
-/// The method on a device: like [`resolve`], except that flat splats get the cheaper of `sorted` and `abuffer`, by a model of
-/// the device's frame times (see [`crate::methods::cost`]). The frame may have any method.
+/// Returns the method on a device: like [`resolve`], except that flat splats get the cheaper of `sorted` and `abuffer`,
+/// by a model of the device's frame times (see [`crate::methods::cost`]). The frame may have any method.
 pub fn choose(
     renderer: &mut Renderer,
     cloud: &mut DeviceCloud,
@@ -91,10 +91,11 @@ pub fn choose(
     }
 }
 
-/// The method that forms the image of another one exactly, except for rounding: `abuffer` for discs, and `soft-base` for soft
-/// points, with a softness in place of a factor λ, whose meaning differs between their models. Ensembles are exact for no finite
-/// number: of `spbr` it is itself, as if nothing was said of their number and brightness. Gaussians keep their order, which is not
-/// every method's by default. `None` for methods whose image no other one draws.
+/// Returns the method that forms the image of another one exactly, except for rounding: `abuffer` for discs, and
+/// `soft-base` for soft points, with a softness in place of a factor λ, whose meaning differs between their models.
+/// Ensembles are exact for no finite number: of `spbr` it is itself, as if nothing was said of their number and
+/// brightness. Gaussians keep their order, which is not every method's by default. `None` for methods whose image no
+/// other one draws.
 pub fn exact(method: &Method, points: &Points) -> Option<Method> {
     if let Some(soft) = method.soft() {
         let model = SoftModel::new(method, soft, Parts::count(points, soft.threshold).median_radius);
@@ -112,8 +113,8 @@ pub fn exact(method: &Method, points: &Points) -> Option<Method> {
     Some(Method::ABuffer(Discs { raster: Raster::default(), long_lists: LongLists::default(), ..discs }))
 }
 
-/// True if two splats may lie one way in one pixel and the other way in another: oriented discs, and Gaussians that are ordered by
-/// pixels. A method that orders splats once is not exact for them ([`Method::is_exact`]).
+/// Returns `true` if two splats may lie one way in one pixel and the other way in another: oriented discs, and
+/// Gaussians that are ordered by pixels. A method that orders splats once is not exact for them ([`Method::is_exact`]).
 pub fn may_cross(method: &Method, points: &Points) -> bool {
     let Some(discs) = method.discs() else { return false };
     let tilted = discs.shape == DiscShape::Oriented && points.normals.is_some();
@@ -125,8 +126,8 @@ fn has_gaussians(points: &Points) -> bool {
     points.whole.as_ref().map_or_else(is_there, |whole| whole.splats.is_some())
 }
 
-/// The passes of a frame whose facts were surveyed (see [`Renderer::survey`]), in the order of their first run. `why` is the
-/// reason for the method, from [`choose`].
+/// Returns the passes of a frame whose facts were surveyed (see [`Renderer::survey`]), in the order of their first run.
+/// `why` is the reason for the method, from [`choose`].
 pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, why: &str) -> Vec<Step> {
     let mut plan = Plan { device, frame, facts, wide_atomics, why, steps: Vec::new() };
     plan.shadows();

@@ -48,11 +48,11 @@ pub struct Points {
     pub gaussians: Option<Gaussians>,
     /// Points that are not drawn but belong to the scene, for its bounds and its camera.
     pub unseen: Arc<Unseen>,
-    /// What is known of the scene, if these points only stand for more of them.
+    /// Facts about the scene, if these points only stand for more of them.
     pub whole: Option<Arc<Whole>>,
 }
 
-/// What is known of all points of a scene that are not in one list.
+/// Facts about all points of a scene that are not in one list.
 #[derive(Debug, Clone)]
 pub struct Whole {
     /// Their number, with those that are not drawn.
@@ -63,20 +63,20 @@ pub struct Whole {
     pub largest_radius: f32,
     /// The largest component that a color may have, linear.
     pub brightest: f32,
-    /// True if some of them may be transparent.
+    /// `true` if some of them may be transparent.
     pub is_transparent: bool,
-    /// What identifies them: the same text for the same points.
+    /// Identity of the points: the same text for the same points.
     pub identity: String,
     /// Count and bounds of those that are Gaussians; `None` if none is.
     pub splats: Option<WholeSplats>,
-    /// Where all of them are.
+    /// Source of all spheres.
     pub spheres: Arc<dyn Spheres>,
 }
 
 /// Count and bounds of all Gaussians of a scene that are not in one list.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WholeSplats {
-    /// How many they are.
+    /// Number of spheres.
     pub count: u64,
     /// The highest degree of their harmonics, 0 to 4.
     pub degree: u32,
@@ -112,7 +112,7 @@ pub trait Spheres: std::fmt::Debug + Send + Sync {
     fn of_group(&self, group: usize) -> Vec<(DVec3, f64)>;
 }
 
-/// What the points of a scene are relative to on a device.
+/// Origin that the points of a scene are relative to on a device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Anchor {
     /// The origin of positions: about the median of each coordinate.
@@ -143,7 +143,7 @@ impl Anchor {
         (((position - self.origin) * half * rest) + DVec3::ZERO).to_array().map(f64::to_bits)
     }
 
-    /// The id of the `nth` point in a place, counted from 0 in canonical order ([`Points::ids`]).
+    /// Returns the id of the `nth` point in a place, counted from 0 in canonical order ([`Points::ids`]).
     pub(crate) fn id(&self, position: DVec3, nth: u64) -> u32 {
         id(self.relative(position), nth)
     }
@@ -174,12 +174,12 @@ fn id(place: [u64; 3], nth: u64) -> u32 {
     (mixed ^ mixed >> 32) as u32
 }
 
-/// A unit normal that is estimated, as [`Points::normals`] has it.
+/// Returns a unit normal that is estimated, as [`Points::normals`] has it.
 pub(crate) fn as_estimated(normal: Vec3) -> Vec3 {
     2.0 * normal
 }
 
-/// True if all values of a column have the same bits, so that they have no order.
+/// Returns `true` if all values of a column have the same bits, so that they have no order.
 fn is_uniform<T: NoUninit + Sync>(column: &[T]) -> bool {
     let Some(first) = column.first().map(bytes_of) else { return true };
     column.par_chunks(1 << 14).all(|some| some.iter().all(|value| bytes_of(value) == first))
@@ -199,29 +199,29 @@ pub struct Unseen {
 }
 
 impl Points {
-    /// Number of points.
+    /// Returns the number of points.
     pub fn len(&self) -> usize {
         self.positions.len()
     }
 
-    /// True without points.
+    /// Returns `true` if there are no points.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
     }
 
-    /// The normal of a point, unless it is none or estimated.
+    /// Returns the normal of a point, unless it is none or estimated.
     pub fn own_normal(&self, index: usize) -> Option<Vec3> {
         let normal = self.normals.as_ref().map(|normals| normals[index])?;
         (normal != Vec3::ZERO && !is_estimated(normal)).then_some(normal)
     }
 
-    /// The radius of a disc; `None` for a Gaussian.
+    /// Returns the radius of a disc; `None` for a Gaussian.
     pub fn disc_radius(&self, index: usize) -> Option<f32> {
         let is_disc = self.gaussians.as_ref().is_none_or(|gaussians| !gaussians.is_one(index));
         is_disc.then_some(self.radii[index])
     }
 
-    /// How far a Gaussian reaches; `None` for a disc.
+    /// Returns the reach of a Gaussian; `None` for a disc.
     pub fn reach(&self, index: usize) -> Option<f32> {
         let is_one = self.gaussians.as_ref().is_some_and(|gaussians| gaussians.is_one(index));
         is_one.then(|| self.radii[index])
@@ -240,12 +240,12 @@ impl Points {
         self.gaussians.as_ref().map(of)
     }
 
-    /// Number of points, those that these stand for included.
+    /// Returns the number of points, those that these stand for included.
     pub fn count(&self) -> u64 {
         self.whole.as_ref().map_or(self.len() as u64, |whole| whole.count)
     }
 
-    /// The scene's box, around points that are not drawn, too; `None` without points.
+    /// Returns the scene's box, around points that are not drawn, too; `None` without points.
     pub fn bounds(&self) -> Option<Bounds> {
         if let Some(whole) = &self.whole {
             return Some(whole.bounds);
@@ -253,7 +253,8 @@ impl Points {
         [&self.positions, &self.unseen.positions].into_iter().filter_map(|some| Bounds::of(some)).reduce(Bounds::union)
     }
 
-    /// What these points are relative to on a device. It follows from all points of the scene, also from those that are not drawn.
+    /// Returns the origin that these points are relative to on a device. It follows from all points of the scene, also
+    /// from those that are not drawn.
     pub fn anchor(&self) -> Anchor {
         let sampled: Vec<DVec3> = self.sampled().copied().collect();
         // Points that stand for all may be none where nearly all are in one place.
@@ -330,7 +331,7 @@ impl Points {
         found
     }
 
-    /// The box of the points that are drawn; `None` without any.
+    /// Returns the box of the points that are drawn; `None` without any.
     pub fn drawn_bounds(&self) -> Option<Bounds> {
         Bounds::of(&self.positions)
     }
@@ -342,7 +343,7 @@ impl Points {
         all.map(|(position, radius)| (*position, f64::from(*radius)))
     }
 
-    /// The largest radius of all points, also of those that are not drawn; 0 without points.
+    /// Returns the largest radius of all points, also of those that are not drawn; 0 without points.
     pub fn largest_radius(&self) -> f64 {
         if let Some(whole) = &self.whole {
             return whole.largest_radius.into();
@@ -350,8 +351,9 @@ impl Points {
         self.spheres().map(|(_, radius)| radius).reduce(|| 0.0, f64::max)
     }
 
-    /// The same points in another order: place i gets point `from(i)`. Works column by column and frees each once it is
-    /// copied, since memory can't hold a hundred million points twice. Columns of a single value stay as they are.
+    /// Returns the same points in another order: place i gets point `from(i)`. Works column by column and frees each
+    /// once it is copied, since memory can't hold a hundred million points twice. Columns of a single value stay as
+    /// they are.
     pub fn in_order(self, from: impl Fn(usize) -> usize + Sync) -> Self {
         fn pick<T: NoUninit + Send + Sync>(column: Vec<T>, from: &(impl Fn(usize) -> usize + Sync)) -> Vec<T> {
             if is_uniform(&column) {
@@ -374,7 +376,7 @@ impl Points {
         }
     }
 
-    /// The points at these places, in that order, with radii times a factor.
+    /// Returns the points at these places, in that order, with radii times a factor.
     pub fn subset(&self, places: &[u32], radius_factor: f32) -> Self {
         fn pick<T: Copy + Send + Sync>(column: &[T], places: &[u32]) -> Vec<T> {
             let value_at = |place: &u32| column[*place as usize];
@@ -395,7 +397,8 @@ impl Points {
         }
     }
 
-    /// Some points of parts of a scene, which have the same columns but for normals and Gaussians: each by the number of its part and its place there.
+    /// Returns some points of parts of a scene, which have the same columns but for normals and Gaussians: each by the
+    /// number of its part and its place there.
     pub(crate) fn gather(parts: &[Arc<Self>], picked: &[[u32; 2]]) -> Self {
         fn pick<'a, T: Copy + Send + Sync + 'a>(
             parts: &'a [Arc<Points>],
@@ -521,7 +524,7 @@ impl Changes {
         }
     }
 
-    /// True if anything changed.
+    /// Returns `true` if anything changed.
     pub fn any(self) -> bool {
         self != Self::default()
     }

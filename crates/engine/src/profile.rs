@@ -34,7 +34,7 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// A profile without frames.
+    /// Returns a profile without frames.
     pub fn new(device: &Device, frame: &Frame) -> Self {
         let info = device.info();
         Self {
@@ -58,7 +58,7 @@ impl Profile {
         self.frames.push(rendered.profile.clone());
     }
 
-    /// The profile in the form that the interface documents, version 1.
+    /// Returns the profile in the form that the interface documents, version 1.
     pub fn to_json(&self) -> Value {
         let ms = |d: Duration| d.as_secs_f64() * 1e3;
         let pass = |p: &PassProfile| json!({"name": p.name, "gpu_ms": ms(p.gpu), "invocations": p.invocations, "bytes": p.bytes});

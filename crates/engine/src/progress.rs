@@ -14,8 +14,8 @@ pub trait Observer: Send + Sync {
     /// `done` steps of the stage are finished; the total may be unknown.
     fn advanced(&self, _done: u64, _total: Option<u64>) {}
 
-    /// True if the work should end early. A renderer asks before each submission to the device, and then fails with
-    /// [`Cancelled`](crate::methods::Error::Cancelled).
+    /// Returns `true` if the work should end early. A renderer asks before each submission to the device, and then
+    /// fails with [`Cancelled`](crate::methods::Error::Cancelled).
     fn is_cancelled(&self) -> bool {
         false
     }
@@ -25,7 +25,7 @@ pub trait Observer: Send + Sync {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cancelled;
 
-/// What the host is busy with, in the order of a command.
+/// Phase of the host's work, in the order of a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Phase {
     /// Reads files, or generates the built-in scene.
@@ -68,9 +68,9 @@ impl Phase {
 pub struct Span {
     /// The phase.
     pub phase: Phase,
-    /// When it began.
+    /// Time when the phase began.
     pub begin: Instant,
-    /// How long it took.
+    /// Duration of the phase.
     pub length: Duration,
 }
 
@@ -142,8 +142,9 @@ impl Progress {
         self.0.clock.lock().unwrap_or_else(PoisonError::into_inner).begin(phase);
     }
 
-    /// The phases so far, one after another; the one that runs goes on, and is there up to now. [`Phase::Compile`] is for those
-    /// who know a device to tell apart ([`Device::compilations`](crate::gpu::Device::compilations)).
+    /// Returns the phases so far, one after another; the one that runs goes on, and is there up to now.
+    /// [`Phase::Compile`] is for those who know a device to tell apart
+    /// ([`Device::compilations`](crate::gpu::Device::compilations)).
     pub fn spans(&self) -> Vec<Span> {
         let clock = self.0.clock.lock().unwrap_or_else(PoisonError::into_inner);
         let running = clock.running(Instant::now());
@@ -159,7 +160,7 @@ impl Progress {
         *self.0.message.lock().unwrap_or_else(PoisonError::into_inner) = message.into_owned();
     }
 
-    /// The stage's name.
+    /// Returns the stage's name.
     pub fn message(&self) -> String {
         self.0.message.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }

@@ -27,19 +27,21 @@ pub fn threefry2x32(counter: [u32; 2], key: [u32; 2]) -> [u32; 2] {
     [a, b]
 }
 
-/// The key's words for a seed; the second one is that of the first two strata, and grows by one for each two more.
+/// Returns the key's words for a seed; the second one is that of the first two strata, and grows by one for each two
+/// more.
 pub fn key(seed: u64) -> [u32; 2] {
     [seed as u32, ((seed >> 32) as u32).wrapping_mul(0x9E37_79B9)]
 }
 
-/// The random word of a fragment, a splat (by its point's id, [`Points::ids`](crate::points::Points::ids)) in a pixel (column and row), for a stratum.
+/// Returns the random word of a fragment, a splat (by its point's id, [`Points::ids`](crate::points::Points::ids)) in a
+/// pixel (column and row), for a stratum.
 pub fn word(seed: u64, [x, y]: [u32; 2], splat: u32, stratum: u32) -> u32 {
     let [low, high] = key(seed);
     let words = threefry2x32([y << 16 | x, splat], [low, high.wrapping_add(stratum / STRATA_OF_A_CALL)]);
     words[(stratum % STRATA_OF_A_CALL) as usize]
 }
 
-/// The samples of a stratum that a fragment of opacity `alpha` in [0, 1] covers, one bit each.
+/// Returns the samples of a stratum that a fragment of opacity `alpha` in [0, 1] covers, one bit each.
 ///
 /// It covers 4α samples, rounded at random to give the right mean, with α in steps of 2⁻²⁸: each sample is covered with
 /// probability α, none for α = 0 and all for α = 1. The choice of samples is random, too: all rotations are equally

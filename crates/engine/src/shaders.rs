@@ -34,7 +34,7 @@ pub static SHADERS: Sources = Sources {
 /// Overrides whose values a frame or a device decides, be they whatever they may: a list of variants has some of them.
 pub const NUMBERS: [&str; 5] = ["PART_LENGTH", "STRIPES", "SHELLS", "SHELL_BITS", "PIXELS_PER_SHELL"];
 
-/// A variant's key without the values of [`NUMBERS`].
+/// Returns a variant's key without the values of [`NUMBERS`].
 pub fn key_without_numbers(variant: &Variant) -> String {
     let mut variant = variant.clone();
     variant.overrides.iter_mut().filter(|(name, _)| NUMBERS.contains(name)).for_each(|(_, value)| *value = 0.0);

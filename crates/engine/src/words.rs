@@ -1,6 +1,6 @@
 //! Words that somebody wrote, and those that were probably meant.
 
-/// A phrase that names the candidate nearest to `word`, or all candidates if none is near.
+/// Returns a phrase that names the candidate nearest to `word`, or all candidates if none is near.
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>, what: &str) -> String {
     let candidates: Vec<_> = candidates.into_iter().collect();
     let best = candidates

@@ -49,7 +49,7 @@ pass! {
 
 /// Differences whose words are kept.
 const TOLD: usize = 8;
-/// How words are compared: with others, with what is so much below others, with a number.
+/// Ways in which words are compared: with others, with what is so much below others, with a number.
 const WORDS: u32 = 0;
 const BELOW: u32 = 1;
 const VALUE: u32 = 2;

@@ -95,17 +95,17 @@ impl<T: GpuType> Buffer<T> {
         Ok(buffer)
     }
 
-    /// Number of elements.
+    /// Returns the number of elements.
     pub fn len(&self) -> u64 {
         self.len
     }
 
-    /// True for a buffer without elements (it still has memory for one).
+    /// Returns `true` for a buffer without elements (it still has memory for one).
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// True if it belongs to this device.
+    /// Returns `true` if it belongs to this device.
     #[cfg(feature = "window")]
     pub(super) fn is_of(&self, context: &Arc<Context>) -> bool {
         Arc::ptr_eq(&self.context, context)
@@ -116,7 +116,7 @@ impl<T: GpuType> Buffer<T> {
         self.len * size_of::<T>() as u64
     }
 
-    /// The whole buffer.
+    /// Returns the whole buffer.
     pub fn all(&self) -> Slice<'_, T> {
         self.slice(0, self.len.max(1))
     }
@@ -172,7 +172,7 @@ impl<T: GpuType> Buffer<T> {
         Ok(())
     }
 
-    /// The content of a slice of a device buffer, after all submitted work.
+    /// Returns the content of a slice of a device buffer, after all submitted work.
     pub fn read(&self, start: u64, len: u64) -> Result<Vec<T>, Error> {
         let source = self.slice(start, len.max(1)).raw;
         let mut out = vec![T::zeroed(); usize::try_from(len).unwrap_or(usize::MAX)];
@@ -198,7 +198,7 @@ impl<T: GpuType> Buffer<T> {
         self.mapped_mut()[..bytes.len()].copy_from_slice(bytes);
     }
 
-    /// The content of a [`Memory::Readback`] buffer.
+    /// Returns the content of a [`Memory::Readback`] buffer.
     pub fn mapped_slice(&self) -> &[T] {
         &bytemuck::cast_slice(self.mapped())[..self.len as usize]
     }
@@ -254,12 +254,12 @@ impl<'a, T: GpuType> From<&'a Buffer<T>> for Slice<'a, T> {
 }
 
 impl<'a, T> Slice<'a, T> {
-    /// Number of elements.
+    /// Returns the number of elements.
     pub fn len(&self) -> u64 {
         self.raw.bytes / size_of::<T>() as u64
     }
 
-    /// True without elements.
+    /// Returns `true` if there are no elements.
     pub fn is_empty(&self) -> bool {
         self.raw.bytes == 0
     }
@@ -269,38 +269,39 @@ impl<'a, T> Slice<'a, T> {
         self.raw.offset / size_of::<T>() as u64
     }
 
-    /// The same bytes as elements of another type; their number must come out whole.
+    /// Returns the same bytes as elements of another type; their number must come out whole.
     pub fn cast<U: GpuType>(self) -> Slice<'a, U> {
         assert_eq!(self.raw.bytes % size_of::<U>() as u64, 0, "{}: not a whole number of elements", self.name);
         Slice { raw: self.raw, name: self.name, element: PhantomData }
     }
 
-    /// The first `len` elements.
+    /// Returns the first `len` elements.
     pub fn first(self, len: u64) -> Self {
         assert!(len <= self.len(), "{}: slice out of range", self.name);
         Self { raw: RawSlice { bytes: len * size_of::<T>() as u64, ..self.raw }, ..self }
     }
 
-    /// All but the first `count` elements.
+    /// Returns all but the first `count` elements.
     pub fn skip(self, count: u64) -> Self {
         assert!(count <= self.len(), "{}: slice out of range", self.name);
         let bytes = count * size_of::<T>() as u64;
         Self { raw: RawSlice { offset: self.raw.offset + bytes, bytes: self.raw.bytes - bytes, ..self.raw }, ..self }
     }
 
-    /// The slice from the aligned place before it on, and the number of elements that it has before its own first one.
+    /// Returns the slice from the aligned place before it on, and the number of elements that it has before its own
+    /// first one.
     pub(super) fn reaching_back(self, alignment: u64) -> (Self, u32) {
         let before = self.raw.offset % alignment;
         let raw = RawSlice { offset: self.raw.offset - before, bytes: self.raw.bytes + before, ..self.raw };
         (Self { raw, ..self }, (before / size_of::<T>() as u64) as u32)
     }
 
-    /// The buffer's name.
+    /// Returns the buffer's name.
     pub fn name(&self) -> &str {
         self.name
     }
 
-    /// The range without its type.
+    /// Returns the range without its type.
     pub fn raw(&self) -> RawSlice {
         self.raw
     }

@@ -16,7 +16,7 @@ fn folder(kind: &str) -> Option<PathBuf> {
     Some(base.join(kind))
 }
 
-/// The blob stored under a key; `None` if it is absent or its checksum does not match.
+/// Returns the blob stored under a key; `None` if it is absent or its checksum does not match.
 pub fn load(kind: &str, key: &str) -> Option<Vec<u8>> {
     let data = std::fs::read(folder(kind)?.join(key)).ok()?;
     let (hash, blob) = data.split_at_checked(HASH_BYTES)?;

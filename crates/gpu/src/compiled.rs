@@ -1,4 +1,5 @@
-//! What a driver's compiler made of a pipeline: registers, scratch, occupancy (VK_KHR_pipeline_executable_properties).
+//! Statistics of a driver's compiler about a pipeline: registers, scratch, occupancy
+//! (VK_KHR_pipeline_executable_properties).
 
 use std::time::{Duration, Instant};
 
@@ -27,7 +28,7 @@ pub struct Executable {
     pub statistics: Vec<(String, f64)>,
 }
 
-/// True if pipelines of this device can be asked what became of them.
+/// Returns `true` if pipelines of this device can be asked what became of them.
 pub(super) fn is_supported(instance: &ash::Instance, physical: vk::PhysicalDevice) -> bool {
     let mut feature = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default();
     // SAFETY: plain queries on a live instance; the struct is only asked for where its extension is present.

@@ -45,7 +45,7 @@ pub struct Context {
     pub submission: Mutex<()>,
     /// Command buffers that nobody records, each with a pool of its own.
     idle_commands: Mutex<Vec<Commands>>,
-    /// What interrupted recordings may still need.
+    /// Resources that interrupted recordings may still need.
     pub graves: Mutex<Graves>,
     allocator: Mutex<Option<Allocator>>,
     /// Names and sizes by kind and handle: handles of different kinds may be equal.
@@ -58,7 +58,7 @@ pub struct Context {
     /// Submissions that may still be made.
     pub allowed: AtomicU64,
     pipelines: Mutex<HashMap<PipelineKey, Arc<Pipeline>>>,
-    /// When each of them was made.
+    /// Times at which each of them was made.
     compilations: Mutex<Vec<Compilation>>,
     cache_key: String,
 }
@@ -133,12 +133,12 @@ impl Context {
         })
     }
 
-    /// When each pipeline so far was made, and how long that took.
+    /// Returns when each pipeline so far was made, and how long that took.
     pub fn compilations(&self) -> Vec<Compilation> {
         lock(&self.compilations).clone()
     }
 
-    /// What all pipelines were made from.
+    /// Returns what all pipelines were made from.
     pub fn made(&self) -> Vec<Made> {
         lock(&self.pipelines).values().map(|pipeline| pipeline.made.clone()).collect()
     }
@@ -174,7 +174,7 @@ impl Context {
         lock(&self.live).remove(&key);
     }
 
-    /// The name of an allocation; empty if it is gone.
+    /// Returns the name of an allocation; empty if it is gone.
     pub fn name_of(&self, key: (vk::ObjectType, u64)) -> String {
         lock(&self.live).get(&key).map_or_else(String::new, |(name, _)| name.clone())
     }
@@ -185,7 +185,7 @@ impl Context {
         list
     }
 
-    /// A command buffer to record, used again if one is idle.
+    /// Returns a command buffer to record, used again if one is idle.
     pub fn take_commands(&self) -> Result<Commands, Error> {
         if let Some(commands) = lock(&self.idle_commands).pop() {
             return Ok(commands);
@@ -221,7 +221,7 @@ impl Context {
         }
     }
 
-    /// The pipeline of a key, built at its first use.
+    /// Returns the pipeline of a key, built at its first use.
     pub fn pipeline(
         &self,
         key: PipelineKey,

@@ -33,8 +33,9 @@ pub struct DeviceOptions {
 }
 
 impl DeviceOptions {
-    /// The best device. With the environment variable `PELLUCID_VALIDATION` at `1` validation and robust access are on, at
-    /// `gpu` GPU-assisted validation is. `PELLUCID_PREFER` at `cpu` or `gpu` shapes work as for one of these.
+    /// Returns the best device. With the environment variable `PELLUCID_VALIDATION` at `1` validation and robust access
+    /// are on, at `gpu` GPU-assisted validation is. `PELLUCID_PREFER` at `cpu` or `gpu` shapes work as for one of
+    /// these.
     pub fn from_env() -> Self {
         let prefers = Preferences::from_env();
         match std::env::var("PELLUCID_VALIDATION").as_deref() {
@@ -109,7 +110,8 @@ pub struct DeviceInfo {
     rank: u32,
 }
 
-/// The Vulkan devices in Vulkan's order, and the index of the one that `--device wanted` (or nothing) would take, if it can be.
+/// Returns the Vulkan devices in Vulkan's order, and the index of the one that `--device wanted` (or nothing) would
+/// take, if it can be.
 pub fn devices(wanted: Option<&str>) -> Result<(Vec<DeviceInfo>, Option<usize>), Error> {
     let instance = Instance::new(false, false)?;
     let found = enumerate(&instance)?;
@@ -232,14 +234,14 @@ fn describe(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> 
     }
 }
 
-/// True if the device has the extension of this name.
+/// Returns `true` if the device has the extension of this name.
 pub(super) fn has_extension(instance: &Instance, physical: vk::PhysicalDevice, name: &CStr) -> bool {
     // SAFETY: a plain query on a live instance.
     let extensions = unsafe { instance.raw.enumerate_device_extension_properties(physical) }.unwrap_or_default();
     extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(name))
 }
 
-/// True if the device can leave out commands by a word in a buffer.
+/// Returns `true` if the device can leave out commands by a word in a buffer.
 fn is_conditional(instance: &Instance, physical: vk::PhysicalDevice) -> bool {
     let mut features = vk::PhysicalDeviceConditionalRenderingFeaturesEXT::default();
     if !has_extension(instance, physical, ext::conditional_rendering::NAME) {
@@ -321,24 +323,26 @@ impl Device {
         &self.0.limits
     }
 
-    /// A buffer of `len` elements; its content is undefined.
+    /// Returns a buffer of `len` elements; its content is undefined.
     pub fn buffer<T: GpuType>(&self, name: &str, len: u64, memory: Memory) -> Result<Buffer<T>, Error> {
         Buffer::new(&self.0, name, len, memory)
     }
 
-    /// A device-local buffer with this content. An empty slice makes a buffer of one undefined element, since Vulkan has no empty ones.
+    /// Returns a device-local buffer with this content. An empty slice makes a buffer of one undefined element, since
+    /// Vulkan has no empty ones.
     pub fn upload<T: GpuType>(&self, name: &str, data: &[T]) -> Result<Buffer<T>, Error> {
         let buffer = self.buffer(name, (data.len() as u64).max(1), Memory::Device)?;
         buffer.upload(data)?;
         Ok(buffer)
     }
 
-    /// An image of `samples` samples per pixel to draw into and read; its content is undefined. [`DeviceInfo::multisampled`] bounds its size.
+    /// Returns an image of `samples` samples per pixel to draw into and read; its content is undefined.
+    /// [`DeviceInfo::multisampled`] bounds its size.
     pub fn attachment(&self, name: &str, format: Format, samples: u32, size: [u32; 2]) -> Result<Attachment, Error> {
         Attachment::new(&self.0, name, format, samples, size)
     }
 
-    /// A new recorder, which times its passes and counts their invocations.
+    /// Returns a new recorder, which times its passes and counts their invocations.
     pub fn recorder(&self) -> Result<Recorder<'_>, Error> {
         Recorder::new(&self.0, true)
     }
@@ -371,7 +375,7 @@ impl Device {
         self.0.allowed.store(count.unwrap_or(u64::MAX), Ordering::Relaxed);
     }
 
-    /// True if no further submission is allowed: work for the next one is in vain.
+    /// Returns `true` if no further submission is allowed: work for the next one is in vain.
     pub fn is_stopped(&self) -> bool {
         self.0.allowed.load(Ordering::Relaxed) == 0
     }
@@ -382,8 +386,8 @@ impl Device {
         self.0.uploaded.load(Ordering::Relaxed)
     }
 
-    /// How many submissions the host has waited for so far, those of uploads and reads among them. Those that show pictures in a
-    /// window don't count.
+    /// Returns the number of submissions that the host has waited for so far, those of uploads and reads among them.
+    /// Those that show pictures in a window don't count.
     pub fn waits(&self) -> u64 {
         self.0.waits.load(Ordering::Relaxed)
     }
@@ -393,13 +397,13 @@ impl Device {
         self.0.live_allocations()
     }
 
-    /// When each pipeline so far was made, and how long that took, from WGSL to what the driver makes of it. In the order in
-    /// which they were done.
+    /// Returns when each pipeline so far was made, and how long that took, from WGSL to what the driver makes of it.
+    /// The pipelines are in the order in which they were done.
     pub fn compilations(&self) -> Vec<Compilation> {
         self.0.compilations()
     }
 
-    /// What every pipeline so far was made from; in no order.
+    /// Returns what every pipeline so far was made from; in no order.
     pub fn made(&self) -> Vec<Made> {
         self.0.made()
     }

@@ -154,7 +154,7 @@ fn help(result: vk::Result) -> &'static str {
 }
 
 impl Error {
-    /// True if the device or the host ran out of memory, so that a later attempt may succeed.
+    /// Returns `true` if the device or the host ran out of memory, so that a later attempt may succeed.
     pub fn is_out_of_memory(&self) -> bool {
         let none_left = [vk::Result::ERROR_OUT_OF_DEVICE_MEMORY, vk::Result::ERROR_OUT_OF_HOST_MEMORY];
         match self {

@@ -78,7 +78,7 @@ mod armed {
 
     const VARIABLE: &str = "PELLUCID_FAULT";
 
-    /// How long a hanging program waits for a signal.
+    /// Time that a hanging program waits for a signal.
     const PATIENCE: Duration = Duration::from_secs(120);
 
     const POINTS: [&str; 9] = [
@@ -170,8 +170,8 @@ mod armed {
         if plan().is_some_and(|plan| plan.due(point, 1).is_some()) { strike() } else { Ok(()) }
     }
 
-    /// The number of the next `len` bytes at a point that precede the fault, if it is among them; they must be written
-    /// before [`strike`].
+    /// Returns the number of the next `len` bytes at a point that precede the fault, if it is among them; they must be
+    /// written before [`strike`].
     pub fn bytes(point: &str, len: usize) -> Option<usize> {
         plan()?.due(point, len as u64).map(|before| before as usize)
     }

@@ -174,7 +174,7 @@ impl Attachment {
         Ok(())
     }
 
-    /// The format of a sample.
+    /// Returns the format of a sample.
     pub fn format(&self) -> Format {
         self.format
     }
@@ -189,7 +189,7 @@ impl Attachment {
         self.size
     }
 
-    /// A resource for binding it to a pass that reads it.
+    /// Returns a resource for binding it to a pass that reads it.
     pub fn texture(&self) -> Resource {
         Resource::Texture(self.view)
     }
@@ -243,7 +243,7 @@ impl KeptAttachment {
         self.image = None;
     }
 
-    /// The image; there must have been a [`Self::reserve`].
+    /// Returns the image; there must have been a [`Self::reserve`].
     pub fn get(&self) -> &Attachment {
         self.image.as_ref().expect("reserved before use")
     }

@@ -40,7 +40,7 @@ impl Messages {
 pub struct Instance {
     pub raw: ash::Instance,
     pub messages: Arc<Messages>,
-    /// True if VK_EXT_debug_utils is enabled, which labels and names need.
+    /// `true` if VK_EXT_debug_utils is enabled, which labels and names need.
     pub debug_utils: bool,
     /// The surface that shows frames, if a window exists.
     #[cfg(feature = "window")]

@@ -38,12 +38,12 @@ impl<T: GpuType> Kept<T> {
         self.buffer.as_ref().map_or(0, Buffer::bytes)
     }
 
-    /// The buffer; there must have been a [`Self::reserve`].
+    /// Returns the buffer; there must have been a [`Self::reserve`].
     pub fn get(&self) -> &Buffer<T> {
         self.buffer.as_ref().expect("reserved before use")
     }
 
-    /// The buffer, to be written to by the host; there must have been a [`Self::reserve`].
+    /// Returns the buffer, to be written to by the host; there must have been a [`Self::reserve`].
     pub fn get_mut(&mut self) -> &mut Buffer<T> {
         self.buffer.as_mut().expect("reserved before use")
     }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use bytemuck::Pod;
 
-/// How a type lies in memory, as far as a shader sees it.
+/// Layout of a type in memory, as far as a shader sees it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Shape {
     /// A scalar, vector, matrix or texture by its WGSL name, as `vec2<f32>`; an atomic counts as its scalar.
@@ -13,7 +13,7 @@ pub enum Shape {
     Array {
         /// The shape of its elements.
         element: Box<Shape>,
-        /// How many.
+        /// Number of elements.
         count: usize,
         /// Bytes from one to the next.
         stride: usize,
@@ -51,12 +51,12 @@ impl fmt::Display for Shape {
     }
 }
 
-/// An array in words: element, length, and bytes from one to the next.
+/// Returns an array in words: element, length, and bytes from one to the next.
 pub(crate) fn array_text(element: &str, count: usize, stride: usize) -> String {
     format!("array<{element}, {count}> every {stride} bytes")
 }
 
-/// A struct in words, from names, offsets and types of its members.
+/// Returns a struct in words, from names, offsets and types of its members.
 pub(crate) fn struct_text<'a>(members: impl Iterator<Item = (&'a str, usize, String)>, size: usize) -> String {
     let members: Vec<String> = members.map(|(name, offset, shape)| format!("{name}: {shape} at {offset}")).collect();
     format!("{{ {} }} of {size} bytes", members.join(", "))

@@ -53,7 +53,7 @@ pub static SHADERS: shader::Sources = shader::Sources {
     floats: &[],
 };
 
-/// The device layer's own passes, with all their variants.
+/// Returns the device layer's own passes, with all their variants.
 pub fn shaders() -> Vec<shader::Shader> {
     vec![shader::Shader::plain::<Agree>(), shader::Shader::plain::<Foresee>()]
 }

@@ -6,7 +6,7 @@ use bytemuck::Pod;
 use super::shader::Sources;
 use super::{GpuType, RawSlice, Shape};
 
-/// How a shader may use a binding.
+/// Access of a shader to a binding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Access {
     /// `var<uniform>`

@@ -36,7 +36,7 @@ pub enum Grave {
     Image(vk::Image, vk::ImageView, Option<Allocation>),
 }
 
-/// What waits for the end of interrupted recordings, and how many there are.
+/// Resources that wait for the end of interrupted recordings, and the number of those recordings.
 #[derive(Default)]
 pub struct Graves {
     recordings: usize,

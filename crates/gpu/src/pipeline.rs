@@ -10,7 +10,7 @@ use super::{Access, Context, Error, Format, Pass, PushConstants, Variant, shader
 /// Shader, the piece that it takes, variant, and what a draw has for outputs; `None` for compute.
 pub type PipelineKey = (&'static str, Option<&'static str>, String, Option<Outputs>);
 
-/// How a fragment's color is combined with the one that is there.
+/// Combination of a fragment's color with the one that is there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Blend {
     /// Takes its place.
@@ -26,7 +26,7 @@ pub enum Blend {
 pub struct Outputs {
     /// A color attachment.
     pub color: Option<(Format, Blend)>,
-    /// True with a depth attachment, whose test only a nearer fragment passes: of equals the first one drawn stays.
+    /// `true` with a depth attachment, whose test only a nearer fragment passes: of equals the first one drawn stays.
     pub depth: bool,
     /// Samples per pixel.
     pub samples: u32,
@@ -40,13 +40,13 @@ impl Outputs {
 /// The making of a pipeline.
 #[derive(Debug, Clone, Copy)]
 pub struct Compilation {
-    /// When it began.
+    /// Time when it began.
     pub begin: Instant,
-    /// How long it took.
+    /// Time that it took.
     pub time: Duration,
 }
 
-/// What a pipeline was made from.
+/// Source of a pipeline.
 #[derive(Debug, Clone)]
 pub struct Made {
     /// The label under which it ran first, as in `abuffer/resolve-8`.
@@ -57,7 +57,7 @@ pub struct Made {
     pub stem: &'static str,
     /// The variant.
     pub variant: Variant,
-    /// What a draw has for outputs; `None` for compute.
+    /// Outputs of a draw; `None` for compute.
     pub outputs: Option<Outputs>,
 }
 
@@ -65,7 +65,7 @@ pub struct Made {
 const PUSH_BYTES: usize = 128;
 
 pub struct Pipeline {
-    /// What it was made from.
+    /// Source that it was made from.
     pub made: Made,
     pub raw: vk::Pipeline,
     pub layout: vk::PipelineLayout,
@@ -75,7 +75,7 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// The compute pipeline of a pass, by the label under which it runs.
+    /// Returns the compute pipeline of a pass, by the label under which it runs.
     pub fn compute<P: Pass>(context: &Context, variant: &Variant, label: &'static str) -> Result<Arc<Self>, Error> {
         context.pipeline((P::SHADER, P::PIECE, variant.key(), None), || {
             let words = shader::compile::<P>(variant)?;
@@ -97,7 +97,7 @@ impl Pipeline {
         })
     }
 
-    /// The graphics pipeline of a pass that draws triangles, by the label under which it runs.
+    /// Returns the graphics pipeline of a pass that draws triangles, by the label under which it runs.
     pub fn draw<P: Pass>(
         context: &Context,
         variant: &Variant,

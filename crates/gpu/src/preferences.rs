@@ -1,4 +1,4 @@
-//! How work is shaped to fit a device. Decided here alone, by what a device says of itself and never by its name.
+//! Shape of work that fits a device. It is decided here alone, by what a device says of itself and never by its name.
 
 use ash::vk;
 
@@ -7,8 +7,8 @@ use ash::vk;
 pub struct Preferences {
     /// The number of sequential pieces that work is cut into to occupy the device: few on CPUs, where more only cost.
     pub concurrent_runs: u64,
-    /// True if the invocations of a workgroup go through neighbouring words together and share sums, so that a GPU reads whole
-    /// stretches of memory; false if each goes through words of its own, as the threads of a CPU should.
+    /// `true` if the invocations of a workgroup go through neighboring words together and share sums, so that a GPU
+    /// reads whole stretches of memory; false if each goes through words of its own, as the threads of a CPU should.
     pub shared_work: bool,
     /// Splats of at most so many pixels are walked by one invocation each, larger ones tile by tile. The invocations of a GPU's
     /// subgroup wait for the largest splat among theirs; on a CPU tiles only cost.
@@ -25,7 +25,7 @@ impl Preferences {
         if device_type == vk::PhysicalDeviceType::CPU { Self::CPU } else { Self::GPU }
     }
 
-    /// What `PELLUCID_PREFER` asks for: `cpu` or `gpu`.
+    /// Returns what `PELLUCID_PREFER` asks for: `cpu` or `gpu`.
     pub(super) fn from_env() -> Option<Self> {
         match std::env::var("PELLUCID_PREFER").as_deref() {
             Ok("cpu") => Some(Self::CPU),

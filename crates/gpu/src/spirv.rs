@@ -51,7 +51,7 @@ fn emit(out: &mut Vec<u32>, opcode: u32, operands: &[u32]) {
     out.extend_from_slice(operands);
 }
 
-/// All corrections.
+/// Returns all corrections.
 pub fn correct(words: &[u32]) -> Vec<u32> {
     let spoil = cfg!(debug_assertions);
     let words = forbid_contraction(&correct_sample_mask(&drop_array_initialisers(words, spoil)));

@@ -9,7 +9,7 @@ use pellucid_engine::progress::Progress;
 
 use crate::{Error, Result};
 
-/// A point cloud: float64 positions and optional columns, each as long as the positions.
+/// Point cloud: float64 positions and optional columns, each as long as the positions.
 #[derive(Debug, Clone)]
 pub struct Cloud {
     pub(crate) columns: Columns,
@@ -17,10 +17,10 @@ pub struct Cloud {
 }
 
 impl Cloud {
-    /// Points at world positions.
+    /// Creates a cloud from positions in world units.
     ///
     /// # Errors
-    /// A coordinate that is not finite.
+    /// Returns an error if a coordinate is not finite.
     pub fn from_positions(positions: &[[f64; 3]]) -> Result<Self> {
         check("positions", positions.iter().flatten().map(|x| x.is_finite()), "a finite number", 3)?;
         let positions = positions.iter().map(|p| DVec3::from_array(*p)).collect();
@@ -30,15 +30,15 @@ impl Cloud {
     /// Reads a file: PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, or a table of numbers (XYZ, CSV, TXT).
     ///
     /// # Errors
-    /// A missing or damaged file, or one without points.
+    /// Returns an error if the file is missing, damaged, or without points.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         Ok(Self { columns: io::load(path.as_ref(), &Progress::hidden())?, opacity: None })
     }
 
-    /// Gives each point a color: linear R, G, B from 0 to 1.
+    /// Sets the color of each point: linear R, G, B from 0 to 1.
     ///
     /// # Errors
-    /// Another number of colors than points, or a value out of range.
+    /// Returns an error if the number of colors differs from the number of points, or a value is out of range.
     pub fn with_colors(mut self, colors: &[[f32; 3]]) -> Result<Self> {
         self.check_length("colors", colors.len())?;
         check("colors", colors.iter().flatten().map(|c| (0.0..=1.0).contains(c)), "from 0 to 1", 3)?;
@@ -46,10 +46,10 @@ impl Cloud {
         Ok(self)
     }
 
-    /// Gives each point a normal, of any length; a zero vector means no normal.
+    /// Sets the normal of each point, of any length. A zero vector means that the point has no normal.
     ///
     /// # Errors
-    /// The number of normals differs from the number of points, or a number is not finite.
+    /// Returns an error if the number of normals differs from the number of points, or a number is not finite.
     pub fn with_normals(mut self, normals: &[[f32; 3]]) -> Result<Self> {
         self.check_length("normals", normals.len())?;
         check("normals", normals.iter().flatten().map(|n| n.is_finite()), "a finite number", 3)?;
@@ -58,10 +58,11 @@ impl Cloud {
         Ok(self)
     }
 
-    /// Gives each point a radius in world units, at least 0. Without radii they are estimated from each point's neighbors.
+    /// Sets the radius of each point in world units, at least 0. Without radii, they are estimated from the neighbors
+    /// of each point.
     ///
     /// # Errors
-    /// Another number of radii than points, or one below 0 or not finite.
+    /// Returns an error if the number of radii differs from the number of points, or a radius is below 0 or not finite.
     pub fn with_radii(mut self, radii: &[f32]) -> Result<Self> {
         self.check_length("radii", radii.len())?;
         check("radii", radii.iter().map(|r| *r >= 0.0 && r.is_finite()), "finite and at least 0", 1)?;
@@ -69,10 +70,10 @@ impl Cloud {
         Ok(self)
     }
 
-    /// Gives each point an opacity from 0 to 1, which that of the whole cloud multiplies.
+    /// Sets the opacity of each point, from 0 to 1. The opacity of the whole cloud multiplies it.
     ///
     /// # Errors
-    /// Another number of opacities than points, or one out of range.
+    /// Returns an error if the number of opacities differs from the number of points, or one is out of range.
     pub fn with_opacities(mut self, opacities: &[f32]) -> Result<Self> {
         self.check_length("opacities", opacities.len())?;
         check("opacities", opacities.iter().map(|a| (0.0..=1.0).contains(a)), "from 0 to 1", 1)?;
@@ -80,10 +81,10 @@ impl Cloud {
         Ok(self)
     }
 
-    /// Gives each point a scalar that `cloud.field` can name.
+    /// Adds a scalar of each point, which the setting `cloud.field` can name.
     ///
     /// # Errors
-    /// Another number of values than points.
+    /// Returns an error if the number of values differs from the number of points.
     pub fn with_scalar(mut self, name: &str, values: &[f32]) -> Result<Self> {
         self.check_length(name, values.len())?;
         self.columns.scalars.retain(|(known, _)| known != name);
@@ -91,10 +92,10 @@ impl Cloud {
         Ok(self)
     }
 
-    /// Sets the opacity of the whole cloud, from 0 to 1; the default is 1.
+    /// Sets the opacity of the whole cloud, from 0 to 1, 1 by default.
     ///
     /// # Errors
-    /// An opacity out of range.
+    /// Returns an error if the opacity is out of range.
     pub fn with_opacity(mut self, opacity: f32) -> Result<Self> {
         if !(0.0..=1.0).contains(&opacity) {
             return Err(Error::argument(format!("opacity: expected a number from 0 to 1, found {opacity}")));
@@ -103,24 +104,24 @@ impl Cloud {
         Ok(self)
     }
 
-    /// Says that +Z points up, as in surveys, instead of +Y: the automatic camera asks.
+    /// Makes +Z point up, as in surveys, instead of +Y. The automatic camera depends on it.
     #[must_use]
     pub fn z_up(mut self) -> Self {
         self.columns.up = UpAxis::Z;
         self
     }
 
-    /// Number of points.
+    /// Returns the number of points.
     pub fn len(&self) -> usize {
         self.columns.len()
     }
 
-    /// True without points.
+    /// Returns `true` if there are no points.
     pub fn is_empty(&self) -> bool {
         self.columns.is_empty()
     }
 
-    /// Smallest and largest corner of the points; `None` without points.
+    /// Returns the smallest and the largest corner of the points; `None` if there are no points.
     pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
         self.columns.bounds().map(|b| [b.min.to_array(), b.max.to_array()])
     }

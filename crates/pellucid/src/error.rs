@@ -1,8 +1,8 @@
-//! The error of failed calls.
+//! Error of a failed call.
 
 use std::fmt::{self, Display, Formatter};
 
-/// The reason why a call failed: a kind for programs, and a message for people that gives the expectation and a remedy.
+/// Error of a failed call: a kind for programs, and a message for people that says what was expected and what helps.
 #[derive(Debug)]
 pub struct Error {
     kind: ErrorKind,
@@ -15,7 +15,7 @@ enum Cause {
     Argument(String),
 }
 
-/// The kind of failure of an [`Error`].
+/// Kind of failure of an [`Error`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ErrorKind {
@@ -27,19 +27,19 @@ pub enum ErrorKind {
     Scene,
     /// A file could not be written.
     Write,
-    /// No device was found, it lacks a feature, or it failed.
+    /// No device was found, or the device lacks a feature or failed.
     Device,
-    /// The frame does not fit, or cannot be rendered as asked.
+    /// The frame does not fit in memory, or cannot be rendered as requested.
     Render,
-    /// An [`Observer`](crate::Observer) wanted the work to end.
+    /// An [`Observer`](crate::Observer) canceled the work.
     Cancelled,
 }
 
-/// A result with the crate's [`enum@ErrorKind`]ed [`Error`].
+/// Result with the crate's [`Error`], which has an [`enum@ErrorKind`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
-    /// The kind of failure.
+    /// Returns the kind of failure.
     pub fn kind(&self) -> ErrorKind {
         self.kind
     }

@@ -1,4 +1,4 @@
-//! A single frame of a loaded scene.
+//! Single frame of a loaded scene.
 
 use pellucid_engine::methods::brightness;
 use pellucid_engine::methods::{Error, Frame};
@@ -6,7 +6,7 @@ use pellucid_engine::scene::camera_at;
 
 use crate::{Camera, Loaded, Picture, Result};
 
-/// The settings of a frame; [`render`](Self::render) renders it.
+/// Settings of a frame; [`render`](Self::render) renders it.
 #[must_use]
 pub struct FrameBuilder<'a> {
     loaded: &'a mut Loaded,
@@ -20,44 +20,45 @@ impl<'a> FrameBuilder<'a> {
         Self { loaded, frame, camera: None }
     }
 
-    /// Looks from another camera.
+    /// Sets the camera.
     pub fn camera(self, camera: Camera) -> Self {
         Self { camera: Some(camera), ..self }
     }
 
-    /// Renders another number of columns and rows, each from 1 to 16384.
+    /// Sets the width and height in pixels, each from 1 to 16384.
     pub fn size(mut self, width: u32, height: u32) -> Self {
         self.frame.size = [width, height];
         self
     }
 
-    /// Limits device memory beside points and image to this number of bytes.
+    /// Limits device memory, other than that of points and image, to this number of bytes.
     pub fn memory_budget(mut self, bytes: u64) -> Self {
         self.frame.memory_budget = Some(bytes);
         self
     }
 
-    /// Has the picture carry the number of fragments of each pixel, and, of methods that peel, its layers.
+    /// Requests the number of fragments of each pixel, and for methods that peel, the number of layers.
     pub fn counts(mut self) -> Self {
         self.frame.fragments = true;
         self
     }
 
-    /// Has the picture carry the median and the mean depth of each pixel, of methods whose pictures follow from sorted lists of all
-    /// fragments: `abuffer`, `linked-list`, `peel` of all layers and `sorted` of flat discs. Each takes the time of another picture.
+    /// Requests the median and the mean depth of each pixel. Methods that have them sort lists of all fragments:
+    /// `abuffer`, `linked-list`, `peel` of all layers and `sorted` of flat discs. Each depth takes the time of another
+    /// picture.
     pub fn depths(mut self) -> Self {
         self.frame.depths = true;
         self
     }
 
-    /// Has stochastic methods take fewer samples than their settings say once the standard error of the image (root mean
-    /// square over pixels and R, G, B) is at most this.
+    /// Ends stochastic methods before they have taken all samples of their settings, once the standard error of the
+    /// image (root mean square over pixels and R, G, B) is at most `error`.
     pub fn max_error(mut self, error: f32) -> Self {
         self.frame.max_error = Some(error);
         self
     }
 
-    /// Multiplies all radii and all opacities by factors, at least 0.
+    /// Multiplies all radii and all opacities by factors, each at least 0.
     pub fn factors(mut self, radius: f32, opacity: f32) -> Self {
         self.frame.factors.radius = radius;
         self.frame.factors.opacity = opacity;
@@ -67,8 +68,9 @@ impl<'a> FrameBuilder<'a> {
     /// Renders the frame.
     ///
     /// # Errors
-    /// A camera without a view (eye and target coincide, `up` along the view, a wrong angle), a frame that does not fit the
-    /// device or the budget, a device that fails, and work that an observer cancelled.
+    /// Returns an error for a camera without a view (eye and target coincide, `up` along the view, a wrong angle), for
+    /// a frame that does not fit in the device or the budget, if the device fails, and if an observer canceled the
+    /// work.
     pub fn render(self) -> Result<Picture> {
         let Self { loaded, mut frame, camera } = self;
         if let (Some(camera), Some(bounds)) = (camera, &loaded.bounds) {

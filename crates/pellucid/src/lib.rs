@@ -17,12 +17,14 @@
 //!   ([`Loaded::frame`]), each with a [`Camera`] and a size of its own.
 //! - A [`Picture`] holds linear color, opacity and depth, and the [`Profile`] of the frame: what each pass took.
 //!
-//! Same points, same settings, same bytes: neither the order of the points nor the scheduling on the device shows.
+//! The same points with the same settings give the same bytes. Neither the order of the points nor the scheduling on
+//! the device affects them.
 //!
 //! # Versions
 //!
-//! The public items of this crate follow Semantic Versioning: before 1.0 a new second number may break, a new third one doesn't. The crates
-//! below it, such as `pellucid-engine`, promise nothing. docs/install.md lists what else is promised.
+//! The public items of this crate follow Semantic Versioning. Before 1.0, a new minor version may break them and a new
+//! patch version doesn't. The crates that it is built on, such as `pellucid-engine`, promise nothing. docs/install.md
+//! lists what else is promised.
 //!
 //! # Example
 //!
@@ -79,10 +81,10 @@ pub use profile::{Pass, Profile};
 pub use renderer::{Loaded, Renderer, devices};
 pub use scene::Scene;
 
-/// Renders a scene on the best device, with its own camera or one that sees all of it.
+/// Renders a scene on the best device, with the scene's camera or one that sees all of the scene.
 ///
 /// # Errors
-/// Whatever [`Renderer::open`], [`Renderer::load`] and [`FrameBuilder::render`] refuse.
+/// Returns the errors of [`Renderer::open`], [`Renderer::load`] and [`FrameBuilder::render`].
 pub fn render(scene: &Scene) -> Result<Picture> {
     Renderer::open()?.load(scene)?.frame().render()
 }

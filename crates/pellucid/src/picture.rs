@@ -1,4 +1,4 @@
-//! A rendered frame.
+//! Rendered frame.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use pellucid_engine::profile::Profile as Frames;
 
 use crate::{Loaded, Profile, Result};
 
-/// A picture: linear color, opacity and depth of each pixel, row by row from the top, and the frame's profile.
+/// Picture: linear color, opacity and depth of each pixel, row by row from the top, and the frame's profile.
 pub struct Picture {
     image: Image,
     options: WriteOptions,
@@ -34,69 +34,73 @@ impl Picture {
         Self { image: rendered.image, options, profile: Profile(frames) }
     }
 
-    /// Columns.
+    /// Returns the width in pixels.
     pub fn width(&self) -> u32 {
         self.image.width
     }
 
-    /// Rows.
+    /// Returns the height in pixels.
     pub fn height(&self) -> u32 {
         self.image.height
     }
 
-    /// R, G, B, multiplied by opacity, and opacity A of each pixel, without the background. Linear light, unless the
-    /// scene sets `image.color = "encoded"`.
+    /// Returns R, G, B, multiplied by opacity, and opacity A of each pixel, without the background. The values are in
+    /// linear light, unless the scene sets `image.color = "encoded"`.
     pub fn pixels(&self) -> &[[f32; 4]] {
         &self.image.rgba
     }
 
-    /// Depth of the nearest fragment of each pixel along the view, in world units; infinity for empty pixels.
+    /// Returns the depth of the nearest fragment of each pixel along the view, in world units; infinity for empty
+    /// pixels.
     pub fn depth(&self) -> &[f32] {
         &self.image.depth
     }
 
-    /// Depth of each pixel at which half of the light or less is left, in world units along the view; infinity where opacity is less
-    /// than 1/2. `None` unless [`depths`](crate::FrameBuilder::depths) were asked for and the method has them.
+    /// Returns the depth of each pixel at which half of the light or less is left, in world units along the view;
+    /// infinity where opacity is less than 1/2. `None` unless [`depths`](crate::FrameBuilder::depths) were requested
+    /// and the method has them.
     pub fn median_depth(&self) -> Option<&[f32]> {
         self.image.depth_median.as_deref()
     }
 
-    /// Mean depth of each pixel's fragments, each weighted by what it adds to opacity; infinity for empty pixels. `None` as of
-    /// [`median_depth`](Self::median_depth).
+    /// Returns the mean depth of each pixel's fragments, each weighted by what it adds to opacity; infinity for empty
+    /// pixels. `None` under the conditions of [`median_depth`](Self::median_depth).
     pub fn mean_depth(&self) -> Option<&[f32]> {
         self.image.depth_mean.as_deref()
     }
 
-    /// Fragments of each pixel, if [`counts`](crate::FrameBuilder::counts) were asked for and the method has lists.
+    /// Returns the number of fragments of each pixel, if [`counts`](crate::FrameBuilder::counts) were requested and the
+    /// method has lists.
     pub fn fragments(&self) -> Option<&[u32]> {
         self.image.fragments.as_deref()
     }
 
-    /// Standard error of a stochastic picture, if it was found: root mean square over pixels and R, G, B.
+    /// Returns the standard error of a stochastic picture, if it was found: root mean square over pixels and R, G, B.
     pub fn standard_error(&self) -> Option<f64> {
         self.image.standard_error()
     }
 
-    /// Linear R, G, B of each pixel over the scene's background.
+    /// Returns linear R, G, B of each pixel over the scene's background.
     pub fn over_background(&self) -> Vec<[f32; 3]> {
         linear(&self.image, self.options.background, self.options.color).pixels
     }
 
-    /// R, G, B of each pixel over the scene's background as 8-bit sRGB, as [`save`](Self::save) writes them.
+    /// Returns 8-bit sRGB of each pixel over the scene's background, as [`save`](Self::save) writes it.
     pub fn to_srgb8(&self) -> Vec<[u8; 3]> {
         self.over_background().into_iter().map(|pixel| pixel.map(|linear| to_byte(encode_srgb(linear)))).collect()
     }
 
-    /// Writes a PNG (8-bit sRGB over the background) or an EXR (float32 with A, Z, and depths and counts that were asked for), by the file's extension.
+    /// Writes a PNG (8-bit sRGB over the background) or an EXR (float32 with A, Z, and the requested depths and
+    /// counts), by the file's extension.
     ///
     /// # Errors
-    /// Another extension, a missing folder, and errors of the system while writing; an earlier file then remains
-    /// unchanged.
+    /// Returns an error for another extension, a missing folder, and errors of the system while writing. An earlier
+    /// file then remains unchanged.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         Ok(write_image(path.as_ref(), &self.image, &self.options)?)
     }
 
-    /// The cost of the frame.
+    /// Returns the cost of the frame.
     pub fn profile(&self) -> &Profile {
         &self.profile
     }

@@ -1,4 +1,4 @@
-//! The cost of a frame.
+//! Cost of a frame.
 
 use std::time::Duration;
 
@@ -13,47 +13,47 @@ pub struct Profile(pub(crate) Frames);
 pub struct Pass {
     /// Method and stage, as in `abuffer/store`.
     pub name: &'static str,
-    /// Time on the device.
+    /// Time that the pass took on the device.
     pub time: Duration,
-    /// Shader invocations, where they are counted.
+    /// Number of shader invocations; `None` where they are not counted.
     pub invocations: Option<u64>,
-    /// Bytes that the pass must read and write at least, where that is known.
+    /// Smallest number of bytes that the pass must read and write; `None` where it is unknown.
     pub bytes: Option<u64>,
 }
 
 impl Profile {
-    /// The passes in the order of their first run.
+    /// Returns the passes in the order of their first run.
     pub fn passes(&self) -> Vec<Pass> {
         let passes = self.0.frames.iter().flat_map(|frame| &frame.passes);
         passes.map(|p| Pass { name: p.name, time: p.gpu, invocations: p.invocations, bytes: p.bytes }).collect()
     }
 
-    /// Time on the device of all passes.
+    /// Returns the time that all passes took on the device.
     pub fn device_time(&self) -> Duration {
         self.0.frames.iter().map(|frame| frame.gpu()).sum()
     }
 
-    /// Time from the first submission to the picture in host memory.
+    /// Returns the time from the first submission to the picture in host memory.
     pub fn wall_time(&self) -> Duration {
         self.0.frames.iter().map(|frame| frame.wall).sum()
     }
 
-    /// Largest number of device bytes at any time, points and picture included.
+    /// Returns the largest number of device bytes in use at any time, points and picture included.
     pub fn peak_device_bytes(&self) -> u64 {
         self.0.facts.peak_device_bytes
     }
 
-    /// Fragments of all pixels, of methods that count them.
+    /// Returns the number of fragments of all pixels; 0 for methods that don't count them.
     pub fn fragments(&self) -> u64 {
         self.0.facts.fragments
     }
 
-    /// Fragments of the pixel with most of them.
+    /// Returns the number of fragments of the pixel with the most; 0 for methods that don't count them.
     pub fn longest_list(&self) -> u32 {
         self.0.facts.max_list
     }
 
-    /// The profile as JSON, in the form that `pellucid render --profile` writes.
+    /// Returns the profile as JSON, in the form that `pellucid render --profile` writes.
     pub fn to_json(&self) -> String {
         self.0.to_json().to_string()
     }

@@ -1,4 +1,4 @@
-//! A device, and scenes on it.
+//! Device, and scenes on it.
 
 use std::sync::Arc;
 
@@ -13,16 +13,17 @@ use pellucid_engine::scene as engine;
 
 use crate::{FrameBuilder, Result, Scene};
 
-/// Names of the Vulkan devices of this machine, in the order in which [`Renderer::open_device`] counts them.
+/// Returns the names of the Vulkan devices of this machine, in the order in which [`Renderer::open_device`] counts
+/// them.
 ///
 /// # Errors
-/// The Vulkan loader is missing; the message names the package to install.
+/// Returns an error if the Vulkan loader is missing. The message names the package to install.
 pub fn devices() -> Result<Vec<String>> {
     let (devices, _) = gpu::devices(None)?;
     Ok(devices.into_iter().map(|device| device.name).collect())
 }
 
-/// A device that renders scenes.
+/// Device that renders scenes.
 #[derive(Clone)]
 pub struct Renderer {
     device: Device,
@@ -33,15 +34,15 @@ impl Renderer {
     /// Opens the best device: a GPU, else a driver that runs on the CPU.
     ///
     /// # Errors
-    /// The loader or a device is missing; the message names the package to install.
+    /// Returns an error if the loader or a device is missing. The message names the package to install.
     pub fn open() -> Result<Self> {
         Self::open_with(None)
     }
 
-    /// Opens the device of that number in [`devices`], or whose name contains the text.
+    /// Opens the device with that index in [`devices`], counted from 0, or the one whose name contains the text.
     ///
     /// # Errors
-    /// As [`Self::open`], and no such device.
+    /// Returns the errors of [`Self::open`], and an error if there is no such device.
     pub fn open_device(device: &str) -> Result<Self> {
         Self::open_with(Some(device.to_owned()))
     }
@@ -51,34 +52,35 @@ impl Renderer {
         Ok(Self { device, progress: Progress::hidden() })
     }
 
-    /// Tells an observer how far loading and rendering are. It may cancel a frame, which ends within one submission to the
-    /// device, and loading between its steps; what was loaded before renders on as if nothing had been cancelled.
+    /// Reports the progress of loading and rendering to an observer. The observer may cancel a frame, which ends within
+    /// one submission to the device, and loading between its steps. Scenes loaded before keep rendering as if nothing
+    /// had been canceled.
     #[must_use]
     pub fn observed_by(self, observer: impl Observer + 'static) -> Self {
         Self { progress: Progress::observed(observer), ..self }
     }
 
-    /// The device's name.
+    /// Returns the device's name.
     pub fn device_name(&self) -> &str {
         &self.device.info().name
     }
 
-    /// The driver's name and version.
+    /// Returns the driver's name and version.
     pub fn driver_name(&self) -> &str {
         &self.device.info().driver
     }
 
-    /// An error if the observer wants the work to end.
+    /// Returns an error if the observer cancels the work.
     fn go_on(&self) -> Result<()> {
         Ok(self.progress.check().map_err(methods::Error::from)?)
     }
 
-    /// Brings a scene to the device: estimates the radii that are missing, orders the points and uploads them. The scene's
-    /// method is decided here, if it is `auto`.
+    /// Loads a scene on the device: estimates missing radii, orders the points and uploads them. If the scene's method
+    /// is `auto`, the method is decided here.
     ///
     /// # Errors
-    /// A scene without points, one whose settings contradict each other, one that the device has no room for, and work that
-    /// an observer cancelled.
+    /// Returns an error if the scene has no points, its settings contradict each other, or the device has no room for
+    /// it, and if an observer canceled the work.
     pub fn load(&self, scene: &Scene) -> Result<Loaded> {
         self.go_on()?;
         let mut settings = scene.document.scene()?;
@@ -101,7 +103,7 @@ impl Renderer {
     }
 }
 
-/// A scene on a device, ready to render any number of frames.
+/// Scene on a device, ready to render any number of frames.
 pub struct Loaded {
     pub(crate) renderer: methods::Renderer,
     pub(crate) cloud: DeviceCloud,
@@ -116,27 +118,27 @@ pub struct Loaded {
 }
 
 impl Loaded {
-    /// Begins a frame: the camera, the size and the method are those of the scene unless they are given here.
+    /// Begins a frame. Camera, size and method are those of the scene unless you set them on the builder.
     pub fn frame(&mut self) -> FrameBuilder<'_> {
         FrameBuilder::new(self)
     }
 
-    /// The method in force.
+    /// Returns the method in force.
     pub fn method(&self) -> &'static str {
         self.frame.method.name()
     }
 
-    /// Why this method is in force.
+    /// Returns the reason for the method in force.
     pub fn reason(&self) -> &str {
         &self.reason
     }
 
-    /// Number of points, those without finite coordinates left out.
+    /// Returns the number of points, those without finite coordinates left out.
     pub fn len(&self) -> u64 {
         self.cloud.total()
     }
 
-    /// True without points.
+    /// Returns `true` if there are no points.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

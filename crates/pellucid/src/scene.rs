@@ -1,4 +1,4 @@
-//! Clouds and settings.
+//! Point clouds and the settings for rendering them.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use pellucid_engine::scene::{self as engine, Document, Overrides, Setting};
 
 use crate::{Cloud, Result};
 
-/// Clouds, and the settings by which they are rendered.
+/// Point clouds and the settings for rendering them.
 #[derive(Debug, Clone)]
 pub struct Scene {
     pub(crate) clouds: Vec<Columns>,
@@ -20,16 +20,16 @@ impl Scene {
     /// Reads a scene file (`.toml`) and its clouds, or a single cloud.
     ///
     /// # Errors
-    /// Whatever is wrong with the file, with line and column, and clouds that can't be read.
+    /// Returns an error with line and column if something is wrong with the file, or if a cloud can't be read.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let opened = engine::open(&[path.as_ref().to_owned()], &Overrides::default(), 0, &Progress::hidden())?;
         Ok(Self { clouds: opened.clouds, document: opened.document, seed: 0 })
     }
 
-    /// A scene of some clouds with default settings.
+    /// Creates a scene of clouds with default settings.
     ///
     /// # Errors
-    /// No cloud at all.
+    /// Returns an error if there is no cloud.
     pub fn from_clouds(clouds: impl IntoIterator<Item = Cloud>) -> Result<Self> {
         let clouds: Vec<Cloud> = clouds.into_iter().collect();
         let names = (0..clouds.len()).map(|i| PathBuf::from(format!("cloud-{i}")));
@@ -40,25 +40,25 @@ impl Scene {
         Ok(Self { clouds: clouds.into_iter().map(|cloud| cloud.columns).collect(), document, seed: 0 })
     }
 
-    /// Gives a setting a value, by the name that it has in a scene file, as in `method.samples` or `cloud.0.opacity`.
+    /// Sets the value of a setting, by its name in a scene file, such as `method.samples` or `cloud.0.opacity`.
     ///
     /// # Errors
-    /// A name or a value that a scene file could not have; the scene then stays as it was.
+    /// Returns an error for a name or a value that is not possible in a scene file. The scene is then unchanged.
     pub fn set(&mut self, key: &str, value: impl Into<Setting>) -> Result<&mut Self> {
         self.document.set(key, value.into())?;
         Ok(self)
     }
 
-    /// Sets the seed of stochastic methods; the default is 0.
+    /// Sets the seed of stochastic methods, 0 by default.
     pub fn set_seed(&mut self, seed: u64) -> &mut Self {
         self.seed = seed;
         self
     }
 
-    /// The settings as a scene file; clouds that came from arrays have names in place of files.
+    /// Returns the settings as the text of a scene file. Clouds made from arrays have names in place of files.
     ///
     /// # Errors
-    /// A working directory that can't be found.
+    /// Returns an error if the working directory can't be found.
     pub fn to_toml(&self) -> Result<String> {
         Ok(self.document.to_toml(Path::new("."))?)
     }

@@ -1,7 +1,8 @@
-//! Columns of numpy as columns of a cloud, and back. Python has made them contiguous and of the types named here.
+//! Conversion of NumPy columns to columns of a cloud, and back. Python has made them contiguous and of the types named
+//! here.
 //!
-//! They are copied while the interpreter's lock is held, since whoever else has the array may change it afterwards, and
-//! converted without it.
+//! They are copied while the interpreter's lock is held, since other owners of the array may change it afterwards. They
+//! are converted without the lock.
 
 use glam::{DVec3, Vec3};
 use numpy::{Element, PyArray1, PyReadonlyArray1};
@@ -19,7 +20,7 @@ pub enum Floats<'py> {
     Double(PyReadonlyArray1<'py, f64>),
 }
 
-/// A copy of them.
+/// Copy of the rows.
 pub enum FloatRows {
     Single(Vec<f32>),
     Double(Vec<f64>),
@@ -34,7 +35,7 @@ impl Floats<'_> {
     }
 }
 
-/// Colors as they are given: integers are sRGB.
+/// Colors as given; integers are sRGB.
 #[derive(FromPyObject)]
 pub enum Colors<'py> {
     Byte(PyReadonlyArray1<'py, u8>),
@@ -43,7 +44,7 @@ pub enum Colors<'py> {
     Double(PyReadonlyArray1<'py, f64>),
 }
 
-/// A copy of them.
+/// Copy of the rows.
 pub enum ColorRows {
     Byte(Vec<u8>),
     Short(Vec<u16>),
@@ -61,17 +62,17 @@ impl Colors<'_> {
     }
 }
 
-/// A copy of a contiguous array.
+/// Returns a copy of a contiguous array.
 pub fn copied<T: Element + Copy>(name: &str, array: &PyReadonlyArray1<'_, T>) -> Result<Vec<T>, Failure> {
     Ok(values(name, array)?.to_vec())
 }
 
-/// The values of a contiguous array.
+/// Returns the values of a contiguous array.
 pub fn values<'a, T: Element>(name: &str, array: &'a PyReadonlyArray1<'_, T>) -> Result<&'a [T], Failure> {
     array.as_slice().map_err(|_| Failure::Value(format!("{name}: expected a contiguous array")))
 }
 
-/// World positions, all finite.
+/// Returns positions in world units, all finite.
 pub fn positions(rows: &FloatRows) -> Result<Vec<DVec3>, Failure> {
     fn convert<T: Copy + Into<f64> + Sync>(values: &[T]) -> Result<Vec<DVec3>, Failure> {
         let rows = values.par_chunks_exact(3);
@@ -95,13 +96,13 @@ pub fn positions(rows: &FloatRows) -> Result<Vec<DVec3>, Failure> {
     }
 }
 
-/// Normals of length 1, or zero where none is given; `None` if there is none at all.
+/// Returns normals of length 1, or zero where none is given; `None` if there is none at all.
 pub fn normals(rows: &FloatRows) -> Option<Vec<Vec3>> {
     let normals: Vec<Vec3> = vectors(rows).map(unit_or_zero).collect();
     normals.par_iter().any(|n| *n != Vec3::ZERO).then_some(normals)
 }
 
-/// Rows of three as float32.
+/// Returns rows of three as float32.
 fn vectors(rows: &FloatRows) -> impl IndexedParallelIterator<Item = Vec3> + '_ {
     let count = match rows {
         FloatRows::Single(values) => values.len() / 3,
@@ -113,7 +114,7 @@ fn vectors(rows: &FloatRows) -> impl IndexedParallelIterator<Item = Vec3> + '_ {
     })
 }
 
-/// Linear colors. `srgb` is said of floats.
+/// Returns linear colors. `srgb` is `true` if floats are sRGB.
 pub fn colors(rows: &ColorRows, srgb: bool) -> Result<Vec<Vec3>, Failure> {
     let rows = match rows {
         ColorRows::Byte(values) => return Ok(decoded(values, 255)),
@@ -130,7 +131,7 @@ pub fn colors(rows: &ColorRows, srgb: bool) -> Result<Vec<Vec3>, Failure> {
     Ok(vectors(rows).map(|c| if srgb { decode(c) } else { c }).collect())
 }
 
-/// Colors as they are, whatever their range; integers are decoded.
+/// Returns colors as they are, whatever their range; integers are decoded.
 pub fn any_colors(rows: &ColorRows) -> Vec<[f32; 3]> {
     match rows {
         ColorRows::Byte(values) => decoded(values, 255).into_iter().map(|c| c.to_array()).collect(),
@@ -145,7 +146,7 @@ fn decoded<T: Copy + Into<usize> + Sync>(values: &[T], full: u16) -> Vec<Vec3> {
     values.par_chunks_exact(3).map(linear).collect()
 }
 
-/// Refuses a number out of a range, of which `expected` speaks.
+/// Refuses a number outside the range that `expected` describes.
 pub fn check(name: &str, values: &[f32], expected: &str, fine: impl Fn(f32) -> bool + Sync) -> Result<(), Failure> {
     match values.par_iter().position_first(|value| !fine(*value)) {
         None => Ok(()),
@@ -153,7 +154,7 @@ pub fn check(name: &str, values: &[f32], expected: &str, fine: impl Fn(f32) -> b
     }
 }
 
-/// A vector as an array of numpy, which takes it over without a copy: numbers in a row, `N` for each element.
+/// Returns a vector as a NumPy array, which takes it over without a copy: numbers in a row, `N` for each element.
 pub fn flat<T: Element, const N: usize>(py: Python<'_>, values: Vec<[T; N]>) -> Bound<'_, PyArray1<T>> {
     PyArray1::from_vec(py, values.into_flattened())
 }

@@ -7,7 +7,7 @@ use crate::devices::Device;
 use crate::failure::Failure;
 use crate::work;
 
-/// Runs the cases whose names contain one of these, by default all; JSON as of `pellucid check`.
+/// Run the cases whose names contain one of these, by default all, and return the JSON of `pellucid check`.
 #[pyfunction]
 #[pyo3(signature = (device, names, listener=None))]
 pub fn check(

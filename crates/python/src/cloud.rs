@@ -1,4 +1,4 @@
-//! A cloud of points.
+//! Point cloud.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -13,11 +13,11 @@ use crate::arrays::{self, ColorRows, Colors, FloatRows, Floats};
 use crate::failure::Failure;
 use crate::work;
 
-/// The columns of a cloud; shared, and never changed.
+/// Columns of a cloud; shared, and never changed.
 #[pyclass(frozen, module = "pellucid._pellucid")]
 pub struct Cloud(pub Arc<Columns>);
 
-/// What is given beside points.
+/// Columns given beside the points.
 #[derive(FromPyObject)]
 pub struct Given<'py> {
     #[pyo3(item)]
@@ -42,14 +42,14 @@ pub struct Given<'py> {
 
 #[pymethods]
 impl Cloud {
-    /// A cloud of flat, contiguous arrays whose lengths and types Python has checked.
+    /// Return a cloud of flat, contiguous arrays whose lengths and types Python has checked.
     #[staticmethod]
     fn of_arrays(py: Python<'_>, points: Floats<'_>, given: Given<'_>) -> PyResult<Self> {
         let copies = Copies::new(&points, &given).map_err(|failure| failure.raise(py))?;
         Ok(Self(Arc::new(work::run(py, None, move |_| copies.columns())?)))
     }
 
-    /// The cloud of a file.
+    /// Return the cloud of a file.
     #[staticmethod]
     #[pyo3(signature = (path, listener=None))]
     fn read(py: Python<'_>, path: PathBuf, listener: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
@@ -65,7 +65,7 @@ impl Cloud {
         self.0.len()
     }
 
-    /// Smallest and largest corner, six numbers; `None` without points.
+    /// Return the smallest and the largest corner, six numbers; `None` without points.
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
         let columns = Arc::clone(&self.0);
         let bounds = work::run(py, None, move |_| Ok(columns.bounds()))?;
@@ -100,25 +100,25 @@ impl Cloud {
         Some(PyArray1::from_slice(py, self.0.intensity.as_ref()?))
     }
 
-    /// Names and values of all other scalars.
+    /// Return names and values of all other scalars.
     fn scalars<'py>(&self, py: Python<'py>) -> Vec<(String, Bound<'py, PyArray1<f32>>)> {
         self.0.scalars.iter().map(|(name, values)| (name.clone(), PyArray1::from_slice(py, values))).collect()
     }
 
-    /// True if +Z points up.
+    /// Returns `true` if +Z points up.
     fn z_up(&self) -> bool {
         self.0.up == UpAxis::Z
     }
 }
 
-/// Everything that was given, copied.
+/// Copies of everything that was given.
 struct Copies {
     points: FloatRows,
     colors: Option<ColorRows>,
     srgb: bool,
     normals: Option<FloatRows>,
     z_up: Option<bool>,
-    /// The columns that need no conversion.
+    /// Columns that need no conversion.
     columns: Columns,
 }
 
@@ -146,7 +146,7 @@ impl Copies {
         })
     }
 
-    /// The columns of a cloud, of which every value is in its range.
+    /// Returns the columns of a cloud, of which every value is in its range.
     fn columns(self) -> Result<Columns, Failure> {
         let mut columns = self.columns;
         let (alphas, radii) = (columns.alphas.as_deref(), columns.radii.as_deref());

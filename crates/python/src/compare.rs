@@ -13,7 +13,7 @@ use crate::arrays::{self, ColorRows, Colors};
 use crate::failure::Failure;
 use crate::work;
 
-/// A file, or R, G, B of as many columns and rows, row by row: linear floats, or integers that are sRGB.
+/// A file, or R, G, B of this width and height, row by row: linear floats, or sRGB integers.
 #[derive(FromPyObject)]
 pub enum Given<'py> {
     Pixels(Colors<'py>, u32, u32),
@@ -55,10 +55,10 @@ impl Source {
     }
 }
 
-/// JSON as of `pellucid compare`, the absolute difference of each pixel, and columns and rows.
+/// JSON of `pellucid compare`, the absolute difference of each pixel, and width and height.
 type Compared<'py> = (String, Bound<'py, PyArray1<f32>>, u32, u32);
 
-/// Compares a picture with another one, the reference.
+/// Compare a picture with another one, the reference.
 #[pyfunction]
 pub fn compare<'py>(py: Python<'py>, a: Given<'_>, b: Given<'_>) -> PyResult<Compared<'py>> {
     let sources = Source::new("a", &a).and_then(|a| Ok((a, Source::new("b", &b)?)));

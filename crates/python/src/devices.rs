@@ -1,4 +1,4 @@
-//! The devices of this machine.
+//! Devices of this machine.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -10,13 +10,13 @@ use crate::failure::Failure;
 use crate::fork::Kept;
 use crate::work;
 
-/// An open device; scenes on it may be used from several threads at once.
+/// Open device; scenes on it may be used from several threads at once.
 #[pyclass(frozen, module = "pellucid._pellucid")]
 pub struct Device(Arc<Mutex<Kept<gpu::Device>>>);
 
 #[pymethods]
 impl Device {
-    /// Opens the device of that index or part of a name, else the best one.
+    /// Open the device of that index or part of a name, else the best one.
     #[new]
     #[pyo3(signature = (device=None))]
     fn new(py: Python<'_>, device: Option<String>) -> PyResult<Self> {
@@ -34,13 +34,13 @@ impl Device {
         Ok(self.device().map_err(|failure| failure.raise(py))?.info().driver.clone())
     }
 
-    /// Bytes of the device's memory in use by this device's scenes and frames.
+    /// Return the device memory that scenes and frames of this device use, in bytes.
     fn bytes_in_use(&self, py: Python<'_>) -> PyResult<u64> {
         let device = self.device().map_err(|failure| failure.raise(py))?;
         Ok(device.live_allocations().iter().map(|(_, bytes)| bytes).sum())
     }
 
-    /// Ends it; scenes that are still on it keep it until they end, too.
+    /// Close the device. Scenes on it keep it until they end, too.
     fn close(&self) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).close();
     }
@@ -52,10 +52,10 @@ impl Device {
     }
 }
 
-/// Index, name, driver, what it lacks, methods that it has no subgroups for, and if it would be taken, of each device.
+/// Index, name, driver, missing features, methods that it has no subgroups for, and `true` if it would be taken.
 type Listed = (usize, String, String, Vec<String>, Vec<String>, bool);
 
-/// All devices.
+/// Return all devices.
 #[pyfunction]
 pub fn devices(py: Python<'_>) -> PyResult<Vec<Listed>> {
     work::run(py, None, |_| {

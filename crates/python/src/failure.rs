@@ -1,10 +1,10 @@
-//! Errors of the engine as exceptions of Python.
+//! Errors of the engine as Python exceptions.
 
 use pellucid_engine::{Error, methods};
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
-/// The reason why a call failed.
+/// Reason why a call failed.
 #[derive(Debug)]
 pub enum Failure {
     Engine(Box<Error>),
@@ -25,7 +25,7 @@ impl<E: Into<Error>> From<E> for Failure {
     }
 }
 
-/// What to install for Vulkan, by system.
+/// Packages to install for Vulkan, by system.
 const VULKAN: &str = "\n\
     pellucid needs a Vulkan driver of version 1.3; a GPU is not needed. Install one:\n  \
     Debian, Ubuntu: apt install libvulkan1 mesa-vulkan-drivers\n  \
@@ -34,7 +34,7 @@ const VULKAN: &str = "\n\
     macOS: brew install vulkan-loader molten-vk";
 
 impl Failure {
-    /// As an exception of the package.
+    /// Converts it to an exception of the package.
     pub fn raise(self, py: Python<'_>) -> PyErr {
         match self {
             Self::Value(message) => PyValueError::new_err(message),
@@ -54,7 +54,7 @@ impl Failure {
     }
 }
 
-/// Advice where no driver is there, or none that will do.
+/// Returns advice where there is no driver, or none that will do.
 fn install(error: &pellucid_engine::gpu::Error) -> &'static str {
     use pellucid_engine::gpu::Error as Gpu;
     match error {
@@ -63,7 +63,7 @@ fn install(error: &pellucid_engine::gpu::Error) -> &'static str {
     }
 }
 
-/// The classes are Python's, since some have two bases.
+/// Returns an exception of a Python class, since some have two bases.
 fn of_class(py: Python<'_>, name: &str, message: String) -> PyErr {
     let found = py.import("pellucid._errors").and_then(|module| module.getattr(name)?.call1((&message,)));
     found.map_or_else(|_| PyRuntimeError::new_err(message), PyErr::from_value)

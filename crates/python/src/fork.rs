@@ -1,17 +1,17 @@
-//! Forked processes: they have neither the threads nor the device of their parent, and are told so instead of hanging.
+//! Forked processes. They have neither the threads nor the device of their parent, and get an error instead of hanging.
 
 use std::process;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::failure::Failure;
 
-/// The process that has used pellucid; 0 until one has.
+/// Id of the process that has used pellucid; 0 until one has.
 static USED_BY: AtomicU32 = AtomicU32::new(0);
 
 /// Notes that this process uses pellucid.
 ///
 /// # Errors
-/// It was forked from one that had used it already.
+/// Returns an error if the process was forked from one that had used pellucid already.
 pub fn enter() -> Result<(), Failure> {
     let this = process::id();
     match USED_BY.compare_exchange(0, this, Ordering::AcqRel, Ordering::Acquire) {
@@ -23,9 +23,9 @@ pub fn enter() -> Result<(), Failure> {
     }
 }
 
-/// Something of a device, which a forked process must leave alone even at its end.
+/// Value of a device, which a forked process must leave alone even at its end.
 pub struct Kept<T> {
-    /// For people.
+    /// Name for error messages.
     name: &'static str,
     value: Option<T>,
     process: u32,
@@ -36,7 +36,7 @@ impl<T> Kept<T> {
         Self { name, value: Some(value), process: process::id() }
     }
 
-    /// The value, unless it was closed.
+    /// Returns the value, unless it was closed.
     pub fn get(&mut self) -> Result<&mut T, Failure> {
         let name = self.name;
         self.value.as_mut().ok_or_else(|| Failure::Value(format!("this {name} was closed; make another one")))

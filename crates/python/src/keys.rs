@@ -1,12 +1,12 @@
-//! The keys of a scene file, from the table that the readers of scenes have.
+//! Keys of a scene file, from the table that the readers of scenes have.
 
 use pellucid_engine::color::classes;
 use pellucid_engine::scene::{self, Key, METHODS, Method, MethodChoice};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
-/// All tables with their keys, as JSON: `[{title, path, keys: [{name, about, kind, unit, default, without, methods}]}]`, where methods
-/// are those that have a key of `[method]`.
+/// Return all tables with their keys, as JSON: `[{title, path, keys: [{name, about, kind, unit, default, without,
+/// methods}]}]`, where methods are those that have a key of `[method]`.
 #[pyfunction]
 pub fn keys() -> String {
     let tables = scene::tables();
@@ -40,14 +40,14 @@ fn described(key: &Key, owners: &[&str]) -> Value {
     })
 }
 
-/// Names and purposes of all methods.
+/// Return names and purposes of all methods.
 #[pyfunction]
 pub fn methods() -> Vec<(String, String)> {
     let about = |method: &Method| (method.name().to_owned(), method.about().to_owned());
     Method::all().iter().map(about).collect()
 }
 
-/// The code of a class of LAS by its name in a scene file; `None` for other names.
+/// Return the code of a LAS class by its name in a scene file; `None` for other names.
 #[pyfunction]
 pub fn class_code(name: &str) -> Option<u8> {
     classes::code(name)

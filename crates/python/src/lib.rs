@@ -1,8 +1,8 @@
-//! The native part of the Python package `pellucid`: what must be Rust, and no more. Keywords, documentation and plain
-//! data are Python's (`python/pellucid`).
+//! Native part of the Python package `pellucid`: what must be Rust, and no more. Keywords, documentation and plain data
+//! are in Python (`python/pellucid`).
 //!
-//! Every call that takes time runs on a thread of its own, while the caller waits without the interpreter's lock: so
-//! Ctrl-C ends it, and other threads of Python go on ([`work`]).
+//! Every call that takes time runs on a thread of its own, while the caller waits without the interpreter's lock. So
+//! Ctrl-C ends the call, and other Python threads go on ([`work`]).
 
 mod arrays;
 mod check;
@@ -26,7 +26,7 @@ mod work;
 use pellucid_engine::io::silence_decoder_panics;
 use pyo3::prelude::*;
 
-/// The module that Python's part of the package imports.
+/// Native module that the Python part of the package imports.
 #[pymodule]
 mod _pellucid {
     #[pymodule_export]
@@ -50,7 +50,7 @@ mod _pellucid {
     #[pymodule_export]
     use super::work::wait;
 
-    /// Damaged files are errors, and nothing on standard error besides.
+    /// Makes damaged files errors, without output on standard error.
     #[pymodule_init]
     fn init(_module: &super::Bound<'_, super::PyModule>) -> super::PyResult<()> {
         super::silence_decoder_panics();

@@ -1,4 +1,4 @@
-//! A scene on a device, for Python.
+//! Scene on a device, for Python.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -22,13 +22,13 @@ use crate::session::Session;
 use crate::talk::Talk;
 use crate::work;
 
-/// A scene on a device; one frame at a time.
+/// Scene on a device; one frame at a time.
 #[pyclass(frozen, module = "pellucid._pellucid")]
 pub struct Loaded(Mutex<Kept<Arc<Mutex<Session>>>>);
 
 #[pymethods]
 impl Loaded {
-    /// Brings a scene to a device; `with_radii` even if its method does without.
+    /// Load a scene on a device; `with_radii` finds radii even if its method doesn't need them.
     #[new]
     #[pyo3(signature = (device, scene, ask, with_radii=false, listener=None))]
     fn new(
@@ -48,7 +48,7 @@ impl Loaded {
         Ok(Self(Mutex::new(Kept::new("scene", Arc::new(Mutex::new(session))))))
     }
 
-    /// Renders a frame.
+    /// Render a frame.
     #[pyo3(signature = (ask, listener=None))]
     fn frame<'py>(
         &self,
@@ -64,7 +64,7 @@ impl Loaded {
         Ok((picture, picture::moved(py, image)))
     }
 
-    /// Measures frames; JSON as of `pellucid profile`.
+    /// Measure frames and return the JSON of `pellucid profile`.
     #[pyo3(signature = (ask, frames, listener=None))]
     fn profile(&self, py: Python<'_>, ask: Ask, frames: u32, listener: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
         self.with(py, listener, move |session, talk| {
@@ -74,7 +74,7 @@ impl Loaded {
         })
     }
 
-    /// The passes of a frame; JSON as of `pellucid plan`.
+    /// Return the passes of a frame as the JSON of `pellucid plan`.
     #[pyo3(signature = (ask, listener=None))]
     fn plan(&self, py: Python<'_>, ask: Ask, listener: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
         self.with(py, listener, move |session, talk| {
@@ -84,7 +84,7 @@ impl Loaded {
         })
     }
 
-    /// Compares methods; JSON as of `pellucid tradeoff`, whose files go to a folder.
+    /// Compare methods and return the JSON of `pellucid tradeoff`, whose files go to `folder`.
     #[pyo3(signature = (ask, extent, folder, listener=None))]
     fn tradeoff(
         &self,
@@ -100,7 +100,7 @@ impl Loaded {
         })
     }
 
-    /// The camera of the last frame, or of the scene; see [`Picture`].
+    /// Return the camera of the last frame, or of the scene; see [`Picture`].
     fn camera(&self, py: Python<'_>) -> PyResult<CameraNumbers> {
         self.with(py, None, |session, _| Ok(picture::numbers(&session.frame.camera, distance(session))))
     }
@@ -109,12 +109,12 @@ impl Loaded {
         self.with(py, None, |session, _| Ok(session.frame.size))
     }
 
-    /// The method of the last frame, and why; before the first one what stands for `auto`.
+    /// Return the method of the last frame, and why; before the first frame, the method that `auto` stands for.
     fn method(&self, py: Python<'_>) -> PyResult<(&'static str, String)> {
         self.with(py, None, |session, _| Ok((session.frame.method.name(), session.why.clone())))
     }
 
-    /// How clouds are colored, and why.
+    /// Return how clouds are colored, and why.
     fn colorings(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         self.with(py, None, |session, _| Ok(session.made.colorings.clone()))
     }
@@ -124,19 +124,19 @@ impl Loaded {
         Ok(bounds.map(|bounds| arrays::flat(py, vec![bounds.min.to_array(), bounds.max.to_array()])))
     }
 
-    /// Number of points.
+    /// Return the number of points.
     fn count(&self, py: Python<'_>) -> PyResult<u64> {
         self.with(py, None, |session, _| Ok(session.cloud.total()))
     }
 
-    /// Gives the device's memory back, once a frame that is still in work has ended; nobody waits for that here.
+    /// Free the device memory, once a frame that is still in work has ended, without waiting for that.
     fn close(&self, py: Python<'_>) {
         py.detach(|| self.0.lock().unwrap_or_else(PoisonError::into_inner).close());
     }
 }
 
 impl Loaded {
-    /// Works with the session, once others have finished with it.
+    /// Runs work with the session, once others have finished with it.
     fn with<T: Send + 'static>(
         &self,
         py: Python<'_>,
@@ -152,7 +152,7 @@ impl Loaded {
     }
 }
 
-/// From the eye to the middle of the scene along the view.
+/// Returns the distance from the eye to the middle of the scene along the view.
 fn distance(session: &Session) -> f64 {
     let camera = &session.frame.camera;
     session.bounds.map_or(1.0, |bounds| (bounds.center() - camera.eye).dot(camera.forward))

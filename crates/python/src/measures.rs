@@ -50,7 +50,7 @@ pub fn profile(session: &mut Session, frames: u32, talk: &Talk) -> Result<String
     Ok(profile.to_json().to_string())
 }
 
-/// The passes of a frame, each with the reason for it; the method's is first.
+/// Returns the passes of a frame, each with its reason; the reason of the method comes first.
 pub fn plan(session: &mut Session) -> Result<String, Failure> {
     // Count lists as `profile` does, except for methods without lists.
     let frame = Frame { fragments: !session.frame.counts_on_demand(), ..session.frame };
@@ -62,7 +62,7 @@ pub fn plan(session: &mut Session) -> Result<String, Failure> {
     Ok(json!(steps).to_string())
 }
 
-/// How far a comparison goes.
+/// Extent of a comparison.
 #[derive(FromPyObject)]
 pub struct Extent {
     #[pyo3(item)]
@@ -71,7 +71,7 @@ pub struct Extent {
     only: Vec<String>,
     #[pyo3(item)]
     seconds: Option<f64>,
-    /// What was called, for the report.
+    /// Name of the function that was called, for the report.
     #[pyo3(item)]
     command: String,
 }

@@ -1,4 +1,4 @@
-//! A rendered frame: what is left of it once numpy has its arrays.
+//! Rendered frame: the part that is left once NumPy has its arrays.
 
 use std::path::PathBuf;
 
@@ -16,7 +16,7 @@ use crate::arrays::{self, values};
 use crate::failure::Failure;
 use crate::work;
 
-/// How a frame is written, and what it cost.
+/// Frame without its arrays: how it is written, and what it cost.
 #[pyclass(frozen, module = "pellucid._pellucid")]
 pub struct Picture {
     pub size: [u32; 2],
@@ -25,14 +25,14 @@ pub struct Picture {
     pub metadata: Vec<(String, String)>,
     pub profile: Profile,
     pub camera: Camera,
-    /// From the eye to what the camera looks at.
+    /// Distance from the eye to the point that the camera looks at.
     pub distance: f64,
     pub method: &'static str,
     pub reason: String,
     pub stderr: Option<f64>,
 }
 
-/// The arrays of an image as Python keeps them: flat, row by row.
+/// Arrays of an image as Python keeps them: flat, row by row.
 #[derive(FromPyObject)]
 pub struct Arrays<'py> {
     #[pyo3(item)]
@@ -53,7 +53,7 @@ pub struct Arrays<'py> {
 
 type Floats<'py> = Bound<'py, PyArray1<f32>>;
 type Counts<'py> = Bound<'py, PyArray1<u32>>;
-/// Color, depth, median and mean depth, fragments, layers, standard error.
+/// Color, depth, median depth, mean depth, fragments, layers and standard error.
 pub type Moved<'py> = (
     Floats<'py>,
     Floats<'py>,
@@ -64,7 +64,7 @@ pub type Moved<'py> = (
     Option<Floats<'py>>,
 );
 
-/// Hands an image over to numpy, which takes its memory.
+/// Hands an image over to NumPy, which takes its memory.
 pub fn moved(py: Python<'_>, image: Image) -> Moved<'_> {
     let floats = |values: Vec<f32>| PyArray1::from_vec(py, values);
     let counts = |values: Vec<u32>| PyArray1::from_vec(py, values);
@@ -81,7 +81,7 @@ pub fn moved(py: Python<'_>, image: Image) -> Moved<'_> {
 
 #[pymethods]
 impl Picture {
-    /// Columns and rows.
+    /// Width and height in pixels.
     #[getter]
     fn size(&self) -> (u32, u32) {
         self.size.into()
@@ -107,7 +107,7 @@ impl Picture {
         self.metadata.clone()
     }
 
-    /// Eye, target, up, and the angle in degrees or the height, then near and far.
+    /// Return eye, target, up, the angle in degrees or the height, then near and far.
     fn camera(&self) -> CameraNumbers {
         numbers(&self.camera, self.distance)
     }
@@ -116,14 +116,14 @@ impl Picture {
         self.profile.to_json().to_string()
     }
 
-    /// Writes a PNG or an EXR, by the extension.
+    /// Write a PNG or an EXR, by the extension.
     fn save(&self, py: Python<'_>, path: PathBuf, transparent: bool, arrays: Arrays<'_>) -> PyResult<()> {
         let image = self.image(&arrays).map_err(|failure| failure.raise(py))?;
         let options = self.options(transparent);
         work::run(py, None, move |_| Ok(output::write_image(&path, &image, &options)?))
     }
 
-    /// The bytes of a PNG.
+    /// Return the bytes of a PNG.
     fn png<'py>(&self, py: Python<'py>, transparent: bool, arrays: Arrays<'_>) -> PyResult<Bound<'py, PyBytes>> {
         let image = self.image(&arrays).map_err(|failure| failure.raise(py))?;
         let options = self.options(transparent);
@@ -133,7 +133,7 @@ impl Picture {
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// 8-bit sRGB over the background.
+    /// Return 8-bit sRGB over the background.
     fn srgb<'py>(&self, py: Python<'py>, arrays: Arrays<'_>) -> PyResult<Bound<'py, PyArray1<u8>>> {
         let image = self.image(&arrays).map_err(|failure| failure.raise(py))?;
         let options = self.options(false);
@@ -141,7 +141,7 @@ impl Picture {
         Ok(PyArray1::from_vec(py, raster.bytes))
     }
 
-    /// Linear colors over the background.
+    /// Return linear colors over the background.
     fn linear<'py>(&self, py: Python<'py>, arrays: Arrays<'_>) -> PyResult<Floats<'py>> {
         let image = self.image(&arrays).map_err(|failure| failure.raise(py))?;
         let (background, color) = (self.background, self.color);

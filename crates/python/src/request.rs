@@ -1,4 +1,4 @@
-//! What a caller asks for beside the points.
+//! Request of a caller beside the points.
 
 use std::path::PathBuf;
 
@@ -9,11 +9,11 @@ use pyo3::prelude::*;
 
 use crate::failure::Failure;
 
-/// Changes of keys, as the command line's options are: the option as it is named in errors, the dotted key, the value as
-/// TOML, and if it is appended to an array.
+/// Changes of keys, like the options of the command line: the option as errors name it, the dotted key, the value as
+/// TOML, and `true` if it is appended to an array.
 pub type Changes = Vec<(String, String, String, bool)>;
 
-/// Lays changes over a document; before that whole tables are taken out.
+/// Removes whole tables from a document, then applies changes to it.
 pub fn lay_over(document: &mut Document, drop: &[String], changes: &Changes) -> Result<Scene, Failure> {
     let mut overrides = Overrides::default();
     for (option, key, text, appended) in changes {
@@ -26,7 +26,7 @@ pub fn lay_over(document: &mut Document, drop: &[String], changes: &Changes) -> 
     Ok(document.lay_over(&overrides)?)
 }
 
-/// From where a scene is framed.
+/// Direction from which a scene is framed.
 #[derive(FromPyObject, Default)]
 pub struct Direction {
     #[pyo3(item)]
@@ -55,14 +55,14 @@ impl Direction {
     }
 }
 
-/// A frame that is asked for.
+/// Request for a frame.
 #[derive(FromPyObject, Clone)]
 pub struct Ask {
     #[pyo3(item)]
     pub drop: Vec<String>,
     #[pyo3(item)]
     pub changes: Changes,
-    /// False if a camera was given in place of the view that frames the scene.
+    /// `false` if a camera was given in place of the view that frames the scene.
     #[pyo3(item)]
     pub framed: bool,
     #[pyo3(item)]
@@ -79,28 +79,28 @@ pub struct Ask {
     radius_factor: f32,
     #[pyo3(item)]
     pub seed: Option<u64>,
-    /// The share of light that is to get through the median covered pixel.
+    /// Share of light that is to get through the median covered pixel, from 0 to 1.
     #[pyo3(item)]
     pub see_through: Option<f64>,
     #[pyo3(item)]
     max_error: Option<f64>,
     #[pyo3(item)]
     budget_ms: Option<f64>,
-    /// Bytes of the host for points, before they stay in their files.
+    /// Host memory for points, in bytes; beyond it they stay in their files.
     #[pyo3(item)]
     pub host_memory: Option<u64>,
-    /// The folder of temporary files.
+    /// Folder of temporary files.
     #[pyo3(item)]
     pub folder: Option<PathBuf>,
 }
 
 impl Ask {
-    /// The same with lists that are counted.
+    /// Returns the same request with counted lists.
     pub fn with_fragments(self) -> Self {
         Self { fragments: true, ..self }
     }
 
-    /// The accuracy at which blending may stop.
+    /// Returns the accuracy at which blending may stop.
     pub fn stop(&self) -> Stop {
         if self.eight_bit { Stop::EightBit { transparent: false } } else { Stop::Exact }
     }
@@ -115,7 +115,7 @@ impl Ask {
     }
 
     /// # Errors
-    /// A number that makes no sense.
+    /// Returns an error for a number that makes no sense.
     pub fn check(&self) -> Result<(), Failure> {
         let not_negative = |x: f64| x >= 0.0 && x.is_finite();
         let numbers = [

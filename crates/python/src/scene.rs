@@ -1,4 +1,4 @@
-//! A scene before it meets a device: keys, and clouds or where they are.
+//! Scene that is not on a device: keys, and clouds or their paths.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -13,15 +13,15 @@ use crate::request::{self, Changes, Direction};
 use crate::talk::Talk;
 use crate::{fork, work};
 
-/// A scene; its keys may change.
+/// Scene; its keys may change.
 #[pyclass(frozen, module = "pellucid._pellucid")]
 pub struct Scene(Mutex<State>);
 
-/// All of a scene. Clones share the clouds.
+/// Contents of a scene. Clones share the clouds.
 #[derive(Clone)]
 pub struct State {
     pub document: Document,
-    /// The inputs as they were named.
+    /// Name of the inputs.
     pub name: String,
     pub clouds: Clouds,
     pub view: View,
@@ -31,7 +31,7 @@ pub struct State {
 #[derive(Clone)]
 pub enum Clouds {
     Held(Vec<Arc<Columns>>),
-    /// Not read yet; the document is the state's.
+    /// Files that are not read yet; the document is that of the state.
     Files(Named),
 }
 
@@ -40,14 +40,14 @@ impl State {
         Self { document, name, clouds, view: View::default(), seed }
     }
 
-    /// The inputs with the keys as they are now.
+    /// Returns the inputs with the keys as they are now.
     fn named(&self, named: &Named) -> Named {
         let mut named = named.clone();
         named.document = self.document.clone();
         named
     }
 
-    /// Reads clouds that are in files yet.
+    /// Reads clouds that are still in files.
     fn read(&mut self, talk: &Talk) -> Result<&[Arc<Columns>], Failure> {
         if let Clouds::Files(named) = &self.clouds {
             let scene = self.document.scene()?;
@@ -64,12 +64,12 @@ impl State {
     }
 }
 
-/// A key with its value in force, as TOML.
+/// Key with its value in force, as TOML.
 type Valued = (String, Option<String>);
 
 #[pymethods]
 impl Scene {
-    /// A scene of clouds, which have names in place of files.
+    /// Return a scene of clouds, which have names in place of files.
     #[staticmethod]
     fn of_clouds(py: Python<'_>, clouds: Vec<PyRef<'_, Cloud>>, names: Vec<String>) -> PyResult<Self> {
         let document = Document::from_clouds(&names, &Overrides::default()).map_err(|error| raised(py, error))?;
@@ -77,7 +77,7 @@ impl Scene {
         Ok(Self(Mutex::new(State::new(names.join(" "), document, clouds, 0))))
     }
 
-    /// A scene file, or clouds; without any the built-in scene by `seed`.
+    /// Return the scene of a scene file or of clouds; without paths, the built-in scene by `seed`.
     #[staticmethod]
     fn of_files(py: Python<'_>, paths: Vec<PathBuf>, seed: u64) -> PyResult<Self> {
         let read = move || {
@@ -89,7 +89,7 @@ impl Scene {
         Ok(Self(Mutex::new(py.detach(read).map_err(|failure: Failure| failure.raise(py))?)))
     }
 
-    /// The text of a scene file, whose relative paths begin in a folder.
+    /// Return the scene of the text of a scene file, whose relative paths start from `folder`.
     #[staticmethod]
     fn of_toml(py: Python<'_>, text: &str, folder: PathBuf) -> PyResult<Self> {
         let origin = folder.join("scene.toml");
@@ -100,17 +100,17 @@ impl Scene {
         Ok(Self(Mutex::new(State::new(name, document, clouds, 0))))
     }
 
-    /// Another one with the same clouds.
+    /// Return another scene with the same clouds.
     fn copy(&self) -> Self {
         Self(Mutex::new(self.state().clone()))
     }
 
-    /// Takes tables out, then sets keys; all or nothing.
+    /// Remove tables, then set keys; all or nothing.
     fn change(&self, py: Python<'_>, drop: Vec<String>, changes: Changes) -> PyResult<()> {
         self.lay_over(&drop, &changes).map_err(|failure| failure.raise(py))
     }
 
-    /// Takes a dotted key out, so that its default holds; all or nothing.
+    /// Remove a dotted key, so that its default holds; all or nothing.
     fn remove(&self, py: Python<'_>, key: &str) -> PyResult<()> {
         let changed = self.state().document.change(&[(key.to_owned(), None)]);
         changed.map(drop).map_err(|error| raised(py, error))
@@ -141,12 +141,13 @@ impl Scene {
         text.map_err(|error| raised(py, error))
     }
 
-    /// The keys that were given, as JSON.
+    /// Return the keys that were given, as JSON.
     fn given(&self, py: Python<'_>) -> PyResult<String> {
         Ok(self.scene(py)?.settings)
     }
 
-    /// The keys of a table with their values in force: `image`, `camera`, `shading`, `shadows`, `detail`, `method` or `cloud.0`.
+    /// Return the keys of a table with their values in force: `image`, `camera`, `shading`, `shadows`, `detail`,
+    /// `method` or `cloud.0`.
     fn values(&self, py: Python<'_>, table: &str) -> PyResult<Vec<Valued>> {
         let scene = self.scene(py)?;
         let keys: Vec<Key> = match table.split_once('.') {
@@ -172,13 +173,13 @@ impl Scene {
         Ok(values)
     }
 
-    /// The number of clouds and of clips.
+    /// Return the numbers of clouds and of clips.
     fn counts(&self, py: Python<'_>) -> PyResult<[usize; 2]> {
         let scene = self.scene(py)?;
         Ok([scene.clouds.len(), scene.clips.len()])
     }
 
-    /// The clouds, read now if they weren't.
+    /// Return the clouds, and read them first if they weren't read.
     #[pyo3(signature = (listener=None))]
     fn clouds(&self, py: Python<'_>, listener: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<Cloud>> {
         let mut state = self.state().clone();
@@ -192,7 +193,8 @@ impl Scene {
 }
 
 impl Scene {
-    /// Nobody may call Python while this is held: what Python does then, such as to end objects, could wait for it.
+    /// Locks the state. Don't call Python while it is locked: what Python then does, such as freeing objects, could
+    /// wait for the lock.
     pub fn state(&self) -> MutexGuard<'_, State> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -1,4 +1,4 @@
-//! A scene on a device, made anew as far as a frame asks for other settings than the one before.
+//! Scene on a device, remade as far as a frame asks for other settings than the one before.
 
 use glam::Vec3;
 use pellucid_engine::camera::Camera;
@@ -19,7 +19,7 @@ use crate::request::{self, Ask, Changes};
 use crate::scene::{Clouds, State};
 use crate::talk::Talk;
 
-/// A scene on a device, and the frame that was asked for last.
+/// Scene on a device, and the frame that was requested last.
 pub struct Session {
     pub state: State,
     pub device: Device,
@@ -28,23 +28,23 @@ pub struct Session {
     pub made: Made,
     /// Scene and seed for which they were made, as they were asked for.
     asked: (Scene, u64),
-    /// Their box, which takes a look at all of them.
+    /// Bounding box of the points, found from all of them.
     pub bounds: Option<Bounds>,
-    /// True if points have radii whatever the method.
+    /// `true` if points have radii whatever the method.
     radii: bool,
-    /// The camera that was found last, and for which settings.
+    /// Camera that was found last, and its settings.
     camera: Option<(Scene, Camera)>,
-    /// The settings in force.
+    /// Settings in force.
     pub scene: Scene,
     pub frame: Frame,
-    /// The reason for the method.
+    /// Reason for the method.
     pub why: String,
     pub found: Option<Found>,
     pub choice: Option<Choice>,
-    /// What method and opacities were decided for.
+    /// Facts that method and opacities were decided for.
     decided: Option<Decided>,
     told: Vec<String>,
-    /// The changes that were asked for last, and what became of them.
+    /// Changes that were requested last, and their result.
     laid: Option<((Vec<String>, Changes), Laid)>,
 }
 
@@ -63,7 +63,7 @@ struct Decided {
     wish: Option<Wish>,
 }
 
-/// True if a scene wants other points than were made for another one, or others of their columns.
+/// Returns `true` if a scene wants other points than were made for another one, or others of their columns.
 fn is_outdated(made: &Made, (a, seed): &(Scene, u64), (b, other_seed): (&Scene, u64)) -> bool {
     let needs = |scene: &Scene| {
         let method = &scene.method;
@@ -172,7 +172,7 @@ impl Session {
         Ok(())
     }
 
-    /// The document with what is asked for laid over it, and its scene: mostly those of the last frame.
+    /// Returns the document with the requested changes, and its scene: mostly those of the last frame.
     fn laid(&mut self, ask: &Ask) -> Result<Laid, Failure> {
         let by = (ask.drop.clone(), ask.changes.clone());
         if let Some((last, laid)) = &self.laid
@@ -193,7 +193,7 @@ impl Session {
         }
     }
 
-    /// The camera of a scene of these points.
+    /// Returns the camera of a scene of these points.
     fn camera(&mut self, scene: &Scene, talk: &Talk) -> Result<Camera, Failure> {
         if let Some((known, camera)) = &self.camera
             && known.camera == scene.camera
@@ -247,7 +247,7 @@ impl Session {
         Ok(())
     }
 
-    /// The limits that are asked for, if they are meaningful for the scene's method.
+    /// Returns the requested limits, if they are meaningful for the scene's method.
     fn wish(&mut self, ask: &Ask, talk: &Talk) -> Option<Wish> {
         let wish = ask.wish()?;
         let reason = Wish::hindrance(&self.scene, self.made.points());
@@ -256,7 +256,7 @@ impl Session {
         None
     }
 
-    /// Chooses method and setting by what they must keep to.
+    /// Chooses the method and its setting by the limits that they must meet.
     fn choose(&mut self, wish: Wish, talk: &Talk) -> Result<(), Failure> {
         let name = self.scene.method.fixed().map(Method::name);
         let subject = Subject {
@@ -304,7 +304,7 @@ impl Session {
     }
 }
 
-/// The scene with the view that is asked for.
+/// Returns the scene with the requested view.
 fn viewed(mut scene: Scene, state: &State, ask: &Ask) -> Scene {
     if ask.framed {
         scene.camera.view = state.view;
@@ -355,7 +355,7 @@ fn make(
     Ok(source.made(scene, wanted, talk, &talk.progress)?)
 }
 
-/// Bytes of the host that points may take.
+/// Returns the host memory that points may take, in bytes.
 fn host_memory(ask: &Ask) -> Result<u64, Failure> {
     let least = io::LEAST_MEMORY;
     match ask.host_memory {

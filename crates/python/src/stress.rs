@@ -1,4 +1,4 @@
-//! The sweep of `pellucid stress`.
+//! Sweep of `pellucid stress`.
 
 use pellucid_engine::scene::Method;
 use pellucid_lab::report::stress::{self as lab, Report, Settings};
@@ -8,7 +8,7 @@ use crate::devices::Device;
 use crate::failure::Failure;
 use crate::work;
 
-/// What differs from the whole sweep, or from the quick one.
+/// Differences from the whole sweep, or from the quick one.
 #[derive(FromPyObject)]
 pub struct Extent {
     #[pyo3(item)]
@@ -31,7 +31,7 @@ pub struct Extent {
     command: String,
 }
 
-/// The largest side of the scenes, and the most layers: what a frame and a list can have.
+/// Largest side of the scenes, and largest number of layers: what a frame and a list can have.
 const MOST: u32 = 16_384;
 
 impl Extent {
@@ -77,7 +77,7 @@ fn ascending(name: &str, given: &Option<Vec<u32>>, default: Vec<u32>) -> Result<
     }
 }
 
-/// Runs the sweep; JSON as of `pellucid stress`.
+/// Run the sweep and return the JSON of `pellucid stress`.
 #[pyfunction]
 #[pyo3(signature = (device, extent, listener=None))]
 pub fn stress(

@@ -1,4 +1,4 @@
-//! What work tells its caller: how far it is, warnings and notes; and that it is to end.
+//! Communication of work with its caller: progress, warnings, notes and cancellation.
 
 use std::fmt::Display;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,7 +11,7 @@ use pyo3::types::PyList;
 
 use crate::failure::Failure;
 
-/// A handle on some work, for both the one who does it and the one who waits.
+/// Handle on some work, for both the thread that does it and the one that waits.
 #[derive(Clone)]
 pub struct Talk {
     pub progress: Progress,
@@ -26,11 +26,11 @@ struct Shared {
 
 #[derive(Default)]
 struct Heard {
-    /// The stage, how much of it is done, and how much there is.
+    /// Stage, with the amount done and the total amount.
     stage: String,
     done: u64,
     total: Option<u64>,
-    /// True if nobody was told of this yet.
+    /// `true` if it was not reported yet.
     is_news: bool,
     warnings: Vec<String>,
     notes: Vec<String>,
@@ -78,20 +78,20 @@ impl Talk {
         self.progress.set_message(name);
     }
 
-    /// Has the work end at the next occasion.
+    /// Makes the work end at the next check.
     pub fn cancel(&self) {
         self.shared.cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// Between two steps.
+    /// Checks between two steps whether to go on.
     ///
     /// # Errors
-    /// Nobody waits any more.
+    /// Returns an error if nobody waits any more.
     pub fn go_on(&self) -> Result<(), Failure> {
         self.progress.check().map_err(|_| Failure::Cancelled)
     }
 
-    /// Tells a callable `(stage, done, total)` what is new.
+    /// Calls `listener(stage, done, total)` if there is news.
     pub fn tell(&self, listener: &Bound<'_, PyAny>) -> PyResult<()> {
         let news = {
             let mut heard = self.shared.heard();
@@ -101,7 +101,7 @@ impl Talk {
         news.map_or(Ok(()), |news| listener.call1(news).map(drop))
     }
 
-    /// Hands warnings and notes on, once.
+    /// Passes warnings and notes on, once.
     pub fn hand_over(&self, py: Python<'_>) -> PyResult<()> {
         let (warnings, notes) = {
             let mut heard = self.shared.heard();

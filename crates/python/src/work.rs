@@ -13,13 +13,13 @@ use crate::fork;
 use crate::talk::Talk;
 use crate::threads;
 
-/// Between two looks at signals and progress.
+/// Time between two checks of signals and progress.
 const GLANCE: Duration = Duration::from_millis(25);
 
-/// How long interrupted work may take to end before it is left alone. Ctrl-C is to take less than 0.2 s.
+/// Time that interrupted work may take to end before it is left alone. Ctrl-C must take less than 0.2 s.
 const GRACE: Duration = Duration::from_millis(50);
 
-/// Threads that are at work, those that nobody waits for among them.
+/// Number of threads that are at work, including those that nobody waits for.
 static BUSY: AtomicU32 = AtomicU32::new(0);
 
 struct Busy;
@@ -37,8 +37,8 @@ impl Drop for Busy {
     }
 }
 
-/// Does work, and raises what is wrong. `listener` is called with (stage, done, total), here and with the lock held.
-/// KeyboardInterrupt ends the wait at once, and the work soon.
+/// Does work, and raises its error as an exception. `listener` is called with (stage, done, total), on this thread and
+/// with the lock held. KeyboardInterrupt ends the wait at once, and the work soon after.
 pub fn run<T: Send + 'static>(
     py: Python<'_>,
     listener: Option<&Bound<'_, PyAny>>,
@@ -97,8 +97,8 @@ fn detached<T: Send>(
     py.detach(|| receiver.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(limit))
 }
 
-/// Waits until interrupted work has ended, at most so many seconds: before the process ends, which takes drivers away
-/// from under it. Another interruption ends the wait.
+/// Wait until interrupted work has ended, for at most `seconds`, before the process ends and takes the drivers away
+/// that it uses. Another interruption ends the wait.
 #[pyfunction]
 pub fn wait(py: Python<'_>, seconds: f64) -> PyResult<()> {
     if fork::enter().is_err() {

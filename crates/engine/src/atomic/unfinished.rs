@@ -39,7 +39,7 @@ pub fn discard_unfinished() -> Unfinished {
 pub(super) struct Temporary(Option<NamedTempFile>);
 
 impl Temporary {
-    /// A new one with the permissions that any new file gets.
+    /// Returns a new one with the permissions that any new file gets.
     pub(super) fn make(folder: &Path) -> io::Result<Self> {
         let file = named(folder)?;
         Ok(Self(Some(file)))

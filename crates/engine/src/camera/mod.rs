@@ -42,7 +42,7 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera at `eye` that looks at `target`. `None` if the two coincide or `up` is parallel to the view.
+    /// Returns a camera at `eye` that looks at `target`. `None` if the two coincide or `up` is parallel to the view.
     pub fn look_at(eye: DVec3, target: DVec3, up: DVec3, projection: Projection, near: f64, far: f64) -> Option<Self> {
         let forward = (target - eye).try_normalize()?;
         let up = up.try_normalize()?;
@@ -55,7 +55,8 @@ impl Camera {
         Some(Self { eye, right, up: right.cross(forward), forward, projection, near, far })
     }
 
-    /// The `[camera]` of a scene file that gives this camera, except for the last digits. The target lies at this distance.
+    /// Returns the `[camera]` of a scene file that gives this camera, except for the last digits. The target lies at
+    /// this distance.
     pub fn to_toml(&self, distance: f64) -> String {
         let distance = if distance > 0.0 && distance.is_finite() { distance } else { 1.0 };
         let target = self.eye + self.forward * distance;
@@ -82,7 +83,7 @@ impl Camera {
         }
     }
 
-    /// Pixel position (x right, y down, pixel (i, j) has its centre at (i + 0.5, j + 0.5)) and z of a world position.
+    /// Pixel position (x right, y down, pixel (i, j) has its center at (i + 0.5, j + 0.5)) and z of a world position.
     pub fn project(&self, world: DVec3, size: [u32; 2]) -> (DVec2, f64) {
         let view = self.to_view(world);
         let scale = self.pixels_per_unit(view.z, size[1]);

@@ -17,7 +17,7 @@ const QUARTER: f64 = 0.05;
 /// larger of width and height into the depth: ground far below or above the origin is flat.
 const DEEP: (f64, f64) = (2.0, 0.5);
 
-/// True of clouds in the frame of a depth camera.
+/// Returns `true` for clouds in the frame of a depth camera.
 pub(crate) fn is_depth_camera(positions: &[DVec3]) -> bool {
     let count = positions.len();
     if count < FEWEST {
@@ -40,7 +40,7 @@ pub(crate) fn is_depth_camera(positions: &[DVec3]) -> bool {
     fills(0) && fills(1) && has_quarters && far >= DEEP.0 * near && far - near >= DEEP.1 * width.max(height)
 }
 
-/// The first and the last hundredth of some values.
+/// Returns the first and the last hundredth of some values.
 pub(crate) fn hundredths(mut values: Vec<f64>) -> [f64; 2] {
     let last = values.len() - 1;
     let mut at = |place: usize| *values.select_nth_unstable_by(place, f64::total_cmp).1;

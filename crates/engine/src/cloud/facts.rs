@@ -1,4 +1,4 @@
-//! What is known of all points of a cloud together.
+//! Facts about all points of a cloud together.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -16,17 +16,17 @@ pub struct Facts {
     pub bounds: Option<Bounds>,
     /// For each class a bit that is set if points have it.
     classes: [u64; 4],
-    /// True if all colors are black; and if there are none.
+    /// `true` if all colors are black; and if there are none.
     pub all_black: bool,
-    /// True if all colors are white; and if there are none.
+    /// `true` if all colors are white; and if there are none.
     pub all_white: bool,
-    /// True if any intensity isn't 0.
+    /// `true` if any intensity isn't 0.
     pub has_intensity: bool,
-    /// True if any point has a normal.
+    /// `true` if any point has a normal.
     pub has_normals: bool,
-    /// True if any point of a cloud with normals has none.
+    /// `true` if any point of a cloud with normals has none.
     pub lacks_normals: bool,
-    /// True if any alpha is below 1.
+    /// `true` if any alpha is below 1.
     pub is_transparent: bool,
     /// The largest component of a color, linear; 0 without colors.
     pub brightest: f32,
@@ -103,12 +103,12 @@ impl Facts {
         }
     }
 
-    /// True if points have a class.
+    /// Returns `true` if points have a class.
     pub fn has_class(&self, code: u8) -> bool {
         self.classes[usize::from(code >> 6)] >> (code & 63) & 1 == 1
     }
 
-    /// True for colors of which nothing can be seen: all black, or all white.
+    /// Returns `true` for colors of which nothing can be seen: all black, or all white.
     pub fn is_blank(&self) -> bool {
         self.all_black || self.all_white
     }

@@ -26,7 +26,7 @@ pub enum Field {
     Intensity,
     /// Distance from a line, scaled to [0, 1].
     DistanceToAxis {
-        /// A point of the line, by default the centre of the bounds.
+        /// A point of the line, by default the center of the bounds.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         point: Option<[f64; 3]>,
         /// The line's direction, not zero, by default the file's vertical.
@@ -79,7 +79,7 @@ impl Field {
         }
     }
 
-    /// The same in a cloud's own coordinates p, where this one is in those of a scene, `scale`·p + `translate`.
+    /// Returns the same in a cloud's own coordinates p, where this one is in those of a scene, `scale`·p + `translate`.
     pub fn in_file_units(&self, scale: f64, translate: DVec3) -> Self {
         match self {
             Self::DistanceToAxis { point: Some(point), direction } => {
@@ -99,7 +99,7 @@ impl Field {
         Ok(values.map(|values| self.scaled(&values, range(&values))))
     }
 
-    /// What F is made of, for some points of a cloud with these bounds; `None` for uncertainty.
+    /// Returns the column that F is made of, for some points of a cloud with these bounds; `None` for uncertainty.
     ///
     /// # Errors
     /// The cloud lacks the property.
@@ -160,7 +160,7 @@ fn share(value: f64) -> f32 {
     if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) as f32 }
 }
 
-/// The smallest and the largest finite value; in reverse order if no value is finite.
+/// Returns the smallest and the largest finite value; in reverse order if no value is finite.
 pub(crate) fn range(values: &[f64]) -> [f64; 2] {
     let finite = values.iter().filter(|value| value.is_finite());
     finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| [least.min(*value), most.max(*value)])
@@ -194,7 +194,8 @@ fn doubles(values: &[f32]) -> Vec<f64> {
     values.iter().map(|value| (*value).into()).collect()
 }
 
-/// The values of a property by its name in the file; white space in it may be written as `_`, as PLY files have it.
+/// Returns the values of a property by its name in the file; white space in it may be written as `_`, as PLY files have
+/// it.
 pub(crate) fn column(cloud: &Cloud, name: &str) -> Option<Vec<f64>> {
     let find = |same: &dyn Fn(&str) -> bool| cloud.scalars.iter().find(|(name, _)| same(name));
     let found = find(&|other| other == name).or_else(|| find(&|other| without_blanks(other) == without_blanks(name)));
@@ -216,12 +217,12 @@ pub(crate) fn column(cloud: &Cloud, name: &str) -> Option<Vec<f64>> {
     }
 }
 
-/// A name as a PLY file has it.
+/// Returns a name as a PLY file has it.
 pub fn without_blanks(name: &str) -> String {
     name.split_whitespace().collect::<Vec<_>>().join("_")
 }
 
-/// The names that `field` accepts for a cloud.
+/// Returns the names that `field` accepts for a cloud.
 pub fn names(cloud: &Cloud) -> Vec<Cow<'_, str>> {
     let usual = [
         ("classification", cloud.classification.is_some()),
@@ -233,7 +234,7 @@ pub fn names(cloud: &Cloud) -> Vec<Cow<'_, str>> {
     usual.chain(scalars).chain(["x", "y", "z"].map(Cow::from)).collect()
 }
 
-/// The properties of a cloud, as a phrase.
+/// Returns the properties of a cloud, as a phrase.
 pub(crate) fn there(cloud: &Cloud) -> String {
     format!("it has {}", names(cloud).join(", "))
 }

@@ -1,4 +1,4 @@
-//! How splats were trained to be filtered, as their file says it.
+//! Filters that splats were trained with, as their file says it.
 
 /// The filter that a file of splats names. It is shown, and does not change how they are rendered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,7 +12,7 @@ pub enum Filter {
 }
 
 impl Filter {
-    /// The filter of a name as files have it, in any case.
+    /// Returns the filter of a name as files have it, in any case.
     pub fn named(name: &str) -> Option<Self> {
         match name.to_ascii_lowercase().as_str() {
             "default" => Some(Self::Plain),
@@ -22,7 +22,7 @@ impl Filter {
         }
     }
 
-    /// The name that PLY files have for it.
+    /// Returns the name that PLY files have for it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Plain => "default",

@@ -1,4 +1,4 @@
-//! Gaussian splats: what each of them has beside its centre and its opacity (Kerbl et al. 2023).
+//! Gaussian splats: what each of them has beside its center and its opacity (Kerbl et al. 2023).
 
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
@@ -11,18 +11,18 @@ pub const Y0: f64 = 0.282_094_791_773_878_14;
 /// The highest degree of harmonics that any format has.
 pub const MAX_DEGREE: u32 = 4;
 
-/// How far a Gaussian reaches at most, in its largest standard deviations: where opacity 1 falls below 1/255.
+/// Largest reach of a Gaussian, in its largest standard deviations: where opacity 1 falls below 1/255.
 pub const REACH: f32 = 3.33;
 
 /// A number for each degree, from 0 on.
 pub type ByDegree = [f32; MAX_DEGREE as usize + 1];
 
-/// How far a Gaussian with these extents reaches at most ([`REACH`]), in their unit; finite.
+/// Returns the largest reach of a Gaussian with these extents ([`REACH`]), in their unit; finite.
 pub fn reach(extents: Vec3) -> f32 {
     (REACH * extents.max_element()).min(f32::MAX)
 }
 
-/// The linear color of a display value, which may lie beyond 0 and 1.
+/// Returns the linear color of a display value, which may lie beyond 0 and 1.
 pub fn linear(base: Vec3) -> Vec3 {
     base.clamp(Vec3::ZERO, Vec3::ONE).to_array().map(decode_srgb).into()
 }
@@ -65,38 +65,38 @@ impl Gaussians {
         coefficients(self.degree)
     }
 
-    /// Number of points.
+    /// Returns the number of points.
     pub fn len(&self) -> usize {
         self.extents.len()
     }
 
-    /// True without points.
+    /// Returns `true` if there are no points.
     pub fn is_empty(&self) -> bool {
         self.extents.is_empty()
     }
 
-    /// True if a point is a Gaussian.
+    /// Returns `true` if a point is a Gaussian.
     pub fn is_one(&self, index: usize) -> bool {
         self.extents[index] != Vec3::ZERO
     }
 
-    /// How many points are Gaussians.
+    /// Returns the number of points that are Gaussians.
     pub fn count(&self) -> u64 {
         self.extents.par_iter().filter(|extents| **extents != Vec3::ZERO).count() as u64
     }
 
-    /// True if every point is a Gaussian.
+    /// Returns `true` if every point is a Gaussian.
     pub fn are_all(&self) -> bool {
         self.extents.par_iter().all(|extents| *extents != Vec3::ZERO)
     }
 
-    /// The coefficients of a splat from degree 1 on.
+    /// Returns the coefficients of a splat from degree 1 on.
     pub fn harmonics_of(&self, index: usize) -> &[Vec3] {
         let count = self.coefficients();
         &self.harmonics[index * count..(index + 1) * count]
     }
 
-    /// The same splats with harmonics up to a degree, which may be higher than theirs.
+    /// Returns the same splats with harmonics up to a degree, which may be higher than theirs.
     #[must_use]
     pub fn with_degree(self, degree: u32) -> Self {
         if degree == self.degree {
@@ -112,7 +112,7 @@ impl Gaussians {
         Self { degree, harmonics, ..self }
     }
 
-    /// Some of them, in another order: place i gets splat `from(i)` of `count` places.
+    /// Returns some of them, in another order: place i gets splat `from(i)` of `count` places.
     #[must_use]
     pub fn picked(&self, count: usize, from: impl Fn(usize) -> usize + Sync) -> Self {
         let stride = self.coefficients();
@@ -193,7 +193,7 @@ impl Gaussians {
         (size_of::<Quat>() + (2 + coefficients(degree)) * size_of::<Vec3>()) as u64
     }
 
-    /// All numbers of a splat, for comparisons of content.
+    /// Returns all numbers of a splat, for comparisons of content.
     pub fn bits(&self, index: usize) -> impl Iterator<Item = u32> + '_ {
         let extents = self.extents[index].to_array().into_iter();
         let rest = self.rotations[index].to_array().into_iter().chain(self.bases[index].to_array());

@@ -34,7 +34,7 @@ pub const POINT_SOURCE: &str = "point_source_id";
 /// The scalar that holds the GPS time of a point.
 pub const GPS_TIME: &str = "gps_time";
 
-/// True if two names mean the same scalar, as `GpsTime`, `scalar_GpsTime` and `gps_time` do.
+/// Returns `true` if two names mean the same scalar, as `GpsTime`, `scalar_GpsTime` and `gps_time` do.
 pub fn same_scalar(a: &str, b: &str) -> bool {
     let letters = |name: &str| {
         let name = name.to_lowercase();
@@ -44,7 +44,7 @@ pub fn same_scalar(a: &str, b: &str) -> bool {
     letters(a) == letters(b)
 }
 
-/// Which axis of a file points up; decides the automatic camera.
+/// Axis of a file that points up; decides the automatic camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum UpAxis {
     /// Models (PLY): +Y is up.
@@ -57,7 +57,7 @@ pub enum UpAxis {
 }
 
 impl UpAxis {
-    /// The unit vector that points up.
+    /// Returns the unit vector that points up.
     pub fn direction(self) -> DVec3 {
         match self {
             Self::Y => DVec3::Y,
@@ -95,7 +95,7 @@ pub struct Cloud {
     pub non_finite: usize,
     /// The file's vertical.
     pub up: UpAxis,
-    /// Why it isn't the one of the file's format, if its points say so alone: the end of a sentence.
+    /// Reason why it isn't the axis of the file's format, if its points alone say so: the end of a sentence.
     pub up_reason: Option<&'static str>,
     /// Data that `pellucid prepare` stored with the points, if they are unchanged since then.
     pub prepared: Option<Prepared>,
@@ -110,7 +110,7 @@ pub struct Prepared {
     pub neighbors: usize,
     /// The cap of the radii of Eq. 20, also in an uncertainty field; 0: none.
     pub radius_cap: f32,
-    /// True if the cloud's radii are those of Eq. 20 instead of the source's own.
+    /// `true` if the cloud's radii are those of Eq. 20 instead of the source's own.
     pub estimated_radii: bool,
     /// The definition of the field.
     pub field: Field,
@@ -121,24 +121,24 @@ pub struct Prepared {
 }
 
 impl Cloud {
-    /// The radii of the points themselves, not those of Eq. 20 that were stored with them.
+    /// Returns the radii of the points themselves, not those of Eq. 20 that were stored with them.
     pub fn own_radii(&self) -> Option<&[f32]> {
         self.radii.as_deref().filter(|_| !self.prepared.as_ref().is_some_and(|prepared| prepared.estimated_radii))
     }
 
-    /// The scalar of a name, however the file spells it.
+    /// Returns the scalar of a name, however the file spells it.
     pub fn scalar(&self, name: &str) -> Option<&[f32]> {
         let found = self.scalars.iter().find(|(known, _)| known == name);
         let found = found.or_else(|| self.scalars.iter().find(|(known, _)| same_scalar(known, name)));
         found.map(|(_, values)| values.as_slice())
     }
 
-    /// Number of finite points.
+    /// Returns the number of finite points.
     pub fn len(&self) -> usize {
         self.positions.len()
     }
 
-    /// True if no finite point is left.
+    /// Returns `true` if no finite point is left.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
     }
@@ -172,7 +172,7 @@ impl From<Bounds> for [[f64; 3]; 2] {
 }
 
 impl Bounds {
-    /// The bounding box of a list of points, found on all cores; `None` if there are none.
+    /// Returns the bounding box of a list of points, found on all cores; `None` if there are none.
     pub fn of(points: &[DVec3]) -> Option<Self> {
         let first = *points.first()?;
         let add = |b: Self, p: &DVec3| Self { min: b.min.min(*p), max: b.max.max(*p) };
@@ -180,7 +180,7 @@ impl Bounds {
         Some(points.par_chunks(1 << 14).map(|some| some.iter().fold(one, add)).reduce(|| one, Self::union))
     }
 
-    /// The bounding box of some points; `None` if there are none.
+    /// Returns the bounding box of some points; `None` if there are none.
     pub fn enclosing(points: impl IntoIterator<Item = DVec3>) -> Option<Self> {
         points.into_iter().fold(None, |bounds: Option<Self>, p| {
             Some(match bounds {
@@ -190,17 +190,17 @@ impl Bounds {
         })
     }
 
-    /// The smallest box around both.
+    /// Returns the smallest box around both.
     pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// True if another box lies within this one.
+    /// Returns `true` if another box lies within this one.
     pub fn holds(&self, other: &Self) -> bool {
         self.min.cmple(other.min).all() && other.max.cmple(self.max).all()
     }
 
-    /// The middle of the box.
+    /// Returns the middle of the box.
     pub fn center(&self) -> DVec3 {
         0.5 * self.min + 0.5 * self.max
     }
@@ -210,7 +210,7 @@ impl Bounds {
         (self.max - self.min).length()
     }
 
-    /// The eight corners.
+    /// Returns the eight corners.
     pub fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|i| {
             let pick = |bit: usize, lo: f64, hi: f64| if i >> bit & 1 == 0 { lo } else { hi };

@@ -12,7 +12,7 @@ fn pick<T: Copy + Send + Sync>(column: &[T], places: &[u32]) -> Vec<T> {
 }
 
 impl Cloud {
-    /// The points at these places, in that order, with all that belongs to them.
+    /// Returns the points at these places, in that order, with all that belongs to them.
     #[must_use]
     pub fn subset(&self, places: &[u32]) -> Self {
         let prepared = self.prepared.as_ref().map(|prepared| Prepared {

@@ -8,7 +8,7 @@ const ALL: u64 = 1 << 18;
 /// Points that are taken of more of them, at most, on average.
 const MOST: u64 = 1 << 17;
 
-/// Which points of a cloud of some size are taken.
+/// Rule that selects points of a cloud of some size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sampling {
     /// One of so many less one: a power of two.
@@ -23,24 +23,24 @@ impl Sampling {
         Self { mask: every as u32 - 1 }
     }
 
-    /// The number of points that each stands for, on average.
+    /// Returns the number of points that each stands for, on average.
     pub fn every(self) -> u64 {
         u64::from(self.mask) + 1
     }
 
-    /// True if all points are taken.
+    /// Returns `true` if all points are taken.
     pub fn takes_all(self) -> bool {
         self.mask == 0
     }
 
-    /// True if the points in a place are taken.
+    /// Returns `true` if the points in a place are taken.
     pub fn takes(self, position: DVec3) -> bool {
         self.mask == 0 || scattered(position) & self.mask == 0
     }
 }
 
-/// A number that has nothing to do with where a position lies, nor with those of other seeds and of [`Sampling`]; the same for equal
-/// positions.
+/// Returns a number that has nothing to do with where a position lies, nor with those of other seeds and of
+/// [`Sampling`]; the same for equal positions.
 pub fn word(position: DVec3, seed: u64) -> u32 {
     // The high half of a product depends on all bits.
     (folded(position, (!seed).wrapping_mul(GOLDEN)).wrapping_mul(GOLDEN) >> 32) as u32

@@ -23,7 +23,7 @@ pub struct Casting {
 }
 
 impl Casting {
-    /// The settings that differ from `other`, by their names in a scene.
+    /// Returns the settings that differ from `other`, by their names in a scene.
     pub fn differences(&self, other: &Self) -> Vec<&'static str> {
         [
             ("light", self.light != other.light),

@@ -33,22 +33,22 @@ const CLASSES: [(&str, [u8; 3]); 23] = [
 const ALIASES: [(&str, u8); 4] =
     [("noise", 7), ("low-point", 7), ("road-surface", 11), ("wire-structure-connector", 16)];
 
-/// The name of a class; `None` for reserved codes and those of users.
+/// Returns the name of a class; `None` for reserved codes and those of users.
 pub fn name(code: u8) -> Option<&'static str> {
     CLASSES.get(usize::from(code)).map(|(name, _)| *name).filter(|name| !name.is_empty())
 }
 
-/// The name of a class, or its number.
+/// Returns the name of a class, or its number.
 pub fn label(code: u8) -> String {
     name(code).map_or_else(|| format!("class {code}"), str::to_owned)
 }
 
-/// The names of all classes that have one, in the order of their codes.
+/// Returns the names of all classes that have one, in the order of their codes.
 pub fn names() -> impl Iterator<Item = &'static str> {
     CLASSES.iter().map(|(name, _)| *name).filter(|name| !name.is_empty())
 }
 
-/// The class of a name.
+/// Returns the class of a name.
 pub fn code(name: &str) -> Option<u8> {
     let alias = || ALIASES.into_iter().find(|(alias, _)| *alias == name).map(|(_, code)| code);
     let found = CLASSES.iter().position(|(known, _)| *known == name && !known.is_empty());
@@ -56,7 +56,7 @@ pub fn code(name: &str) -> Option<u8> {
     found.map(|code| code as u8).or_else(alias)
 }
 
-/// The color of a class in sRGB. Any two differ by at least 0.04 in some channel.
+/// Returns the color of a class in sRGB. Any two differ by at least 0.04 in some channel.
 pub fn srgb(code: u8) -> DVec3 {
     match CLASSES.get(usize::from(code)) {
         Some((_, hundredths)) => DVec3::from(hundredths.map(|c| f64::from(c) / 100.0)),
@@ -72,7 +72,7 @@ pub fn distinct(index: usize) -> DVec3 {
     DVec3::new(r, g, b)
 }
 
-/// True for colors of the lattice that are neither grey nor dark.
+/// True for colors of the lattice that are neither gray nor dark.
 fn is_vivid(levels: [u16; 3]) -> bool {
     let (most, least) = (levels.into_iter().max().unwrap_or(0), levels.into_iter().min().unwrap_or(0));
     most - least >= 2 && most >= 3

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::decode_srgb_f64;
 
-/// The tables that are text, by name; each names its source and licence in its first line.
+/// The tables that are text, by name; each names its source and license in its first line.
 const TABLES: [(&str, &str); 7] = [
     ("viridis", include_str!("tables/viridis.txt")),
     ("cividis", include_str!("tables/cividis.txt")),
@@ -33,7 +33,7 @@ impl Colormap {
         Self { entries: vec![DVec3::ZERO, DVec3::ONE] }
     }
 
-    /// The map of a name: one of matplotlib's, `turbo`, or `grey`. `None` for other names.
+    /// Returns the map of a name: one of matplotlib's, `turbo`, or `grey`. `None` for other names.
     pub fn named(name: &str) -> Option<Self> {
         if name == "grey" {
             return Some(Self::grey());
@@ -43,7 +43,7 @@ impl Colormap {
         Some(Self { entries })
     }
 
-    /// The color in sRGB at t, from 0 to 1.
+    /// Returns the color in sRGB at t, from 0 to 1.
     pub fn srgb(&self, t: f64) -> DVec3 {
         let last = self.entries.len() - 1;
         let place = t.clamp(0.0, 1.0) * last as f64;
@@ -52,7 +52,7 @@ impl Colormap {
         lower + (place - below as f64) * (upper - lower)
     }
 
-    /// The color in linear light at t, from 0 to 1.
+    /// Returns the color in linear light at t, from 0 to 1.
     pub fn linear(&self, t: f64) -> DVec3 {
         DVec3::from(self.srgb(t).to_array().map(decode_srgb_f64))
     }

@@ -1,7 +1,7 @@
 //! Percentiles of the values of a cloud.
 
-/// Some percentiles of the finite values: for a share p of n values the number at place p·(n − 1) of their order, linear
-/// between two places. Shares lie in [0, 1]. `None` if no value is finite.
+/// Returns some percentiles of the finite values: for a share p of n values the number at place p·(n − 1) of their
+/// order, linear between two places. Shares lie in [0, 1]. `None` if no value is finite.
 pub fn percentiles<const N: usize>(mut values: Vec<f64>, shares: [f64; N]) -> Option<[f64; N]> {
     values.retain(|value| value.is_finite());
     let last = values.len().checked_sub(1)?;

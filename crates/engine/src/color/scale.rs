@@ -31,12 +31,12 @@ impl Scale {
         Self::between(range.unwrap_or_else(own), log)
     }
 
-    /// The values at the two ends.
+    /// Returns the values at the two ends.
     pub fn ends(&self) -> [f64; 2] {
         [self.low, self.high]
     }
 
-    /// True if logarithms are spread evenly rather than values.
+    /// Returns `true` if logarithms are spread evenly rather than values.
     pub fn is_log(&self) -> bool {
         self.log
     }

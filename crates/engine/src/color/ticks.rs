@@ -13,7 +13,7 @@ const ENOUGH_POWERS: usize = 3;
 pub struct Tick {
     /// The number: the float64 value that is nearest to the label.
     pub value: f64,
-    /// Where it stands: 0 at the scale's low end, 1 at the high one.
+    /// Place on the scale: 0 at its low end, 1 at the high one.
     pub place: f64,
     /// The number as text.
     pub label: String,
@@ -167,7 +167,8 @@ fn shortest(value: f64) -> String {
     if plain.len() <= short.len().max(PLAIN) { plain } else { short }
 }
 
-/// The largest of 1, 2 and 5 times a power of ten that is at most so much, with its label. `None` if this is not above 0.
+/// Returns the largest of 1, 2 and 5 times a power of ten that is at most so much, with its label. `None` if this is
+/// not above 0.
 pub fn round_below(most: f64) -> Option<(f64, String)> {
     if !(most > 0.0 && most.is_finite()) {
         return None;

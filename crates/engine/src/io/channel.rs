@@ -32,12 +32,12 @@ enum Scale {
 }
 
 impl Channel {
-    /// The channel of linear floats at a place of the row.
+    /// Returns the channel of linear floats at a place of the row.
     pub fn linear_float(at: usize) -> Self {
         Self { at, scale: Scale::Linear, table: Vec::new() }
     }
 
-    /// The channel at a place of the row, by the type that it is stored as.
+    /// Returns the channel at a place of the row, by the type that it is stored as.
     pub fn new(at: usize, scalar: &ScalarType) -> Self {
         let scale = match scalar {
             ScalarType::Float | ScalarType::Double => Scale::Float,
@@ -64,7 +64,7 @@ impl Channel {
         (value as u16).min(largest)
     }
 
-    /// The linear value of an sRGB-encoded channel.
+    /// Returns the linear value of an sRGB-encoded channel.
     #[inline]
     pub fn linear(&self, value: f64) -> f32 {
         match self.scale {
@@ -82,7 +82,7 @@ impl Channel {
         }
     }
 
-    /// The value clamped to [0, 1]; NaN counts as 1.
+    /// Returns the value clamped to [0, 1]; NaN counts as 1.
     #[inline]
     pub fn unit(&self, value: f64) -> f32 {
         match self.scale {
@@ -97,13 +97,13 @@ impl Channel {
     }
 }
 
-/// The largest finite value.
+/// Returns the largest finite value.
 pub(super) fn largest(values: impl ParallelIterator<Item = f32>) -> Option<f32> {
     values.filter(|value| value.is_finite()).max_by(f32::total_cmp)
 }
 
-/// The number of full intensity in values whose type doesn't define it, by the largest of them: 1 if that is no larger, else 255,
-/// else 65535. `None` if no value is above 0.
+/// Returns the number of full intensity in values whose type doesn't define it, by the largest of them: 1 if that is no
+/// larger, else 255, else 65535. `None` if no value is above 0.
 pub(super) fn full_scale(largest: Option<f32>) -> Option<f32> {
     Some(match largest.filter(|&largest| largest > 0.0)? {
         largest if largest <= UNIT => 1.0,

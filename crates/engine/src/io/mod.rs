@@ -43,7 +43,7 @@ const NAMES_WITHOUT_EFFECT: &str = "columns have no effect: they are for text fi
 /// First bytes of a file that are looked at to find its format.
 const START: u64 = 512;
 
-/// Why a file could not be read or written. Every message starts with the file.
+/// Reason why a file could not be read or written. Every message starts with the file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -143,7 +143,7 @@ pub enum Error {
     /// Somebody who watches wanted the work to end.
     #[error("{}: interrupted; run the same command to continue", path.display())]
     Cancelled {
-        /// What was to be written.
+        /// Path of the file that was to be written.
         path: PathBuf,
     },
     /// A folder holds something else than what is to be written.
@@ -185,7 +185,7 @@ pub enum Error {
     Crowded {
         /// Their file.
         path: PathBuf,
-        /// How many.
+        /// Number of points.
         points: u64,
         /// Bytes that they take.
         needed: u64,
@@ -240,7 +240,7 @@ impl LasColumns {
         }
     }
 
-    /// The column that a scalar of this name is; none for other names.
+    /// Returns the column that a scalar of this name is; none for other names.
     pub fn named(name: &str) -> Self {
         let same = |known| same_scalar(name, known);
         Self {
@@ -360,7 +360,7 @@ impl Format {
     }
 }
 
-/// True if the file's extension is that of a point-cloud format.
+/// Returns `true` if the file's extension is that of a point-cloud format.
 pub fn is_cloud(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     matches!(extension.as_str(), "ply" | "las" | "laz" | "e57" | "pcd")

@@ -1,6 +1,7 @@
 //! Numbers in text.
 
-/// A number as C, Python or Windows prints it: `-nan(ind)` and `1.#QNAN` are not numbers, but not errors either.
+/// Returns a number as C, Python or Windows prints it: `-nan(ind)` and `1.#QNAN` are not numbers, but not errors
+/// either.
 pub(super) fn number(word: &str) -> Option<f64> {
     word.parse().ok().or_else(|| {
         let lower = word.to_ascii_lowercase();

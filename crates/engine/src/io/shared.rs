@@ -29,7 +29,7 @@ impl SharedFile {
         self.len
     }
 
-    /// Some bytes of the file. Memory is taken only for bytes that it had when it was opened.
+    /// Returns some bytes of the file. Memory is taken only for bytes that it had when it was opened.
     pub fn read(&self, start: u64, bytes: u64) -> Result<Vec<u8>, Error> {
         if start.checked_add(bytes).is_none_or(|end| end > self.len) {
             let len = self.len;

@@ -36,11 +36,11 @@ pub struct Brightening {
     pub factor: f32,
     /// B_th and B_max of the opaque image, 0 to 255. B_th = 0: at most 1% of its pixels are brighter than black, and p is 1.
     pub window: [u8; 2],
-    /// Why p is this.
+    /// Reason why p has this value.
     pub end: End,
 }
 
-/// Why a search for p ended.
+/// Reason why a search for p ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
     /// The paper's condition is met.
@@ -69,7 +69,7 @@ impl Applied {
         json!({ "p": p, "threshold": window.map(|w| w[0]), "largest": window.map(|w| w[1]) })
     }
 
-    /// A warning for unusual values of p.
+    /// Returns a warning for unusual values of p.
     pub fn warning(&self) -> Option<String> {
         let found = self.found?;
         match found {
@@ -87,7 +87,7 @@ impl Applied {
     }
 }
 
-/// True if images of a method are brightened.
+/// Returns `true` if images of a method are brightened.
 pub(super) fn is_applied(method: &Method) -> bool {
     matches!(method, Method::SpbrSimplified(_)) || matches!(method, Method::Spbr(spbr) if spbr.brighten)
 }
@@ -134,9 +134,9 @@ fn search_with(
     Ok(Applied { factor: found.factor, found: Some(found) })
 }
 
-/// The p that makes the image `pixels`, premultiplied R, G, B and A without background, about as bright as the opaque
-/// image `reference` of the same camera. Values are linear light or encoded ones, according to `color`; NaN counts as
-/// 0. The images may differ in size, since shares of their pixels are compared.
+/// Returns the p that makes the image `pixels`, premultiplied R, G, B and A without background, about as bright as the
+/// opaque image `reference` of the same camera. Values are linear light or encoded ones, according to `color`; NaN
+/// counts as 0. The images may differ in size, since shares of their pixels are compared.
 pub fn factor(pixels: &[[f32; 4]], reference: &[[f32; 4]], color: ColorSpace) -> Brightening {
     let scale = GrayScale::new(color);
     let window = window(&scale, reference);

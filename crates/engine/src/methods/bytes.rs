@@ -40,7 +40,7 @@ impl PassRuns<'_> {
         20 + if self.is_tilted(tilted) { 16 } else { 0 }
     }
 
-    /// True if splats have tilts.
+    /// Returns `true` if splats have tilts.
     pub fn is_tilted(&self, tilted: bool) -> bool {
         tilted && self.cloud.has_normals()
     }

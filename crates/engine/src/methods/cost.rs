@@ -54,7 +54,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// The model of a device, from the disk or fitted now, which takes seconds.
+    /// Returns the model of a device, from the disk or fitted now, which takes seconds.
     pub fn for_device(device: &Device, falloff: Falloff) -> Result<Self, Error> {
         let info = device.info();
         let identity = format!("{} {} {} {falloff:?} {SAMPLES:?}", env!("CARGO_PKG_VERSION"), info.name, info.driver);
@@ -112,7 +112,7 @@ const SAMPLES: [(usize, f32, u32); 12] = [
     (1_000, 5.0, 512),
 ];
 
-/// The method for a frame of flat discs that are not all opaque, and the reason.
+/// Returns the method for a frame of flat discs that are not all opaque, and the reason.
 pub fn choose(
     renderer: &mut Renderer,
     cloud: &mut DeviceCloud,

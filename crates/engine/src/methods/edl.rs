@@ -50,7 +50,8 @@ const PIXEL_BYTES: u64 = 16;
 /// Pixels of a band at most.
 const BAND_PIXELS: u64 = 1 << 22;
 
-/// The memory of a frame without that for bands, and that for bands, which is none unless the frame asks for the effect.
+/// Returns the memory of a frame without that for bands, and that for bands, which is none unless the frame asks for
+/// the effect.
 pub(crate) fn divided(budget: Budget, frame: &Frame) -> (Budget, u64) {
     let bands = if frame.shading.edl.edl { (BAND_PIXELS * PIXEL_BYTES).min(budget.bytes / 4) } else { 0 };
     (Budget { bytes: budget.bytes - bands, ..budget }, bands)
@@ -68,7 +69,7 @@ fn factor(strength: f32) -> f32 {
     (factor as f32).min(f32::MAX)
 }
 
-/// What is shaded: an image's size, and the depth of each of its pixels.
+/// Input of shading: an image's size, and the depth of each of its pixels.
 #[derive(Clone, Copy)]
 pub(crate) struct Surface<'a> {
     /// Width and height in pixels.
@@ -161,7 +162,7 @@ pub(crate) fn least_bytes(name: &str, pixels: u64) -> Option<u64> {
     PASSES.contains(&name).then_some(pixels * 8)
 }
 
-/// The pass.
+/// Returns the pass.
 pub(crate) fn shaders() -> Vec<Shader> {
     vec![Shader::plain::<EyeDome>()]
 }

@@ -34,7 +34,8 @@ pub(crate) trait Engine {
         bands::halves(window)
     }
 
-    /// How far beyond its place a point may show in a frame, for clouds whose points come to the device window by window.
+    /// Returns how far beyond its place a point may show in a frame, for clouds whose points come to the device window
+    /// by window.
     fn extent(&self, frame: &Frame, cloud: &DeviceCloud) -> Extent {
         let discs = Extent::discs(frame.factors.radius);
         match frame.method.discs().filter(|_| cloud.has_gaussians()) {
@@ -79,7 +80,8 @@ pub(crate) trait Engine {
         None
     }
 
-    /// What the samples of a pixel leave before they are resolved to an image; `None` for engines that draw no random ones.
+    /// Returns what the samples of a pixel leave before they are resolved to an image; `None` for engines that draw no
+    /// random ones.
     fn sums(&self) -> Option<Sums> {
         None
     }
@@ -99,12 +101,13 @@ pub(crate) trait Engine {
         Err(Error::NoParts { method: work.frame.method.name() })
     }
 
-    /// True if no frame can do without subgroups of 8 to 32 invocations on this device, because tiles of splats need them.
+    /// Returns `true` if no frame can do without subgroups of 8 to 32 invocations on this device, because tiles of
+    /// splats need them.
     fn needs_subgroups(&self, _device: &DeviceInfo) -> bool {
         false
     }
 
-    /// True if a survey renders into the target, because only rendering yields the frame's counts.
+    /// Returns `true` if a survey renders into the target, because only rendering yields the frame's counts.
     fn renders_to_survey(&self) -> bool {
         false
     }
@@ -132,7 +135,7 @@ pub(crate) trait Engine {
     fn explain(&self, plan: &mut Plan<'_>);
 }
 
-/// What the random samples of a pixel leave before they are resolved.
+/// Sums that the random samples of a pixel leave before they are resolved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sums {
     /// Whole numbers over ensembles.
@@ -158,11 +161,11 @@ impl Sums {
 pub(crate) struct Channels {
     /// Lengths of lists.
     pub fragments: Fragments,
-    /// True if it counts peeled layers.
+    /// `true` if it counts peeled layers.
     pub layers: bool,
 }
 
-/// How an engine knows the lengths of a pixel's lists.
+/// Source of the lengths of a pixel's lists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Fragments {
     /// Not at all.
@@ -196,9 +199,9 @@ pub(crate) struct Counts {
 /// Features that tests switch off or limit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Switches {
-    /// True if 64-bit atomics are used.
+    /// `true` if 64-bit atomics are used.
     pub wide_atomics: bool,
-    /// True if ensembles are drawn in one go where possible.
+    /// `true` if ensembles are drawn in one go where possible.
     pub single_pass: bool,
     /// Most bits of a key for epochs of ensembles.
     pub epoch_bits: u32,
@@ -218,7 +221,7 @@ pub(crate) struct Work<'a> {
     pub budget: Budget,
     /// Samples or ensembles to draw; none where the engine draws no random ones.
     pub samples: Range<u32>,
-    /// Where sums of the samples are kept, which then are not resolved.
+    /// Sums of the samples, which then are kept and not resolved.
     pub sums: Option<&'a RefCell<SamplePart>>,
     /// The target of the pixels, large enough for the window.
     pub target: &'a Target,
@@ -230,9 +233,9 @@ pub(crate) struct Work<'a> {
     pub progress: &'a Progress,
     /// Switches set by tests.
     pub switches: Switches,
-    /// True if counting is enough.
+    /// `true` if counting is enough.
     pub survey: bool,
-    /// What is added to the counts once the window was submitted.
+    /// Numbers that are added to the counts once the window has been submitted.
     pub later: Vec<Later>,
 }
 

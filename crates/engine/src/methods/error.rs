@@ -1,4 +1,4 @@
-//! Why a frame cannot be rendered.
+//! Reasons why a frame cannot be rendered.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use super::parts::PartError;
 use crate::passes;
 use crate::progress::Cancelled;
 
-/// Why a frame cannot be rendered.
+/// Reason why a frame cannot be rendered.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -325,8 +325,8 @@ fn smaller_image(largest: u32) -> String {
 }
 
 impl Error {
-    /// True if only this method with its settings fails here, while another may succeed: neither a failed device nor a
-    /// frame that no method could render.
+    /// Returns `true` if only this method with its settings fails here, while another may succeed: neither a failed
+    /// device nor a frame that no method could render.
     pub fn is_refusal(&self) -> bool {
         use crate::gpu::Error::{OutOfMemory, TooLarge};
         match self {

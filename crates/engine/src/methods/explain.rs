@@ -13,7 +13,7 @@ use crate::scene::ShadingModel;
 pub struct Step {
     /// Method and stage, as in profiles.
     pub name: &'static str,
-    /// True if the frame runs it.
+    /// `true` if the frame runs it.
     pub on: bool,
     /// The fact about the scene or the device that decided it.
     pub reason: String,
@@ -28,7 +28,7 @@ pub(crate) struct PassGroup {
     pub absent: Absent,
 }
 
-/// Why a group of passes doesn't run.
+/// Reason why a group of passes doesn't run.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Absent {
     /// This reason.
@@ -40,16 +40,16 @@ pub(crate) enum Absent {
 }
 
 impl PassGroup {
-    /// A group.
+    /// Returns a group.
     pub fn new(names: &[&'static str], absent: Absent) -> Self {
         Self { names: names.to_vec(), absent }
     }
 }
 
-/// Why a pass over splats is off.
+/// Reason why a pass over splats is off.
 pub(crate) const NOTHING: &str = "no splat touches the image";
 
-/// Why splats go through tiles where any order would do.
+/// Reason why splats go through tiles where any order would do.
 pub(crate) const EACH_PIXEL: &str = "tiles give each pixel to one subgroup";
 
 /// Counters and pixels that most methods clear, and the results of the projection.
@@ -86,9 +86,9 @@ pub(crate) struct Plan<'a> {
     pub frame: &'a Frame,
     /// The actual or expected counts.
     pub facts: &'a Facts,
-    /// True if 64-bit atomics are used.
+    /// `true` if 64-bit atomics are used.
     pub wide_atomics: bool,
-    /// Why this method.
+    /// Reason for this method.
     pub why: &'a str,
     /// The passes so far.
     pub steps: Vec<Step>,
@@ -119,17 +119,17 @@ impl Plan<'_> {
         self.rest(&group.names, &reason);
     }
 
-    /// True if any splat touches the image.
+    /// Returns `true` if any splat touches the image.
     pub fn seen(&self) -> bool {
         self.facts.visible > 0
     }
 
-    /// A reason where splats touch the image.
+    /// Returns a reason where splats touch the image.
     pub fn if_seen(&self, reason: String) -> String {
         if self.seen() { reason } else { NOTHING.to_owned() }
     }
 
-    /// The shading of points, in words.
+    /// Returns the shading of points, in words.
     pub fn shading(&self) -> &'static str {
         match self.frame.shading.model {
             ShadingModel::None => "no shading asked for",
@@ -242,7 +242,7 @@ impl Plan<'_> {
         self.add("scan/spread", elements > 0, format!("{counted}: {elements} elements"));
     }
 
-    /// The sort of splats and their tiles; returns how many counters are summed.
+    /// Returns the sort of splats and their tiles; returns how many counters are summed.
     pub fn order(&mut self, order: Order, why: &str) -> u64 {
         let (points, visible) = (self.facts.points, self.facts.visible);
         let bits = bin::key_bits(order, self.frame.key_range(), points);

@@ -48,9 +48,9 @@ pub struct Facts {
     pub streamed: Option<u64>,
     /// Bytes of them that went to the device during the frame.
     pub uploaded_bytes: u64,
-    /// True if a pixel's nearest point has to be cleared between ensembles.
+    /// `true` if a pixel's nearest point has to be cleared between ensembles.
     pub renewed: bool,
-    /// True if points of ensembles may cover more pixels than one invocation walks.
+    /// `true` if points of ensembles may cover more pixels than one invocation walks.
     pub listed: bool,
     /// Clouds too thin for their opacity, by their place in the list of clouds, with the thousandths that they reach of it.
     pub thin: Vec<ThinCloud>,

@@ -21,15 +21,15 @@ pub struct Frame {
     pub color: ColorSpace,
     /// The method.
     pub method: Method,
-    /// Which points are drawn, of clouds whose points come some at a time; dealt ones are all drawn.
+    /// Selection of the points that are drawn, of clouds whose points come some at a time; dealt ones are all drawn.
     pub detail: Detail,
     /// Limit on device bytes beside cloud and image; `None` allows the device's memory minus a reserve. A dealt cloud
     /// that exceeds the limit is streamed: only the part on the device at a time counts.
     pub memory_budget: Option<u64>,
-    /// True if the image carries the length of each pixel's list, and its number of peeled layers.
+    /// `true` if the image carries the length of each pixel's list, and its number of peeled layers.
     pub fragments: bool,
-    /// True if the image carries median and mean depths, of methods whose images follow from sorted lists of all fragments. They take
-    /// further passes: each of the two as many as such an image by `abuffer` or `linked-list`.
+    /// `true` if the image carries median and mean depths, of methods whose images follow from sorted lists of all
+    /// fragments. They take further passes: each of the two as many as such an image by `abuffer` or `linked-list`.
     pub depths: bool,
     /// The allowed omissions, none of them visible.
     pub stop: Stop,
@@ -38,7 +38,7 @@ pub struct Frame {
     /// Standard error of the whole image (root mean square over pixels and R, G, B) at which stochastic methods may do with
     /// fewer samples than their settings say.
     pub max_error: Option<f32>,
-    /// True if stochastic methods compute their standard error in any case.
+    /// `true` if stochastic methods compute their standard error in any case.
     pub spread: bool,
     /// Draws only this many of L ensembles, at least 1, each with the points that dealing to L gives it; `None` draws
     /// all.
@@ -63,8 +63,8 @@ impl Default for Factors {
 }
 
 impl Frame {
-    /// A frame of a scene by a camera and a seed, to the last bit, with all available memory. `auto` becomes the
-    /// A-buffer; [`crate::plan::choose`] finds a cheaper method.
+    /// Returns a frame of a scene by a camera and a seed, to the last bit, with all available memory. `auto` becomes
+    /// the A-buffer; [`crate::plan::choose`] finds a cheaper method.
     pub fn of_scene(scene: &Scene, camera: Camera, seed: u64) -> Self {
         Self {
             camera,
@@ -86,12 +86,12 @@ impl Frame {
         }
     }
 
-    /// True if methods that draw random samples compute their standard error.
+    /// Returns `true` if methods that draw random samples compute their standard error.
     pub(super) fn wants_spread(&self) -> bool {
         self.fragments || self.spread || self.max_error.is_some()
     }
 
-    /// True if list lengths need passes of their own, because the images of its method don't use them.
+    /// Returns `true` if list lengths need passes of their own, because the images of its method don't use them.
     pub fn counts_on_demand(&self) -> bool {
         engine_of(&self.method).channels().fragments == Fragments::Beside
     }

@@ -22,7 +22,7 @@ pub struct PassProfile {
 pub struct FrameProfile {
     /// The passes in order of their first run.
     pub passes: Vec<PassProfile>,
-    /// When the first submission began.
+    /// Time when the first submission began.
     pub begin: Instant,
     /// Each dispatch in order with its start relative to the frame's, for the trace.
     pub timeline: Vec<(PassTime, Duration)>,
@@ -30,7 +30,7 @@ pub struct FrameProfile {
     pub submitted: Duration,
     /// From the first submission to the end of the last read-back.
     pub wall: Duration,
-    /// How many submissions the host waited for.
+    /// Number of submissions that the host waited for.
     pub waits: u64,
 }
 

@@ -76,7 +76,7 @@ pub struct Through<'a> {
     pub heads: Slice<'a, u32>,
     /// Room for the band's fragments.
     pub nodes: Slice<'a, [u32; 2]>,
-    /// Where the lists end up.
+    /// Buffer that the lists end up in.
     pub fragments: Slice<'a, [u32; 2]>,
 }
 
@@ -133,7 +133,7 @@ impl LinkedList {
     }
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     vec![Shader::new::<Store>(raster::flat_variants()), Shader::new::<Gather>([false, true].map(gather_variant))]
 }

@@ -61,7 +61,7 @@ use abuffer::Shown;
 use engine::Engine;
 use explain::{Absent, CLEAR, PassGroup, SCAN};
 
-/// The engine of a method.
+/// Returns the engine of a method.
 pub(crate) fn engine_of(method: &Method) -> Box<dyn Engine> {
     use approximate::{ApproximateEngine, Kind};
     use fading::{Fading, FadingEngine};
@@ -108,7 +108,7 @@ pub(crate) fn engine_of(method: &Method) -> Box<dyn Engine> {
     }
 }
 
-/// All passes that some frame runs, in the order in which plans list those that a frame leaves out.
+/// Returns all passes that some frame runs, in the order in which plans list those that a frame leaves out.
 pub(crate) fn pass_groups() -> Vec<PassGroup> {
     let mut groups = vec![opaque::counter_group(), spbr::pass_group(), tiled::order_group(), tiled::presorted_group()];
     groups.extend(stochastic::pass_groups());
@@ -158,7 +158,7 @@ pub(crate) struct Machines {
     pub filterer: image_space::Filterer,
     /// Sums for each pixel.
     pub approximations: approximate::Approximations,
-    /// How the light of each pixel fades.
+    /// Fading of the light of each pixel.
     pub fadings: fading::Fadings,
     /// Samples of pixels.
     pub sampler: stochastic::Sampler,
@@ -168,7 +168,7 @@ pub(crate) struct Machines {
     pub layer_peeler: peel_layers::LayerPeeler,
     /// Soft discs in a presorted order.
     pub soft_discs: soft::express::SoftDiscs,
-    /// True if the soft points of the last window were counted.
+    /// `true` if the soft points of the last window were counted.
     pub soft_counted: bool,
     /// Ensembles of points.
     pub ensembles: spbr::Ensembles,

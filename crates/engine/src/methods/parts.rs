@@ -22,7 +22,7 @@ const VERSION: u32 = 1;
 /// Words before the ranges of samples: magic, version, columns, rows, samples, step, flags, ranges.
 const HEADER: usize = 8;
 
-/// Where the random samples of a frame may be cut.
+/// Steps at which the random samples of a frame may be cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SampleSteps {
     /// All samples of a pixel, or ensembles; at least 1.
@@ -32,7 +32,7 @@ pub struct SampleSteps {
 }
 
 impl SampleSteps {
-    /// True if a part may have these samples; none of them is allowed, too.
+    /// Returns `true` if a part may have these samples; none of them is allowed, too.
     pub fn allows(&self, samples: &Range<u32>) -> bool {
         let is_cut = |at: u32| at == self.total || at.is_multiple_of(self.step);
         samples.start <= samples.end && samples.end <= self.total && is_cut(samples.start) && is_cut(samples.end)
@@ -40,8 +40,9 @@ impl SampleSteps {
 }
 
 impl Frame {
-    /// Where the samples of the frame may be cut into parts; `None` where they can't be: of methods that draw no random ones, and of
-    /// frames with [`Frame::max_error`], whose number of samples follows from the image.
+    /// Returns the steps at which the samples of the frame may be cut into parts; `None` where they can't be: of
+    /// methods that draw no random ones, and of frames with [`Frame::max_error`], whose number of samples follows from
+    /// the image.
     pub fn sample_steps(&self) -> Option<SampleSteps> {
         Layout::of(self).map(|layout| layout.steps)
     }
@@ -58,7 +59,7 @@ pub struct DrawnPart {
     pub facts: Facts,
 }
 
-/// Why parts of a frame's samples can't be put together.
+/// Reason why parts of a frame's samples can't be put together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PartError {
@@ -103,7 +104,7 @@ pub(crate) enum Plane {
     Batch {
         /// Samples before those of the batch.
         before: u32,
-        /// Which of its sums.
+        /// Number of the sum.
         number: u32,
     },
 }
@@ -147,15 +148,15 @@ impl Plane {
     }
 }
 
-/// What the parts of a frame hold.
+/// Contents of the parts of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Layout {
     size: [u32; 2],
     steps: SampleSteps,
     sums: Sums,
-    /// True if the standard error is asked for.
+    /// `true` if the standard error is asked for.
     spread: bool,
-    /// True if lengths of lists are asked for, and the method has some.
+    /// `true` if lengths of lists are asked for, and the method has some.
     lengths: bool,
 }
 
@@ -236,7 +237,7 @@ pub struct SamplePart {
 }
 
 impl SamplePart {
-    /// A part in which each pixel has samples that show nothing.
+    /// Returns a part in which each pixel has samples that show nothing.
     pub(crate) fn new(layout: Layout, samples: Range<u32>) -> Self {
         let filled = |plane: Plane| (plane, vec![plane.nothing(); layout.pixels() * plane.words()]);
         let planes = layout.planes(samples.clone()).map(filled).collect();
@@ -249,7 +250,8 @@ impl SamplePart {
         self.layout.size
     }
 
-    /// The samples of a pixel, or the ensembles, that it has: ranges in ascending order that neither touch nor are empty.
+    /// Returns the samples of a pixel, or the ensembles, that it has: ranges in ascending order that neither touch nor
+    /// are empty.
     pub fn samples(&self) -> &[Range<u32>] {
         &self.samples
     }
@@ -292,7 +294,8 @@ impl SamplePart {
         bytes
     }
 
-    /// The part that [`Self::to_bytes`] wrote. Takes no memory before the size of the bytes is known to be right.
+    /// Returns the part that [`Self::to_bytes`] wrote. Takes no memory before the size of the bytes is known to be
+    /// right.
     ///
     /// # Errors
     /// Bytes that are no part, too few or too many.
@@ -339,19 +342,19 @@ impl SamplePart {
         }
     }
 
-    /// The words of a window's pixels, in its order.
+    /// Returns the words of a window's pixels, in its order.
     pub(crate) fn window(&self, plane: Plane, window: Window) -> Vec<u32> {
         let all = self.planes.get(&plane).map_or(&[][..], Vec::as_slice);
         rows(self.layout.size, plane, window).flat_map(|row| all.get(row).unwrap_or_default()).copied().collect()
     }
 
-    /// The words of all pixels, if it has some of this plane.
+    /// Returns the words of all pixels, if it has some of this plane.
     pub(crate) fn all(&self, plane: Plane) -> Option<&[u32]> {
         self.planes.get(&plane).map(Vec::as_slice)
     }
 }
 
-/// Where the rows of a window stand in a plane.
+/// Returns where the rows of a window stand in a plane.
 fn rows(size: [u32; 2], plane: Plane, [x0, y0, x1, y1]: Window) -> impl Iterator<Item = Range<usize>> {
     let at = move |x: u32, y: u32| (y as usize * size[0] as usize + x as usize) * plane.words();
     (y0..y1).map(move |y| at(x0, y)..at(x1, y))

@@ -7,7 +7,7 @@ use crate::scene::{Raster, ScreenSplats, SplatShape};
 /// Radii as they are.
 pub(super) const UNCLAMPED: ScreenSplats = ScreenSplats { size: 1.0, max_pixel_radius: f32::MAX, raster: Raster::Auto };
 
-/// The footprint of an opaque splat of this outline.
+/// Returns the footprint of an opaque splat of this outline.
 pub(super) fn outlined(shape: SplatShape) -> Footprint {
     match shape {
         SplatShape::Circle => Footprint::Disc,
@@ -16,7 +16,7 @@ pub(super) fn outlined(shape: SplatShape) -> Footprint {
 }
 
 impl Frame {
-    /// The conversion of a part of a cloud's points to splats.
+    /// Returns the conversion of a part of a cloud's points to splats.
     pub(super) fn projecting(
         &self,
         cloud: &DeviceCloud,
@@ -40,7 +40,7 @@ impl Frame {
         }
     }
 
-    /// The conversion of all points to pixels of their own.
+    /// Returns the conversion of all points to pixels of their own.
     pub(super) fn projecting_points(&self, cloud: &DeviceCloud) -> Projecting {
         self.projecting(cloud, Footprint::Point, UNCLAMPED, Part::All)
     }

@@ -1,4 +1,4 @@
-//! Which methods a device can run.
+//! Methods that a device can run.
 
 use super::engine_of;
 use crate::gpu::DeviceInfo;

@@ -11,7 +11,7 @@ use crate::passes::project::DeviceCloud;
 use crate::points::Points;
 use crate::scene::{CloudSettings, MethodChoice};
 
-/// How near the median comes to the share that was asked for.
+/// Largest difference of the median from the share that was asked for.
 pub const TOLERANCE: f64 = 0.004;
 
 /// Longer side of the images of the first trials.
@@ -35,7 +35,7 @@ pub struct Found {
 }
 
 impl Found {
-    /// True if the median is within [`TOLERANCE`] of the share that was asked for.
+    /// Returns `true` if the median is within [`TOLERANCE`] of the share that was asked for.
     pub fn meets(&self, share: f64) -> bool {
         (self.transmittance - share).abs() <= TOLERANCE
     }
@@ -55,12 +55,12 @@ pub fn opacities(factor: f32, clouds: &[CloudSettings]) -> Vec<f32> {
     clouds.iter().map(|cloud| (cloud.opacity * factor).min(1.0)).collect()
 }
 
-/// The factor at which even the faintest point that can be seen is opaque.
+/// Returns the factor at which even the faintest point that can be seen is opaque.
 pub fn largest_factor(points: &Points) -> f32 {
     points.opacities.iter().copied().filter(|opacity| *opacity > 0.0).fold(1.0, f32::min).recip()
 }
 
-/// The reason why no opacity makes light pass through the pictures of a method; `None` if one does.
+/// Returns the reason why no opacity makes light pass through the pictures of a method; `None` if one does.
 pub fn refusal(method: MethodChoice) -> Option<String> {
     let method = method.fixed().filter(|method| !method.family().has_opacity())?;
     let name = method.name();
@@ -147,7 +147,7 @@ fn small([width, height]: [u32; 2]) -> [u32; 2] {
     [scaled(width), scaled(height)]
 }
 
-/// The median of T = 1 − A over the pixels with A > 0; `None` if there are none.
+/// Returns the median of T = 1 − A over the pixels with A > 0; `None` if there are none.
 pub fn median_transmittance(pixels: &[[f32; 4]]) -> Option<f64> {
     let mut all: Vec<f32> = pixels.iter().map(|pixel| pixel[3]).filter(|a| *a > 0.0).collect();
     let middle = all.len().checked_sub(1)? / 2;
@@ -215,7 +215,7 @@ impl Search {
         Some(guess.unwrap_or((low * high).sqrt()))
     }
 
-    /// Where the secant through the last trials, or the slope 1 through a single one, meets the share.
+    /// Returns where the secant through the last trials, or the slope 1 through a single one, meets the share.
     fn guess(&self) -> Option<f64> {
         let wanted = (-self.share.ln()).ln();
         let [.., [x, y]] = self.last[..] else { return None };

@@ -13,7 +13,7 @@ pub struct Target {
     depths: Kept<f32>,
     image_host: Kept<[f32; 4]>,
     depths_host: Kept<f32>,
-    /// True if colors of windows are not copied to the host.
+    /// `true` if colors of windows are not copied to the host.
     pub(super) keeps_colors: bool,
 }
 
@@ -42,7 +42,7 @@ impl Target {
         self.image.get().all()
     }
 
-    /// The colors of the first pixels, on the host.
+    /// Returns the colors of the first pixels, on the host.
     pub(super) fn read_colors(&self, pixels: u64) -> Result<Vec<[f32; 4]>, Error> {
         Ok(self.image.get().read(0, pixels)?)
     }

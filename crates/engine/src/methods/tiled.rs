@@ -60,7 +60,7 @@ pub(super) fn counted_bytes(frame: &Frame) -> u64 {
     if frame.fragments { abuffer::PIXEL_BYTES } else { bin::PIXEL_BYTES }
 }
 
-/// A window by tiles of splats; the lengths of lists are counted only where they are asked for.
+/// Returns a window by tiles of splats; the lengths of lists are counted only where they are asked for.
 pub(super) fn render(
     stage: &impl Stage,
     cloud: &mut DeviceCloud,
@@ -124,17 +124,17 @@ const STAGES: [&str; 13] = [
     "unsorted/accumulate",
 ];
 
-/// The passes that sort splats and put them into tiles.
+/// Returns the passes that sort splats and put them into tiles.
 pub(super) fn order_group() -> PassGroup {
     PassGroup::new(&ORDER, Absent::Discs("splats are not sorted"))
 }
 
-/// The passes that go through an order of points that was made beforehand.
+/// Returns the passes that go through an order of points that was made beforehand.
 pub(super) fn presorted_group() -> PassGroup {
     PassGroup::new(&PRESORTED, Absent::Always("no order of the points was made beforehand"))
 }
 
-/// The stages that go through tiles of ordered splats.
+/// Returns the stages that go through tiles of ordered splats.
 pub(super) fn stage_group() -> PassGroup {
     PassGroup::new(&STAGES, Absent::Discs("tiles of splats are gone through otherwise, or not at all"))
 }

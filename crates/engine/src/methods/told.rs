@@ -35,7 +35,8 @@ impl<T: GpuType> Told<T> {
         }
     }
 
-    /// The first `len` elements: those of the copy, which must have been submitted, or else those of the buffer now.
+    /// Returns the first `len` elements: those of the copy, which must have been submitted, or else those of the buffer
+    /// now.
     pub fn read(&self, buffer: &Buffer<T>, len: u64) -> Result<Vec<T>, Error> {
         if self.len == len {
             return Ok(self.host.get().mapped_slice()[..len as usize].to_vec());

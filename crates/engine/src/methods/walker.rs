@@ -6,7 +6,7 @@ use crate::passes::bands::Window;
 use crate::passes::raster::Walker;
 use crate::scene::Raster;
 
-/// The raster path of a window, for methods that have both.
+/// Returns the raster path of a window, for methods that have both.
 ///
 /// # Errors
 /// The hardware rasteriser was requested and isn't supported.
@@ -22,7 +22,7 @@ pub(super) fn walker(device: &Device, raster: Raster, window: Window) -> Result<
     }
 }
 
-/// The raster path of stochastic transparency.
+/// Returns the raster path of stochastic transparency.
 ///
 /// # Errors
 /// The hardware rasteriser was requested and isn't supported.

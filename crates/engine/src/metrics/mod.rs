@@ -44,7 +44,7 @@ pub struct Comparison {
     pub above_1_255: f64,
 }
 
-/// All metrics of an image `b` against its reference `a`; `None` if they are not equally large.
+/// Returns all metrics of an image `b` against its reference `a`; `None` if they are not equally large.
 ///
 /// Only [`nmse`] asks which of the two is the reference.
 pub fn compare(a: &LinearImage, b: &LinearImage) -> Option<Comparison> {
@@ -89,7 +89,7 @@ pub fn psnr(rmse: f64) -> f64 {
     -20.0 * rmse.log10()
 }
 
-/// The largest absolute difference in any channel, and where.
+/// Returns the largest absolute difference in any channel, and where.
 pub fn largest(a: &LinearImage, b: &LinearImage) -> Largest {
     let mut largest = Largest { value: 0.0, x: 0, y: 0 };
     for (index, (p, q)) in pairs(&a.pixels, &b.pixels).enumerate() {

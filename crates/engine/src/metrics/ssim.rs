@@ -7,7 +7,7 @@ use crate::image::LinearImage;
 
 /// Standard deviation of the window's weights, in pixels.
 const SIGMA: f64 = 1.5;
-/// The window reaches as far from its centre, in pixels: 11 × 11.
+/// The window reaches as far from its center, in pixels: 11 × 11.
 const RADIUS: usize = 5;
 /// (K₁·L)² and (K₂·L)² with K₁ = 0.01, K₂ = 0.03 and the range L = 1 of linear light.
 const C1: f64 = 1e-4;

@@ -41,8 +41,8 @@ pass! {
     }
 }
 
-/// The values of a color space at which each byte begins: the least float32 that [`to_byte`] makes this byte of once it is
-/// encoded. Nothing reaches the last one.
+/// Returns the values of a color space at which each byte begins: the least float32 that [`to_byte`] makes this byte of
+/// once it is encoded. Nothing reaches the last one.
 pub fn byte_steps(color: ColorSpace) -> [f32; 257] {
     let byte = |value: f32| match color {
         ColorSpace::Linear => to_byte(encode_srgb(value)),
@@ -66,7 +66,7 @@ pub fn byte_steps(color: ColorSpace) -> [f32; 257] {
     steps
 }
 
-/// How a window shows an image.
+/// Way in which a window shows an image.
 #[derive(Debug, Clone, Copy)]
 pub struct Showing {
     /// Columns and rows of the image.
@@ -77,7 +77,7 @@ pub struct Showing {
     pub background: Vec3,
     /// The space of its colors.
     pub color: ColorSpace,
-    /// True if the window wants B, G, R, A in memory, and not R, G, B, A.
+    /// `true` if the window wants B, G, R, A in memory, and not R, G, B, A.
     pub blue_first: bool,
 }
 
@@ -105,7 +105,7 @@ impl Encoder {
         Ok(Self { device: device.clone(), steps, buffers: Vec::new() })
     }
 
-    /// The bytes of an image on the device, 4 a pixel of the picture, row by row.
+    /// Returns the bytes of an image on the device, 4 a pixel of the picture, row by row.
     ///
     /// # Errors
     /// Vulkan errors.
@@ -140,7 +140,7 @@ impl Encoder {
         Ok(shown)
     }
 
-    /// The same of R, G, B, A bytes on the host, of a picture with so many columns and rows.
+    /// Returns the same of R, G, B, A bytes on the host, of a picture with so many columns and rows.
     ///
     /// # Errors
     /// Vulkan errors.
@@ -179,7 +179,7 @@ fn rows_of_binding(width: u32, binding_bytes: u64) -> u32 {
     u32::try_from(rows / 64 * 64).unwrap_or(u32::MAX).max(64)
 }
 
-/// The pass.
+/// Returns the pass.
 pub(crate) fn shaders() -> Vec<Shader> {
     vec![Shader::plain::<EncodePixels>()]
 }

@@ -25,7 +25,7 @@ use crate::image::MAX_SIDE;
 use crate::image::{Image, LinearImage};
 use crate::scene::ColorSpace;
 
-/// Why a result could not be written or an image not be read.
+/// Reason why a result could not be written or an image not be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -137,7 +137,7 @@ pub enum Error {
     /// A part of a report could not be made.
     #[error("the report: {reason}")]
     Report {
-        /// Which part, and why.
+        /// The part, and the reason for it.
         reason: String,
     },
     /// Standard output can't be written to.
@@ -168,7 +168,7 @@ pub struct WriteOptions {
     pub metadata: Vec<(String, String)>,
 }
 
-/// The metadata of an image: the inputs as named by the user, the method used, the scene's keys as JSON
+/// Returns the metadata of an image: the inputs as named by the user, the method used, the scene's keys as JSON
 /// ([`Scene::settings`](crate::scene::Scene::settings)), the device's name and the seed.
 pub fn tags(name: &str, method: &str, settings: &str, device: &str, seed: u64) -> Vec<(String, String)> {
     let entry = |key: &str, value: &str| (format!("pellucid:{key}"), value.to_owned());
@@ -229,18 +229,18 @@ pub fn write_image(path: &Path, image: &Image, options: &WriteOptions) -> Result
 pub struct Raster {
     /// Columns and rows.
     pub size: [u32; 2],
-    /// True for R, G, B, A with straight alpha, false for R, G, B.
+    /// `true` for R, G, B, A with straight alpha, `false` for R, G, B.
     pub alpha: bool,
     /// 8-bit sRGB, row by row from the top.
     pub bytes: Vec<u8>,
 }
 
-/// The pixels that [`write_image`] writes into a PNG, for those who draw onto them first.
+/// Returns the pixels that [`write_image`] writes into a PNG, for those who draw onto them first.
 pub fn raster(image: &Image, options: &WriteOptions) -> Raster {
     png::raster(image, options)
 }
 
-/// The bytes of the PNG that [`write_image`] writes.
+/// Returns the bytes of the PNG that [`write_image`] writes.
 ///
 /// # Errors
 /// A size that PNG can't have.
@@ -269,7 +269,7 @@ pub fn write_rgb_png(path: &Path, size: [u32; 2], pixels: &[[f32; 3]]) -> Result
     write_atomically(path, |file| png::encode_bytes(file, width, height, false, &bytes, &[]))
 }
 
-/// An image over a background (linear RGB) in linear light: the values of R, G and B in an EXR.
+/// Returns an image over a background (linear RGB) in linear light: the values of R, G and B in an EXR.
 pub fn linear(image: &Image, background: Vec3, color: ColorSpace) -> LinearImage {
     let mut pixels = image.composed(self::background(background, color));
     if color == ColorSpace::Encoded {
@@ -278,7 +278,7 @@ pub fn linear(image: &Image, background: Vec3, color: ColorSpace) -> LinearImage
     LinearImage { width: image.width, height: image.height, pixels }
 }
 
-/// A linear background in the space of an image's values.
+/// Returns a linear background in the space of an image's values.
 pub fn background(linear: Vec3, color: ColorSpace) -> Vec3 {
     match color {
         ColorSpace::Linear => linear,

@@ -7,7 +7,7 @@ use crate::color::encode_srgb;
 use crate::image::Image;
 use crate::scene::ColorSpace;
 
-/// The image composed over the background, or with straight alpha if it is to stay transparent.
+/// Returns the image composed over the background, or with straight alpha if it is to stay transparent.
 pub(super) fn raster(image: &Image, options: &WriteOptions) -> Raster {
     let encoded = |value: f32| match options.color {
         ColorSpace::Linear => encode_srgb(value),
@@ -43,7 +43,7 @@ fn straight(color: [f32; 3], alpha: f32, encoded: impl Fn(f32) -> f32) -> [u8; 4
     }
 }
 
-/// The nearest of 256 steps; NaN is 0.
+/// Returns the nearest of 256 steps; NaN is 0.
 pub fn to_byte(value: f32) -> u8 {
     // In float64, since 255·x + 0.5 in float32 would round values just below a half up to the next step. The cast of
     // NaN is 0.

@@ -9,8 +9,8 @@ use super::Format;
 /// The last bytes of every PNG: an empty chunk IEND with its length and checksum.
 const PNG_END: [u8; 12] = *b"\0\0\0\0IEND\xae\x42\x60\x82";
 
-/// The value of a name in a PNG or EXR that this program wrote (see [`super::WriteOptions::metadata`]); `None` for any other
-/// file, for one that is not whole, and for one that can't be read.
+/// Returns the value of a name in a PNG or EXR that this program wrote (see [`super::WriteOptions::metadata`]); `None`
+/// for any other file, for one that is not whole, and for one that can't be read.
 pub fn metadata(path: &Path, name: &str) -> Option<String> {
     match Format::from_extension(path).ok()? {
         Format::Png => of_png(path, name),

@@ -5,7 +5,7 @@ use crate::passes::tiles;
 /// A rectangle of pixels: first column, first row, one past the last column and row.
 pub type Window = [u32; 4];
 
-/// Number of pixels.
+/// Returns the number of pixels.
 pub fn pixels([x0, y0, x1, y1]: Window) -> u64 {
     u64::from(x1 - x0) * u64::from(y1 - y0)
 }
@@ -24,7 +24,7 @@ pub fn windows(size: [u32; 2], capacity: u64) -> Vec<Window> {
     found
 }
 
-/// The part of a window in a region; `None` if there is none.
+/// Returns the part of a window in a region; `None` if there is none.
 pub fn within(window: Window, region: Window) -> Option<Window> {
     let [x0, y0, x1, y1] = window;
     let part = [x0.max(region[0]), y0.max(region[1]), x1.min(region[2]), y1.min(region[3])];
@@ -100,7 +100,7 @@ pub struct Band {
 }
 
 impl Band {
-    /// The whole window.
+    /// Returns the whole window.
     pub fn whole(window: Window, fragments: u64) -> Self {
         Self { pixels: [0, pixels(window) as u32], first_fragment: 0, fragments }
     }
@@ -130,7 +130,7 @@ pub fn bands(offsets: &[u32], capacity: u64) -> Result<Vec<Band>, (u32, u32)> {
     Ok(found)
 }
 
-/// The pixel with the longest list, the first of equals, and its length.
+/// Returns the pixel with the longest list, the first of equals, and its length.
 pub fn longest(offsets: &[u32]) -> (u32, u32) {
     let lengths = (0u32..).zip(offsets.windows(2).map(|pair| pair[1] - pair[0]));
     lengths.reduce(|best, next| if next.1 > best.1 { next } else { best }).unwrap_or_default()
@@ -157,7 +157,7 @@ impl Budget {
         (self.bytes / 4 / bytes_per_pixel).min(self.binding / 16).max(1)
     }
 
-    /// The budget with tiles of this many bytes; `None` if they take more than an eighth or a binding.
+    /// Returns the budget with tiles of this many bytes; `None` if they take more than an eighth or a binding.
     pub fn with_tiles(self, tiles: u64) -> Option<Self> {
         (tiles <= self.bytes / 8 && tiles <= self.binding).then_some(Self { tiles, ..self })
     }
@@ -167,8 +167,8 @@ impl Budget {
         self.bytes.saturating_sub(used + self.tiles + OVERHEAD_BYTES.min(self.bytes / 8 * 3))
     }
 
-    /// A budget that leaves `needed` bytes for fragments whatever windows (at most a quarter) and tiles (an eighth)
-    /// take.
+    /// Returns a budget that leaves `needed` bytes for fragments whatever windows (at most a quarter) and tiles (an
+    /// eighth) take.
     pub fn wanted(needed: u64) -> u64 {
         let small = needed * 4;
         if small <= OVERHEAD_BYTES / 3 * 8 { small } else { ((needed + OVERHEAD_BYTES) * 8).div_ceil(5) }

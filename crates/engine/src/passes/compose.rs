@@ -7,7 +7,7 @@ use crate::passes::project::{DISCS, DeviceCloud, Footprint, Splat, Tilt, View};
 use crate::scene::Falloff;
 use crate::{choices, group};
 
-/// How per-splat buffers are cut so that one pass reaches every splat: 1 or 4 parts of `len` splats.
+/// Division of per-splat buffers so that one pass reaches every splat: 1 or 4 parts of `len` splats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cut {
     /// 1 or 4.
@@ -22,7 +22,7 @@ impl Cut {
     /// One part, whatever its length.
     pub const WHOLE: Self = Self { parts: 1, len: 1 << 30, tilt_stride: 1 };
 
-    /// The cut for so many points on a device, or an error if four parts do not reach.
+    /// Returns the cut for so many points on a device, or an error if four parts do not reach.
     pub fn new(device: &Device, points: u64) -> Result<Self, Error> {
         let (len, limit) = (Self::longest(device), Self::most(device));
         if points > limit {
@@ -31,7 +31,7 @@ impl Cut {
         Ok(Self { parts: if points <= len { 1 } else { PARTS as u32 }, len: len as u32, tilt_stride: 1 })
     }
 
-    /// The cut for the splats of a cloud with this footprint.
+    /// Returns the cut for the splats of a cloud with this footprint.
     pub fn of(device: &Device, cloud: &DeviceCloud, footprint: Footprint) -> Result<Self, Error> {
         let stride = footprint.tilt_stride().max(1);
         let cut = Self::new(device, cloud.len() * stride)?;
@@ -59,7 +59,7 @@ impl Cut {
         Self { len: self.len * self.tilt_stride, ..self }.slices(buffer)
     }
 
-    /// The parts of a buffer; those beyond its end repeat its first element and are not read.
+    /// Returns the parts of a buffer; those beyond its end repeat its first element and are not read.
     pub fn slices<T: GpuType>(self, buffer: &Buffer<T>) -> [Slice<'_, T>; PARTS] {
         let len = u64::from(self.len);
         std::array::from_fn(|i| {
@@ -86,7 +86,7 @@ group! {
 }
 
 impl<'a> Composing<'a> {
-    /// The cloud, cut.
+    /// Returns the cloud, cut.
     pub fn new(cloud: &'a DeviceCloud, cut: Cut) -> Self {
         let (colors, tilts) = (cut.slices(&cloud.colors), cut.tilts(&cloud.tilts));
         let (splats, splat_depths) = (cut.slices(&cloud.splats), cut.slices(&cloud.splat_depths));
@@ -94,17 +94,17 @@ impl<'a> Composing<'a> {
     }
 }
 
-/// The variant of a stage that composes.
+/// Returns the variant of a stage that composes.
 pub fn variant(cut: Cut, footprint: Footprint, falloff: Falloff) -> Variant {
     cut.apply_to(shape_variant(footprint, falloff))
 }
 
-/// The variant of a stage that reaches discs that face the viewer, and leaves their falloff to itself.
+/// Returns the variant of a stage that reaches discs that face the viewer, and leaves their falloff to itself.
 pub fn disc_variant(cut: Cut) -> Variant {
     cut.apply_to(Variant::plain().with("SHAPE", Footprint::Disc as u32))
 }
 
-/// The variant of a stage that composes splats which it reaches by itself.
+/// Returns the variant of a stage that composes splats which it reaches by itself.
 pub fn shape_variant(footprint: Footprint, falloff: Falloff) -> Variant {
     Variant::plain().with("SHAPE", footprint as u32).with("FALLOFF", falloff as u32)
 }
@@ -126,13 +126,13 @@ impl Choices for Cut {
     }
 }
 
-/// The discs, and all falloffs, as [`shape_variant`] has them.
+/// Returns the discs, and all falloffs, as [`shape_variant`] has them.
 pub(crate) fn shape_variants() -> Vec<Variant> {
     let falloffs = || Falloff::all().into_iter();
     DISCS.iter().flat_map(|disc| falloffs().map(move |falloff| shape_variant(*disc, falloff))).collect()
 }
 
-/// The discs, all falloffs and cuts, as [`variant`] has them.
+/// Returns the discs, all falloffs and cuts, as [`variant`] has them.
 pub(crate) fn variants() -> Vec<Variant> {
     let choices = || <(Cut, Falloff)>::all().into_iter();
     DISCS.iter().flat_map(|disc| choices().map(move |(cut, falloff)| variant(cut, *disc, falloff))).collect()

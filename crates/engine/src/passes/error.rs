@@ -1,4 +1,4 @@
-//! Why passes don't work on a cloud.
+//! Reasons why passes don't work on a cloud.
 
 use std::sync::Arc;
 

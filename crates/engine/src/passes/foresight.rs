@@ -9,7 +9,7 @@
 use super::Error;
 use crate::gpu::{self, Buffer, Device, Memory, Recorder, Slice};
 
-/// How the counts of a window are known before it is rendered.
+/// Source from which the counts of a window are known before it is rendered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Knowledge {
     /// Not at all: the host waits for each.
@@ -26,11 +26,11 @@ pub enum Knowledge {
 pub struct Answer {
     /// The words.
     pub words: Vec<u32>,
-    /// Where the counts themselves are found.
+    /// Place at which the counts themselves are found.
     pub place: Place,
 }
 
-/// Where the counts are that answer a question, once they were submitted.
+/// Place of the counts that answer a question, once they were submitted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Place {
     first: u64,
@@ -40,7 +40,7 @@ pub struct Place {
 /// A question of a window.
 struct Question {
     name: &'static str,
-    /// Where its answer begins.
+    /// Index at which its answer begins.
     first: u64,
     /// The upper bound of each word of the answer; nothing until it was given.
     most: Vec<u32>,
@@ -57,17 +57,17 @@ const FORGIVEN: u32 = 64;
 /// Words from one answer to the next are a multiple of this many, so that each can be bound by itself.
 const ALIGNED: u64 = 64;
 
-/// What is known of windows of one kind.
+/// Facts about windows of one kind.
 #[derive(Default)]
 pub struct Foresight {
     knowledge: Knowledge,
-    /// What the last window asked, in order, if there was one.
+    /// Questions of the last window, in order, if there was one.
     known: Option<Vec<Question>>,
-    /// What this one has asked so far.
+    /// Questions of this window so far.
     asked: Vec<Question>,
-    /// True if buffers have room for what is known.
+    /// `true` if buffers have room for what is known.
     roomy: bool,
-    /// True if windows of this kind don't fit with a margin.
+    /// `true` if windows of this kind don't fit with a margin.
     hopeless: bool,
     /// Windows that were not as foreseen, windows since then that were, and windows that are to wait.
     misses: u32,
@@ -118,7 +118,7 @@ impl Foresight {
         };
     }
 
-    /// How the counts of this window are known.
+    /// Returns the source from which the counts of this window are known.
     pub fn knowledge(&self) -> Knowledge {
         self.knowledge
     }
@@ -202,7 +202,7 @@ impl Foresight {
         Ok(Some(Answer { words: most, place: Place { first, count } }))
     }
 
-    /// The answer to the last question, which was waited for.
+    /// Returns the answer to the last question, which was waited for.
     pub fn answer(&mut self) -> Answer {
         let Some(place) = self.asked.len().checked_sub(1) else { return Answer::default() };
         self.bound(place);
@@ -244,7 +244,7 @@ impl Foresight {
         waited || self.answers.as_ref().is_some_and(|answers| answers.go_host.mapped_slice()[0] == 1)
     }
 
-    /// What was found, once the submission with the question has been waited for.
+    /// Returns what was found, once the submission with the question has been waited for.
     pub fn found(&self, Place { first, count }: Place) -> &[u32] {
         let range = first as usize..(first + count) as usize;
         self.answers.as_ref().map_or(&[], |answers| &answers.host.mapped_slice()[range])

@@ -24,13 +24,13 @@ pub struct Runs {
 }
 
 impl Runs {
-    /// Where runs of points in canonical order begin, and the number of all points.
+    /// Returns the indices where runs of points in canonical order begin, and the number of all points.
     pub fn starts(points: &Points) -> Vec<usize> {
         if points.is_empty() { Vec::new() } else { starts(points) }
     }
 
-    /// Some of them: those from one of the [`Self::starts`] to another. `radius` is that of the block that the points are, if there are
-    /// others in their places.
+    /// Returns some of them: those from one of the [`Self::starts`] to another. `radius` is that of the block that the
+    /// points are, if there are others in their places.
     pub fn of(points: &Points, starts: &[usize], radius: Option<f32>) -> Self {
         let (first, end) = (starts[0], starts[starts.len() - 1]);
         let range: Vec<u32> = (first as u32..end as u32).collect();
@@ -93,12 +93,12 @@ impl Portion {
         self.chunks.push(points);
     }
 
-    /// Number of points.
+    /// Returns the number of points.
     pub fn len(&self) -> u64 {
         self.chunks.iter().map(|points| points.len() as u64).sum()
     }
 
-    /// True without points.
+    /// Returns `true` if there are no points.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -129,7 +129,8 @@ impl Portion {
     }
 }
 
-/// All points of parts of a scene with these bounds, in canonical order. Points that are alike stay in the order of the parts.
+/// Returns all points of parts of a scene with these bounds, in canonical order. Points that are alike stay in the
+/// order of the parts.
 pub fn joined(parts: Vec<Points>, bounds: &Bounds) -> Points {
     let parts: Vec<Arc<Points>> = parts.into_iter().map(Arc::new).collect();
     Points::gather(&parts, &order::merged(&parts, bounds))

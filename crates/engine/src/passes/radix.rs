@@ -56,7 +56,7 @@ const MOST_SHUFFLED: u32 = 16;
 /// Constants that shaders share with this module.
 pub(crate) const CONSTANTS: [(&str, u32); 2] = [("DIGIT_VALUES", 1 << MOST_BITS), ("MOST_SHUFFLED", MOST_SHUFFLED)];
 
-/// How records are cut into runs, each of which one subgroup takes in order.
+/// Division of records into runs, each of which one subgroup takes in order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Runs {
     /// Number of runs.
@@ -73,7 +73,7 @@ impl Runs {
     }
 }
 
-/// How keys are cut into digits.
+/// Division of keys into digits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Digits {
     /// Number of digits; records are sorted once by each.
@@ -202,12 +202,12 @@ fn counters(device: &Device, records: u64) -> u64 {
     u64::from(cut.runs) << widest(cut, records)
 }
 
-/// The variant of `radix/scatter`.
+/// Returns the variant of `radix/scatter`.
 pub fn scatter_variant(subgroup: u32) -> Variant {
     Variant::plain().subgroup(subgroup).network(subgroup)
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     vec![
         Shader::plain::<Count>(),

@@ -76,7 +76,7 @@ struct Visit {
     amount: Amount,
 }
 
-/// How much it runs.
+/// Amount that a pass runs.
 enum Amount {
     Compute(Dispatch<'static>),
     Vertices(u32),
@@ -93,7 +93,7 @@ pub struct Raster<'a> {
     pub tiles: &'a Tiles,
     /// The visitor of pixels.
     pub walker: Walker,
-    /// Which pixels a splat covers.
+    /// Shape of the pixels that a splat covers.
     pub footprint: Footprint,
     /// The rectangle of pixels in work.
     pub window: Window,
@@ -282,7 +282,7 @@ fn variant(footprint: Footprint, walker: &'static str, segment: u32) -> Variant 
     if walker == WALK_TILES { variant.with("SEGMENT", segment) } else { variant }
 }
 
-/// The variants of a stage for some footprints, without the rasteriser.
+/// Returns the variants of a stage for some footprints, without the rasteriser.
 pub(crate) fn computed_variants(footprints: &[Footprint], segment: u32) -> Vec<Variant> {
     variants(footprints, &[WALK_SMALL, WALK_TILES], segment)
 }
@@ -301,7 +301,7 @@ pub(crate) const FLAT: [Footprint; 6] = [
     Footprint::Gaussian,
 ];
 
-/// The variants of a stage that visits whatever is flat.
+/// Returns the variants of a stage that visits whatever is flat.
 pub(crate) fn flat_variants() -> Vec<Variant> {
     variants(&FLAT, &[WALK_SMALL, WALK_TILES, WALK_FRAGMENT], SEGMENT)
 }

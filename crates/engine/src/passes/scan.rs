@@ -59,7 +59,7 @@ pass! {
     }
 }
 
-/// The variant of `scan/spread` at the top level, or at one below.
+/// Returns the variant of `scan/spread` at the top level, or at one below.
 pub fn spread_variant(top: bool) -> Variant {
     Variant::plain().with("TOP", u32::from(top))
 }
@@ -69,11 +69,11 @@ pub struct Scan {
     /// Sums and their prefix sums, level by level.
     levels: Vec<[Buffer<u32>; 2]>,
     capacity: u64,
-    /// Whether workgroups share runs.
+    /// `true` if workgroups share runs.
     shared: bool,
 }
 
-/// What a dispatch of either half goes through.
+/// Level that a dispatch of either half goes through.
 #[derive(Clone, Copy)]
 struct Level<'a> {
     values: Slice<'a, u32>,
@@ -101,7 +101,7 @@ impl Scan {
         capacity.div_ceil(SCAN_RUN) * 8 * 2
     }
 
-    /// How many elements fit.
+    /// Returns the number of elements that fit.
     pub fn capacity(&self) -> u64 {
         self.capacity
     }
@@ -183,7 +183,7 @@ fn run(shared: bool) -> u64 {
     if shared { GROUP_RUN } else { SCAN_RUN }
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let spread = || [false, true].map(spread_variant);
     vec![

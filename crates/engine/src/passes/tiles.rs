@@ -168,7 +168,7 @@ fn aligned(elements: u64) -> u64 {
     elements.next_multiple_of(64)
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     vec![Shader::plain::<TileCount>(), Shader::plain::<TileStore>()]
 }

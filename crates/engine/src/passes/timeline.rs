@@ -10,18 +10,18 @@ use crate::progress::Progress;
 /// Submits the work of a frame, and collects its times.
 pub struct Timeline {
     progress: Progress,
-    /// When the first submission began.
+    /// Time when the first submission began.
     pub start: Option<Instant>,
     /// Each pass with its start, counted from the first submission's. The passes of a submission follow one another from its
     /// beginning on.
     pub passes: Vec<(PassTime, Duration)>,
     /// The submissions' times together.
     pub submitted: Duration,
-    /// True if passes are timed.
+    /// `true` if passes are timed.
     pub timed: bool,
-    /// What is known of the window in work before it is rendered.
+    /// Facts about the window in work that are known before it is rendered.
     pub foresight: Foresight,
-    /// What was recorded so far, where nobody waits for it.
+    /// Commands that were recorded so far, where nobody waits for them.
     paused: Option<Paused>,
 }
 
@@ -31,7 +31,7 @@ impl Timeline {
         Self::with(progress, Foresight::default())
     }
 
-    /// The same, with what is known of earlier frames. What comes before the first window waits.
+    /// Returns the same, with what is known of earlier frames. What comes before the first window waits.
     pub fn with(progress: &Progress, mut foresight: Foresight) -> Self {
         // An earlier frame may have ended in the middle of a window.
         foresight.begin(true);
@@ -73,7 +73,7 @@ impl Timeline {
         Ok(self.foresight.answer())
     }
 
-    /// What was found, once it was submitted.
+    /// Returns what was found, once it was submitted.
     pub fn found(&self, place: Place) -> &[u32] {
         self.foresight.found(place)
     }

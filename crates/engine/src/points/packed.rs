@@ -119,7 +119,7 @@ pub(crate) fn put<T: NoUninit>(to: &mut Vec<u8>, column: &[T]) {
     to.extend_from_slice(cast_slice(column));
 }
 
-/// The first values of some bytes.
+/// Returns the first values of some bytes.
 pub(crate) fn taken<T: NoUninit + AnyBitPattern>(bytes: &mut &[u8], count: usize) -> Result<Vec<T>, Unreadable> {
     let length = count.checked_mul(size_of::<T>()).filter(|length| *length <= bytes.len());
     let (own, rest) = bytes.split_at(length.ok_or(Unreadable::SHORT)?);

@@ -10,7 +10,7 @@ use super::{Points, Spheres, Unseen, Whole, WholeSplats};
 use crate::cloud::Bounds;
 use crate::cloud::sampling::Sampling;
 
-/// What is known of all points of a scene whose points are elsewhere, in a form that travels.
+/// Facts about all points of a scene whose points are elsewhere, in a form that travels.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Known {
     count: u64,
@@ -24,12 +24,12 @@ pub struct Known {
 }
 
 impl Known {
-    /// The number of points.
+    /// Returns the number of points.
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    /// The box around all of them, also around those that are not drawn.
+    /// Returns the box around all of them, also around those that are not drawn.
     pub fn bounds(&self) -> Bounds {
         self.bounds
     }
@@ -50,7 +50,7 @@ impl Spheres for Elsewhere {
 }
 
 impl Points {
-    /// What is known of all points; `None` without any.
+    /// Returns what is known of all points; `None` without any.
     pub fn known(&self) -> Option<Known> {
         let brightest = || self.colors.par_iter().map(|color| color.max_element()).reduce(|| 1.0, f32::max);
         let whole = self.whole.as_ref();
@@ -66,7 +66,8 @@ impl Points {
         })
     }
 
-    /// Some points that stand for these, at least one, without what is known of all: those of a list that stands for more as they are.
+    /// Returns some points that stand for these, at least one, without what is known of all: those of a list that
+    /// stands for more as they are.
     pub fn sampled_points(&self) -> Self {
         if self.whole.is_some() {
             return Self { whole: None, ..self.clone() };
@@ -80,7 +81,7 @@ impl Points {
         sample.with_one(self.anchor().origin, || self.subset(&[0], 1.0))
     }
 
-    /// The same points, or, if these are none, one of the scene, which leaves the origin where it is.
+    /// Returns the same points, or, if these are none, one of the scene, which leaves the origin where it is.
     #[must_use]
     pub fn with_one(self, origin: DVec3, one: impl FnOnce() -> Self) -> Self {
         if !self.is_empty() {

@@ -36,7 +36,7 @@ impl PartialEq for Supplied {
 }
 
 impl Arranged {
-    /// All points, in either order; of those that come some at a time a few that stand for all.
+    /// Returns all points, in either order; of those that come some at a time a few that stand for all.
     pub fn points(&self) -> &Points {
         match self {
             Self::Canonical(points) => points,
@@ -45,7 +45,7 @@ impl Arranged {
         }
     }
 
-    /// The clouds, if they are kept apart.
+    /// Returns the clouds, if they are kept apart.
     pub fn surfaces(&self) -> &[Surface] {
         match self {
             Self::Canonical(_) => &[],

@@ -10,12 +10,12 @@ use rayon::prelude::*;
 pub struct Axis {
     /// 0 for x, 1 for y, 2 for z.
     pub index: usize,
-    /// True if the view goes toward smaller coordinates.
+    /// `true` if the view goes toward smaller coordinates.
     pub backward: bool,
 }
 
 impl Axis {
-    /// The one nearest to a direction; of several the first.
+    /// Returns the one nearest to a direction; of several the first.
     pub fn nearest(direction: DVec3) -> Self {
         let along = direction.abs().to_array();
         let index = if along[0] >= along[1].max(along[2]) {

@@ -31,7 +31,7 @@ pub struct Surface {
     /// Middle of the box of its points, in world coordinates: where a point is one pixel wide.
     pub center: DVec3,
     /// Points for each unit of a surface's area (world units squared), by counting spheres (Tanaka et al. 2016, Section
-    /// 3.2.1, less its biases: rims, the spheres' own centres). 0 if the points are too few to tell or all in one place.
+    /// 3.2.1, less its biases: rims, the spheres' own centers). 0 if the points are too few to tell or all in one place.
     pub density: f64,
     /// Largest opacity α of its points, in [0, 1]: that of its surface.
     pub opacity: f32,
@@ -46,7 +46,8 @@ pub struct Dealt {
     pub surfaces: Vec<Surface>,
 }
 
-/// The copies of ensemble `ensemble` of `ensembles`, if `slots` copies are dealt in all, one ensemble behind the other.
+/// Returns the copies of ensemble `ensemble` of `ensembles`, if `slots` copies are dealt in all, one ensemble behind
+/// the other.
 pub fn slots(slots: u64, ensembles: u32, ensemble: u32) -> Range<u64> {
     let bound = |e: u64| (u128::from(slots) * u128::from(e) / u128::from(ensembles)) as u64;
     bound(u64::from(ensemble))..bound(u64::from(ensemble) + 1)
@@ -70,7 +71,7 @@ pub struct Deal {
 /// Ensembles to which points are dealt but once.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pass {
-    /// Which.
+    /// Range of ensembles.
     pub ensembles: Range<u32>,
     /// The positions of their points; `None` for the first pass, whose n-th copy is the n-th point.
     pub rows: Option<Rows>,
@@ -105,12 +106,12 @@ const MOST_OF_ROW: u64 = 1 << 15;
 const MOST_OF_ROWS: u64 = 1 << 22;
 
 impl Deal {
-    /// The copies of an ensemble.
+    /// Returns the copies of an ensemble.
     pub fn slots(&self, ensemble: u32) -> Range<u64> {
         slots(self.slots, self.ensembles, ensemble)
     }
 
-    /// The pass of an ensemble.
+    /// Returns the pass of an ensemble.
     pub fn pass(&self, ensemble: u32) -> Pass {
         // ⌊eM/L⌋ ≤ N.
         let within = ((u128::from(self.points) + 1) * u128::from(self.ensembles) - 1) / u128::from(self.slots.max(1));
@@ -139,7 +140,7 @@ impl Deal {
         Rows { first: 0, points: self.points, count, columns: columns as u32, block_bits, word: 0 }
     }
 
-    /// The points of an ensemble, counted from the cloud's first.
+    /// Returns the points of an ensemble, counted from the cloud's first.
     pub fn hand(&self, ensemble: u32) -> Vec<u64> {
         let (slots, pass) = (self.slots(ensemble), self.pass(ensemble));
         match pass.rows {
@@ -157,12 +158,12 @@ impl Rows {
         (self.count * u64::from(self.columns)) << self.block_bits
     }
 
-    /// True without rows: never.
+    /// Returns `true` if there are no rows: never.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The n-th point of the pass's h-th ensemble.
+    /// Returns the n-th point of the pass's h-th ensemble.
     pub fn point(&self, hand: u32, n: u64) -> u64 {
         let row = n >> self.block_bits;
         let turn = (scrambled(self.word.wrapping_add((row as u32).wrapping_mul(0x9E37_79B9))) >> 10) % self.columns;
@@ -271,7 +272,7 @@ impl Shuffle {
         Self { place, key: [low, high ^ SHUFFLE] }
     }
 
-    /// The word of a point, by its id: another one for each.
+    /// Returns the word of a point, by its id: another one for each.
     pub fn word(self, id: u32) -> u64 {
         let [first, second] = threefry2x32([id, self.place], self.key);
         u64::from(first) << 32 | u64::from(second)
@@ -295,7 +296,8 @@ impl Dealt {
         }
     }
 
-    /// The same clouds, each shuffled once more by another seed: as good an order as this one, with other ensembles.
+    /// Returns the same clouds, each shuffled once more by another seed: as good an order as this one, with other
+    /// ensembles.
     pub fn again(&self, seed: u64) -> Self {
         let shuffled = |(surface, place): (&Surface, u32)| {
             let [first, end] = [surface.points.start, surface.points.end].map(|point| point as usize);

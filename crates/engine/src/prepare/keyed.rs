@@ -35,8 +35,8 @@ impl Keyed {
     }
 }
 
-/// The codes of 63 bits of so many points in ascending order; those of equal codes in the order of `by_content`, and of equal content
-/// in that of their indices.
+/// Returns the codes of 63 bits of so many points in ascending order; those of equal codes in the order of
+/// `by_content`, and of equal content in that of their indices.
 ///
 /// Codes are found twice, so that nothing but the result needs memory. Each digit, from the highest on, cuts a run of points into
 /// shorter ones, until these are few enough to be compared.

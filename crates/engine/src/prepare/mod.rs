@@ -43,13 +43,13 @@ pub struct Request {
     pub soft_outliers: Option<outliers::Rule>,
     /// Outliers that are to be dropped.
     pub dropped_outliers: Option<outliers::Rule>,
-    /// True if radii are wanted.
+    /// `true` if radii are wanted.
     pub radii: bool,
-    /// True if radii of Eq. 20 without its cap are wanted, whatever radii the file has.
+    /// `true` if radii of Eq. 20 without its cap are wanted, whatever radii the file has.
     pub uncapped: bool,
-    /// True if F is wanted.
+    /// `true` if F is wanted.
     pub fields: bool,
-    /// True if normals are wanted, estimated where the file has none.
+    /// `true` if normals are wanted, estimated where the file has none.
     pub normals: bool,
     /// Normals that shading needs.
     pub shading: Option<ShadingNormals>,
@@ -64,7 +64,7 @@ impl Request {
     }
 }
 
-/// Which normals are estimated for shading, where the file has none.
+/// Normals that are estimated for shading, where the file has none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ShadingNormals {
     /// All.
@@ -104,25 +104,25 @@ pub struct FieldKey {
 }
 
 impl Request {
-    /// What the radii of this cloud depend on.
+    /// Returns what the radii of this cloud depend on.
     pub fn radius_key(&self, cloud: &Cloud) -> RadiusKey {
         (self.neighbors_of(cloud), self.radius_cap_of(cloud).to_bits())
     }
 
-    /// What F of this cloud depends on.
+    /// Returns what F of this cloud depends on.
     pub fn field_key(&self, cloud: &Cloud) -> FieldKey {
         let definition = self.field_of(cloud);
         let radii = (definition == Field::Uncertainty).then(|| self.radius_key(cloud));
         FieldKey { definition, radii, soft: self.soft_outliers }
     }
 
-    /// True if neighbors may have to be found for it.
+    /// Returns `true` if neighbors may have to be found for it.
     pub fn needs_neighbors(&self) -> bool {
         let parts = [self.radii, self.uncapped, self.fields, self.normals];
         parts.contains(&true) || self.shading.is_some() || self.dropped_outliers.is_some()
     }
 
-    /// The cap of radii for this cloud.
+    /// Returns the cap of radii for this cloud.
     pub fn radius_cap_of(&self, cloud: &Cloud) -> f32 {
         let prepared = cloud.prepared.as_ref().map(|prepared| prepared.radius_cap);
         self.radius_cap.or(prepared).unwrap_or(radius::DEFAULT_CAP)
@@ -134,13 +134,13 @@ impl Request {
         self.neighbors.or(prepared).unwrap_or(DEFAULT_NEIGHBORS)
     }
 
-    /// True if normals are wanted that the cloud lacks.
+    /// Returns `true` if normals are wanted that the cloud lacks.
     pub(crate) fn lacks_normals(&self, cloud: &Cloud) -> bool {
         let wanted = self.normals || self.shading.is_some();
         wanted && cloud.normals.as_ref().is_none_or(|normals| normals.contains(&Vec3::ZERO))
     }
 
-    /// The definition of F for this cloud.
+    /// Returns the definition of F for this cloud.
     pub fn field_of(&self, cloud: &Cloud) -> Field {
         let prepared = cloud.prepared.as_ref().map(|prepared| &prepared.field);
         self.field.as_ref().or(prepared).cloned().unwrap_or_default()
@@ -152,7 +152,7 @@ impl Request {
         radii.filter(|_| !cloud.prepared.as_ref().is_some_and(|p| p.estimated_radii && !self.has_radii_of(cloud, p)))
     }
 
-    /// True if radii were prepared as this request wants them.
+    /// Returns `true` if radii were prepared as this request wants them.
     fn has_radii_of(&self, cloud: &Cloud, prepared: &Prepared) -> bool {
         prepared.neighbors == self.neighbors_of(cloud) && prepared.radius_cap == self.radius_cap_of(cloud)
     }
@@ -164,8 +164,8 @@ impl Request {
         (prepared.field == self.field_of(cloud) && same_radii).then_some(&prepared.values)
     }
 
-    /// What has to be found from neighbors or from the whole cloud, in words: `like` has the columns of the cloud. Normals to shade by don't
-    /// count.
+    /// Returns in words what has to be found from neighbors or from the whole cloud. `like` has the columns of the
+    /// cloud. Normals to shade by don't count.
     pub(crate) fn missing(&self, like: &Cloud) -> Option<&'static str> {
         if self.uncapped {
             Some("the distances to neighbors that `surface_opacity` follows from")
@@ -180,7 +180,7 @@ impl Request {
         }
     }
 
-    /// The field of which the range must be known.
+    /// Returns the field of which the range must be known.
     pub(crate) fn unscaled_field(&self, like: &Cloud) -> Option<Field> {
         (self.fields && self.stored_field(like).is_none()).then(|| self.field_of(like))
     }
@@ -204,7 +204,7 @@ impl Request {
         notes
     }
 
-    /// How a file was prepared and how it is wanted, as a phrase.
+    /// Returns how a file was prepared and how it is wanted, as a phrase.
     fn difference(&self, cloud: &Cloud, prepared: &Prepared) -> String {
         let (neighbors, cap) = (self.neighbors_of(cloud), self.radius_cap_of(cloud));
         if prepared.neighbors != neighbors {
@@ -251,8 +251,8 @@ pub fn find(cloud: &Cloud, request: &Request, progress: &Progress) -> Result<Poi
     Ok(PointData { radii, uncapped, fields, normals, shading, dropped })
 }
 
-/// What of the requested data the points of a part of a cloud have with them; nothing is found from neighbors. `bounds` and `range`
-/// are those of the whole cloud, the range that of what F is made of.
+/// Returns the requested data that the points of a part of a cloud have with them; nothing is found from neighbors.
+/// `bounds` and `range` are those of the whole cloud, the range that of what F is made of.
 ///
 /// # Errors
 /// The cloud lacks the property of its field.
@@ -282,7 +282,7 @@ fn shading_normals(cloud: &Cloud, which: ShadingNormals, surface: &surface::Surf
     (0..cloud.len()).map(one).collect()
 }
 
-/// The cloud with radii and field, and with normals if they are asked for, ready for
+/// Returns the cloud with radii and field, and with normals if they are asked for, ready for
 /// [`write_prepared`](crate::io::ply::write_prepared). A shadow texture that it has stays, unless normals are others.
 ///
 /// # Errors

@@ -9,7 +9,7 @@ use super::keyed::{self, Keyed};
 use crate::cloud::Bounds;
 use crate::morton::{BITS, spread};
 
-/// The 63-bit Morton code of each position in its bounds.
+/// Returns the 63-bit Morton code of each position in its bounds.
 ///
 /// The cells are cubes (the longest side of the box is cut into 2²¹), so a flat cloud is ordered as well as a round
 /// one. An empty box gives code 0 for all.
@@ -34,7 +34,7 @@ impl Cells {
         Self { half_min: 0.5 * bounds.min, half_side }
     }
 
-    /// The code of a position in the box.
+    /// Returns the code of a position in the box.
     #[inline]
     pub fn code(self, p: DVec3) -> u64 {
         // 0 / 0 is NaN, which the conversion to integers turns into 0.
@@ -43,14 +43,14 @@ impl Cells {
     }
 }
 
-/// The longest side of a cell whose positions have the same code in some bounds.
+/// Returns the longest side of a cell whose positions have the same code in some bounds.
 pub(super) fn cell_side(bounds: &Bounds) -> f64 {
     (bounds.max - bounds.min).max_element() / f64::from((1u32 << BITS) - 1)
 }
 
-/// The codes of positions in their bounds in ascending order, each with the index of its position; those of equal codes in the order of
-/// `by_content`, and of equal content in that of their indices. Positions whose indices have more than 32 bits are left out: so many
-/// fit no device.
+/// Returns the codes of positions in their bounds in ascending order, each with the index of its position; those of
+/// equal codes in the order of `by_content`, and of equal content in that of their indices. Positions whose indices
+/// have more than 32 bits are left out: so many fit no device.
 pub(super) fn sorted(
     positions: &[DVec3],
     bounds: &Bounds,

@@ -20,13 +20,13 @@ pub(super) struct SmallestAxis {
     /// Zero where that is no single direction: all points in one place, on a line, or spread alike in the two directions in
     /// which they spread least.
     pub direction: Vec3,
-    /// True if points lie about a surface rather than scattered, as in foliage: if their planarity (σ₂−σ₃)/σ₁ exceeds their
-    /// scattering σ₃/σ₁ (Demantké et al. 2011, Dimensionality based scale selection in 3D lidar point clouds), σ being
-    /// standard deviations along the principal axes.
+    /// `true` if points lie about a surface rather than scattered, as in foliage: if their planarity (σ₂−σ₃)/σ₁ exceeds
+    /// their scattering σ₃/σ₁ (Demantké et al. 2011, Dimensionality based scale selection in 3D lidar point clouds), σ
+    /// being standard deviations along the principal axes.
     pub planar: bool,
 }
 
-/// How points spread around their mean.
+/// Spread of points around their mean.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Moments {
     /// Σ of x², y², z².
@@ -66,7 +66,7 @@ impl Moments {
     }
 }
 
-/// The smallest axes of some neighborhoods, each by its own moments.
+/// Returns the smallest axes of some neighborhoods, each by its own moments.
 pub(super) fn smallest_axes(moments: &[Moments]) -> Vec<SmallestAxis> {
     let mut found = Vec::with_capacity(moments.len());
     for some in moments.chunks(LANES) {

@@ -27,7 +27,8 @@ pub fn canonical(mut points: Points) -> Points {
     points
 }
 
-/// The points of parts of a scene with these bounds, in the order that the whole scene has: for each the part and the place there.
+/// Returns the points of parts of a scene with these bounds, in the order that the whole scene has: for each the part
+/// and the place there.
 pub(crate) fn merged(parts: &[Arc<Points>], bounds: &Bounds) -> Vec<[u32; 2]> {
     let cells = Cells::of(bounds);
     let of_part = |(part, points): (usize, &Arc<Points>)| (0..points.len() as u32).map(move |at| [part as u32, at]);
@@ -57,7 +58,7 @@ pub(super) fn by_content(a: (&Points, usize), b: (&Points, usize)) -> Ordering {
     position(a).cmp(&position(b)).then_with(|| by_look(a, b))
 }
 
-/// The part of it that decides between points of equal position.
+/// Returns the part of it that decides between points of equal position.
 pub(super) fn by_look(a: (&Points, usize), b: (&Points, usize)) -> Ordering {
     let color = |(points, at): (&Points, usize)| points.colors[at].to_array().map(f32::to_bits);
     let others = |(points, at): (&Points, usize)| {

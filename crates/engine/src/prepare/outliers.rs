@@ -9,7 +9,7 @@ use super::neighbors::{Again, Places};
 /// Differences of mean distances below this share of their mean are rounding.
 const LEAST_DIFFERENCE: f64 = 1e-9;
 
-/// Which points are outliers.
+/// Rule that tells which points are outliers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rule {
     /// Neighbors that a point's mean distance is taken over, at least 1.
@@ -58,7 +58,7 @@ fn limit(places: &Places, distances: &[f64], factor: f64) -> f64 {
     mean * (1.0 + LEAST_DIFFERENCE) + factor * variance.sqrt()
 }
 
-/// Number of marks.
+/// Returns the number of marks.
 pub fn count(marks: &[bool]) -> usize {
     marks.par_iter().filter(|mark| **mark).count()
 }

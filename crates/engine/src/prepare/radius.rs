@@ -15,8 +15,8 @@ use super::neighbors::{Again, Lists, Places, least_of_median};
 /// Default of the cap.
 pub const DEFAULT_CAP: f32 = 4.0;
 
-/// The radius of each finite position by Eq. 20 over its `neighbors` (K) nearest other points, at most `cap` times the
-/// median of the radii by Eq. 20 of these neighbors and the point itself; a cap of 0 is none.
+/// Returns the radius of each finite position by Eq. 20 over its `neighbors` (K) nearest other points, at most `cap`
+/// times the median of the radii by Eq. 20 of these neighbors and the point itself; a cap of 0 is none.
 ///
 /// With fewer than K other points K is their number; a single point has radius 0, and so has a point with at least K
 /// others in the same place. Distances are float64 of the positions as given. Radii beyond float32 become `f32::MAX`. The
@@ -46,13 +46,13 @@ pub fn both(positions: &[DVec3], neighbors: usize, cap: f32, progress: &Progress
     Radii { capped: of_distances(&places, &ranks, k, &capped(&places, (k, cap), &lists, distances)), uncapped }
 }
 
-/// The neighbors that [`capped`] needs.
+/// Returns the neighbors that [`capped`] needs.
 pub(super) fn again(cap: f32) -> Again {
     if cap == 0.0 { Again::No } else { Again::Capped(cap) }
 }
 
-/// The distances of the last neighbors of each place, at most `cap` times the median of those of a point's K neighbors and
-/// its own. Radii are proportional to them. A point with at least K others in its place has distance 0.
+/// Returns the distances of the last neighbors of each place, at most `cap` times the median of those of a point's K
+/// neighbors and its own. Radii are proportional to them. A point with at least K others in its place has distance 0.
 pub(super) fn capped(places: &Places, (k, cap): (usize, f32), lists: &Lists, distances: Vec<f64>) -> Vec<f64> {
     if cap == 0.0 {
         return distances;
@@ -79,7 +79,7 @@ pub(super) fn capped(places: &Places, (k, cap): (usize, f32), lists: &Lists, dis
     .collect()
 }
 
-/// The middle one of some values, of an even number the mean of the two middle ones; 0 for none.
+/// Returns the middle one of some values, of an even number the mean of the two middle ones; 0 for none.
 pub(super) fn median(values: &mut [f64]) -> f64 {
     let half = values.len() / 2;
     if values.is_empty() {

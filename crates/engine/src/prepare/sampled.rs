@@ -14,7 +14,7 @@ use super::radius;
 /// Places whose neighbors are found, at most.
 const SAMPLES: usize = 2048;
 
-/// What the neighbors of some points tell about a cloud.
+/// Facts about a cloud that the neighbors of some points tell.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sampled {
     /// The median distance to the nearest point at another place, in the cloud's units; `None` of fewer than two places.

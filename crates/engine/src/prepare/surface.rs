@@ -19,7 +19,7 @@ pub struct Surface {
     pub uncapped: Vec<f32>,
     /// The given normals, with estimated ones in place of missing ones; zero where both are missing.
     pub normals: Vec<Vec3>,
-    /// True for normals that were estimated from points about a surface, false for other estimated ones.
+    /// `true` for normals that were estimated from points about a surface, `false` for other estimated ones.
     pub planar: Vec<bool>,
     /// F of Eq. 21, in [0, 1]; empty unless asked for.
     pub fields: Vec<f32>,
@@ -39,7 +39,7 @@ pub fn estimate(positions: &[DVec3], normals: Option<&[Vec3]>, around: (usize, f
     look(positions, normals, around, true, progress)
 }
 
-/// The same without F.
+/// Returns the same without F.
 pub fn shape(positions: &[DVec3], normals: Option<&[Vec3]>, around: (usize, f32), progress: &Progress) -> Surface {
     look(positions, normals, around, false, progress)
 }
@@ -67,7 +67,7 @@ fn look(
     Surface { fields: field::scaled(&seen.spreads), ..seen.surface }
 }
 
-/// What is seen of points before F is scaled, in their order.
+/// View of points before F is scaled, in their order.
 #[derive(Debug, Default)]
 pub(super) struct Seen {
     /// Without F.
@@ -78,7 +78,7 @@ pub(super) struct Seen {
     pub last: Vec<f64>,
 }
 
-/// What is to be seen beside radii.
+/// Data that is wanted beside radii.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Wants {
     /// Normals in place of missing ones; F needs them, too.
@@ -87,7 +87,7 @@ pub(super) struct Wants {
     pub fields: bool,
 }
 
-/// The same without scaling, of the points of some places, of which there are more than K.
+/// Returns the same without scaling, of the points of some places, of which there are more than K.
 pub(super) fn see(
     places: &Places,
     given: Option<&[Vec3]>,

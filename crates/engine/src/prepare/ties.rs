@@ -22,7 +22,7 @@ pub(crate) struct Ties {
 }
 
 impl Ties {
-    /// The groups of positions in canonical order.
+    /// Returns the groups of positions in canonical order.
     pub fn find(positions: &[DVec3]) -> Self {
         let bits = |i: usize| positions[i].to_array().map(f64::to_bits);
         let mut ties = Self::default();
@@ -47,7 +47,7 @@ impl Ties {
         }
     }
 
-    /// True if no two points have the same position.
+    /// Returns `true` if no two points have the same position.
     pub fn is_empty(&self) -> bool {
         self.places.is_empty()
     }

@@ -16,7 +16,8 @@ impl Profile {
         self.host.extend(compilations.iter().map(span));
     }
 
-    /// The time of each phase, by [`Phase::ALL`]. Making pipelines does not count for the phase that it lies within.
+    /// Returns the time of each phase, by [`Phase::ALL`]. Making pipelines does not count for the phase that it lies
+    /// within.
     pub fn host_times(&self) -> [Duration; Phase::ALL.len()] {
         let mut times = [Duration::ZERO; Phase::ALL.len()];
         for span in &self.host {
@@ -38,7 +39,7 @@ impl Profile {
         format!("host: {}", phases.join(", "))
     }
 
-    /// The phases that took time, and those that every command has, with their milliseconds.
+    /// Returns the phases that took time, and those that every command has, with their milliseconds.
     pub(super) fn host_json(&self) -> Vec<Value> {
         let phase = |(phase, time): (Phase, Duration)| json!({"name": phase.name(), "ms": time.as_secs_f64() * 1e3});
         self.shown_phases().map(phase).collect()
@@ -51,7 +52,7 @@ impl Profile {
     }
 }
 
-/// True if a phase runs while pipelines are made.
+/// Returns `true` if a phase runs while pipelines are made.
 fn encloses(span: &Span, compile: &Span) -> bool {
     span.phase != Phase::Compile && (span.begin..span.begin + span.length).contains(&compile.begin)
 }

@@ -30,7 +30,7 @@ pub struct Composite {
     pub depth: f64,
 }
 
-/// The splat that the disc family draws for a point.
+/// Returns the splat that the disc family draws for a point.
 pub fn splat(points: &Points, index: usize, shape: DiscShape) -> Splat {
     Splat {
         position: points.positions[index],
@@ -73,7 +73,7 @@ pub fn lists_at(
     pixels
 }
 
-/// The fragments of a point's disc, each with its pixel: row · width + column.
+/// Returns the fragments of a point's disc, each with its pixel: row · width + column.
 pub(super) fn of_disc(
     camera: &Camera,
     size: [u32; 2],
@@ -94,15 +94,16 @@ pub(super) fn of_disc(
     covered.iter().map(fragment).collect()
 }
 
-/// The smallest distance between successive depths of a list, over the depth; equal depths don't count, since the index
-/// orders them at any precision. Below the rounding of a float32 depth the order of two fragments is a matter of chance.
+/// Returns the smallest distance between successive depths of a list, over the depth; equal depths don't count, since
+/// the index orders them at any precision. Below the rounding of a float32 depth the order of two fragments is a matter
+/// of chance.
 pub fn depth_margin(lists: &[Vec<Fragment>]) -> f64 {
     let gaps = lists.iter().flat_map(|list| list.windows(2)).map(|pair| (pair[1].z - pair[0].z) / pair[1].z.abs());
     gaps.filter(|&gap| gap != 0.0).fold(f64::INFINITY, f64::min)
 }
 
-/// The fragments of a sorted list that are added where it ends early (Kerbl et al. 2023): those in front of the first that would leave less
-/// than `stop` of the light. 0 ends no list.
+/// Returns the fragments of a sorted list that are added where it ends early (Kerbl et al. 2023): those in front of the
+/// first that would leave less than `stop` of the light. 0 ends no list.
 pub fn before_end(list: &[Fragment], stop: f64) -> &[Fragment] {
     let mut transmittance = 1.0;
     let end = list.iter().position(|fragment| {
@@ -127,8 +128,8 @@ pub fn composite(list: &[Fragment], colors: &[DVec3]) -> Composite {
     Composite { color, alpha: 0.0 - log_transmittance.exp_m1(), depth }
 }
 
-/// The depth at which a sorted list first lets through `share` of the light or less; +inf if it never does. Of 1/2 it is the
-/// median depth; roundings make of it one between those of shares around 1/2.
+/// Returns the depth at which a sorted list first lets through `share` of the light or less; +inf if it never does. Of
+/// 1/2 it is the median depth; roundings make of it one between those of shares around 1/2.
 pub fn median(list: &[Fragment], share: f64) -> f64 {
     let mut log_transmittance = 0.0f64;
     let reached = list.iter().find(|fragment| {
@@ -138,7 +139,8 @@ pub fn median(list: &[Fragment], share: f64) -> f64 {
     reached.map_or(f64::INFINITY, |fragment| fragment.z)
 }
 
-/// The mean depth of a sorted list, Σ zᵢαᵢTᵢ / A with the transmittance Tᵢ before each fragment; +inf where A is 0.
+/// Returns the mean depth of a sorted list, Σ zᵢαᵢTᵢ / A with the transmittance Tᵢ before each fragment; +inf where A
+/// is 0.
 pub fn mean_depth(list: &[Fragment]) -> f64 {
     let mut log_transmittance = 0.0f64;
     let mut sum = 0.0;
@@ -150,7 +152,7 @@ pub fn mean_depth(list: &[Fragment]) -> f64 {
     if alpha > 0.0 { sum / alpha } else { f64::INFINITY }
 }
 
-/// The whole image. `colors` holds a color for each point, shaded and in the space that blending runs in
+/// Returns the whole image. `colors` holds a color for each point, shaded and in the space that blending runs in
 /// ([`super::shading::shade`]).
 pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> Picture {
     if gaussians::ellipsoid::are_drawn(points, discs) {

@@ -27,8 +27,8 @@ fn mean(list: &[Fragment], colors: &[DVec3], weight: impl Fn(&Fragment) -> f64) 
     if total > 0.0 { sum / total } else { DVec3::ZERO }
 }
 
-/// The weight of opacity at a depth (McGuire and Bavoil 2013, Eq. 10): max(10⁻², 3·10³·(1−d)³), d = (z−near)/(far−near)
-/// within [0, 1].
+/// Returns the weight of opacity at a depth (McGuire and Bavoil 2013, Eq. 10): max(10⁻², 3·10³·(1−d)³), d =
+/// (z−near)/(far−near) within [0, 1].
 pub fn weight(z: f64, [near, far]: [f64; 2]) -> f64 {
     let d = ((z - near) / (far - near)).clamp(0.0, 1.0);
     (3e3 * (1.0 - d).powi(3)).max(1e-2)
@@ -41,14 +41,14 @@ pub fn weighted(list: &[Fragment], colors: &[DVec3], depth_range: [f64; 2]) -> C
     Composite { color: alpha * color, alpha, depth: nearest(list) }
 }
 
-/// The naive picture (Tanaka et al. 2016, Fig. 6): the mean color of all fragments regardless of opacity; opaque where
-/// at least one exists.
+/// Returns the naive picture (Tanaka et al. 2016, Fig. 6): the mean color of all fragments regardless of opacity;
+/// opaque where at least one exists.
 pub fn average(list: &[Fragment], colors: &[DVec3]) -> Composite {
     let alpha = if list.is_empty() { 0.0 } else { 1.0 };
     Composite { color: mean(list, colors, |_| 1.0), alpha, depth: nearest(list) }
 }
 
-/// Where in the files a fragment's point stood.
+/// Returns the place of a fragment's point in the files.
 pub(super) fn place(f: &Fragment, places: &[u32]) -> u32 {
     places.get(f.index as usize).copied().unwrap_or(f.index)
 }
@@ -68,7 +68,7 @@ pub fn hybrid(list: &[Fragment], colors: &[DVec3], k: u32, core_alpha_min: f64) 
     hybrid_before(list, colors, (k, core_alpha_min), |tail| coverage(tail) * mean(tail, colors, |f| f.alpha))
 }
 
-/// The same before a tail whose premultiplied color a function finds from its fragments.
+/// Returns the same before a tail whose premultiplied color a function finds from its fragments.
 pub fn hybrid_before(
     list: &[Fragment],
     colors: &[DVec3],
@@ -85,8 +85,9 @@ pub fn hybrid_before(
     Composite { color: front.color + through * tail_color(&tail), alpha: coverage(list), depth: nearest(list) }
 }
 
-/// The whole image by one of the methods of this module, or by `mlab`, `moments` or `wavelet`; `None` for others. `colors` holds a color for each point, shaded
-/// and in the space that blending runs in ([`super::shading::shade`]).
+/// Returns the whole image by one of the methods of this module, or by `mlab`, `moments` or `wavelet`; `None` for
+/// others. `colors` holds a color for each point, shaded and in the space that blending runs in
+/// ([`super::shading::shade`]).
 pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], method: &Method) -> Option<Picture> {
     let discs = method.discs()?;
     let lists = lists(camera, size, points, discs);

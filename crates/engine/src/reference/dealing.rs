@@ -1,4 +1,4 @@
-//! Which points of a cloud each ensemble gets.
+//! Points of a cloud that each ensemble gets.
 //!
 //! The definition (Tanaka et al. 2016; Uchida et al. 2020) asks for ensembles whose sizes differ by one point at most, that are
 //! random parts of the points, and for copies of a point in different ensembles. It leaves open which copy goes where. Here
@@ -12,7 +12,7 @@ use crate::random::{key, threefry2x32};
 /// "agai" on the second word of the key tells the words of later passes from others.
 const AGAIN: u32 = 0x6167_6169;
 
-/// The points of every ensemble, counted from the cloud's first, in the order in which they are dealt.
+/// Returns the points of every ensemble, counted from the cloud's first, in the order in which they are dealt.
 pub fn hands(deal: &Deal) -> Vec<Vec<u64>> {
     let (points, ensembles) = (deal.points, u128::from(deal.ensembles));
     let before = |ensemble: u128| (u128::from(deal.slots) * ensemble / ensembles) as u64;

@@ -21,7 +21,7 @@ pub struct Surface {
     pub fields: Vec<f64>,
 }
 
-/// The K nearest other points of each: by squared distance, then x, y, z, then normal up to its sign.
+/// Returns the K nearest other points of each: by squared distance, then x, y, z, then normal up to its sign.
 pub fn nearest(positions: &[DVec3], normals: &[DVec3], neighbors: usize) -> Vec<Vec<usize>> {
     let k = neighbors.min(positions.len().saturating_sub(1));
     let upright = |n: DVec3| if (n.x, n.y, n.z) < (0.0, 0.0, 0.0) { -n } else { n };

@@ -39,7 +39,7 @@ fn neighbor(size: [u32; 2], pixel: usize, [right, down]: [i64; 2]) -> Option<usi
     (x >= 0 && y >= 0 && x < width && y < height).then_some((y * width + x) as usize)
 }
 
-/// True if one of the eight masks of Figure 3 matches: five consecutive neighbors of the ring are set.
+/// Returns `true` if one of the eight masks of Figure 3 matches: five consecutive neighbors of the ring are set.
 fn is_ring_masked(ring: [bool; 8]) -> bool {
     (0..8).any(|start| (start..start + 5).all(|i| ring[i % 8]))
 }
@@ -57,7 +57,7 @@ impl Layer {
         self.neighbor(pixel, offset).map_or(f64::INFINITY, |at| self.depth[at])
     }
 
-    /// True if a mask matches neighbors that are `beyond`.
+    /// Returns `true` if a mask matches neighbors that are `beyond`.
     fn is_masked(&self, pixel: usize, beyond: impl Fn(f64) -> bool) -> bool {
         is_ring_masked(RING.map(|offset| beyond(self.neighbor_depth(pixel, offset))))
     }
@@ -122,8 +122,8 @@ impl Layer {
         Self { rgba: (0..self.pixels()).map(smooth).collect(), ..self.clone() }
     }
 
-    /// The strength of a depth edge at a pixel (Section 3.5, Table 2): t = min(1, |L| / (4·`distance`)) with L = 4d − Σ
-    /// of the four edge neighbors' depths, background at `far`.
+    /// Returns the strength of a depth edge at a pixel (Section 3.5, Table 2): t = min(1, |L| / (4·`distance`)) with L
+    /// = 4d − Σ of the four edge neighbors' depths, background at `far`.
     pub fn edge(&self, pixel: usize, distance: f64, far: f64) -> f64 {
         let known = |depth: f64| if depth.is_finite() { depth } else { far };
         let around: f64 = EDGES.iter().map(|offset| known(self.neighbor_depth(pixel, *offset))).sum();
@@ -146,7 +146,7 @@ impl Layer {
         Self { rgba: (0..self.pixels()).map(soften).collect(), ..self.clone() }
     }
 
-    /// All filters in their order; `far` is the camera's.
+    /// Returns all filters in their order; `far` is the camera's.
     pub fn filtered(self, filters: &ImageSpace, distance: f64, far: f64) -> Self {
         let mut layer = self;
         for _ in 0..filters.fill {
@@ -172,12 +172,13 @@ pub fn facing(camera: &Camera, position: DVec3, normal: DVec3) -> Option<f64> {
     (normal != DVec3::ZERO).then(|| normal.dot(to_viewer))
 }
 
-/// The smallest depth between two layers in world units: the one that is set, else 1% of the diagonal of the points' box.
+/// Returns the smallest depth between two layers in world units: the one that is set, else 1% of the diagonal of the
+/// points' box.
 pub fn layer_distance(set: Option<f32>, points: &Points) -> f64 {
     set.map_or_else(|| 0.01 * points.bounds().map_or(0.0, |bounds| bounds.diagonal()), f64::from)
 }
 
-/// The footprint of a point: its pixel.
+/// Returns the footprint of a point: its pixel.
 pub fn splat(points: &Points, index: usize) -> Splat {
     Splat {
         position: points.positions[index],
@@ -188,8 +189,8 @@ pub fn splat(points: &Points, index: usize) -> Splat {
     }
 }
 
-/// The nearest point of each pixel with a depth of at least `from[pixel]`, with that depth; the smaller index among equals.
-/// `cull`: points whose normal looks away from the viewer are left out.
+/// Returns the nearest point of each pixel with a depth of at least `from[pixel]`, with that depth; the smaller index
+/// among equals. `cull`: points whose normal looks away from the viewer are left out.
 pub fn nearest(
     camera: &Camera,
     size: [u32; 2],
@@ -213,7 +214,7 @@ pub fn nearest(
     found
 }
 
-/// The points found as a layer; `alpha` of a point by its index.
+/// Returns the points found as a layer; `alpha` of a point by its index.
 pub fn layer(size: [u32; 2], found: &[Option<(f64, usize)>], colors: &[DVec3], alpha: impl Fn(usize) -> f64) -> Layer {
     let color = |index: usize| (alpha(index) * colors[index]).extend(alpha(index)).to_array();
     Layer {
@@ -223,8 +224,8 @@ pub fn layer(size: [u32; 2], found: &[Option<(f64, usize)>], colors: &[DVec3], a
     }
 }
 
-/// The whole image; opacity is ignored, and a pixel counts one where it is not background after the filters. `colors` holds a
-/// color for each point, shaded and in the space that the image is in ([`super::shading::shade`]).
+/// Returns the whole image; opacity is ignored, and a pixel counts one where it is not background after the filters.
+/// `colors` holds a color for each point, shaded and in the space that the image is in ([`super::shading::shade`]).
 pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], filters: &ImageSpace) -> Picture {
     let everything = vec![f64::NEG_INFINITY; size[0] as usize * size[1] as usize];
     let found = nearest(camera, size, points, filters.cull, &everything);

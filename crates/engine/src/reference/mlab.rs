@@ -34,8 +34,8 @@ pub fn insert(layers: &mut Vec<Layer>, layer: Layer, nodes: u32) {
     }
 }
 
-/// The fragments of a pixel, in the order of `places`, where in the files each point stood. What has no opacity takes no
-/// layer. Between two fragments `nodes` layers are kept, so that `nodes` + 1 fragments are composed exactly.
+/// Returns the fragments of a pixel, in the order of `places`, where in the files each point stood. What has no opacity
+/// takes no layer. Between two fragments `nodes` layers are kept, so that `nodes` + 1 fragments are composed exactly.
 pub fn mlab(list: &[Fragment], colors: &[DVec3], places: &[u32], nodes: u32) -> Composite {
     let mut by_place: Vec<&Fragment> = list.iter().filter(|f| f.alpha > 0.0).collect();
     by_place.sort_by_key(|f| place(f, places));

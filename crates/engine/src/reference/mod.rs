@@ -46,7 +46,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// The image over a background: C + (1 − A)·background.
+    /// Returns the image over a background: C + (1 − A)·background.
     pub fn composed(&self, background: DVec3) -> Vec<DVec3> {
         self.rgba.iter().map(|&[r, g, b, a]| DVec3::new(r, g, b) + (1.0 - a) * background).collect()
     }

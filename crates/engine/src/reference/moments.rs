@@ -22,7 +22,7 @@ fn bias_vector(count: u32) -> &'static [f64] {
     }
 }
 
-/// Where a depth lies between near (−1) and far (1), by logarithms; both must be above 0.
+/// Returns where a depth lies between near (−1) and far (1), by logarithms; both must be above 0.
 pub fn place_of(z: f64, [near, far]: [f64; 2]) -> f64 {
     2.0 * (z.clamp(near, far) / near).ln() / (far / near).ln() - 1.0
 }
@@ -92,15 +92,16 @@ impl Absorption {
         c
     }
 
-    /// The places besides z, and the shares, z's first, of the only measure of `moments.len() / 2 + 1` points with these moments
-    /// that has one at z.
+    /// Returns the places besides z, and the shares, z's first, of the only measure of `moments.len() / 2 + 1` points
+    /// with these moments that has one at z.
     pub fn canonical(&self, z: f64) -> (Vec<f64>, Vec<f64>) {
         let places = real_roots(&self.kernel_coefficients(z));
         let shares = std::iter::once(&z).chain(&places).map(|z| 1.0 / self.kernel(*z)).collect();
         (places, shares)
     }
 
-    /// The least and the most share before and at z, by any measure with these moments (Chebyshev, Markov, Stieltjes).
+    /// Returns the least and the most share before and at z, by any measure with these moments (Chebyshev, Markov,
+    /// Stieltjes).
     pub fn bounds(&self, z: f64) -> [f64; 2] {
         let (places, shares) = self.canonical(z);
         let before: f64 =
@@ -108,15 +109,16 @@ impl Absorption {
         [before, before + shares[0]]
     }
 
-    /// The estimate at z: from the lower bound (`overestimation` 0, light is overestimated the most) to the upper one (1).
+    /// Returns the estimate at z: from the lower bound (`overestimation` 0, light is overestimated the most) to the
+    /// upper one (1).
     pub fn share(&self, z: f64, overestimation: f64) -> f64 {
         let [least, most] = self.bounds(z);
         (least + overestimation * (most - least)).clamp(0.0, 1.0)
     }
 }
 
-/// The roots of a polynomial, ascending, that has as many real ones as its degree says: between those of its derivative.
-/// Coefficients by powers, from the constant on.
+/// Returns the roots of a polynomial, ascending, that has as many real ones as its degree says: between those of its
+/// derivative. Coefficients by powers, from the constant on.
 pub fn real_roots(coefficients: &[f64]) -> Vec<f64> {
     let degree = coefficients.iter().rposition(|c| *c != 0.0).unwrap_or(0);
     if degree == 0 {
@@ -131,7 +133,7 @@ pub fn real_roots(coefficients: &[f64]) -> Vec<f64> {
     turns.windows(2).map(|ends| bisected(at, ends[0], ends[1])).collect()
 }
 
-/// Where a function changes its sign, by halves until there is no number between.
+/// Returns where a function changes its sign, by halves until there is no number between.
 fn bisected(at: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let rises = at(high) >= at(low);
     loop {
@@ -147,7 +149,7 @@ fn bisected(at: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     }
 }
 
-/// A · ΣcαT / ΣαT with exponents of T. Only their differences count, so that no pixel is too dark.
+/// Returns a · ΣcαT / ΣαT with exponents of T. Only their differences count, so that no pixel is too dark.
 pub fn weighed(list: &[Fragment], colors: &[DVec3], exponents: &[f64]) -> DVec3 {
     let most = exponents.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let weights: Vec<f64> = list.iter().zip(exponents).map(|(f, e)| f.alpha * (e - most).exp()).collect();
@@ -155,7 +157,7 @@ pub fn weighed(list: &[Fragment], colors: &[DVec3], exponents: &[f64]) -> DVec3 
     coverage(list) * sum / weights.iter().sum::<f64>()
 }
 
-/// The fragments of a pixel, depths between near and far. What has no opacity changes nothing.
+/// Returns the fragments of a pixel, depths between near and far. What has no opacity changes nothing.
 pub fn moments(list: &[Fragment], colors: &[DVec3], depth_range: [f64; 2], settings: &Moments) -> Composite {
     let seen: Vec<Fragment> = list.iter().filter(|f| f.alpha > 0.0).copied().collect();
     if seen.is_empty() {

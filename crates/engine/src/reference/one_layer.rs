@@ -24,8 +24,8 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// True if a soft fragment lies behind the layer: farther than the layer's depth by more than the reach of its
-    /// blending.
+    /// Returns `true` if a soft fragment lies behind the layer: farther than the layer's depth by more than the reach
+    /// of its blending.
     fn is_behind(f: &Fragment, layer: f64, blend_depth: f64) -> bool {
         f.z > layer + blend_depth * f.radius
     }
@@ -36,7 +36,7 @@ impl Parts {
         self.solid.iter().chain(behind).copied().collect()
     }
 
-    /// The pixel.
+    /// Returns the pixel.
     pub fn blend(&self, colors: &[DVec3], softness: f64, blend_depth: f64) -> Composite {
         let layer = splats::blend(&self.soft, colors, blend_depth);
         let rest = splats::blend(&self.others(layer.depth, blend_depth), colors, blend_depth);
@@ -61,7 +61,7 @@ fn is_soft(points: &Points, index: usize, threshold: f32) -> bool {
     points.fields.get(index).is_some_and(|field| *field > threshold)
 }
 
-/// The fragments of each pixel, soft and solid ones apart.
+/// Returns the fragments of each pixel, soft and solid ones apart.
 pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, threshold: f32) -> Vec<Parts> {
     let (shape, settings) = (shape_of(points), BlendedSplats::default().splats);
     let soft = splats::lists(camera, size, points, shape, &settings, |index| is_soft(points, index, threshold));
@@ -69,7 +69,7 @@ pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, threshold: f32) -
     soft.into_iter().zip(solid).map(|(soft, solid)| Parts { soft, solid }).collect()
 }
 
-/// The whole image; `colors` as those of [`splats::render`].
+/// Returns the whole image; `colors` as those of [`splats::render`].
 pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], settings: &OneLayer) -> Picture {
     let lists = lists(camera, size, points, settings.threshold);
     let (softness, blend_depth) = (f64::from(settings.softness), f64::from(BlendedSplats::default().blend_depth));

@@ -8,7 +8,7 @@ use crate::camera::Camera;
 use crate::points::Points;
 use crate::scene::{Relief, ScreenSplats};
 
-/// The splat that an opaque method draws for a point: the radius times `size`, clamped to `max_pixel_radius`.
+/// Returns the splat that an opaque method draws for a point: the radius times `size`, clamped to `max_pixel_radius`.
 pub fn splat(points: &Points, index: usize, shape: Shape, settings: &ScreenSplats) -> Splat {
     Splat {
         position: points.positions[index],
@@ -29,9 +29,9 @@ fn moved(relief: Relief, rho: f64) -> f64 {
     }
 }
 
-/// The whole image: the smallest z wins, after fragments are displaced toward the viewer according to `relief`, and the
-/// smaller index among equal ones; opacity is ignored. `colors` holds a color for each point, shaded and in the color
-/// space of the image ([`super::shading::shade`]).
+/// Returns the whole image: the smallest z wins, after fragments are displaced toward the viewer according to `relief`,
+/// and the smaller index among equal ones; opacity is ignored. `colors` holds a color for each point, shaded and in the
+/// color space of the image ([`super::shading::shade`]).
 pub fn render(
     camera: &Camera,
     size: [u32; 2],

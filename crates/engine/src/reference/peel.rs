@@ -30,8 +30,8 @@ pub fn fragments(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs
     pixels
 }
 
-/// The nearest fragment behind `last`, or of all without one: the smallest (z, index) greater than the last one's. The
-/// index separates fragments at equal depth.
+/// Returns the nearest fragment behind `last`, or of all without one: the smallest (z, index) greater than the last
+/// one's. The index separates fragments at equal depth.
 pub fn next(fragments: &[Fragment], last: Option<Fragment>) -> Option<Fragment> {
     let rank = |f: &Fragment| (f.z, f.index);
     let behind = fragments.iter().filter(|f| last.is_none_or(|last| rank(f) > rank(&last)));
@@ -50,8 +50,9 @@ pub fn peel(fragments: &[Fragment], layers: u32) -> Vec<Fragment> {
     peeled
 }
 
-/// The whole image from at most `layers` layers (0: all of them); its counts are those of the layers that were blended.
-/// `colors` holds a color for each point, shaded and in the space that blending runs in ([`super::shading::shade`]).
+/// Returns the whole image from at most `layers` layers (0: all of them); its counts are those of the layers that were
+/// blended. `colors` holds a color for each point, shaded and in the space that blending runs in
+/// ([`super::shading::shade`]).
 pub fn render(
     camera: &Camera,
     size: [u32; 2],

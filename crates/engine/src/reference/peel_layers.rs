@@ -58,8 +58,8 @@ pub fn blend(size: [u32; 2], layers: &[Layer]) -> Picture {
     Picture { width: size[0], height: size[1], rgba, depth, counts }
 }
 
-/// The whole image; its counts are those of the layers of each pixel. `colors` holds a color for each point, shaded and in the
-/// space that blending runs in ([`super::shading::shade`]).
+/// Returns the whole image; its counts are those of the layers of each pixel. `colors` holds a color for each point,
+/// shaded and in the space that blending runs in ([`super::shading::shade`]).
 pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], settings: &PeelLayers) -> Picture {
     blend(size, &layers(camera, size, points, colors, settings))
 }

@@ -17,8 +17,8 @@ pub const DEPTH_ERROR: f64 = 2.0 * ROUNDING;
 /// 48 bits, less a few for some ten operations.
 const SCREEN_ERROR: f64 = 1.0 / (1u64 << 42) as f64;
 
-/// The error of a place on the screen in two-float arithmetic, in pixels; `at` in pixels from the corner of an image of `side`
-/// pixels. Pixel borders are decided that finely.
+/// Returns the error of a place on the screen in two-float arithmetic, in pixels; `at` in pixels from the corner of an
+/// image of `side` pixels. Pixel borders are decided that finely.
 pub fn screen_error(at: f64, side: u32) -> f64 {
     SCREEN_ERROR * (1.0 + f64::from(side) + at.abs())
 }
@@ -33,17 +33,17 @@ pub struct Range {
 }
 
 impl Range {
-    /// A single number.
+    /// Returns a single number.
     pub const fn only(value: f64) -> Self {
         Self { low: value, high: value }
     }
 
-    /// The numbers that differ from one by at most an error.
+    /// Returns the numbers that differ from one by at most an error.
     pub fn around(value: f64, error: f64) -> Self {
         Self { low: value - error, high: value + error }
     }
 
-    /// A depth as float32 has it.
+    /// Returns a depth as float32 has it.
     pub fn depth(z: f64) -> Self {
         Self::around(z, DEPTH_ERROR * z.abs())
     }
@@ -53,7 +53,7 @@ impl Range {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
-    /// The smaller of two numbers.
+    /// Returns the smaller of two numbers.
     pub fn least(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.min(other.high) }
     }
@@ -63,12 +63,12 @@ impl Range {
         Self { low: self.low - error, high: self.high + error }
     }
 
-    /// The product with a number that is not negative.
+    /// Returns the product with a number that is not negative.
     pub fn scaled(self, factor: f64) -> Self {
         Self { low: factor * self.low, high: factor * self.high }
     }
 
-    /// The product of numbers that are not negative.
+    /// Returns the product of numbers that are not negative.
     pub fn times(self, other: Self) -> Self {
         Self { low: self.low * other.low, high: self.high * other.high }
     }
@@ -78,12 +78,12 @@ impl Range {
         Self { low: 1.0 - self.high, high: 1.0 - self.low }
     }
 
-    /// True if a number is in the range, or off it by at most `slack`. NaN is in none.
+    /// Returns `true` if a number is in the range, or off it by at most `slack`. NaN is in none.
     pub fn covers(self, value: f64, slack: f64) -> bool {
         value >= self.low - slack && value <= self.high + slack
     }
 
-    /// True if all numbers are finite.
+    /// Returns `true` if all numbers are finite.
     pub fn is_finite(self) -> bool {
         self.low.is_finite() && self.high.is_finite()
     }
@@ -103,7 +103,7 @@ pub type ColorRange = [Range; 4];
 /// No color and no alpha: background.
 pub const NOTHING: ColorRange = [Range::only(0.0); 4];
 
-/// The hull of each component.
+/// Returns the hull of each component.
 pub fn hull(a: ColorRange, b: ColorRange) -> ColorRange {
     std::array::from_fn(|c| a[c].hull(b[c]))
 }

@@ -9,7 +9,7 @@ use crate::color::encode_srgb_f64;
 use crate::points::Points;
 use crate::scene::{ColorSpace, Formula, Light, Shading};
 
-/// A color for each point: shaded on linear color, then encoded if blending runs on encoded values.
+/// Returns a color for each point: shaded on linear color, then encoded if blending runs on encoded values.
 pub fn shade(points: &Points, camera: &Camera, shading: &Shading, space: ColorSpace) -> Vec<DVec3> {
     shade_lit(points, camera, shading, space, &[])
 }

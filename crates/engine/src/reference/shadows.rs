@@ -38,9 +38,9 @@ fn across(axis: DVec3) -> DVec3 {
     }
 }
 
-/// The frames of a light around some bounds, empty for a headlight: an orthographic square that holds the box along a
-/// direction; a perspective one from a position toward the centre of the box; the faces of a cube from a position in the box,
-/// or so near that the box needs more than 120°. One pixel is left free on each side.
+/// Returns the frames of a light around some bounds, empty for a headlight: an orthographic square that holds the box
+/// along a direction; a perspective one from a position toward the center of the box; the faces of a cube from a
+/// position in the box, or so near that the box needs more than 120°. One pixel is left free on each side.
 pub fn frames(light: &Light, bounds: &Bounds, resolution: u32) -> Frames {
     let free = f64::from(resolution) / (f64::from(resolution) - 2.0).max(1.0);
     match *light {
@@ -93,7 +93,7 @@ fn cube(position: DVec3, bounds: &Bounds) -> Frames {
 }
 
 /// Lights over the disc of an area light, one for each place in the unit disc: `radius` degrees around a direction, world
-/// units across the line from a position to the centre of the bounds.
+/// units across the line from a position to the center of the bounds.
 pub fn area(light: &Light, radius: f64, bounds: &Bounds, places: &[DVec2]) -> Vec<Light> {
     let moved = |axis: DVec3, reach: f64, place: DVec2| {
         let right = axis.cross(across(axis)).normalize();
@@ -115,8 +115,8 @@ pub fn area(light: &Light, radius: f64, bounds: &Bounds, places: &[DVec2]) -> Ve
         .collect()
 }
 
-/// The reference depth of each pixel of a light's image: the nearest point of all, whichever way it faces, after one iteration
-/// of the filter of occluded pixels.
+/// Returns the reference depth of each pixel of a light's image: the nearest point of all, whichever way it faces,
+/// after one iteration of the filter of occluded pixels.
 pub fn reference_depths(camera: &Camera, resolution: u32, points: &Points, distance: f64) -> Vec<f64> {
     let size = [resolution, resolution];
     let everything = vec![f64::NEG_INFINITY; resolution as usize * resolution as usize];
@@ -142,8 +142,8 @@ fn clearances(camera: &Camera, resolution: u32, points: &Points, distance: f64) 
     (0..points.len()).map(clearance).collect()
 }
 
-/// The points that one light reaches. Images of a cube may overlap; a point belongs to the one where it is farthest
-/// along the axis. Points in no image are lit.
+/// Returns the points that one light reaches. Images of a cube may overlap; a point belongs to the one where it is
+/// farthest along the axis. Points in no image are lit.
 pub fn lit(light: &[Camera], resolution: u32, points: &Points, distance: f64) -> Vec<bool> {
     let mut lit = vec![true; points.len()];
     let mut along = vec![f64::NEG_INFINITY; points.len()];

@@ -1,5 +1,5 @@
-//! Transparency of discs and Gaussians in the order of their centres: each pixel composes those that cover it by the depth of
-//! their centres, or the distance, regardless of their depth in that pixel.
+//! Transparency of discs and Gaussians in the order of their centers: each pixel composes those that cover it by the depth of
+//! their centers, or the distance, regardless of their depth in that pixel.
 
 use glam::DVec3;
 
@@ -10,7 +10,7 @@ use crate::camera::{Camera, Projection};
 use crate::points::Points;
 use crate::scene::{Discs, Falloff, GaussianSettings, Order};
 
-/// What this method orders Gaussians by. Each has one place for the whole image.
+/// Returns what this method orders Gaussians by. Each has one place for the whole image.
 pub fn key(settings: &GaussianSettings) -> Order {
     match settings.order {
         Some(Order::Distance) => Order::Distance,
@@ -18,8 +18,8 @@ pub fn key(settings: &GaussianSettings) -> Order {
     }
 }
 
-/// The points by the depth of their centres along the viewing axis, Gaussians perhaps by their distance from the eye; equal ones by
-/// their place in the canonical order.
+/// Returns the points by the depth of their centers along the viewing axis, Gaussians perhaps by their distance from
+/// the eye; equal ones by their place in the canonical order.
 pub fn order(camera: &Camera, points: &Points, settings: &GaussianSettings) -> Vec<usize> {
     let by_distance = key(settings) == Order::Distance && matches!(camera.projection, Projection::Perspective { .. });
     let key = |index: usize| {
@@ -35,8 +35,8 @@ pub fn order(camera: &Camera, points: &Points, settings: &GaussianSettings) -> V
     order
 }
 
-/// Fragments of each pixel in the order of their centres; z is the fragment's own depth in the pixel, of a Gaussian that of its
-/// centre.
+/// Fragments of each pixel in the order of their centers; z is the fragment's own depth in the pixel, of a Gaussian that of its
+/// center.
 pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -> Vec<Vec<Fragment>> {
     let mut pixels = vec![Vec::new(); size[0] as usize * size[1] as usize];
     for index in order(camera, points, &discs.gaussians) {
@@ -61,7 +61,7 @@ pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) ->
     pixels
 }
 
-/// The whole image. `colors` holds a color for each point, shaded and in the space that blending runs in
+/// Returns the whole image. `colors` holds a color for each point, shaded and in the space that blending runs in
 /// ([`super::shading::shade`]).
 pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> Picture {
     let lists = lists(camera, size, points, discs);

@@ -33,7 +33,7 @@ pub struct Rule {
     /// If true, points are left out or copied until their surface has its opacity, and each point is weighted according
     /// to its own opacity; else all of them are dealt, once.
     pub adjust: bool,
-    /// True if a slanted surface has as many more points over a pixel as its slant brings (Eq. 2).
+    /// `true` if a slanted surface has as many more points over a pixel as its slant brings (Eq. 2).
     pub cos_theta: bool,
 }
 
@@ -49,12 +49,12 @@ impl From<SpbrSimplified> for Rule {
     }
 }
 
-/// The opacity of `points` points of one pixel's area, dropped at random, for each pixel: 1 − e^(−m).
+/// Returns the opacity of `points` points of one pixel's area, dropped at random, for each pixel: 1 − e^(−m).
 pub fn opacity(points: f64) -> f64 {
     -(-points).exp_m1()
 }
 
-/// The inverse: −ln(1 − α) points over a pixel for the opacity α, infinite for 1.
+/// Returns the inverse: −ln(1 − α) points over a pixel for the opacity α, infinite for 1.
 pub fn points_per_pixel(alpha: f64) -> f64 {
     -(-alpha).ln_1p()
 }
@@ -117,7 +117,7 @@ struct Drawn {
     z: f64,
     /// In pixels; below 1 it is the probability of being drawn.
     area: f64,
-    /// How much of the area roundings of float32 may add or take.
+    /// Largest area that roundings of float32 may add or take.
     area_error: f64,
 }
 
@@ -137,7 +137,7 @@ fn drawn(view: &View<'_>, share: &Share, index: usize, apart: f64) -> Option<Dra
     Some(Drawn { at, z, area: upright * slant, area_error: area_error(upright, slant) })
 }
 
-/// How far float32 may be off the product of an area and of |cos θ|.
+/// Returns how far float32 may be off the product of an area and of |cos θ|.
 ///
 /// The area itself, in roundings of the result: 7 for the square of a quotient of two rounded depths; 7 for a logarithm
 /// (1 of 1 − x, 2 of the function, 2 of Kahan's correction) over a rounded number; 2 for their product and that with
@@ -205,8 +205,9 @@ struct View<'a> {
     seed: u64,
 }
 
-/// The image, and the standard error of each pixel's color, infinite for a single ensemble. A is the share of ensembles
-/// that drew something on a pixel, `counts` the total number of points they drew there, including occluded ones.
+/// Returns the image, and the standard error of each pixel's color, infinite for a single ensemble. A is the share of
+/// ensembles that drew something on a pixel, `counts` the total number of points they drew there, including occluded
+/// ones.
 ///
 /// `colors` holds a color for each point, shaded and in the color space of the blending ([`super::shading::shade`]).
 pub fn render(
@@ -309,9 +310,9 @@ fn draw(view: &View<'_>, ensemble: u32, hands: &[Vec<Vec<u64>>], counts: &mut [u
     image
 }
 
-/// The limit of the mean as the number of ensembles grows. Each point is in a share k/L of them, independently of the
-/// others except for one part in their number. So it is the image of points of this opacity, or less where less than a
-/// pixel is drawn, blended front to back. `counts` are the points on a pixel.
+/// Returns the limit of the mean as the number of ensembles grows. Each point is in a share k/L of them, independently
+/// of the others except for one part in their number. So it is the image of points of this opacity, or less where less
+/// than a pixel is drawn, blended front to back. `counts` are the points on a pixel.
 pub fn limit(camera: &Camera, size: [u32; 2], dealt: &Dealt, colors: &[DVec3], rule: &Rule) -> Picture {
     let view = View { camera, size, dealt, ids: &[], rule: *rule, seed: 0 };
     let mut lists: Vec<Vec<Fragment>> = vec![Vec::new(); size[0] as usize * size[1] as usize];

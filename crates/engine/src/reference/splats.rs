@@ -20,7 +20,7 @@ use crate::scene::{BlendedSplats, ScreenSplats};
 pub struct Fragment {
     /// Depth along the viewing axis, in the tangent plane if the splat is oriented.
     pub z: f64,
-    /// Distance from the centre over the drawn radius, at most 1.
+    /// Distance from the center over the drawn radius, at most 1.
     pub rho: f64,
     /// The drawn radius in world units: after `size` and the clamp.
     pub radius: f64,
@@ -28,8 +28,8 @@ pub struct Fragment {
     pub index: usize,
 }
 
-/// The splat that is drawn for a point. The clamp in pixels, at the depth of the centre, is put into the world radius, so that
-/// it holds for a disc in the tangent plane too.
+/// Returns the splat that is drawn for a point. The clamp in pixels, at the depth of the center, is put into the world
+/// radius, so that it holds for a disc in the tangent plane too.
 pub fn splat(
     camera: &Camera,
     size: [u32; 2],
@@ -49,7 +49,7 @@ pub fn splat(
     }
 }
 
-/// The fragments of each pixel, in the order of their points, of those points that `wanted` picks.
+/// Returns the fragments of each pixel, in the order of their points, of those points that `wanted` picks.
 pub fn lists(
     camera: &Camera,
     size: [u32; 2],
@@ -69,12 +69,13 @@ pub fn lists(
     pixels
 }
 
-/// The depth beyond which fragments are occluded: min(zᵢ + `blend_depth`·rᵢ), +inf for no fragments.
+/// Returns the depth beyond which fragments are occluded: min(zᵢ + `blend_depth`·rᵢ), +inf for no fragments.
 pub fn limit(list: &[Fragment], blend_depth: f64) -> f64 {
     list.iter().map(|f| f.z + blend_depth * f.radius).fold(f64::INFINITY, f64::min)
 }
 
-/// A pixel: Σwᵢcᵢ / Σwᵢ, w = exp(−2ρ²), of the visible fragments; A = 1 where at least one exists, and the smallest z.
+/// Returns a pixel: Σwᵢcᵢ / Σwᵢ, w = exp(−2ρ²), of the visible fragments; A = 1 where at least one exists, and the
+/// smallest z.
 pub fn blend(list: &[Fragment], colors: &[DVec3], blend_depth: f64) -> Composite {
     let limit = limit(list, blend_depth);
     let seen = || list.iter().filter(|f| f.z <= limit);
@@ -100,8 +101,9 @@ pub(super) fn picture(size: [u32; 2], pixels: &[Composite], counts: Vec<u32>) ->
     }
 }
 
-/// The whole image, screen-aligned ([`Shape::Disc`]) or in the tangent planes ([`Shape::Oriented`]); opacity is ignored.
-/// `colors` holds a color for each point, shaded and in the space that the image is in ([`super::shading::shade`]).
+/// Returns the whole image, screen-aligned ([`Shape::Disc`]) or in the tangent planes ([`Shape::Oriented`]); opacity is
+/// ignored. `colors` holds a color for each point, shaded and in the space that the image is in
+/// ([`super::shading::shade`]).
 pub fn render(
     camera: &Camera,
     size: [u32; 2],

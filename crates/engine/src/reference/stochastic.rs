@@ -60,8 +60,8 @@ pub fn stratum(list: &[Fragment], colors: &[DVec3], masks: &[u32], samples: u32)
     found
 }
 
-/// The strata of a pixel for this number of samples. `words` gives the random word of a fragment (its index) in a
-/// stratum.
+/// Returns the strata of a pixel for this number of samples. `words` gives the random word of a fragment (its index) in
+/// a stratum.
 pub fn strata(list: &[Fragment], colors: &[DVec3], samples: u32, words: impl Fn(u32, u32) -> u32) -> Vec<Stratum> {
     let stratum_at = |p: u32| {
         let masks: Vec<u32> = list.iter().map(|f| mask(f.alpha as f32, words(f.index, p))).collect();
@@ -70,7 +70,8 @@ pub fn strata(list: &[Fragment], colors: &[DVec3], samples: u32, words: impl Fn(
     (0..samples.div_ceil(STRATUM)).map(stratum_at).collect()
 }
 
-/// The strata together. `exact` is A = 1 − ∏(1 − α), by which alpha correction scales the color; without it, the means.
+/// Returns the strata together. `exact` is A = 1 − ∏(1 − α), by which alpha correction scales the color; without it,
+/// the means.
 pub fn estimate(strata: &[Stratum], exact: Option<f64>) -> Estimate {
     let count = strata.len() as f64;
     let weights: f64 = strata.iter().map(|s| s.weight).sum();
@@ -99,8 +100,8 @@ pub fn estimate(strata: &[Stratum], exact: Option<f64>) -> Estimate {
     }
 }
 
-/// The whole image, and the standard error of each pixel. `colors` holds a color for each point, shaded and in the space
-/// that blending runs in ([`super::shading::shade`]).
+/// Returns the whole image, and the standard error of each pixel. `colors` holds a color for each point, shaded and in
+/// the space that blending runs in ([`super::shading::shade`]).
 pub fn render(
     camera: &Camera,
     size: [u32; 2],

@@ -23,7 +23,7 @@ impl Absorption {
         absorption
     }
 
-    /// The coefficients, from the widest wavelet on, that of the constant one last.
+    /// Returns the coefficients, from the widest wavelet on, that of the constant one last.
     pub fn coefficients(&self) -> &[f64] {
         &self.coefficients
     }
@@ -69,7 +69,7 @@ impl Absorption {
         self.coefficients[self.cells() - 1] - details.sum::<f64>()
     }
 
-    /// The optical depth before a place, linear between cells.
+    /// Returns the optical depth before a place, linear between cells.
     pub fn before(&self, place: f64) -> f64 {
         let at = self.squeezed(place) * self.cells() as f64;
         let cell = at.floor() as usize;
@@ -85,7 +85,7 @@ pub fn places(depths: &[f64], depth_range: [f64; 2]) -> Vec<f64> {
     at.iter().map(|z| if high > low { (z - low) / (high - low) } else { 0.0 }).collect()
 }
 
-/// The fragments of a pixel, depths between near and far. What has no opacity changes nothing.
+/// Returns the fragments of a pixel, depths between near and far. What has no opacity changes nothing.
 pub fn wavelet(list: &[Fragment], colors: &[DVec3], depth_range: [f64; 2], rank: u32) -> Composite {
     let seen: Vec<Fragment> = list.iter().filter(|f| f.alpha > 0.0).copied().collect();
     if seen.is_empty() {

@@ -39,8 +39,8 @@ impl<'a> Course<'a> {
         path_defaults(&settings, self.up)
     }
 
-    /// The camera of a pose: its depths are the pose's, else those of `[camera]`, else from the scene's bounds as
-    /// [`super::camera`] finds them.
+    /// Returns the camera of a pose: its depths are the pose's, else those of `[camera]`, else from the scene's bounds
+    /// as [`super::camera`] finds them.
     ///
     /// # Errors
     /// A nearest depth that is not below the farthest, an eye too far away.
@@ -62,11 +62,12 @@ impl<'a> Course<'a> {
         Ok(camera)
     }
 
-    /// The turn around the scene: around `[camera] target`, else the middle of the bounds, and `[camera] up`, else the
-    /// vertical. It starts at [`super::camera`]; without an `eye` it starts far enough away to have all points, as
-    /// spheres of their own radius, in the image during the whole turn. An `eye` from which a perspective would lose
-    /// some of them moves back as far, along its line of sight, together with the depths given by `[camera]`; one
-    /// within the scene's bounds looks around from there, and stays. Also returns warnings about the camera.
+    /// Returns the turn around the scene: around `[camera] target`, else the middle of the bounds, and `[camera] up`,
+    /// else the vertical. It starts at [`super::camera`]; without an `eye` it starts far enough away to have all
+    /// points, as spheres of their own radius, in the image during the whole turn. An `eye` from which a perspective
+    /// would lose some of them moves back as far, along its line of sight, together with the depths given by
+    /// `[camera]`; one within the scene's bounds looks around from there, and stays. Also returns warnings about the
+    /// camera.
     ///
     /// # Errors
     /// Those of [`super::camera`].
@@ -104,8 +105,8 @@ impl<'a> Course<'a> {
         Camera { projection: Projection::Orthographic { height }, ..start }
     }
 
-    /// True if moving back would bring nothing new into the image: everything is in it during the whole turn, or the
-    /// projection is orthographic, or the eye is among the points.
+    /// Returns `true` if moving back would bring nothing new into the image: everything is in it during the whole turn,
+    /// or the projection is orthographic, or the eye is among the points.
     fn keeps_all(&self, start: &Camera, center: DVec3, axis: DVec3) -> bool {
         let Projection::Perspective { .. } = start.projection else { return true };
         let tangents = framing::tangents(start.projection, self.scene.image.size) / framing::FILL;
@@ -116,7 +117,7 @@ impl<'a> Course<'a> {
         inside || distance >= extent.centered_distance(tangents)
     }
 
-    /// The nearest eye that has everything in the image during the whole turn. If `centered`, it looks at the centre,
+    /// The nearest eye that has everything in the image during the whole turn. If `centered`, it looks at the center,
     /// else past it above or below, so that the margins above and below are equal; those to the sides are equal anyway.
     fn eye(&self, start: &Camera, center: DVec3, axis: DVec3, centered: bool) -> DVec3 {
         let tangents = framing::tangents(start.projection, self.scene.image.size);
@@ -141,7 +142,7 @@ pub fn path_defaults(camera: &CameraSettings, up: UpAxis) -> Defaults {
     Defaults { up, projection: framing::projection(camera) }
 }
 
-/// Like [`Spheres::extent`], for everything that the points sweep in a turn around an axis through the centre.
+/// Like [`Spheres::extent`], for everything that the points sweep in a turn around an axis through the center.
 ///
 /// A plane measures a point p by p·n. During the turn p moves on a circle of radius R at the height h along the axis a,
 /// where p·n is at most h·(a·n) + R·|n − (a·n)a|.

@@ -36,7 +36,7 @@ pub fn load_clouds(scene: &Scene, progress: &Progress) -> Result<Vec<Cloud>, io:
     scene.clouds.iter().map(load).collect()
 }
 
-/// The clouds of a generated scene, looked up by name (with or without the extension) instead of on the disk.
+/// Returns the clouds of a generated scene, looked up by name (with or without the extension) instead of on the disk.
 ///
 /// # Errors
 /// A path that is not the name of any generated cloud.
@@ -50,12 +50,12 @@ pub fn take_generated(scene: &Scene, generated: &Generated) -> Result<Vec<Cloud>
     scene.clouds.iter().map(find).collect()
 }
 
-/// The vertical of most clouds; Z in a draw, since surveys are what other things are put into.
+/// Returns the vertical of most clouds; Z in a draw, since surveys are what other things are put into.
 pub fn up_axis(clouds: &[Cloud]) -> UpAxis {
     most_frequent(clouds.iter().map(|cloud| cloud.up))
 }
 
-/// The most frequent one; Z in a draw.
+/// Returns the most frequent one; Z in a draw.
 pub(super) fn most_frequent(ups: impl Iterator<Item = UpAxis> + Clone) -> UpAxis {
     let count = |up: UpAxis| ups.clone().filter(|other| *other == up).count();
     // The last one of those that are most.
@@ -83,8 +83,8 @@ fn upright_note(scene: &Scene, cloud: &Cloud) -> Option<String> {
     Some(format!("the file does not say which axis is up; z is assumed, {reason} (--up y changes that)"))
 }
 
-/// The shadow texture that is stored with the scene's cloud, if it matches the scene; else the reason as one sentence,
-/// if the cloud has one. `seed` is that of the frame.
+/// Returns the shadow texture that is stored with the scene's cloud, if it matches the scene; else the reason as one
+/// sentence, if the cloud has one. `seed` is that of the frame.
 pub fn shadow_texture(scene: &Scene, clouds: &[Cloud], seed: u64) -> (Option<ShadowTexture>, Option<String>) {
     let stored = |cloud: &Cloud| cloud.prepared.as_ref().and_then(|prepared| prepared.shadows.clone());
     let with_settings = scene.clouds.iter().zip(clouds);
@@ -107,7 +107,7 @@ pub fn shadow_texture(scene: &Scene, clouds: &[Cloud], seed: u64) -> (Option<Sha
     (None, Some(format!("{}: shadows {why}; cast again", settings.path.display())))
 }
 
-/// The data that a scene needs of a cloud's points.
+/// Returns the data that a scene needs of a cloud's points.
 pub(super) fn request(scene: &Scene, settings: &CloudSettings, radii: bool, fields: bool) -> prepare::Request {
     prepare::Request {
         neighbors: settings.neighbors,
@@ -123,7 +123,7 @@ pub(super) fn request(scene: &Scene, settings: &CloudSettings, radii: bool, fiel
     }
 }
 
-/// All points of the scene. `clouds` are those of `scene.clouds`, in that order.
+/// Returns all points of the scene. `clouds` are those of `scene.clouds`, in that order.
 ///
 /// Positions become scale·p + translate in float64; non-finite results are dropped, and so are outliers if they are to be.
 /// Colors stay linear, whatever the scene's color space; clouds without `color` are colored by `color_by`. Points that a class
@@ -157,8 +157,8 @@ fn merged(
     Ok(prepare::order::canonical(points))
 }
 
-/// All points of the scene in the order of its method: like [`assemble`], or dealt to ensembles by `seed`, without
-/// radii and F. The latter omits clouds without points. `progress` shows the progress.
+/// Returns all points of the scene in the order of its method: like [`assemble`], or dealt to ensembles by `seed`,
+/// without radii and F. The latter omits clouds without points. `progress` shows the progress.
 ///
 /// # Errors
 /// Those of [`assemble`].
@@ -210,7 +210,7 @@ pub(super) fn no_points(scene: &Scene, points: &Points) -> Error {
     Error::NoPoints { clouds: clouds.join(", "), hidden: points.unseen.positions.len() }
 }
 
-/// How much of a cloud is there.
+/// Available part of a cloud.
 pub(super) enum Source<'a> {
     /// All of it. What its colors mean goes to the legend.
     Whole { needs_radii: bool, progress: &'a Progress, legend: Option<&'a mut Legend> },
@@ -218,22 +218,23 @@ pub(super) enum Source<'a> {
     Part(&'a Known, Vec<u32>),
 }
 
-/// What must be known of a cloud before some of its points can be made by themselves.
+/// Facts about a cloud that are needed before some of its points can be made by themselves.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Known {
-    /// What follows from the points that stand for all.
+    /// Scales that follow from the points that stand for all.
     pub scales: Scales,
-    /// What is wanted of each point; all of it is stored, or follows from its columns.
+    /// Data that is wanted of each point; all of it is stored, or follows from its columns.
     pub request: prepare::Request,
     /// The box of the cloud, in the file's units.
     pub bounds: Bounds,
     /// The range of what F is made of.
     pub range: [f64; 2],
-    /// True if any point has a normal.
+    /// `true` if any point has a normal.
     pub has_normals: bool,
 }
 
-/// The cloud at a place in the scene, or a part of it, with its settings applied. F is there if the method needs it.
+/// Returns the cloud at a place in the scene, or a part of it, with its settings applied. F is there if the method
+/// needs it.
 pub(super) fn transformed(
     scene: &Scene,
     clips: &Clips,
@@ -317,18 +318,18 @@ pub(super) fn shown(normals: Option<Vec<Vec3>>) -> Option<Vec<Vec3>> {
     normals.filter(|normals| normals.iter().any(|normal| *normal != Vec3::ZERO))
 }
 
-/// The position of a cloud's point in the scene.
+/// Returns the position of a cloud's point in the scene.
 pub(super) fn placed(settings: &CloudSettings, position: DVec3) -> DVec3 {
     settings.scale * position + settings.translate
 }
 
-/// The opacity of a point of this radius: that of its class, else the cloud's, times its alpha if it has one.
+/// Returns the opacity of a point of this radius: that of its class, else the cloud's, times its alpha if it has one.
 pub(super) fn opacity(base: Opacity<'_>, rules: &Rules<'_>, cloud: &Cloud, i: usize, radius: f32) -> f32 {
     let opacity = rules.opacity(i).unwrap_or_else(|| base.of(i, radius));
     cloud.alphas.as_ref().map_or(opacity, |alphas| alphas[i] * opacity)
 }
 
-/// The radius of a point, with or without a radius of its own, in the cloud's units.
+/// Returns the radius of a point, with or without a radius of its own, in the cloud's units.
 pub(super) fn radius(settings: &CloudSettings, own: Option<f32>) -> f32 {
     let factor = f64::from(settings.radius_factor);
     match (settings.radius, own) {

@@ -16,12 +16,13 @@ const FEWEST: usize = 1000;
 const POINTS_A_CELL: f64 = 12.0;
 /// Cells along a side of it, at least and at most.
 const CELLS: [usize; 2] = [16, 128];
-/// How many times as broad the other side must be as the usual one.
+/// Factor by which the other side must be broader than the usual one.
 const MORE: f64 = 1.25;
 
-/// The settings of a camera that looks a quarter farther around than the usual one, if the scene is clearly broader from there.
-/// `None` where the settings say anything of eye, target or view or tilt the picture, and of few points. Points that are clipped or hidden count as
-/// others do, so that slices of a scene have one camera, and the order of points doesn't matter.
+/// Returns the settings of a camera that looks a quarter farther around than the usual one, if the scene is clearly
+/// broader from there. `None` where the settings say anything of eye, target or view or tilt the picture, and of few
+/// points. Points that are clipped or hidden count as others do, so that slices of a scene have one camera, and the
+/// order of points doesn't matter.
 pub(super) fn broadest_side(settings: &CameraSettings, points: &Points, vertical: Vertical) -> Option<CameraSettings> {
     let CameraSettings { eye, target, up, view, .. } = settings;
     let count = points.sampled().count();

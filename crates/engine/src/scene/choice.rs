@@ -29,7 +29,7 @@ impl From<Method> for MethodChoice {
 }
 
 impl MethodChoice {
-    /// The method of this name in a scene file, with its defaults; `None` if this version doesn't have it.
+    /// Returns the method of this name in a scene file, with its defaults; `None` if this version doesn't have it.
     pub fn named(name: &str) -> Option<Self> {
         let method = Method::all().into_iter().find(|method| method.name() == name);
         if name == AUTO { Some(Self::default()) } else { method.map(Self::Fixed) }
@@ -62,7 +62,7 @@ impl MethodChoice {
         }
     }
 
-    /// The method that was asked for; `None` for `auto`.
+    /// Returns the method that was asked for; `None` for `auto`.
     pub fn fixed(&self) -> Option<&Method> {
         match self {
             Self::Auto(_) => None,
@@ -70,7 +70,7 @@ impl MethodChoice {
         }
     }
 
-    /// A method that shows the requested image for any points and device: for `auto` the A-buffer.
+    /// Returns a method that shows the requested image for any points and device: for `auto` the A-buffer.
     pub fn representative(&self) -> Method {
         match *self {
             Self::Auto(discs) => Method::ABuffer(discs),
@@ -88,7 +88,7 @@ impl MethodChoice {
         self.representative().scales_by_normals()
     }
 
-    /// True for methods that blend discs.
+    /// Returns `true` for methods that blend discs.
     pub fn is_made_of_discs(&self) -> bool {
         self.representative().family() == Family::Discs
     }
@@ -103,12 +103,12 @@ impl MethodChoice {
         self.representative().is_dealt()
     }
 
-    /// True if `[shadows]` may apply: to `auto` it does if every point turns out to be opaque.
+    /// Returns `true` if `[shadows]` may apply: to `auto` it does if every point turns out to be opaque.
     pub fn may_take_shadows(&self) -> bool {
         self.fixed().is_none_or(Method::takes_shadows)
     }
 
-    /// True if `edl` of `[shading]` may apply, as with shadows.
+    /// Returns `true` if `edl` of `[shading]` may apply, as with shadows.
     pub fn may_take_edl(&self) -> bool {
         self.fixed().is_none_or(Method::takes_edl)
     }

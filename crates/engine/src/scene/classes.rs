@@ -39,7 +39,7 @@ impl Test<'_> {
 }
 
 impl<'a> Rules<'a> {
-    /// The rules of a cloud. Classes of a cloud without a classification have no points.
+    /// Returns the rules of a cloud. Classes of a cloud without a classification have no points.
     ///
     /// # Errors
     /// The cloud lacks a scalar.
@@ -72,17 +72,17 @@ impl<'a> Rules<'a> {
         Ok(Self { rules })
     }
 
-    /// What the last rule for a point gives.
+    /// Returns what the last rule for a point gives.
     fn last<T>(&self, i: usize, given: impl Fn(&ClassSettings) -> Option<T>) -> Option<T> {
         self.rules.iter().rev().find_map(|rule| given(rule.settings).filter(|_| rule.points.holds(i)))
     }
 
-    /// The opacity in place of the cloud's.
+    /// Returns the opacity in place of the cloud's.
     pub fn opacity(&self, i: usize) -> Option<f32> {
         self.last(i, |entry| entry.opacity)
     }
 
-    /// The color in place of the cloud's.
+    /// Returns the color in place of the cloud's.
     pub fn color(&self, i: usize) -> Option<Vec3> {
         self.last(i, |entry| entry.color)
     }
@@ -94,22 +94,22 @@ impl<'a> Rules<'a> {
         hides.then(|| (0..count).into_par_iter().map(visible).collect())
     }
 
-    /// The number of the rules.
+    /// Returns the number of the rules.
     pub fn len(&self) -> usize {
         self.rules.len()
     }
 
-    /// The rule that gives a point its color.
+    /// Returns the rule that gives a point its color.
     pub fn painter(&self, i: usize) -> Option<usize> {
         self.rules.iter().rposition(|rule| rule.settings.color.is_some() && rule.points.holds(i))
     }
 
-    /// True for a rule about classes, which says the same of all points of a class.
+    /// Returns `true` for a rule about classes, which says the same of all points of a class.
     pub fn is_of_classes(&self, rule: usize) -> bool {
         matches!(self.rules[rule].points, Test::Classes(..))
     }
 
-    /// The color that rules about classes give to one.
+    /// Returns the color that rules about classes give to one.
     pub fn color_of_class(&self, code: u8) -> Option<Vec3> {
         let about = |rule: &&Rule<'_>| match &rule.points {
             Test::Classes([low, high], _) => (*low..=*high).contains(&f64::from(code)),
@@ -118,7 +118,7 @@ impl<'a> Rules<'a> {
         self.rules.iter().rev().filter(about).find_map(|rule| rule.settings.color)
     }
 
-    /// The points of a rule, in words, and the color it gives them.
+    /// Returns the points of a rule, in words, and the color it gives them.
     pub fn described(&self, rule: usize) -> Option<(String, Vec3)> {
         let ClassSettings { points, color, .. } = self.rules[rule].settings;
         let words = match points {

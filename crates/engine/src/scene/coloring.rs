@@ -21,7 +21,7 @@ use crate::color::scale::Scale;
 /// Classes besides 0 and 1 that a cloud must have to be colored by them.
 const ENOUGH_CLASSES: usize = 3;
 
-/// How bright a height is where intensity is smallest.
+/// Brightness of a height where intensity is smallest.
 const DARKEST: f64 = 0.35;
 
 /// The vertical along which height is measured: the axis nearest to the camera's `up`, else that of the file's convention.
@@ -29,18 +29,18 @@ fn vertical(scene: &Scene, cloud: &Cloud) -> Vertical {
     scene.camera.up.and_then(Vertical::nearest).unwrap_or(cloud.up.into())
 }
 
-/// What the colors of a cloud show, once `auto` is decided.
+/// Meaning of the colors of a cloud, once `auto` is decided.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Choice {
     by: ColorBy,
-    /// True if heights are darker where intensity is small.
+    /// `true` if heights are darker where intensity is small.
     modulated: bool,
     /// The reason, as a phrase.
     why: String,
 }
 
 impl Choice {
-    /// The choice for a cloud without a `color`, some or all of whose points are there.
+    /// Returns the choice for a cloud without a `color`, some or all of whose points are there.
     pub fn of(by: &ColorBy, cloud: &Cloud, facts: Option<&Facts>) -> Self {
         let choice = |by, modulated, why: &str| Self { by, modulated, why: why.to_owned() };
         if *by != ColorBy::Auto {
@@ -81,7 +81,7 @@ fn classes_beside_0_and_1(cloud: &Cloud, facts: Option<&Facts>) -> usize {
     seen.iter().skip(2).filter(|seen| **seen).count()
 }
 
-/// Where the colors of a cloud's points come from.
+/// Source of the colors of a cloud's points.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Colors {
     /// The file.
@@ -93,7 +93,7 @@ pub(super) enum Colors {
 }
 
 impl Colors {
-    /// The color of each point, of a cloud whose own colors are `own`.
+    /// Returns the color of each point, of a cloud whose own colors are `own`.
     pub fn into_list(self, own: Option<Vec<Vec3>>, count: usize) -> Vec<Vec3> {
         match self {
             Self::Own => own.unwrap_or_else(|| vec![Vec3::ONE; count]),
@@ -115,7 +115,7 @@ pub(super) struct Coloring<'a> {
     scales: Option<&'a Scales>,
 }
 
-/// What the colors of a part of a cloud follow from, besides its points.
+/// Facts that the colors of a part of a cloud follow from, besides its points.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Scales {
     choice: Choice,
@@ -152,21 +152,22 @@ pub(super) struct ColorKey {
 }
 
 impl<'a> Coloring<'a> {
-    /// The coloring of the cloud at a place in the scene.
+    /// Returns the coloring of the cloud at a place in the scene.
     pub fn of(scene: &'a Scene, index: usize, cloud: &'a Cloud) -> Self {
         let settings = &scene.clouds[index];
         let choice = Choice::of(&settings.coloring.color_by, cloud, None);
         Self { settings, cloud, index, choice, vertical: vertical(scene, cloud), scales: None }
     }
 
-    /// The coloring of a cloud of which some points are there, given the facts of all of them.
+    /// Returns the coloring of a cloud of which some points are there, given the facts of all of them.
     pub fn of_sample(scene: &'a Scene, index: usize, sample: &'a Cloud, facts: &Facts) -> Self {
         let settings = &scene.clouds[index];
         let choice = Choice::of(&settings.coloring.color_by, sample, Some(facts));
         Self { settings, cloud: sample, index, choice, vertical: vertical(scene, sample), scales: None }
     }
 
-    /// The same of another part of the same cloud, with the scales of this one. `fields` as for [`Coloring::colors`].
+    /// Returns the same of another part of the same cloud, with the scales of this one. `fields` as for
+    /// [`Coloring::colors`].
     ///
     /// # Errors
     /// The cloud lacks what `color_by` shows.
@@ -177,18 +178,18 @@ impl<'a> Coloring<'a> {
         Ok(Scales { choice: self.choice.clone(), values, light })
     }
 
-    /// The coloring of a part of a cloud.
+    /// Returns the coloring of a part of a cloud.
     pub fn of_part(scene: &'a Scene, index: usize, part: &'a Cloud, scales: &'a Scales) -> Self {
         let (settings, choice) = (&scene.clouds[index], scales.choice.clone());
         Self { settings, cloud: part, index, choice, vertical: vertical(scene, part), scales: Some(scales) }
     }
 
-    /// True if F of the points must be known.
+    /// Returns `true` if F of the points must be known.
     pub fn needs_field(&self) -> bool {
         self.settings.color.is_none() && self.choice.by == ColorBy::Field
     }
 
-    /// What the colors depend on. `request` is that of the cloud's data.
+    /// Returns what the colors depend on. `request` is that of the cloud's data.
     pub fn key(&self, request: &crate::prepare::Request) -> ColorKey {
         let CloudSettings { color, scale, translate, .. } = self.settings;
         let field = self.needs_field().then(|| request.field_key(self.cloud));
@@ -200,7 +201,7 @@ impl<'a> Coloring<'a> {
         }
     }
 
-    /// The coloring and the reason for it, in a phrase.
+    /// Returns the coloring and the reason for it, in a phrase.
     pub fn describe(&self) -> String {
         if self.settings.color.is_some() {
             return "the scene's `color`".to_owned();
@@ -212,17 +213,17 @@ impl<'a> Coloring<'a> {
         format!("{}{map}{intensity}: {why}", by.word())
     }
 
-    /// What the colors show; `None` if the scene gives one color in place of it.
+    /// Returns what the colors show; `None` if the scene gives one color in place of it.
     pub fn by(&self) -> Option<&ColorBy> {
         self.settings.color.is_none().then_some(&self.choice.by)
     }
 
-    /// True if heights are darker where intensity is small.
+    /// Returns `true` if heights are darker where intensity is small.
     pub fn is_modulated(&self) -> bool {
         self.choice.modulated
     }
 
-    /// The colors. `fields` is F of each point, if [`Coloring::needs_field`].
+    /// Returns the colors. `fields` is F of each point, if [`Coloring::needs_field`].
     ///
     /// # Errors
     /// The cloud lacks what `color_by` shows.
@@ -252,8 +253,8 @@ impl<'a> Coloring<'a> {
         }
     }
 
-    /// The value of each point that becomes a color by way of the colormap; `None` if colors come from elsewhere. `fields`
-    /// as for [`Coloring::colors`].
+    /// Returns the value of each point that becomes a color by way of the colormap; `None` if colors come from
+    /// elsewhere. `fields` as for [`Coloring::colors`].
     ///
     /// # Errors
     /// The cloud lacks what `color_by` shows.
@@ -304,7 +305,7 @@ impl<'a> Coloring<'a> {
         Error::NoScalar { path: self.settings.path.clone(), name: name.to_owned(), key: "color_by", hint }
     }
 
-    /// The scale of the values of all points.
+    /// Returns the scale of the values of all points.
     pub fn scale(&self, values: &[f64]) -> Scale {
         if let Some(known) = self.scales.and_then(|scales| scales.values) {
             return known;
@@ -352,7 +353,7 @@ fn of_value(map: &Colormap, t: Option<f64>, reverse: bool) -> Vec3 {
     t.map_or_else(mid_grey, |t| map.linear(if reverse { 1.0 - t } else { t }).as_vec3())
 }
 
-/// A unit vector as sRGB from 0 to 1; grey without one.
+/// A unit vector as sRGB from 0 to 1; gray without one.
 fn of_normal(normal: Vec3) -> Vec3 {
     linear(0.5 + 0.5 * normal.as_dvec3().clamp(DVec3::NEG_ONE, DVec3::ONE))
 }
@@ -365,7 +366,7 @@ fn doubles(values: &[f32]) -> Vec<f64> {
     values.par_iter().map(|value| f64::from(*value)).collect()
 }
 
-/// How the points of each cloud are colored and why, a sentence for each.
+/// Returns how the points of each cloud are colored and why, a sentence for each.
 pub fn colorings(scene: &Scene, clouds: &[Cloud]) -> Vec<String> {
     let describe = |(index, cloud)| Coloring::of(scene, index, cloud).describe();
     clouds.iter().enumerate().map(describe).collect()

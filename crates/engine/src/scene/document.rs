@@ -73,8 +73,8 @@ impl<const N: usize> From<[u32; N]> for Setting {
 pub type Change = (String, Option<Setting>);
 
 impl Document {
-    /// The document that `text` is, with options laid over it. `origin` is the file's path: named in errors, and clouds are
-    /// relative to its folder.
+    /// Returns the document that `text` is, with options laid over it. `origin` is the file's path: named in errors,
+    /// and clouds are relative to its folder.
     ///
     /// # Errors
     /// A text that is no TOML, options for keys that can't be there.
@@ -84,7 +84,7 @@ impl Document {
         Ok(Self { root, folder: origin.parent().map(Path::to_owned) })
     }
 
-    /// The document in the file `path`, with options laid over it.
+    /// Returns the document in the file `path`, with options laid over it.
     ///
     /// # Errors
     /// A file that is missing, empty, too large or not text, and all of [`Document::from_toml`].
@@ -92,7 +92,7 @@ impl Document {
         Self::from_toml(&parse::read_text(path)?, path, overrides)
     }
 
-    /// A document of cloud files, with options laid over it.
+    /// Returns a document of cloud files, with options laid over it.
     ///
     /// # Errors
     /// Options for keys that can't be there.
@@ -112,7 +112,7 @@ impl Document {
         Ok(Self { root, folder: None })
     }
 
-    /// The scene that the document describes.
+    /// Returns the scene that the document describes.
     ///
     /// # Errors
     /// Whatever is wrong with a key or value, and where it was given.
@@ -182,7 +182,7 @@ impl Document {
         Ok(scene)
     }
 
-    /// True if a dotted key was given; for `cloud.*`, if any cloud has it.
+    /// Returns `true` if a dotted key was given; for `cloud.*`, if any cloud has it.
     pub fn has(&self, key: &str) -> bool {
         fn look(node: &Node, rest: &[&str]) -> bool {
             match (rest, &node.value) {
@@ -200,8 +200,8 @@ impl Document {
         look(&self.root, &path(key))
     }
 
-    /// The document as a TOML text for a file in `folder`. Files of clouds are found from there: by their names below it, else
-    /// by their absolute paths.
+    /// Returns the document as a TOML text for a file in `folder`. Files of clouds are found from there: by their names
+    /// below it, else by their absolute paths.
     ///
     /// # Errors
     /// A path that isn't UTF-8, which TOML can't hold, or no current folder.

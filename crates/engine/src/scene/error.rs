@@ -52,7 +52,7 @@ pub enum Error {
     Unprepared {
         /// The file or folder.
         path: PathBuf,
-        /// What it lacks.
+        /// Name of what it lacks.
         what: &'static str,
     },
     /// The scene file has no bytes.
@@ -94,7 +94,7 @@ pub enum Error {
     Conflict {
         /// Its position.
         place: Place,
-        /// Which keys and what would help.
+        /// Keys with the problem, and what would help.
         problem: String,
     },
     /// No method of that name.

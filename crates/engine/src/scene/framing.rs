@@ -25,7 +25,7 @@ const GROUPS: usize = 16;
 /// The least distance of an automatic eye to the scene, as a share of the scene's diagonal.
 const CLEARANCE: f64 = 0.1;
 
-/// The scene's camera, and warnings about it.
+/// Returns the scene's camera, and warnings about it.
 ///
 /// Without `eye` the camera looks from `scene.camera.view` (by default from the front's right and above, or a quarter farther around
 /// where the scene is clearly broader), from the
@@ -41,14 +41,14 @@ pub fn camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(Camera, Vec
     camera_of(scene, &automatic(scene, points, up), points, up)
 }
 
-/// The scene's settings of the camera, with what the points ask for where nothing is said.
+/// Returns the scene's settings of the camera, with what the points ask for where nothing is said.
 pub(super) fn automatic(scene: &Scene, points: &Points, up: UpAxis) -> CameraSettings {
     let vertical = vertical_of(&scene.camera, up);
     let inside = surroundings::inside(&scene.camera, points, vertical);
     inside.or_else(|| broadest_side(&scene.camera, points, vertical)).unwrap_or(scene.camera)
 }
 
-/// The camera of these settings in a scene, from outside if they don't say from where.
+/// Returns the camera of these settings in a scene, from outside if they don't say from where.
 pub(super) fn camera_of(
     scene: &Scene,
     settings: &CameraSettings,
@@ -83,9 +83,9 @@ pub(super) fn camera_of(
     Ok((camera, warnings))
 }
 
-/// The camera of settings that give its eye, target and up, and no view: the one that [`camera`] finds in a scene of these
-/// `bounds` and this largest `radius`, without a look at its points. `None` if something of it is missing, if points decide its height, if `up` points
-/// along the view, or if coordinates are too large.
+/// Returns the camera of settings that give its eye, target and up, and no view: the one that [`camera`] finds in a
+/// scene of these `bounds` and this largest `radius`, without a look at its points. `None` if something of it is
+/// missing, if points decide its height, if `up` points along the view, or if coordinates are too large.
 pub fn camera_at(settings: &CameraSettings, bounds: &Bounds, radius: f64) -> Option<Camera> {
     if settings.ortho && settings.height.is_none() {
         return None;
@@ -97,7 +97,7 @@ pub fn camera_at(settings: &CameraSettings, bounds: &Bounds, radius: f64) -> Opt
     Some(camera).filter(|_| usable)
 }
 
-/// The part of a scene to frame.
+/// Returns the part of a scene to frame.
 pub(super) fn subject<'a>(scene: &Scene, points: &'a Points) -> Result<Subject<'a>, Error> {
     let Some(bounds) = points.bounds() else {
         let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
@@ -110,7 +110,7 @@ pub(super) fn subject<'a>(scene: &Scene, points: &'a Points) -> Result<Subject<'
     Ok(Subject { points, bounds, radius })
 }
 
-/// The scene's lens.
+/// Returns the scene's lens.
 pub(super) fn projection(settings: &CameraSettings) -> Projection {
     match settings.height {
         Some(height) => Projection::Orthographic { height },
@@ -127,7 +127,7 @@ fn placed(settings: &CameraSettings, pose: &Pose, bounds: &Bounds, radius: f64) 
     Some(Camera { eye: pose.eye, near, far, ..axes })
 }
 
-/// The vertical that a camera's `up` stands for, else that of the clouds.
+/// Returns the vertical that a camera's `up` stands for, else that of the clouds.
 pub(super) fn vertical_of(settings: &CameraSettings, up: UpAxis) -> Vertical {
     settings.up.and_then(Vertical::nearest).unwrap_or(up.into())
 }
@@ -148,7 +148,7 @@ pub(super) fn with_height(
     CameraSettings { height: Some(height_of(&extent, is_centered(settings), size, subject)), ..*settings }
 }
 
-/// True if a picture isn't shifted, so that both sides are alike.
+/// Returns `true` if a picture isn't shifted, so that both sides are alike.
 pub(super) fn is_centered(settings: &CameraSettings) -> bool {
     !settings.view.is_given() && (settings.eye.is_some() || settings.target.is_some())
 }
@@ -221,7 +221,7 @@ fn upright(forward: DVec3, vertical: Vertical) -> DVec3 {
     if forward.cross(vertical.up()).length() < 1e-3 { -vertical.front() } else { vertical.up() }
 }
 
-/// The eye from which the subject fits; the image's centre shows `target` if one is given.
+/// The eye from which the subject fits; the image's center shows `target` if one is given.
 fn framed(
     subject: &Subject<'_>,
     projection: Projection,
@@ -261,7 +261,7 @@ pub(super) fn tangents(projection: Projection, size: [u32; 2]) -> DVec2 {
     }
 }
 
-/// The least distance of an eye to the centre; `nearest` is the least depth of any part, counted from there.
+/// Returns the least distance of an eye to the center; `nearest` is the least depth of any part, counted from there.
 ///
 /// A subject of zero width fits at any distance, but should be well in front of the eye; and a point closer than its
 /// rounding error would coincide with the eye.
@@ -274,7 +274,7 @@ pub(super) fn clearance(subject: &Subject<'_>, center: DVec3, nearest: f64) -> f
     (CLEARANCE * fallback - nearest).max(1e-6 * center.abs().max_element())
 }
 
-/// Points as spheres at (offset, depth) around a centre.
+/// Points as spheres at (offset, depth) around a center.
 pub(super) struct Spheres<'a> {
     pub points: &'a Points,
     pub center: DVec3,
@@ -341,7 +341,7 @@ impl Spheres<'_> {
         (DVec2::new(p.dot(right), p.dot(up)), p.dot(forward), radius)
     }
 
-    /// The shift of an eye at this distance that puts the outermost discs equally far from the image's centre, along
+    /// The shift of an eye at this distance that puts the outermost discs equally far from the image's center, along
     /// both axes.
     ///
     /// Newton's method: the outermost pair, of slopes (a − shift)/z and (b − shift)/w, is even at shift = (a/z +
@@ -411,17 +411,17 @@ impl Extent {
         }
     }
 
-    /// The smallest distance from which all fits with some shift of the eye.
+    /// Returns the smallest distance from which all fits with some shift of the eye.
     pub fn distance(&self, tangents: DVec2) -> f64 {
         ((self.upper - self.lower) / (2.0 * tangents)).max_element()
     }
 
-    /// The smallest distance without a shift.
+    /// Returns the smallest distance without a shift.
     pub fn centered_distance(&self, tangents: DVec2) -> f64 {
         (self.upper.max(-self.lower) / tangents).max_element()
     }
 
-    /// The least and the greatest shift with which all fits.
+    /// Returns the least and the greatest shift with which all fits.
     pub fn shifts(&self, tangents: DVec2, distance: f64) -> (DVec2, DVec2) {
         (self.upper - tangents * distance, self.lower + tangents * distance)
     }
@@ -451,7 +451,7 @@ pub(super) fn depths(
     (near, far)
 }
 
-/// True if any point's disc reaches into the image between near and far.
+/// Returns `true` if any point's disc reaches into the image between near and far.
 fn sees_anything(camera: &Camera, points: &Points, size: [u32; 2]) -> bool {
     let image = DVec2::new(f64::from(size[0]), f64::from(size[1]));
     // Of points that only stand for others those may show.

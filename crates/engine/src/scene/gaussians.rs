@@ -8,17 +8,17 @@ use crate::cloud::Cloud;
 use crate::cloud::gaussians::{self, Gaussians};
 use crate::color::encode_srgb_f64;
 
-/// True if a cloud's points are drawn as the Gaussians that its file has.
+/// Returns `true` if a cloud's points are drawn as the Gaussians that its file has.
 pub(super) fn are_drawn(scene: &Scene, settings: &CloudSettings, cloud: &Cloud) -> bool {
     cloud.gaussians.is_some() && would_be_drawn(scene, settings)
 }
 
-/// True if the Gaussians of a cloud's file are drawn, should it hold some.
+/// Returns `true` if the Gaussians of a cloud's file are drawn, should it hold some.
 pub(super) fn would_be_drawn(scene: &Scene, settings: &CloudSettings) -> bool {
     settings.primitive == Primitive::Gaussians && scene.method.is_made_of_discs()
 }
 
-/// Where the colors of a cloud's points come from.
+/// Source of the colors of a cloud's points.
 #[derive(Clone, Copy)]
 pub(super) struct Paint<'a> {
     /// Linear colors of all points.
@@ -27,7 +27,8 @@ pub(super) struct Paint<'a> {
     pub own: bool,
 }
 
-/// The Gaussians of a cloud in the scene. `painted` tells of a point whether a class gives it another color than the file.
+/// Returns the Gaussians of a cloud in the scene. `painted` tells of a point whether a class gives it another color
+/// than the file.
 pub(super) fn placed(
     settings: &CloudSettings,
     gaussians: &Gaussians,
@@ -56,17 +57,17 @@ fn growth(settings: &CloudSettings) -> f64 {
     settings.scale * f64::from(settings.radius_factor)
 }
 
-/// How far a Gaussian reaches at most, as the cloud's settings have it.
+/// Returns the largest reach of a Gaussian, as the cloud's settings have it.
 pub(super) fn reach(extents: Vec3, settings: &CloudSettings) -> f32 {
     gaussians::reach(scaled(extents, growth(settings)))
 }
 
-/// The same of one that reaches so far in its file.
+/// Returns the same of one that reaches so far in its file.
 pub(super) fn scaled_reach(reach: f32, settings: &CloudSettings) -> f32 {
     ((f64::from(reach) * growth(settings)) as f32).min(f32::MAX)
 }
 
-/// The display value of a linear component.
+/// Returns the display value of a linear component.
 pub(super) fn display(linear: f32) -> f32 {
     encode_srgb_f64(linear.into()) as f32
 }
@@ -76,7 +77,7 @@ fn scaled(extents: Vec3, factor: f64) -> Vec3 {
     extents.to_array().map(|extent| ((f64::from(extent) * factor) as f32).min(f32::MAX)).into()
 }
 
-/// How far Gaussians reach at most.
+/// Returns the largest reach of each Gaussian.
 pub(super) fn radii(all: &Gaussians) -> Vec<f32> {
     all.extents.par_iter().map(|extents| gaussians::reach(*extents)).collect()
 }

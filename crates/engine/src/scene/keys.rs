@@ -18,7 +18,8 @@ pub struct KeyTable {
     pub keys: Vec<Key>,
 }
 
-/// The tables of a scene file with their keys; those of `[method]` follow from the method ([`MethodChoice::keys`]).
+/// Returns the tables of a scene file with their keys; those of `[method]` follow from the method
+/// ([`MethodChoice::keys`]).
 pub fn tables() -> [KeyTable; 7] {
     let table = |title, path, keys| KeyTable { title, path, keys };
     let texture = Key {
@@ -38,18 +39,19 @@ pub fn tables() -> [KeyTable; 7] {
     ]
 }
 
-/// The keys of a method, or of `auto`, except for `name`, in the order of their declaration; empty for other names.
+/// Returns the keys of a method, or of `auto`, except for `name`, in the order of their declaration; empty for other
+/// names.
 pub fn method_keys(name: &str) -> Vec<&'static str> {
     let choice = MethodChoice::named(name);
     choice.iter().flat_map(MethodChoice::keys).map(|key| key.name).collect()
 }
 
-/// The keys of methods that Gaussian splats alone heed.
+/// Returns the keys of methods that Gaussian splats alone heed.
 pub fn gaussian_keys() -> Vec<&'static str> {
     GaussianSettings::default().keys().into_iter().map(|key| key.name).collect()
 }
 
-/// The methods that have `key`.
+/// Returns the methods that have `key`.
 pub(crate) fn owners(key: &str) -> Vec<&'static str> {
     METHODS.iter().copied().filter(|name| method_keys(name).contains(&key)).collect()
 }
@@ -62,7 +64,7 @@ pub fn all_method_keys() -> Vec<&'static str> {
     keys
 }
 
-/// The pairs of keys that exclude each other, each with its table.
+/// Returns the pairs of keys that exclude each other, each with its table.
 pub(crate) fn rivals() -> Vec<[&'static str; 3]> {
     let named = tables().into_iter().flat_map(|table| table.keys.into_iter().map(move |key| (table.path, key)));
     let methods = METHODS.iter().filter_map(|name| MethodChoice::named(name)).flat_map(|choice| choice.keys());

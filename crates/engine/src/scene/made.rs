@@ -53,28 +53,29 @@ pub struct Made {
     pub scene: Scene,
     /// All points, in the order that the method wants.
     pub arranged: Arranged,
-    /// What the colors mean, if it was wanted.
+    /// Meaning of the colors, if it was wanted.
     pub legend: Option<Legend>,
-    /// How clouds are colored and why, a phrase for each way.
+    /// Coloring of clouds and the reason for it, a phrase for each way.
     pub colorings: Vec<String>,
     /// The vertical of the clouds.
     pub up: UpAxis,
     /// The shadows of the scene that were stored with its cloud, in the order of the file.
     pub shadow_texture: Option<ShadowTexture>,
-    /// Where the clouds are stored, if they are not in memory.
+    /// Location of the clouds, if they are not in memory.
     pub stored: Option<Stored>,
-    /// True if some clouds are of Gaussians: their points, and the color space, follow from method and detail as well.
+    /// `true` if some clouds are of Gaussians: their points, and the color space, follow from method and detail as
+    /// well.
     pub follows_method: bool,
 }
 
 impl Made {
-    /// All points, or of stored ones a sample.
+    /// Returns all points, or of stored ones a sample.
     pub fn points(&self) -> &Points {
         self.arranged.points()
     }
 }
 
-/// The names of the clouds in [`Arranged::surfaces`], which omits clouds without points.
+/// Returns the names of the clouds in [`Arranged::surfaces`], which omits clouds without points.
 pub fn cloud_names(scene: &Scene, arranged: &Arranged) -> Vec<String> {
     let (clouds, count) = (&scene.clouds, arranged.surfaces().len());
     if clouds.len() == count {
@@ -239,7 +240,7 @@ fn stored(
     Ok(Some(Stored::new(scene, &stores, memory, progress)?))
 }
 
-/// True if all clouds of a scene are read in parts.
+/// Returns `true` if all clouds of a scene are read in parts.
 fn are_in_parts(scene: &Scene) -> crate::Result<bool> {
     for cloud in &scene.clouds {
         if store::announced(&cloud.path, &cloud.hints())?.is_none() {
@@ -255,7 +256,7 @@ pub fn tell_of_store(summary: &Summary, messages: &impl Messages) {
     warn_of_cloud(&summary.path, &summary.like, messages);
 }
 
-/// What was read, and what was odd about it.
+/// Tells what was read, and what was odd about it.
 pub fn tell_of_cloud(path: &Path, cloud: &Cloud, messages: &impl Messages) {
     messages.detail(&format_args!("{}: {} points", path.display(), cloud.len()));
     warn_of_cloud(path, cloud, messages);
@@ -274,7 +275,7 @@ fn blended_displays() -> String {
     "colors are blended as encoded values, because every cloud is of Gaussians".to_owned()
 }
 
-/// How clouds are colored and why, a phrase for each way.
+/// Returns how clouds are colored and why, a phrase for each way.
 fn colorings(scene: &Scene, each: &[String]) -> Vec<String> {
     let mut ways: Vec<(&str, Vec<&Path>)> = Vec::new();
     for (settings, way) in scene.clouds.iter().zip(each) {

@@ -49,7 +49,7 @@ pub(super) fn read(table: &Table<'_>) -> Result<MethodChoice, Error> {
 }
 
 impl Method {
-    /// The same method with another value for one of its keys.
+    /// Returns the same method with another value for one of its keys.
     ///
     /// # Errors
     /// A key of other methods, a value that the key doesn't take.
@@ -64,7 +64,7 @@ impl Method {
         Ok(self)
     }
 
-    /// The same method with the values of other keys, as far as it has these keys.
+    /// Returns the same method with the values of other keys, as far as it has these keys.
     #[must_use]
     pub fn with_keys(self, keys: &[Key]) -> Self {
         let given = keys.iter().filter_map(|key| Some((key.name, key.value.clone()?)));

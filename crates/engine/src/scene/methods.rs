@@ -42,7 +42,7 @@ macro_rules! methods {
                 }
             }
 
-            /// A description of its image, in a sentence or two.
+            /// Returns a description of its image, in a sentence or two.
             pub fn about(&self) -> &'static str {
                 match self {
                     $(Self::$Variant { .. } => concat!($($about),+).trim_ascii_start(),)+
@@ -57,14 +57,14 @@ macro_rules! methods {
                 &[]
             }
 
-            /// Which methods draw the same things.
+            /// Returns the family of methods that draw the same things.
             pub fn family(&self) -> Family {
                 match self {
                     $(Self::$Variant { .. } => Family::$family,)+
                 }
             }
 
-            /// What it is for.
+            /// Returns the purpose of the method.
             pub fn purpose(&self) -> Purpose {
                 match self {
                     $(Self::$Variant { .. } => Purpose::$purpose,)+
@@ -149,7 +149,7 @@ methods! {
     "spbr-simplified" => SpbrSimplified(SpbrSimplified), Ensembles, for Surfaces;
 }
 
-/// The methods that eye-dome lighting applies to, as the rest of a message about one to which it doesn't.
+/// Returns the methods that eye-dome lighting applies to, as the rest of a message about one to which it doesn't.
 pub fn edl_methods() -> String {
     let names: Vec<_> =
         Method::all().into_iter().filter(Method::takes_edl).map(|method| format!("\"{}\"", method.name())).collect();
@@ -178,7 +178,7 @@ impl Family {
     /// Every family, in the order in which lists have them.
     pub const ALL: [Self; 6] = [Self::Opaque, Self::Surfaces, Self::Discs, Self::Soft, Self::OneLayer, Self::Ensembles];
 
-    /// A short description of its methods.
+    /// Returns a short description of its methods.
     pub fn title(self) -> &'static str {
         match self {
             Self::Opaque => "opaque points and splats",
@@ -190,7 +190,7 @@ impl Family {
         }
     }
 
-    /// True if its pictures let through more light the lower the opacity of points is.
+    /// Returns `true` if its pictures let through more light the lower the opacity of points is.
     pub fn has_opacity(self) -> bool {
         match self {
             Self::Surfaces | Self::Discs | Self::Ensembles => true,
@@ -204,7 +204,7 @@ impl Family {
     }
 }
 
-/// What a method is for: the groups in which the window lists them.
+/// Purpose of a method: the groups in which the window lists them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Purpose {
@@ -227,7 +227,7 @@ impl Purpose {
     pub const ALL: [Self; 6] =
         [Self::Exact, Self::Approximate, Self::Surfaces, Self::Soft, Self::Opaque, Self::Compare];
 
-    /// What one wants who takes one of its methods.
+    /// Returns the wish that the methods of this group fulfill.
     pub fn title(self) -> &'static str {
         match self {
             Self::Exact => "transparent discs, exactly",
@@ -253,8 +253,8 @@ impl Method {
         keys
     }
 
-    /// True if its image is exact except for rounding. `crossing`: true if splats have a depth for each pixel, and so
-    /// may cross ([`crate::plan::may_cross`]).
+    /// Returns `true` if its image is exact except for rounding. `crossing`: true if splats have a depth for each
+    /// pixel, and so may cross ([`crate::plan::may_cross`]).
     pub fn is_exact(&self, crossing: bool) -> bool {
         match self {
             Self::ABuffer(_) | Self::LinkedList(_) => true,
@@ -265,7 +265,7 @@ impl Method {
         }
     }
 
-    /// True if its image depends on the seed.
+    /// Returns `true` if its image depends on the seed.
     pub fn is_sampled(&self) -> bool {
         matches!(self, Self::Stochastic(_) | Self::Spbr(_) | Self::SpbrSimplified(_))
     }

@@ -26,7 +26,7 @@ pub struct Opened {
     pub document: Document,
     /// The clouds of the scene, in its order.
     pub clouds: Vec<Cloud>,
-    /// True if the clouds were generated, so that no file contains them.
+    /// `true` if the clouds were generated, so that no file contains them.
     pub generated: bool,
 }
 
@@ -42,7 +42,7 @@ pub struct Named {
 }
 
 impl Named {
-    /// A scene of that name, whose clouds are the files that it names.
+    /// Returns a scene of that name, whose clouds are the files that it names.
     pub fn of_files(name: String, document: Document) -> Self {
         Self { name, document, generated: None }
     }

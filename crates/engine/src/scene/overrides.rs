@@ -20,7 +20,7 @@ pub struct Overrides {
 struct Entry {
     path: Vec<String>,
     node: Node,
-    /// True if the value becomes the last one of an array.
+    /// `true` if the value becomes the last one of an array.
     appended: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What a picture of a cloud would meet, found on the host without a device: spacing, and layers on a pixel.
+//! Facts that a picture of a cloud would meet, found on the host without a device: spacing, and layers on a pixel.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -23,7 +23,7 @@ const FITTED: usize = 1 << 18;
 /// Rows of discs that are drawn, at most: where discs are larger or more, every nth of them stands for its neighbors.
 const ROWS: u64 = 1 << 28;
 
-/// What the automatic view of a cloud meets, at the default size and without any setting.
+/// Facts that the automatic view of a cloud meets, at the default size and without any setting.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Overview {
     /// The median distance of a point to the nearest other place that has one, in the file's units, from at most 2048 places;
@@ -31,7 +31,7 @@ pub struct Overview {
     pub spacing: Option<f64>,
     /// The mean number of splats that cover a covered pixel; `None` if there is no such view, or nothing to see.
     pub layers: Option<f64>,
-    /// True if the points surround their middle as those of a room do, so that the camera stands among them.
+    /// `true` if the points surround their middle as those of a room do, so that the camera stands among them.
     pub inside: bool,
 }
 
@@ -119,7 +119,7 @@ impl Pixels {
         self
     }
 
-    /// Adds a disc: the pixels whose centres lie in it, and the one that its centre is in.
+    /// Adds a disc: the pixels whose centers lie in it, and the one that its center is in.
     fn cover(&mut self, center: DVec2, radius: f64) {
         let home = center.floor();
         for y in inside(center.y, radius, self.size[1]) {
@@ -149,7 +149,7 @@ impl Pixels {
     }
 }
 
-/// The pixels of a line of this length whose centres lie within `reach` of a place on it.
+/// The pixels of a line of this length whose centers lie within `reach` of a place on it.
 fn inside(at: f64, reach: f64, length: u32) -> std::ops::Range<u32> {
     let border = |place: f64| place.clamp(0.0, f64::from(length)) as u32;
     border((at - reach - 0.5).ceil())..border((at + reach - 0.5).floor() + 1.0)

@@ -18,7 +18,8 @@ use super::tree::Node;
 const MAX_FILE_BYTES: u64 = 16 << 20;
 
 impl Scene {
-    /// The scene that `text` describes. `origin` is the file's path: named in errors, and clouds are relative to its folder.
+    /// Returns the scene that `text` describes. `origin` is the file's path: named in errors, and clouds are relative
+    /// to its folder.
     ///
     /// # Errors
     /// Whatever is wrong with the text, with line and column.
@@ -34,7 +35,7 @@ impl Scene {
         Document::from_toml(text, origin, overrides)?.scene()
     }
 
-    /// The scene in the file `path`, with options laid over it.
+    /// Returns the scene in the file `path`, with options laid over it.
     ///
     /// # Errors
     /// A file that is missing, empty, too large or not text, and all of [`Scene::from_toml_with`].
@@ -42,7 +43,7 @@ impl Scene {
         Document::read(path, overrides)?.scene()
     }
 
-    /// A scene of cloud files with every default, and options laid over it.
+    /// Returns a scene of cloud files with every default, and options laid over it.
     ///
     /// # Errors
     /// Whatever is wrong with an option.
@@ -54,7 +55,7 @@ impl Scene {
     }
 }
 
-/// A scene file's text.
+/// Returns a scene file's text.
 pub(super) fn read_text(path: &Path) -> Result<String, Error> {
     use std::io::Read;
     let failed = |source| Error::Read { path: path.to_owned(), source };

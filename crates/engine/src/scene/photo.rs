@@ -7,7 +7,7 @@ use super::schema::{Key, Kind, Range};
 use super::table::Table;
 use crate::io::photo::{Heights, Photo};
 
-/// The keys of the table.
+/// Returns the keys of the table.
 pub(super) fn keys() -> Vec<Key> {
     let key = |name, kind, unit, without, about| Key { kind, unit, without, ..Key::new(name, about) };
     let length = "world units";
@@ -86,7 +86,7 @@ pub(super) fn read(cloud: &Table<'_>, key: &str) -> Result<Option<Photo>, Error>
     Ok(Some(Photo { origin: table.vector("origin")?, edges, heights }))
 }
 
-/// True if two vectors are clearly not parallel, beyond rounding.
+/// Returns `true` if two vectors are clearly not parallel, beyond rounding.
 fn is_plane(right: DVec3, up: DVec3) -> bool {
     let sine = right.normalize_or_zero().cross(up.normalize_or_zero()).length();
     sine > 1e-6 && right.cross(up).try_normalize().is_some()

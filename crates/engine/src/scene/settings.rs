@@ -52,7 +52,7 @@ pub struct Scene {
     pub shading: Shading,
     /// `[[cloud]]`, at least one.
     pub clouds: Vec<CloudSettings>,
-    /// `[[clip]]`: points are drawn where all of them keep the centre.
+    /// `[[clip]]`: points are drawn where all of them keep the center.
     pub clips: Vec<Clip>,
     /// `[method]`.
     pub method: MethodChoice,
@@ -73,7 +73,7 @@ impl Scene {
         self.settle_for(|cloud| clouds.get(cloud).is_some_and(|cloud| cloud.gaussians.is_some()))
     }
 
-    /// The same, given which of its clouds are files of Gaussians.
+    /// Returns the same, given which of its clouds are files of Gaussians.
     pub fn settle_for(&mut self, has_gaussians: impl Fn(usize) -> bool) -> bool {
         let drawn = |(i, settings)| has_gaussians(i) && gaussians::would_be_drawn(self, settings);
         let alone = !self.clouds.is_empty() && self.clouds.iter().enumerate().all(drawn);
@@ -84,7 +84,7 @@ impl Scene {
         decided
     }
 
-    /// The normals that are estimated where a cloud has none: those that shading or the method needs.
+    /// Returns the normals that are estimated where a cloud has none: those that shading or the method needs.
     pub fn shading_normals(&self) -> Option<ShadingNormals> {
         match self.shading.model {
             _ if self.method.scales_by_normals() => Some(ShadingNormals::All),
@@ -94,7 +94,7 @@ impl Scene {
         }
     }
 
-    /// True if some points may not be drawn.
+    /// Returns `true` if some points may not be drawn.
     pub fn hides_points(&self) -> bool {
         let hides = |entry: &ClassSettings| entry.visible == Some(false);
         !self.clips.is_empty() || self.clouds.iter().flat_map(|cloud| &cloud.class).any(hides)
@@ -102,7 +102,7 @@ impl Scene {
 }
 
 /// The displacement of an opaque splat's fragments toward the viewer, in drawn radii, at the distance ρ from its
-/// centre, in radii (Schütz and Wimmer 2015).
+/// center, in radii (Schütz and Wimmer 2015).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Relief {
     /// No displacement.
@@ -135,7 +135,7 @@ impl SoftMethod {
         }
     }
 
-    /// The same method with other settings.
+    /// Returns the same method with other settings.
     #[must_use]
     pub fn changed(mut self, change: impl FnOnce(&mut Soft)) -> Self {
         match &mut self {
@@ -156,17 +156,17 @@ impl From<SoftMethod> for Method {
 }
 
 impl Method {
-    /// The methods that blend discs and compute the same image, each with its defaults; `stress` compares them.
+    /// Returns the methods that blend discs and compute the same image, each with its defaults; `stress` compares them.
     pub fn transparent() -> Vec<Self> {
         Family::Discs.methods().filter(|method| method.is_exact(false)).collect()
     }
 
-    /// The settings of the disc family; `None` for other methods.
+    /// Returns the settings of the disc family; `None` for other methods.
     pub fn discs(&self) -> Option<&Discs> {
         self.part()
     }
 
-    /// What it orders Gaussians by: the centre, if it orders splats once.
+    /// Returns what it orders Gaussians by: the center, if it orders splats once.
     pub fn order(&self) -> Order {
         let default = if matches!(self, Self::Sorted(_)) { Order::Center } else { Order::Pixel };
         match self.discs().map(|discs| discs.gaussians) {
@@ -177,7 +177,7 @@ impl Method {
         }
     }
 
-    /// The displacement of its fragments toward the viewer.
+    /// Returns the displacement of its fragments toward the viewer.
     pub fn relief(&self) -> Relief {
         match self {
             Self::Paraboloid(_) => Relief::Paraboloid,
@@ -187,12 +187,12 @@ impl Method {
         }
     }
 
-    /// The settings of soft transparency; `None` for other methods.
+    /// Returns the settings of soft transparency; `None` for other methods.
     pub fn soft(&self) -> Option<&Soft> {
         self.part()
     }
 
-    /// The same as one of the methods of soft points; `None` for others.
+    /// Returns the same as one of the methods of soft points; `None` for others.
     pub fn as_soft(&self) -> Option<SoftMethod> {
         match *self {
             Self::SoftBase(soft) => Some(SoftMethod::Base(soft)),
@@ -202,23 +202,23 @@ impl Method {
         }
     }
 
-    /// The field above which points are soft, if the method distinguishes them from solid ones.
+    /// Returns the field above which points are soft, if the method distinguishes them from solid ones.
     pub fn threshold(&self) -> Option<f32> {
         let one_layer = self.part().map(|settings: &OneLayer| settings.threshold);
         one_layer.or(self.soft().map(|soft| soft.threshold))
     }
 
-    /// True if the image depends on the points' scalar field.
+    /// Returns `true` if the image depends on the points' scalar field.
     pub fn needs_field(&self) -> bool {
         self.threshold().is_some()
     }
 
-    /// True if the share of points that is drawn depends on their normals.
+    /// Returns `true` if the share of points that is drawn depends on their normals.
     pub fn scales_by_normals(&self) -> bool {
         matches!(self, Self::Spbr(Spbr { cos_theta: false, .. }))
     }
 
-    /// True if the image depends on the points' radii, so that missing ones must be estimated.
+    /// Returns `true` if the image depends on the points' radii, so that missing ones must be estimated.
     pub fn needs_radii(&self) -> bool {
         match self.family() {
             Family::Opaque => !matches!(self, Self::Points),
@@ -227,12 +227,12 @@ impl Method {
         }
     }
 
-    /// The filters of the image, of methods that have some.
+    /// Returns the filters of the image, of methods that have some.
     pub fn filters(&self) -> Option<&ImageSpace> {
         self.part()
     }
 
-    /// True if `[shadows]` applies to it.
+    /// Returns `true` if `[shadows]` applies to it.
     pub fn takes_shadows(&self) -> bool {
         match self.family() {
             Family::Opaque | Family::Surfaces => true,
@@ -240,8 +240,8 @@ impl Method {
         }
     }
 
-    /// True if `edl` of `[shading]` applies to it: if the depth of a pixel is that of one surface, or the one at which half of the
-    /// light is left can be found.
+    /// Returns `true` if `edl` of `[shading]` applies to it: if the depth of a pixel is that of one surface, or the one
+    /// at which half of the light is left can be found.
     pub fn takes_edl(&self) -> bool {
         match self.family() {
             Family::Opaque => true,
@@ -251,7 +251,8 @@ impl Method {
         }
     }
 
-    /// True if it needs points in random order, cloud after cloud ([`Dealt`](crate::prepare::ensembles::Dealt)).
+    /// Returns `true` if it needs points in random order, cloud after cloud
+    /// ([`Dealt`](crate::prepare::ensembles::Dealt)).
     pub fn is_dealt(&self) -> bool {
         self.ensembles().is_some()
     }

@@ -13,7 +13,7 @@ pub(super) struct Opacity<'a> {
 }
 
 impl Opacity<'_> {
-    /// The opacity of a point with a radius in world units.
+    /// Returns the opacity of a point with a radius in world units.
     pub fn of(&self, i: usize, radius: f32) -> f32 {
         let Some(surface) = self.settings.surface_opacity else { return self.settings.opacity };
         let Some(estimated) = self.estimated else { return surface };

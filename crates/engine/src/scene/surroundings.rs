@@ -1,5 +1,5 @@
-//! How the points of a scene lie around its middle: a room that is scanned on all sides is looked at from within, and notes say
-//! where a camera that was not given may be a wrong guess.
+//! Distribution of the points of a scene around its middle: a room that is scanned on all sides is looked at from
+//! within, and notes say where a camera that was not given may be a wrong guess.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -29,11 +29,11 @@ const FURNISHED: f64 = 0.35;
 const ROOM: f64 = 0.4;
 /// A side is flat if it is shorter than this share of the others.
 const FLAT: f64 = 0.5;
-/// How many times as high as wide points are whose X and Y may be degrees.
+/// Ratio of height to width from which on the X and Y of points may be degrees.
 const NEEDLE: f64 = 20.0;
-/// How many times their width they are away from the origin then.
+/// Distance from the origin, in widths, that they then have.
 const FAR: f64 = 50.0;
-/// How much two sRGB values differ at most that can hardly be told apart.
+/// Largest difference of two sRGB values that can hardly be told apart.
 const ALIKE: f32 = 0.1;
 /// The share of points in the background's color from which on there is little to see.
 const HIDDEN: f64 = 0.9;
@@ -97,7 +97,7 @@ impl Layout {
     }
 }
 
-/// Which parts of the height have points in a cell of the plan.
+/// Parts of the height that have points in a cell of the plan.
 #[derive(Clone, Copy, Default)]
 struct Cell {
     any: bool,
@@ -122,7 +122,7 @@ impl Plan {
         Self(cells)
     }
 
-    /// True if a cell and all four beside it have points.
+    /// Returns `true` if a cell and all four beside it have points.
     fn is_within(&self, cell: usize) -> bool {
         let (x, y) = (cell % CELLS, cell / CELLS);
         let inner = 1..CELLS - 1;
@@ -131,7 +131,8 @@ impl Plan {
             && [cell, cell - 1, cell + 1, cell - CELLS, cell + CELLS].iter().all(|cell| self.0[*cell].any)
     }
 
-    /// True if there are floor and ceiling nearly everywhere, walls nearly all around, and little between them.
+    /// Returns `true` if there are floor and ceiling nearly everywhere, walls nearly all around, and little between
+    /// them.
     fn is_room(&self) -> bool {
         let (mut within, mut around): (Vec<Cell>, Vec<Cell>) = (Vec::new(), Vec::new());
         for cell in (0..self.0.len()).filter(|cell| self.0[*cell].any) {
@@ -156,7 +157,7 @@ fn index(x: f64, y: f64) -> Option<usize> {
     Some(column(y)? * CELLS + column(x)?)
 }
 
-/// Where to stand: as far from the middle as there is room.
+/// Places to stand: as far from the middle as there is room.
 const STANDS: [f64; 2] = [0.38, 0.28];
 /// Height of the eye, and of what it looks at, as shares of the room's.
 const EYE: f64 = 0.6;
@@ -183,8 +184,9 @@ fn stand(layout: &Layout, plan: &Plan) -> Option<DVec3> {
     eyes.find(|eye| free(*eye)).map(|eye| layout.at(eye))
 }
 
-/// The settings of a camera within the points, if these surround the middle of the scene as those of a room do: floor and
-/// ceiling, and walls around. `None` where the settings say anything of eye, target, view, lens or depths, and of other scenes.
+/// Returns the settings of a camera within the points, if these surround the middle of the scene as those of a room do:
+/// floor and ceiling, and walls around. `None` where the settings say anything of eye, target, view, lens or depths,
+/// and of other scenes.
 pub(super) fn inside(settings: &CameraSettings, points: &Points, vertical: Vertical) -> Option<CameraSettings> {
     if !may_be_inside(settings) {
         return None;
@@ -194,7 +196,7 @@ pub(super) fn inside(settings: &CameraSettings, points: &Points, vertical: Verti
     Some(CameraSettings { eye: Some(eye), target: Some(target), up: Some(up), ..*settings })
 }
 
-/// True if the settings leave it open whether the camera stands within the points.
+/// Returns `true` if the settings leave it open whether the camera stands within the points.
 fn may_be_inside(settings: &CameraSettings) -> bool {
     *settings == CameraSettings { up: settings.up, fov_y: settings.fov_y, ..CameraSettings::default() }
 }
@@ -221,7 +223,7 @@ pub fn camera_notes(scene: &Scene, points: &Points, up: UpAxis) -> Vec<String> {
     notes
 }
 
-/// Says that X and Y may be degrees of longitude and latitude, where heights are metres: the scene is a needle then.
+/// Says that X and Y may be degrees of longitude and latitude, where heights are meters: the scene is a needle then.
 fn in_degrees(bounds: &Bounds) -> Option<String> {
     let extent = bounds.max - bounds.min;
     let wide = extent.x.max(extent.y);

@@ -31,7 +31,7 @@ pub(crate) struct Table<'a> {
 }
 
 impl<'a> Table<'a> {
-    /// The whole document.
+    /// Returns the whole document.
     pub fn root(node: &'a Node, context: &'a Context<'a>) -> Result<Self, Error> {
         Self::new(node, String::new(), context)
     }
@@ -52,7 +52,7 @@ impl<'a> Table<'a> {
         if self.hidden.contains(&key) { None } else { Some(&self.entries?.get(key)?.1) }
     }
 
-    /// The same table as if it didn't have some of its keys.
+    /// Returns the same table as if it didn't have some of its keys.
     pub fn without(&self, hidden: Vec<&'a str>) -> Self {
         let Self { entries, context, .. } = *self;
         Self { entries, hidden, name: self.name.clone(), place: self.place.clone(), context }
@@ -68,7 +68,7 @@ impl<'a> Table<'a> {
         self.entries.into_iter().flatten().map(|(key, (place, _))| (key.as_str(), place))
     }
 
-    /// A table inside this one; an absent one reads as empty.
+    /// Returns a table inside this one; an absent one reads as empty.
     pub fn table(&self, key: &str) -> Result<Self, Error> {
         match self.get(key) {
             Some(node) => Self::new(node, self.path(key), self.context),
@@ -79,7 +79,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// An array of tables, `[[key]]`; empty if absent.
+    /// Returns an array of tables, `[[key]]`; empty if absent.
     pub fn tables(&self, key: &str) -> Result<Vec<Self>, Error> {
         let Some(node) = self.get(key) else { return Ok(Vec::new()) };
         let Value::Array(items) = &node.value else {
@@ -105,7 +105,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// An error about `key` at the place of `node`.
+    /// Returns an error about `key` at the place of `node`.
     pub fn error(&self, key: &str, node: &Node, problem: String) -> Error {
         value_error(node, &self.path(key), problem)
     }
@@ -114,7 +114,7 @@ impl<'a> Table<'a> {
         self.get(key).map(|node| self.number_at(key, node, range)).transpose()
     }
 
-    /// A number that is stored as float32.
+    /// Returns a number that is stored as float32.
     pub fn number32(&self, key: &str, range: Range) -> Result<Option<f32>, Error> {
         self.get(key).map(|node| self.number32_at(key, node, range)).transpose()
     }
@@ -139,7 +139,7 @@ impl<'a> Table<'a> {
         })
     }
 
-    /// An integer from `min` to `max`.
+    /// Returns an integer from `min` to `max`.
     pub fn integer(&self, key: &str, min: u32, max: u32) -> Result<Option<u32>, Error> {
         self.get(key).map(|node| self.integer_at(key, node, min, max)).transpose()
     }
@@ -172,7 +172,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// A file, from the scene's folder.
+    /// Returns a file, from the scene's folder.
     pub fn path_of(&self, key: &str) -> Result<Option<PathBuf>, Error> {
         if let Some(Node { value: Value::Path(path), .. }) = self.get(key) {
             return Ok(Some(path.clone()));
@@ -230,7 +230,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// A vector with a direction: not zero, and short enough to be normalised.
+    /// Returns a vector with a direction: not zero, and short enough to be normalised.
     pub fn direction(&self, key: &str) -> Result<Option<DVec3>, Error> {
         let vector = self.vector(key)?;
         match (vector, self.get(key)) {
@@ -262,7 +262,7 @@ impl<'a> Table<'a> {
         Ok(Some([self.integer_at(key, width, 1, max)?, self.integer_at(key, height, 1, max)?]))
     }
 
-    /// A list of integers from 0 to `max`.
+    /// Returns a list of integers from 0 to `max`.
     pub fn integers(&self, key: &str, max: u32) -> Result<Option<Vec<u32>>, Error> {
         let Some(node) = self.get(key) else { return Ok(None) };
         let Value::Array(items) = &node.value else {

@@ -33,7 +33,7 @@ pub(crate) enum Value {
 }
 
 impl Value {
-    /// The type and, where it is short, the value, for error messages.
+    /// Returns the type and, where it is short, the value, for error messages.
     pub fn describe(&self) -> String {
         match self {
             Self::Table(_) => "a table".into(),
@@ -47,7 +47,7 @@ impl Value {
         }
     }
 
-    /// The value as JSON; infinities, which JSON can't express, become null.
+    /// Returns the value as JSON; infinities, which JSON can't express, become null.
     pub fn to_json(&self) -> serde_json::Value {
         match self {
             Self::Table(entries) => {

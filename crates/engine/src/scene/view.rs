@@ -9,7 +9,7 @@ use crate::cloud::UpAxis;
 pub struct Vertical(DVec3);
 
 impl Vertical {
-    /// The axis nearest to a direction; `None` if that lies between two.
+    /// Returns the axis nearest to a direction; `None` if that lies between two.
     pub fn nearest(up: DVec3) -> Option<Self> {
         let length = up.abs().to_array();
         let longest = (0..3).max_by(|a, b| length[*a].total_cmp(&length[*b]))?;
@@ -90,7 +90,7 @@ view_names! {
 }
 
 impl ViewName {
-    /// The direction of a word.
+    /// Returns the direction of a word.
     pub fn named(word: &str) -> Option<Self> {
         Self::ALL.iter().find(|(_, known, _)| *known == word).map(|(name, ..)| *name)
     }
@@ -108,7 +108,7 @@ pub struct View {
 }
 
 impl View {
-    /// True if anything was requested.
+    /// Returns `true` if anything was requested.
     pub fn is_given(&self) -> bool {
         *self != Self::default()
     }

@@ -12,7 +12,7 @@ use crate::cloud::sampling;
 use crate::points::Points;
 use crate::progress::Progress;
 
-/// How much of a cloud is drawn.
+/// Limits of how much of a cloud is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Levels are left out where those above them have points this near to one another, in pixels.
@@ -28,7 +28,7 @@ pub struct Picture<'a> {
     pub scale: Scale,
     /// The blocks of which something may be in it.
     pub blocks: &'a [u32],
-    /// True of places in it.
+    /// Function that returns `true` for places in it.
     pub shows: &'a (dyn Fn(DVec3) -> bool + Sync),
     /// A place that no camera of the picture sees.
     pub nowhere: DVec3,
@@ -48,7 +48,7 @@ pub struct Cut {
     blocks: Vec<Block>,
     numbers: Vec<u32>,
     random: Random,
-    /// True if some blocks have no levels.
+    /// `true` if some blocks have no levels.
     is_random: bool,
     /// Pixels between points, at most.
     px: f64,
@@ -90,7 +90,8 @@ impl Random {
 }
 
 impl Cut {
-    /// What limits leave of a supply. `spacing` is the distance between all points of clouds without levels, in world units.
+    /// Returns what limits leave of a supply. `spacing` is the distance between all points of clouds without levels, in
+    /// world units.
     ///
     /// # Errors
     /// Points of clouds without levels can't be read to be counted, the coarsest level has more than are allowed, or `progress`
@@ -144,12 +145,13 @@ impl Cut {
         Self { tree, kept, blocks, numbers, random, is_random, px, nowhere, most_growth, whole }
     }
 
-    /// The pixels that points are apart at most, where there are so many: those asked for, or more to be as few as asked for.
+    /// Returns the pixels that points are apart at most, where there are so many: those asked for, or more to be as few
+    /// as asked for.
     pub fn px(&self) -> f64 {
         self.px
     }
 
-    /// Number of points in all blocks; of clouds without levels about as many.
+    /// Returns the number of points in all blocks; of clouds without levels about as many.
     pub fn points(&self) -> u64 {
         self.blocks.iter().map(|block| block.points).sum()
     }
@@ -159,7 +161,7 @@ impl Cut {
         self.most_growth
     }
 
-    /// A place that the picture doesn't show.
+    /// Returns a place that the picture doesn't show.
     pub fn nowhere(&self) -> DVec3 {
         self.nowhere
     }
@@ -230,7 +232,7 @@ fn bin(px: f64) -> usize {
     ((px as f32).to_bits() >> BIN_SHIFT) as usize
 }
 
-/// How many points of a picture have how many pixels.
+/// Returns how many points of a picture have how many pixels.
 fn counts(
     whole: &dyn Supply,
     levels: &[Option<f64>],

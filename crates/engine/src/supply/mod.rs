@@ -66,13 +66,15 @@ pub fn each(
     Ok(())
 }
 
-/// Which points are taken, and how much larger than they are: by their place and the number of their block. Discs in one place of a
-/// block are taken together, and Gaussians that reach as far.
+/// Choice of the points that are taken, and of how much larger they become: by their place and the number of their
+/// block. Discs in one place of a block are taken together, and Gaussians that reach as far.
 #[derive(Clone, Copy)]
 pub struct Keep<'a> {
-    /// True of those that are: by place, block, and of a Gaussian how far it reaches. One that reaches farther is taken before others.
+    /// Function that returns `true` for those that are taken: by place, block, and of a Gaussian how far it reaches.
+    /// One that reaches farther is taken before others.
     pub keeps: &'a (dyn Fn(DVec3, u32, Option<f32>) -> bool + Sync),
-    /// True if all points of a block are taken whose box has corners that would be: no part of space is left out between them.
+    /// `true` if all points of a block are taken whose box has corners that would be: no part of space is left out
+    /// between them.
     pub convex: bool,
     /// The factor on the radius of discs, if any has one.
     pub grows: Option<&'a (dyn Fn(DVec3, u32) -> f32 + Sync)>,
@@ -98,12 +100,12 @@ impl Points {
     }
 }
 
-/// A radius times a factor, finite.
+/// Returns a radius times a factor, finite.
 pub(crate) fn grown(radius: f32, factor: f32) -> f32 {
     (radius * factor).min(f32::MAX)
 }
 
-/// Why points can't be taken.
+/// Reason why points can't be taken.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
     /// The store failed.
@@ -142,7 +144,7 @@ pub struct Block {
     pub branch: Option<Branch>,
 }
 
-/// Where a block is in a tree of levels, each of which makes those above it finer.
+/// Place of a block in a tree of levels, each of which makes those above it finer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Branch {
     /// The block above, whose number is smaller; `None` of a root.
@@ -187,7 +189,7 @@ impl Held {
     }
 }
 
-/// The first points of blocks that cut no run of points in one place, and the number of all points.
+/// Returns the first points of blocks that cut no run of points in one place, and the number of all points.
 pub(crate) fn starts(points: &Points) -> Vec<usize> {
     let (positions, mut found) = (&points.positions, vec![0]);
     let mut next = BLOCK;

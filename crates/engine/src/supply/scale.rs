@@ -1,4 +1,4 @@
-//! How large lengths are in a picture, by how far from the eye they are.
+//! Size of lengths in a picture, by how far from the eye they are.
 
 use glam::DVec3;
 

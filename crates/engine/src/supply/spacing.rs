@@ -1,4 +1,4 @@
-//! How far apart the points of a cloud without levels are.
+//! Distance between the points of a cloud without levels.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -9,9 +9,10 @@ use crate::morton::{BITS, spread};
 /// Points in a cell on average, at most: few cells of a surface are without any then.
 const IN_CELL: usize = 16;
 
-/// The typical distance of points on surfaces, in world units: that of `count` points of which some that stand for all are given, in
-/// any order; 0 if they are in one place. The area of the surfaces is that of the cells with points, whose side is the first half of a
-/// half and so on of the longest side that leaves them so few points on average.
+/// Returns the typical distance of points on surfaces, in world units: that of `count` points of which some that stand
+/// for all are given, in any order; 0 if they are in one place. The area of the surfaces is that of the cells with
+/// points, whose side is the first half of a half and so on of the longest side that leaves them so few points on
+/// average.
 pub fn spacing(sampled: &[DVec3], count: u64) -> f64 {
     let Some(bounds) = Bounds::of(sampled) else { return 0.0 };
     let half_side = (0.5 * bounds.max - 0.5 * bounds.min).max_element();

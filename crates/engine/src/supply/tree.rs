@@ -51,9 +51,9 @@ impl Tree {
         &self.children[self.starts[block] as usize..self.starts[block + 1] as usize]
     }
 
-    /// The factor on the radius of a point of this block, where the blocks that are not `kept` are left out: that of the first of
-    /// them on the way down from the root to the place; 1 where all are kept. The box of a block is that of its points: a place
-    /// next to it, as far as the points above are apart, is its own, too.
+    /// Returns the factor on the radius of a point of this block, where the blocks that are not `kept` are left out:
+    /// that of the first of them on the way down from the root to the place; 1 where all are kept. The box of a block
+    /// is that of its points: a place next to it, as far as the points above are apart, is its own, too.
     pub fn growth(&self, blocks: &[Block], kept: &[bool], block: u32, place: DVec3) -> f32 {
         let mut at = self.root_of[block as usize];
         loop {
@@ -73,7 +73,7 @@ impl Tree {
         }
     }
 
-    /// The largest such factor in a box, or more.
+    /// Returns the largest such factor in a box, or more.
     pub fn most_growth(&self, blocks: &[Block], kept: &[bool], bounds: &Bounds) -> f32 {
         let mut open = self.roots.clone();
         let mut most = 1.0f32;
@@ -94,7 +94,7 @@ impl Tree {
     }
 }
 
-/// How far from its box a place belongs to a block.
+/// Returns the largest distance from its box at which a place belongs to a block.
 fn reach(block: &Block) -> f64 {
     block.branch.map_or(0.0, |branch| branch.spacing)
 }

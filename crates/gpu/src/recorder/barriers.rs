@@ -16,11 +16,11 @@ pub(super) struct Touch {
     pub(super) writes: bool,
 }
 
-/// What commands since the last barrier touch.
+/// Resources that commands since the last barrier touch.
 #[derive(Default)]
 pub(super) struct Touched {
     all: Vec<Touch>,
-    /// True if there was more than this list says: attachments, guards.
+    /// `true` if there was more than this list says: attachments, guards.
     more: bool,
 }
 

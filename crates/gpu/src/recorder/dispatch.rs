@@ -4,7 +4,7 @@ use super::Recorder;
 use crate::shader::WORKGROUP;
 use crate::{Error, Slice};
 
-/// How much a compute pass runs.
+/// Amount that a compute pass runs.
 #[derive(Debug, Clone, Copy)]
 pub enum Dispatch<'a> {
     /// At least this many invocations, numbered by `invocation_index` in WGSL.

@@ -6,7 +6,7 @@ use super::Recorder;
 use crate::pipeline::{Outputs, Pipeline};
 use crate::{Attachment, Blend, Error, Pass, RawSlice, Slice, Variant};
 
-/// How many vertices a draw has.
+/// Number of vertices of a draw.
 #[derive(Debug, Clone, Copy)]
 pub enum Vertices<'a> {
     /// So many.

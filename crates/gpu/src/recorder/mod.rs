@@ -41,7 +41,7 @@ pub struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// A run of the plain variant.
+    /// Returns a run of the plain variant.
     pub fn new(dispatch: Dispatch<'a>) -> Self {
         Self { label: None, variant: Variant::plain(), dispatch }
     }
@@ -64,7 +64,7 @@ impl<'a> Run<'a> {
 pub struct Submitted {
     /// The passes in order.
     pub passes: Vec<PassTime>,
-    /// When it was submitted.
+    /// Time when it was submitted.
     pub begin: Instant,
     /// From the submission to the end of waiting for it.
     pub wall: Duration,
@@ -87,7 +87,7 @@ pub struct Recorder<'a> {
     agreements: Vec<Agreement>,
     /// True where the device may leave commands out.
     conditional: bool,
-    /// True if passes are timed and counted.
+    /// `true` if passes are timed and counted.
     stamped: bool,
     touched: Touched,
     /// There once the recording was interrupted.

@@ -21,7 +21,7 @@ pub struct Sources {
 }
 
 impl Sources {
-    /// The shader files by stem (`abuffer/store`), the shared pieces left out.
+    /// Returns the shader files by stem (`abuffer/store`), the shared pieces left out.
     pub fn stems(&self) -> Vec<String> {
         let mut found = Vec::new();
         let mut folders = vec![&self.files];
@@ -62,7 +62,7 @@ impl Sources {
     }
 }
 
-/// The whole source of a pass's shader, or of another one that goes with it.
+/// Returns the whole source of a pass's shader, or of another one that goes with it.
 pub(super) fn source<P: Pass>(stem: &str, variant: &Variant) -> Result<String, Error> {
     let sources = P::sources();
     let text = sources.file(stem).ok_or_else(|| error(stem, "no such file under shaders/"))?;

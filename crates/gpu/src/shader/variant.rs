@@ -1,11 +1,11 @@
-//! Which of a shader's variants is meant, and lists of all of them.
+//! Choice of one of a shader's variants, and lists of all of them.
 
 use std::collections::HashSet;
 
 use super::{Reflection, check, reflection};
 use crate::{Compiled, Device, Error, Outputs, Pass};
 
-/// Which of a shader's variants: values of overrides by name, and text constants.
+/// One of a shader's variants: values of overrides by name, and text constants.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Variant {
     /// Overrides.
@@ -25,7 +25,7 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// The one variant of a shader that has no choices.
+    /// Returns the one variant of a shader that has no choices.
     pub fn plain() -> Self {
         Self::default()
     }
@@ -72,7 +72,7 @@ impl Variant {
         self
     }
 
-    /// A key that differs for every variant.
+    /// Returns a key that differs for every variant.
     pub fn key(&self) -> String {
         format!("{self:?}")
     }
@@ -178,7 +178,7 @@ pub struct Shader {
 }
 
 impl Shader {
-    /// A pass that runs in these variants.
+    /// Returns a pass that runs in these variants.
     pub fn new<P: Pass>(variants: impl IntoIterator<Item = Variant>) -> Self {
         let mut known = HashSet::new();
         Self {
@@ -191,7 +191,7 @@ impl Shader {
         }
     }
 
-    /// A pass without a choice.
+    /// Returns a pass without a choice.
     pub fn plain<P: Pass>() -> Self {
         Self::new::<P>([Variant::plain()])
     }

@@ -64,7 +64,7 @@ impl Painter {
         }
     }
 
-    /// True if [`Self::bring_textures`] has something to do.
+    /// Returns `true` if [`Self::bring_textures`] has something to do.
     pub fn is_stale(&self) -> bool {
         !self.stale.is_empty()
     }

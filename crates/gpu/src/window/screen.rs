@@ -38,13 +38,13 @@ pub struct Screen {
     commands: vk::CommandBuffer,
     fence: vk::Fence,
     painter: Option<Painter>,
-    /// True if the swapchain no longer fits the window.
+    /// `true` if the swapchain no longer fits the window.
     stale: bool,
 }
 
 impl Screen {
-    /// The screen of a device that was opened with [`Device::open_for`], with the textures of an earlier screen, if
-    /// any.
+    /// Returns the screen of a device that was opened with [`Device::open_for`], with the textures of an earlier
+    /// screen, if any.
     ///
     /// # Errors
     /// [`Error::NoSurface`] if the window accepts no 8-bit pictures, and Vulkan errors.
@@ -83,7 +83,7 @@ impl Screen {
         Ok(())
     }
 
-    /// True if pixels are B, G, R, A in memory, and not R, G, B, A.
+    /// Returns `true` if pixels are B, G, R, A in memory, and not R, G, B, A.
     pub fn blue_first(&self) -> bool {
         self.format.format == vk::Format::B8G8R8A8_UNORM
     }
@@ -93,7 +93,7 @@ impl Screen {
         self.stale = true;
     }
 
-    /// The textures so far, for the next screen.
+    /// Returns the textures so far, for the next screen.
     pub fn take_textures(&mut self) -> Textures {
         self.painter.as_mut().map(|painter| std::mem::take(&mut painter.textures)).unwrap_or_default()
     }
@@ -323,7 +323,7 @@ impl Drop for Screen {
     }
 }
 
-/// How long to wait for an image, in nanoseconds.
+/// Time to wait for an image, in nanoseconds.
 const PATIENCE_NS: u64 = 200_000_000;
 /// Around the picture, where the window has nothing else.
 const GRAY: f32 = 0.1;

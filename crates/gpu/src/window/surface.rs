@@ -20,7 +20,7 @@ fn refused(why: impl std::fmt::Display) -> Error {
     Error::NoSurface(why.to_string())
 }
 
-/// The instance extensions that surfaces of this kind of window need.
+/// Returns the instance extensions that surfaces of this kind of window need.
 pub(crate) fn extensions(window: &Handle) -> Result<&'static [*const c_char], Error> {
     let display = window.display_handle().map_err(refused)?;
     ash_window::enumerate_required_extensions(display.as_raw())
@@ -36,7 +36,7 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// The surface of a window. `instance` has the [`extensions`] that it needs.
+    /// Returns the surface of a window. `instance` has the [`extensions`] that it needs.
     pub(crate) fn new(entry: &ash::Entry, instance: &ash::Instance, window: Handle) -> Result<Self, Error> {
         let display = window.display_handle().map_err(refused)?.as_raw();
         let handle = window.window_handle().map_err(refused)?.as_raw();
@@ -46,7 +46,7 @@ impl Surface {
         Ok(Self { loader: khr::surface::Instance::new(entry, instance), raw, _window: window })
     }
 
-    /// True if queues of this family can present to the surface.
+    /// Returns `true` if queues of this family can present to the surface.
     pub(crate) fn takes_from(&self, instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -> bool {
         // SAFETY: plain queries on a live instance; the family is one of this device.
         let (extensions, supported) = unsafe {

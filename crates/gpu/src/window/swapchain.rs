@@ -4,7 +4,7 @@ use ash::{khr, vk};
 
 use crate::{Context, Error};
 
-/// The format of all swapchains of a surface: 8 bits, sRGB-encoded, shown without conversion.
+/// Returns the format of all swapchains of a surface: 8 bits, sRGB-encoded, shown without conversion.
 pub fn format(context: &Context) -> Result<vk::SurfaceFormatKHR, Error> {
     let Some(surface) = &context.instance.surface else { return Err(no_surface()) };
     // SAFETY: a plain query on a live surface.
@@ -20,7 +20,7 @@ pub fn no_surface() -> Error {
     Error::NoSurface("the device was opened without a window".into())
 }
 
-/// A failed call by name. Without its surface nothing can be shown any more, as without the device.
+/// Returns a failed call by name. Without its surface nothing can be shown any more, as without the device.
 pub fn failed(call: &'static str) -> impl FnOnce(vk::Result) -> Error {
     move |result| match result {
         vk::Result::ERROR_DEVICE_LOST | vk::Result::ERROR_SURFACE_LOST_KHR => {
@@ -43,7 +43,8 @@ pub struct Swapchain {
 }
 
 impl Swapchain {
-    /// A swapchain for a window of this size, or `None` while the window has no area. `old` is the one that it replaces.
+    /// Returns a swapchain for a window of this size, or `None` while the window has no area. `old` is the one that it
+    /// replaces.
     pub fn new(
         context: &Context,
         loader: &khr::swapchain::Device,

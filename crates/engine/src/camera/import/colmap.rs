@@ -39,7 +39,7 @@ pub struct Image {
     pub camera: u32,
 }
 
-/// The folder of the model that a path means, if it means any.
+/// Returns the folder of the model that a path means, if it means any.
 pub fn model(path: &Path) -> Option<PathBuf> {
     let stem = path.file_stem().and_then(|stem| stem.to_str());
     if path.is_file() && matches!(stem, Some("cameras" | "images")) && ["bin", "txt"].iter().any(|e| has(path, e)) {
@@ -102,7 +102,7 @@ fn pose(image: &Image) -> Option<(DVec3, DQuat)> {
     is_place(eye).then_some((eye, turn))
 }
 
-/// A camera of a model by its place in [`MODELS`]; a phrase about what is wrong.
+/// Returns a camera of a model by its place in [`MODELS`]; a phrase about what is wrong.
 pub fn intrinsics(model: usize, size: [f64; 2], parameters: &[f64]) -> Result<Intrinsics, String> {
     let (name, count, focals) = MODELS.get(model).ok_or_else(|| format!("unknown camera model {model}"))?;
     if parameters.len() != *count {

@@ -1,7 +1,7 @@
 //! Cameras of other programs: nerfstudio's `transforms.json`, and COLMAP's models as text or binary files.
 //!
 //! Both become a [`CameraPath`] with one key for each picture, without a target. This program's camera is a pinhole
-//! with square pixels whose principal point is the picture's centre; other properties of a camera are dropped with a
+//! with square pixels whose principal point is the picture's center; other properties of a camera are dropped with a
 //! warning.
 
 mod binary;
@@ -60,7 +60,7 @@ enum Angle {
 }
 
 impl Cameras {
-    /// The cameras as keys, for pictures of this size.
+    /// Returns the cameras as keys, for pictures of this size.
     pub fn path(&self, size: [u32; 2]) -> CameraPath {
         let aspect = f64::from(size[1]) / f64::from(size[0]);
         let key = |view: &View| {
@@ -125,7 +125,7 @@ impl Source {
         }
     }
 
-    /// The path for pictures of this size.
+    /// Returns the path for pictures of this size.
     pub fn path(&self, size: [u32; 2]) -> CameraPath {
         match self {
             Self::Path(path) => path.clone(),
@@ -134,8 +134,8 @@ impl Source {
     }
 }
 
-/// True if the path holds cameras, judged by its name and neighboring files: JSON, a folder, or a part of a COLMAP
-/// model.
+/// Returns `true` if the path holds cameras, judged by its name and neighboring files: JSON, a folder, or a part of a
+/// COLMAP model.
 pub fn is_cameras(path: &Path) -> bool {
     let json = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
     json || path.is_dir() || colmap::model(path).is_some()
@@ -157,7 +157,7 @@ struct Intrinsics {
     center: Option<[f64; 2]>,
     /// Width and height in pixels.
     size: [f64; 2],
-    /// True if the lens bends straight lines.
+    /// `true` if the lens bends straight lines.
     distorted: bool,
 }
 

@@ -20,7 +20,7 @@ impl Spans {
         Self { lengths, closed }
     }
 
-    /// Number of pieces.
+    /// Returns the number of pieces.
     pub fn count(&self) -> usize {
         self.lengths.len()
     }
@@ -30,7 +30,7 @@ impl Spans {
         self.lengths[span]
     }
 
-    /// The pieces before and after a knot, where they exist and have a length above 0.
+    /// Returns the pieces before and after a knot, where they exist and have a length above 0.
     pub fn around(&self, knot: usize) -> [Option<usize>; 2] {
         let count = self.count();
         let before = match knot {
@@ -41,9 +41,9 @@ impl Spans {
         [before, after].map(|span| span.filter(|span| self.lengths.get(*span).is_some_and(|length| *length > 0.0)))
     }
 
-    /// The derivative at a knot, from the differences over the pieces: that of the parabola through the knot and its
-    /// two neighbors, which equals that of Catmull and Rom's spline over any parameter (Barry and Goldman 1988). At an
-    /// end it is chosen to make the second derivative 0 there, so that two knots make a straight line.
+    /// Returns the derivative at a knot, from the differences over the pieces: that of the parabola through the knot
+    /// and its two neighbors, which equals that of Catmull and Rom's spline over any parameter (Barry and Goldman
+    /// 1988). At an end it is chosen to make the second derivative 0 there, so that two knots make a straight line.
     pub fn slope<T: Value>(&self, knot: usize, difference: &dyn Fn(usize) -> T) -> Option<T> {
         let rate = |span: usize| difference(span) * (1.0 / self.lengths[span]);
         match self.around(knot) {
@@ -69,8 +69,8 @@ impl Spans {
         }
     }
 
-    /// The derivative at a knot that keeps each piece between the values at its ends: the weighted harmonic mean of the
-    /// adjacent rates (Fritsch and Butland 1984), 0 at an extreme, and at an end the adjacent rate.
+    /// Returns the derivative at a knot that keeps each piece between the values at its ends: the weighted harmonic
+    /// mean of the adjacent rates (Fritsch and Butland 1984), 0 at an extreme, and at an end the adjacent rate.
     pub fn monotone_slope(&self, knot: usize, difference: &dyn Fn(usize) -> f64) -> f64 {
         let rate = |span: usize| difference(span) / self.lengths[span];
         match self.around(knot) {
@@ -90,7 +90,7 @@ impl Spans {
     }
 }
 
-/// The cubic over [0, 1] with these values and derivatives, these over the piece's own length, at `s`.
+/// Returns the cubic over [0, 1] with these values and derivatives, these over the piece's own length, at `s`.
 pub fn hermite<T: Value>([a, b]: [T; 2], slopes: [T; 2], length: f64, s: f64) -> T {
     let (s2, s3) = (s * s, s * s * s);
     let rise = 3.0 * s2 - 2.0 * s3;

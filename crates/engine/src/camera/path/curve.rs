@@ -30,7 +30,7 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// The motion along a path.
+    /// Returns the motion along a path.
     ///
     /// # Errors
     /// Those of [`CameraPath::check`], an `up` along the view, perspective and orthographic keys in one path.
@@ -55,17 +55,17 @@ impl Curve {
         Ok(curve)
     }
 
-    /// Number of keys.
+    /// Returns the number of keys.
     pub fn keys(&self) -> usize {
         self.knots.len()
     }
 
-    /// The times of the first and the last key; of a closed path of the return to the first.
+    /// Returns the times of the first and the last key; of a closed path of the return to the first.
     pub fn time_range(&self) -> [f64; 2] {
         [self.times[0], self.times[self.times.len() - 1]]
     }
 
-    /// The keys themselves.
+    /// Returns the keys themselves.
     pub fn key_poses(&self) -> Vec<Pose> {
         (0..self.knots.len()).map(|knot| self.at_knot(knot)).collect()
     }
@@ -78,7 +78,7 @@ impl Curve {
         (0..count).map(|i| self.at(start + (end - start) * (i as f64 / steps as f64))).collect()
     }
 
-    /// The pose at a time; times beyond the path's ends count as these.
+    /// Returns the pose at a time; times beyond the path's ends count as these.
     pub fn at(&self, time: f64) -> Pose {
         let last = self.times.len() - 1;
         let after = self.times.partition_point(|t| *t <= time);
@@ -131,7 +131,8 @@ impl Curve {
         knot.eye + knot.forward() * (share * knot.reach)
     }
 
-    /// How far toward the target the point lies that moves least on these pieces: |Δeye| / (|Δeye| + |Δtarget|).
+    /// Returns how far toward the target the point lies that moves least on these pieces: |Δeye| / (|Δeye| +
+    /// |Δtarget|).
     fn share(&self, spans: impl IntoIterator<Item = usize>) -> f64 {
         let moved = |share: f64, span: usize| {
             let [a, b] = self.ends(span).map(|knot| self.pivot(knot, share));

@@ -126,7 +126,7 @@ fn log(turn: DQuat) -> DVec3 {
     axis * factor
 }
 
-/// The angle of a unit quaternion's rotation, in [0, π].
+/// Returns the angle of a unit quaternion's rotation, in [0, π].
 pub fn angle(turn: DQuat) -> f64 {
     log(turn).length()
 }

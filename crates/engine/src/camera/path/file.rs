@@ -26,7 +26,7 @@ pub struct CameraPath {
     /// Width and height in pixels of the pictures that the path was made for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub size: Option<[u32; 2]>,
-    /// True if the path returns from the last key to the first; `loop` in the file.
+    /// `true` if the path returns from the last key to the first; `loop` in the file.
     #[serde(default, rename = "loop", skip_serializing_if = "std::ops::Not::not")]
     pub closed: bool,
     /// At least one, at most [`MAX_KEYS`].
@@ -43,7 +43,7 @@ pub struct Key {
     pub time: Option<f64>,
     /// The eye in world units.
     pub eye: [f64; 3],
-    /// The point at the image's centre, in world units.
+    /// The point at the image's center, in world units.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<[f64; 3]>,
     /// Direction of the image's top, with `target`; by default the scene's vertical.
@@ -68,7 +68,7 @@ pub struct Key {
 }
 
 impl Key {
-    /// A key with only the eye; it needs a `target` or an `orientation`.
+    /// Returns a key with only the eye; it needs a `target` or an `orientation`.
     pub fn at(eye: [f64; 3]) -> Self {
         Self {
             time: None,
@@ -126,7 +126,7 @@ impl Key {
 }
 
 impl CameraPath {
-    /// An open path without a size.
+    /// Returns an open path without a size.
     pub fn new(keys: Vec<Key>) -> Self {
         Self { version: VERSION, size: None, closed: false, keys }
     }
@@ -141,7 +141,7 @@ impl CameraPath {
         Ok(read)
     }
 
-    /// The text of a file: one line for each key, with a line feed at the end.
+    /// Returns the text of a file: one line for each key, with a line feed at the end.
     pub fn to_json(&self) -> String {
         let Self { version, size, closed, keys } = self;
         let mut head = format!("{{\n  \"version\": {version},\n");
@@ -196,7 +196,7 @@ impl CameraPath {
     }
 }
 
-/// The error of a JSON parser with its place in front.
+/// Returns the error of a JSON parser with its place in front.
 pub(crate) fn syntax(path: &Path, error: &serde_json::Error) -> Error {
     let message = error.to_string();
     let place = format!(" at line {} column {}", error.line(), error.column());

@@ -67,7 +67,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The camera with these depths.
+    /// Returns the camera with these depths.
     pub fn camera(&self, near: f64, far: f64) -> Camera {
         let Self { eye, right, up, forward, projection, .. } = *self;
         Camera { eye, right, up, forward, projection, near, far }
@@ -95,7 +95,7 @@ impl Problem {
     }
 }
 
-/// Why a file of cameras can't be used.
+/// Reason why a file of cameras can't be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

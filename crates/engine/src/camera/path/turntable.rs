@@ -20,7 +20,7 @@ pub struct Turntable {
 }
 
 impl Turntable {
-    /// The turn of a camera; its depths are left to be found for each pose.
+    /// Returns the turn of a camera; its depths are left to be found for each pose.
     pub fn new(camera: &Camera, center: DVec3, axis: DVec3) -> Self {
         let Camera { eye, right, up, forward, projection, .. } = *camera;
         let start = Pose { eye, right, up, forward, projection, near: None, far: None };

@@ -18,12 +18,12 @@ const PNG: &[u8] = b"\x89PNG";
 const JPEG: &[u8] = &[0xff, 0xd8, 0xff];
 const TIFF: [&[u8]; 2] = [b"II*\0", b"MM\0*"];
 
-/// True if a file that starts with these bytes claims to be in one of the formats.
+/// Returns `true` if a file that starts with these bytes claims to be in one of the formats.
 pub(crate) fn is_bitmap(start: &[u8]) -> bool {
     [PNG, JPEG].iter().chain(&TIFF).any(|signature| start.starts_with(signature))
 }
 
-/// Why a file could not be decoded.
+/// Reason why a file could not be decoded.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Error {
     /// The system failed, or the file ended too early.
@@ -57,7 +57,7 @@ pub(crate) enum Samples {
 }
 
 impl Bitmap {
-    /// True if pixels have an alpha.
+    /// Returns `true` if pixels have an alpha.
     pub fn has_alpha(&self) -> bool {
         self.channels.is_multiple_of(2)
     }
@@ -111,7 +111,7 @@ impl<R: BufRead + Seek> Decoder<R> {
         (u64::from(width) * u64::from(height)).saturating_mul(pixel)
     }
 
-    /// How the stored pixels have to be turned.
+    /// Returns the orientation by which the stored pixels have to be turned.
     pub fn orientation(&mut self) -> Result<Orientation, Error> {
         match self {
             Self::Png(decoder) => Ok(decoder.orientation()),

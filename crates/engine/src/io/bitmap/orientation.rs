@@ -1,4 +1,4 @@
-//! How a camera was held: the orientation of Exif (CIPA DC-008, tag 274), which TIFF has as well.
+//! Orientation in which a camera was held: that of Exif (CIPA DC-008, tag 274), which TIFF has as well.
 
 /// Turns and mirrors that bring stored pixels upright.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

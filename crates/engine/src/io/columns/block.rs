@@ -17,7 +17,7 @@ impl Block {
     /// Rows of a block at most.
     pub const ROWS: usize = ROWS;
 
-    /// A block of no rows of so many columns.
+    /// Returns a block of no rows of so many columns.
     pub fn new(columns: usize) -> Self {
         Self { values: vec![0.0; columns * ROWS], columns, len: 0 }
     }
@@ -31,12 +31,12 @@ impl Block {
         self.len
     }
 
-    /// The values of a column.
+    /// Returns the values of a column.
     pub fn column(&mut self, at: usize) -> &mut [f64] {
         &mut self.values[at * ROWS..][..self.len]
     }
 
-    /// The value of a row in a column.
+    /// Returns the value of a row in a column.
     #[inline]
     pub fn value(&self, row: usize, column: usize) -> f64 {
         self.values[column * ROWS + row]

@@ -4,7 +4,8 @@ use bytemuck::Zeroable;
 use bytemuck::allocation::zeroed_vec;
 use rayon::prelude::*;
 
-/// The values of all parts of a column, one part behind the other, copied on all cores. Each part is gone once it is copied.
+/// Returns the values of all parts of a column, one part behind the other, copied on all cores. Each part is gone once
+/// it is copied.
 pub(in crate::io) fn joined<T: Zeroable + Copy + Send + Sync>(mut parts: Vec<Vec<T>>) -> Vec<T> {
     if parts.len() == 1 {
         return parts.pop().unwrap_or_default();

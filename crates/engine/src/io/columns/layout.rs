@@ -1,4 +1,4 @@
-//! Which values of a row are what.
+//! Roles of the values of a row.
 
 use glam::{DVec3, Vec3};
 
@@ -67,7 +67,7 @@ impl Layout {
         Ok(Self { position, normal, color, alpha, radius, classification, intensity, scalars })
     }
 
-    /// A cloud of no points with these columns, but for a classification.
+    /// Returns a cloud of no points with these columns, but for a classification.
     pub(super) fn empty(&self) -> Cloud {
         Cloud {
             colors: self.color.as_ref().map(|_| Vec::new()),
@@ -89,12 +89,12 @@ impl Layout {
         size_of::<DVec3>() as u64 + threes * size_of::<Vec3>() as u64 + ones as u64 * size_of::<f32>() as u64
     }
 
-    /// True if the range of colors and the range of alphas is that of all values.
+    /// Returns `true` if the range of colors and the range of alphas is that of all values.
     pub(super) fn measures(&self) -> [bool; 2] {
         [matches!(self.color, Some(Rgb::Measured(_))), matches!(self.alpha, Some(Alpha::Measured(_)))]
     }
 
-    /// The position, if it is finite.
+    /// Returns the position, if it is finite.
     #[inline]
     pub(super) fn position(&self, value: impl Fn(usize) -> f64) -> Option<DVec3> {
         let [x, y, z] = self.position;
@@ -106,7 +106,7 @@ impl Layout {
         self.normal.map(|[x, y, z]| unit_or_zero(Vec3::new(value(x) as f32, value(y) as f32, value(z) as f32)))
     }
 
-    /// The linear color, or what is stored if the range is not known yet.
+    /// Returns the linear color, or what is stored if the range is not known yet.
     #[inline]
     pub(super) fn color(&self, value: impl Fn(usize) -> f64) -> Option<Vec3> {
         Some(match self.color.as_ref()? {
@@ -115,7 +115,7 @@ impl Layout {
         })
     }
 
-    /// The alpha, or what is stored if the range is not known yet.
+    /// Returns the alpha, or what is stored if the range is not known yet.
     #[inline]
     pub(super) fn alpha(&self, value: impl Fn(usize) -> f64) -> Option<f32> {
         Some(match self.alpha.as_ref()? {
@@ -130,7 +130,7 @@ impl Layout {
         Some(if radius.is_finite() { radius.max(0.0) } else { 0.0 })
     }
 
-    /// The code of a class, or what stands in place of one.
+    /// Returns the code of a class, or what stands in place of one.
     #[inline]
     pub(super) fn code(&self, value: impl Fn(usize) -> f64) -> Option<f32> {
         self.classification.as_ref().map(|(at, _)| value(*at) as f32)
@@ -141,18 +141,18 @@ impl Layout {
         self.intensity.map(|at| value(at) as f32)
     }
 
-    /// The places of the other values, in the order of the cloud's scalars.
+    /// Returns the places of the other values, in the order of the cloud's scalars.
     pub(super) fn scalar_places(&self) -> impl Iterator<Item = usize> {
         self.scalars.iter().map(|(at, _)| *at)
     }
 
-    /// The other values, in the order of the cloud's scalars.
+    /// Returns the other values, in the order of the cloud's scalars.
     pub(super) fn scalars(&self, value: impl Fn(usize) -> f64) -> impl Iterator<Item = f32> {
         self.scalar_places().map(move |at| value(at) as f32)
     }
 }
 
-/// The normal with length 1, or zero if it has no direction.
+/// Returns the normal with length 1, or zero if it has no direction.
 #[inline]
 pub fn unit_or_zero(normal: Vec3) -> Vec3 {
     if (normal.length_squared() - 1.0).abs() <= UNIT_TOLERANCE {

@@ -66,14 +66,15 @@ impl Columns {
         self.table.push(&self.layout, row);
     }
 
-    /// The cloud, its vertical +Y. Normals that are all zero are dropped.
+    /// Returns the cloud, its vertical +Y. Normals that are all zero are dropped.
     pub fn finish(self) -> Cloud {
         let whole = self.table.whole(&self.layout);
         self.table.finish(&self.layout, &whole)
     }
 }
 
-/// True if the reader would take a property of this name for one of its columns, alone or together with others.
+/// Returns `true` if the reader would take a property of this name for one of its columns, alone or together with
+/// others.
 pub(in crate::io) fn is_known(name: &str) -> bool {
     let lower = name.to_ascii_lowercase();
     let threes = POSITION.iter().chain(&NORMAL).chain(&COLOR).chain(&LINEAR_COLOR).flatten();

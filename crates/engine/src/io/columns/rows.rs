@@ -19,7 +19,7 @@ pub(in crate::io) struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    /// The rows of a table in runs of this length; the last may be shorter.
+    /// Returns the rows of a table in runs of this length; the last may be shorter.
     pub(super) fn of(table: &'a mut Table, run: usize) -> Vec<Self> {
         fn runs<T>(column: &mut Option<Vec<T>>, run: usize) -> Option<std::slice::ChunksMut<'_, T>> {
             column.as_mut().map(|column| column.chunks_mut(run))

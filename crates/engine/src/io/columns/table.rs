@@ -16,7 +16,7 @@ pub(in crate::io) struct Table {
     pub(super) codes: Option<Vec<f32>>,
 }
 
-/// What only all rows of a table tell.
+/// Facts that only all rows of a table tell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::io) struct Whole {
     /// Some normal has a direction.
@@ -69,8 +69,8 @@ impl Table {
         single.chain(cloud.scalars.iter_mut().map(|(_, column)| column)).for_each(|column| column.reserve_exact(rows));
     }
 
-    /// The rows of parts that have the columns of this layout, one part behind the other. Each column of the parts is gone once it is
-    /// joined.
+    /// Returns the rows of parts that have the columns of this layout, one part behind the other. Each column of the
+    /// parts is gone once it is joined.
     pub fn join(layout: &Layout, mut parts: Vec<Self>) -> Self {
         fn join_optional<T: Zeroable + Copy + Send + Sync>(
             column: &mut Option<Vec<T>>,
@@ -152,12 +152,12 @@ impl Table {
         single.chain(cloud.scalars.iter_mut().map(|(_, column)| column)).for_each(|column| compact(column, run, kept));
     }
 
-    /// The points so far; colors, alphas and classes may be as they are stored.
+    /// Returns the points so far; colors, alphas and classes may be as they are stored.
     pub fn points(&self) -> &Cloud {
         &self.cloud
     }
 
-    /// What these rows tell of all.
+    /// Returns what these rows tell of all.
     pub fn whole(&self, layout: &Layout) -> Whole {
         let cloud = &self.cloud;
         let [colors, alphas] = layout.measures();
@@ -172,8 +172,8 @@ impl Table {
         }
     }
 
-    /// The cloud of some rows of a table of which all rows together tell this; its vertical is +Y. Normals that are all zero are
-    /// dropped.
+    /// Returns the cloud of some rows of a table of which all rows together tell this; its vertical is +Y. Normals that
+    /// are all zero are dropped.
     pub fn finish(self, layout: &Layout, whole: &Whole) -> Cloud {
         let mut cloud = self.cloud;
         if let (Some(codes), Some((_, name))) = (self.codes, &layout.classification) {

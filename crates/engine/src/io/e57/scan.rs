@@ -20,7 +20,7 @@ pub(super) struct Table {
 }
 
 impl Table {
-    /// The columns of some scans.
+    /// Returns the columns of some scans.
     pub fn for_scans(scans: &[PointCloud]) -> Self {
         let mut columns = Vec::from(["x", "y", "z"].map(|name| Column::new(name, ScalarType::Double)));
         let mut add = |some: bool, new: &[&'static str]| {
@@ -62,7 +62,7 @@ fn scalar_name(name: &RecordName) -> Option<String> {
     })
 }
 
-/// True if an extension's field is a classification, for any extension.
+/// Returns `true` if an extension's field is a classification, for any extension.
 fn is_class(name: &str) -> bool {
     crate::cloud::CLASSIFICATION_NAMES.contains(&name.to_ascii_lowercase().as_str())
 }

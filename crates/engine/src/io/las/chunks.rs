@@ -48,7 +48,7 @@ pub(super) fn plain(source: &Source, header: &Header) -> Result<Vec<Chunk>, Erro
     Ok((0..header.count).step_by(BLOCK as usize).map(block).collect())
 }
 
-/// The chunks of a compressed file: those of its chunk table, or a single one in files older than that table.
+/// Returns the chunks of a compressed file: those of its chunk table, or a single one in files older than that table.
 pub(super) fn compressed(source: &mut Source, header: &Header, laz: &LazVlr) -> Result<Vec<Chunk>, Error> {
     check_items(source, header, laz)?;
     if compressor(laz) == Some(CompressorType::PointWise) {

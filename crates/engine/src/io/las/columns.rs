@@ -86,7 +86,8 @@ impl Columns {
         Ok(())
     }
 
-    /// The columns of the parts of a file, one behind the other; `None` of no parts. Each column of the parts is gone once it is joined.
+    /// Returns the columns of the parts of a file, one behind the other; `None` of no parts. Each column of the parts
+    /// is gone once it is joined.
     pub fn join(mut parts: Vec<Self>) -> Option<Self> {
         let extra = parts.first()?.extra.len();
         let parts = parts.as_mut_slice();
@@ -104,12 +105,12 @@ impl Columns {
         })
     }
 
-    /// The box of the points; `None` if there are none.
+    /// Returns the box of the points; `None` if there are none.
     pub fn bounds(&self) -> Option<Bounds> {
         Bounds::of(&self.positions)
     }
 
-    /// What these points tell of the whole file.
+    /// Returns what these points tell of the whole file.
     pub fn traits(&self) -> Traits {
         let largest = |rgb: &[[u16; 3]]| rgb.par_iter().map(|&[r, g, b]| r.max(g).max(b)).max().unwrap_or(0);
         let times = self.gps_time.iter().flatten().copied().filter(|time| time.is_finite());
@@ -120,8 +121,8 @@ impl Columns {
         }
     }
 
-    /// The cloud of the points of a file with these traits and these names of extra dimensions. Returns are kept if some pulse has
-    /// more than one, or if they are asked for.
+    /// Returns the cloud of the points of a file with these traits and these names of extra dimensions. Returns are
+    /// kept if some pulse has more than one, or if they are asked for.
     pub fn finish<'a>(self, extra: impl Iterator<Item = &'a str>, asked: LasColumns, traits: &Traits) -> Cloud {
         let mut scalars = Vec::new();
         if asked.returns || traits.most_returns > 1 {

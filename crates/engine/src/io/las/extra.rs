@@ -18,7 +18,7 @@ pub(super) struct Dimension {
     shift: f64,
 }
 
-/// The described scalar dimensions within the extra bytes. Arrays and undescribed bytes are skipped.
+/// Returns the described scalar dimensions within the extra bytes. Arrays and undescribed bytes are skipped.
 pub(super) fn dimensions(vlrs: &[Vlr], extra_bytes: u16) -> Vec<Dimension> {
     let Some(vlr) = vlrs.iter().find(|vlr| user_id(vlr) == b"LASF_Spec" && vlr.record_id == 4) else {
         return Vec::new();
@@ -68,7 +68,7 @@ fn eight(bytes: &[u8]) -> [u8; 8] {
 }
 
 impl Dimension {
-    /// The value in the extra bytes of one point, scaled.
+    /// Returns the value in the extra bytes of one point, scaled.
     pub fn value(&self, extra: &[u8]) -> f32 {
         let bytes = eight(&extra[self.offset..]);
         let [b0, b1, b2, b3, ..] = bytes;

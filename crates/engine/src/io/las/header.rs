@@ -39,20 +39,21 @@ pub(in crate::io) struct Header {
 }
 
 impl Header {
-    /// The header's box with a step of the coordinates' grid around it, since many writers round it; `None` if it can be no box.
+    /// Returns the header's box with a step of the coordinates' grid around it, since many writers round it; `None` if
+    /// it can be no box.
     pub fn claimed_bounds(&self) -> Option<Bounds> {
         let Bounds { min, max } = self.widened(self.bounds);
         (min.is_finite() && max.is_finite() && self.bounds.min.cmple(self.bounds.max).all())
             .then_some(Bounds { min, max })
     }
 
-    /// A box with a step of the coordinates' grid around it.
+    /// Returns a box with a step of the coordinates' grid around it.
     pub fn widened(&self, bounds: Bounds) -> Bounds {
         let step = DVec3::new(self.transforms.x.scale, self.transforms.y.scale, self.transforms.z.scale).abs();
         Bounds { min: bounds.min - step, max: bounds.max + step }
     }
 
-    /// True if every coordinate that the points can store is finite.
+    /// Returns `true` if every coordinate that the points can store is finite.
     pub fn is_finite(&self) -> bool {
         let Vector { x, y, z } = self.transforms;
         let ends = |t: Transform| [i32::MIN, i32::MAX].map(|stored| f64::from(stored) * t.scale + t.offset);
@@ -158,7 +159,7 @@ fn laz_vlr(source: &Source, vlrs: &[raw::Vlr]) -> Result<LazVlr, Error> {
     LazVlr::from_buffer(&vlr.data).map_err(|e| source.malformed(place, e.to_string()))
 }
 
-/// The user of a record, without the zeros behind it.
+/// Returns the user of a record, without the zeros behind it.
 pub(super) fn user_id(vlr: &raw::Vlr) -> &[u8] {
     vlr.user_id.split(|&byte| byte == 0).next().unwrap_or_default()
 }

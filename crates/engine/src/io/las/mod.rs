@@ -56,7 +56,7 @@ impl LasFile {
         Ok(Self { file: source.into(), header, chunks, asked })
     }
 
-    /// The columns of a chunk, as they are stored.
+    /// Returns the columns of a chunk, as they are stored.
     pub fn decode(&self, chunk: &Chunk, progress: &Progress) -> Result<Columns, Error> {
         let mut selection = self.decisive().decompress_z().decompress_intensity();
         selection = selection.decompress_classification().decompress_flags().decompress_extra_bytes();
@@ -72,8 +72,8 @@ impl LasFile {
         if self.asked.gps_time { selection.decompress_gps_time() } else { selection }
     }
 
-    /// What a chunk's points tell of the whole file, and their box if it is asked for. Only what that takes is decoded, where the
-    /// compression stores it apart from the rest (LAS 1.4, point formats 6 to 10).
+    /// Returns what a chunk's points tell of the whole file, and their box if it is asked for. Only the fields that
+    /// this needs are decoded, where the compression stores them apart from the rest (LAS 1.4, point formats 6 to 10).
     pub fn traits(&self, chunk: &Chunk, boxes: bool) -> Result<(Traits, Option<Bounds>), Error> {
         let selection = if boxes { self.decisive().decompress_z() } else { self.decisive() };
         let columns = self.decode_selected(chunk, selection, &Progress::hidden())?;
@@ -99,17 +99,17 @@ impl LasFile {
         })
     }
 
-    /// The cloud of some of the points, of which all together have these traits.
+    /// Returns the cloud of some of the points, of which all together have these traits.
     pub fn finish(&self, columns: Columns, traits: &Traits) -> Cloud {
         columns.finish(self.extra_names(), self.asked, traits)
     }
 
-    /// The names of the extra dimensions.
+    /// Returns the names of the extra dimensions.
     pub fn extra_names(&self) -> impl Iterator<Item = &str> {
         self.header.extra.iter().map(|dimension| &*dimension.name)
     }
 
-    /// The grid that the positions lie on.
+    /// Returns the grid that the positions lie on.
     pub fn grid(&self) -> Grid {
         let transforms = &self.header.transforms;
         let each = |of: fn(&las::Transform) -> f64| DVec3::new(of(&transforms.x), of(&transforms.y), of(&transforms.z));

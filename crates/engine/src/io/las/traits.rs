@@ -1,9 +1,10 @@
-//! What only all points of a LAS file tell together.
+//! Facts that only all points of a LAS file tell together.
 
 use super::header::Header;
 use crate::io::LasColumns;
 
-/// What decides about columns as a whole: whether colors have 8 bits or 16, whether returns are kept, when times begin.
+/// Facts that decide about columns as a whole: whether colors have 8 bits or 16, whether returns are kept, when times
+/// begin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::io) struct Traits {
     /// The largest stored red, green or blue; 0 where there are none.
@@ -28,7 +29,7 @@ impl Traits {
         }
     }
 
-    /// True if whatever the other points of the file are changes no column.
+    /// Returns `true` if whatever the other points of the file are changes no column.
     pub fn are_settled(&self, header: &Header, asked: LasColumns) -> bool {
         self.settle(header.format.has_color, asked.gps_time && header.format.has_gps_time, asked.returns)
     }

@@ -7,7 +7,7 @@ const STEP: u64 = 7;
 /// Points below which nothing is told.
 const FEWEST: f64 = 100.0;
 
-/// How far points are from where a pinhole camera has their pixels, root mean square, in pixels.
+/// Largest distance of points from where a pinhole camera has their pixels, root mean square, in pixels.
 const NEAR: f64 = 4.0;
 
 /// Fits x/z to a point's column and y/z to its row.
@@ -38,7 +38,7 @@ impl DepthImage {
         self.rows.add((index / self.width) as f64, y / z);
     }
 
-    /// True if the points lie where a depth camera sees them.
+    /// Returns `true` if the points lie where a depth camera sees them.
     pub fn is_one(&self) -> bool {
         self.possible && self.columns.fits() && self.rows.fits()
     }
@@ -65,7 +65,7 @@ impl Line {
         self.yy += y * y;
     }
 
-    /// True if y rises with x and the residue is small.
+    /// Returns `true` if y rises with x and the residue is small.
     fn fits(&self) -> bool {
         let Self { count, x, y, xx, xy, yy } = *self;
         let (sxx, sxy, syy) = (xx - x * x / count, xy - x * y / count, yy - y * y / count);

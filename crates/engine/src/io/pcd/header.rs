@@ -35,7 +35,7 @@ pub(super) struct Field {
 }
 
 impl Field {
-    /// The type that determines a channel's range; types unknown to PLY read as float64.
+    /// Returns the type that determines a channel's range; types unknown to PLY read as float64.
     pub fn scalar(&self) -> ScalarType {
         match (self.kind, self.size) {
             (Kind::Float, 4) => ScalarType::Float,

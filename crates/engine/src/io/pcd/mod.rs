@@ -26,7 +26,7 @@ use row::Layout;
 /// Numbers of a point at most: each becomes a column. The largest features have about 2000.
 const MAX_NUMBERS: u64 = 1 << 16;
 
-/// True if the bytes start a PCD file.
+/// Returns `true` if the bytes start a PCD file.
 pub(super) fn is_pcd(start: &[u8]) -> bool {
     [&b"# .PCD"[..], b"VERSION ", b"FIELDS "].iter().any(|magic| start.starts_with(magic))
 }

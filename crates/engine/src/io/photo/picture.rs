@@ -23,7 +23,7 @@ pub struct Picture {
     pub width: u32,
     /// Height in pixels, when upright.
     pub height: u32,
-    /// True if it has an alpha channel.
+    /// `true` if it has an alpha channel.
     pub has_alpha: bool,
     stored: Bitmap,
     orientation: Orientation,
@@ -87,7 +87,8 @@ impl Picture {
         }
     }
 
-    /// The stored values as numbers in [0, 1], row by row from the top; of colored pictures the mean of R, G and B.
+    /// Returns the stored values as numbers in [0, 1], row by row from the top; of colored pictures the mean of R, G
+    /// and B.
     pub fn gray(&self) -> Vec<f32> {
         fn mean(r: f64, g: f64, b: f64) -> f32 {
             ((r + g + b) / 3.0) as f32

@@ -21,7 +21,7 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// The plane itself, for a picture of `size` pixels.
+    /// Returns the plane itself, for a picture of `size` pixels.
     pub fn flat(size: [u32; 2], photo: &Photo) -> Self {
         let [width, height] = size.map(f64::from);
         let [right, up] = photo.edges.unwrap_or([DVec3::X, DVec3::Y * (height / width)]);
@@ -30,7 +30,7 @@ impl Surface {
         Self { size, origin, right, up, normal, heights: Vec::new() }
     }
 
-    /// The plane displaced by a map of `map_size` values in [0, 1], row by row; 1 displaces by `scale`.
+    /// Returns the plane displaced by a map of `map_size` values in [0, 1], row by row; 1 displaces by `scale`.
     pub fn new(size: [u32; 2], photo: &Photo, map: &[f32], map_size: [u32; 2], scale: f64) -> Self {
         let [width, height] = size;
         let at = |x, y| scale * sample(map, map_size, [x, y], size);
@@ -43,7 +43,7 @@ impl Surface {
         self.heights.get(at).copied().unwrap_or(0.0)
     }
 
-    /// World position of a pixel's centre; column from the left, row from the top.
+    /// World position of a pixel's center; column from the left, row from the top.
     pub fn position(&self, x: u32, y: u32) -> DVec3 {
         let [width, height] = self.size.map(f64::from);
         let (u, v) = ((f64::from(x) + 0.5) / width, 1.0 - (f64::from(y) + 0.5) / height);
@@ -78,7 +78,7 @@ impl Surface {
         self.scaled_normal(x, y).length().max(1.0)
     }
 
-    /// The mean number of points over all fractions that are left to chance, if no pixel is transparent.
+    /// Returns the mean number of points over all fractions that are left to chance, if no pixel is transparent.
     pub fn expected_points(&self) -> f64 {
         let [width, height] = self.size;
         if self.heights.is_empty() {
@@ -88,7 +88,7 @@ impl Surface {
         (0..height).map(row).sum()
     }
 
-    /// The number of points for a pixel: 1 / cos φ, rounded at random, the same in each run.
+    /// Returns the number of points for a pixel: 1 / cos φ, rounded at random, the same in each run.
     pub fn copies(&self, x: u32, y: u32) -> u64 {
         let stretch = self.stretch(x, y);
         let (whole, fraction) = (stretch.floor(), stretch.fract());
@@ -97,7 +97,7 @@ impl Surface {
     }
 }
 
-/// A map's value at the centre of a pixel of a picture of `size` pixels: bilinear; exact where the sizes are equal.
+/// A map's value at the center of a pixel of a picture of `size` pixels: bilinear; exact where the sizes are equal.
 fn sample(map: &[f32], map_size: [u32; 2], pixel: [u32; 2], size: [u32; 2]) -> f64 {
     let place = |at: u32, count: u32, of: u32| {
         let place = ((f64::from(at) + 0.5) * f64::from(of) / f64::from(count) - 0.5).clamp(0.0, f64::from(of - 1));

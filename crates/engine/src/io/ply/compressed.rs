@@ -36,7 +36,7 @@ pub(in crate::io) struct Compressed {
     vertex: usize,
 }
 
-/// True if the vertices are compressed splats.
+/// Returns `true` if the vertices are compressed splats.
 pub(super) fn are_compressed(vertex: &Element) -> bool {
     PACKED.iter().all(|name| vertex.place(name).is_some())
 }

@@ -62,7 +62,7 @@ impl Binary {
         }
     }
 
-    /// The error of a file that ends in this record of an element.
+    /// Returns the error of a file that ends in this record of an element.
     pub fn ends_early(&self, source: &Source, element: &Element, index: u64) -> Error {
         source.truncated(format!(
             "the file ends at byte {} in record {index} of element `{}`, of which the header announces {}",

@@ -69,7 +69,7 @@ enum Radius {
     Own,
 }
 
-/// The comment of a prepared cloud.
+/// Returns the comment of a prepared cloud.
 pub(super) fn comment(cloud: &Cloud) -> std::io::Result<Option<String>> {
     let Some(prepared) = &cloud.prepared else { return Ok(None) };
     let mut claim = Claim {
@@ -96,7 +96,7 @@ pub(super) fn comment(cloud: &Cloud) -> std::io::Result<Option<String>> {
     Ok(Some(format!("{WORD} {}", serde_json::to_string(&claim)?)))
 }
 
-/// True if `pellucid prepare` wrote the file: its data belong to all of its points together.
+/// Returns `true` if `pellucid prepare` wrote the file: its data belong to all of its points together.
 pub(in crate::io) fn is_prepared(comments: &[(u64, String)]) -> bool {
     comments.iter().any(|(_, text)| text.starts_with(WORD))
 }

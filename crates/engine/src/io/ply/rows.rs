@@ -28,13 +28,14 @@ pub(in crate::io) struct VertexRows {
     little_endian: bool,
 }
 
-/// True if the element's records are rows of one size in a binary file.
+/// Returns `true` if the element's records are rows of one size in a binary file.
 pub(super) fn are_rows(header: &Header, element: &Element) -> bool {
     header.encoding != Encoding::Ascii && element.properties.iter().all(|property| property.kind.scalar().is_some())
 }
 
 impl VertexRows {
-    /// The rows of an element for which [`are_rows`] holds, from a source that stands behind the header and whose claims are checked.
+    /// Returns the rows of an element for which [`are_rows`] holds, from a source that stands behind the header and
+    /// whose claims are checked.
     pub(super) fn find(mut source: Source, header: &Header, at: usize, layout: Layout) -> Result<Self, Error> {
         let little_endian = header.encoding == Encoding::BinaryLittleEndian;
         let binary = payload::Binary { little_endian };

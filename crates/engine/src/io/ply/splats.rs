@@ -37,7 +37,7 @@ pub(in crate::io) struct SplatColumns {
     kept: Vec<usize>,
     /// Of a row of the position and those, if there are any.
     layout: Option<Layout>,
-    /// What is odd.
+    /// Warning of what is odd.
     warning: Option<String>,
 }
 
@@ -139,7 +139,7 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// The cloud of some parts, one behind the other.
+    /// Returns the cloud of some parts, one behind the other.
     pub fn finish(of: &SplatColumns, parts: Vec<Part>) -> Cloud {
         let (splats, others): (Vec<_>, Vec<_>) = parts.into_iter().map(|part| (part.splats, part.others)).unzip();
         let cloud = Splats::join(of.degree, splats).finish(UpAxis::NegativeY);
@@ -172,7 +172,7 @@ pub(super) fn read_rows(rows: &VertexRows, of: &SplatColumns, progress: &Progres
     Ok(Part::finish(of, parts))
 }
 
-/// The filter that comments name; the last of them counts.
+/// Returns the filter that comments name; the last of them counts.
 pub(super) fn filter(comments: &[(u64, String)]) -> Option<Filter> {
     comments.iter().rev().find_map(|(_, text)| {
         let (name, value) = text.split_once([':', ' '])?;

@@ -6,7 +6,7 @@ use crate::cloud::depth_camera::is_depth_camera;
 use crate::cloud::upright::reason_for_z;
 use crate::cloud::{Bounds, UpAxis};
 
-/// Where a survey's coordinates begin that are not local ones, in its units.
+/// Smallest coordinates of a survey that are not local ones, in its units.
 const SURVEY: f64 = 1e4;
 
 /// Points that the vertical is told from, at most twice as many: places of hundredths among them are those among all.
@@ -17,9 +17,9 @@ pub(in crate::io) fn step(points: u64) -> usize {
     (points / SAMPLE).max(1) as usize
 }
 
-/// The vertical of points in a box, some of which are given: Y, as of models, but Z of what stands far from the origin along X and Y
-/// alone, as surveys do whose coordinates are eastings, northings and heights, −Y in the frame of a depth camera, and Z where only
-/// then the shape lies or stands as things do, with the reason.
+/// Returns the vertical of points in a box, some of which are given: Y, as of models, but Z of what stands far from the
+/// origin along X and Y alone, as surveys do whose coordinates are eastings, northings and heights, −Y in the frame of
+/// a depth camera, and Z where only then the shape lies or stands as things do, with the reason.
 pub(in crate::io) fn vertical(bounds: &Bounds, sample: &[DVec3]) -> (UpAxis, Option<&'static str>) {
     let (center, diagonal) = (bounds.center().abs(), bounds.diagonal());
     let surveyed =

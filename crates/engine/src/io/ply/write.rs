@@ -186,7 +186,7 @@ pub(super) fn header(
     Ok(())
 }
 
-/// The smallest type that keeps all positions.
+/// Returns the smallest type that keeps all positions.
 pub(super) fn narrowest_position(cloud: &Cloud) -> ScalarType {
     let single = cloud.positions.iter().all(|&p| p.as_vec3().as_dvec3() == p);
     if single { ScalarType::Float } else { ScalarType::Double }
@@ -203,7 +203,7 @@ pub(super) fn push_position(record: &mut Vec<u8>, position: DVec3, scalar: &Scal
     }
 }
 
-/// The property names of all scalars.
+/// Returns the property names of all scalars.
 pub(super) fn scalar_names(cloud: &Cloud) -> Vec<String> {
     cloud.scalars.iter().map(|(name, _)| scalar_name(cloud, name)).collect()
 }

@@ -5,27 +5,27 @@ fn at<const N: usize>(bytes: &[u8], place: usize) -> [u8; N] {
     bytes.get(place..).and_then(|rest| rest.first_chunk()).copied().unwrap_or([0; N])
 }
 
-/// A number of 16 bits.
+/// Returns a number of 16 bits.
 pub(in crate::io) fn short(bytes: &[u8], place: usize) -> u16 {
     u16::from_le_bytes(at(bytes, place))
 }
 
-/// A number of 32 bits.
+/// Returns a number of 32 bits.
 pub(in crate::io) fn word(bytes: &[u8], place: usize) -> u32 {
     u32::from_le_bytes(at(bytes, place))
 }
 
-/// A number of 64 bits.
+/// Returns a number of 64 bits.
 pub(super) fn long(bytes: &[u8], place: usize) -> u64 {
     u64::from_le_bytes(at(bytes, place))
 }
 
-/// A float32.
+/// Returns a float32.
 pub(in crate::io) fn float(bytes: &[u8], place: usize) -> f64 {
     f32::from_le_bytes(at(bytes, place)).into()
 }
 
-/// A float16.
+/// Returns a float16.
 pub(super) fn half(bytes: &[u8], place: usize) -> f64 {
     half::f16::from_le_bytes(at(bytes, place)).into()
 }

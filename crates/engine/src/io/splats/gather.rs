@@ -28,7 +28,7 @@ pub(in crate::io) struct Splat {
     pub alpha: f64,
 }
 
-/// The display value of coefficients of degree 0.
+/// Returns the display value of coefficients of degree 0.
 pub(in crate::io) fn from_coefficient(coefficient: DVec3) -> DVec3 {
     coefficient * Y0 + 0.5
 }
@@ -39,7 +39,7 @@ pub(in crate::io) struct Splats {
     positions: Vec<DVec3>,
     alphas: Vec<f32>,
     gaussians: Gaussians,
-    /// Splats left out because their centre is not finite.
+    /// Splats left out because their center is not finite.
     without_center: usize,
     /// Splats left out for another reason.
     odd: usize,
@@ -138,7 +138,7 @@ impl Splats {
         }
     }
 
-    /// The cloud of all of them.
+    /// Returns the cloud of all of them.
     pub fn finish(self, up: UpAxis) -> Cloud {
         let warning = (self.odd > 0).then(|| left_out(self.odd as u64));
         Cloud {
@@ -154,12 +154,12 @@ impl Splats {
     }
 }
 
-/// The warning that so many splats that have a centre are left out.
+/// Returns the warning that so many splats that have a center are left out.
 pub(in crate::io) fn left_out(count: u64) -> String {
     format!("{count} {LEFT_OUT}")
 }
 
-/// Why splats of a cloud were left out that have a centre.
+/// Returns the reason why splats of a cloud were left out that have a center.
 pub(in crate::io) fn reason(cloud: &Cloud) -> Option<&str> {
     cloud.warnings.iter().find(|warning| warning.ends_with(LEFT_OUT)).map(String::as_str)
 }

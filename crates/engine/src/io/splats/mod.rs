@@ -44,7 +44,8 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// The format of a file with these first bytes; if they are those of no format, that of its extension, which is in lower case.
+    /// Returns the format of a file with these first bytes; if they are those of no format, that of its extension,
+    /// which is in lower case.
     pub fn detect(path: &Path, extension: &str, start: &[u8]) -> Option<Self> {
         let is_text = start.trim_ascii_start().starts_with(b"{");
         match extension {
@@ -59,7 +60,7 @@ impl Kind {
         }
     }
 
-    /// True if the extension, in lower case, is that of one of the formats.
+    /// Returns `true` if the extension, in lower case, is that of one of the formats.
     pub fn has_extension(extension: &str) -> bool {
         matches!(extension, "splat" | "spz" | "sog" | "ksplat" | "gltf" | "glb")
     }

@@ -5,8 +5,9 @@ use glam::Vec3;
 use crate::cloud::Cloud;
 use crate::cloud::gaussians::Gaussians;
 
-/// The points of a cloud with the columns of another one. Where it lacks one, they are white, opaque, without normal, of class 0, and have
-/// no number (NaN) as intensity and scalars. There is no such value for radii and what was prepared.
+/// Returns the points of a cloud with the columns of another one. Where it lacks one, they are white, opaque, without
+/// normal, of class 0, and have no number (NaN) as intensity and scalars. There is no such value for radii and what was
+/// prepared.
 pub(super) fn fitted(cloud: Cloud, like: &Cloud) -> Cloud {
     fn column<T: Clone>(own: Option<Vec<T>>, like: &Option<Vec<T>>, missing: T, len: usize) -> Option<Vec<T>> {
         like.as_ref().map(|_| own.unwrap_or_else(|| vec![missing; len]))

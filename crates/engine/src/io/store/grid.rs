@@ -11,7 +11,8 @@ const BITS: i32 = 30;
 /// Bits of a float64.
 const MANTISSA: i32 = 52;
 
-/// How far offsets may be from whole steps of a grid that they share, in steps: texts of offsets have few digits.
+/// Largest difference of offsets from whole steps of a grid that they share, in steps: texts of offsets have few
+/// digits.
 const COMMENSURABLE: f64 = 1e-4;
 
 /// Positions scale·i + offset of integers i, axis by axis.
@@ -37,26 +38,26 @@ impl From<Grid> for [[f64; 3]; 2] {
 }
 
 impl Grid {
-    /// The position of three integers, rounded as that of a LAS point is: product and sum by themselves.
+    /// Returns the position of three integers, rounded as that of a LAS point is: product and sum by themselves.
     pub fn position(&self, at: [i32; 3]) -> DVec3 {
         self.scale * DVec3::from(at.map(f64::from)) + self.offset
     }
 
-    /// The integers whose position is nearest; `None` if they have more than 32 bits.
+    /// Returns the integers whose position is nearest; `None` if they have more than 32 bits.
     pub fn nearest(&self, position: DVec3) -> Option<[i32; 3]> {
         let steps = ((position - self.offset) / self.scale).round().to_array();
         let fits = |step: &f64| (f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(step);
         steps.iter().all(fits).then(|| steps.map(|step| step as i32))
     }
 
-    /// True if scales are above 0, and the positions of all integers finite.
+    /// Returns `true` if scales are above 0, and the positions of all integers finite.
     pub fn is_valid(&self) -> bool {
         let ends = [i32::MIN, i32::MAX].map(|end| self.position([end; 3]));
         self.scale.min_element() > 0.0 && ends.iter().all(|end| end.is_finite())
     }
 
-    /// A grid of steps of a power of two, the finest that 30 bits span; `None` if the box is too large for float64. Positions
-    /// that are multiples of a step, as small float32 numbers often are, keep every bit.
+    /// Returns a grid of steps of a power of two, the finest that 30 bits span; `None` if the box is too large for
+    /// float64. Positions that are multiples of a step, as small float32 numbers often are, keep every bit.
     pub fn around(bounds: &Bounds) -> Option<Self> {
         let extent = (bounds.max - bounds.min).max_element();
         let far = bounds.min.abs().max(bounds.max.abs()).max_element();
@@ -70,7 +71,7 @@ impl Grid {
         Some(Self { scale: DVec3::splat(step), offset: (bounds.min / step).floor() * step })
     }
 
-    /// The first of some grids if all others have its steps and lie on it, and if it spans a box.
+    /// Returns the first of some grids if all others have its steps and lie on it, and if it spans a box.
     pub fn shared(grids: &[Option<Self>], bounds: &Bounds) -> Option<Self> {
         let first = grids.first().copied().flatten().filter(Self::is_valid)?;
         let lies_on = |grid: &Option<Self>| {

@@ -16,7 +16,7 @@ pub struct Held {
 }
 
 impl Held {
-    /// A cloud with points, as one node.
+    /// Returns a cloud with points, as one node.
     ///
     /// # Errors
     /// No points.
@@ -35,7 +35,7 @@ impl Held {
 }
 
 impl Held {
-    /// The same cloud, all of whose positions lie on a grid.
+    /// Returns the same cloud, all of whose positions lie on a grid.
     #[must_use]
     pub fn on_grid(mut self, grid: Option<Grid>) -> Self {
         self.summary.grid = grid;

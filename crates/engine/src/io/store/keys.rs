@@ -15,7 +15,7 @@ pub(super) struct Key {
 }
 
 impl Key {
-    /// The key of some numbers; `None` if that is no node of an octree.
+    /// Returns the key of some numbers; `None` if that is no node of an octree.
     pub fn new([level, place @ ..]: [i64; 4]) -> Option<Self> {
         let level = u32::try_from(level).ok().filter(|&level| level <= DEEPEST)?;
         let place = place.map(|at| u32::try_from(at).ok().filter(|&at| u64::from(at) < 1 << level));
@@ -23,7 +23,7 @@ impl Key {
         Some(Self { level, place: [x, y, z] })
     }
 
-    /// The key of a name as `3-1-0-7`.
+    /// Returns the key of a name as `3-1-0-7`.
     pub fn parse(name: &str) -> Option<Self> {
         let mut numbers = name.split('-').map(str::parse::<u32>);
         let mut next = || Some(i64::from(numbers.next()?.ok()?));
@@ -31,7 +31,7 @@ impl Key {
         if numbers.next().is_some() { None } else { Self::new(key) }
     }
 
-    /// The node above; `None` of the root.
+    /// Returns the node above; `None` of the root.
     pub fn parent(self) -> Option<Self> {
         let level = self.level.checked_sub(1)?;
         Some(Self { level, place: self.place.map(|at| at / 2) })
@@ -53,13 +53,13 @@ impl std::fmt::Display for Key {
     }
 }
 
-/// The part of a box that lies in another; `None` if they have no point in common.
+/// Returns the part of a box that lies in another; `None` if they have no point in common.
 pub(super) fn cut(a: Bounds, b: Bounds) -> Option<Bounds> {
     let (min, max) = (a.min.max(b.min), a.max.min(b.max));
     min.cmple(max).all().then_some(Bounds { min, max })
 }
 
-/// The place of the closest node above each one in a sorted list of keys.
+/// Returns the place of the closest node above each one in a sorted list of keys.
 pub(super) fn parents(keys: &[Key]) -> Vec<Option<u32>> {
     let above = |key: &Key| {
         let mut key = *key;

@@ -96,14 +96,14 @@ fn pieces(chunks: &[Chunk]) -> Vec<Range<usize>> {
     pieces
 }
 
-/// What is known of the whole of a file.
+/// Returns what is known of the whole of a file.
 pub(super) fn summary(file: &LasFile, traits: &Traits, bounds: Bounds) -> Summary {
     let like = file.finish(Columns::new(&file.header, file.asked), traits);
     let path = file.file.path().to_path_buf();
     Summary { path, points: file.header.count, bounds, up: like.up, ranges: Vec::new(), grid: Some(file.grid()), like }
 }
 
-/// The points of some chunks, which should lie in a box.
+/// Returns the points of some chunks, which should lie in a box.
 pub(super) fn read(file: &LasFile, chunks: &[Chunk], traits: &Traits, bounds: &Bounds) -> Result<Piece, Error> {
     let decode = |chunk: &Chunk| {
         let columns = file.decode(chunk, &Progress::hidden())?;
@@ -145,7 +145,7 @@ pub(super) fn no_points(file: &LasFile) -> Error {
 /// Chunks that are decoded side by side at most.
 const MOST_AT_A_TIME: usize = 64;
 
-/// What decides about the columns of a file, from as many of its chunks as that takes.
+/// Facts that decide about the columns of a file, from as many of its chunks as that takes.
 pub(super) struct Survey {
     pub traits: Traits,
     /// The boxes of the points of the chunks that were decoded for it, in their order, if they are asked for.

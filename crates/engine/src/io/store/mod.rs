@@ -36,7 +36,7 @@ const PIECE: u64 = 500_000;
 
 /// A cloud whose nodes are read one by one, by any number of threads at once.
 pub trait Store: Debug + Send + Sync {
-    /// What is known of the whole cloud.
+    /// Returns what is known of the whole cloud.
     fn summary(&self) -> &Summary;
 
     /// The nodes, parents before their children. Each point of the cloud is in one of them.
@@ -48,7 +48,7 @@ pub trait Store: Debug + Send + Sync {
     /// The node can't be read, is damaged, or isn't as [`Self::nodes`] describes it.
     fn read(&self, node: usize) -> Result<Piece, Error>;
 
-    /// What follows from all points, if the store has it.
+    /// Returns what follows from all points, if the store has it.
     ///
     /// # Errors
     /// It can't be read, or is that of another store.
@@ -57,7 +57,7 @@ pub trait Store: Debug + Send + Sync {
     }
 }
 
-/// What follows from all points of a cloud.
+/// Facts that follow from all points of a cloud.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Survey {
     /// Facts about all points.
@@ -66,7 +66,7 @@ pub struct Survey {
     pub sample: Cloud,
 }
 
-/// What is known of a cloud in nodes before any of them is read.
+/// Facts about a cloud in nodes, known before any of them is read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
     /// The file or folder.

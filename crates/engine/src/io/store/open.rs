@@ -58,8 +58,8 @@ pub fn open(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn St
     }
 }
 
-/// The points that a cloud announces, without a look at them, and the degree of the harmonics if they are Gaussians; `None` of files that
-/// say nothing of it, or that are read as a whole.
+/// Returns the points that a cloud announces, without a look at them, and the degree of the harmonics if they are
+/// Gaussians; `None` of files that say nothing of it, or that are read as a whole.
 ///
 /// # Errors
 /// It can't be opened.
@@ -86,12 +86,12 @@ pub fn announced(path: &Path, hints: &Hints) -> Result<Option<(u64, Option<u32>)
     }
 }
 
-/// True if a path is a folder that is a store, or the file that describes it.
+/// Returns `true` if a path is a folder that is a store, or the file that describes it.
 pub fn is_folder(path: &Path) -> bool {
     is_ept(path) || Octree::is_one(path)
 }
 
-/// True if a cloud has levels of detail: a folder that is a store, or COPC.
+/// Returns `true` if a cloud has levels of detail: a folder that is a store, or COPC.
 ///
 /// # Errors
 /// It can't be opened.
@@ -116,7 +116,7 @@ fn whole(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn Store
     Ok(Box::new(Held::new(path, load_with(path, hints, progress)?)?))
 }
 
-/// What is said of hints that are for other files.
+/// Returns a warning about hints that are for other files.
 fn warning(hints: &Hints) -> Option<String> {
     hints.columns.map(|_| NAMES_WITHOUT_EFFECT.to_owned())
 }

@@ -48,7 +48,7 @@ impl PlyPieces {
         }
     }
 
-    /// The pieces of a PLY file; `None` if it has to be read as a whole.
+    /// Returns the pieces of a PLY file; `None` if it has to be read as a whole.
     pub(super) fn new(source: Source) -> Result<Option<Self>, Error> {
         let (Vertices::Rows(rows), comments) = Vertices::find(source)? else { return Ok(None) };
         if is_prepared(&comments) {
@@ -103,7 +103,7 @@ impl Store for PlyPieces {
     }
 }
 
-/// What all points tell together.
+/// Facts that all points tell together.
 struct Survey {
     whole: Whole,
     non_finite: usize,

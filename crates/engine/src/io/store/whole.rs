@@ -7,7 +7,7 @@ use crate::cloud::Cloud;
 use crate::io::{Error, splats};
 use crate::progress::Progress;
 
-/// All points of a store in the order of its source, with what the store knows of all of them.
+/// Returns all points of a store in the order of its source, with what the store knows of all of them.
 ///
 /// # Errors
 /// Those of [`Store::read`].

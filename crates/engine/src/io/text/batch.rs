@@ -19,7 +19,7 @@ pub(super) struct Batch {
 
 /// The rows of a batch.
 pub(super) struct Parsed<P> {
-    /// What was made of the rows of each part.
+    /// Results for the rows of each part.
     pub parts: Vec<P>,
     pub rows: u64,
     fields: Fields,
@@ -27,7 +27,7 @@ pub(super) struct Parsed<P> {
 }
 
 impl Batch {
-    /// The next lines; `None` at the end of the file.
+    /// Returns the next lines; `None` at the end of the file.
     pub fn read(lines: &mut Lines) -> Result<Option<Self>, Error> {
         let mut bytes = Vec::new();
         let reader = &mut lines.source.reader;
@@ -37,8 +37,8 @@ impl Batch {
         Ok((!bytes.is_empty()).then_some(Self { bytes }))
     }
 
-    /// The rows of all lines, of which each thread makes something; `None` if a line is no row of so many numbers, or if decimal
-    /// marks differ.
+    /// Returns the rows of all lines, of which each thread makes something; `None` if a line is no row of so many
+    /// numbers, or if decimal marks differ.
     pub fn parse<P: Send>(
         &self,
         fields: &Fields,

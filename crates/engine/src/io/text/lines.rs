@@ -47,12 +47,12 @@ impl<'s> Lines<'s> {
         }
     }
 
-    /// An error about the line last read.
+    /// Returns an error about the line last read.
     pub fn malformed(&self, cause: impl Into<String>) -> Error {
         self.source.malformed(format!("line {}", self.number), cause)
     }
 
-    /// An error about a field of the line last read.
+    /// Returns an error about a field of the line last read.
     pub fn wrong(&self, fault: Fault) -> Error {
         match fault.column {
             Some(column) => self.source.malformed(format!("line {}, column {column}", self.number), fault.cause),
@@ -68,7 +68,7 @@ pub(super) struct Fault {
     cause: String,
 }
 
-/// The text of a comment; `None` for other lines.
+/// Returns the text of a comment; `None` for other lines.
 pub(super) fn comment(line: &str) -> Option<&str> {
     line.strip_prefix('#').or_else(|| line.strip_prefix("//")).map(str::trim)
 }
@@ -83,8 +83,8 @@ pub(super) enum Delimiter {
 }
 
 impl Delimiter {
-    /// The first of semicolon, comma and tab that a line has, else blanks. A tab counts if it makes three fields, a comma if
-    /// it isn't the decimal mark of fields between tabs or blanks.
+    /// Returns the first of semicolon, comma and tab that a line has, else blanks. A tab counts if it makes three
+    /// fields, a comma if it isn't the decimal mark of fields between tabs or blanks.
     pub fn detect(line: &str) -> Self {
         let tabs = line.matches('\t').count() >= 2 && line.split('\t').all(|field| !field.trim().contains(' '));
         match line {
@@ -103,7 +103,7 @@ impl Delimiter {
         }
     }
 
-    /// The fields of a line of names. In quotes they may have the delimiter in them.
+    /// Returns the fields of a line of names. In quotes they may have the delimiter in them.
     pub fn names(self, line: &str) -> Vec<String> {
         let mut names = Vec::new();
         if line.contains('"') {
@@ -136,7 +136,7 @@ pub(super) struct Fields {
 }
 
 impl Fields {
-    /// The fields of lines like this one. Columns that are `skipped` may hold text.
+    /// Returns the fields of lines like this one. Columns that are `skipped` may hold text.
     pub fn detect(line: &str, skipped: Vec<bool>) -> Self {
         Self { delimiter: Delimiter::detect(line), skipped, mark: None }
     }
@@ -197,7 +197,7 @@ fn marked(line: &str, field: &str, mark: &mut Option<char>) -> Result<f64, Fault
     Ok(value)
 }
 
-/// A number with a decimal point or comma.
+/// Returns a number with a decimal point or comma.
 pub(super) fn any_number(field: &str) -> Option<f64> {
     number(field).or_else(|| decimal_comma(field))
 }

@@ -30,7 +30,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// The kind that files of an extension have, in lower case; `None` if they are no text.
+    /// Returns the kind that files of an extension have, in lower case; `None` if they are no text.
     pub fn of_extension(extension: &str) -> Option<Self> {
         match extension {
             "pts" => Some(Self::Pts),

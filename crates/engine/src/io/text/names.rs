@@ -37,7 +37,7 @@ impl ColumnNames {
         &self.0
     }
 
-    /// True for each column that is skipped, which may hold text.
+    /// Returns `true` for each column that is skipped, which may hold text.
     pub(super) fn skipped(&self) -> Vec<bool> {
         self.0.iter().map(|name| name == "-").collect()
     }
@@ -50,7 +50,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// The layout of named columns: `-` is skipped, and a repeated name gets a number.
+    /// Returns the layout of named columns: `-` is skipped, and a repeated name gets a number.
     pub fn from_names(names: &[String]) -> Self {
         let mut taken: HashMap<String, usize> = HashMap::new();
         let (mut columns, mut at) = (Vec::new(), Vec::new());
@@ -75,7 +75,7 @@ fn canonical(name: &str) -> &str {
     }
 }
 
-/// The columns of PTS and PTX files, by their number.
+/// Returns the columns of PTS and PTX files, by their number.
 pub(super) fn of_scanners(columns: usize) -> Option<Vec<String>> {
     let names: &[&str] = match columns {
         3 => &["x", "y", "z"],
@@ -122,7 +122,7 @@ pub(super) fn by_values(columns: usize, parts: &[Vec<f64>]) -> Vec<String> {
 /// Tolerance for the length of a written unit vector around 1: two decimals.
 const UNIT_TOLERANCE: f64 = 0.02;
 
-/// True if all three numbers are unit vectors or zero, and not all zero.
+/// Returns `true` if all three numbers are unit vectors or zero, and not all zero.
 fn is_normal(parts: &[Vec<f64>], columns: usize, at: usize) -> bool {
     // Whether a part has unit vectors; `None` if it has others.
     let has_units = |part: &Vec<f64>| {
@@ -135,7 +135,7 @@ fn is_normal(parts: &[Vec<f64>], columns: usize, at: usize) -> bool {
     parts.par_iter().map(has_units).try_reduce(|| false, |a, b| Some(a || b)) == Some(true)
 }
 
-/// True if three columns are color channels of one range: fractions of 1, or integers of 255 or 65535.
+/// Returns `true` if three columns are color channels of one range: fractions of 1, or integers of 255 or 65535.
 fn is_color(parts: &[Vec<f64>], columns: usize, at: usize) -> bool {
     // The largest values of a part and whether all are integers; `None` if some are out of any range.
     let range = |part: &Vec<f64>| {

@@ -181,7 +181,7 @@ impl Table {
         Ok(())
     }
 
-    /// True if a line announces the points of another scan; only valid after all points of the previous one.
+    /// Returns `true` if a line announces the points of another scan; only valid after all points of the previous one.
     fn begins_block(&mut self, lines: &Lines, line: &str) -> Result<bool, Error> {
         let Some(block) = &self.block else { return Ok(false) };
         if self.points - block.start != block.announced {
@@ -220,7 +220,7 @@ enum Part {
     Kept(Vec<f64>),
 }
 
-/// What the values of a line are.
+/// Roles of the values of a line.
 struct Places {
     layout: columns::Layout,
     /// The value of a line that each column of the layout takes.
@@ -314,8 +314,8 @@ impl Rows {
     }
 }
 
-/// True if the first bytes of a file are those of a table: a line of three or more numbers, possibly after comments and
-/// a count.
+/// Returns `true` if the first bytes of a file are those of a table: a line of three or more numbers, possibly after
+/// comments and a count.
 pub(in crate::io) fn looks_like_one(start: &[u8]) -> bool {
     if start.contains(&0) {
         return false;

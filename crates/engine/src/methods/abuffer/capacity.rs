@@ -1,4 +1,4 @@
-//! How many fragments the memory has room for, and the bands of pixels that follow from it.
+//! Number of fragments that the memory has room for, and the bands of pixels that follow from it.
 
 use super::samples::{COLOR_BYTES, MOST_SAMPLES, SAMPLE_BYTES};
 use super::{ABuffer, Counted, FRAGMENT_BYTES, INDEX_BYTES, PIXEL_BYTES, Storing, WindowJob, in_place_length};

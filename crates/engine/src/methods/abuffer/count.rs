@@ -22,7 +22,7 @@ pub(super) struct Counted {
     /// As the last two, but a sphere counts once, however many events it has.
     pub(super) bodies: u32,
     most_bodies: u32,
-    /// Where the counts are found.
+    /// Place at which the counts are found.
     place: Place,
 }
 
@@ -39,7 +39,7 @@ impl Counted {
         Self { overflow: words[0] != 0, lengths, total, bodies, most_bodies, place }
     }
 
-    /// What adds the counts themselves to those of the frame.
+    /// Returns a closure that adds the counts themselves to those of the frame.
     pub(super) fn noting(&self, job: &WindowJob<'_>, bands: Vec<Band>) -> impl FnOnce(&mut Facts, &Timeline) + 'static {
         let (place, events, need) = (self.place, job.storing.counted_beside(), Need::for_window(job, self));
         move |facts, timeline| {
@@ -135,7 +135,7 @@ impl ABuffer {
     }
 }
 
-/// The variant of `abuffer/measure`: lists longer than `long` are long.
+/// Returns the variant of `abuffer/measure`: lists longer than `long` are long.
 pub(super) fn measure_variant(long: u32) -> Variant {
     Variant::plain().with("RUN", MEASURE_RUN as f64).with("LONG", long)
 }

@@ -17,7 +17,7 @@ use crate::scene::{DiscShape, Discs, Kernel, LongLists, Method, Order as Gaussia
 /// Pixels of a splat's rectangle, on average, from which on an A-buffer is filled tile by tile (measured on lavapipe).
 pub const ORDERED_AREA: u64 = 32;
 
-/// The conversion of a cloud's discs and Gaussians to splats.
+/// Returns the conversion of a cloud's discs and Gaussians to splats.
 pub fn projecting(frame: &Frame, cloud: &DeviceCloud, discs: &Discs) -> Projecting {
     let of_discs = frame.projecting(cloud, footprint(discs.shape), UNCLAMPED, Part::All);
     if !cloud.has_gaussians() {
@@ -35,15 +35,15 @@ pub fn projecting(frame: &Frame, cloud: &DeviceCloud, discs: &Discs) -> Projecti
 pub(crate) struct ListEngine {
     /// The discs.
     pub discs: Discs,
-    /// True if fragments are stored in linked lists.
+    /// `true` if fragments are stored in linked lists.
     pub linked: bool,
     /// The depths that pixels get.
     pub shown: Shown,
 }
 
 impl ListEngine {
-    /// The engine that finds other depths than the first fragment's in the images of a method, by the same fragments in the same
-    /// order. `None` for methods whose images don't follow from sorted lists of all fragments.
+    /// Returns the engine that finds other depths than the first fragment's in the images of a method, by the same
+    /// fragments in the same order. `None` for methods whose images don't follow from sorted lists of all fragments.
     pub fn showing(method: &Method, shown: Shown) -> Option<Self> {
         let merged = |discs| Discs { long_lists: LongLists::Merge, ..discs };
         let (discs, linked) = match *method {
@@ -76,8 +76,8 @@ impl ListEngine {
         if self.are_ellipsoids(cloud) { Ok(Walker::Compute) } else { walker(device, self.discs.raster, window) }
     }
 
-    /// True if lists are filled tile by tile from sorted splats. Only flat discs then arrive in blending order, and it
-    /// only pays for large splats.
+    /// Returns `true` if lists are filled tile by tile from sorted splats. Only flat discs then arrive in blending
+    /// order, and it only pays for large splats.
     fn in_order(&self, device: &Device, frame: &Frame, job: &bin::Job<'_>) -> bool {
         let visible: u64 = job.raster.stats.iter().map(|s| u64::from(s.visible)).sum();
         // Only lists of fragments tell other depths than the first, and frames that ask for some go through the lists more than
@@ -94,7 +94,7 @@ impl ListEngine {
             && Bins::least_bytes(device, job) <= job.budget.left(0) / 4
     }
 
-    /// The lists of a frame that fits in one window and band, before sorting.
+    /// Returns the lists of a frame that fits in one window and band, before sorting.
     pub fn lists(
         &self,
         device: &Device,

@@ -23,12 +23,12 @@ const LONG: [(&str, Option<LongLists>); 7] = [
     ("abuffer/combine", None),
 ];
 
-/// The passes that find the lengths of lists.
+/// Returns the passes that find the lengths of lists.
 pub(crate) fn count_group() -> PassGroup {
     PassGroup::new(&COUNT, Absent::Discs("no lists"))
 }
 
-/// The passes of events of ellipsoids.
+/// Returns the passes of events of ellipsoids.
 pub(crate) fn ellipsoid_group() -> PassGroup {
     let names = [
         "ellipsoids/count",
@@ -42,12 +42,12 @@ pub(crate) fn ellipsoid_group() -> PassGroup {
     PassGroup::new(&names, Absent::Discs("no ellipsoids"))
 }
 
-/// The passes of lists once their lengths are known.
+/// Returns the passes of lists once their lengths are known.
 pub(crate) fn list_group() -> PassGroup {
     PassGroup { names: list_passes(), absent: Absent::Discs("no lists") }
 }
 
-/// The passes of lists once their lengths are known.
+/// Returns the passes of lists once their lengths are known.
 pub(crate) fn list_passes() -> Vec<&'static str> {
     let kernels = ["abuffer/resolve-ordered", "abuffer/end", "abuffer/median"]
         .into_iter()
@@ -188,10 +188,10 @@ fn kernels(plan: &mut Plan<'_>, longest: u32, discs: &Discs) {
     plan.add("abuffer/median", long && wanted, if wanted { reason } else { NO_MEDIANS.to_owned() });
 }
 
-/// Why no medians are found.
+/// Reason why no medians are found.
 const NO_MEDIANS: &str = "neither eye-dome lighting (shading.edl) nor median depths requested";
 
-/// True if the depths are wanted at which half of the light or less is left.
+/// Returns `true` if the depths are wanted at which half of the light or less is left.
 fn wants_medians(plan: &Plan<'_>) -> bool {
     plan.frame.shading.edl.edl || plan.frame.depths
 }

@@ -53,7 +53,7 @@ pub const INDEX_BYTES: u64 = 4;
 /// Bytes per pixel of a window: count, offset, their share of the scan's levels, and place in the work list.
 pub const PIXEL_BYTES: u64 = 13;
 
-/// The footprint of a disc's shape.
+/// Returns the footprint of a disc's shape.
 pub fn footprint(shape: DiscShape) -> Footprint {
     match shape {
         DiscShape::Flat => Footprint::Disc,
@@ -76,7 +76,7 @@ pub struct ABuffer {
     records: Kept<[u32; 4]>,
     /// Bodies of each pixel that events are of (spheres, ellipsoids, discs), where they are counted beside, and their lengths.
     bodies: Kept<u32>,
-    /// True if they were, of the last window.
+    /// `true` if they were, of the last window.
     beside: bool,
     told_bodies: Told<u32>,
     body_lengths: Buffer<Lengths>,
@@ -85,7 +85,7 @@ pub struct ABuffer {
     taken: samples::Buffers,
 }
 
-/// Which depth of its list a pixel gets.
+/// Depth of its list that a pixel gets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shown {
     /// That of the first fragment with opacity.
@@ -96,7 +96,7 @@ pub enum Shown {
     Mean,
 }
 
-/// How fragments get to their pixels' ranges of the buffer.
+/// Way in which fragments get to their pixels' ranges of the buffer.
 #[derive(Clone, Copy)]
 pub enum Storing<'a> {
     /// Each into a slot that its pixel hands out.
@@ -156,7 +156,7 @@ pub struct WindowJob<'a> {
     pub raster: Raster<'a>,
     /// Shape, falloff, and how long lists are sorted.
     pub discs: Discs,
-    /// How fragments are stored.
+    /// Way in which fragments are stored.
     pub storing: Storing<'a>,
     /// The value of `STOP` in WGSL, and the bound on colors that goes with it.
     pub stop: (u32, f32),
@@ -164,7 +164,7 @@ pub struct WindowJob<'a> {
     pub shown: Shown,
     /// The memory that may be used, without what tiles take.
     pub budget: Budget,
-    /// How many samples each fragment has room for, where samples are asked for and no image.
+    /// Number of samples that each fragment has room for, where samples are asked for and no image.
     pub samples: Option<u32>,
 }
 
@@ -340,7 +340,7 @@ impl ABuffer {
     }
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let gather = || <(Cut, Lanes)>::all().into_iter().map(|(cut, lanes)| bin::gather_variant(cut, lanes));
     let mut all = vec![

@@ -17,10 +17,10 @@ pub(super) const SAMPLE_BYTES: u64 = 2 * (COLOR_BYTES + 8);
 /// Samples of a band at most, unless a pixel has more: 96 MiB of them.
 pub(super) const MOST_SAMPLES: u64 = 1 << 22;
 
-/// How samples are taken.
+/// Way in which samples are taken.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sampling {
-    /// True if each ellipsoid is one sample, however many of them overlap.
+    /// `true` if each ellipsoid is one sample, however many of them overlap.
     pub bodies: bool,
 }
 
@@ -28,11 +28,11 @@ pub(crate) struct Sampling {
 pub(crate) struct Taken<'a> {
     /// The pixels among those of the window.
     pub pixels: [u32; 2],
-    /// Where in the band the list of each pixel begins, and the last ends.
+    /// Index in the band at which the list of each pixel begins, and the last ends.
     pub offsets: Vec<usize>,
     /// Color times opacity, and opacity; below 0 where there is no sample.
     pub colors: &'a [[f32; 4]],
-    /// Where each begins and ends.
+    /// Depths at which each sample begins and ends.
     pub depths: &'a [[f32; 2]],
 }
 

@@ -240,7 +240,7 @@ fn run_bytes(rounds: &[u32]) -> u64 {
     STATE_BYTES + rounds.first().map_or(0, |slots| 16 + SLOT_BYTES * u64::from(*slots))
 }
 
-/// An error whose budget leaves room for `more` bytes besides.
+/// Returns an error whose budget leaves room for `more` bytes besides.
 pub(super) fn beside(error: Error, more: u64) -> Error {
     match error {
         Error::SortOverBudget { points, needed, available, .. } => {
@@ -378,9 +378,9 @@ impl Approximations {
 /// One of the runs that it takes to get through the tiles' splats.
 #[derive(Debug, Clone, Copy)]
 pub struct OneRun {
-    /// Which; all but the first go on from the result of others.
+    /// Number of the part; all but the first go on from the result of others.
     pub number: u32,
-    /// How many there are; with more than one, each leaves what it knows.
+    /// Number of parts; with more than one, each leaves what it knows.
     pub of: u32,
     /// The invocations that go through the tiles.
     pub lanes: Lanes,
@@ -391,9 +391,9 @@ pub struct OneRun {
 pub struct Round {
     /// Fragments that it composes.
     pub slots: u32,
-    /// True if other runs came before.
+    /// `true` if other runs came before.
     pub behind: bool,
-    /// True if it is the last one, and what falls out of it is averaged.
+    /// `true` if it is the last one, and what falls out of it is averaged.
     pub tail: bool,
 }
 
@@ -520,7 +520,7 @@ fn variants<W>(footprints: &[Footprint], ways: &[W], of: impl Fn(Variant, OneRun
     all
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let sums = |footprints: &[Footprint]| variants(footprints, &[()], |shape, run, ()| sum_variant(shape, run));
     // The last round, which is the first one or not, has the slots that are left, and a tail or not.

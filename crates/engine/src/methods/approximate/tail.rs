@@ -45,7 +45,7 @@ pub(super) struct Tail<'a> {
     pub sums: Sums<'a>,
     pub lasts: Slice<'a, [u32; 2]>,
     pub known: Slice<'a, [f32; 2]>,
-    /// How many moments.
+    /// Number of moments.
     pub moments: MomentCount,
     pub core_alpha_min: f32,
     /// Near and far.
@@ -69,7 +69,7 @@ pub(super) fn pixel_bytes(moments: MomentCount) -> u64 {
     fading::PAIR_BYTES * fading::pairs(moments) + super::LAST_BYTES
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub(super) fn shaders() -> [Shader; 2] {
     [Shader::new::<GatherTail>(fading::by_moments(learning)), Shader::new::<WeighTail>(fading::by_moments(leaving))]
 }

@@ -18,11 +18,11 @@ use crate::scene::{Discs, Kernel};
 
 /// Hands on the samples of each window.
 pub(crate) struct DeepEngine<'a> {
-    /// What they are of.
+    /// Source of the samples.
     pub source: Source,
-    /// How orderly they are to be.
+    /// Order that the samples need.
     pub state: State,
-    /// Where they go; nobody asks for them if a frame is only surveyed.
+    /// Sink that takes the samples; nobody asks for them if a frame is only surveyed.
     pub sink: RefCell<&'a mut Sink<'a>>,
     /// Samples at most, of the windows so far.
     pub most: Cell<u64>,

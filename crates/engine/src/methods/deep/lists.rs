@@ -9,7 +9,7 @@ use crate::output::deep::{Sample, State, tidy};
 /// Pixels that are worked on together.
 const PIXELS: usize = 1024;
 
-/// Which samples of a list are part of an image, and how orderly they are to be.
+/// Samples of a list that are part of an image, and the order that they need.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wanted {
     pub state: State,
@@ -69,8 +69,8 @@ impl Wanted {
     }
 }
 
-/// How many samples a list has before its end (shaders/shared/early_end.wgsl): by the same float32 sums, of long lists run by run, so that
-/// both decide alike.
+/// Returns the number of samples that a list has before its end (shaders/shared/early_end.wgsl): by the same float32
+/// sums, of long lists run by run, so that both decide alike.
 fn before_end(list: &[Sample], stop: f32) -> usize {
     let run = LOCAL_LENGTH as usize;
     let opacity = |sum: f32, sample: &Sample| sum + (1.0 - sum) * sample.rgba[3];

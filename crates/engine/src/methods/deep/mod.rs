@@ -18,7 +18,7 @@ use super::soft::{Interior, SpheresEngine};
 use crate::output::deep::{Sample, State};
 use crate::scene::{ColorSpace, Discs, Error, Kernel, LongLists, Method, Order, Peel};
 
-/// The passes of samples.
+/// Returns the passes of samples.
 pub(crate) fn pass_group() -> PassGroup {
     PassGroup::new(
         &["abuffer/samples", "ellipsoids/samples", "soft/samples"],
@@ -29,7 +29,7 @@ pub(crate) fn pass_group() -> PassGroup {
 /// Takes the next pixels of an image, row by row: how many samples each has, and all their samples.
 pub type Sink<'a> = dyn FnMut(&[u32], &[Sample]) -> io::Result<()> + 'a;
 
-/// What a deep image is made of.
+/// Source of a deep image.
 pub(crate) enum Source {
     /// Discs and Gaussians, of each pixel at most so many; all of them with 0.
     Discs(Discs, u32),
@@ -94,7 +94,7 @@ pub fn check(frame: &Frame, gaussians: bool, state: State) -> Result<(), Error> 
     Ok(())
 }
 
-/// True if the samples of a frame have a length; `gaussians`: the scene has some.
+/// Returns `true` if the samples of a frame have a length; `gaussians`: the scene has some.
 pub fn has_volumes(method: &Method, gaussians: bool) -> bool {
     match Source::of(method) {
         Some(Source::Discs(discs, _)) => gaussians && discs.gaussians.kernel == Kernel::Ellipsoid,

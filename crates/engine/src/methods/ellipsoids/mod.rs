@@ -40,11 +40,11 @@ impl Default for Sums {
 /// A band's lists, sorted, and their runs.
 #[derive(Clone, Copy)]
 pub struct Sorted<'a> {
-    /// How the splats are reached.
+    /// Way to reach the splats.
     pub composing: Composing<'a>,
     /// The same.
     pub cut: Cut,
-    /// How opacity falls toward the rim of a disc.
+    /// Falloff of opacity toward the rim of a disc.
     pub falloff: Falloff,
     /// Counts and indirect arguments.
     pub work: Slice<'a, LongWork>,
@@ -52,9 +52,9 @@ pub struct Sorted<'a> {
     pub runs: Slice<'a, ListRun>,
     /// The lists.
     pub lists: Slice<'a, LongList>,
-    /// Where their events are.
+    /// Buffer of their events.
     pub fragments: Slice<'a, [u32; 2]>,
-    /// Where the composed runs come out.
+    /// Buffer that the composed runs are written to.
     pub partials: Slice<'a, Partial>,
 }
 
@@ -95,7 +95,7 @@ impl Sums {
         Ok(recorder.run(&Carry { work, lists, sums }, (), &Run::new(long_groups(work, 4)))?)
     }
 
-    /// The sums themselves.
+    /// Returns the sums themselves.
     pub fn sums(&self) -> Slice<'_, RunSums> {
         self.0.get().all()
     }
@@ -170,7 +170,7 @@ fn samples_variant(run: Variant, bodies: bool) -> Variant {
     run.with("BODIES", u32::from(bodies))
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let walked = || raster::computed_variants(&[Footprint::Gaussian], SEGMENT);
     let runs = || <(Cut, Falloff)>::all().into_iter().map(|(cut, falloff)| run_variant(cut, falloff));

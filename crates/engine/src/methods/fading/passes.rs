@@ -10,7 +10,7 @@ use crate::scene::{Falloff, MAX_RANK, MomentCount, Moments};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
-    /// How light follows from moments; shaders/shared/moment.wgsl explains the members.
+    /// Estimate of light from moments; shaders/shared/moment.wgsl explains the members.
     pub struct Estimate {
         scale: f32,
         overestimation: f32,
@@ -90,20 +90,20 @@ pass! {
 /// One of the runs that it takes to get through the tiles' splats.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::methods) struct OneRun {
-    /// True if it goes on from the result of others.
+    /// `true` if it goes on from the result of others.
     pub(in crate::methods) later: bool,
-    /// True if there are several, so that each leaves what it knows.
+    /// `true` if there are several, so that each leaves what it knows.
     pub(in crate::methods) kept: bool,
     /// The invocations that go through the tiles.
     pub(in crate::methods) lanes: Lanes,
 }
 
-/// A variant of the stages that only learn of a pixel.
+/// Returns a variant of the stages that only learn of a pixel.
 pub(in crate::methods) fn learning(shape: Variant, run: OneRun) -> Variant {
     bin::region_variant(shape, run.later, run.lanes)
 }
 
-/// A variant of the stages that leave colors.
+/// Returns a variant of the stages that leave colors.
 pub(in crate::methods) fn leaving(shape: Variant, run: OneRun) -> Variant {
     learning(shape, run).with("KEPT", u32::from(run.kept))
 }
@@ -146,7 +146,7 @@ fn by_cells(of: fn(Variant, OneRun) -> Variant) -> Vec<Variant> {
     variants(&ranks, |shape, run, rank| with_cells(of(shape, run), 2 << rank))
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     vec![
         Shader::new::<GatherMoments>(by_moments(learning)),

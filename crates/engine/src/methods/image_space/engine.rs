@@ -183,7 +183,7 @@ const PASSES: [&str; 10] = [
     "image-space/deliver",
 ];
 
-/// The passes of filtered images.
+/// Returns the passes of filtered images.
 pub(crate) fn pass_group() -> PassGroup {
     PassGroup::new(&PASSES, Absent::Method("no filters of the image"))
 }

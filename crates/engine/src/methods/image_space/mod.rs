@@ -44,8 +44,8 @@ const MOST_TILES: u64 = 65_535;
 /// Names of the filters' fills and copies.
 const CLEAR: &str = "image-space/clear";
 
-/// How far the filters of a frame reach, in pixels: as far as a pixel of the last layer depends on points. Smoothing and
-/// antialiasing change no depth, so that no later layer depends on them.
+/// Returns how far the filters of a frame reach, in pixels: as far as a pixel of the last layer depends on points.
+/// Smoothing and antialiasing change no depth, so that no later layer depends on them.
 pub fn halo(filters: &ImageSpace, layers: u32) -> u32 {
     let closing = (filters.fill + filters.occlusion).saturating_mul(layers);
     closing.saturating_add(filters.smooth + u32::from(filters.antialias))
@@ -81,7 +81,7 @@ pub struct WindowJob<'a> {
     pub window: Window,
     /// The same with its halo: the rectangle that is rendered.
     pub outer: Window,
-    /// How points are shaded.
+    /// Settings of how points are shaded.
     pub how: &'a Projecting,
     /// The filters.
     pub filters: ImageSpace,
@@ -89,9 +89,9 @@ pub struct WindowJob<'a> {
     pub distance: f32,
     /// Depth of background where edges are looked for.
     pub far: f32,
-    /// True if 64-bit atomics are used.
+    /// `true` if 64-bit atomics are used.
     pub wide: bool,
-    /// True if opacities count.
+    /// `true` if opacities count.
     pub transparent: bool,
 }
 
@@ -138,7 +138,7 @@ impl WindowJob<'_> {
         1 + self.runs().iter().map(|(_, iterations)| iterations).sum::<u32>()
     }
 
-    /// How much goes through all tiles, before there are lists.
+    /// Returns the dispatch for everything that goes through all tiles, before there are lists.
     pub(super) fn measure_dispatch(&self) -> Dispatch<'static> {
         Dispatch::Groups(self.tile_count())
     }
@@ -321,7 +321,7 @@ impl Filterer {
         Dispatch::Indirect(self.slots.get().slice(4 * u64::from(slot), 3))
     }
 
-    /// The tiles of a filtered image that are not background alone.
+    /// Returns the tiles of a filtered image that are not background alone.
     pub(super) fn deliver_dispatch(&self, job: &WindowJob<'_>) -> Dispatch<'_> {
         self.listed_dispatch(job.deliver_slot())
     }

@@ -164,7 +164,8 @@ impl Filter {
     /// In the order in which they run.
     pub const ALL: [Self; 4] = [Self::Fill, Self::Occlusion, Self::Smooth, Self::Antialias];
 
-    /// True if a tile that the filter left alone stays as it is when it runs again, unless something around the tile changes.
+    /// Returns `true` if a tile that the filter left alone stays as it is when it runs again, unless something around
+    /// the tile changes.
     pub fn is_settling(self) -> bool {
         matches!(self, Self::Fill | Self::Occlusion)
     }
@@ -195,7 +196,7 @@ pub(crate) const CONSTANTS: [(&str, u32); 6] = [
 ];
 
 impl Listed {
-    /// The variant of `image-space/list`.
+    /// Returns the variant of `image-space/list`.
     pub(super) fn variant(self) -> Variant {
         let value = match self {
             Self::Filter(filter) => filter as u32,
@@ -206,12 +207,12 @@ impl Listed {
     }
 }
 
-/// A variant of `image-space/resolve`, from that of shading.
+/// Returns a variant of `image-space/resolve`, from that of shading.
 pub(super) fn resolve_variant(shaded: Variant, transparent: bool) -> Variant {
     shaded.with("TRANSPARENT", u32::from(transparent))
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let listed = Filter::ALL.map(Listed::Filter).into_iter().chain([Listed::Resolve, Listed::Deliver]);
     let shaded = Shaded::cut_variants();

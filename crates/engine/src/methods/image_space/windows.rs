@@ -11,7 +11,7 @@ pub fn tiles([x0, y0, x1, y1]: Window) -> [u32; 2] {
     [(x1 - x0).div_ceil(TILE), (y1 - y0).div_ceil(TILE)]
 }
 
-/// A window with `halo` pixels more on each side, as far as the image goes.
+/// Returns a window with `halo` pixels more on each side, as far as the image goes.
 pub fn grown([x0, y0, x1, y1]: Window, halo: u32, size: [u32; 2]) -> Window {
     let end = |v: u32, most: u32| v.saturating_add(halo).min(most);
     [x0.saturating_sub(halo), y0.saturating_sub(halo), end(x1, size[0]), end(y1, size[1])]
@@ -42,7 +42,7 @@ pub fn windows(size: [u32; 2], most_tiles: u64, halo: u32) -> Option<Vec<Window>
     Some(found)
 }
 
-/// The fewest tiles that a window of one pixel takes, wherever in the image it lies.
+/// Returns the fewest tiles that a window of one pixel takes, wherever in the image it lies.
 pub fn fewest_tiles(size: [u32; 2], halo: u32) -> u64 {
     let side = |side: u32| u64::from(halo.saturating_mul(2).saturating_add(1).min(side).div_ceil(TILE));
     side(size[0]) * side(size[1])

@@ -138,7 +138,7 @@ impl Engine for OneLayerEngine {
     }
 }
 
-/// The pass that lays the layer over everything else.
+/// Returns the pass that lays the layer over everything else.
 pub(crate) fn pass_group() -> PassGroup {
     PassGroup::new(&["one-layer/compose"], Absent::Always("no layer of soft points"))
 }

@@ -48,7 +48,7 @@ pub fn record<'a>(
     Ok(recorder.run(&pass, push, &Run::new(Dispatch::Invocations(pixels)))?)
 }
 
-/// The pass.
+/// Returns the pass.
 pub fn shaders() -> Vec<Shader> {
     vec![Shader::plain::<Compose>()]
 }

@@ -15,7 +15,7 @@ use crate::scene::{Relief, ScreenSplats};
 pub(crate) struct NearestEngine {
     /// Size, clamp and rasteriser.
     pub splats: ScreenSplats,
-    /// Which pixels a splat covers.
+    /// Shape of the pixels that a splat covers.
     pub footprint: Footprint,
     /// The displacement of its fragments toward the viewer.
     pub relief: Relief,
@@ -86,12 +86,12 @@ pub(crate) fn counter_group() -> PassGroup {
     PassGroup::new(&COUNTERS, Absent::Always("ensembles have counters of their own"))
 }
 
-/// The passes that list the large splats of tiles.
+/// Returns the passes that list the large splats of tiles.
 pub(crate) fn tile_group() -> PassGroup {
     PassGroup::new(&TILES, Absent::Always("no stage visits pixels splat by splat"))
 }
 
-/// The passes of opaque splats where only the nearest one counts.
+/// Returns the passes of opaque splats where only the nearest one counts.
 pub(crate) fn pass_group() -> PassGroup {
     let names = NEAREST.into_iter().chain(["opaque/resolve"]).collect();
     PassGroup { names, absent: Absent::Method("no opaque splats") }

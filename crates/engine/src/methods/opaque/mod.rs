@@ -128,7 +128,7 @@ pub(crate) const CONSTANTS: [(&str, u32); 3] = [
     ("RELIEF_CONE", Relief::Cone as u32),
 ];
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let variants = || {
         let flat = raster::flat_variants().into_iter();

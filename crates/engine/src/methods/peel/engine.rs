@@ -90,7 +90,7 @@ impl Engine for PeelEngine {
 /// The passes that find the nearest fragments, by 64-bit atomics and without.
 const NEAREST: [&str; 3] = ["peel/nearest", "peel/nearest-depth", "peel/nearest-id"];
 
-/// The passes of depth peeling, without those that it shares.
+/// Returns the passes of depth peeling, without those that it shares.
 pub(crate) fn pass_group() -> PassGroup {
     let names = ["peel/count", "peel/clear"].into_iter().chain(NEAREST);
     let names = names.chain(["peel/blend", "peel/next", "peel/summary"]).collect();

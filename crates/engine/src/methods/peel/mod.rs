@@ -36,7 +36,7 @@ const PIXEL_BYTES: u64 = 16;
 const COUNTED_BYTES: u64 = 8;
 
 gpu_struct! {
-    /// How far peeling is.
+    /// Progress of peeling.
     pub struct PeelWork {
         found: u32,
         layers: u32,
@@ -117,9 +117,9 @@ pub struct WindowJob<'a> {
     pub raster: Raster<'a>,
     /// Discs and layers.
     pub peel: Peel,
-    /// True if list lengths and layers are counted.
+    /// `true` if list lengths and layers are counted.
     pub counted: bool,
-    /// True if 64-bit atomics are used.
+    /// `true` if 64-bit atomics are used.
     pub wide: bool,
     /// Layers after which all of them are too many.
     pub limit: u32,
@@ -311,7 +311,7 @@ impl Peeler {
     }
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let choices = <(Cut, (Falloff, bool))>::all();
     let blend = DISCS.iter().flat_map(|disc| {

@@ -68,7 +68,7 @@ impl Engine for PeelLayersEngine {
     }
 }
 
-/// The passes that layers of filtered images have besides those of one.
+/// Returns the passes that layers of filtered images have besides those of one.
 pub(crate) fn pass_group() -> PassGroup {
     let names = ["peel-layers/clear", "peel-layers/next", "peel-layers/blend", "peel-layers/summary"];
     PassGroup::new(&names, Absent::Method("no layers of point surfaces"))

@@ -68,9 +68,9 @@ pub struct LayersJob<'a> {
     pub image: WindowJob<'a>,
     /// Layers at most.
     pub layers: u32,
-    /// True if layers are counted per pixel.
+    /// `true` if layers are counted per pixel.
     pub counted: bool,
-    /// True if the window is copied to the host.
+    /// `true` if the window is copied to the host.
     pub read_back: bool,
 }
 
@@ -236,7 +236,7 @@ impl LayerPeeler {
     }
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     vec![Shader::new::<Blend>([false, true].map(blend_variant))]
 }

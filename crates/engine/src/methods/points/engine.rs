@@ -76,7 +76,7 @@ impl Engine for PointsEngine {
     }
 }
 
-/// The passes of 1-pixel points.
+/// Returns the passes of 1-pixel points.
 pub(crate) fn pass_group() -> PassGroup {
     let names = NEAREST.into_iter().chain(["points/resolve"]).collect();
     PassGroup { names, absent: Absent::Method("no 1-pixel points") }

@@ -85,7 +85,7 @@ fn nearest_variant(cull: bool, limited: bool) -> Variant {
     Variant::plain().with("RUN", RUN as u32).with("CULL", u32::from(cull)).with("LIMITED", u32::from(limited))
 }
 
-/// Which points are looked at for the nearest ones, and how that is dispatched.
+/// Points that are searched for the nearest ones, and how the search is dispatched.
 #[derive(Clone, Copy, Default)]
 pub struct Choice<'a> {
     /// Without those that face away from the viewer, of clouds with normals.
@@ -96,7 +96,7 @@ pub struct Choice<'a> {
     pub dispatches: Option<Slice<'a, u32>>,
 }
 
-/// How much a pass over a chunk of so many points runs.
+/// Returns the dispatch of a pass over a chunk of so many points.
 pub fn nearest_dispatch(count: u64) -> Dispatch<'static> {
     Dispatch::Invocations(count.div_ceil(RUN))
 }
@@ -188,7 +188,7 @@ pub(super) fn record_nearest<'a>(
     Ok(())
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let variants = || <(bool, bool)>::all().into_iter().map(|(cull, limited)| nearest_variant(cull, limited));
     vec![

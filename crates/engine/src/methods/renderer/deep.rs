@@ -11,7 +11,7 @@ use crate::passes::bands;
 use crate::passes::project::DeviceCloud;
 
 impl Renderer {
-    /// How many samples the deep image of a frame has at most, from projecting and counting alone.
+    /// Returns the largest number of samples that the deep image of a frame has, from projecting and counting alone.
     ///
     /// # Errors
     /// Those of [`Self::deep`].

@@ -56,10 +56,10 @@ pub struct Renderer {
     buffers: Buffers,
     target: Target,
     eye_dome: EyeDomeLighting,
-    /// What is known of frames of one kind, and which kind that is.
+    /// Facts about frames of one kind, and which kind that is.
     foresight: Foresight,
     kind: Option<Kind>,
-    /// How long the submissions of the last frame took.
+    /// Duration of the submissions of the last frame.
     submitted: Duration,
     /// An image that was given back.
     spare: Option<Image>,
@@ -68,15 +68,15 @@ pub struct Renderer {
     /// Counts finished pixels of a frame, and is asked before each submission if the frame may go on; hidden unless the caller
     /// puts its own here.
     pub progress: Progress,
-    /// True if passes are timed and their invocations counted, so that profiles have them; without, passes that have nothing to do
-    /// with one another may run at once.
+    /// `true` if passes are timed and their invocations counted, so that profiles have them; without, passes that have
+    /// nothing to do with one another may run at once.
     pub timed: bool,
     /// False if nobody needs colors on the host: where the device has those of the whole image at once, they stay there
     /// ([`Self::colors`]), and [`Image::rgba`] is empty.
     pub host_colors: bool,
-    /// True if opaque splats and layers use 64-bit atomics; follows the device unless a test switches it off.
+    /// `true` if opaque splats and layers use 64-bit atomics; follows the device unless a test switches it off.
     pub wide_atomics: bool,
-    /// True if ensembles are drawn in one go where possible; a test may switch it off.
+    /// `true` if ensembles are drawn in one go where possible; a test may switch it off.
     pub single_pass: bool,
     /// Most bits of a key for epochs of ensembles; 31 unless a test sets fewer.
     pub epoch_bits: u32,
@@ -88,7 +88,7 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// A renderer on a device.
+    /// Returns a renderer on a device.
     pub fn new(device: &Device) -> Result<Self, Error> {
         Ok(Self {
             device: device.clone(),
@@ -111,7 +111,7 @@ impl Renderer {
         })
     }
 
-    /// The device.
+    /// Returns the device.
     pub fn device(&self) -> &Device {
         &self.device
     }
@@ -130,7 +130,7 @@ impl Renderer {
         Ok(DeviceCloud::of_dealt(&self.device, dealt)?)
     }
 
-    /// The same of points in a file, where they stay; `sample` stands for them, with what is known of all.
+    /// Returns the same of points in a file, where they stay; `sample` stands for them, with what is known of all.
     ///
     /// # Errors
     /// More points than an index tells apart, or no memory for small buffers.
@@ -151,7 +151,7 @@ impl Renderer {
         self.whole.map(|pixels| self.target.image().first(pixels))
     }
 
-    /// A copy of them on the host.
+    /// Returns a copy of them on the host.
     ///
     /// # Errors
     /// Vulkan errors.
@@ -400,7 +400,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// True if a frame can learn its counts from earlier ones of its kind.
+    /// Returns `true` if a frame can learn its counts from earlier ones of its kind.
     fn learns(&mut self, frame: &Frame, cloud: &DeviceCloud, windows: &[Window], timeline: &mut Timeline) -> bool {
         let kind = Kind { method: frame.method, size: frame.size, region: self.region, points: cloud.total() };
         if self.kind != Some(kind) {
@@ -495,7 +495,7 @@ impl Renderer {
         (work, &mut self.buffers)
     }
 
-    /// The lists of a frame that fits in one window and band, before sorting: for tests and inspection.
+    /// Returns the lists of a frame that fits in one window and band, before sorting: for tests and inspection.
     pub fn lists(&mut self, cloud: &mut DeviceCloud, frame: &Frame, discs: Discs) -> Result<Lists, Error> {
         frame.check()?;
         let engine = ListEngine { discs, linked: matches!(frame.method, Method::LinkedList(_)), shown: Shown::First };
@@ -574,7 +574,7 @@ impl Renderer {
         Ok(facts)
     }
 
-    /// The factors of the cost of a frame of discs, from projecting alone.
+    /// Returns the factors of the cost of a frame of discs, from projecting alone.
     pub fn load(&mut self, cloud: &mut DeviceCloud, frame: &Frame, discs: &Discs) -> Result<Load, Error> {
         frame.check()?;
         let [width, height] = frame.size;
@@ -584,7 +584,7 @@ impl Renderer {
         Ok(Load { splats, area: Stats::area(&stats), pixels: u64::from(width) * u64::from(height) })
     }
 
-    /// True if the budget and a binding allow sorting all of a cloud's splats.
+    /// Returns `true` if the budget and a binding allow sorting all of a cloud's splats.
     pub fn can_sort(&self, cloud: &DeviceCloud, frame: &Frame) -> bool {
         let (needed, engine) = (Bins::most_bytes(&self.device, cloud), engine_of(&frame.method));
         cloud.len() * 16 <= self.device.limits().binding_bytes
@@ -621,9 +621,9 @@ struct Drawing<'a> {
     frame: &'a Frame,
     windows: &'a [Window],
     budget: Budget,
-    /// True if its windows learn from earlier frames.
+    /// `true` if its windows learn from earlier frames.
     learns: bool,
-    /// Where sums of samples are kept, which then are not resolved to an image.
+    /// Place for sums of samples, which then are not resolved to an image.
     sums: Option<&'a RefCell<SamplePart>>,
 }
 
@@ -633,7 +633,7 @@ struct Begun {
     waits: u64,
     light_views: u64,
     budget: Budget,
-    /// What of the budget is for shading.
+    /// Bytes of the budget for shading.
     shading: u64,
     windows: Vec<Window>,
 }
@@ -659,7 +659,7 @@ struct Part<'a> {
     samples: Range<u32>,
     sums: Option<&'a RefCell<SamplePart>>,
     survey: bool,
-    /// True if it learns from earlier frames.
+    /// `true` if it learns from earlier frames.
     learns: bool,
 }
 

@@ -56,9 +56,9 @@ impl Renderer {
         Ok(DrawnPart { part, profile, facts })
     }
 
-    /// The image of a frame whose parts were drawn ([`Self::draw_part`]) and put together ([`SamplePart::add`]): the bytes of
-    /// [`Self::render`]. No point is drawn, and of the cloud only its brightest color counts; the counts are those of the windows in
-    /// which the sums were resolved.
+    /// Returns the image of a frame whose parts were drawn ([`Self::draw_part`]) and put together
+    /// ([`SamplePart::add`]): the bytes of [`Self::render`]. No point is drawn, and of the cloud only its brightest
+    /// color counts; the counts are those of the windows in which the sums were resolved.
     ///
     /// # Errors
     /// Parts that are not all samples of this frame, a device that fails, and a frame that [`Self::progress`] cancels.
@@ -107,7 +107,7 @@ impl Renderer {
     }
 }
 
-/// What the parts of a frame hold.
+/// Returns what the parts of a frame hold.
 fn layout(frame: &Frame) -> Result<Layout, Error> {
     Layout::of(frame).ok_or(Error::NoParts { method: frame.method.name() })
 }

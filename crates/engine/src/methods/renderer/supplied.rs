@@ -15,8 +15,8 @@ use crate::supply::{Held, Limits, Supply};
 
 /// The part of a memory budget that is for points; the rest is the engine's.
 const PART: u64 = 2;
-/// How many times as many points as fit are read, where nobody knows how many to expect, in the hope that so many of them lie outside of
-/// the window: blocks are larger than the parts of them that a window shows.
+/// Factor on the number of points that fit, which are read where nobody knows how many to expect, in the hope that so
+/// many of them lie outside of the window: blocks are larger than the parts of them that a window shows.
 const READ: u64 = 3;
 /// Bytes of an element of the sort of splats, for each point.
 const SORT_BYTES: u64 = 16;
@@ -26,7 +26,7 @@ fn all_bytes(device: &Device, frame: &Frame) -> u64 {
     frame.memory_budget.unwrap_or(device.limits().heap_bytes / 4 * 3)
 }
 
-/// What a budget leaves the engine.
+/// Returns the bytes that a budget leaves the engine.
 pub(super) fn rest(device: &Device, frame: &Frame) -> u64 {
     let bytes = all_bytes(device, frame);
     bytes - bytes / PART
@@ -48,7 +48,7 @@ impl Renderer {
         Ok(DeviceCloud::of_supply(&self.device, points, Arc::clone(supply))?)
     }
 
-    /// The same of points in canonical order that stay in the host's memory.
+    /// Returns the same of points in canonical order that stay in the host's memory.
     ///
     /// # Errors
     /// No memory for small buffers.
@@ -56,7 +56,7 @@ impl Renderer {
         self.supply(points, &(Arc::new(Held::new(points.clone())) as Arc<dyn Supply>))
     }
 
-    /// The part of space that a window of a frame shows: points outside of it need not be there.
+    /// Returns the part of space that a window of a frame shows: points outside of it need not be there.
     pub fn beam(&self, cloud: &DeviceCloud, frame: &Frame, window: Window) -> Beam {
         Beam::new(&frame.camera, frame.size, window, engine_of(&frame.method).extent(frame, cloud))
     }

@@ -64,7 +64,7 @@ fn toward(position: DVec3, bounds: &Bounds) -> DVec3 {
     (bounds.center() - position).try_normalize().unwrap_or(DVec3::NEG_Y)
 }
 
-/// The images of a light: one, or six if the points are all around it.
+/// Returns the images of a light: one, or six if the points are all around it.
 pub fn views(light: Light, bounds: &Bounds, resolution: u32) -> Vec<LightView> {
     // A pixel on each side: rounding must not lose a point.
     let margin = 1.0 + 2.0 / f64::from(resolution);

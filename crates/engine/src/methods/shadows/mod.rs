@@ -121,7 +121,7 @@ fn lit_variant(cube: bool) -> Variant {
     walk_variant().with("CUBE", u32::from(cube))
 }
 
-/// Why a frame has no shadows; `None` if it has.
+/// Returns the reason why a frame has no shadows; `None` if it has.
 pub fn refusal(frame: &Frame) -> Option<String> {
     if frame.shadows.is_none() {
         Some("no shadows asked for".to_owned())
@@ -325,7 +325,7 @@ pub fn least_bytes(name: &str, runs: u64, points: u64, chunks: u64, resolution: 
     }
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     vec![
         Shader::new::<Start>([false, true].map(start_variant)),

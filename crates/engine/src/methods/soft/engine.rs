@@ -79,8 +79,8 @@ impl SpheresEngine {
         Ok(Some(found))
     }
 
-    /// The samples of a window's soft points, with its solid ones behind them; how many there are at most, or `None` if the window must
-    /// be cut.
+    /// Returns the samples of a window's soft points, with its solid ones behind them; how many there are at most, or
+    /// `None` if the window must be cut.
     pub fn samples(
         &self,
         cloud: &mut DeviceCloud,

@@ -11,12 +11,12 @@ use crate::prepare::axes::Axis;
 /// sphere.
 const LONG: [&str; 4] = ["soft/sum-runs", "soft/carry", "soft/segments", "soft/blend-runs"];
 
-/// The passes of soft spheres, without those that they share.
+/// Returns the passes of soft spheres, without those that they share.
 pub(crate) fn sphere_group() -> PassGroup {
     PassGroup { names: sphere_passes(), absent: Absent::Method("no soft spheres") }
 }
 
-/// The pass of soft discs.
+/// Returns the pass of soft discs.
 pub(crate) fn disc_group() -> PassGroup {
     PassGroup::new(&["soft/express"], Absent::Method("no soft discs"))
 }

@@ -47,7 +47,7 @@ pub struct WindowJob<'a> {
     pub bin: bin::Job<'a>,
     /// λ, the opacity in the middle of a disc.
     pub model: SoftModel,
-    /// True if any point may have a W below 1 (Eq. 22).
+    /// `true` if any point may have a W below 1 (Eq. 22).
     pub modulated: bool,
     /// The window's solid points, if there are any. Discs are drawn where their depth is less.
     pub layer: Option<&'a Layer>,
@@ -123,7 +123,7 @@ impl SoftDiscs {
         Ok(Outcome::Done)
     }
 
-    /// The discs of each pixel of the last window, row by row, if they were counted.
+    /// Returns the discs of each pixel of the last window, row by row, if they were counted.
     pub fn counts(&self) -> &[u32] {
         &self.counted
     }
@@ -161,11 +161,11 @@ impl SoftDiscs {
 pub(crate) struct ExpressKind {
     /// `STOP` in WGSL, from [`sorted::stop`].
     pub stop: u32,
-    /// True if solid points cut it.
+    /// `true` if solid points cut it.
     pub cut: bool,
-    /// True if some W are below 1.
+    /// `true` if some W are below 1.
     pub modulated: bool,
-    /// True if discs are counted, so that none is left out.
+    /// `true` if discs are counted, so that none is left out.
     pub counted: bool,
     /// A run that goes on from the image.
     pub later: bool,
@@ -181,7 +181,7 @@ fn express_variant(cut: Cut, kind: ExpressKind, lanes: Lanes) -> Variant {
         .with("COUNTED", u32::from(kind.counted))
 }
 
-/// The pass with its variants.
+/// Returns the pass with its variants.
 pub(super) fn shaders() -> Vec<Shader> {
     let flags = <((bool, bool), (bool, bool))>::all();
     let kinds = flags.iter().flat_map(|((cut, modulated), (counted, later))| {

@@ -58,13 +58,13 @@ impl Layer {
     }
 }
 
-/// How dense spheres are.
+/// Model of the density of spheres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SoftModel {
     /// λ of Eq. 1, 14 or 19: per squared world unit (`soft-base`), per world unit (`soft-concentric`), or an opacity
     /// (`soft-express`).
     pub lambda: f32,
-    /// Opacity of a whole chord through the centre of a sphere of median radius, in [0, 1].
+    /// Opacity of a whole chord through the center of a sphere of median radius, in [0, 1].
     pub peak: f32,
 }
 
@@ -99,7 +99,8 @@ impl SoftModel {
         }
     }
 
-    /// True if spheres of up to this radius (world units) are so dense that their places take more than float32.
+    /// Returns `true` if spheres of up to this radius (world units) are so dense that their places take more than
+    /// float32.
     pub fn is_stiff(&self, interior: Interior, max_radius: f32) -> bool {
         let radius = f64::from(max_radius);
         let chord = if interior.is_integrated() { radius * radius } else { 2.0 * radius };
@@ -108,7 +109,7 @@ impl SoftModel {
     }
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let mut all = spheres::shaders();
     all.extend(express::shaders());

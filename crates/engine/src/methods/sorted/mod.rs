@@ -1,4 +1,4 @@
-//! `sorted`: splats sorted once by the depth of their centres, binned to tiles in that order, blended front to back tile by
+//! `sorted`: splats sorted once by the depth of their centers, binned to tiles in that order, blended front to back tile by
 //! tile, until nothing behind can be seen. Exact for flat discs; approximate where oriented ones cross.
 //!
 //! The order is that of the A-buffer, depth and then content.
@@ -45,7 +45,7 @@ pub enum Stop {
     Exact,
     /// Those that change no 8-bit value of the composed image by more than a quarter of a step.
     EightBit {
-        /// True if the image goes without background, so that color is divided by A.
+        /// `true` if the image goes without background, so that color is divided by A.
         transparent: bool,
     },
 }
@@ -118,7 +118,7 @@ pub(crate) const STOPS: [u32; 3] = [STOP_EXACT, STOP_SRGB, STOP_ENCODED];
 pub(crate) const CONSTANTS: [(&str, u32); 3] =
     [("STOP_NEVER", STOP_NEVER), ("STOP_EXACT", STOP_EXACT), ("STOP_SRGB", STOP_SRGB)];
 
-/// The value of `STOP` in WGSL, and the bound on colors that goes with it, from that of what is blended.
+/// Returns the value of `STOP` in WGSL, and the bound on colors that goes with it, from that of what is blended.
 pub fn stop(stop: Stop, space: ColorSpace, most: f32) -> (u32, f32) {
     match stop {
         Stop::Exact => (STOP_EXACT, most),
@@ -136,7 +136,7 @@ fn blend_variant(shape: Variant, stop: u32, later: bool, lanes: Lanes) -> Varian
     bin::fold_blocks_variant(shape, later, lanes).with("STOP", stop)
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let mut variants = Vec::new();
     for (shape, later) in compose::variants().iter().flat_map(|shape| bool::all().into_iter().map(move |l| (shape, l)))

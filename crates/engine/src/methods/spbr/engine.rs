@@ -189,7 +189,7 @@ const PASSES: [&str; 11] = [
     "spbr/summary",
 ];
 
-/// The passes of stochastic point-based rendering.
+/// Returns the passes of stochastic point-based rendering.
 pub(crate) fn pass_group() -> PassGroup {
     PassGroup::new(&PASSES, Absent::Method("no ensembles"))
 }

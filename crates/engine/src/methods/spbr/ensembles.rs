@@ -179,7 +179,7 @@ impl Ensembles {
         Ok(found)
     }
 
-    /// The standard error of every pixel of the window, in its order, from the last window rendered with it.
+    /// Returns the standard error of every pixel of the window, in its order, from the last window rendered with it.
     pub fn read_stderr(&self, window: Window) -> Result<Vec<[f32; 3]>, Error> {
         let errors = self.spread.get().read(0, bands::pixels(window))?;
         Ok(errors.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect())

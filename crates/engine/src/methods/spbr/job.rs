@@ -37,11 +37,11 @@ pub struct WindowJob<'a> {
     pub drawn: Range<u32>,
     /// Seed.
     pub seed: u64,
-    /// True if the standard error is asked for.
+    /// `true` if the standard error is asked for.
     pub spread: bool,
-    /// True if the width of points depends on depth.
+    /// `true` if the width of points depends on depth.
     pub perspective: bool,
-    /// How the nearest points are found.
+    /// Way to find the nearest points.
     pub form: Form,
     /// Points on the device at a time, if not all: see `stream::window_points`. [`Form::Single`] needs all.
     pub streamed: Option<u64>,
@@ -98,17 +98,18 @@ impl WindowJob<'_> {
         worth.clamp(1, MOST_PLANES).min(fit).min(self.drawn.len() as u64).max(1)
     }
 
-    /// True if a pixel's nearest point stands beside its sums.
+    /// Returns `true` if a pixel's nearest point stands beside its sums.
     pub(super) fn is_inline(&self) -> bool {
         self.form == Form::Single && self.planes() == 1
     }
 
-    /// A word of a plane that holds nothing: `spbr/draw` looks for the largest key, the other forms for its smallest complement.
+    /// Returns a word of a plane that holds nothing: `spbr/draw` looks for the largest key, the other forms for its
+    /// smallest complement.
     pub(super) fn nothing(&self) -> u32 {
         if self.form == Form::Single { 0 } else { u32::MAX }
     }
 
-    /// True if the rounds outnumber the epochs of planes that no fill can clear.
+    /// Returns `true` if the rounds outnumber the epochs of planes that no fill can clear.
     pub fn is_renewed(&self) -> bool {
         self.is_inline() && self.drawn.len() as u64 > u64::from(Epochs::most(self.epoch_bits()))
     }
@@ -133,7 +134,7 @@ impl WindowJob<'_> {
     }
 }
 
-/// How colors become whole numbers.
+/// Scale by which colors become whole numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
     /// The whole number for a color of 1.

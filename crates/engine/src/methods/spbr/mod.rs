@@ -59,7 +59,7 @@ pub fn window_pixels(budget: Budget, spread: bool) -> u64 {
     budget.window_pixels(pixel_bytes(spread)).min(budget.binding / 32).max(1)
 }
 
-/// The shares of a frame, if its points were dealt.
+/// Returns the shares of a frame, if its points were dealt.
 pub fn shares(cloud: &DeviceCloud, frame: &Frame) -> Result<Vec<Share>, Error> {
     let placed: &[Placed] = cloud.surfaces().ok_or(Error::NotDealt)?;
     let wanted = Wanted {
@@ -76,7 +76,7 @@ fn largest(shares: &[Share]) -> f64 {
     shares.iter().map(|s| s.largest).fold(0.0, f64::max)
 }
 
-/// True if squares may be so large that they go to a list: a side of up to `s` pixels touches `s + 1`.
+/// Returns `true` if squares may be so large that they go to a list: a side of up to `s` pixels touches `s + 1`.
 pub fn is_listed(shares: &[Share]) -> bool {
     (largest(shares).sqrt() + 1.0).powi(2) > f64::from(SMALL_SQUARE)
 }
@@ -99,7 +99,7 @@ pub fn slots_of(share: &Share, ensembles: u32, drawn: u32) -> u64 {
     drawn.checked_sub(1).map_or(0, |last| slots(share.slots, ensembles, last).end)
 }
 
-/// The clouds that lose opacity.
+/// Returns the clouds that lose opacity.
 pub fn thin(shares: &[Share]) -> Vec<ThinCloud> {
     let thousandths = |share: &Share| (1000.0 * share.opacity).round() as u32;
     let all = shares.iter().zip(0..);

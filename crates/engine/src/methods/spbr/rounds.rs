@@ -21,7 +21,7 @@ pub struct Piece {
     pub rows: Option<Again>,
 }
 
-/// How a dispatch finds points of a later pass.
+/// Way in which a dispatch finds points of a later pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Again {
     /// The rows.
@@ -34,8 +34,8 @@ pub struct Again {
     pub around: u32,
 }
 
-/// The dispatches of a cloud's slots of a round: those of its ensembles, at most `longest` points bound and `most` slots in
-/// each.
+/// Returns the dispatches of a cloud's slots of a round: those of its ensembles, at most `longest` points bound and
+/// `most` slots in each.
 pub fn pieces(first_point: u64, deal: &Deal, round: Range<u32>, longest: u64, most: u64) -> Vec<Piece> {
     let mut cut = Cutting { first_point, deal, first: deal.slots(round.start).start, longest, most, found: Vec::new() };
     let mut next = round.start;
@@ -169,12 +169,12 @@ impl Epochs {
         Self { bits, next: 1 }
     }
 
-    /// The number of epochs.
+    /// Returns the number of epochs.
     pub fn most(bits: u32) -> u32 {
         ((1u32 << bits) - 1).max(1)
     }
 
-    /// The next epoch in the uppermost bits of a word; `None` when the planes must be cleared again.
+    /// Returns the next epoch in the uppermost bits of a word; `None` when the planes must be cleared again.
     pub fn take(&mut self) -> Option<u32> {
         let epoch = self.next;
         self.next += 1;

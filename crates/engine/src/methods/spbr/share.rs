@@ -35,9 +35,9 @@ pub struct Share {
     pub depth: f64,
     /// −ln(1 − α) of the opacity α for which a point covers the whole of such a pixel; 0 without an area.
     pub unit: f64,
-    /// True if all of its points have the opacity of their surface.
+    /// `true` if all of its points have the opacity of their surface.
     pub uniform: bool,
-    /// True if more than L copies of each point were needed, so that opacity is lost.
+    /// `true` if more than L copies of each point were needed, so that opacity is lost.
     pub capped: bool,
     /// Opacity of its surface in the image, of that which was asked for.
     pub opacity: f64,
@@ -59,14 +59,14 @@ pub struct Wanted<'a> {
 }
 
 impl Share {
-    /// The dealing of its points to this many ensembles; `place` is the cloud's among the others.
+    /// Returns the dealing of its points to this many ensembles; `place` is the cloud's among the others.
     pub fn deal(&self, ensembles: u32, place: u32, seed: u64) -> Deal {
         Deal { points: self.points.end - self.points.start, slots: self.slots, ensembles, place, seed }
     }
 }
 
 impl Wanted<'_> {
-    /// The share of a cloud.
+    /// Returns the share of a cloud.
     pub fn share(&self, placed: &Placed) -> Share {
         let surface = &placed.surface;
         let ensembles = f64::from(self.method.ensembles().unwrap_or(1));

@@ -19,8 +19,8 @@ const PART: u64 = 8;
 /// Bytes for the allocator's rounding to blocks, or a quarter of a smaller budget.
 const OVERHEAD_BYTES: u64 = 16 << 20;
 
-/// The number of a dealt cloud's points on the device at a time; `None` for all of them, if they fit the budget, or
-/// three quarters of the device's memory, and the largest allocation.
+/// Returns the number of a dealt cloud's points on the device at a time; `None` for all of them, if they fit the
+/// budget, or three quarters of the device's memory, and the largest allocation.
 pub fn window_points(device: &Device, cloud: &DeviceCloud, memory_budget: Option<u64>) -> Option<u64> {
     let limits = device.limits();
     let budget = memory_budget.unwrap_or(limits.heap_bytes / 4 * 3);
@@ -33,7 +33,7 @@ pub fn window_points(device: &Device, cloud: &DeviceCloud, memory_budget: Option
     Some((budget / PART / point).max(LEAST_POINTS).min(most) / ALIGNED * ALIGNED)
 }
 
-/// The rest of a budget beside this many points at a time.
+/// Returns the rest of a budget beside this many points at a time.
 pub fn rest(budget: u64, cloud: &DeviceCloud, points: u64) -> u64 {
     let both = 2 * points * (cloud.columns().len() as u64 * COLUMN_BYTES + 4);
     budget.saturating_sub(both + OVERHEAD_BYTES.min(budget / 4)).max(budget / PART)
@@ -46,7 +46,7 @@ struct Resident {
     place: u64,
 }
 
-/// Which points are on the device.
+/// Points that are on the device.
 #[derive(Debug, Default)]
 struct Shelf {
     /// The number of points that fit.
@@ -163,7 +163,7 @@ impl Stream {
         assert!(fits, "{points:?}: a dispatch binds no more points than there is room for");
     }
 
-    /// True if a dispatch that binds these points may join the submission.
+    /// Returns `true` if a dispatch that binds these points may join the submission.
     pub fn admit(&mut self, points: &Range<u64>) -> bool {
         self.shelf.admit(points)
     }
@@ -198,7 +198,7 @@ impl Stream {
         Ok(())
     }
 
-    /// A column of some points of the submission.
+    /// Returns a column of some points of the submission.
     pub fn column(&self, column: Column, points: &Range<u64>) -> Slice<'_, [f32; 4]> {
         let place = self.shelf.place(points).expect("points of the submission are there");
         self.window.get().slice(column as u64 * self.shelf.capacity + place, points.end - points.start)

@@ -14,7 +14,7 @@ pub struct Task {
     pub ensembles: Range<u32>,
     /// The epoch of their keys.
     pub epoch: u32,
-    /// True if planes must be cleared before it.
+    /// `true` if planes must be cleared before it.
     pub renews: bool,
     /// The pass.
     pub stage: Stage,
@@ -35,7 +35,7 @@ pub struct Tasks<'a> {
 }
 
 impl<'a> Tasks<'a> {
-    /// The tasks of a window.
+    /// Returns the tasks of a window.
     pub fn new(job: &'a WindowJob<'a>) -> Self {
         Self {
             job,

@@ -9,7 +9,7 @@ use crate::passes::compose::Cut;
 use crate::passes::project::{DeviceCloud, Projecting, Shaded};
 use crate::scene::{ColorSpace, ShadingModel};
 
-/// How the nearest points are found.
+/// Way to find the nearest points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     /// `spbr/draw`: nearest point and sum of colors in one go, by 64-bit atomics; colors of all points within reach.
@@ -21,7 +21,7 @@ pub enum Form {
 }
 
 impl Form {
-    /// The form for a cloud, `wide` if there are 64-bit atomics.
+    /// Returns the form for a cloud, `wide` if there are 64-bit atomics.
     pub fn choose(device: &Device, cloud: &DeviceCloud, how: &Projecting, wide: bool) -> Self {
         let shaded = how.shading.model != ShadingModel::None && cloud.has_normals();
         match Cut::new(device, cloud.len()) {
@@ -57,12 +57,12 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// True if it is the first to meet a frame's points, and so counts those that are drawn.
+    /// Returns `true` if it is the first to meet a frame's points, and so counts those that are drawn.
     fn counts(self) -> bool {
         matches!(self, Self::Draw | Self::Nearest | Self::NearestDepth)
     }
 
-    /// True if the standard error shows in it.
+    /// Returns `true` if the standard error shows in it.
     fn spreads(self) -> bool {
         matches!(self, Self::Draw | Self::Sum)
     }
@@ -71,33 +71,33 @@ impl Stage {
 /// Properties of frame and cloud on which the passes over slots depend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Kind {
-    /// True if opacities differ from point to point.
+    /// `true` if opacities differ from point to point.
     pub weighted: bool,
-    /// True if points may ask for less than a pixel.
+    /// `true` if points may ask for less than a pixel.
     pub thinned: bool,
-    /// True if slanted normals make points smaller.
+    /// `true` if slanted normals make points smaller.
     pub slanted: bool,
-    /// True if points may be wider than a pixel.
+    /// `true` if points may be wider than a pixel.
     pub squares: bool,
-    /// True if rounds have more than one ensemble.
+    /// `true` if rounds have more than one ensemble.
     pub planes: bool,
-    /// True if the standard error is asked for.
+    /// `true` if the standard error is asked for.
     pub spread: bool,
 }
 
 choices!(struct Kind { weighted, thinned, slanted, squares, planes, spread });
 
-/// How a pass goes through slots.
+/// Way in which a pass goes through slots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Through {
     /// An invocation for some slots each.
     Slots {
-        /// True if they are of a later pass over the cloud.
+        /// `true` if they are of a later pass over the cloud.
         again: bool,
     },
     /// So many workgroups for each square of the list of large ones.
     Large {
-        /// How many.
+        /// Number of stripes.
         stripes: u32,
     },
 }
@@ -109,12 +109,13 @@ impl Choices for Through {
 }
 
 impl Kind {
-    /// True if there are such clouds and frames: points that ask for less in different ways may ask for less than a pixel.
+    /// Returns `true` if there are such clouds and frames: points that ask for less in different ways may ask for less
+    /// than a pixel.
     fn is_possible(self) -> bool {
         self.thinned || !(self.weighted || self.slanted)
     }
 
-    /// The variant of a stage that goes through slots.
+    /// Returns the variant of a stage that goes through slots.
     pub(super) fn variant(self, stage: Stage, through: Through) -> Variant {
         let variant = Variant::plain()
             .with("WEIGHTED", u32::from(self.weighted))
@@ -140,23 +141,23 @@ impl Kind {
     }
 }
 
-/// The variant of `spbr/draw`: cut and color space besides.
+/// Returns the variant of `spbr/draw`: cut and color space besides.
 pub(super) fn draw_variant(variant: Variant, cut: Cut, color: ColorSpace) -> Variant {
     variant.with("PARTS", cut.parts).with("PART_LENGTH", cut.len).with("ENCODED", color as u32)
 }
 
-/// The variant of `spbr/sum`: shading besides.
+/// Returns the variant of `spbr/sum`: shading besides.
 pub(super) fn sum_variant(mut variant: Variant, shaded: Shaded) -> Variant {
     variant.overrides.extend(shaded.variant().overrides);
     variant
 }
 
-/// The variant of `spbr/resolve`.
+/// Returns the variant of `spbr/resolve`.
 pub(super) fn resolve_variant(spread: bool) -> Variant {
     Variant::plain().with("SPREAD", u32::from(spread))
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let stages = Kind::variants;
     let colored = |draw: Variant| {

@@ -17,7 +17,7 @@ use crate::scene::{BlendedSplats, ScreenSplats};
 pub(crate) struct SplatsEngine {
     /// Size, clamp and depth of blending.
     pub settings: BlendedSplats,
-    /// Which pixels a splat covers.
+    /// Shape of the pixels that a splat covers.
     pub footprint: Footprint,
 }
 
@@ -74,7 +74,7 @@ impl Engine for SplatsEngine {
 pub(crate) struct Drawing<'a> {
     /// The results of their projection, by chunk.
     pub stats: &'a [Stats],
-    /// Which pixels a splat covers.
+    /// Shape of the pixels that a splat covers.
     pub footprint: Footprint,
     /// Fragments up to this many radii behind the nearest are blended with it.
     pub blend_depth: f32,
@@ -120,7 +120,8 @@ pub(crate) fn draw(
     splatter.render(bins, work, &WindowJob { bin, blend_depth, layer: behind }, into)
 }
 
-/// The conversion of a part of a cloud's points to three-pass splats: like those of `splats`, with its defaults.
+/// Returns the conversion of a part of a cloud's points to three-pass splats: like those of `splats`, with its
+/// defaults.
 pub(crate) fn solid_projecting(frame: &Frame, cloud: &DeviceCloud, part: Part) -> Projecting {
     frame.projecting(cloud, Footprint::Oriented, ScreenSplats::default(), part)
 }
@@ -139,7 +140,7 @@ pub(crate) fn draw_solid(
 /// Device bytes per pixel of a window of solid points with a layer.
 pub(crate) const SOLID_BYTES: u64 = PIXEL_BYTES + Layer::PIXEL_BYTES;
 
-/// The passes of splats that are blended in three passes.
+/// Returns the passes of splats that are blended in three passes.
 pub(crate) fn pass_group() -> PassGroup {
     PassGroup::new(&PASSES, Absent::Method("no splats are blended in three passes"))
 }
@@ -157,7 +158,7 @@ pub(crate) fn explain_windows(plan: &mut Plan<'_>, scan: fn(&mut Plan<'_>, u64))
     plan.add("image/clear", empty > 0, format!("{empty} window(s) show nothing"));
 }
 
-/// The passes of opaque splats that are blended, tiles included; returns how many counters are summed.
+/// Returns the passes of opaque splats that are blended, tiles included; returns how many counters are summed.
 pub(crate) fn explain_solids(plan: &mut Plan<'_>, why: &str) -> u64 {
     let seen = plan.facts.splatted > 0;
     let counters = if seen { plan.order(Order::Index, EACH_PIXEL) } else { 0 };

@@ -173,7 +173,7 @@ impl Splatter {
     }
 }
 
-/// True if any splat touches the window.
+/// Returns `true` if any splat touches the window.
 fn is_seen(job: &bin::Job<'_>) -> bool {
     job.raster.stats.iter().any(|s| s.visible > 0)
 }
@@ -192,13 +192,13 @@ pub fn survey(device: &Device, job: &bin::Job<'_>, facts: &mut Facts) -> Result<
 /// One of the runs that it takes to get through the tiles' splats.
 #[derive(Debug, Clone, Copy)]
 pub struct OneRun {
-    /// True if it goes on from the result of others.
+    /// `true` if it goes on from the result of others.
     pub later: bool,
-    /// True if it is one of several, each of which leaves its state.
+    /// `true` if it is one of several, each of which leaves its state.
     pub kept: bool,
-    /// True if only fragments behind a layer count.
+    /// `true` if only fragments behind a layer count.
     pub behind: bool,
-    /// How splats are reached.
+    /// Way to reach splats.
     pub cut: Cut,
     /// The invocations that go through the tiles.
     pub lanes: Lanes,
@@ -230,7 +230,7 @@ pub fn least_bytes(name: &str, facts: &Facts, tilted: bool, pixels: u64) -> Opti
     }
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let runs = || {
         let choices = <((bool, bool), (bool, Cut))>::all().into_iter();

@@ -165,7 +165,7 @@ const SAMPLES: [&str; 4] =
 /// The passes by which the rasteriser takes the samples.
 const DRAWS: [&str; 4] = ["stochastic/draw-alpha", "stochastic/draw-held", "stochastic/draw-sums", "stochastic/fold"];
 
-/// The passes of stochastic transparency, without those that it shares.
+/// Returns the passes of stochastic transparency, without those that it shares.
 pub(crate) fn pass_groups() -> [PassGroup; 2] {
     [PassGroup::new(&SAMPLES, Absent::Discs("no samples")), PassGroup::new(&DRAWS, Absent::Discs("no samples"))]
 }

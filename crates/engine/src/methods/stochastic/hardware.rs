@@ -90,7 +90,7 @@ fn fold_variant(kind: Kind) -> Variant {
     kind.apply_to(Variant::plain())
 }
 
-/// How depth keys become depths for the test, which has 2³⁰ of them for 2³² keys: `held_depth` in WGSL.
+/// Map from depth keys to depths for the test, which has 2³⁰ of them for 2³² keys: `held_depth` in WGSL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct HeldDepths {
     base: u32,
@@ -98,8 +98,9 @@ pub struct HeldDepths {
 }
 
 impl HeldDepths {
-    /// Where all depths are positive, 126 octaves of them, beginning 40 before the near plane: none is lost. Only tilted
-    /// discs in orthographic views and Gaussians along a ray reach depths of both signs, and lose the key's last two bits.
+    /// Returns the map for a camera and a footprint. Where all depths are positive, it holds 126 octaves of them,
+    /// beginning 40 before the near plane: none is lost. Only tilted discs in orthographic views and Gaussians along a
+    /// ray reach depths of both signs, and lose the key's last two bits.
     pub fn new(camera: &Camera, footprint: Footprint) -> Self {
         let near = camera.near as f32;
         let orthographic = matches!(camera.projection, Projection::Orthographic { .. });
@@ -159,7 +160,7 @@ fn size([x0, y0, x1, y1]: Window) -> [u32; 2] {
     [x1 - x0, y1 - y0]
 }
 
-/// True if a window shows anything.
+/// Returns `true` if a window shows anything.
 pub fn is_seen(raster: &Raster<'_>) -> bool {
     raster.stats.iter().any(|s| s.visible > 0)
 }
@@ -291,7 +292,7 @@ pub fn least_bytes(name: &str, runs: u64, strata: u64, quads: u64, pixels: u64) 
     }
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub(super) fn shaders() -> Vec<Shader> {
     vec![
         Shader::new::<DrawAlpha>(compose::shape_variants()),

@@ -83,16 +83,16 @@ pub struct Batch {
 /// Settings on which every pass depends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Kind {
-    /// True if A is exact and color scaled by it: alpha correction.
+    /// `true` if A is exact and color scaled by it: alpha correction.
     pub exact: bool,
-    /// True if the standard error is asked for.
+    /// `true` if the standard error is asked for.
     pub spread: bool,
 }
 
 choices!(struct Kind { exact, spread });
 
 impl Kind {
-    /// A variant with the overrides of both.
+    /// Returns a variant with the overrides of both.
     pub fn apply_to(self, variant: Variant) -> Variant {
         variant.with("SPREAD", u32::from(self.spread)).with("EXACT", u32::from(self.exact))
     }
@@ -113,7 +113,7 @@ fn resolve_variant(kind: Kind) -> Variant {
     kind.apply_to(Variant::plain())
 }
 
-/// The batches that make up so many samples.
+/// Returns the batches that make up so many samples.
 pub fn batches(samples: u32) -> impl Iterator<Item = Batch> {
     (0..samples).step_by((MOST_STRATA * STRATUM) as usize).map(move |before| {
         let left = (samples - before).min(MOST_STRATA * STRATUM);
@@ -186,7 +186,7 @@ pub struct WindowJob<'a> {
     pub first: u32,
     /// Seed of the masks.
     pub seed: u64,
-    /// True if the standard error is asked for.
+    /// `true` if the standard error is asked for.
     pub spread: bool,
 }
 
@@ -205,7 +205,7 @@ impl WindowJob<'_> {
         batches(self.settings.samples).filter(move |batch| batch.before >= first)
     }
 
-    /// True if it finds the exact A: all samples have the same, so that the first ones are enough.
+    /// Returns `true` if it finds the exact A: all samples have the same, so that the first ones are enough.
     fn finds_exact(&self) -> bool {
         self.settings.alpha_correction && self.first == 0
     }
@@ -360,7 +360,7 @@ impl Sampler {
         Ok(work.timeline.submit(recorder, "stochastic/resolve")?)
     }
 
-    /// The standard error of every pixel of the window, in its order, from the last window rendered with it.
+    /// Returns the standard error of every pixel of the window, in its order, from the last window rendered with it.
     pub fn read_stderr(&self, window: Window) -> Result<Vec<[f32; 3]>, Error> {
         let errors = self.told.read(self.spread.get(), bands::pixels(window))?;
         Ok(errors.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect())
@@ -422,7 +422,7 @@ impl Default for Sampler {
 /// Strata that a batch may have.
 const STRATA: [u32; 2] = [STRATA_OF_A_CALL, MOST_STRATA];
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let kinds = || Kind::all().into_iter();
     let gather = kinds().flat_map(|kind| STRATA.map(|strata| gather_variant(kind, strata)));

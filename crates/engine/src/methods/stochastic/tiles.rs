@@ -103,7 +103,7 @@ fn push(job: &WindowJob<'_>, walk: TileWalk, Batch { before, left, .. }: Batch) 
     StochasticPush { walk, pixels, before, left, key_low, key_high }
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub(super) fn shaders() -> Vec<Shader> {
     let later = compose::variants().into_iter().flat_map(|shape| [false, true].map(|later| (shape.clone(), later)));
     let tiles: Vec<Variant> = later

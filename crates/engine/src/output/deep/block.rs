@@ -21,7 +21,7 @@ pub(super) struct Line<'a> {
 }
 
 impl Line<'_> {
-    /// The chunk.
+    /// Returns the chunk.
     ///
     /// # Errors
     /// 2 GiB or more, which OpenEXR does not read.
@@ -87,7 +87,8 @@ fn packed(bytes: Vec<u8>, packing: Packing) -> io::Result<Vec<u8>> {
     Ok(if packed.len() < bytes.len() { packed } else { bytes })
 }
 
-/// What ZIPS deflates: bytes of even places before those of odd ones, and of each the difference to the one before, plus 128.
+/// Returns what ZIPS deflates: bytes of even places before those of odd ones, and of each the difference to the one
+/// before, plus 128.
 fn differences(bytes: &[u8]) -> Vec<u8> {
     let halves = bytes.iter().step_by(2).chain(bytes.iter().skip(1).step_by(2));
     let mut before = None;

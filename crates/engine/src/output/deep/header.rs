@@ -25,7 +25,7 @@ pub(super) struct Header {
     pub(super) longest_at: u64,
 }
 
-/// The header of a file, whose longest list is not known.
+/// Returns the header of a file, whose longest list is not known.
 ///
 /// # Errors
 /// Names of metadata that are empty, longer than 255 bytes, hold a zero, or are the name of another attribute; values of 2 GiB.

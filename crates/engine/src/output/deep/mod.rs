@@ -21,13 +21,13 @@ use block::Line;
 pub struct Sample {
     /// Linear red, green and blue times opacity, and the opacity, in [0, 1].
     pub rgba: [f32; 4],
-    /// Where it begins, along the viewing axis.
+    /// Depth at which the sample begins, along the viewing axis.
     pub depth: f32,
-    /// Where it ends: the same for a surface.
+    /// Depth at which the sample ends: the same for a surface.
     pub back: f32,
 }
 
-/// How orderly the samples of a pixel are: OpenEXR's `deepImageState`.
+/// Order of the samples of a pixel: OpenEXR's `deepImageState`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum State {
     /// By depth, no two at the same one, volumes split where others begin or end.
@@ -45,7 +45,7 @@ pub enum Numbers {
     Half,
 }
 
-/// How a line is packed.
+/// Packing of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Packing {
     /// By ZIPS, without loss.
@@ -54,18 +54,18 @@ pub enum Packing {
     Raw,
 }
 
-/// What a file holds beside its samples.
+/// Contents of a file beside its samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layout {
     /// Columns and rows, at least 1 each.
     pub size: [u32; 2],
-    /// How orderly the samples are.
+    /// Order of the samples.
     pub state: State,
     /// The numbers of color and opacity.
     pub numbers: Numbers,
-    /// How lines are packed.
+    /// Packing of lines.
     pub packing: Packing,
-    /// True if samples have a length: with a channel `ZBack`.
+    /// `true` if samples have a length: with a channel `ZBack`.
     pub volumes: bool,
     /// Names and values.
     pub metadata: Vec<(String, String)>,
@@ -105,11 +105,11 @@ pub struct Written {
 pub struct Writer<'a, W> {
     out: W,
     layout: &'a Layout,
-    /// Where the length of the longest list, and where the table of lines stand.
+    /// Offset of the length of the longest list; the table of lines follows.
     longest_at: u64,
     table_at: u64,
     table: Vec<u64>,
-    /// Where the next line goes.
+    /// Offset of the next line.
     at: u64,
     written: Written,
     /// Pixels of lines that are not complete.

@@ -1,4 +1,4 @@
-//! How the splats of a window are binned: its tiles, and the runs of splats that subgroups take.
+//! Binning of the splats of a window: its tiles, and the runs of splats that subgroups take.
 
 use super::lanes::Lanes;
 use super::passes::{TilePush, TileWalk};
@@ -29,8 +29,8 @@ const MOST_ITERATIONS: u64 = 50_000;
 /// Splats of a tile that one run takes, at five iterations each. Runs are composed by themselves and then joined, so that
 /// the smallest opacities don't round away in a sum of millions.
 pub(super) const SEGMENT: u32 = 2048;
-/// The same for stages that go through tiles region by region, whose workgroups note that many: wide ones may not take the
-/// room of others.
+/// Returns the same for stages that go through tiles region by region, whose workgroups note that many: wide ones may
+/// not take the room of others.
 pub(super) const fn region_segment(subgroup: u32) -> u32 {
     if subgroup < 16 { SEGMENT } else { SEGMENT / 2 }
 }
@@ -43,11 +43,11 @@ const LEAST_RUNS: u64 = 32;
 /// Shorter than any run that fills up, whatever the splats' extent.
 const LEAST_RUN: u64 = 128;
 
-/// How the drawn splats of a window are binned.
+/// Binning of the drawn splats of a window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Binning {
     pub(super) drawn: u64,
-    /// How stages reach splats.
+    /// Way in which stages reach splats.
     pub(super) cut: Cut,
     pub(super) runs: Runs,
     pub(super) columns: u32,
@@ -147,16 +147,16 @@ impl Binning {
 #[derive(Debug, Clone, Copy)]
 pub struct Binned {
     pub(super) binning: Binning,
-    /// Which of the buffers of records holds the sorted ones.
+    /// Index of the buffer of records that holds the sorted ones.
     pub(super) records: usize,
     /// Splats of the tile with most of them, at most.
     pub(super) longest: u32,
-    /// Where the counts are: overflow, pairs of splat and tile, splats of the tile with most of them.
+    /// Place of the counts: overflow, pairs of splat and tile, splats of the tile with most of them.
     pub(super) counts: Place,
 }
 
 impl Binned {
-    /// The part `segment` of each tile's splats, of all tiles.
+    /// Returns the part `segment` of each tile's splats, of all tiles.
     pub fn walk(&self, segment: u32) -> TileWalk {
         TileWalk {
             columns: self.binning.columns,
@@ -172,12 +172,12 @@ impl Binned {
         self.binning.tiles() as u32
     }
 
-    /// A dispatch with a subgroup for each tile.
+    /// Returns a dispatch with a subgroup for each tile.
     pub fn over_tiles(&self) -> Dispatch<'static> {
         Dispatch::Groups(self.lanes().groups(self.binning.tiles()))
     }
 
-    /// A dispatch with a subgroup for each block of each tile.
+    /// Returns a dispatch with a subgroup for each block of each tile.
     pub fn over_blocks(&self) -> Dispatch<'static> {
         Dispatch::Groups(self.lanes().groups(self.binning.tiles() * u64::from(BLOCKS)))
     }
@@ -192,12 +192,12 @@ impl Binned {
         timeline.found(self.counts)[1].into()
     }
 
-    /// How stages reach splats by their indices.
+    /// Returns the way in which stages reach splats by their indices.
     pub fn cut(&self) -> Cut {
         self.binning.cut
     }
 
-    /// The invocations of stages that go through the tiles.
+    /// Returns the invocations of stages that go through the tiles.
     pub fn lanes(&self) -> Lanes {
         self.binning.lanes
     }
@@ -207,7 +207,7 @@ impl Binned {
         self.longest.div_ceil(SEGMENT).max(1)
     }
 
-    /// The same for stages that go through tiles region by region.
+    /// Returns the same for stages that go through tiles region by region.
     pub fn region_segments(&self) -> u32 {
         self.longest.div_ceil(region_segment(self.lanes().subgroup)).max(1)
     }

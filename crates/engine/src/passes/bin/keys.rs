@@ -8,7 +8,7 @@ pub(super) const ORDER_INDEX: u32 = 1;
 pub(super) const ORDER_FILE: u32 = 2;
 const ORDER_ARRIVAL: u32 = 3;
 
-/// The variant of `bin/keys`.
+/// Returns the variant of `bin/keys`.
 pub(super) fn keys_variant(order: Order) -> Variant {
     let value = match order {
         Order::Depth | Order::Along(_) => ORDER_DEPTH,
@@ -19,7 +19,7 @@ pub(super) fn keys_variant(order: Order) -> Variant {
     Variant::plain().with("ORDER", value)
 }
 
-/// The key of the nearest depth, and the key, less that, of what lies beyond the farthest.
+/// Returns the key of the nearest depth, and the key, less that, of what lies beyond the farthest.
 pub(super) fn depth_keys(depth_range: [f32; 2]) -> [u32; 2] {
     let [near, far] = depth_range.map(depth_key);
     [near, far - near + 1]

@@ -8,7 +8,7 @@ use crate::passes::Error;
 /// Subgroups of a workgroup where a device prefers several.
 const TEAM: u32 = 4;
 
-/// How the invocations of a workgroup are divided that goes through tiles.
+/// Division of the invocations of a workgroup that goes through tiles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Lanes {
     /// Invocations of a subgroup, which has a tile or a block of a tile to itself.

@@ -40,7 +40,7 @@ use crate::prepare::axes::Axis;
 /// The order of splats in tiles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Order {
-    /// By the depth of their centres, then by index: that of blending, front to back.
+    /// By the depth of their centers, then by index: that of blending, front to back.
     #[default]
     Depth,
     /// By index: the canonical one, which costs no sort to speak of.
@@ -174,7 +174,7 @@ impl Bins {
         Ok(Some(Binned { binning, records: last, longest, counts: answer.place }))
     }
 
-    /// A binned window's tiles, for stages behind [`Self::record_tiles`].
+    /// Returns a binned window's tiles, for stages behind [`Self::record_tiles`].
     pub fn tiles<'a>(&'a self, cloud: &'a DeviceCloud, binned: Binned) -> OrderedTiles<'a> {
         let tiled = Tiled {
             splats: Composing::new(cloud, binned.cut()),
@@ -191,7 +191,7 @@ impl Bins {
         order_bytes(device, job.order, cloud.len(), drawn)
     }
 
-    /// The same where every point is drawn.
+    /// Returns the same where every point is drawn.
     pub fn most_bytes(device: &Device, cloud: &DeviceCloud) -> u64 {
         sort_bytes(device, cloud.len())
     }
@@ -245,7 +245,7 @@ pub(crate) const CONSTANTS: [(&str, u32); 6] = [
     ("ORDER_FILE", ORDER_FILE),
 ];
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let presorted = || SUBGROUPS.map(presorted_variant);
     vec![

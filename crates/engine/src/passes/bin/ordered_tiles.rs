@@ -11,7 +11,7 @@ use crate::passes::compose::{self, Cut};
 /// Tiles with their splats in order, and what a stage binds that goes through them.
 #[derive(Clone, Copy)]
 pub struct OrderedTiles<'a> {
-    /// How they were made.
+    /// Binning that they were made by.
     pub binned: Binned,
     /// Bindings.
     pub tiled: Tiled<'a>,
@@ -47,8 +47,8 @@ impl<'a> OrderedTiles<'a> {
     }
 }
 
-/// The variant of stages that go through tiles with whole splats, from that of shape and falloff; `later`: a run that goes on
-/// from what earlier ones left.
+/// Returns the variant of stages that go through tiles with whole splats, from that of shape and falloff; `later`: a
+/// run that goes on from what earlier ones left.
 pub(crate) fn fold_variant(shape: Variant, later: bool, lanes: Lanes) -> Variant {
     blocks(shape, SEGMENT, lanes).with("LATER", u32::from(later))
 }
@@ -62,7 +62,8 @@ pub(crate) fn region_variant(shape: Variant, later: bool, lanes: Lanes) -> Varia
         .constant("REGION_COLUMNS", pattern(lanes.subgroup)[0])
 }
 
-/// The same where each block of a tile has a subgroup of its own ([`Binned::over_blocks`]): for stages that hold much for each pixel.
+/// Returns the same where each block of a tile has a subgroup of its own ([`Binned::over_blocks`]): for stages that
+/// hold much for each pixel.
 pub(crate) fn fold_blocks_variant(shape: Variant, later: bool, lanes: Lanes) -> Variant {
     let mut variant = fold_variant(shape, later, lanes).with("SHARED", BLOCKS);
     for (_, count) in &mut variant.counts {
@@ -71,7 +72,7 @@ pub(crate) fn fold_blocks_variant(shape: Variant, later: bool, lanes: Lanes) -> 
     variant
 }
 
-/// The variant of stages that go through ordered tiles.
+/// Returns the variant of stages that go through ordered tiles.
 pub(crate) fn gather_variant(cut: Cut, lanes: Lanes) -> Variant {
     blocks(compose::disc_variant(cut), SEGMENT, lanes)
 }

@@ -106,8 +106,8 @@ pass! {
 }
 
 gpu_struct! {
-    /// Which run a stage takes of the tiles' splats: the first member of its push constants; shaders/shared/tile_run.wgsl
-    /// explains them.
+    /// Run of the tiles' splats that a stage takes: the first member of its push constants;
+    /// shaders/shared/tile_run.wgsl explains them.
     pub struct TileWalk {
         columns: u32,
         first_tile: u32,
@@ -132,7 +132,7 @@ group! {
     pub Tiled as TiledGroup {
         /// The splats, reached by their indices.
         splats: Shared<ComposingGroup>,
-        /// Where each cell's entries end.
+        /// End of each cell's entries.
         ends: Read<u32>,
         /// Indices of the tiles' splats.
         entries: Read<u32>,

@@ -75,12 +75,12 @@ pub(super) fn order_bytes(device: &Device, order: Order, points: u64, drawn: u64
     }
 }
 
-/// How a presorted order is cut into runs, each of which a subgroup takes twice.
+/// Cuts a presorted order into runs, each of which a subgroup takes twice.
 pub fn order_runs(device: &Device, points: u64) -> Runs {
     Runs::new(device.info().prefers.concurrent_runs, points, SHORTEST_RUN, 1 << 17)
 }
 
-/// The variant of `bin/pick` and `bin/place`.
+/// Returns the variant of `bin/pick` and `bin/place`.
 pub(super) fn presorted_variant(subgroup: u32) -> Variant {
     Variant::plain().subgroup(subgroup)
 }

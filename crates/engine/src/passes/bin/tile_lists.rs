@@ -56,7 +56,7 @@ impl Bins {
     }
 }
 
-/// The variant of `bin/tile-store`.
+/// Returns the variant of `bin/tile-store`.
 pub(super) fn store_variant(subgroup: u32) -> Variant {
     let [columns, rows] = pattern(subgroup);
     Variant::plain().subgroup(subgroup).constant("LANE_COLUMNS", columns).constant("LANE_ROWS", rows)

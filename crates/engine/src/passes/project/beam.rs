@@ -1,4 +1,5 @@
-//! Which blocks of points may show in a window: those of which anything reaches it, and no other ones as far as their boxes tell.
+//! Blocks of points that may show in a window: those of which anything reaches it, and no other ones as far as their
+//! boxes tell.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -9,7 +10,7 @@ use crate::passes::bands::Window;
 use crate::scene::{GaussianSettings, Kernel};
 use crate::supply::Block;
 
-/// How far a point reaches beyond its place.
+/// Reach of a point beyond its place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
     /// Its radius in the frame over that of the cloud.
@@ -18,12 +19,12 @@ pub struct Extent {
     pub pixels: f64,
 }
 
-/// The half of a pixel that roundings may take, and another half for the pixel around a centre.
+/// The half of a pixel that roundings may take, and another half for the pixel around a center.
 const ONE: f64 = 1.0;
-/// What roundings of float32 and here may move a point, as a share of its coordinates from the eye.
+/// Largest distance that roundings of float32 and here may move a point, as a share of its coordinates from the eye.
 const ROUNDING: f64 = 1e-6;
 
-/// Slopes of a Gaussian's centre are clamped to so many times those of the image's sides (`clamped_slopes` in WGSL).
+/// Slopes of a Gaussian's center are clamped to so many times those of the image's sides (`clamped_slopes` in WGSL).
 const SLOPE: f64 = 1.3;
 
 impl Extent {
@@ -63,7 +64,7 @@ impl Extent {
         }
     }
 
-    /// The farther of two reaches.
+    /// Returns the farther of two reaches.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self { radius: self.radius.max(other.radius), pixels: self.pixels.max(other.pixels) }
@@ -100,7 +101,7 @@ pub struct Beam {
 }
 
 impl Beam {
-    /// What a window of an image of this size shows of points with this extent.
+    /// Returns what a window of an image of this size shows of points with this extent.
     pub fn new(camera: &Camera, size: [u32; 2], window: Window, extent: Extent) -> Self {
         let Camera { eye, right, up, forward, near, far, .. } = *camera;
         let focal = camera.focal_px(size[1]);
@@ -129,7 +130,7 @@ impl Beam {
         DVec3::from(self.axes.map(|axis| p.dot(axis)))
     }
 
-    /// True if anything of a block may show.
+    /// Returns `true` if anything of a block may show.
     pub fn meets(&self, block: &Block) -> bool {
         let corners = block.bounds.corners().map(|corner| self.view(corner));
         let size = corners.iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max);
@@ -140,14 +141,14 @@ impl Beam {
         })
     }
 
-    /// True if anything of a point with this radius may show.
+    /// Returns `true` if anything of a point with this radius may show.
     pub fn meets_point(&self, position: DVec3, radius: f32) -> bool {
         let p = self.view(position);
         let slack = self.radius * f64::from(radius) + ROUNDING * p.abs().max_element();
         self.sides.iter().all(|side| side.normal.dot(p) + side.offset >= -slack * side.length)
     }
 
-    /// The blocks of which anything may show, in ascending order.
+    /// Returns the blocks of which anything may show, in ascending order.
     pub fn pick(&self, blocks: &[Block]) -> Vec<u32> {
         let all = blocks.par_iter().enumerate().with_min_len(1 << 8);
         all.filter(|(_, block)| self.meets(block)).map(|(i, _)| i as u32).collect()

@@ -1,8 +1,8 @@
-//! Which pixels a splat covers.
+//! Shapes of the pixels that a splat covers.
 
 use crate::choices;
 
-/// Which pixels a splat covers; the values of `SHAPE` in WGSL.
+/// Shape of the pixels that a splat covers; the values of `SHAPE` in WGSL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Footprint {
     /// Screen-aligned disc.
@@ -43,7 +43,7 @@ pub const DISCS: [Footprint; 4] = [Footprint::Disc, Footprint::Oriented, Footpri
 pub const TILED: [Footprint; 3] = [Footprint::Disc, Footprint::Oriented, Footprint::Square];
 
 impl Footprint {
-    /// True if splats of this shape have tilts.
+    /// Returns `true` if splats of this shape have tilts.
     pub fn has_tilts(self) -> bool {
         self.tilt_stride() > 0
     }
@@ -57,12 +57,12 @@ impl Footprint {
         }
     }
 
-    /// True if splats have a depth for each pixel, so that they may cross.
+    /// Returns `true` if splats have a depth for each pixel, so that they may cross.
     pub fn may_cross(self) -> bool {
         matches!(self, Self::Oriented | Self::Gaussian)
     }
 
-    /// True if splats may be Gaussians.
+    /// Returns `true` if splats may be Gaussians.
     pub fn has_gaussians(self) -> bool {
         matches!(self, Self::FlatGaussian | Self::Gaussian)
     }

@@ -144,7 +144,7 @@ pub(crate) const CONSTANTS: [(&str, u32); 16] = [
     ("SHADING_PHONG", Formula::Phong as u32),
 ];
 
-/// How splats are made from points.
+/// Settings by which splats are made from points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Projecting {
     /// Shape.
@@ -157,27 +157,27 @@ pub struct Projecting {
     pub opacity_factor: f32,
     /// Part of the points.
     pub part: Part,
-    /// True if depths of splats are relative to the nearest depth of the points' box: the smaller they are, the more digits they
-    /// have.
+    /// `true` if depths of splats are relative to the nearest depth of the points' box: the smaller they are, the more
+    /// digits they have.
     pub relative_depth: bool,
     /// Shading, unless the cloud has no normals.
     pub shading: Shading,
     /// Space in which colors are blended.
     pub color: ColorSpace,
-    /// True if the cloud's shares of light count ([`DeviceCloud::casting`]); only where it has some.
+    /// `true` if the cloud's shares of light count ([`DeviceCloud::casting`]); only where it has some.
     pub lit: bool,
-    /// How Gaussians are drawn, of footprints that have some.
+    /// Settings by which Gaussians are drawn, of footprints that have some.
     pub gaussians: Drawing,
 }
 
-/// How Gaussians are drawn.
+/// Settings by which Gaussians are drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drawing {
     /// Kernel and what goes with it.
     pub settings: GaussianSettings,
     /// The order in force.
     pub order: Order,
-    /// How discs lie that are in the scene, too.
+    /// Orientation of discs that are in the scene, too.
     pub discs: DiscShape,
 }
 
@@ -322,7 +322,7 @@ impl Shaded {
     }
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let soft = Part::Soft { threshold: 0.5, modulation: None };
     let parts = [Part::All, Part::Solid(0.5), soft, Part::Marked(0.5)];
@@ -353,7 +353,7 @@ fn gaussian_variants() -> Vec<Variant> {
     each.collect()
 }
 
-/// True if the buffer of normals is read, for the normals of a cloud that has some or for shares of light.
+/// Returns `true` if the buffer of normals is read, for the normals of a cloud that has some or for shares of light.
 fn used_normals(how: &Projecting, normals: bool) -> bool {
     let oriented = how.footprint.may_cross();
     how.lit || (normals && (how.shading.model.formula() != Formula::None || oriented))

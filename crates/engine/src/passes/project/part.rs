@@ -4,7 +4,7 @@ use crate::points::Points;
 use crate::progress::Progress;
 use crate::supply::{self, Supply};
 
-/// Which points of a cloud are projected.
+/// Part of the points of a cloud that is projected.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Part {
     /// All.
@@ -23,7 +23,7 @@ pub enum Part {
 }
 
 impl Part {
-    /// The value of `PART` in WGSL.
+    /// Returns the value of `PART` in WGSL.
     pub(super) fn value(self) -> u32 {
         match self {
             Self::All => PART_ALL,

@@ -8,7 +8,7 @@ use crate::passes::compose::Cut;
 use crate::scene::{ColorSpace, Formula};
 
 impl Projecting {
-    /// How points of a cloud with or without normals are shaded.
+    /// Returns how points of a cloud with or without normals are shaded.
     pub(crate) fn shaded(&self, normals: bool) -> Shaded {
         Shaded { model: self.shading.model.formula(), color: self.color, lit: self.lit, normals }
     }
@@ -41,7 +41,7 @@ choices!(
 choices!(struct Shaded { model, color, lit, normals });
 
 impl Shaded {
-    /// The variant of shaders/shared/shade.wgsl.
+    /// Returns the variant of shaders/shared/shade.wgsl.
     pub(crate) fn variant(self) -> Variant {
         // Without a normal there is still a share of light.
         let model = if self.normals || self.lit { self.model } else { Formula::None };
@@ -54,7 +54,7 @@ impl Shaded {
         cut.apply_to(self.variant())
     }
 
-    /// The variants of such a shader.
+    /// Returns the variants of such a shader.
     pub(crate) fn cut_variants() -> Vec<Variant> {
         <(Self, Cut)>::all().into_iter().map(|(shaded, cut)| shaded.cut(cut)).collect()
     }

@@ -40,7 +40,7 @@ gpu_struct! {
 }
 
 impl DeviceCloud {
-    /// The view of the last [`Self::set_view`].
+    /// Returns the view of the last [`Self::set_view`].
     pub fn view(&self) -> Slice<'_, View> {
         self.view.all()
     }

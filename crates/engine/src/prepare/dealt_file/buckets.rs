@@ -35,7 +35,7 @@ impl Words {
     }
 }
 
-/// How many buckets there are, and what they may take.
+/// Number of buckets, and the bytes that they may take.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plan {
     words: Words,
@@ -56,7 +56,7 @@ impl Plan {
         Self { words, buckets, numbers_at_once, layout }
     }
 
-    /// True if a word belongs to one of the buckets.
+    /// Returns `true` if a word belongs to one of the buckets.
     pub fn has(&self, word: u64) -> bool {
         (self.words.start..self.words.end).contains(&u128::from(word))
     }
@@ -91,7 +91,7 @@ impl<'a> Buckets<'a> {
         Self { plan, pile, all: vec![(Vec::new(), Vec::new()); plan.buckets as usize] }
     }
 
-    /// How they are laid out.
+    /// Returns the layout of the buckets.
     pub fn plan(&self) -> Plan {
         self.plan
     }
@@ -116,7 +116,7 @@ impl<'a> Buckets<'a> {
         each.try_for_each(|(word, record)| self.add(*word, record))
     }
 
-    /// Where the points of each are, all written.
+    /// Returns where the points of each bucket are, all written.
     pub fn finish(self) -> Result<Vec<Vec<Extent>>, Error> {
         let pile = self.pile;
         let written = |(mut written, waiting): (Vec<Extent>, Vec<u32>)| {

@@ -56,7 +56,8 @@ struct Head {
 }
 
 impl List {
-    /// The list of the cloud at a place among the others, none of which is in order yet. `None` without points that are drawn.
+    /// Returns the list of the cloud at a place among the others, none of which is in order yet. `None` without points
+    /// that are drawn.
     pub fn new(source: Source, place: u32, settings: &Settings, progress: &Progress) -> Result<Option<Self>, Error> {
         let all = source.blocks.iter().sum();
         let [once, shared] = [(); 2].map(|()| Places::new(all, settings.memory / PLACES_PART));
@@ -96,7 +97,7 @@ impl List {
         self.head.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Number of points that are in order.
+    /// Returns the number of points that are in order.
     pub fn reached(&self) -> u64 {
         self.head().len
     }

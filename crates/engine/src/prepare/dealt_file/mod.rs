@@ -39,7 +39,7 @@ pub type Read = Arc<dyn Fn(usize) -> Result<Points, Error> + Send + Sync>;
 /// A cloud that is read block by block.
 #[derive(Clone)]
 pub struct Source {
-    /// Where it is stored, for errors.
+    /// Path of the store, for errors.
     pub path: PathBuf,
     /// Points of each block.
     pub blocks: Vec<u64>,
@@ -47,7 +47,7 @@ pub struct Source {
     pub read: Read,
     /// The box of all points, also of those that are not drawn, in world coordinates.
     pub bounds: Bounds,
-    /// What ids are made from: that of the cloud by itself.
+    /// Anchor that ids are made from: that of the cloud by itself.
     pub anchor: Anchor,
 }
 
@@ -57,10 +57,10 @@ impl fmt::Debug for Source {
     }
 }
 
-/// How clouds are dealt.
+/// Settings by which clouds are dealt.
 #[derive(Debug, Clone)]
 pub struct Settings {
-    /// True if points have normals.
+    /// `true` if points have normals.
     pub has_normals: bool,
     /// The seed of the shuffle.
     pub seed: u64,
@@ -70,14 +70,14 @@ pub struct Settings {
     pub folder: PathBuf,
 }
 
-/// What is known of a cloud of the list.
+/// Facts about a cloud of the list.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Facts {
     /// Properties of the cloud.
     pub surface: Surface,
     /// The box of its points that are drawn.
     pub bounds: Bounds,
-    /// True if all of them have the same opacity.
+    /// `true` if all of them have the same opacity.
     pub uniform: bool,
     /// The largest component of their colors.
     pub brightest: f32,
@@ -117,22 +117,22 @@ impl DealtFile {
         Ok(file)
     }
 
-    /// Number of points.
+    /// Returns the number of points.
     pub fn len(&self) -> u64 {
         self.surfaces.last().map_or(0, |surface| surface.points.end)
     }
 
-    /// True without points.
+    /// Returns `true` if there are no points.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// True if points have normals.
+    /// Returns `true` if points have normals.
     pub fn has_normals(&self) -> bool {
         self.layout.has_normals
     }
 
-    /// The clouds, in the order of their points.
+    /// Returns the clouds, in the order of their points.
     pub fn clouds(&self) -> &[Facts] {
         &self.clouds
     }
@@ -142,7 +142,7 @@ impl DealtFile {
         &self.surfaces
     }
 
-    /// Number of points that are in the file so far.
+    /// Returns the number of points that are in the file so far.
     pub fn reached(&self) -> u64 {
         self.lists.iter().map(List::reached).sum()
     }
@@ -156,9 +156,9 @@ impl DealtFile {
         each.try_for_each(|(list, count)| list.reach(count, &self.pile, progress))
     }
 
-    /// Some points of the list, with their ids. Those of the last cloud of the range that are not in the file yet are brought there, and
-    /// more behind them. Those of a cloud before it then are zeros: who binds the first points of a cloud binds the last ones of another
-    /// beside them, which it has no use for.
+    /// Returns some points of the list, with their ids. Those of the last cloud of the range that are not in the file
+    /// yet are brought there, and more behind them. Those of a cloud before it then are zeros: who binds the first
+    /// points of a cloud binds the last ones of another beside them, which it has no use for.
     ///
     /// # Errors
     /// As of [`deal`](Self::deal).

@@ -29,7 +29,7 @@ pub(super) fn words_of(extents: &[Extent]) -> u64 {
 }
 
 impl Pile {
-    /// An empty one in a folder.
+    /// Returns an empty one in a folder.
     pub fn new(folder: &Path) -> Result<Self, Error> {
         let file = tempfile::tempfile_in(folder)
             .map_err(|source| Error::Temporary { folder: folder.to_path_buf(), source })?;

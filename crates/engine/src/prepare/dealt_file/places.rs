@@ -1,4 +1,4 @@
-//! Which points may share their places with others, found in little memory.
+//! Search for points that may share their places with others, in little memory.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -29,7 +29,7 @@ impl Places {
         self.word(place).fetch_or(marks, Ordering::Relaxed) & marks == marks
     }
 
-    /// True if a place seems to be there.
+    /// Returns `true` if a place seems to be there.
     pub fn has(&self, place: u64) -> bool {
         let marks = marks(place);
         self.word(place).load(Ordering::Relaxed) & marks == marks
@@ -45,8 +45,9 @@ fn marks(place: u64) -> u64 {
     (0..MARKS).fold(0, |marks, digit| marks | 1 << (place >> (6 * digit) & 63))
 }
 
-/// The number of a place: equal coordinates, to the bit, have equal numbers, others hardly ever. Each coordinate is multiplied by 2⁶⁴
-/// over the golden ratio, and the halves of the product folded (Knuth, The Art of Computer Programming 3, 6.4).
+/// Returns the number of a place: equal coordinates, to the bit, have equal numbers, others hardly ever. Each
+/// coordinate is multiplied by 2⁶⁴ over the golden ratio, and the halves of the product folded (Knuth, The Art of
+/// Computer Programming 3, 6.4).
 pub(super) fn number(position: DVec3) -> u64 {
     position.to_array().into_iter().fold(1, |all: u64, coordinate| {
         let product = u128::from(all ^ coordinate.to_bits()) * 0x9e37_79b9_7f4a_7c15;

@@ -5,10 +5,10 @@ use rayon::prelude::*;
 
 use crate::points::Points;
 
-/// How a point stands in the file.
+/// Layout of a point in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Layout {
-    /// True if points have normals.
+    /// `true` if points have normals.
     pub has_normals: bool,
 }
 
@@ -35,12 +35,12 @@ impl Layout {
         }
     }
 
-    /// The id of a point.
+    /// Returns the id of a point.
     pub fn id(record: &[u32]) -> u32 {
         record[11]
     }
 
-    /// The points that stand in some words, with their ids.
+    /// Returns the points that stand in some words, with their ids.
     pub fn points(self, words: &[u32]) -> Points {
         let records = || words.par_chunks_exact(self.words()).with_min_len(1 << 10);
         let vector = |words: &[u32]| Vec3::from_array([words[0], words[1], words[2]].map(f32::from_bits));

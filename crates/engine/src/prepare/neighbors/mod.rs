@@ -70,7 +70,7 @@ fn normal_key(normal: Vec3) -> [i32; 3] {
 }
 
 /// Puts many points of one Morton code into the order of codes within their own bounds, and so on: a stray a thousand
-/// kilometres away has all others in a few cells.
+/// kilometers away has all others in a few cells.
 fn refine(cell: &mut [Keyed], positions: &[DVec3], by_content: &(impl Fn(u32, u32) -> Ordering + Sync)) {
     if cell.len() <= LEAF {
         return;
@@ -95,8 +95,8 @@ impl Places {
         Self::group_within(positions, normals, &Bounds::of(positions)?)
     }
 
-    /// The same of some points of a cloud with these bounds. Their ranks are in the order of those of the whole cloud, as far as all
-    /// points are there that share a cell of [`morton::cell_side`] with one of them.
+    /// Returns the same of some points of a cloud with these bounds. Their ranks are in the order of those of the whole
+    /// cloud, as far as all points are there that share a cell of [`morton::cell_side`] with one of them.
     pub fn group_within(positions: &[DVec3], normals: Option<&[Vec3]>, bounds: &Bounds) -> Option<Self> {
         // Ranks have 32 bits.
         u32::try_from(positions.len()).ok().filter(|count| *count > 0)?;
@@ -125,22 +125,22 @@ impl Places {
         Some(Self { order, positions, starts, places, tree, columns, unit })
     }
 
-    /// Number of distinct positions.
+    /// Returns the number of distinct positions.
     pub fn len(&self) -> usize {
         self.starts.len() - 1
     }
 
-    /// The ranks of the points at a place.
+    /// Returns the ranks of the points at a place.
     pub fn members(&self, place: usize) -> Range<usize> {
         self.starts[place] as usize..self.starts[place + 1] as usize
     }
 
-    /// The place of the point of a rank.
+    /// Returns the place of the point of a rank.
     pub fn place_of(&self, rank: u32) -> usize {
         self.places[rank as usize] as usize
     }
 
-    /// The rank of each point of the cloud.
+    /// Returns the rank of each point of the cloud.
     pub fn ranks(&self) -> Vec<u32> {
         let mut ranks = vec![0; self.order.len()];
         for (rank, &index) in self.order.iter().enumerate() {
@@ -160,8 +160,8 @@ impl Places {
         (k + 1).saturating_sub(self.members(place).len())
     }
 
-    /// The ranks of those of the `k` nearest others of a point at `place` that have another position, in ascending order,
-    /// and the distance of the last in [`Places::unit`]s.
+    /// Returns the ranks of those of the `k` nearest others of a point at `place` that have another position, in
+    /// ascending order, and the distance of the last in [`Places::unit`]s.
     pub fn others(&self, place: usize, k: usize) -> (Vec<u32>, f64) {
         let mut ranks = Vec::new();
         let mut search = Search::new(&self.tree, &self.columns, k);
@@ -292,8 +292,8 @@ pub(super) enum Again {
 }
 
 impl Again {
-    /// True if the neighbors of a place are needed, those found at these squared distances, itself among them, and the last of
-    /// the K nearest at this distance.
+    /// Returns `true` if the neighbors of a place are needed, those found at these squared distances, itself among
+    /// them, and the last of the K nearest at this distance.
     ///
     /// A neighbor at δ has its own K-th one at d − δ or beyond: the ball of that radius around it lies within the ball of radius d
     /// around this place, whose inside holds fewer than K others. Where d − δ is d / cap or more for so many that their median is, the
@@ -313,7 +313,7 @@ impl Again {
     }
 }
 
-/// How many of `k` neighbors and the point itself have a value or a larger one, if their median does.
+/// Returns how many of `k` neighbors and the point itself have a value or a larger one, if their median does.
 pub(super) fn least_of_median(k: usize) -> usize {
     k.div_ceil(2) + 1
 }

@@ -44,7 +44,7 @@ impl Columns {
         DVec3::new(self.x[place], self.y[place], self.z[place])
     }
 
-    /// The squared distance of two places.
+    /// Returns the squared distance of two places.
     pub fn squared_between(&self, a: usize, b: usize) -> f64 {
         (self.position(b) - self.position(a)).length_squared()
     }
@@ -110,7 +110,7 @@ struct Around {
 }
 
 impl<'a> Search<'a> {
-    /// A search for `wanted` places besides the one that is asked for.
+    /// Returns a search for `wanted` places besides the one that is asked for.
     pub fn new(tree: &'a Tree, columns: &'a Columns, wanted: usize) -> Self {
         Self {
             tree,

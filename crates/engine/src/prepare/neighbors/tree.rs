@@ -30,7 +30,7 @@ impl Cuboid {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// The squared distance of another box, zero if they touch.
+    /// Returns the squared distance of another box, zero if they touch.
     pub fn squared(&self, other: &Self) -> f64 {
         (self.min - other.max).max(other.min - self.max).max(DVec3::ZERO).length_squared()
     }
@@ -64,7 +64,7 @@ impl Tree {
         Self { leaves: leaves.map(|(index, _)| index as u32).collect(), nodes }
     }
 
-    /// The index among leaves of the one with a place.
+    /// Returns the index among leaves of the one with a place.
     pub fn leaf_of(&self, place: usize) -> usize {
         self.leaves.partition_point(|&leaf| self.nodes[leaf as usize].first as usize <= place) - 1
     }
@@ -109,7 +109,7 @@ fn add(nodes: &mut Vec<Node>, columns: &Columns, codes: &[u64], first: usize) ->
     cuboid
 }
 
-/// Where to cut at least two places: at the highest bit in which their codes differ, or in the middle.
+/// Returns where to cut at least two places: at the highest bit in which their codes differ, or in the middle.
 fn middle(codes: &[u64]) -> usize {
     let differing = codes[0] ^ codes[codes.len() - 1];
     match differing.checked_ilog2() {

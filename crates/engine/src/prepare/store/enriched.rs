@@ -7,7 +7,7 @@ use crate::cloud::Prepared;
 use crate::io::Error;
 use crate::io::store::{Node, Piece, Store, Summary};
 
-/// Where F comes from.
+/// Source of F.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Fields {
     /// It is there.

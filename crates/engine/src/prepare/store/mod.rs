@@ -27,7 +27,7 @@ use solve::Solver;
 use source::Source;
 use values::{Value, Values};
 
-/// What a finished store of points without values is made of, and what was said of it.
+/// Name of the file that says what a finished store of points without values is made of, and what was said of it.
 const MARKER: &str = "made.json";
 
 /// Bytes that finding the neighbors of a point takes, and for each neighbor.
@@ -35,7 +35,7 @@ const BYTES_OF_POINT: u64 = 300;
 /// See [`BYTES_OF_POINT`].
 const BYTES_OF_NEIGHBOR: u64 = 4;
 
-/// Why a store can't be prepared.
+/// Reason why a store can't be prepared.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -47,18 +47,18 @@ pub enum Error {
     Field {
         /// The store that was to be.
         path: PathBuf,
-        /// What it lacks.
+        /// Reason for what it lacks.
         source: field::Error,
     },
 }
 
-/// What is computed of each point, beside the radius.
+/// Data that is computed of each point, beside the radius.
 #[derive(Debug, Clone, PartialEq)]
 struct Plan {
     /// K of a cloud with so many points.
     k: usize,
     cap: f32,
-    /// True if radii are computed; else the points have their own.
+    /// `true` if radii are computed; else the points have their own.
     radii: bool,
     wants: Wants,
 }
@@ -197,7 +197,7 @@ fn solve(source: &Source, plan: &Plan, regions: &[Region], values: &Values, prog
     Ok(())
 }
 
-/// What is known of the store with the values.
+/// Returns what is known of the store with the values.
 fn enriched_summary(summary: &Summary, request: &Request, plan: &Plan) -> Summary {
     let mut summary = summary.clone();
     let like = &mut summary.like;

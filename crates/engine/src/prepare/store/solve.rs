@@ -13,7 +13,7 @@ use crate::cloud::Bounds;
 use crate::io;
 use crate::progress::Progress;
 
-/// What is looked at around a region at first, as a share of its side, and at last.
+/// Distances around a region that are searched at first and at last, as a share of its side.
 const REACH: [f64; 2] = [0.125, 0.5];
 
 /// Points that are found one by one sooner than with more around their region.
@@ -29,8 +29,8 @@ pub(super) struct Solver<'a> {
 }
 
 impl Solver<'_> {
-    /// How far what a point's values depend on may be, in distances of its last neighbor: a neighbor has all of its own neighbors
-    /// within twice that distance, since the point and the other neighbors are.
+    /// Returns how far away the points may be that a point's values depend on, in distances of its last neighbor: a
+    /// neighbor has all of its own neighbors within twice that distance, since the point and the other neighbors are.
     fn hops(&self) -> f64 {
         if self.plan.cap > 0.0 || self.plan.wants.fields { 3.0 } else { 1.0 }
     }
@@ -68,7 +68,7 @@ impl Solver<'_> {
         }
     }
 
-    /// How far a position is from the faces of a box beyond which there are points.
+    /// Returns how far a position is from the faces of a box beyond which there are points.
     fn margin(&self, halo: &Bounds, p: DVec3) -> f64 {
         let all = self.source.bounds;
         let below =

@@ -62,7 +62,7 @@ impl Source {
         Self { octree, bounds, cell }
     }
 
-    /// The points of a part of space, in the order of the file's nodes.
+    /// Returns the points of a part of space, in the order of the file's nodes.
     pub fn gather(&self, shape: &Shape) -> Result<Local, Error> {
         let nodes = self.octree.nodes().iter().enumerate();
         let touched: Vec<usize> =
@@ -91,7 +91,7 @@ impl Source {
         })
     }
 
-    /// A distance from a position within which there are so many points, or all, by the boxes of nodes alone.
+    /// Returns a distance from a position within which there are so many points, or all, by the boxes of nodes alone.
     pub fn reach(&self, from: DVec3, points: u64) -> f64 {
         let farthest = |node: &Node| (node.bounds.max - from).abs().max((node.bounds.min - from).abs()).length();
         let nodes = self.octree.nodes().iter().filter(|node| node.points > 0);

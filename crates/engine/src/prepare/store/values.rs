@@ -31,7 +31,7 @@ pub(super) struct Values {
 }
 
 impl Values {
-    /// An empty file in a folder.
+    /// Returns an empty file in a folder.
     pub fn new(folder: &Path, plan: &Plan) -> Result<Self, Error> {
         let file =
             tempfile::tempfile_in(folder).map_err(|source| Error::Write { path: folder.to_path_buf(), source })?;
@@ -77,12 +77,12 @@ impl Values {
         bytes
     }
 
-    /// The range of the spreads.
+    /// Returns the range of the spreads.
     pub fn range(&self) -> [f64; 2] {
         self.file.lock().unwrap_or_else(PoisonError::into_inner).1
     }
 
-    /// The values of some points in a row.
+    /// Returns the values of some points in a row.
     pub fn read(&self, first: u64, points: usize) -> Result<Vec<Value>, Error> {
         let stride = self.stride();
         if stride == 0 {

@@ -22,9 +22,9 @@ use crate::scene::{Discs, GaussianSettings, Kernel};
 pub struct Body {
     /// The point's place in the canonical order.
     pub index: u32,
-    /// Where it begins on the ray, as a length from the ray's origin, not before near.
+    /// Beginning on the ray, as a length from the ray's origin, not before near.
     pub start: f64,
-    /// Where it ends; a surface ends where it begins.
+    /// End on the ray; a surface ends where it begins.
     pub end: f64,
     /// Its effect on light.
     pub matter: Matter,
@@ -40,7 +40,7 @@ pub enum Matter {
 }
 
 impl Body {
-    /// The opacity of the whole body.
+    /// Returns the opacity of the whole body.
     pub fn opacity(&self) -> f64 {
         match self.matter {
             Matter::Density(density) => -(-density * (self.end - self.start)).exp_m1(),
@@ -57,12 +57,12 @@ pub fn density(opacity: f64, shortest: f64, settings: &GaussianSettings) -> f64 
     -(-opacity.min(f64::from(settings.alpha_max))).ln_1p() / (2.0 * shortest)
 }
 
-/// The ray through a pixel's centre.
+/// Returns the ray through a pixel's center.
 pub fn ray(camera: &Camera, size: [u32; 2], pixel: [u32; 2]) -> Ray {
     Ray::new(camera, size, pixel)
 }
 
-/// The part of a Gaussian on a pixel's ray; `None` where the ray misses it.
+/// Returns the part of a Gaussian on a pixel's ray; `None` where the ray misses it.
 pub fn meet(placed: &Placed, settings: &GaussianSettings, pixel: [u32; 2], index: u32) -> Option<Body> {
     let ray = ray(placed.camera, placed.size, pixel);
     let near = placed.camera.near * ray.stretch;
@@ -95,7 +95,7 @@ pub fn meet(placed: &Placed, settings: &GaussianSettings, pixel: [u32; 2], index
     Some(Body { index, start, end, matter: Matter::Density(density) })
 }
 
-/// Where a ray meets a Gaussian of which one axis has no length; none of a needle.
+/// Returns where a ray meets a Gaussian of which one axis has no length; none of a needle.
 fn meet_flat(placed: &Placed, ray: &Ray) -> Option<f64> {
     let sides: Vec<DVec3> = (0..3).map(|k| placed.axes.col(k)).filter(|axis| *axis != DVec3::ZERO).collect();
     let [a, b] = sides[..] else { return None };
@@ -106,7 +106,7 @@ fn meet_flat(placed: &Placed, ray: &Ray) -> Option<f64> {
     (at.is_finite() && square <= 1.0).then_some(at)
 }
 
-/// The pixels that an ellipsoid covers when nothing else is there; key and z are where it is entered.
+/// Returns the pixels that an ellipsoid covers when nothing else is there; key and z are where it is entered.
 pub(super) fn footprint(placed: &Placed, settings: &GaussianSettings) -> Vec<Hit> {
     let hit = |[x, y]: [u32; 2]| {
         let body = meet(placed, settings, [x, y], 0)?;
@@ -116,7 +116,7 @@ pub(super) fn footprint(placed: &Placed, settings: &GaussianSettings) -> Vec<Hit
     placed.window(super::ray::bounds(placed, 1.0)).filter_map(hit).collect()
 }
 
-/// The bodies on the rays of all pixels, row by row: Gaussians and discs, by the order of their points.
+/// Returns the bodies on the rays of all pixels, row by row: Gaussians and discs, by the order of their points.
 pub fn bodies(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -> Vec<Vec<Body>> {
     let mut pixels = vec![Vec::new(); size[0] as usize * size[1] as usize];
     for index in 0..points.len() {
@@ -188,7 +188,7 @@ impl Piece {
         }
     }
 
-    /// Where of the light that reaches it so much is left, if it doesn't let more through.
+    /// Returns where so much of the light that reaches it is left, if it doesn't let more through.
     fn place_of(&self, left: f64) -> f64 {
         match *self {
             Self::Dense { start, length, density, .. } => start + (-left.ln() / density).clamp(0.0, length),
@@ -225,7 +225,8 @@ pub fn blend(bodies: &[Body], colors: &[DVec3], stretch: f64) -> Composite {
     Composite { color, alpha, depth: first.fold(f64::INFINITY, f64::min) }
 }
 
-/// The depth along the viewing axis at which `share` of the light or less is first left; +inf if more is left behind all bodies.
+/// Returns the depth along the viewing axis at which `share` of the light or less is first left; +inf if more is left
+/// behind all bodies.
 pub fn median(bodies: &[Body], stretch: f64, share: f64) -> f64 {
     let mut transmittance = 1.0f64;
     for piece in pieces(bodies, &colorless(bodies)) {
@@ -238,7 +239,7 @@ pub fn median(bodies: &[Body], stretch: f64, share: f64) -> f64 {
     f64::INFINITY
 }
 
-/// The mean depth, ∫ z dA / A; +inf where A is 0.
+/// Returns the mean depth, ∫ z dA / A; +inf where A is 0.
 pub fn mean_depth(bodies: &[Body], stretch: f64) -> f64 {
     let (mut sum, mut log_transmittance) = (0.0, 0.0f64);
     for piece in pieces(bodies, &colorless(bodies)) {
@@ -254,13 +255,13 @@ fn colorless(bodies: &[Body]) -> Vec<DVec3> {
     vec![DVec3::ZERO; bodies.iter().map(|body| body.index as usize + 1).max().unwrap_or(0)]
 }
 
-/// True if a picture is made of ellipsoids.
+/// Returns `true` if a picture is made of ellipsoids.
 pub fn are_drawn(points: &Points, discs: &Discs) -> bool {
     discs.gaussians.kernel == Kernel::Ellipsoid && (0..points.len()).any(|i| gaussians::gaussian(points, i).is_some())
 }
 
-/// The whole image of `abuffer`, with ellipsoids ([`are_drawn`]). `colors` holds a color for each point, shaded and in the space that blending
-/// runs in. A count is that of bodies.
+/// Returns the whole image of `abuffer`, with ellipsoids ([`are_drawn`]). `colors` holds a color for each point, shaded
+/// and in the space that blending runs in. A count is that of bodies.
 pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> Picture {
     let bodies = bodies(camera, size, points, discs);
     let stretch = |pixel: usize| ray(camera, size, [pixel as u32 % size[0], pixel as u32 / size[0]]).stretch;

@@ -1,4 +1,4 @@
-//! Colors of Gaussians: real spherical harmonics of the direction from the eye to the centre.
+//! Colors of Gaussians: real spherical harmonics of the direction from the eye to the center.
 //!
 //! Degrees 0 to 3 have the constants and signs of Kerbl et al. 2023 (`cuda_rasterizer/forward.cu`), degree 4 those of SPZ, which
 //! goes on in the same basis: Y_lm with sin(mφ) for m < 0, the Condon–Shortley phase included, in the order of m.
@@ -13,8 +13,9 @@ use crate::color::decode_srgb_f64;
 use crate::points::Points;
 use crate::scene::ColorSpace;
 
-/// The color of the Gaussian that a point is, in the space that blending runs in; `None` of a point that is none. It is
-/// max(0, base + Σ Y·coefficient) as display value, seen from the eye, or along the viewing direction by an orthographic camera.
+/// Returns the color of the Gaussian that a point is, in the space that blending runs in; `None` of a point that is
+/// none. It is max(0, base + Σ Y·coefficient) as display value, seen from the eye, or along the viewing direction by an
+/// orthographic camera.
 pub fn color(points: &Points, index: usize, camera: &Camera, space: ColorSpace) -> Option<DVec3> {
     let all = points.gaussians.as_ref().filter(|all| all.is_one(index))?;
     let toward = points.positions[index] - camera.eye;
@@ -28,7 +29,7 @@ pub fn color(points: &Points, index: usize, camera: &Camera, space: ColorSpace) 
     })
 }
 
-/// All basis functions up to a degree (0 to 4) for a unit vector, (degree + 1)² of them, degree by degree.
+/// Returns all basis functions up to a degree (0 to 4) for a unit vector, (degree + 1)² of them, degree by degree.
 pub fn basis(direction: DVec3, degree: u32) -> Vec<f64> {
     let all = [zero(), one(direction), two(direction), three(direction), four(direction)];
     all.into_iter().take(degree as usize + 1).flatten().collect()

@@ -10,16 +10,16 @@ use glam::{DMat3, DVec2, DVec3};
 use super::{Hit, Placed, alpha, is_orthographic, largest_rho2};
 use crate::scene::{GaussianSettings, Order};
 
-/// Where a Gaussian is densest along a ray.
+/// Place at which a Gaussian is densest along a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Densest {
-    /// Distance from the centre in standard deviations, squared; not finite where the ray is in the plane of a flat Gaussian.
+    /// Distance from the center in standard deviations, squared; not finite where the ray is in the plane of a flat Gaussian.
     pub rho2: f64,
     /// Depth along the viewing axis; of a line, not of a ray that ends at the eye.
     pub depth: f64,
 }
 
-/// Where a Gaussian with these axes in camera coordinates is densest along the ray through a pixel's centre.
+/// Returns where a Gaussian with these axes in camera coordinates is densest along the ray through a pixel's center.
 pub fn densest(placed: &Placed, axes: DMat3, pixel: [u32; 2]) -> Densest {
     let rows = axes.transpose();
     let on_plane = placed.on_plane(pixel);
@@ -37,7 +37,8 @@ pub fn densest(placed: &Placed, axes: DMat3, pixel: [u32; 2]) -> Densest {
     Densest { rho2: m.length_squared() / k.length_squared(), depth: center.z + rows.z_axis.dot(nearest) }
 }
 
-/// A box on the screen around the ellipsoid of this ρ²: that of its box in camera coordinates. Everything if that reaches the eye.
+/// Returns a box on the screen around the ellipsoid of this ρ²: that of its box in camera coordinates. Everything if
+/// that reaches the eye.
 pub(super) fn bounds(placed: &Placed, rho2: f64) -> [DVec2; 2] {
     let rows = placed.axes.transpose();
     let half = rho2.sqrt() * DVec3::from([rows.x_axis, rows.y_axis, rows.z_axis].map(|row| row.length()));

@@ -22,7 +22,7 @@ pub struct LayerRange {
     pub rgba: Vec<ColorRange>,
 }
 
-/// Where a point may show.
+/// Place where a point may show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Home {
     /// The pixel, row by row.
@@ -33,7 +33,7 @@ pub struct Home {
     pub sure: bool,
 }
 
-/// The pixels of a point: one, or several if it lies on their border as closely as that is computed.
+/// Returns the pixels of a point: one, or several if it lies on their border as closely as that is computed.
 pub fn homes(camera: &Camera, size: [u32; 2], position: DVec3) -> Vec<Home> {
     let (at, z) = camera.project(position, size);
     let before_eye = z > 0.0 || matches!(camera.projection, Projection::Orthographic { .. });
@@ -54,7 +54,7 @@ pub fn homes(camera: &Camera, size: [u32; 2], position: DVec3) -> Vec<Home> {
     seen.map(|(x, y)| Home { pixel: (y * width + x) as usize, z: Range::depth(z), sure }).collect()
 }
 
-/// The nearest points with a depth of at least `from`. `color` is that of a point by its index, premultiplied.
+/// Returns the nearest points with a depth of at least `from`. `color` is that of a point by its index, premultiplied.
 pub fn nearest(
     camera: &Camera,
     size: [u32; 2],
@@ -267,7 +267,7 @@ pub fn rounded_distance(set: Option<f32>, points: &Points) -> Range {
     Range::around(distance, ROUNDING * distance)
 }
 
-/// The images that float32 may make of [`super::render`]'s. Arguments as there.
+/// Returns the images that float32 may make of [`super::render`]'s. Arguments as there.
 pub fn ranges(
     camera: &Camera,
     size: [u32; 2],

@@ -10,7 +10,7 @@ use crate::camera::Camera;
 use crate::points::Points;
 use crate::scene::{BlendedSplats, OneLayer};
 
-/// The images that float32 may make of [`super::render`]'s. Arguments as there.
+/// Returns the images that float32 may make of [`super::render`]'s. Arguments as there.
 pub fn ranges(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], settings: &OneLayer) -> PictureRange {
     let splats = BlendedSplats::default();
     let blend_depth = f64::from(splats.blend_depth);

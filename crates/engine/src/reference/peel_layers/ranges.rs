@@ -43,7 +43,7 @@ fn layers(
     layers
 }
 
-/// The images that float32 may make of [`super::render`]'s. Arguments as there.
+/// Returns the images that float32 may make of [`super::render`]'s. Arguments as there.
 pub fn ranges(
     camera: &Camera,
     size: [u32; 2],

@@ -9,7 +9,7 @@ use super::{Frames, LEAST_COS};
 use crate::camera::Camera;
 use crate::points::Points;
 
-/// The m of each point that float32 may find. Arguments as those of [`super::shares`], of at least one light.
+/// Returns the m of each point that float32 may find. Arguments as those of [`super::shares`], of at least one light.
 pub fn share_ranges(lights: &[Frames], resolution: u32, points: &Points, distance: f64) -> Vec<Range> {
     let mut sums = vec![Range::only(0.0); points.len()];
     for light in lights {

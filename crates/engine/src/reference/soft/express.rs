@@ -1,4 +1,4 @@
-//! `soft-express`: discs in the order of their centres along the axis nearest to the viewing direction.
+//! `soft-express`: discs in the order of their centers along the axis nearest to the viewing direction.
 
 use std::f64::consts::PI;
 
@@ -23,7 +23,8 @@ pub fn opacity(peak: f64, rho: f64) -> f64 {
     peak * ((PI * rho).cos() + 1.0) / 2.0
 }
 
-/// The axis of the world that a camera looks along most nearly, as (axis, sign); x before y before z where two are as near.
+/// Returns the axis of the world that a camera looks along most nearly, as (axis, sign); x before y before z where two
+/// are as near.
 pub fn axis(forward: DVec3) -> (usize, f64) {
     let [x, y, z] = forward.abs().to_array();
     let axis = match () {
@@ -45,7 +46,7 @@ fn order(camera: &Camera, points: &Points, threshold: f32) -> Vec<usize> {
     order
 }
 
-/// The discs of each of these pixels (row · width + column, ascending) in that order, behind solids too.
+/// Returns the discs of each of these pixels (row · width + column, ascending) in that order, behind solids too.
 pub fn lists(
     camera: &Camera,
     size: [u32; 2],

@@ -1,6 +1,6 @@
 //! Soft transparency (Seemann et al. 2018): spheres that are densest in the middle, in front of solid points.
 //!
-//! Everything is exact except for rounding: rays through pixel centres, spheres that are hit where d < r, no
+//! Everything is exact except for rounding: rays through pixel centers, spheres that are hit where d < r, no
 //! always-covered pixel, no limit on radii. s runs along the normalised ray; a depth z cuts it at z/cos φ. Colors of
 //! points are those of [`super::shading::shade`].
 
@@ -71,7 +71,7 @@ impl Behind {
     /// An empty background.
     pub const NOTHING: Self = Self { color: DVec3::ZERO, alpha: 0.0, depth: f64::INFINITY };
 
-    /// A pixel of a picture of the solid points.
+    /// Returns a pixel of a picture of the solid points.
     pub fn from_picture(picture: &Picture, pixel: usize) -> Self {
         let [r, g, b, alpha] = picture.rgba[pixel];
         Self { color: DVec3::new(r, g, b), alpha, depth: picture.depth[pixel] }
@@ -130,7 +130,7 @@ impl Scene<'_> {
         [(pixel % width) as u32, (pixel / width) as u32]
     }
 
-    /// The spheres with centres between near and far.
+    /// Returns the spheres with centers between near and far.
     pub fn spheres(&self) -> Vec<Sphere> {
         let Self { camera, points, colors, model, .. } = self;
         let soft = (0..points.fields.len()).filter(|i| points.fields[*i] > model.soft.threshold);

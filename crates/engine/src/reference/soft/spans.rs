@@ -103,7 +103,7 @@ fn whole(model: &Model, sphere: &Sphere, chord: &Chord, limits: &Limits) -> Opti
     Some(Span { start, end, weight: 1.0 - rho, color, medium })
 }
 
-/// The nearest multiple of 1/255.
+/// Returns the nearest multiple of 1/255.
 pub fn in_8_bits(value: f64) -> f64 {
     (value.clamp(0.0, 1.0) * 255.0).round() / 255.0
 }

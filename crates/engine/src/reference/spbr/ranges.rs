@@ -83,7 +83,7 @@ impl Sums {
     }
 }
 
-/// The images that float32 may make of [`super::render`]'s. Arguments as there.
+/// Returns the images that float32 may make of [`super::render`]'s. Arguments as there.
 pub fn ranges(camera: &Camera, size: [u32; 2], dealt: &Dealt, colors: &[DVec3], rule: &Rule, seed: u64) -> Ranges {
     let ids = &dealt.points.ids(&dealt.points.anchor(), 0..dealt.points.len());
     let view = View { camera, size, dealt, ids, rule: *rule, seed };

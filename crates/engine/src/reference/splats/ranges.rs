@@ -25,7 +25,7 @@ impl Candidate {
         self.behind(self.z, blend_depth)
     }
 
-    /// The same behind another depth.
+    /// Returns the same behind another depth.
     pub fn behind(&self, z: Range, blend_depth: f64) -> Range {
         let reach = blend_depth * self.radius;
         let end = z + Range::only(reach);
@@ -66,8 +66,8 @@ impl Smallest {
     }
 }
 
-/// A pixel, as [`super::blend`]. A splat never hides itself. Those that count for sure have a mean; the others, and what of
-/// the weights is not sure, move it toward other colors by no more than their share of the weight.
+/// Returns a pixel, as [`super::blend`]. A splat never hides itself. Those that count for sure have a mean; the others,
+/// and what of the weights is not sure, move it toward other colors by no more than their share of the weight.
 pub(in crate::reference) fn blend(list: &[Candidate], colors: &[DVec3], blend_depth: f64) -> (ColorRange, Range) {
     let ends = |f: &Candidate| (f.end(blend_depth), f.index);
     let may_hide = Smallest::of(list.iter().map(ends).map(|(end, index)| (end.low, index)));
@@ -100,14 +100,14 @@ pub(in crate::reference) fn blend(list: &[Candidate], colors: &[DVec3], blend_de
     ([mean(0), mean(1), mean(2), alpha], nearest(list))
 }
 
-/// The smallest depth, +inf without a splat.
+/// Returns the smallest depth, +inf without a splat.
 pub(in crate::reference) fn nearest(list: &[Candidate]) -> Range {
     list.iter().fold(Range::only(f64::INFINITY), |depth, f| {
         depth.least(if f.sure { f.z } else { Range { high: f64::INFINITY, ..f.z } })
     })
 }
 
-/// The images that float32 may make of [`super::render`]'s. Arguments as there.
+/// Returns the images that float32 may make of [`super::render`]'s. Arguments as there.
 pub fn ranges(
     camera: &Camera,
     size: [u32; 2],
@@ -124,7 +124,7 @@ pub fn ranges(
     picture
 }
 
-/// How many splats a pixel has.
+/// Returns the number of splats of a pixel.
 pub(in crate::reference) fn count(list: &[Candidate]) -> Range {
     Range { low: list.iter().filter(|f| f.sure).count() as f64, high: list.len() as f64 }
 }

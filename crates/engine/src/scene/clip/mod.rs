@@ -9,7 +9,7 @@ use super::settings::{Clip, ClipShape};
 use crate::io;
 use polygon::Area;
 
-/// Where a point lies.
+/// Side on which a point lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Side {
     Inside,
@@ -43,12 +43,12 @@ impl Clips {
         Ok(Self { clips: clips.iter().map(load).collect::<Result<_, Error>>()? })
     }
 
-    /// True if all points are kept.
+    /// Returns `true` if all points are kept.
     pub fn is_empty(&self) -> bool {
         self.clips.is_empty()
     }
 
-    /// True if every clip keeps a point. Borders are kept on either side.
+    /// Returns `true` if every clip keeps a point. Borders are kept on either side.
     pub fn keep(&self, p: DVec3) -> bool {
         self.clips.iter().all(|(side, invert)| match side(p) {
             Side::Border => true,

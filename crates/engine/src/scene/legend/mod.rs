@@ -1,4 +1,4 @@
-//! What the colors of a scene's points mean, and how long things are: the facts of a legend, without its looks.
+//! Meaning of the colors of a scene's points, and lengths: the facts of a legend, without its looks.
 
 mod scale_bar;
 
@@ -18,7 +18,7 @@ use crate::color::{classes, encode_srgb_f64};
 
 pub use scale_bar::ScaleBar;
 
-/// What lengths are in as long as a file doesn't say.
+/// Unit of lengths as long as a file doesn't say.
 const UNITS: &str = "units";
 
 /// Columns that are lengths.
@@ -40,13 +40,13 @@ pub struct Entry {
     clouds: Vec<usize>,
     /// The names of their files, without folders.
     files: Vec<String>,
-    /// What the colors show, with its unit; `None` if single colors were given to some points.
+    /// Name and unit of what the colors show; `None` if single colors were given to some points.
     pub heading: Option<String>,
     /// Values by way of a color map.
     pub values: Option<Values>,
     /// Single colors.
     pub swatches: Vec<Swatch>,
-    /// True if each cloud has a color of its own.
+    /// `true` if each cloud has a color of its own.
     by_cloud: bool,
 }
 
@@ -55,16 +55,16 @@ pub struct Entry {
 pub struct Values {
     /// From values to places, 0 to 1.
     pub scale: Scale,
-    /// True for values that are whole numbers.
+    /// `true` for values that are whole numbers.
     pub whole: bool,
-    /// What else colors depend on, as a phrase.
+    /// Phrase for what else colors depend on.
     pub note: Option<&'static str>,
     map: Colormap,
     reverse: bool,
 }
 
 impl Values {
-    /// The color at a place of the scale, 0 at its low end and 1 at its high one: sRGB, each from 0 to 1.
+    /// Returns the color at a place of the scale, 0 at its low end and 1 at its high one: sRGB, each from 0 to 1.
     pub fn srgb(&self, place: f64) -> DVec3 {
         self.map.srgb(if self.reverse { 1.0 - place } else { place })
     }
@@ -75,7 +75,7 @@ impl Values {
 pub struct Swatch {
     /// sRGB, each from 0 to 1.
     pub srgb: DVec3,
-    /// What has this color.
+    /// Name of what has this color.
     pub label: String,
 }
 
@@ -89,12 +89,12 @@ impl Swatch {
 }
 
 impl Legend {
-    /// True if there is nothing to explain.
+    /// Returns `true` if there is nothing to explain.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
 
-    /// The title of an entry: its files, unless it is about all clouds.
+    /// Returns the title of an entry: its files, unless it is about all clouds.
     pub fn title(&self, entry: &Entry) -> Option<String> {
         if entry.by_cloud || entry.files.len() == self.clouds {
             return None;
@@ -107,7 +107,7 @@ impl Legend {
         }
     }
 
-    /// The entry about a cloud, by its number in the scene.
+    /// Returns the entry about a cloud, by its number in the scene.
     pub fn entry_of(&self, cloud: usize) -> Option<&Entry> {
         self.entries.iter().find(|entry| entry.clouds.contains(&cloud))
     }
@@ -143,7 +143,7 @@ impl Legend {
     }
 }
 
-/// What is met among the points of a cloud that are drawn.
+/// Facts that are met among the points of a cloud that are drawn.
 struct Met {
     /// By code: classes whose points have the class's color.
     classes: Vec<bool>,
@@ -246,7 +246,7 @@ fn met(coloring: &Coloring<'_>, rules: &Rules<'_>, clips: &Clips, scaled: &Scale
     Met { classes: all, rules: rest, own, missing }
 }
 
-/// What colors show, with its unit; `None` if it needs no words.
+/// Returns what colors show, with its unit; `None` if it needs no words.
 fn quantity(by: &ColorBy) -> Option<String> {
     let words = match by {
         ColorBy::Height => return Some(format!("height ({UNITS})")),

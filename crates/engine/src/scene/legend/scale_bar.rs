@@ -19,7 +19,8 @@ pub struct ScaleBar {
 }
 
 impl ScaleBar {
-    /// The longest one for an image of so many columns and rows; `None` where the same length has many sizes, in perspective.
+    /// Returns the longest one for an image of so many columns and rows; `None` where the same length has many sizes,
+    /// in perspective.
     pub fn of(camera: &Camera, size: [u32; 2]) -> Option<Self> {
         let Projection::Orthographic { height } = camera.projection else { return None };
         let units_per_px = height / f64::from(size[1]);

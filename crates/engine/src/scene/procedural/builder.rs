@@ -25,7 +25,7 @@ impl SrgbTable {
     }
 }
 
-/// The nearest sRGB bytes of a linear color, which is clamped to [0, 1].
+/// Returns the nearest sRGB bytes of a linear color, which is clamped to [0, 1].
 pub(super) fn encode(linear: DVec3) -> Rgb {
     linear.clamp(DVec3::ZERO, DVec3::ONE).to_array().map(|v| (255.0 * encode_srgb_f64(v)).round() as u8)
 }

@@ -44,7 +44,7 @@ pub struct Parameter {
     pub min: f64,
     /// Largest value allowed.
     pub max: f64,
-    /// True for a count, which has to be a whole number.
+    /// `true` for a count, which has to be a whole number.
     pub integer: bool,
     /// A single line for `--list`.
     pub summary: &'static str,
@@ -83,7 +83,7 @@ pub struct Generated {
     pub scene_toml: String,
 }
 
-/// Why a built-in scene could not be made.
+/// Reason why a built-in scene could not be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

@@ -59,8 +59,8 @@ pub(super) fn unit_circle(turn: f64) -> (f64, f64) {
     }
 }
 
-/// A threshold in [0, 1) for the cell of a grid: neighbors differ (Roberts' R2 sequence), so that thinning a grid by
-/// it leaves no clumps and gaps as independent random numbers do.
+/// Returns a threshold in [0, 1) for the cell of a grid: neighbors differ (Roberts' R2 sequence), so that thinning a
+/// grid by it leaves no clumps and gaps as independent random numbers do.
 pub(super) fn dither(column: usize, row: usize) -> f64 {
     (0.754_877_666_246_692_8 * column as f64 + 0.569_840_290_998_053_2 * row as f64).fract()
 }

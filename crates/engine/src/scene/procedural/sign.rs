@@ -90,7 +90,7 @@ fn paint(place: DVec2) -> Rgb {
     if LINES.iter().any(|(text, corner)| is_inked(text, place - corner)) || is_dark(place) { INK } else { PAPER }
 }
 
-/// True if a line of text covers a position relative to its lower left corner.
+/// Returns `true` if a line of text covers a position relative to its lower left corner.
 fn is_inked(text: &str, place: DVec2) -> bool {
     // Columns and rows of the letters' grid, rows from the top.
     let unit = LINE / (ADVANCE * text.len() as f64);
@@ -103,7 +103,7 @@ fn is_inked(text: &str, place: DVec2) -> bool {
     within < 5 && glyph(letter)[row as usize] >> (4 - within) & 1 == 1
 }
 
-/// True if a position lies on a dark square of one of the checkers.
+/// Returns `true` if a position lies on a dark square of one of the checkers.
 fn is_dark(place: DVec2) -> bool {
     let width = LINE / SQUARES.len() as f64;
     let along = place.x + 0.5 * LINE;

@@ -25,7 +25,7 @@ pub(super) const MAX_LAYERS: f64 = (1u32 << 23) as f64;
 /// The eye's height; the image is 2 world units high and wide.
 pub(super) const EYE_Z: f64 = 2.0;
 
-/// Extends beyond the image's corners, which are √2 from its centre.
+/// Extends beyond the image's corners, which are √2 from its center.
 const RADIUS: f64 = 1.5;
 
 /// Neighbors differ strongly, so that a wrong order shows.
@@ -66,7 +66,7 @@ name = "abuffer"
     Ok(Generated { clouds: vec![("stack.ply".to_owned(), builder.finish())], scene_toml })
 }
 
-/// The height of a layer below the eye, the first one on top.
+/// Returns the height of a layer below the eye, the first one on top.
 pub(super) fn height(layer: usize, layers: usize) -> f64 {
     // A power of two, so that depth and height are exact in float32.
     let spacing = 1.0 / layers.next_power_of_two() as f64;

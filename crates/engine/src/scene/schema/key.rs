@@ -11,7 +11,7 @@ pub struct Key {
     pub name: &'static str,
     /// Its description, in a sentence.
     pub about: &'static str,
-    /// Which values it takes.
+    /// Kind of values that the key takes.
     pub kind: Kind,
     /// The unit of its numbers; empty if they have none.
     pub unit: &'static str,
@@ -19,8 +19,8 @@ pub struct Key {
     pub value: Option<Setting>,
     /// The behaviour without a value, in a few words; empty for a key that always has one.
     pub without: &'static str,
-    /// Where a control begins when it is switched on, of a key that may have no value. Of [`Slider::Lengths`] a share of the
-    /// scene's diagonal.
+    /// Value at which a control begins when it is switched on, of a key that may have no value. For [`Slider::Lengths`]
+    /// it is a share of the scene's diagonal.
     pub start: f64,
     /// The part of its range that a control goes through.
     pub slider: Slider,
@@ -28,7 +28,7 @@ pub struct Key {
     pub rival: Option<&'static str>,
     /// The methods that use it, of those that share these settings, `auto` among them; empty: all of them.
     pub only: &'static [&'static str],
-    /// True if larger numbers only make the image better and slower, so that a draft may use fewer.
+    /// `true` if larger numbers only make the image better and slower, so that a draft may use fewer.
     pub refines: bool,
     /// The values that `tradeoff` and `--max-error` try.
     pub tried: Option<Ladder>,
@@ -160,9 +160,9 @@ pub struct Ladder {
     pub quick: &'static [u32],
     /// The steps that a choice considers.
     pub fine: &'static [u32],
-    /// True if a step as large as the longest list of fragments draws all of them, so that larger ones draw the same.
+    /// `true` if a step as large as the longest list of fragments draws all of them, so that larger ones draw the same.
     pub ends_at_longest_list: bool,
-    /// How many are done at once, and so take the time of one.
+    /// Number of those done at once, which take the time of one.
     pub at_once: u32,
     /// The methods that differ by the key, of those that have it; empty: all of them.
     pub only: &'static [&'static str],

@@ -160,7 +160,7 @@ macro_rules! words {
                 &[$($crate::scene::schema::Word { name: $word, about: concat!($($about),+).trim_ascii_start() }),+];
             const ALL: &'static [(&'static str, Self)] = &[$(($word, Self::$Variant)),+];
 
-            /// The word that a scene file has for it.
+            /// Returns the word that a scene file has for it.
             pub fn word(self) -> &'static str {
                 match self {
                     $(Self::$Variant => $word,)+

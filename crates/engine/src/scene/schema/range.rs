@@ -5,7 +5,7 @@
 pub struct Range {
     min: f64,
     max: f64,
-    /// True if the lower and the upper end themselves are allowed.
+    /// `true` if the lower and the upper end themselves are allowed.
     closed: [bool; 2],
 }
 
@@ -40,13 +40,13 @@ impl Range {
         Self { min, max, closed: [true, false] }
     }
 
-    /// True if a number lies within.
+    /// Returns `true` if a number lies within.
     pub fn contains(self, x: f64) -> bool {
         let [from, to] = self.closed;
         x.is_finite() && (self.min < x || (from && x == self.min)) && (x < self.max || (to && x == self.max))
     }
 
-    /// A phrase that follows "must be a number".
+    /// Returns a phrase that follows "must be a number".
     pub fn describe(self) -> String {
         let Self { min, max, closed } = self;
         match (min.is_finite(), max.is_finite(), closed) {

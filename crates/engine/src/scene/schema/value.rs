@@ -13,7 +13,7 @@ use crate::scene::table::Table;
 
 /// A type that a key gives a value to.
 pub(crate) trait Value: Sized {
-    /// Which of its values are allowed; `()` if all are.
+    /// Values that are allowed; `()` if all are.
     type Allowed;
 
     /// The form of its value in a file.
@@ -169,7 +169,7 @@ impl Value for Vec3 {
     }
 }
 
-/// Which vectors are allowed.
+/// Vectors that are allowed.
 #[derive(Clone, Copy)]
 pub(crate) enum Vectors {
     /// All.
@@ -234,7 +234,7 @@ impl Value for PathBuf {
     }
 }
 
-/// The shortest number that is this one in float32: 0.17 and not 0.17000000178813934.
+/// Returns the shortest number that is this one in float32: 0.17 and not 0.17000000178813934.
 pub fn rounded(x: f32) -> f64 {
     x.to_string().parse().unwrap_or(f64::from(x))
 }

@@ -26,7 +26,7 @@ pub enum Selection {
 }
 
 impl Selection {
-    /// True if points of this class are among its points because of their class.
+    /// Returns `true` if points of this class are among its points because of their class.
     pub fn holds_class(&self, code: u8) -> bool {
         match self {
             Self::Class(own) => *own == code,
@@ -52,7 +52,7 @@ pub struct ClassSettings {
 }
 
 impl ClassSettings {
-    /// The columns of LAS files that it needs.
+    /// Returns the columns of LAS files that it needs.
     pub fn las_columns(&self) -> LasColumns {
         match &self.points {
             Selection::Class(_) => LasColumns::default(),

@@ -8,12 +8,12 @@ use crate::scene::error::Error;
 use crate::scene::schema::{Key, Kind, Range};
 use crate::scene::table::Table;
 
-/// An entry of `[[clip]]`. A point is drawn if every entry keeps its centre.
+/// An entry of `[[clip]]`. A point is drawn if every entry keeps its center.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clip {
     /// The part of the world that is kept, in the scene's coordinates. Its border is kept always.
     pub shape: ClipShape,
-    /// True if everything outside is kept instead.
+    /// `true` if everything outside is kept instead.
     pub invert: bool,
 }
 
@@ -51,7 +51,7 @@ pub enum ClipShape {
 const KEYS: [&str; 5] = ["box", "plane", "slab", "polygon", "invert"];
 
 impl Clip {
-    /// The keys of `[[clip]]` with their descriptions.
+    /// Returns the keys of `[[clip]]` with their descriptions.
     pub fn keys() -> Vec<Key> {
         let key = |name, about, kind| Key { kind, without: "one of the four must be given", ..Key::new(name, about) };
         let invert =

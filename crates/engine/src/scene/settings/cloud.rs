@@ -58,7 +58,7 @@ settings! {
 }
 
 words! {
-    /// What the points of a file with Gaussian splats are.
+    /// Kind of points in a file with Gaussian splats.
     pub enum Primitive {
         /// As Gaussians; files without Gaussians as points.
         Gaussians = "gaussians",

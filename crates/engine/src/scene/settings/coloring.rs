@@ -8,7 +8,7 @@ use crate::scene::schema::{Kind, Value, Word, settings, words};
 use crate::scene::table::Table;
 
 settings! {
-    /// How the points of a `[[cloud]]` without a `color` are colored.
+    /// Coloring of the points of a `[[cloud]]` without a `color`.
     pub struct ColorSettings {
         /// Source of the colors.
         color_by: ColorBy = ColorBy::Auto;
@@ -130,7 +130,7 @@ impl ColorBy {
         Self::words().zip(Self::MEANINGS)
     }
 
-    /// The words of a scene file that name no scalar.
+    /// Returns the words of a scene file that name no scalar.
     pub fn words() -> impl Iterator<Item = &'static str> {
         Self::WORDS.iter().map(|word| word.name)
     }
@@ -143,12 +143,12 @@ impl ColorBy {
         }
     }
 
-    /// True if values become colors by way of the colormap; `auto` may do so.
+    /// Returns `true` if values become colors by way of the colormap; `auto` may do so.
     pub fn is_mapped(&self) -> bool {
         !matches!(self, Self::Rgb | Self::Classification | Self::Normal | Self::Cloud | Self::Uniform)
     }
 
-    /// The columns of LAS files that it needs.
+    /// Returns the columns of LAS files that it needs.
     pub fn las_columns(&self) -> LasColumns {
         match self {
             Self::Return => LasColumns { returns: true, ..LasColumns::default() },

@@ -14,7 +14,7 @@ settings! {
 }
 
 impl Detail {
-    /// True if every point is drawn.
+    /// Returns `true` if every point is drawn.
     pub fn is_whole(&self) -> bool {
         self.spacing_px == 0.0 && self.max_points.is_none()
     }

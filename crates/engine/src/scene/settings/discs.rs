@@ -103,7 +103,7 @@ words! {
 }
 
 words! {
-    /// How lists that are too long for one invocation's registers are sorted.
+    /// Way to sort lists that are too long for one invocation's registers.
     pub enum LongLists {
         /// In runs, by many invocations, merged between two buffers.
         Merge = "merge",
@@ -181,7 +181,7 @@ settings! {
 }
 
 words! {
-    /// How `hybrid` composes the fragments behind the exact ones.
+    /// Way in which `hybrid` composes the fragments behind the exact ones.
     pub enum Tail {
         /// Their mean color under their exact opacity (Maule et al. 2013).
         Average = "average",
@@ -238,7 +238,7 @@ settings! {
 }
 
 impl Moments {
-    /// The bias in force.
+    /// Returns the bias in force.
     pub fn bias(&self) -> f32 {
         let default = match self.moments {
             MomentCount::Four => 5e-7,
@@ -252,7 +252,7 @@ impl Moments {
 const MOMENTS: Ladder =
     Ladder { full: &[4, 6, 8], quick: &[4, 8], fine: &[4, 6, 8], ends_at_longest_list: false, at_once: 1, only: &[] };
 
-/// How many power moments there are, besides the sum itself.
+/// Number of power moments, besides the sum itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum MomentCount {
     /// 4
@@ -267,7 +267,7 @@ impl MomentCount {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Four, Self::Six, Self::Eight];
 
-    /// The number.
+    /// Returns the number.
     pub fn get(self) -> u32 {
         match self {
             Self::Four => 4,

@@ -19,7 +19,7 @@ settings! {
 }
 
 impl ImageSettings {
-    /// The space in which colors are blended.
+    /// Returns the space in which colors are blended.
     pub fn color_space(&self) -> ColorSpace {
         self.color.unwrap_or_default()
     }

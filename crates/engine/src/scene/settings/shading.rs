@@ -157,8 +157,8 @@ settings! {
 const APART: f64 = 0.01;
 
 impl Shadows {
-    /// The casting of a light onto points whose box has a diagonal of `diagonal` world units; `None` for a headlight, which
-    /// casts no shadows.
+    /// Returns the casting of a light onto points whose box has a diagonal of `diagonal` world units; `None` for a
+    /// headlight, which casts no shadows.
     pub fn casting(&self, light: Light, seed: u64, diagonal: f64) -> Option<Casting> {
         let light = match light {
             Light::Headlight => return None,

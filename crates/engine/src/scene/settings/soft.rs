@@ -43,10 +43,10 @@ fn agree(soft: &Soft, table: &Table<'_>) -> Result<(), Error> {
     Ok(())
 }
 
-/// How dense the spheres of the soft methods are.
+/// Density of the spheres of the soft methods.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Density {
-    /// `softness`: the opacity of a whole chord through the centre of a sphere of median radius, in [0, 1].
+    /// `softness`: the opacity of a whole chord through the center of a sphere of median radius, in [0, 1].
     Softness(f32),
     /// `lambda`: the factor itself, at least 0.
     Lambda(f32),

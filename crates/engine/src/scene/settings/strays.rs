@@ -32,7 +32,7 @@ words! {
 }
 
 impl Strays {
-    /// Which points are outliers, if this becomes of them.
+    /// Returns the rule that tells which points are outliers, if this is their treatment.
     pub fn rule(&self, treatment: Outliers) -> Option<Rule> {
         (self.outliers == treatment).then_some(Rule { k: self.outlier_k, factor: self.outlier_factor })
     }

@@ -29,7 +29,7 @@ struct Held {
 }
 
 impl Cache {
-    /// An empty one.
+    /// Returns an empty one.
     pub fn new(most: u64) -> Self {
         Self { most, held: Mutex::default() }
     }
@@ -55,7 +55,7 @@ impl Cache {
         *held = Held { read: held.read, ..Held::default() };
     }
 
-    /// The points of a block. `read` reads them, with how many bytes of the store that took.
+    /// Returns the points of a block. `read` reads them, with how many bytes of the store that took.
     pub fn get(
         &self,
         block: u32,

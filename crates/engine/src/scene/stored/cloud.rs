@@ -20,7 +20,7 @@ use crate::prepare;
 use crate::progress::Progress;
 use crate::supply::Block;
 
-/// Where a cloud is in its scene.
+/// Place of a cloud in its scene.
 pub(super) struct Place<'a> {
     pub scene: &'a Scene,
     pub clips: &'a Clips,
@@ -49,12 +49,13 @@ pub(super) struct StoredCloud {
     /// Count and bounds of its Gaussians, if its points are drawn as such.
     pub splats: Option<WholeSplats>,
     pub is_transparent: bool,
-    /// How it is colored and why, a phrase.
+    /// Coloring and the reason for it, a phrase.
     pub coloring: String,
 }
 
 impl StoredCloud {
-    /// The cloud at a place in the scene, in a store; and some of its points, which stand for all. What its colors mean goes to the legend.
+    /// Returns the cloud at a place in the scene, in a store; and some of its points, which stand for all. What its
+    /// colors mean goes to the legend.
     pub fn new(
         &Place { scene, clips, index, first }: &Place<'_>,
         opened: &OpenStore,
@@ -114,12 +115,12 @@ impl StoredCloud {
         Ok((cloud, points))
     }
 
-    /// True if any point has a normal.
+    /// Returns `true` if any point has a normal.
     pub fn has_normals(&self) -> bool {
         self.known.has_normals
     }
 
-    /// The box of its points in the scene.
+    /// Returns the box of its points in the scene.
     pub fn bounds(&self) -> Option<Bounds> {
         (self.facts.points > 0).then_some(self.bounds)
     }
@@ -167,12 +168,12 @@ impl StoredCloud {
         above.into_iter().zip(below).map(|(above, below)| above.max(below)).collect()
     }
 
-    /// What identifies its points.
+    /// Returns the identity of its points.
     pub fn identity(&self) -> String {
         format!("{:?} {:?} {:?}", self.store.summary(), self.known, self.splats)
     }
 
-    /// The points of a node in the scene.
+    /// Returns the points of a node in the scene.
     pub fn points(&self, scene: &Scene, clips: &Clips, node: usize) -> Result<Points, io::Error> {
         let Piece { cloud, places } = self.store.read(node)?;
         self.transformed(scene, clips, cloud, &places).map_err(|error| io::Error::Malformed {
@@ -189,7 +190,7 @@ impl StoredCloud {
     }
 }
 
-/// True if a store has what its scene needs of it.
+/// Returns `true` if a store has what its scene needs of it.
 pub(super) fn has_all(scene: &Scene, index: usize, summary: &Summary) -> Result<bool, Error> {
     let like = &summary.like;
     Ok(request(scene, index, like)?.missing(like).is_none())

@@ -3,8 +3,8 @@
 use crate::io::store::Node;
 use crate::supply::Branch;
 
-/// The branch of each node of a cloud whose lengths are so many times as large in the scene; without levels of none. Nodes without
-/// points are none's parent.
+/// Returns the branch of each node of a cloud whose lengths are so many times as large in the scene; without levels of
+/// none. Nodes without points are none's parent.
 ///
 /// Points of the levels above are shared out to the nodes below in proportion to all points there. If a node with all below it is left
 /// out, those that are shared out to it stand for all of its place: their discs have the area of all if radii grow by the root of the

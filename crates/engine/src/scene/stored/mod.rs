@@ -56,7 +56,7 @@ fn taken_bytes(splats: Option<WholeSplats>) -> u64 {
     2 * (150 + splats.map_or(0, |splats| Gaussians::bytes_each(splats.degree)))
 }
 
-/// True if a cloud of the scene has levels of detail where it is stored.
+/// Returns `true` if a cloud of the scene has levels of detail where it is stored.
 ///
 /// # Errors
 /// A cloud that can't be opened.
@@ -65,7 +65,8 @@ pub fn have_levels(scene: &Scene) -> Result<bool, io::Error> {
     Ok(levels.collect::<Result<Vec<_>, _>>()?.contains(&true))
 }
 
-/// True if the picture of the stores is that of all points in memory: if they have the data that the scene needs.
+/// Returns `true` if the picture of the stores is that of all points in memory: if they have the data that the scene
+/// needs.
 ///
 /// # Errors
 /// A scene that asks for what no cloud has.
@@ -81,12 +82,12 @@ pub struct Stored {
     nodes: Arc<Nodes>,
     /// Points of the scene that stand for all.
     sample: Arc<Points>,
-    /// What the colors of the points mean, by those that stand for all.
+    /// Meaning of the colors of the points, by those that stand for all.
     legend: Legend,
     notes: Vec<String>,
-    /// True if colors are blended encoded because all clouds are Gaussians.
+    /// `true` if colors are blended encoded because all clouds are Gaussians.
     displays: bool,
-    /// True if some are.
+    /// `true` if some are.
     gaussians: bool,
 }
 
@@ -96,7 +97,7 @@ struct Nodes {
     scene: Scene,
     clips: Clips,
     clouds: Vec<StoredCloud>,
-    /// What ids follow from where clouds are kept apart.
+    /// Anchors that ids follow from where clouds are kept apart.
     anchors: Vec<Anchor>,
     /// The box of all points.
     bounds: Bounds,
@@ -111,8 +112,8 @@ struct Nodes {
 }
 
 impl Stored {
-    /// A scene with its stores, whose nodes are kept in at most so many bytes of memory once they are read. Unless the
-    /// stores know what is known of all their points, all are read once.
+    /// Returns a scene with its stores, whose nodes are kept in at most so many bytes of memory once they are read.
+    /// Unless the stores know what is known of all their points, all are read once.
     ///
     /// # Errors
     /// A store can't be read; a cloud lacks what the scene asks for, or it would have to be found from neighbors; no point is left.
@@ -173,17 +174,17 @@ impl Stored {
         Ok(Self { nodes, sample, legend, notes, displays, gaussians })
     }
 
-    /// The scene, without shading where points have no normals to shade by.
+    /// Returns the scene, without shading where points have no normals to shade by.
     pub fn scene(&self) -> &Scene {
         &self.nodes.scene
     }
 
-    /// Some points that stand for all, with what is known of all ([`Points::whole`]).
+    /// Returns some points that stand for all, with what is known of all ([`Points::whole`]).
     pub fn sample(&self) -> &Points {
         &self.sample
     }
 
-    /// All points, block by block.
+    /// Returns all points, block by block.
     pub fn arranged(&self) -> Arranged {
         Arranged::Supplied(Supplied {
             supply: Arc::clone(&self.nodes) as Arc<dyn Supply>,
@@ -192,7 +193,7 @@ impl Stored {
         })
     }
 
-    /// All points, dealt to ensembles by `seed` into a temporary file in `folder`: for methods that want that
+    /// Returns all points, dealt to ensembles by `seed` into a temporary file in `folder`: for methods that want that
     /// ([`Method::is_dealt`](super::Method::is_dealt)), which want no radii.
     ///
     /// # Errors
@@ -222,47 +223,48 @@ impl Stored {
         Ok(Arranged::Supplied(Supplied { supply, sample: Arc::clone(&self.sample), dealt: Some(Arc::new(file)) }))
     }
 
-    /// The vertical of most clouds.
+    /// Returns the vertical of most clouds.
     pub fn up(&self) -> UpAxis {
         most_frequent(self.nodes.clouds.iter().map(|cloud| cloud.store.summary().up))
     }
 
-    /// What the colors of the points mean.
+    /// Returns what the colors of the points mean.
     pub fn legend(&self) -> &Legend {
         &self.legend
     }
 
-    /// True if points have other classes than 0 and 1, which say that nothing was classified.
+    /// Returns `true` if points have other classes than 0 and 1, which say that nothing was classified.
     pub fn is_classified(&self) -> bool {
         self.nodes.clouds.iter().any(|cloud| (2..=u8::MAX).any(|code| cloud.facts.has_class(code)))
     }
 
-    /// What else should be known, one sentence each.
+    /// Returns what else should be known, one sentence each.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
 
-    /// How clouds are colored and why, a phrase for each.
+    /// Returns how clouds are colored and why, a phrase for each.
     pub fn colorings(&self) -> Vec<String> {
         self.nodes.clouds.iter().map(|cloud| cloud.coloring.clone()).collect()
     }
 
-    /// True if some clouds are of Gaussians.
+    /// Returns `true` if some clouds are of Gaussians.
     pub fn has_gaussians(&self) -> bool {
         self.gaussians
     }
 
-    /// True if colors are blended encoded because every cloud is of Gaussians, and the scene says nothing of it.
+    /// Returns `true` if colors are blended encoded because every cloud is of Gaussians, and the scene says nothing of
+    /// it.
     pub fn blends_displays(&self) -> bool {
         self.displays
     }
 
-    /// The blocks of all points.
+    /// Returns the blocks of all points.
     pub fn blocks(&self) -> &[Block] {
         &self.nodes.blocks
     }
 
-    /// The points of a block, which are read and not kept.
+    /// Returns the points of a block, which are read and not kept.
     ///
     /// # Errors
     /// They can't be read.
@@ -365,7 +367,7 @@ impl Spheres for Nodes {
     }
 }
 
-/// True if a cloud has no normals where the scene shades by them.
+/// Returns `true` if a cloud has no normals where the scene shades by them.
 fn is_unlit(scene: &Scene, stores: &[OpenStore]) -> bool {
     let lacks = |(settings, store): (&CloudSettings, &OpenStore)| {
         let like = &store.summary().like;

@@ -1,4 +1,4 @@
-//! What follows from all points of a store: facts, and some points that stand for all.
+//! Facts that follow from all points of a store, and some points that stand for all.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -42,12 +42,12 @@ impl OpenStore {
         Self { store: Arc::from(store), found: Arc::default() }
     }
 
-    /// The summary of the whole cloud.
+    /// Returns the summary of the whole cloud.
     pub fn summary(&self) -> &Summary {
         self.store.summary()
     }
 
-    /// The last survey; `None` before a scene was made of this store.
+    /// Returns the last survey; `None` before a scene was made of this store.
     pub fn surveyed(&self) -> Option<Survey> {
         self.found.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map(|found| found.survey.clone())
     }

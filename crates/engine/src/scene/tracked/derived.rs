@@ -76,12 +76,12 @@ impl DerivedColumns {
         Ok(())
     }
 
-    /// The colors that were last asked for.
+    /// Returns the colors that were last asked for.
     pub(super) fn colors(&self) -> &Colors {
         self.colors.as_ref().map_or(&Colors::Own, |(_, colors)| colors)
     }
 
-    /// The radii that were last asked for.
+    /// Returns the radii that were last asked for.
     pub(super) fn radii(&self) -> Option<&[f32]> {
         self.radii.as_ref().map(|(_, radii)| radii.as_slice())
     }
@@ -91,12 +91,12 @@ impl DerivedColumns {
         self.dropped.as_ref().filter(|(computed, _)| *computed == rule).map(|(_, marks)| marks.as_slice())
     }
 
-    /// The normals for shading that were last asked for, if they are these.
+    /// Returns the normals for shading that were last asked for, if they are these.
     pub(super) fn normals(&self, which: ShadingNormals) -> Option<&[Vec3]> {
         self.normals.as_ref().filter(|((computed, _), _)| *computed == which).map(|(_, normals)| normals.as_slice())
     }
 
-    /// The radii of Eq. 20 without its cap that were last asked for.
+    /// Returns the radii of Eq. 20 without its cap that were last asked for.
     pub(super) fn uncapped(&self) -> Option<&[f32]> {
         self.uncapped.as_ref().map(|(_, radii)| radii.as_slice())
     }

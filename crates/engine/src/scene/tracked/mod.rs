@@ -62,11 +62,11 @@ struct PlacementKey {
     clips: Vec<Clip>,
     /// Normals that are estimated, and K of each cloud.
     normals: Option<(ShadingNormals, Vec<Option<usize>>)>,
-    /// What shapes and colors of Gaussians follow from, of clouds that are drawn as such.
+    /// Keys that shapes and colors of Gaussians follow from, of clouds that are drawn as such.
     gaussians: Vec<Option<GaussianKey>>,
 }
 
-/// What the Gaussians of a cloud follow from, but for its scale.
+/// Key that the Gaussians of a cloud follow from, but for its scale.
 #[derive(Debug, Clone, PartialEq)]
 struct GaussianKey {
     radius_factor: u32,
@@ -270,7 +270,7 @@ fn views<'a>(
     .collect()
 }
 
-/// What the colors of a scene's points mean; `derived` is that of the points of this scene.
+/// Returns what the colors of a scene's points mean; `derived` is that of the points of this scene.
 ///
 /// # Errors
 /// Those of [`Tracked::new`].
@@ -284,8 +284,8 @@ pub fn legend(scene: &Scene, clouds: &[Cloud], derived: &[DerivedColumns]) -> Re
 }
 
 impl Tracked {
-    /// The points of a scene, as [`arrange`](super::arrange) orders them. `derived` has one entry per cloud, with earlier
-    /// results.
+    /// Returns the points of a scene, as [`arrange`](super::arrange) orders them. `derived` has one entry per cloud,
+    /// with earlier results.
     ///
     /// # Errors
     /// No point is left, a cloud lacks the property of its field or its colors, or the polygons of a clip can't be read.
@@ -324,12 +324,12 @@ impl Tracked {
         Ok(Self { arranged, placement, column_keys, dealt: trace.origins, ties: trace.ties, origins })
     }
 
-    /// The points as they are arranged.
+    /// Returns the points as they are arranged.
     pub fn arranged(&self) -> &Arranged {
         &self.arranged
     }
 
-    /// All points, in either order.
+    /// Returns all points, in either order.
     pub fn points(&self) -> &Points {
         self.arranged.points()
     }

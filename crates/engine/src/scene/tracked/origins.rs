@@ -5,7 +5,7 @@
 pub(super) struct Origins {
     /// Number of each cloud's first point among those of all clouds, cloud after cloud.
     starts: Vec<u32>,
-    /// Which of a cloud's points are there; `None`: all.
+    /// Points of a cloud that are there; `None`: all.
     kept: Vec<Option<Vec<u32>>>,
     count: u32,
 }
@@ -19,7 +19,7 @@ impl Origins {
         self.kept.push(keep.map(|keep| (0..).zip(keep).filter(|(_, keep)| **keep).map(|(i, _)| i).collect()));
     }
 
-    /// The cloud of a point, and its place in it.
+    /// Returns the cloud of a point, and its place in it.
     pub fn locate(&self, number: u32) -> (usize, usize) {
         // Clouds without points share their start with the next one, so the last match is taken.
         let cloud = self.starts.partition_point(|start| *start <= number) - 1;
@@ -27,7 +27,7 @@ impl Origins {
         (cloud, self.kept[cloud].as_ref().map_or(place, |kept| kept[place] as usize))
     }
 
-    /// The places of a cloud's points that are not in the scene, of `count` points.
+    /// Returns the places of a cloud's points that are not in the scene, of `count` points.
     pub fn left_out(&self, cloud: usize, count: usize) -> Vec<usize> {
         let Some(kept) = &self.kept[cloud] else { return Vec::new() };
         let mut kept = kept.iter().map(|place| *place as usize).peekable();

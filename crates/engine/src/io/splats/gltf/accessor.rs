@@ -60,7 +60,7 @@ impl Kind {
 }
 
 impl<'a> Numbers<'a> {
-    /// The numbers of an accessor whose elements have this shape, or what is wrong with it.
+    /// Returns the numbers of an accessor whose elements have this shape, or what is wrong with it.
     pub fn find(document: &Document, buffers: &'a Buffers, number: usize, shape: &str) -> Result<Self, String> {
         let of = |what: &str, number: usize| format!("no {what} has the number {number}");
         let accessor = document.accessors.get(number).ok_or_else(|| of("accessor", number))?;
@@ -97,7 +97,7 @@ impl<'a> Numbers<'a> {
         Ok(Self { bytes, stride, kind, normalized: accessor.normalized, count })
     }
 
-    /// Some numbers of an element.
+    /// Returns some numbers of an element.
     pub fn get<const N: usize>(&self, element: usize) -> [f64; N] {
         std::array::from_fn(|part| self.number(element * self.stride + part * self.kind.size()))
     }

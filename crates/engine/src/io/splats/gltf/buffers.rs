@@ -31,7 +31,7 @@ impl<'a> Buffers<'a> {
         document.buffers.iter().enumerate().map(read).collect::<Result<_, Error>>().map(Self)
     }
 
-    /// The bytes of a buffer.
+    /// Returns the bytes of a buffer.
     pub fn get(&self, number: usize) -> Option<&[u8]> {
         self.0.get(number).map(Bytes::slice)
     }

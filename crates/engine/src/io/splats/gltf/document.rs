@@ -93,7 +93,7 @@ pub(super) struct Buffer {
 }
 
 impl PrimitiveOf {
-    /// What the extension says, of a primitive of splats.
+    /// Returns what the extension says, of a primitive of splats.
     pub fn splats(&self) -> Option<&Value> {
         self.extensions.get(EXTENSION)
     }
@@ -114,7 +114,7 @@ impl Document {
     }
 }
 
-/// The text of a file, and the bytes behind it in a binary one.
+/// Returns the text of a file, and the bytes behind it in a binary one.
 pub(super) fn chunks<'a>(file: &SharedFile, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>), Error> {
     if !bytes.starts_with(MAGIC) {
         return Ok((bytes, None));

@@ -56,7 +56,7 @@ pub(super) fn read(source: Source, progress: &Progress) -> Result<Cloud, Error> 
     Ok(cloud)
 }
 
-/// What is odd about the file.
+/// Returns warnings of what is odd about the file.
 fn warnings(primitives: &[Primitive], logarithms: bool, others: usize) -> Vec<String> {
     let mut warnings = Vec::new();
     if logarithms {

@@ -4,7 +4,7 @@ use glam::{DMat3, DMat4, DQuat, DVec3, DVec4};
 
 use super::document::{Document, Node, PrimitiveOf};
 
-/// How far a transform may be from one that keeps angles, of its scale.
+/// Largest difference of a transform from one that keeps angles, relative to its scale.
 const TOLERANCE: f64 = 1e-4;
 
 /// The `mode` of points.
@@ -33,7 +33,7 @@ pub(super) struct Transform {
 /// A place in the file, and what is wrong there.
 type Wrong = (String, String);
 
-/// All primitives of splats in the scene, and the number of other primitives.
+/// Returns all primitives of splats in the scene, and the number of other primitives.
 pub(super) fn find(document: &Document) -> Result<(Vec<Placed<'_>>, usize), Wrong> {
     let (mut placed, mut others) = (Vec::new(), 0);
     let mut seen = vec![false; document.nodes.len()];
@@ -127,7 +127,7 @@ impl Transform {
         Ok(Self { scale, rotation: DQuat::from_mat3(&unit).normalize(), translation })
     }
 
-    /// Where a point goes.
+    /// Returns the position that a point moves to.
     pub fn point(&self, point: DVec3) -> DVec3 {
         self.rotation * (point * self.scale) + self.translation
     }

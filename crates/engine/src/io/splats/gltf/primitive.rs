@@ -26,14 +26,14 @@ pub(super) struct Primitive<'a> {
     harmonics: Vec<Numbers<'a>>,
     pub degree: u32,
     pub count: usize,
-    /// True if colors are linear.
+    /// `true` if colors are linear.
     pub linear: bool,
-    /// What is not as expected.
+    /// Deviations from what is expected.
     pub odd: Vec<String>,
 }
 
 impl<'a> Primitive<'a> {
-    /// The attributes, all of one length; else the attribute and what is wrong with it.
+    /// Returns the attributes, all of one length; else the attribute and what is wrong with it.
     pub fn find(document: &Document, buffers: &'a Buffers, primitive: &PrimitiveOf) -> Result<Self, (String, String)> {
         let about = primitive.splats().unwrap_or(&Value::Null);
         let packed = about.get("extensions").and_then(Value::as_object).into_iter().flat_map(|map| map.keys());
@@ -73,12 +73,12 @@ impl<'a> Primitive<'a> {
         Ok(Self { count, ..found })
     }
 
-    /// True if an extent is below zero, which only logarithms are.
+    /// Returns `true` if an extent is below zero, which only logarithms are.
     pub fn has_negative_scale(&self) -> bool {
         (0..self.count).any(|at| self.scale.get::<3>(at).iter().any(|scale| *scale < 0.0))
     }
 
-    /// The splats where a node places them.
+    /// Returns the splats where a node places them.
     pub fn splats(&self, transform: &Transform, logarithms: bool, progress: &Progress) -> Splats {
         let turn = (transform.rotation != DQuat::IDENTITY).then(|| Turn::new(transform.rotation));
         Splats::gather(self.count, self.degree, progress, |at, harmonics| {

@@ -13,7 +13,7 @@ use crate::io::{Error, SharedFile, Source};
 /// Bytes that may come of a byte of an archive, at most. Pictures can't be packed any further, and text not by so much.
 const MOST_PER_BYTE: u64 = 64;
 
-/// Where the files are.
+/// Locations of the files.
 pub(super) enum Files {
     /// An archive in memory, and the folder in it.
     Archive { file: SharedFile, bytes: Vec<u8>, folder: String },
@@ -41,14 +41,14 @@ impl Files {
         }
     }
 
-    /// The archive, or the file of the folder, as messages name it.
+    /// Returns the archive, or the file of the folder, as messages name it.
     pub fn file(&self) -> &SharedFile {
         match self {
             Self::Archive { file, .. } | Self::Folder { file, .. } => file,
         }
     }
 
-    /// The content of a file.
+    /// Returns the content of a file.
     pub fn read(&self, name: &str) -> Result<Vec<u8>, Error> {
         if name.is_empty() || name.contains(['/', '\\', '\0']) || name == ".." {
             return Err(self.malformed(META, format!("{name:?} isn't the name of a file beside it")));
@@ -63,7 +63,7 @@ impl Files {
         }
     }
 
-    /// The error of a file that breaks the rules.
+    /// Returns the error of a file that breaks the rules.
     pub fn malformed(&self, name: &str, cause: impl Into<String>) -> Error {
         match self {
             Self::Folder { folder, .. } => {

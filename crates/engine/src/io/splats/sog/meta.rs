@@ -19,7 +19,7 @@ const ENTRIES: usize = 256;
 /// The largest palette: its entries have numbers of 16 bits.
 const MOST_ENTRIES: u32 = 1 << 16;
 
-/// What the pictures mean.
+/// Meaning of the pictures.
 #[derive(Debug, Deserialize)]
 pub(super) struct Meta {
     pub count: u64,
@@ -71,7 +71,7 @@ pub(super) struct Harmonics {
 pub(super) struct Table(Vec<f64>);
 
 impl Table {
-    /// The number of a byte; NaN beyond the table, so that a splat with it is left out.
+    /// Returns the number of a byte; NaN beyond the table, so that a splat with it is left out.
     pub fn number(&self, byte: u8) -> f64 {
         self.0.get(usize::from(byte)).copied().unwrap_or(f64::NAN)
     }
@@ -123,7 +123,7 @@ impl Meta {
         check_count(files.file(), META, self.count, self.degree(), packed)
     }
 
-    /// The degree of the harmonics.
+    /// Returns the degree of the harmonics.
     pub fn degree(&self) -> u32 {
         self.harmonics.as_ref().map_or(0, |harmonics| harmonics.bands)
     }
@@ -133,7 +133,7 @@ impl Meta {
         coefficients(self.degree())
     }
 
-    /// The filter that splats are for.
+    /// Returns the filter that splats are for.
     pub fn filter(&self) -> Option<Filter> {
         let named = self.model.as_deref().and_then(Filter::named);
         named.or_else(|| self.antialias.then_some(Filter::Mip))

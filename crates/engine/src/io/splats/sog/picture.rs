@@ -19,7 +19,7 @@ pub(super) struct Pixels {
 }
 
 impl Pixels {
-    /// A pixel, row by row.
+    /// Returns a pixel, row by row.
     pub fn at(&self, place: usize) -> [u8; 4] {
         match self.bytes.get(place * self.channels..).unwrap_or_default() {
             [red, green, blue, alpha, ..] if self.channels == 4 => [*red, *green, *blue, *alpha],

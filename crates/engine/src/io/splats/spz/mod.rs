@@ -35,7 +35,7 @@ const EXTENSIONS: u8 = 2;
 /// The largest number of fractional bits of a position, which has 24 bits.
 const MOST_FRACTION: u8 = 24;
 
-/// What the header says.
+/// Contents of the header.
 #[derive(Debug, Clone, Copy)]
 struct Header {
     version: u32,

@@ -12,7 +12,7 @@ use crate::cloud::gaussians::coefficients;
 /// A byte of color is 255·(½ + this·coefficient).
 const COLOR: f64 = 0.15;
 
-/// What the planes hold, in order.
+/// Contents of the planes, in order.
 pub(super) const NAMES: [&str; 6] = ["positions", "opacities", "colors", "scales", "rotations", "harmonics"];
 
 /// The bytes of each attribute.
@@ -46,7 +46,7 @@ impl Planes {
         }
     }
 
-    /// The planes that stand one behind the other; if one ends too early, a message that says which.
+    /// Returns the planes that stand one behind the other; if one ends too early, a message that says which.
     pub fn cut(header: &Header, mut bytes: &[u8]) -> Result<Self, String> {
         let mut planes: [Vec<u8>; 6] = Default::default();
         for ((plane, len), name) in planes.iter_mut().zip(lengths(header)).zip(NAMES) {
@@ -59,7 +59,7 @@ impl Planes {
         Ok(Self::new(header, planes))
     }
 
-    /// A splat, in the axes of other splats.
+    /// Returns a splat, in the axes of other splats.
     pub fn splat(&self, at: usize, harmonics: &mut [Vec3]) -> Splat {
         let [_, alphas, colors, scales, _, coefficients] = &self.planes;
         let three = |plane: &[u8]| [0, 1, 2].map(|channel| f64::from(plane[at * 3 + channel]));
@@ -118,8 +118,8 @@ fn smallest_three(word: u32) -> [f64; 4] {
     parts
 }
 
-/// How the harmonics of each degree and order change where y and z change their signs: those of negative order are odd in y, and
-/// those whose degree and order differ by an odd number are odd in z.
+/// Returns how the harmonics of each degree and order change where y and z change their signs: those of negative order
+/// are odd in y, and those whose degree and order differ by an odd number are odd in z.
 fn signs(degree: u32) -> Vec<f32> {
     let orders = (1..=degree as i32).flat_map(|degree| (-degree..=degree).map(move |order| (degree, order)));
     orders.map(|(degree, order)| if (order < 0) != ((degree + order) % 2 != 0) { -1.0 } else { 1.0 }).collect()

@@ -16,7 +16,7 @@ const HEADER: u64 = 32;
 /// Bytes of a line of the table: those of the stream, and those that come of it.
 const LINE: u64 = 16;
 
-/// The planes of a file. Only as much of a stream is unpacked as its plane has.
+/// Returns the planes of a file. Only as much of a stream is unpacked as its plane has.
 pub(super) fn read(file: &SharedFile, bytes: &[u8], header: &Header) -> Result<Planes, Error> {
     if (bytes.len() as u64) < HEADER {
         return Err(file.truncated(format!("{} bytes, but the header has {HEADER}", bytes.len())));

@@ -49,7 +49,7 @@ pub struct Assembler {
     kept: Kept,
 }
 
-/// What a store says of its points as a whole.
+/// Statements of a store about its points as a whole.
 #[derive(Debug, Clone, Copy)]
 pub struct Told<'a> {
     /// A name for people.

@@ -23,7 +23,7 @@ use crate::progress::Progress;
 /// Share of the smallest radius that a position may move by.
 const FINE: f64 = 1e-3;
 
-/// How a store is made.
+/// Settings of building a store.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
     /// Points of a node at most; more only if they are all in one place. At least 1.
@@ -38,14 +38,14 @@ impl Default for Settings {
     }
 }
 
-/// What was made.
+/// Result of building a store.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Built {
     /// Points of the store.
     pub points: u64,
     /// The largest distance of a position from where it was in its input, in the file's units.
     pub rounding: f64,
-    /// What could not be kept, one sentence each.
+    /// Notes on what could not be kept, one sentence each.
     pub notes: Vec<String>,
 }
 

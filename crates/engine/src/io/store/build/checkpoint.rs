@@ -1,5 +1,5 @@
-//! What an assembler needs to go on after its process ended: a file of the nodes that are written, which grows, and one of those that
-//! are open, of which there are two in turn.
+//! State that an assembler needs to go on after its process ended: a file of the nodes that are written, which grows,
+//! and one of those that are open, of which there are two in turn.
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -39,13 +39,13 @@ pub(super) struct Checkpoint {
 #[derive(Debug)]
 pub(super) struct Kept {
     file: Sink,
-    /// How many are in it.
+    /// Number of records in it.
     count: usize,
     /// The file of open nodes that is written next.
     next: u8,
 }
 
-/// What is said of an open node before its records.
+/// Description of an open node before its records.
 #[derive(Serialize, Deserialize)]
 struct Head {
     cell: Cell,
@@ -59,7 +59,7 @@ fn open_path(folder: &Path, number: u8) -> PathBuf {
 }
 
 impl Kept {
-    /// The nodes of a checkpoint, and their file.
+    /// Returns the nodes of a checkpoint, and their file.
     pub fn resume(folder: &Path, checkpoint: &Checkpoint) -> Result<(Self, Vec<Written>), Error> {
         let path = folder.join(NODES);
         let file = Sink::keep(&path, checkpoint.nodes)?;
@@ -107,7 +107,7 @@ impl Kept {
     }
 }
 
-/// The open nodes of a checkpoint.
+/// Returns the open nodes of a checkpoint.
 pub(super) fn read_open(folder: &Path, checkpoint: &Checkpoint) -> Result<Vec<Open>, Error> {
     let Some(number) = checkpoint.open else { return Ok(Vec::new()) };
     let path = open_path(folder, number);

@@ -4,7 +4,8 @@ use super::super::Store;
 use crate::cloud::Cloud;
 use crate::cloud::gaussians::Gaussians;
 
-/// A cloud without points that has the columns of all stores, and notes on what can't be kept, one sentence each.
+/// Returns a cloud without points that has the columns of all stores, and notes on what can't be kept, one sentence
+/// each.
 ///
 /// Radii are kept if all have them. What was prepared for one cloud says nothing of several.
 pub(super) fn union(inputs: &[Box<dyn Store>]) -> (Cloud, Vec<String>) {

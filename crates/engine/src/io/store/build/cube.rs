@@ -26,7 +26,7 @@ pub struct Cube {
 }
 
 impl Cube {
-    /// The smallest one whose least corner is that of a box; `None` if the grid doesn't span the box.
+    /// Returns the smallest one whose least corner is that of a box; `None` if the grid doesn't span the box.
     pub fn around(grid: Grid, bounds: &Bounds) -> Option<Self> {
         let (least, most) = (grid.nearest(bounds.min)?, grid.nearest(bounds.max)?);
         let steps: [u64; 3] = std::array::from_fn(|axis| u64::from(most[axis].abs_diff(least[axis])).saturating_add(1));
@@ -42,7 +42,7 @@ impl Cube {
         self.bits.into_iter().min().unwrap_or(0)
     }
 
-    /// The box of a cell.
+    /// Returns the box of a cell.
     pub fn bounds(&self, cell: Cell) -> Bounds {
         let corner = |add: u32| {
             let at = std::array::from_fn(|axis| {
@@ -61,12 +61,13 @@ impl Cube {
         (0..3).all(is_inside).then_some(steps)
     }
 
-    /// The same of a position that is inside.
+    /// Returns the same of a position that is inside.
     pub(super) fn steps_of(&self, at: [i32; 3]) -> [u32; 3] {
         std::array::from_fn(|axis| at[axis].wrapping_sub(self.least[axis]) as u32)
     }
 
-    /// The digits of some levels, the first one below a cell of level `from`: a Morton code of 3 bits a level, x lowest.
+    /// Returns the digits of some levels, the first one below a cell of level `from`: a Morton code of 3 bits a level,
+    /// x lowest.
     pub(super) fn code(&self, steps: [u32; 3], from: u32, levels: u32) -> u64 {
         let part = |axis: usize| {
             let below = self.bits[axis] - from - levels;
@@ -75,7 +76,7 @@ impl Cube {
         part(0) | part(1) << 1 | part(2) << 2
     }
 
-    /// The cell of a level that holds a position.
+    /// Returns the cell of a level that holds a position.
     pub(super) fn cell(&self, steps: [u32; 3], level: u32) -> Cell {
         Cell { level, at: std::array::from_fn(|axis| (u64::from(steps[axis]) >> (self.bits[axis] - level)) as u32) }
     }
@@ -94,7 +95,7 @@ impl Cell {
     /// All there is.
     pub const ROOT: Self = Self { level: 0, at: [0; 3] };
 
-    /// The cell above; that of the root is itself.
+    /// Returns the cell above; that of the root is itself.
     pub fn parent(self) -> Self {
         Self { level: self.level.saturating_sub(1), at: self.at.map(|at| at >> 1) }
     }
@@ -111,19 +112,19 @@ impl Cell {
         (self.at[0] & 1) | (self.at[1] & 1) << 1 | (self.at[2] & 1) << 2
     }
 
-    /// True if another cell is this one or below it.
+    /// Returns `true` if another cell is this one or below it.
     pub fn holds(self, other: Self) -> bool {
         let up = other.level.checked_sub(self.level);
         up.is_some_and(|up| (0..3).all(|axis| u64::from(other.at[axis]) >> up == u64::from(self.at[axis])))
     }
 
-    /// The cell of a code of some levels below this one.
+    /// Returns the cell of a code of some levels below this one.
     #[cfg(test)]
     pub(super) fn below(self, code: u64, levels: u32) -> Self {
         (0..levels).rev().fold(self, |cell, level| cell.child((code >> (3 * level) & 7) as u32))
     }
 
-    /// The number of Potree's name of it, whose digits have x highest: of one level in the order of names.
+    /// Returns the number of Potree's name of it, whose digits have x highest: of one level in the order of names.
     pub(super) fn name_order(self) -> u128 {
         (0..self.level).rev().fold(0, |name, bit| {
             let digit = |axis: usize| u128::from(self.at[axis] >> bit & 1);

@@ -17,7 +17,7 @@ pub struct Encoded {
     pub rounding: f64,
 }
 
-/// The records of a cloud with the columns of a layout, and for each point its place in the source.
+/// Returns the records of a cloud with the columns of a layout, and for each point its place in the source.
 ///
 /// # Errors
 /// A position that isn't in the cube.

@@ -19,7 +19,7 @@ pub(super) struct Written {
     pub offset: u64,
     pub bytes: u64,
     pub points: u32,
-    /// Where it has points.
+    /// Extent that has points.
     pub extent: Option<Extent>,
 }
 
@@ -32,7 +32,7 @@ pub(super) struct Bytes {
     pub depth: u32,
 }
 
-/// The file of some nodes, which it sorts by level and name. The parents of all are among them.
+/// Returns the file of some nodes, which it sorts by level and name. The parents of all are among them.
 pub(super) fn write(nodes: &mut [Written]) -> Bytes {
     nodes.sort_unstable_by_key(|node| (node.cell.level, node.cell.name_order()));
     let index: HashMap<Cell, usize> = nodes.iter().enumerate().map(|(index, node)| (node.cell, index)).collect();

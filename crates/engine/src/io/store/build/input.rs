@@ -75,7 +75,7 @@ impl<'a> Input<'a> {
         Ok(())
     }
 
-    /// The grid that all inputs are on.
+    /// Returns the grid that all inputs are on.
     pub fn shared_grid(&self) -> Option<Grid> {
         let grids: Vec<Option<Grid>> = self.stores.iter().map(|store| store.summary().grid).collect();
         Grid::shared(&grids, &self.bounds)
@@ -96,7 +96,7 @@ impl<'a> Input<'a> {
         Error::Malformed { path, place: format!("point at {position}"), cause }
     }
 
-    /// The error of a build that somebody ended.
+    /// Returns the error of a build that somebody ended.
     pub fn cancelled(&self) -> Error {
         Error::Cancelled { path: self.stores.first().map(|store| store.summary().path.clone()).unwrap_or_default() }
     }

@@ -1,4 +1,4 @@
-//! Which points are put into nodes together.
+//! Choice of the points that are put into nodes together.
 
 use serde::{Deserialize, Serialize};
 
@@ -26,8 +26,8 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// The largest cells with at most so many points, and as many of them in each chunk as fit. A cell that has more is a chunk of
-    /// its own, if it is as small as those that were counted.
+    /// Returns the largest cells with at most so many points, and as many of them in each chunk as fit. A cell that has
+    /// more is a chunk of its own, if it is as small as those that were counted.
     pub fn new(base: Cell, counts: &Counts, most: u64) -> Self {
         let mut whole = Vec::new();
         divide(base, 0, counts.levels, &counts.sorted(), most, &mut whole);
@@ -47,7 +47,7 @@ impl Plan {
         plan
     }
 
-    /// The chunk of a point, which is in the cell.
+    /// Returns the chunk of a point, which is in the cell.
     pub fn chunk_of(&self, cube: &Cube, steps: [u32; 3]) -> usize {
         let code = cube.code(steps, self.base.level, self.levels);
         self.starts.partition_point(|start| *start <= code).saturating_sub(1)

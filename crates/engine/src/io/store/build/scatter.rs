@@ -26,7 +26,7 @@ pub(super) struct Scatter<'a> {
 /// Records by chunk.
 pub(super) type Parts = Vec<(usize, Vec<u8>)>;
 
-/// The file of a chunk.
+/// Returns the file of a chunk.
 pub(super) fn file_of(stem: &Path, chunk: usize) -> PathBuf {
     let mut name = stem.as_os_str().to_owned();
     name.push(format!(".{chunk}"));

@@ -16,7 +16,7 @@ pub(super) struct Sink {
 }
 
 impl Sink {
-    /// A file with its first bytes, as many as are to be kept; they must be there.
+    /// Returns a file with its first bytes, as many as are to be kept; they must be there.
     pub fn keep(path: &Path, len: u64) -> Result<Self, Error> {
         let failed = |source| Error::Write { path: path.to_path_buf(), source };
         fault::file("output/create").map_err(failed)?;
@@ -31,7 +31,7 @@ impl Sink {
         Ok(Self { path: path.to_path_buf(), file, len })
     }
 
-    /// An empty file.
+    /// Returns an empty file.
     pub fn new(path: &Path) -> Result<Self, Error> {
         Self::keep(path, 0)
     }

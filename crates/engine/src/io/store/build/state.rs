@@ -1,4 +1,4 @@
-//! How far a build is, in a file of its folder, so that it can go on after its process ended.
+//! Progress of a build, in a file of its folder, so that it can go on after its process ended.
 
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
@@ -15,7 +15,7 @@ use crate::io::Error;
 /// The file.
 const STATE: &str = "state.json";
 
-/// How far a build is.
+/// Progress of a build.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct State {
     /// A hash of inputs and settings.
@@ -56,12 +56,12 @@ impl State {
         Ok(Self { key, ..Self::default() })
     }
 
-    /// True if a folder has one.
+    /// Returns `true` if a folder has one.
     pub fn is_there(folder: &Path) -> bool {
         folder.join(STATE).exists()
     }
 
-    /// True if a pass or a part of one is done.
+    /// Returns `true` if a pass or a part of one is done.
     pub fn is_begun(&self) -> bool {
         self.survey.is_some() || self.assembled.is_some()
     }
@@ -91,13 +91,13 @@ pub(super) fn clear(folder: &Path) -> Result<(), Error> {
     }
 }
 
-/// The folder in which a store is made, beside its place.
+/// Returns the folder in which a store is made, beside its place.
 pub(super) fn work_folder(target: &Path) -> PathBuf {
     let name = target.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     crate::atomic::folder(target).join(format!(".{name}.pellucid-unfinished"))
 }
 
-/// A hash of the inputs, by name, size and time, and of the settings.
+/// Returns a hash of the inputs, by name, size and time, and of the settings.
 pub(crate) fn key(inputs: &[Box<dyn Store>], settings: &Settings) -> String {
     let mut hasher = blake3::Hasher::new();
     let mut add = |text: String| {

@@ -28,9 +28,9 @@ pub struct Streamed<'a> {
     pub store: &'a dyn Store,
     /// The root of the octree. All positions are on its grid and in it.
     pub cube: Cube,
-    /// What is kept of a point, in types that hold all values.
+    /// Values that are kept of a point, in types that hold all of them.
     pub layout: &'a Layout,
-    /// What the points follow from: clouds with the same key are the same.
+    /// Key of what the points follow from: clouds with the same key are the same.
     pub key: &'a str,
 }
 

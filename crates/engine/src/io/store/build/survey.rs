@@ -17,7 +17,7 @@ const LEVELS: u32 = 8;
 /// Bytes of a counted cell.
 const BYTES_OF_CELL: u64 = 48;
 
-/// How many points there are in the cells of a level.
+/// Numbers of points in the cells of a level.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Counts {
     /// Levels below the cell that is divided.
@@ -53,7 +53,7 @@ impl Counts {
     }
 }
 
-/// What is known of all points.
+/// Facts about all points.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Survey {
     pub types: Types,
@@ -98,7 +98,7 @@ pub(super) struct Memory {
 }
 
 impl Memory {
-    /// What so many bytes are enough for, with records of a size.
+    /// Returns what so many bytes are enough for, with records of `stride` bytes.
     pub fn new(bytes: u64, stride: usize) -> Self {
         let stride = stride as u64;
         // Records as they come, in open nodes, and as they are written; code and place.

@@ -94,7 +94,7 @@ fn write(path: &Path, text: &str) -> Result<(), Error> {
     written.map_err(|source| Error::Write { path: path.to_path_buf(), source })
 }
 
-/// The name of a store.
+/// Returns the name of a store.
 pub(super) fn name(target: &Path) -> String {
     target.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }

@@ -19,7 +19,7 @@ const ALONE: usize = 1 << 13;
 /// Parts of a node's grid along an axis at most, as a binary logarithm.
 const MAX_GRID_BITS: u32 = 7;
 
-/// What the nodes of a store have in common.
+/// Rules that the nodes of a store have in common.
 #[derive(Debug, Clone)]
 pub(super) struct Rules {
     pub cube: Cube,
@@ -37,7 +37,7 @@ pub(super) struct Open {
     pub cell: Cell,
     /// Points in the cell.
     pub total: u64,
-    /// True if there are nodes below.
+    /// `true` if there are nodes below.
     pub is_inner: bool,
     /// Its records, along the Morton curve.
     pub records: Vec<u8>,
@@ -67,8 +67,8 @@ impl Rules {
         self.cube.steps_of(integers(record))
     }
 
-    /// The nodes of a cell from the records of its points: its own, which is open, and those below, along the Morton curve. There
-    /// are fewer than 2³² points.
+    /// Returns the nodes of a cell from the records of its points: its own, which is open, and those below, along the
+    /// Morton curve. There are fewer than 2³² points.
     pub fn grow(&self, cell: Cell, records: &[u8]) -> (Open, Vec<Done>) {
         let levels = CODE_LEVELS.min(self.cube.levels() - cell.level);
         let key =
@@ -113,7 +113,7 @@ impl Rules {
         })
     }
 
-    /// A node above its children, all there are, along the Morton curve; and the children as they are written.
+    /// Returns a node above its children, all there are, along the Morton curve; and the children as they are written.
     pub fn close(&self, cell: Cell, children: Vec<Open>) -> (Open, Vec<Done>) {
         let total = children.iter().map(|child| child.total).sum();
         if total <= self.node_points as u64 {
@@ -140,7 +140,7 @@ impl Rules {
         (Open { cell, total, is_inner, records }, done)
     }
 
-    /// Which points of the children a node takes, counted through all of them.
+    /// Returns the points of the children that a node takes, counted through all of them.
     fn pick(&self, cell: Cell, children: &[Open]) -> Vec<u32> {
         let levels = self.grid_bits.min(self.cube.levels() - cell.level);
         let records = || children.iter().flat_map(|child| child.records.chunks_exact(self.stride));

@@ -26,7 +26,7 @@ pub enum Narrow {
 }
 
 impl Narrow {
-    /// The smallest that holds some values exactly.
+    /// Returns the smallest that holds some values exactly.
     pub fn of(values: &[f32]) -> Self {
         let narrow = |value: &f32| match *value {
             value if (value as u8 as f32).to_bits() == value.to_bits() => Self::Byte,
@@ -59,7 +59,7 @@ pub enum Exact {
 }
 
 impl Exact {
-    /// The smallest that keeps some positions.
+    /// Returns the smallest that keeps some positions.
     pub fn of(positions: &[DVec3], grid: &Grid) -> Self {
         let exact = |position: &DVec3| match position {
             p if grid.nearest(*p).is_some_and(|at| same(grid.position(at), *p)) => Self::None,
@@ -86,8 +86,8 @@ fn same(a: DVec3, b: DVec3) -> bool {
 /// The types of the columns that allow several.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Types {
-    /// True if 16-bit sRGB rounds a color, so that linear float32 colors stand beside it. Colors of Gaussians follow from their bases:
-    /// true if one doesn't.
+    /// `true` if 16-bit sRGB rounds a color, so that linear float32 colors stand beside it. Colors of Gaussians follow
+    /// from their bases: true if one doesn't.
     pub linear_colors: bool,
     /// The exact positions of Gaussians, beside those on the grid: a picture of them is to be that of their file.
     #[serde(default)]
@@ -99,7 +99,8 @@ pub struct Types {
 }
 
 impl Types {
-    /// The smallest ones that keep a cloud exactly; positions of points that are no Gaussians are those of the grid.
+    /// Returns the smallest ones that keep a cloud exactly; positions of points that are no Gaussians are those of the
+    /// grid.
     pub fn of(cloud: &Cloud, grid: &Grid) -> Self {
         let is_rounded = |color: &Vec3| color.to_array().iter().any(|linear| exact_srgb(*linear).is_none());
         let differs = |(color, base): (&Vec3, &Vec3)| *color != linear(*base);
@@ -131,7 +132,7 @@ impl Types {
         self
     }
 
-    /// The record of a cloud with these columns and so many points in its source.
+    /// Returns the record of a cloud with these columns and so many points in its source.
     pub fn layout(&self, like: &Cloud, points: u64) -> Layout {
         let mut layout = self.columns(like);
         // Potree's viewer reads no 64-bit integers; float64 counts to 2⁵³.
@@ -139,7 +140,7 @@ impl Types {
         layout
     }
 
-    /// The same without the place in the source, for points whose source has no order.
+    /// Returns the same without the place in the source, for points whose source has no order.
     pub fn columns(&self, like: &Cloud) -> Layout {
         let mut layout = Layout::default();
         layout.add(Role::Position, Kind::Int32);
@@ -208,7 +209,7 @@ fn table() -> &'static Table {
     })
 }
 
-/// The 16-bit sRGB number whose linear value this is, to the bit.
+/// Returns the 16-bit sRGB number whose linear value this is, to the bit.
 pub(super) fn exact_srgb(linear: f32) -> Option<u16> {
     let table = table();
     let bits = linear.to_bits();
@@ -217,7 +218,7 @@ pub(super) fn exact_srgb(linear: f32) -> Option<u16> {
     (table.linear[first + at].to_bits() == bits).then_some((first + at) as u16)
 }
 
-/// The 16-bit sRGB number nearest to a linear value.
+/// Returns the 16-bit sRGB number nearest to a linear value.
 pub(super) fn nearest_srgb(linear: f32) -> u16 {
     // The conversion saturates, and makes 0 of what isn't a number.
     exact_srgb(linear).unwrap_or_else(|| (encode_srgb(linear) * f32::from(u16::MAX)).round() as u16)

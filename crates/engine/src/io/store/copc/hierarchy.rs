@@ -23,7 +23,8 @@ pub(super) struct Page {
     pub bytes: u64,
 }
 
-/// All nodes with points. Pages take no more bytes together than the file has, so there is an end, whatever they say.
+/// Returns all nodes with points. Pages take no more bytes together than the file has, so there is an end, whatever
+/// they say.
 pub(super) fn read(file: &SharedFile, root: Page) -> Result<Vec<Entry>, Error> {
     let mut pages = vec![root];
     let (mut entries, mut keys, mut total) = (Vec::new(), HashSet::new(), 0u64);
@@ -53,7 +54,7 @@ pub(super) fn read(file: &SharedFile, root: Page) -> Result<Vec<Entry>, Error> {
     Ok(entries)
 }
 
-/// What an entry stands for.
+/// Target of an entry.
 enum Target {
     Node(Entry),
     Page(Page),

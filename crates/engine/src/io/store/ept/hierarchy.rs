@@ -7,7 +7,7 @@ use super::metadata::read_json;
 use crate::io::Error;
 use crate::io::store::keys::Key;
 
-/// The nodes with points, and how many each has. Each file is read once, so there is an end, whatever they say.
+/// Returns the nodes with points, and how many each has. Each file is read once, so there is an end, whatever they say.
 pub(super) fn read(folder: &Path, announced: u64) -> Result<Vec<(Key, u64)>, Error> {
     let hierarchy = folder.join("ept-hierarchy");
     let mut files = vec![Key { level: 0, place: [0; 3] }];

@@ -12,7 +12,7 @@ use crate::cloud::{Bounds, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUM
 use crate::io::las::{MAX_POINTS_PER_BYTE, Traits};
 use crate::io::{Error, LasColumns, Source};
 
-/// What is read of the file.
+/// Parts of the file that are read.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct Json {
@@ -144,7 +144,8 @@ impl Metadata {
         Ok(metadata)
     }
 
-    /// A box with a step of the coordinates' grid around it, since points were put on the grid after they found their node.
+    /// Returns a box with a step of the coordinates' grid around it, since points were put on the grid after they found
+    /// their node.
     pub fn widened(&self, bounds: Bounds) -> Bounds {
         Bounds { min: bounds.min - self.step, max: bounds.max + self.step }
     }
@@ -153,7 +154,7 @@ impl Metadata {
         self.schema.iter().find(|dimension| dimension.name == name)
     }
 
-    /// The columns among those that are asked for that the points have.
+    /// Returns the columns among those that are asked for that the points have.
     pub fn has(&self, asked: LasColumns) -> LasColumns {
         let has = |name| self.dimension(name).is_some();
         LasColumns {
@@ -163,7 +164,7 @@ impl Metadata {
         }
     }
 
-    /// What decides about whole columns, if the description has all of it.
+    /// Returns the facts that decide about whole columns, if the description has all of them.
     pub fn traits(&self, asked: LasColumns) -> Option<Traits> {
         // No dimension, no value; but a dimension without its limits says nothing.
         let largest = |name| self.dimension(name).map_or(Some(0.0), |dimension| dimension.maximum);
@@ -176,7 +177,7 @@ impl Metadata {
         })
     }
 
-    /// True if points with other values than these change no column.
+    /// Returns `true` if points with other values than these change no column.
     pub fn settles(&self, asked: LasColumns, traits: &Traits) -> bool {
         traits.settle(self.dimension("Red").is_some(), asked.gps_time, asked.returns)
     }

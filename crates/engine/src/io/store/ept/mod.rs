@@ -78,7 +78,8 @@ impl Ept {
         Ok(ept)
     }
 
-    /// What decides about whole columns: the description's values, else those of as many tiles as it takes.
+    /// Returns the facts that decide about whole columns: the description's values, else those of as many tiles as it
+    /// takes.
     fn survey(&self) -> Result<Traits, Error> {
         if let Some(traits) = self.metadata.traits(self.asked) {
             return Ok(traits);

@@ -85,7 +85,7 @@ fn decompressed(bytes: &[u8], most: u64) -> Result<Vec<u8>, String> {
 }
 
 impl Rows {
-    /// The rows of a schema, or what is wrong with it.
+    /// Returns the rows of a schema, or what is wrong with it.
     pub fn new(schema: &[Dimension]) -> Result<Self, String> {
         let mut numbers = Vec::with_capacity(schema.len());
         let mut len = 0;
@@ -125,7 +125,7 @@ impl Rows {
         self.len
     }
 
-    /// The columns of a tile with so many points, and the names of those that LAS doesn't know.
+    /// Returns the columns of a tile with so many points, and the names of those that LAS doesn't know.
     pub fn read(
         &self,
         mut source: Source,
@@ -174,7 +174,7 @@ impl Rows {
         Ok((columns, self.extra.iter().map(|(name, _)| name.clone()).collect()))
     }
 
-    /// The cloud without what the rows don't have.
+    /// Returns the cloud without what the rows don't have.
     pub fn without_missing(&self, mut cloud: Cloud) -> Cloud {
         cloud.intensity = cloud.intensity.filter(|_| self.intensity.is_some());
         cloud.classification = cloud.classification.filter(|_| self.classification.is_some());

@@ -10,7 +10,7 @@ use crate::cloud::{Cloud, Prepared, UpAxis};
 /// Its version.
 pub(crate) const VERSION: u64 = 1;
 
-/// What `pellucid prepare` adds: what a cloud has that Potree knows no word for.
+/// Description that `pellucid prepare` adds: facts about a cloud that Potree has no word for.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct About {
     pub version: u64,
@@ -59,7 +59,7 @@ impl From<Up> for UpAxis {
     }
 }
 
-/// How a cloud was prepared.
+/// Record of how a cloud was prepared.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PreparedRecord {
     neighbors: usize,
@@ -83,7 +83,8 @@ impl PreparedRecord {
         }
     }
 
-    /// The same without values; shadows only if there is an attribute for their light. The reason why it can't be.
+    /// Returns the same without values; shadows only if there is an attribute for their light. The reason why it can't
+    /// be.
     pub fn prepared(&self, has_light: bool) -> Result<Prepared, String> {
         let Self { neighbors, radius_cap, estimated_radii, .. } = *self;
         if neighbors == 0 || neighbors > 65_535 {
@@ -101,7 +102,8 @@ impl PreparedRecord {
 }
 
 impl About {
-    /// What is said of a store of clouds like this one. `rounding`: how far positions moved at most.
+    /// Returns the description of a store of clouds like this one. `rounding` is the largest distance that positions
+    /// moved.
     pub fn new(like: &Cloud, layout: &Layout, rounding: f64) -> Self {
         Self {
             version: VERSION,

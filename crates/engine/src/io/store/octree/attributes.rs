@@ -48,7 +48,7 @@ impl Kind {
         }
     }
 
-    /// The little-endian number at the start of some bytes, of which there are enough.
+    /// Returns the little-endian number at the start of some bytes, of which there are enough.
     pub(crate) fn read(self, bytes: &[u8]) -> f64 {
         fn first<const N: usize>(bytes: &[u8]) -> [u8; N] {
             let mut first = [0; N];
@@ -71,7 +71,7 @@ impl Kind {
     }
 }
 
-/// What an attribute is to a cloud.
+/// Role of an attribute in a cloud.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Role {
@@ -118,7 +118,7 @@ pub enum Role {
 }
 
 impl Role {
-    /// The role of an attribute by its name, as PotreeConverter writes them.
+    /// Returns the role of an attribute by its name, as PotreeConverter writes them.
     pub(crate) fn named(name: &str, kind: Kind, elements: usize) -> Self {
         let scalar = |name: &str| Self::Scalar(name.to_owned());
         match (name.to_ascii_lowercase().as_str(), elements) {
@@ -141,7 +141,7 @@ impl Role {
         }
     }
 
-    /// The name of the attribute in metadata.json.
+    /// Returns the name of the attribute in metadata.json.
     pub(crate) fn attribute_name(&self) -> &str {
         match self {
             Self::Position => "position",
@@ -171,7 +171,7 @@ impl Role {
         }
     }
 
-    /// How many numbers it takes.
+    /// Returns the number of values that it takes.
     fn elements(&self) -> usize {
         match self {
             Self::Position | Self::Rgb | Self::NormalVector | Self::Exact | Self::Extents | Self::Base => 3,
@@ -181,7 +181,7 @@ impl Role {
         }
     }
 
-    /// True if numbers of a type can be it.
+    /// Returns `true` if numbers of a type can be it.
     fn takes(&self, kind: Kind, elements: usize) -> bool {
         match self {
             Self::Position => kind == Kind::Int32 && elements == 3,
@@ -208,9 +208,9 @@ pub struct Attribute {
     pub name: String,
     /// The type of its numbers.
     pub kind: Kind,
-    /// How many numbers it has.
+    /// Number of values of the attribute.
     pub elements: usize,
-    /// What it is.
+    /// Role of the attribute.
     pub role: Role,
     /// The first of its bytes in a record.
     pub at: usize,
@@ -231,7 +231,7 @@ pub(crate) struct SplatAttributes<'a> {
 }
 
 impl SplatAttributes<'_> {
-    /// The degree of the harmonics.
+    /// Returns the degree of the harmonics.
     pub fn degree(&self) -> u32 {
         self.harmonics.map_or(0, |(_, degree)| degree)
     }
@@ -288,12 +288,12 @@ impl Layout {
         Ok(())
     }
 
-    /// The attribute of a role.
+    /// Returns the attribute of a role.
     pub(crate) fn find(&self, role: &Role) -> Option<&Attribute> {
         self.attributes.iter().find(|attribute| attribute.role == *role)
     }
 
-    /// The attributes of Gaussians; `None` without any.
+    /// Returns the attributes of Gaussians; `None` without any.
     ///
     /// # Errors
     /// Some of them are missing.

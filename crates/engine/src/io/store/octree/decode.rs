@@ -9,13 +9,14 @@ use crate::color::decode_srgb;
 use crate::io::columns::unit_or_zero;
 use crate::io::store::Grid;
 
-/// How far the square of a quaternion's length may be from 1. Those of our own stores are as close as float32 allows.
+/// Largest difference of the square of a quaternion's length from 1. Those of our own stores are as close as float32
+/// allows.
 const UNIT: f64 = 1e-5;
 
 /// Largest value of colors that have 8 bits.
 const BYTE: u16 = 255;
 
-/// What turns records into clouds.
+/// Decoder that turns records into clouds.
 #[derive(Debug)]
 pub(super) struct Decoder {
     layout: Layout,
@@ -40,8 +41,8 @@ impl Decoder {
         self.layout.stride as u64
     }
 
-    /// The points of some records; the columns are there whatever their number. Splats that are none have extents of zero
-    /// ([`splats_of`]).
+    /// Returns the points of some records; the columns are there whatever their number. Splats that are none have
+    /// extents of zero ([`splats_of`]).
     pub fn cloud(&self, records: &[u8]) -> Cloud {
         let columns = Columns { records, stride: self.layout.stride };
         let find = |role: Role| self.layout.find(&role);
@@ -64,7 +65,7 @@ impl Decoder {
         }
     }
 
-    /// The places of points in their source; by default those in the file, of which the first is `first`.
+    /// Returns the places of points in their source; by default those in the file, of which the first is `first`.
     pub fn places(&self, records: &[u8], first: u64) -> Vec<u64> {
         let columns = Columns { records, stride: self.layout.stride };
         match self.layout.find(&Role::Place) {
@@ -196,7 +197,7 @@ fn rotation(stored: Quat) -> Option<Quat> {
     (exact.is_finite() && unit.is_finite()).then(|| unit.as_quat())
 }
 
-/// The three integers of a position.
+/// Returns the three integers of a position.
 pub(crate) fn integers(bytes: &[u8]) -> [i32; 3] {
     std::array::from_fn(|axis| i32::from_le_bytes(std::array::from_fn(|i| bytes[4 * axis + i])))
 }
@@ -240,7 +241,8 @@ impl<'a> Columns<'a> {
     }
 }
 
-/// The channel of full intensity in colors of others: 255 if no channel is above, as in LAS files; `None` if all are 0.
+/// Returns the channel of full intensity in colors of others: 255 if no channel is above, as in LAS files; `None` if
+/// all are 0.
 pub(super) fn full_scale(kind: Kind, largest: Option<f64>) -> Option<u16> {
     match largest {
         Some(largest) if largest <= 0.0 => None,

@@ -69,8 +69,8 @@ fn child_bounds(bounds: &Bounds, child: usize) -> Bounds {
     part
 }
 
-/// All nodes, parents before their children, from the bytes of the file, the bytes of the first chunk, and the box of the root. An
-/// error has place and cause. Every record is used at most once, so that no loop has no end.
+/// Returns all nodes, parents before their children, from the bytes of the file, the bytes of the first chunk, and the
+/// box of the root. An error has place and cause. Every record is used at most once, so that no loop has no end.
 pub(super) fn read(file: &[u8], first_chunk: u64, root: Bounds) -> Result<Vec<Listed>, (String, String)> {
     let mut parts = VecDeque::from([Part { offset: 0, bytes: first_chunk, root: (0, None, root) }]);
     let mut seen = HashSet::new();

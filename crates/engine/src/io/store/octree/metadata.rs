@@ -49,7 +49,7 @@ fn uncompressed() -> String {
     "DEFAULT".to_owned()
 }
 
-/// How hierarchy.bin is divided.
+/// Division of hierarchy.bin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(crate) struct Hierarchy {
@@ -97,7 +97,7 @@ impl Described {
         (least <= most && (most - least).is_finite()).then_some([least, most])
     }
 
-    /// The largest value of all elements.
+    /// Returns the largest value of all elements.
     pub fn largest(&self) -> Option<f64> {
         self.max.iter().copied().flatten().max_by(f64::total_cmp)
     }
@@ -167,7 +167,7 @@ fn bounds(corners: &Corners) -> Result<Bounds, String> {
     Err(format!("no box: from {} to {}", bounds.min, bounds.max))
 }
 
-/// What this program added, if it can be used; a warning if not.
+/// Returns the description that this program added, if it can be used; a warning if not.
 fn about(metadata: &Metadata, warnings: &mut Vec<String>) -> Option<About> {
     let value = metadata.pellucid.clone()?;
     let refused = |why: String| format!("{METADATA}: {why}; the values stored by `pellucid prepare` are ignored");
@@ -217,7 +217,7 @@ fn layout(metadata: &Metadata, about: Option<&About>) -> Result<Layout, (String,
     Ok(layout)
 }
 
-/// The description of an attribute with its range.
+/// Returns the description of an attribute with its range.
 pub(crate) fn describe(attribute: &Attribute, ranges: &[[f64; 2]]) -> Described {
     // Ranges of nothing, and what is not finite, are none; the viewer wants numbers.
     let end = |end: usize| {
@@ -238,7 +238,7 @@ pub(crate) fn describe(attribute: &Attribute, ranges: &[[f64; 2]]) -> Described 
     }
 }
 
-/// The corners of a box.
+/// Returns the corners of a box.
 pub(crate) fn corners(min: DVec3, max: DVec3) -> Corners {
     Corners { min: min.to_array(), max: max.to_array() }
 }

@@ -60,7 +60,7 @@ pub struct Octree {
     starts: Vec<u64>,
     decoder: Decoder,
     file: SharedFile,
-    /// True if this program wrote it.
+    /// `true` if this program wrote it.
     is_ours: bool,
 }
 
@@ -105,12 +105,12 @@ impl Octree {
         Ok(Self { summary, nodes, starts, decoder, file, is_ours: checked.about.is_some() })
     }
 
-    /// True if a path is a folder with an octree, or its metadata.json.
+    /// Returns `true` if a path is a folder with an octree, or its metadata.json.
     pub fn is_one(path: &Path) -> bool {
         path.join(METADATA).is_file() || path.file_name().is_some_and(|name| name == METADATA)
     }
 
-    /// How many points of the file are before those of a node.
+    /// Returns the number of points of the file that are before those of a node.
     pub(crate) fn first_point(&self, node: usize) -> u64 {
         self.starts[node] / self.decoder.stride().max(1)
     }
@@ -293,7 +293,7 @@ fn around_children(mut nodes: Vec<(Node, Option<Bounds>)>) -> Vec<Node> {
     done
 }
 
-/// What decodes points, and a cloud without points but with all that they have in common.
+/// Returns the decoder of points, and a cloud without points but with all that they have in common.
 fn decoder(checked: &Checked, points: u64) -> Result<(Decoder, Cloud), String> {
     let Checked { metadata, about, layout, grid, .. } = checked;
     layout.splats()?;

@@ -28,7 +28,7 @@ pub(crate) struct Extent {
 }
 
 impl Extent {
-    /// The box of its points.
+    /// Returns the box of its points.
     pub fn bounds(&self, grid: &Grid) -> Bounds {
         let [min, max] = self.corners.map(|corner| grid.position(corner));
         Bounds { min, max }
@@ -51,7 +51,7 @@ impl Extent {
     }
 }
 
-/// The bytes of the file, for nodes in the order of their bytes.
+/// Returns the bytes of the file, for nodes in the order of their bytes.
 pub(crate) fn write(extents: &[Extent]) -> Vec<u8> {
     let mut bytes = MAGIC.to_vec();
     for extent in extents {
@@ -62,7 +62,7 @@ pub(crate) fn write(extents: &[Extent]) -> Vec<u8> {
     bytes
 }
 
-/// The nodes of the file, in the order of their bytes; or what is wrong, with its place.
+/// Returns the nodes of the file, in the order of their bytes; or what is wrong, with its place.
 pub(crate) fn read(bytes: &[u8]) -> Result<Vec<Extent>, (String, String)> {
     let Some(records) = bytes.strip_prefix(&MAGIC) else {
         return Err((NODES.to_owned(), "it starts like no file of this version".to_owned()));

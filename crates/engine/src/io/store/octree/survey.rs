@@ -54,7 +54,7 @@ impl Surveyor {
     }
 }
 
-/// The bytes of the file before the records of the points that stand for all.
+/// Returns the bytes of the file before the records of the points that stand for all.
 ///
 /// # Errors
 /// The facts are no JSON.

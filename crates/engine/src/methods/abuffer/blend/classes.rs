@@ -31,12 +31,12 @@ pub(super) const CLASS_START: u64 = 4;
 /// Place of how many of them are in place.
 pub(super) const CLASS_PLACED: u64 = 5;
 
-/// The longest list of the classes before this one.
+/// Returns the longest list of the classes before this one.
 pub fn lower_bound(class: usize) -> u32 {
     class.checked_sub(1).map_or(0, |i| CLASSES[i].0)
 }
 
-/// How the lists of a class are sorted.
+/// Way in which the lists of a class are sorted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sorting {
     /// By the kernel that blends them, in registers.
@@ -48,8 +48,9 @@ pub(crate) enum Sorting {
 }
 
 impl Sorting {
-    /// How lists of up to `capacity` fragments are sorted; `shared` if a device prefers that invocations share work. On a CPU
-    /// an array of the invocation's own lies in the cache, on a GPU in the device's memory.
+    /// Returns the way to sort lists of up to `capacity` fragments; `shared` is `true` if a device prefers that
+    /// invocations share work. On a CPU an array of the invocation's own lies in the cache, on a GPU in the device's
+    /// memory.
     pub(crate) fn of(capacity: u32, shared: bool) -> Self {
         let in_registers = if shared { NETWORK_LENGTH } else { BLOCK_LENGTH };
         match shared {
@@ -59,7 +60,7 @@ impl Sorting {
         }
     }
 
-    /// The variant of the kernel for lists of up to `capacity` fragments, from the one that composes.
+    /// Returns the variant of the kernel for lists of up to `capacity` fragments, from the one that composes.
     pub(crate) fn resolve_variant(self, compose: Variant, capacity: u32) -> Variant {
         let classified = compose.text(&class_text());
         match self {
@@ -69,7 +70,7 @@ impl Sorting {
         }
     }
 
-    /// The variants of the kernels of all classes that are sorted so, from the variants that resolve.
+    /// Returns the variants of the kernels of all classes that are sorted so, from the variants that resolve.
     pub(crate) fn kernels(self, resolving: impl Fn(Self, u32) -> Vec<Variant>) -> Vec<Variant> {
         let capacities = CLASSES.iter().map(|(capacity, _)| *capacity);
         let wanted =
@@ -85,7 +86,7 @@ impl Sorting {
     }
 }
 
-/// The variant of the passes that know the classes.
+/// Returns the variant of the passes that know the classes.
 pub(super) fn class_variant() -> Variant {
     Variant::plain().text(&class_text())
 }
@@ -98,7 +99,7 @@ fn class_text() -> String {
     format!("const CLASS_COUNT = {count}u;\nfn class_of(n: u32) -> u32 {{ return select({count}u, {sum}, n > 0u); }}\n")
 }
 
-/// The variant of `abuffer/sort-runs`.
+/// Returns the variant of `abuffer/sort-runs`.
 pub(super) fn sort_runs_variant() -> Variant {
     local_sort(Variant::plain())
 }

@@ -11,13 +11,14 @@ fn step_iterations(length: u32) -> u32 {
     length.div_ceil(2) + 1
 }
 
-/// The longest list that is sorted in place: one step of a merge must stay within the iterations of an invocation.
+/// Returns the longest list that is sorted in place: one step of a merge must stay within the iterations of an
+/// invocation.
 pub fn in_place_length() -> u32 {
     2 * (MOST_ITERATIONS - 1)
 }
 
-/// The runs of `abuffer/merge-in-place` for lists of up to `longest` fragments: each level of merges is cut where its
-/// iterations would be too many.
+/// Returns the runs of `abuffer/merge-in-place` for lists of up to `longest` fragments: each level of merges is cut
+/// where its iterations would be too many.
 pub(super) fn in_place_merges(longest: u32) -> Vec<InPlacePush> {
     let at_once = (MOST_ITERATIONS / step_iterations(longest)).max(1);
     let mut found = Vec::new();

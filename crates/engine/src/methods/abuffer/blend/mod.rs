@@ -44,14 +44,14 @@ pub struct Blender {
     work: Buffer<LongWork>,
     spheres: LongSpheres,
     ellipsoids: ellipsoids::Sums,
-    /// Whether workgroups share lists.
+    /// `true` if workgroups share lists.
     shared: bool,
 }
 
 /// A band whose fragments are stored.
 #[derive(Clone, Copy)]
 pub struct Stored<'a> {
-    /// How the splats are reached.
+    /// Way to reach the splats.
     pub cut: Cut,
     /// Prefix sums of the window's list lengths.
     pub offsets: Slice<'a, u32>,
@@ -436,7 +436,7 @@ impl Blender {
     }
 }
 
-/// The indirect dispatch whose arguments begin at a word of [`LongWork`].
+/// Returns the indirect dispatch whose arguments begin at a word of [`LongWork`].
 pub fn long_groups(work: Slice<'_, LongWork>, word: u64) -> Dispatch<'_> {
     Dispatch::Indirect(work.cast().skip(word).first(3))
 }
@@ -459,7 +459,8 @@ fn resolving_variant(compose: Variant, shown: Shown, stop: u32) -> Variant {
     }
 }
 
-/// The variant of a pass that composes parts of long lists, of which those with medians are looked at once more.
+/// Returns the variant of a pass that composes parts of long lists, of which those with medians are looked at once
+/// more.
 pub(crate) fn composing_variant(compose: Variant, shown: Shown) -> Variant {
     if shown == Shown::Mean { compose.with("SHOWN", shown as u32) } else { compose }
 }
@@ -488,7 +489,7 @@ pub(crate) const CONSTANTS: [(&str, u32); 8] = [
     ("SHOWN_MEAN", Shown::Mean as u32),
 ];
 
-/// The passes of sorting and blending with their variants.
+/// Returns the passes of sorting and blending with their variants.
 pub(super) fn shaders() -> Vec<Shader> {
     let firsts = STOPS.map(|stop| (Shown::First, stop));
     let kinds = || firsts.into_iter().chain([Shown::Median, Shown::Mean].map(|shown| (shown, STOP_EXACT)));

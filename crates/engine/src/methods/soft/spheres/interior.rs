@@ -25,7 +25,7 @@ pub enum Interior {
 }
 
 impl Interior {
-    /// The interior of integrated spheres, by the layout of their events.
+    /// Returns the interior of integrated spheres, by the layout of their events.
     pub fn integrated(layout: SoftLayout) -> Self {
         match layout {
             SoftLayout::Precise => Self::Linear,
@@ -42,7 +42,7 @@ impl Interior {
         }
     }
 
-    /// True if the spheres of a pixel must be counted besides its events.
+    /// Returns `true` if the spheres of a pixel must be counted besides its events.
     pub fn counted(self) -> bool {
         self.most_shells() > 1
     }
@@ -77,7 +77,7 @@ impl Interior {
             .with("PACKED", u32::from(self == Self::Packed))
     }
 
-    /// True if events are integrated, and not constant densities summed.
+    /// Returns `true` if events are integrated, and not constant densities summed.
     pub fn is_integrated(self) -> bool {
         !matches!(self, Self::Shells(..))
     }
@@ -101,14 +101,14 @@ impl Choices for Interior {
 pub struct Kind {
     /// The inside of a sphere.
     pub interior: Interior,
-    /// True if it is so dense that float32 would show (`SoftModel::is_stiff`).
+    /// `true` if it is so dense that float32 would show (`SoftModel::is_stiff`).
     pub exact: bool,
-    /// True if some points are modulated.
+    /// `true` if some points are modulated.
     pub modulated: bool,
 }
 
 impl Kind {
-    /// How spheres are projected.
+    /// Returns the footprint of spheres.
     pub fn footprint(self) -> Footprint {
         if self.exact { Footprint::ExactSphere } else { Footprint::Sphere }
     }

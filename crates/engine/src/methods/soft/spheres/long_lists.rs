@@ -27,7 +27,7 @@ impl Default for LongSpheres {
 /// A band's long lists, sorted.
 #[derive(Clone, Copy)]
 pub struct Sorted<'a> {
-    /// How the splats are reached.
+    /// Way to reach the splats.
     pub composing: compose::Composing<'a>,
     /// The same.
     pub cut: Cut,
@@ -37,11 +37,11 @@ pub struct Sorted<'a> {
     pub runs: Slice<'a, ListRun>,
     /// The lists.
     pub lists: Slice<'a, LongList>,
-    /// Where their events are.
+    /// Buffer of their events.
     pub fragments: Slice<'a, [u32; 2]>,
     /// Records of packed events.
     pub records: Slice<'a, [u32; 4]>,
-    /// Where the composed runs come out.
+    /// Buffer that the composed runs are written to.
     pub partials: Slice<'a, Partial>,
 }
 
@@ -111,12 +111,12 @@ pub fn long_runs(events: u64) -> u64 {
     (2 * events).div_ceil(u64::from(LOCAL_LENGTH))
 }
 
-/// The variant of the passes over runs of long lists.
+/// Returns the variant of the passes over runs of long lists.
 pub(super) fn run_variant(kind: Kind, cut: Cut) -> Variant {
     kind.interior.terms(compose::variant(cut, kind.footprint(), Falloff::Flat), kind.modulated)
 }
 
-/// The variant of `soft/segments`.
+/// Returns the variant of `soft/segments`.
 pub(super) fn segments_variant(kind: Kind, cut: Cut) -> Variant {
     run_variant(kind, cut).with("TAKEN", SEGMENTS_TAKEN)
 }

@@ -63,7 +63,7 @@ pub(crate) const CONSTANTS: [(&str, u32); 2] = [("MODEL_BASE", MODEL_BASE), ("MO
 pub struct Spheres<'a> {
     /// Their kind.
     pub kind: Kind,
-    /// How dense they are.
+    /// Model of the density of spheres.
     pub model: SoftModel,
     /// Largest world radius.
     pub max_radius: f32,
@@ -136,7 +136,7 @@ impl<'a> Spheres<'a> {
         SoftPush { class_index, first_fragment, max_color, lambda, peak, max_radius: self.max_radius, first: 0 }
     }
 
-    /// The variant of the kernel for lists of up to `capacity` events.
+    /// Returns the variant of the kernel for lists of up to `capacity` events.
     pub(crate) fn resolve_variant(&self, cut: Cut, stop: u32, sorting: Sorting, capacity: u32) -> Variant {
         resolve_variant(self.kind, cut, stop, sorting, capacity)
     }
@@ -188,7 +188,7 @@ fn resolve_variant(kind: Kind, cut: Cut, stop: u32, sorting: Sorting, capacity: 
     if asked { kernel.constant("CAPACITY", capacity) } else { kernel }
 }
 
-/// The passes with their variants.
+/// Returns the passes with their variants.
 pub(super) fn shaders() -> Vec<Shader> {
     let walked = |of: fn(Variant, Interior, bool) -> Variant, segment: fn(Interior) -> u32| {
         let spheres =

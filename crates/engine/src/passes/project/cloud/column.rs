@@ -28,7 +28,7 @@ impl Column {
     /// All of them, normals last.
     pub const ALL: [Self; 4] = [Self::High, Self::Low, Self::Color, Self::Normal];
 
-    /// The column of some points.
+    /// Returns the column of some points.
     pub(super) fn values(
         self,
         points: &Points,

@@ -36,7 +36,7 @@ impl DeviceCloud {
         Ok(cloud)
     }
 
-    /// The same of points in a file; `sample` stands for them, with what is known of all.
+    /// Returns the same of points in a file; `sample` stands for them, with what is known of all.
     ///
     /// # Errors
     /// No memory for small buffers.
@@ -113,7 +113,7 @@ impl DeviceCloud {
         Ok(())
     }
 
-    /// The columns that the device holds.
+    /// Returns the columns that the device holds.
     pub fn columns(&self) -> &'static [Column] {
         if self.has_normals { &Column::ALL } else { &Column::ALL[..3] }
     }

@@ -21,9 +21,9 @@ pub struct GaussianColumns {
     pub harmonics: Buffer<f32>,
     /// Degree of the harmonics.
     pub degree: u32,
-    /// How many points of the scene are Gaussians.
+    /// Number of points of the scene that are Gaussians.
     pub count: u64,
-    /// True if every point on the device is one.
+    /// `true` if every point on the device is one.
     pub are_all: bool,
     /// The largest component that a display color may have, from whatever direction.
     pub brightest: f32,

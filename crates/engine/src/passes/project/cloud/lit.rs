@@ -9,7 +9,7 @@ use crate::cloud::shadow_texture::Casting;
 use crate::gpu::{Buffer, Device, Error, Memory};
 use crate::points::Points;
 
-/// What lights see of all points of a cloud whose points come some at a time.
+/// Light's view of all points of a cloud whose points come some at a time.
 pub struct LightImages {
     /// The lights.
     pub casting: Casting,
@@ -23,7 +23,7 @@ impl DeviceCloud {
         self.light_images = images;
     }
 
-    /// The images of lights.
+    /// Returns the images of lights.
     pub fn light_images(&self) -> Option<&Arc<LightImages>> {
         self.light_images.as_ref()
     }
@@ -33,7 +33,8 @@ impl DeviceCloud {
         self.light_images.iter().flat_map(|images| &images.depths).map(Buffer::bytes).sum()
     }
 
-    /// True if shadows are cast already: points have their shares of light, or, if they come some at a time, images to find them in.
+    /// Returns `true` if shadows are cast already: points have their shares of light, or, if they come some at a time,
+    /// images to find them in.
     pub fn has_cast(&self, casting: &Casting) -> bool {
         match &self.supplied {
             Some(_) => self.light_images.as_ref().is_some_and(|images| images.casting == *casting),
@@ -50,7 +51,7 @@ impl DeviceCloud {
         Ok(())
     }
 
-    /// The shadows that the shares of light belong to; `None` if none were cast, or the shares were replaced.
+    /// Returns the shadows that the shares of light belong to; `None` if none were cast, or the shares were replaced.
     pub fn casting(&self) -> Option<&Casting> {
         self.casting.as_ref()
     }

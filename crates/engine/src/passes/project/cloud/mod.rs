@@ -61,7 +61,7 @@ pub struct DeviceCloud {
     /// Field and radius of each point, if there is a field; and what was last found in them.
     fields_and_radii: Vec<[f32; 2]>,
     parts: Option<(f32, Parts)>,
-    /// True if the points that it was made from stand for more.
+    /// `true` if the points that it was made from stand for more.
     is_sample: bool,
     /// World positions, if there is a field: what orders along the axes are made from, and those that were asked for.
     positions: Vec<DVec3>,
@@ -71,11 +71,11 @@ pub struct DeviceCloud {
     surfaces: Option<Vec<Placed>>,
     /// The shadows that the shares of light beside the normals belong to.
     casting: Option<Casting>,
-    /// What lights see, if points come some at a time.
+    /// View of lights, if points come some at a time.
     light_images: Option<Arc<LightImages>>,
     /// The points of a dealt list: whether they fit the device, the frame decides.
     host: Option<List>,
-    /// Where the points come from, if they come some at a time.
+    /// Source of the points, if they come some at a time.
     supplied: Option<Supplied>,
     /// Positions relative to the cloud's origin, rounded, with radii.
     pub points_hi: Buffer<[f32; 4]>,
@@ -221,27 +221,27 @@ impl DeviceCloud {
         Ok(())
     }
 
-    /// Number of points; of a cloud whose points come some at a time, of those on the device.
+    /// Returns the number of points; of a cloud whose points come some at a time, of those on the device.
     pub fn len(&self) -> u64 {
         self.len
     }
 
-    /// Number of all points.
+    /// Returns the number of all points.
     pub fn total(&self) -> u64 {
         self.total
     }
 
-    /// Number of points that are drawn; where those without levels are left out, about so many.
+    /// Returns the number of points that are drawn; where those without levels are left out, about so many.
     pub fn drawn(&self) -> u64 {
         self.cut_in_force().map_or(self.total, Cut::points)
     }
 
-    /// True of points that were dealt.
+    /// Returns `true` if the points were dealt.
     pub fn is_dealt(&self) -> bool {
         self.host.is_some()
     }
 
-    /// True without points on the device.
+    /// Returns `true` if there are no points on the device.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
@@ -265,17 +265,18 @@ impl DeviceCloud {
             + self.orders.iter().flatten().map(Buffer::bytes).sum::<u64>()
     }
 
-    /// True if points have normals.
+    /// Returns `true` if points have normals.
     pub fn has_normals(&self) -> bool {
         self.has_normals
     }
 
-    /// The largest opacity, with the factor of the last [`Self::set_view`].
+    /// Returns the largest opacity, with the factor of the last [`Self::set_view`].
     pub fn max_opacity(&self) -> f32 {
         (self.max_opacity * self.opacity_factor).min(1.0)
     }
 
-    /// The depth that those of splats are relative to since the last [`Self::set_view`]: 0, or the nearest of the points' box.
+    /// Returns the depth that those of splats are relative to since the last [`Self::set_view`]: 0, or the nearest of
+    /// the points' box.
     pub fn depth_origin(&self) -> f32 {
         self.depth_origin
     }
@@ -285,12 +286,12 @@ impl DeviceCloud {
         self.bounds().diagonal()
     }
 
-    /// The points' box; a single place without points.
+    /// Returns the points' box; a single place without points.
     pub fn bounds(&self) -> Box3 {
         Box3 { min: self.corners[0], max: self.corners[7] }
     }
 
-    /// The largest radius of all points, as uploaded.
+    /// Returns the largest radius of all points, as uploaded.
     pub fn max_radius(&self) -> f32 {
         self.max_radius
     }
@@ -313,7 +314,8 @@ impl DeviceCloud {
         self.parts = Some((threshold, parts));
     }
 
-    /// How many points a threshold makes solid and soft ([`Self::find_parts`] where only some points are in memory).
+    /// Returns the numbers of points that a threshold makes solid and soft ([`Self::find_parts`] where only some points
+    /// are in memory).
     pub fn parts(&mut self, threshold: f32) -> Parts {
         match self.parts {
             Some((known, parts)) if known == threshold => parts,
@@ -336,7 +338,7 @@ impl DeviceCloud {
         Ok(())
     }
 
-    /// How often points were put into order along an axis.
+    /// Returns how often points were put into order along an axis.
     pub fn orders_made(&self) -> u32 {
         self.orders_made
     }
@@ -346,7 +348,7 @@ impl DeviceCloud {
         self.orders[axis].as_ref().map(Buffer::all)
     }
 
-    /// The largest color component that blending may meet, once shaded and encoded.
+    /// Returns the largest color component that blending may meet, once shaded and encoded.
     pub fn max_color(&self, how: &Projecting) -> f32 {
         let Shading { model, ambient, diffuse, specular, .. } = how.shading;
         let shaded = match model.formula() {
@@ -363,7 +365,7 @@ impl DeviceCloud {
         1.001 * discs.max(gaussians)
     }
 
-    /// The clouds of a dealt list; `None` if the points were not dealt.
+    /// Returns the clouds of a dealt list; `None` if the points were not dealt.
     pub fn surfaces(&self) -> Option<&[Placed]> {
         self.surfaces.as_deref()
     }
@@ -387,12 +389,12 @@ impl DeviceCloud {
         }
     }
 
-    /// True if some points are Gaussians.
+    /// Returns `true` if some points are Gaussians.
     pub fn has_gaussians(&self) -> bool {
         self.gaussians.is_some()
     }
 
-    /// How many of the points are Gaussians.
+    /// Returns the number of points that are Gaussians.
     pub fn gaussian_count(&self) -> u64 {
         self.gaussians.as_ref().map_or(0, |gaussians| gaussians.count)
     }

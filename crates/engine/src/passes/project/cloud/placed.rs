@@ -13,12 +13,12 @@ pub struct Placed {
     pub surface: Surface,
     /// Corners of its points' box, in world coordinates.
     pub corners: [DVec3; 8],
-    /// True if all of its points have the same opacity.
+    /// `true` if all of its points have the same opacity.
     pub uniform: bool,
 }
 
 impl Placed {
-    /// The clouds of a list.
+    /// Returns the clouds of a list.
     pub fn all(points: &Points, surfaces: &[Surface]) -> Vec<Self> {
         let placed = |surface: &Surface| {
             let range = surface.points.start as usize..surface.points.end as usize;
@@ -29,7 +29,7 @@ impl Placed {
         surfaces.iter().map(placed).collect()
     }
 
-    /// A cloud of a list in a file.
+    /// Returns a cloud of a list in a file.
     pub fn of_facts(facts: &Facts) -> Self {
         Self { surface: facts.surface.clone(), corners: facts.bounds.corners(), uniform: facts.uniform }
     }

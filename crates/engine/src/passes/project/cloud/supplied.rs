@@ -13,23 +13,23 @@ use crate::points::Points;
 use crate::progress::Progress;
 use crate::supply::{self, Cut, Failure, Keep, Limits, Picture, Scale, Supply, each};
 
-/// Where the points of a cloud come from, and which of them are on the device.
+/// Source of the points of a cloud, and those of them that are on the device.
 pub(super) struct Supplied {
     pub(super) whole: Arc<dyn Supply>,
-    /// What is drawn of it, if that is not all.
+    /// Part that is drawn, if that is not all.
     cut: Option<(CutFor, Arc<Cut>)>,
     /// The distance between points of clouds without levels, in world units.
     spacing: f64,
     /// The largest radius of all points.
     max_radius: f32,
-    /// Which points are on the device.
+    /// Points that are on the device.
     present: Option<Present>,
 }
 
-/// What a cut is for.
+/// Purpose of a cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CutFor {
-    /// What limits it.
+    /// Limits of the cut.
     pub limits: Limits,
     /// The picture's camera.
     pub camera: Camera,
@@ -39,7 +39,7 @@ pub struct CutFor {
     pub seed: u64,
 }
 
-/// Which points of a cloud are on the device.
+/// Points of a cloud that are on the device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Present {
     /// Those of which anything may show there; `None` for all.
@@ -59,7 +59,7 @@ impl Present {
     /// All points.
     pub const ALL: Self = Self { within: None };
 
-    /// True if a Gaussian of this reach, or a disc in a block of this radius, is among them.
+    /// Returns `true` if a Gaussian of this reach, or a disc in a block of this radius, is among them.
     pub fn keeps(&self, position: DVec3, radius: f32) -> bool {
         self.within.is_none_or(|beam| beam.meets_point(position, radius))
     }
@@ -85,12 +85,12 @@ impl DeviceCloud {
         }
     }
 
-    /// Where the points that are drawn come from, of clouds whose points come some at a time.
+    /// Returns the source of the points that are drawn, of clouds whose points come some at a time.
     pub fn supply(&self) -> Option<Arc<dyn Supply>> {
         self.supplied.as_ref().map(Supplied::drawn)
     }
 
-    /// The points that are drawn, if they are not all ([`Self::cut`]).
+    /// Returns the points that are drawn, if they are not all ([`Self::cut`]).
     pub fn cut_in_force(&self) -> Option<&Cut> {
         self.supplied.as_ref()?.cut.as_ref().map(|(_, cut)| &**cut)
     }
@@ -135,7 +135,7 @@ impl DeviceCloud {
         columns + tilts + (size_of::<Splat>() + size_of::<Bounds>()) as u64 + 4 + 16 + 4 + 4
     }
 
-    /// True if these points are on the device, and, unless `others` may be there too, no others.
+    /// Returns `true` if these points are on the device, and, unless `others` may be there too, no others.
     pub fn has(&self, wanted: &Present, others: bool) -> bool {
         let present = self.supplied.as_ref().and_then(|supplied| supplied.present);
         present.is_some_and(|present| others && present == Present::ALL || present == *wanted)

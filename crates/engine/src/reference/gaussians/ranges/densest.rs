@@ -1,8 +1,8 @@
-//! Where a Gaussian is densest along a ray, as far as float32 can tell.
+//! Place at which a Gaussian is densest along a ray, as far as float32 can tell.
 //!
 //! With the columns of P for the kernel `ray`, J not clamped and nothing dilated, Y = P⁺d is where the ray would meet the plane of the
-//! rows of P, were it parallel to the one through the centre. Let r hold the depths of the axes, n the unit normal of that plane, z the
-//! centre's depth. Then with w = 1 − r·Y/z and D = w² + (n·r/z)²|Y|² the ray has ρ² = |Y|²/D at the depth z w/D. Orthographic rays
+//! rows of P, were it parallel to the one through the center. Let r hold the depths of the axes, n the unit normal of that plane, z the
+//! center's depth. Then with w = 1 − r·Y/z and D = w² + (n·r/z)²|Y|² the ray has ρ² = |Y|²/D at the depth z w/D. Orthographic rays
 //! are parallel, so that ρ² = |Y|² and the depth is z + r·Y.
 
 use glam::{DMat3, DVec2, DVec3};
@@ -12,7 +12,7 @@ use super::factor::{AXIS, Factor, Met};
 use super::{Bounded, is_orthographic};
 use crate::reference::range::{DEPTH_ERROR, ROUNDING, Range};
 
-/// What float32 may make of [`super::super::ray::Densest`].
+/// Range that float32 may make of [`super::super::ray::Densest`].
 #[derive(Clone, Copy)]
 pub(super) struct Possible {
     pub rho2: Range,
@@ -20,19 +20,19 @@ pub(super) struct Possible {
 }
 
 impl Possible {
-    /// Where roundings leave nothing.
+    /// Range where roundings leave nothing.
     pub const ANYTHING: Self = Self {
         rho2: Range { low: 0.0, high: f64::INFINITY },
         depth: Range { low: f64::NEG_INFINITY, high: f64::INFINITY },
     };
 }
 
-/// The slope of the ray through the centre.
+/// The slope of the ray through the center.
 fn slope(placed: &Placed) -> DVec2 {
     if is_orthographic(placed.camera) { DVec2::ZERO } else { placed.center.truncate() / placed.center.z }
 }
 
-/// The columns of P for these axes in camera coordinates, in pixels to the right and down.
+/// Returns the columns of P for these axes in camera coordinates, in pixels to the right and down.
 pub(super) fn columns(placed: &Placed, axes: DMat3) -> [DVec2; 3] {
     let scale = placed.camera.pixels_per_unit(placed.center.z, placed.size[1]);
     let slope = slope(placed);
@@ -66,7 +66,7 @@ struct Line {
     shared: Range,
 }
 
-/// At an offset in pixels from the projected centre; `None` where roundings leave nothing.
+/// At an offset in pixels from the projected center; `None` where roundings leave nothing.
 fn line(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Option<Line> {
     let factor = bounded.depth_factor.as_ref()?;
     let (u, z) = (ROUNDING, bounded.placed.center.z);
@@ -95,7 +95,7 @@ fn line(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Option<Line> {
     Some(Line { met, along, w, across, shared })
 }
 
-/// At an offset in pixels from the projected centre.
+/// At an offset in pixels from the projected center.
 pub(super) fn range(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Possible {
     let Some(Line { met, along, w, shared, .. }) = line(bounded, offset, screen_error) else {
         return Possible::ANYTHING;
@@ -108,8 +108,8 @@ pub(super) fn range(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Po
     Possible { rho2: quotient(met.rho2, shared, 4.0 * u), depth: depth(z, w, shared) }
 }
 
-/// The chord of the ellipsoid of ρ² = 1 at an offset; `None` where there is none for sure. With D of parallel rays 1, half of it goes
-/// through the depth |n·r| √(D − |Y|²) / D.
+/// Returns the chord of the ellipsoid of ρ² = 1 at an offset; `None` where there is none for sure. With D of parallel
+/// rays 1, half of it goes through the depth |n·r| √(D − |Y|²) / D.
 pub(super) fn chord(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Option<Chord> {
     let placed = bounded.placed;
     let (u, z) = (ROUNDING, placed.center.z);

@@ -67,7 +67,7 @@ pub(super) struct Factor {
     pub epsilon: f64,
 }
 
-/// What an offset becomes.
+/// Result of an offset.
 pub(super) struct Met {
     /// |y|².
     pub rho2: Range,
@@ -75,7 +75,7 @@ pub(super) struct Met {
     pub length: f64,
     /// P⁺d of the first three columns, as long as y without a dilation.
     pub nearest: DVec3,
-    /// How far y may be off, up to a turn of all y.
+    /// Largest error of y, up to a turn of all y.
     pub error: f64,
 }
 
@@ -104,12 +104,12 @@ impl Factor {
         self.m.abs() * v
     }
 
-    /// How far the plane of the rows of P may be tilted, in radians: ‖M δP‖.
+    /// Returns the largest tilt of the plane of the rows of P, in radians: ‖M δP‖.
     pub fn tilt(&self) -> f64 {
         self.of_columns().map(|(_, error)| error * error).sum::<f64>().sqrt()
     }
 
-    /// The directions of the rows that y is measured along.
+    /// Returns the directions of the rows that y is measured along.
     pub fn directions(&self) -> [DVec3; 2] {
         let turned = [0, 1, 2].map(|k| self.m * self.rows.columns[k]);
         [0, 1].map(|i| DVec3::from(turned.map(|column| column[i])))
@@ -142,7 +142,7 @@ impl Factor {
         Met { rho2, length, nearest, error: own + slack * self.largest(moved).length() }
     }
 
-    /// The most that y of an offset within a box has as error of its own.
+    /// Returns the most that y of an offset within a box has as error of its own.
     pub fn most_error(&self, half: DVec2) -> f64 {
         16.0 * ROUNDING * self.largest(DVec2::ONE + half).length()
     }

@@ -1,6 +1,6 @@
 //! Gaussians where roundings of float32 decide: the opacities and depths that a pixel may have.
 //!
-//! Errors are counted in roundings ([`ROUNDING`]), as the shaders compute: from the projected centre, which is known as a whole pixel
+//! Errors are counted in roundings ([`ROUNDING`]), as the shaders compute: from the projected center, which is known as a whole pixel
 //! and a rounded fraction of one, and from a few float32 numbers of each splat, linear in the offset of a pixel ([`factor`]).
 
 mod densest;
@@ -24,7 +24,7 @@ pub struct Possible {
     pub y: u32,
     /// Opacity, if the pixel is covered.
     pub alpha: Range,
-    /// What fragments are sorted by.
+    /// Key that fragments are sorted by.
     pub key: Range,
     /// The depth along the viewing axis that an image shows.
     pub z: Range,
@@ -45,7 +45,8 @@ pub struct PossibleChord {
     pub half: Range,
 }
 
-/// The pixels in which an ellipsoid with a thickness may be met ([`super::ellipsoid`]). Near and far have to be clear of its centre's depth.
+/// Returns the pixels in which an ellipsoid with a thickness may be met ([`super::ellipsoid`]). Near and far have to be
+/// clear of its center's depth.
 pub fn possible_chords(
     camera: &Camera,
     size: [u32; 2],
@@ -72,7 +73,8 @@ const ALPHA: f64 = 8.0;
 /// Roundings in a distance from the eye: of a sum of squares, its root, and the three coordinates.
 const DISTANCE: f64 = 6.0;
 
-/// The pixels of some rows that a Gaussian may cover ([`super::footprint`]). Near and far have to be clear of its centre's depth.
+/// Returns the pixels of some rows that a Gaussian may cover ([`super::footprint`]). Near and far have to be clear of
+/// its center's depth.
 pub fn possible(
     camera: &Camera,
     size: [u32; 2],
@@ -95,9 +97,9 @@ struct Bounded<'a> {
     order: Order,
     projected: Projected,
     opacity: Range,
-    /// What the kernel's ρ² comes from; `None` where roundings leave nothing of it.
+    /// Factor that the kernel's ρ² comes from; `None` where roundings leave nothing of it.
     factor: Option<Factor>,
-    /// Where a ray meets it: its own axes (`ray`), thickened ones (`ewa`).
+    /// Axes that a ray meets: its own axes (`ray`), thickened ones (`ewa`).
     depth_axes: DMat3,
     depth_factor: Option<Factor>,
 }
@@ -140,7 +142,7 @@ impl<'a> Bounded<'a> {
         }
     }
 
-    /// From the projected centre to a pixel's, and the error of that.
+    /// From the projected center to a pixel's, and the error of that.
     fn offset(&self, [x, y]: [u32; 2]) -> (DVec2, DVec2) {
         let place = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
         let size = self.placed.size;

@@ -9,7 +9,7 @@ use super::model::{Model, class};
 use super::paint::{Paint, linear};
 use super::scan::{Sample, density, hidden_by_tripod, samples};
 
-/// Half the sides of the lot, metres; beyond it the scan fades out.
+/// Half the sides of the lot, meters; beyond it the scan fades out.
 const LOT: DVec2 = DVec2::new(10.6, 9.4);
 
 /// Lowest x and y of the terrace, then highest.
@@ -121,7 +121,7 @@ fn flagstone(p: DVec2) -> Option<f64> {
     (distances[1] - distances[0] > 0.13).then_some(tone)
 }
 
-/// The terrace's deck and the picket fence with its gate.
+/// Returns the terrace's deck and the picket fence with its gate.
 pub(super) fn built() -> Model {
     let mut model = Model::new(class::BUILDING);
     let [x0, y0, x1, y1] = DECK;

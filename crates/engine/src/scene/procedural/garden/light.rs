@@ -24,7 +24,7 @@ pub(super) struct ShadowMap {
 }
 
 impl ShadowMap {
-    /// An empty map with cells as wide as `spacing` between points asks for.
+    /// Returns an empty map with cells as wide as `spacing` between points asks for.
     pub(super) fn new(spacing: f64) -> Self {
         let cell = (1.6 * spacing).clamp(0.05, REACH);
         let side = (2.0 * REACH / cell).ceil() as usize;
@@ -66,7 +66,7 @@ impl ShadowMap {
     }
 }
 
-/// Which cells of space hold points.
+/// Cells of space that hold points.
 pub(super) struct Occupancy {
     cell: f64,
     side: [usize; 3],

@@ -34,12 +34,12 @@ pub(super) fn density(position: DVec3) -> f64 {
     1.0 / (1.0 + nearest / (RANGE * RANGE))
 }
 
-/// True below a scanner outdoors, where its own tripod hides the ground.
+/// Returns `true` below a scanner outdoors, where its own tripod hides the ground.
 pub(super) fn hidden_by_tripod(position: DVec3) -> bool {
     STATIONS.iter().take(4).any(|s| (s.truncate() - position.truncate()).length_squared() < 0.22 * 0.22)
 }
 
-/// An empty list with room for `count` samples and a few more.
+/// Returns an empty list with room for `count` samples and a few more.
 pub(super) fn samples(count: usize) -> Result<Vec<Sample>, Error> {
     let mut samples = Vec::new();
     samples

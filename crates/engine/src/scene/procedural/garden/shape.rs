@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::super::random::{Random, unit_circle};
 
-/// A piece of surface, in metres.
+/// A piece of surface, in meters.
 #[derive(Clone)]
 pub(super) enum Shape {
     /// A parallelogram; the normal is u × v.
@@ -33,7 +33,7 @@ pub(super) struct Place {
 const LEAF_AREA: f64 = 2.0;
 
 impl Shape {
-    /// Square metres.
+    /// Square meters.
     pub(super) fn area(&self) -> f64 {
         let [u, v] = self.lengths();
         match self {
@@ -45,7 +45,7 @@ impl Shape {
         }
     }
 
-    /// Metres over which the unit square's sides are spread.
+    /// Meters over which the unit square's sides are spread.
     pub(super) fn lengths(&self) -> [f64; 2] {
         use std::f64::consts::{PI, TAU};
         match self {
@@ -59,7 +59,7 @@ impl Shape {
         }
     }
 
-    /// The position of (s, t) in the unit square; `None` for the half of it that a triangle leaves out.
+    /// Returns the position of (s, t) in the unit square; `None` for the half of it that a triangle leaves out.
     pub(super) fn at(&self, s: f64, t: f64, random: &mut Random) -> Option<Place> {
         let surface = |position, normal: DVec3| Place { position, normal: normal.normalize_or(DVec3::Z), depth: 0.0 };
         match *self {

@@ -10,7 +10,7 @@ pub(super) struct Field<'a> {
     volume: &'a Volume,
     /// The finite ones, ascending.
     sorted: Vec<f32>,
-    /// True if values grow toward the outside.
+    /// `true` if values grow toward the outside.
     rises: bool,
 }
 
@@ -44,18 +44,19 @@ impl<'a> Field<'a> {
         Some([f64::from(*self.sorted.first()?), f64::from(*self.sorted.last()?)])
     }
 
-    /// The difference between the two.
+    /// Returns the difference between the two.
     pub fn range(&self) -> f64 {
         self.extremes().map_or(0.0, |[least, greatest]| greatest - least)
     }
 
-    /// True if values grow toward the outside: on the volume's faces they are greater than elsewhere, on average.
+    /// Returns `true` if values grow toward the outside: on the volume's faces they are greater than elsewhere, on
+    /// average.
     pub fn rises(&self) -> bool {
         self.rises
     }
 
-    /// The isovalue whose surface encloses this share of the volume's numbers. It lies between two of its values, so
-    /// that none of them is on the surface. `None` if all of them are equal.
+    /// Returns the isovalue whose surface encloses this share of the volume's numbers. It lies between two of its
+    /// values, so that none of them is on the surface. `None` if all of them are equal.
     pub fn enclosing(&self, share: f64) -> Option<f64> {
         let count = self.sorted.len();
         let inside = (share * count as f64).round().clamp(1.0, count.max(2) as f64 - 1.0) as usize;
@@ -74,7 +75,7 @@ impl<'a> Field<'a> {
         self.volume.dims.map(|count| count - 1)
     }
 
-    /// True if a position lies within the grid.
+    /// Returns `true` if a position lies within the grid.
     pub fn holds(&self, place: DVec3) -> bool {
         let end = DVec3::from_array(self.cells().map(|count| count as f64));
         place.cmpge(DVec3::ZERO).all() && place.cmple(end).all()
@@ -85,7 +86,7 @@ impl<'a> Field<'a> {
         f64::from(self.volume.values[(z * height + y) * width + x])
     }
 
-    /// The values at the corners of a cell; corner numbers have a bit for x, y and z.
+    /// Returns the values at the corners of a cell; corner numbers have a bit for x, y and z.
     pub fn corners(&self, [x, y, z]: [usize; 3]) -> [f64; 8] {
         std::array::from_fn(|c| self.number([x + (c & 1), y + (c >> 1 & 1), z + (c >> 2)]))
     }

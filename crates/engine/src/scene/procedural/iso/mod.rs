@@ -52,8 +52,8 @@ const NESTED: [f64; 3] = [0.5, 0.3, 1.0];
 /// Layers that are seen: a single surface is crossed four times, nested ones six times (Figs. 18 and 19).
 const LAYERS: [u32; 2] = [4, 6];
 
-/// The volume where none is given: the density of the electron in a hydrogen atom's state 3d (m = 0), 64³ numbers from 0 to 1
-/// within 20 Bohr radii of the nucleus.
+/// Returns the volume where none is given: the density of the electron in a hydrogen atom's state 3d (m = 0), 64³
+/// numbers from 0 to 1 within 20 Bohr radii of the nucleus.
 pub fn built_in() -> Volume {
     orbital::orbital()
 }

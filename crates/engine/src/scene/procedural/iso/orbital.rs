@@ -7,8 +7,8 @@ const SIDE: usize = 64;
 /// From the middle to each side, in Bohr radii: density there is at most a ninetieth of the greatest.
 const REACH: f64 = 20.0;
 
-/// The density |ψ₃₂₀|² around the y axis, which is upward in the picture, over its greatest value:
-/// (3y² − r²)² e^(−2r/3) with r in Bohr radii. Two lobes along the axis and a ring around it; none at 54.7° to the axis.
+/// Returns the density |ψ₃₂₀|² around the y axis, which is upward in the picture, over its greatest value: (3y² − r²)²
+/// e^(−2r/3) with r in Bohr radii. Two lobes along the axis and a ring around it; none at 54.7° to the axis.
 pub(super) fn orbital() -> Volume {
     let at = |i: usize| REACH * (2.0 * i as f64 / (SIDE - 1) as f64 - 1.0);
     let density = |i: usize| {

@@ -52,7 +52,7 @@ pub(super) struct Surface<'a> {
 }
 
 impl<'a> Surface<'a> {
-    /// All cells, a layer of them at a time on each core.
+    /// Returns all cells, a layer of them at a time on each core.
     pub fn new(field: &'a Field<'a>, value: f64) -> Self {
         let [width, height, depth] = field.cells();
         let of_layer = |z: usize| {
@@ -76,7 +76,7 @@ impl<'a> Surface<'a> {
         self.cells.last().map_or(0.0, |(_, end)| *end)
     }
 
-    /// A random point of a surface with some area, in cells' sides from the first number of the grid.
+    /// Returns a random point of a surface with some area, in cells' sides from the first number of the grid.
     pub fn point(&self, random: &mut Random) -> DVec3 {
         let place = random.unit() * self.area();
         let at = self.cells.partition_point(|(_, end)| *end <= place).min(self.cells.len().saturating_sub(1));

@@ -1,8 +1,8 @@
-//! Which things may stand over a position: lists by cells of a square grid.
+//! Things that may stand over a position: lists by cells of a square grid.
 
 use glam::DVec2;
 
-/// Side of a cell, metres.
+/// Side of a cell, meters.
 const CELL: f64 = 4.0;
 
 /// Lists of numbers, one for each cell.
@@ -10,7 +10,7 @@ const CELL: f64 = 4.0;
 pub(super) struct Bins {
     low: DVec2,
     side: usize,
-    /// Where the list of each cell begins, and where the last one ends.
+    /// Index at which the list of each cell begins, and the last one ends.
     starts: Vec<u32>,
     members: Vec<u32>,
 }
@@ -46,7 +46,7 @@ impl Bins {
         Self { low, side, starts, members }
     }
 
-    /// The circles that may be over a position; none outside the square.
+    /// Returns the circles that may be over a position; none outside the square.
     pub(super) fn at(&self, p: DVec2) -> impl Iterator<Item = usize> + '_ {
         let cell = (p - self.low) / CELL;
         let inside = cell.min_element() >= 0.0 && cell.max_element() < self.side as f64;

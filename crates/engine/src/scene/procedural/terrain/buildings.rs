@@ -1,4 +1,4 @@
-//! What is built on the plan of a town: houses with chimneys, a church, a bridge; parked cars and lamps.
+//! Buildings on the plan of a town: houses with chimneys, a church, a bridge; parked cars and lamps.
 
 use glam::{DVec2, DVec3};
 
@@ -35,7 +35,7 @@ fn pick<const N: usize>(tones: &[[f64; 3]; N], hash: f64) -> Tone {
     Tone::from_array(tones[((hash * N as f64) as usize).min(N - 1)])
 }
 
-/// The bodies of a block: houses with chimneys, the church, parked cars.
+/// Returns the bodies of a block: houses with chimneys, the church, parked cars.
 pub(super) fn solids(land: &Land, block: &Block) -> Vec<Solid> {
     let mut solids: Vec<Solid> = block.lots(land).flat_map(|lot| house(land, block.town, &lot)).collect();
     if block.is_square() {
@@ -152,7 +152,7 @@ pub(super) fn lamps(land: &Land, block: &Block) -> Vec<Post> {
     places.map(lamp).into()
 }
 
-/// The bridge of the main road and its railings, near a position.
+/// Returns the bridge of the main road and its railings, near a position.
 pub(super) fn bridge(land: &Land, near: DVec2) -> [Solid; 3] {
     let town = land.place(near).town;
     let uv = DVec2::new(0.0, -land.river_gap(DVec2::ZERO, town));

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::super::random;
 
-/// Distance between rivers and between main roads, metres; a town stands near each crossing.
+/// Distance between rivers and between main roads, meters; a town stands near each crossing.
 const PERIOD: f64 = 2400.0;
 
 /// Cosine and sine of the angle by which streets are turned against the axes.
@@ -20,7 +20,7 @@ mod layer {
     pub(super) const KNOLLS: i64 = 20;
 }
 
-/// A landscape without anything on it. Lengths in metres; the origin is in the middle of a town, z = 0 the level of the water.
+/// A landscape without anything on it. Lengths in meters; the origin is in the middle of a town, z = 0 the level of the water.
 #[derive(Debug, Clone)]
 pub(super) struct Land {
     salt: i64,
@@ -41,9 +41,9 @@ pub(super) struct Land {
 pub(super) struct Place {
     /// Across the main road, and along it.
     pub(super) uv: DVec2,
-    /// Which town.
+    /// Cell of the grid of towns.
     pub(super) town: [i64; 2],
-    /// Metres from the middle of the river.
+    /// Meters from the middle of the river.
     pub(super) river: f64,
 }
 
@@ -83,7 +83,7 @@ impl Land {
         self.noise(DVec2::new(t, 0.5), layer)
     }
 
-    /// How far streets along v are bent at `v`, zero at the origin.
+    /// Returns how far streets along v are bent at `v`, zero at the origin.
     fn bend_u(&self, v: f64) -> f64 {
         let bend =
             |v: f64| 17.0 * self.wave(v / 210.0, layer::BEND_U) + 55.0 * self.wave(v / 1300.0, layer::BEND_U + 50);
@@ -96,7 +96,7 @@ impl Land {
         bend(u) - bend(0.0)
     }
 
-    /// A position in the coordinates of streets.
+    /// Returns a position in the coordinates of streets.
     pub(super) fn place(&self, p: DVec2) -> Place {
         let [cos, sin] = TURN;
         let turned = DVec2::new(cos * p.x + sin * p.y, cos * p.y - sin * p.x);
@@ -109,7 +109,7 @@ impl Land {
         Place { uv, town, river: self.river_gap(uv, town) }
     }
 
-    /// The position of a place.
+    /// Returns the position of a place.
     pub(super) fn position(&self, uv: DVec2, town: [i64; 2]) -> DVec2 {
         let all = uv + PERIOD * DVec2::new(town[0] as f64, town[1] as f64);
         let turned_v = all.y - self.bend_v(all.x);
@@ -118,20 +118,20 @@ impl Land {
         DVec2::new(cos * turned_u - sin * turned_v, sin * turned_u + cos * turned_v)
     }
 
-    /// The unit vector along v at a place.
+    /// Returns the unit vector along v at a place.
     pub(super) fn along_v(&self, uv: DVec2, town: [i64; 2]) -> DVec2 {
         let step = self.position(uv + DVec2::Y, town) - self.position(uv - DVec2::Y, town);
         step.normalize_or(DVec2::Y)
     }
 
-    /// Where a river runs, from the middle of its towns.
+    /// Returns where a river runs, from the middle of its towns.
     fn river_line(&self, u: f64, row: i64) -> f64 {
         let swing = (0.05 * self.side).clamp(6.0, 80.0);
         let length = (0.3 * self.side).clamp(80.0, 450.0);
         -0.72 * self.town - self.river + swing * self.wave(u / length, layer::RIVER + 100 * row)
     }
 
-    /// Metres from the middle of the river to a place.
+    /// Meters from the middle of the river to a place.
     pub(super) fn river_gap(&self, uv: DVec2, town: [i64; 2]) -> f64 {
         uv.y - self.river_line(uv.x + PERIOD * town[0] as f64, town[1])
     }

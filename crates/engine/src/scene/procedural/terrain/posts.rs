@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::super::random::{Random, unit_circle};
 use super::light::Tone;
 
-/// A cylinder, with a ball on it if it is a lamp. Lengths in metres.
+/// A cylinder, with a ball on it if it is a lamp. Lengths in meters.
 #[derive(Debug, Clone)]
 pub(super) struct Post {
     pub(super) foot: DVec3,
@@ -19,13 +19,13 @@ pub(super) struct Post {
 }
 
 impl Post {
-    /// Square metres.
+    /// Square meters.
     pub(super) fn area(&self) -> f64 {
         let head = self.head.map_or(0.0, |(radius, _)| 2.0 * radius * radius);
         std::f64::consts::TAU * (self.radius * self.height + head)
     }
 
-    /// A position on it with its normal and color.
+    /// Returns a position on it with its normal and color.
     pub(super) fn at(&self, random: &mut Random) -> (DVec3, DVec3, Tone) {
         if let Some((radius, tone)) = self.head.filter(|_| random.unit() < 0.4) {
             let out = random.direction();

@@ -11,9 +11,9 @@ use super::solids::{Solid, Wall};
 use super::town;
 use super::trees::{Tree, trees};
 
-/// Metres between heights of the ground that are computed; linear in between.
+/// Meters between heights of the ground that are computed; linear in between.
 const STEP: f64 = 2.0;
-/// Metres around a tile from which a shadow may fall into it.
+/// Meters around a tile from which a shadow may fall into it.
 const MARGIN: f64 = 14.0;
 /// No tree and no house reaches farther from its middle.
 const REACH: f64 = 15.0;
@@ -23,10 +23,10 @@ const REACH: f64 = 15.0;
 pub(super) struct Side {
     pub(super) solid: usize,
     pub(super) wall: Wall,
-    /// Metres along the wall.
+    /// Meters along the wall.
     pub(super) from: f64,
     pub(super) to: f64,
-    /// Square metres, nearly.
+    /// Square meters, nearly.
     pub(super) area: f64,
 }
 
@@ -43,7 +43,7 @@ pub(super) struct Site<'a> {
     bins: Bins,
 }
 
-/// What a pulse from above meets.
+/// Thing that a pulse from above meets.
 pub(super) enum Hit<'a> {
     /// A roof: its body, height and normal.
     Roof(&'a Solid, f64, DVec3),
@@ -52,7 +52,7 @@ pub(super) enum Hit<'a> {
 }
 
 impl<'a> Site<'a> {
-    /// Gathers what stands in a square of `side` metres from its lowest corner on.
+    /// Gathers what stands in a square of `side` meters from its lowest corner on.
     pub(super) fn new(land: &'a Land, low: DVec2, side: f64) -> Self {
         let (from, length) = (low - MARGIN, side + 2.0 * MARGIN);
         let center = low + 0.5 * side;
@@ -87,7 +87,7 @@ impl<'a> Site<'a> {
         if z < 0.0 { (0.0, DVec3::Z) } else { (z, normal) }
     }
 
-    /// What a pulse that comes straight down at a position meets.
+    /// Returns what a pulse that comes straight down at a position meets.
     pub(super) fn hit(&self, p: DVec2) -> Hit<'_> {
         let mut roof: Option<(&Solid, f64, DVec3)> = None;
         let mut crowns = [None; 3];
@@ -158,7 +158,7 @@ impl<'a> Site<'a> {
     }
 }
 
-/// The part of a segment within a square from the origin on: metres along it.
+/// The part of a segment within a square from the origin on: meters along it.
 fn clip(from: DVec2, along: DVec2, length: f64, side: f64) -> Option<[f64; 2]> {
     let (mut enter, mut leave) = (0.0f64, length);
     for axis in 0..2 {

@@ -6,7 +6,7 @@ use super::ground::Cover;
 use super::land::{Land, Place};
 
 /// Distances of streets along u and v, from the middle of one to that of the next; half their width without and with
-/// pavements. Metres.
+/// pavements. Meters.
 const BLOCK: DVec2 = DVec2::new(62.0, 46.0);
 pub(super) const STREET: f64 = 3.0;
 const PAVEMENT: f64 = 4.8;
@@ -35,7 +35,7 @@ pub(super) struct Lot {
     pub(super) half: DVec2,
     /// Storeys above the lowest.
     pub(super) storeys: f64,
-    /// True if it fills its lot.
+    /// `true` if it fills its lot.
     pub(super) dense: bool,
     /// For hashes.
     pub(super) key: [i64; 2],
@@ -47,7 +47,7 @@ impl Block {
         Self { town: place.town, at: [at.x as i64, at.y as i64] }
     }
 
-    /// The corner of least u and v.
+    /// Returns the corner of least u and v.
     pub(super) fn low(&self) -> DVec2 {
         DVec2::new(self.at[0] as f64, self.at[1] as f64) * BLOCK
     }
@@ -62,7 +62,7 @@ impl Block {
         land.hash(x, y, layer)
     }
 
-    /// True if the town reaches here.
+    /// Returns `true` if the town reaches here.
     fn is_built(&self, land: &Land) -> bool {
         let center = self.low() + 0.5 * BLOCK;
         let reach = land.town_radius(self.town) * (0.8 + 0.35 * self.hash(land, 0, layer::BUILT));
@@ -77,14 +77,14 @@ impl Block {
         self.at == [-1, 0] || self.hash(land, 0, layer::PARK) < 0.11
     }
 
-    /// The houses of the block.
+    /// Returns the houses of the block.
     pub(super) fn lots<'a>(&self, land: &'a Land) -> impl Iterator<Item = Lot> + use<'a> {
         let block = *self;
         let count = if block.is_square() || block.is_park(land) { 0 } else { 2 * LOTS };
         (0..count).filter_map(move |lot| block.lot(land, lot))
     }
 
-    /// A house that fills most of the width of its lot, a few metres behind the street.
+    /// A house that fills most of the width of its lot, a few meters behind the street.
     fn lot(&self, land: &Land, lot: i64) -> Option<Lot> {
         let hash = |what: i64| self.hash(land, lot, layer::LOT + what);
         if hash(0) < 0.07 {
@@ -103,7 +103,7 @@ impl Block {
     }
 }
 
-/// What covers a place of a town; `None` outside.
+/// Returns what covers a place of a town; `None` outside.
 pub(super) fn cover(land: &Land, place: &Place) -> Option<Cover> {
     if place.uv.length() > 1.2 * land.town_radius(place.town) + BLOCK.length() {
         return None;
@@ -134,7 +134,7 @@ pub(super) fn cover(land: &Land, place: &Place) -> Option<Cover> {
     })
 }
 
-/// True if a tree with a crown of this radius has room in a town: not in a house.
+/// Returns `true` if a tree with a crown of this radius has room in a town: not in a house.
 pub(super) fn has_room(land: &Land, place: &Place, radius: f64) -> bool {
     let block = Block::around(place);
     let church = church_uv();
@@ -145,7 +145,7 @@ pub(super) fn has_room(land: &Land, place: &Place, radius: f64) -> bool {
     taken.iter().all(|(center, half)| ((place.uv - center).abs() - half).max_element() > 0.7 * radius + 0.3)
 }
 
-/// The built blocks that a circle may touch.
+/// Returns the built blocks that a circle may touch.
 pub(super) fn blocks(land: &Land, center: DVec2, radius: f64) -> Vec<Block> {
     let place = land.place(center);
     // Streets are bent: some metres more.

@@ -9,7 +9,7 @@ use super::light::Tone;
 use super::posts::Post;
 use super::town;
 
-/// Side of the cells that hold one tree at most, metres; no crown is wider than two of them.
+/// Side of the cells that hold one tree at most, meters; no crown is wider than two of them.
 const CELL: f64 = 6.0;
 
 /// Keys of noises and hashes.
@@ -29,7 +29,7 @@ enum Kind {
     Bush,
 }
 
-/// A tree. Lengths in metres.
+/// A tree. Lengths in meters.
 #[derive(Debug, Clone)]
 pub(super) struct Tree {
     pub(super) foot: DVec3,
@@ -100,14 +100,14 @@ impl Tree {
         }
     }
 
-    /// True if the crown is over a position, or under it.
+    /// Returns `true` if the crown is over a position, or under it.
     pub(super) fn covers(&self, p: DVec2) -> bool {
         let d2 = p.distance_squared(self.foot.truncate());
         d2 < self.radius * self.radius
             && (self.kind == Kind::Spruce || self.lobes.iter().any(|(c, r)| c.truncate().distance_squared(p) < r * r))
     }
 
-    /// True if a position is within the crown.
+    /// Returns `true` if a position is within the crown.
     pub(super) fn shades(&self, p: DVec3) -> bool {
         match self.kind {
             Kind::Spruce => p.truncate().distance(self.foot.truncate()) < 0.8 * self.cone_radius(p.z),
@@ -124,7 +124,7 @@ impl Tree {
         self.tone
     }
 
-    /// A leaf over a position that the crown covers.
+    /// Returns a leaf over a position that the crown covers.
     pub(super) fn leaf(&self, p: DVec2, random: &mut Random) -> Option<Leaf> {
         let (z, out) = if self.kind == Kind::Spruce { self.needle(p, random) } else { self.lobe_leaf(p, random)? };
         let normal = (out + 0.55 * random.direction()).normalize_or(DVec3::Z);
@@ -172,7 +172,7 @@ impl Tree {
     }
 }
 
-/// The trees of a square from its lowest corner; its sides are in metres.
+/// Returns the trees of a square from its lowest corner; its sides are in meters.
 pub(super) fn trees(land: &Land, low: DVec2, side: f64) -> Vec<Tree> {
     let first = (low / CELL).floor();
     let last = ((low + side) / CELL).floor();
@@ -195,7 +195,7 @@ fn candidate(land: &Land, cell: [i64; 2]) -> Option<Tree> {
     Some(Tree::new(land, p, kind, size, cell))
 }
 
-/// What grows at a place, by chance, and how large in comparison with others.
+/// Returns what grows at a place, by chance, and how large in comparison with others.
 fn kind(land: &Land, p: DVec2, place: &Place, chance: f64, which: f64) -> Option<(Kind, f64)> {
     let or_bush = |tree: Kind, share: f64| if which < share { (tree, 0.75) } else { (Kind::Bush, 1.0) };
     let grows = match cover(land, p, place) {
