@@ -84,7 +84,7 @@ fn orders(own: Order) -> impl Iterator<Item = (Order, &'static str, &'static str
     let all = [
         (
             Order::Center,
-            "order of centres",
+            "order of centers",
             "Gaussians ordered by the depth of their centres, as most renderers do: where they overlap the wrong one may be in front, and \
              they change places when the camera turns.",
         ),
