@@ -232,7 +232,7 @@ fn method(report: &Report<'_>) -> Markup {
             b { "Scenes. " } "In " code { "stack" } " each layer is one disc over the whole image. In " code { "mosaic" }
             " each layer is tiled by discs of radius 1.7 pixels, which cover 3 × 3 pixels each, in random colors. Both have exactly as many "
             "fragments in every pixel as layers, and differ in what it takes to find them. Opacity is 1 − 2^(−1/layers), so "
-        "the pile lets half of the light through: no layer is hidden, and none can be left out."
+            "the pile lets half of the light through: no layer is hidden, and none can be left out."
         }
         p {
             b { "Time. " } "Each method renders a scene twice before it is measured; then the methods take turns, "
@@ -248,7 +248,7 @@ fn method(report: &Report<'_>) -> Markup {
         }
         p {
             b { "Skipped. " } "Left out are cells with more fragments than the limit, methods whose frame would take longer than "
-        "the limit, by a prediction from their previous two cells, and what a method refuses."
+            "the limit, by a prediction from their previous two cells, and what a method refuses."
         }
     }
 }

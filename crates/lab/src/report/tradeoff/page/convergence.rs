@@ -100,7 +100,7 @@ pub(super) fn bias(report: &Tradeoff) -> Markup {
         @if lines.is_empty() { p { "No method among those measured depends on a seed." } } @else {
             p {
                 "Images with different seeds are compared with their mean, and the mean with the reference. Noise is the RMSE of one "
-        "image against the mean. Bias is that of the mean against the reference, less what noise leaves in it."
+                "image against the mean. Bias is that of the mean against the reference, less what noise leaves in it."
             }
             (sortable(&columns, &lines))
         }

@@ -92,7 +92,7 @@ pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures, cr
         }
         h2 { "All settings" }
         p { "Settings on the Pareto front are marked. A click on the head of a column sorts by it, another one the other way round; "
-            "“from–to” is sorted by its width over the median. “% off” are the pixels with a channel off by more than 1/255." }
+            "“from–to” is sorted by its width over the median. “% off” is the share of pixels with a channel off by more than 1/255." }
         (rows(report))
         h2 { "Pictures" }
         (compared(report, pictures))
