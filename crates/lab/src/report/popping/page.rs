@@ -31,8 +31,8 @@ pub(in crate::report) fn section(popping: &Popping, figures: &Markup, error: fn(
         h2 { "Popping" }
         p {
             "The table shows how much the error changes from one of the path's " (popping.frames) " frames to the next: what "
-            "flickers or jumps while the camera moves. The error of a frame is its difference from " code { (popping.exact) } ", pixel by pixel; an error that stays the same "
-            "does not pop, however large it is (the last column). RMSE is that of the change; FLIP compares the exact frame with the "
+            "flickers or jumps while the camera moves. The error of a frame is its difference from " code { (popping.exact) } ", pixel by "
+            "pixel; an error that stays the same does not pop, however large it is (the last column). RMSE is that of the change; FLIP compares the exact frame with the "
             "exact frame plus the change. An error that moves with the scene changes, too. Steps as small as a film's keep that "
             "change small, so jumps stand out."
         }

@@ -77,7 +77,8 @@ pub(in super::super) fn page(causes: &[Cause]) -> Markup {
                 "The table shows what each approximation of Gaussian splats does to this image by itself. Each row changes one thing "
                 "of the image of " code { "abuffer" } " and compares it with the exact image of the scene's own kernel and order. "
                 "“Exact” holds for these; which of two images looks better depends on how the splats were trained. “% off” is the "
-                "share of pixels with a channel off by more than 1/255; times are the shorter of two frames. " code { "cause-….png" } " beside this page show where the differences are."
+                "share of pixels with a channel off by more than 1/255; times are the shorter of two frames. "
+                code { "cause-….png" } " beside this page show where the differences are."
             }
             div.sentences { (table(&columns, &causes.iter().map(row).collect::<Vec<_>>())) }
         }
