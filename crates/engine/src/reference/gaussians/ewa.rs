@@ -1,4 +1,4 @@
-//! The kernel `ewa`: a Gaussian's projection, linear around its centre (Zwicker et al. 2001, "EWA Splatting"; Kerbl et al. 2023).
+//! The kernel `ewa`: a Gaussian's projection, linear around its center (Zwicker et al. 2001, "EWA Splatting"; Kerbl et al. 2023).
 //!
 //! Σ′ = P Pᵀ + `dilation`·I with P = J M in pixels. With the columns p_k of P and d from the centre to the pixel's centre,
 //! det Σ′ = Σ_{j<k} (p_j × p_k)² + dilation·Σ|p_k|² + dilation² (Cauchy and Binet), and

@@ -13,7 +13,7 @@ settings! {
     /// `[shading]`.
     #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Shading {
-        /// Shading model: lambert is matt, phong has highlights, none shows plain colors; auto is lambert except on foliage.
+        /// Shading model: lambert is matte, phong has highlights, none shows plain colors; auto is lambert except on foliage.
         model: ShadingModel = ShadingModel::Auto;
         /// Ambient light, as a factor on the color.
         ambient: f32 = 0.2, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 1.0);
@@ -65,7 +65,7 @@ words! {
         Lambert = "lambert",
         /// Lambert plus specular·max(0, r·v)^shininess.
         Phong = "phong",
-        /// Lambert, where normals are given or estimated from neighbors that lie about a surface.
+        /// Lambert, where normals are given or estimated from neighbors that lie near a surface.
         Auto = "auto",
     }
 }

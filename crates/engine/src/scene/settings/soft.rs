@@ -138,7 +138,7 @@ words! {
     pub enum SoftLayout {
         /// Depth and sphere; all else follows from the sphere.
         Precise = "precise",
-        /// The paper's 16 bytes: color and distance from the centre in 8 bits each, signed depth, radius, middle.
+        /// The paper's 16 bytes: color and distance from the center in 8 bits each, signed depth, radius, middle.
         Paper = "paper",
     }
 }
