@@ -25,7 +25,7 @@ pub fn resolve(choice: MethodChoice, points: &Points) -> (Method, String) {
 fn resolve_factored(choice: MethodChoice, points: &Points, factor: f32) -> (Method, String) {
     let discs = match choice {
         MethodChoice::Auto(discs) => discs,
-        MethodChoice::Fixed(method) => return (method, format!("{} was asked for", method.name())),
+        MethodChoice::Fixed(method) => return (method, format!("the method {} was requested", method.name())),
     };
     let transparent = points.opacities.iter().filter(|a| **a * factor < 1.0).count();
     // Of points that only stand for others.
@@ -39,18 +39,18 @@ fn resolve_factored(choice: MethodChoice, points: &Points, factor: f32) -> (Meth
     let discs = Discs { gaussians: GaussianSettings::default(), ..discs };
     let oriented = discs.shape == DiscShape::Oriented && (0..points.len()).any(is_tilted);
     if oriented {
-        (Method::ABuffer(discs), "oriented splats may cross: their fragments need an order".to_owned())
+        (Method::ABuffer(discs), "oriented discs may cross, so their fragments are sorted in each pixel".to_owned())
     } else if transparent == 0 && !may_be && discs.falloff == Falloff::Flat {
         // Without the clamp of opaque splats, so that the image is the one that `abuffer` would give.
         let splats = ScreenSplats { max_pixel_radius: f32::MAX, ..Default::default() };
-        (Method::Circles(splats), "every point is opaque: the nearest splat decides".to_owned())
+        (Method::Circles(splats), "every point is opaque, so each pixel shows its nearest splat".to_owned())
     } else {
         let why = match discs.falloff {
             Falloff::Flat => format!("{transparent} of {} points are transparent", points.len()),
             Falloff::Gaussian => "a Gaussian falloff makes every splat transparent".to_owned(),
         };
         let method = if discs.raster == Raster::Hardware { Method::ABuffer(discs) } else { Method::Sorted(discs) };
-        (method, format!("{why}, and all are flat"))
+        (method, format!("{why}, and all of them face the screen"))
     }
 }
 
@@ -59,15 +59,15 @@ fn resolve_gaussians(discs: Discs) -> (Method, String) {
     if discs.gaussians.kernel == Kernel::Ellipsoid {
         return (
             Method::ABuffer(discs),
-            "rays go through ellipsoids: their ends need an order in each pixel".to_owned(),
+            "rays pass through ellipsoids, so their entries and exits are sorted in each pixel".to_owned(),
         );
     }
     match Method::ABuffer(discs).order() {
         Order::Pixel => {
-            (Method::ABuffer(discs), "Gaussians cross: their fragments need an order in each pixel".to_owned())
+            (Method::ABuffer(discs), "Gaussians cross, so their fragments are sorted in each pixel".to_owned())
         }
         order => {
-            let why = format!("Gaussians are ordered by `{}`: one order of splats does for all pixels", order.word());
+            let why = format!("Gaussians are ordered by `{}`, so one order of splats serves all pixels", order.word());
             (if discs.shape == DiscShape::Oriented { Method::ABuffer(discs) } else { Method::Sorted(discs) }, why)
         }
     }
@@ -83,9 +83,10 @@ pub fn choose(
     frame: &Frame,
 ) -> Result<(Method, String), Error> {
     match (choice, resolve_factored(choice, points, frame.factors.opacity)) {
-        (MethodChoice::Auto(_), (Method::Sorted(discs), why)) if frame.shading.edl.edl => {
-            Ok((Method::ABuffer(discs), format!("{why}; eye-dome lighting needs lists of fragments")))
-        }
+        (MethodChoice::Auto(_), (Method::Sorted(discs), why)) if frame.shading.edl.edl => Ok((
+            Method::ABuffer(discs),
+            format!("{why}; eye-dome lighting needs lists of fragments, which abuffer makes"),
+        )),
         (MethodChoice::Auto(_), (Method::Sorted(discs), why)) => cost::choose(renderer, cloud, frame, discs, &why),
         (_, resolved) => Ok(resolved),
     }
@@ -136,7 +137,11 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         plan.rest_of(&group);
     }
     let [width, height] = frame.size;
-    plan.add("image/read-back", true, format!("{width} × {height} pixels in {} window(s)", facts.windows));
+    plan.add(
+        "image/read-back",
+        true,
+        format!("{width} × {height} pixels, copied to the host from {} window(s)", facts.windows),
+    );
     plan.eye_dome();
     plan.steps
 }

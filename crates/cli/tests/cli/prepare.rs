@@ -296,7 +296,12 @@ fn comments_that_lie_and_changed_points_are_noticed() {
         ("property float field", "property float yield", changed, false),
         ("property float radius", "property float radiux", changed, false),
         ("\"radius\":\"estimated\"", "\"radius\":\"own\"", changed, true),
-        ("\"version\":1", "\"version\":2", "line 3: prepared in format 2, of which this version knows only 1", true),
+        (
+            "\"version\":1",
+            "\"version\":2",
+            "line 3: it was prepared in format 2, but this program reads only format 1",
+            true,
+        ),
         ("\"version\":1", "\"version\":-1", "names no version", true),
         ("\"neighbors\":24", "\"neighbors\":0", "claims 0 neighbors", true),
         ("\"neighbors\":24", "\"neighbors\":1e99", "can't be read", true),

@@ -158,7 +158,7 @@ fn info_and_plan_tell_of_stored_shadows() {
     }
     done(&folder, &[&["prepare", "c.ply", "-o", "c.ply"], &LIGHT[..]].concat());
     let lit = line(&plan(&[]), "shadows/lit");
-    assert!(lit.contains(" off ") && lit.contains("the light of each point is with the cloud"), "{lit}");
+    assert!(lit.contains(" off ") && lit.contains("the cloud already holds the light of each point"), "{lit}");
     let text = run(&folder, &["info", "c.ply"]).1;
     assert!(text.contains("\n  shadows     a light along ["), "{text}");
     assert!(text.contains(", 5 lights within 4°, seed 3, 64 × 64 pixels, surfaces "), "{text}");

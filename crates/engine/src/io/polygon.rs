@@ -28,7 +28,7 @@ pub fn read(path: &Path) -> Result<Vec<Rings>, Error> {
     let mut text = String::new();
     File::open(path).map_err(failed)?.take(MAX_BYTES + 1).read_to_string(&mut text).map_err(failed)?;
     if text.len() as u64 > MAX_BYTES {
-        return Err(malformed(format!("more than {} MiB", MAX_BYTES >> 20)));
+        return Err(malformed(format!("the file is larger than {} MiB", MAX_BYTES >> 20)));
     }
     let polygons = parse(&text).map_err(malformed)?;
     if polygons.is_empty() { Err(malformed("no polygon in the file".to_owned())) } else { Ok(polygons) }

@@ -33,12 +33,13 @@ impl SharedFile {
     pub fn read(&self, start: u64, bytes: u64) -> Result<Vec<u8>, Error> {
         if start.checked_add(bytes).is_none_or(|end| end > self.len) {
             let len = self.len;
-            return Err(self.truncated(format!("{bytes} bytes from byte {start} are asked for, the file has {len}")));
+            return Err(self.truncated(format!("{bytes} bytes from byte {start} are needed, but the file has {len}")));
         }
         let mut buffer = vec![0; bytes as usize];
         read_at(&self.file, &mut buffer, start).map_err(|source| match source.kind() {
-            ErrorKind::UnexpectedEof => self
-                .truncated(format!("it ends within the {bytes} bytes from byte {start}: it became shorter meanwhile")),
+            ErrorKind::UnexpectedEof => self.truncated(format!(
+                "it ends within the {bytes} bytes from byte {start}, so it became shorter while it was read"
+            )),
             _ => Error::Read { path: self.path.clone(), source },
         })?;
         Ok(buffer)

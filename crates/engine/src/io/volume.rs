@@ -94,7 +94,7 @@ impl FromStr for Dims {
         let numbers: Option<Vec<usize>> = text.split(['x', 'X', '×']).map(|part| part.trim().parse().ok()).collect();
         let numbers = numbers.and_then(|numbers| <[usize; 3]>::try_from(numbers).ok());
         let dims = numbers.filter(|numbers| numbers.iter().all(|n| *n >= 2));
-        dims.map(Self).ok_or_else(|| format!("{text}: expected three numbers from 2, as in 64x64x64"))
+        dims.map(Self).ok_or_else(|| format!("{text}: expected three numbers of at least 2, as in 64x64x64"))
     }
 }
 

@@ -122,20 +122,26 @@ pub fn choose(
 ) -> Result<(Method, String), Error> {
     let device = renderer.device().clone();
     if device.info().subgroup.is_none() {
-        return Ok((Method::ABuffer(discs), format!("{why}; the device has no shuffles, which sorted needs")));
+        return Ok((Method::ABuffer(discs), format!("{why}; the device has no subgroup shuffles, which sorted needs")));
     }
     if cloud.supply().is_some() {
-        return Ok((Method::Sorted(discs), format!("{why}; points come some at a time, which no lists of all need")));
+        return Ok((
+            Method::Sorted(discs),
+            format!("{why}; points are read a part at a time, and sorted needs no lists of all fragments"),
+        ));
     }
     if !renderer.can_sort(cloud, frame) {
-        return Ok((Method::ABuffer(discs), format!("{why}; memory does not allow to sort {} splats", cloud.len())));
+        return Ok((
+            Method::ABuffer(discs),
+            format!("{why}; there is not enough memory to sort {} splats", cloud.len()),
+        ));
     }
     let load = renderer.load(cloud, frame, &discs)?;
     let [abuffer, sorted] = Model::for_device(&device, discs.falloff)?.predict(&load);
     let method = if sorted <= abuffer { Method::Sorted(discs) } else { Method::ABuffer(discs) };
     let each = load.area as f64 / load.splats.max(1) as f64;
     let reason = format!(
-        "{why}; for {} splats of {each:.1} pixels this device is expected to take {sorted:.0} ms with sorted and {abuffer:.0} ms with abuffer",
+        "{why}; for {} splats of {each:.1} pixels each this device is expected to take {sorted:.0} ms with sorted and {abuffer:.0} ms with abuffer",
         load.splats
     );
     Ok((method, reason))

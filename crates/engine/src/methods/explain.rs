@@ -132,10 +132,10 @@ impl Plan<'_> {
     /// Returns the shading of points, in words.
     pub fn shading(&self) -> &'static str {
         match self.frame.shading.model {
-            ShadingModel::None => "no shading asked for",
-            ShadingModel::Auto => "Lambert shading where there are normals, given or estimated",
-            ShadingModel::Lambert => "Lambert shading where there are normals",
-            ShadingModel::Phong => "Phong shading where there are normals",
+            ShadingModel::None => "no shading requested (shading.model = \"none\")",
+            ShadingModel::Auto => "Lambert shading for points with normals, stored or estimated",
+            ShadingModel::Lambert => "Lambert shading for points with normals",
+            ShadingModel::Phong => "Phong shading for points with normals",
         }
     }
 
@@ -148,23 +148,25 @@ impl Plan<'_> {
     pub fn shadows(&mut self) {
         let views = self.facts.light_views;
         let refusal = shadows::refusal(self.frame);
-        let stored = "the light of each point is with the cloud";
+        let stored = "the cloud already holds the light of each point";
         let shadows = self.frame.shadows.unwrap_or_default();
         let samples = if shadows.light_radius == 0.0 { 1 } else { shadows.samples };
         let images = format!("{samples} light(s), {views} image(s) of {0} × {0} pixels", shadows.resolution);
         let points = self.facts.points;
         for (name, reason) in shadows::PASSES.into_iter().zip([
-            format!("{points} points, first lit by all lights; later frames reuse the result"),
-            format!("{images}: nothing is there yet"),
-            format!("{images}: the nearest depths"),
-            "holes in surfaces are closed, so that no light falls through".to_owned(),
-            format!("{points} points are compared with the nearest depths of each light"),
-            format!("number of lights to share of {samples}"),
+            format!("{points} points start as lit by every light; later frames reuse the result"),
+            format!("{images} start empty"),
+            format!("{images} receive the nearest depths"),
+            "closes holes in surfaces, so that no light falls through".to_owned(),
+            format!("compares {points} points with the nearest depths of each light"),
+            format!("turns the number of lights that reach a point into a share of {samples}"),
         ]) {
             let reason = match &refusal {
                 Some(refusal) => refusal.clone(),
                 None if views == 0 => stored.to_owned(),
-                None if name == "shadows/share" && samples == 1 => "of one light there is all or nothing".to_owned(),
+                None if name == "shadows/share" && samples == 1 => {
+                    "a point gets all or nothing of a single light, so there is no share to find".to_owned()
+                }
                 None => reason,
             };
             let on = refusal.is_none() && views > 0 && (name != "shadows/share" || samples > 1);
@@ -177,18 +179,18 @@ impl Plan<'_> {
         let pixels = self.pixels();
         let on = self.frame.shading.edl.edl;
         for (name, reason) in edl::PASSES.into_iter().zip([
-            format!("{pixels} depths of the whole image, which no window has"),
-            format!("{pixels} pixels, each by the depths of 8 around it"),
-            format!("{pixels} factors, by which the host multiplies colors"),
+            format!("gathers {pixels} depths, as no window holds those of the whole image"),
+            format!("shades {pixels} pixels, each by the depths of 8 pixels around it"),
+            format!("copies {pixels} factors to the host, which multiplies colors by them"),
         ]) {
-            let reason = if on { reason } else { "no eye-dome lighting asked for (shading.edl)".to_owned() };
+            let reason = if on { reason } else { "no eye-dome lighting requested (shading.edl)".to_owned() };
             self.add(name, on, reason);
         }
     }
 
     /// Empty counters.
     pub fn cleared(&mut self) {
-        self.add("project/clear", true, "counters, and pixels of the opaque methods, start empty");
+        self.add("project/clear", true, "counters start at zero, and pixels of the opaque methods start empty");
     }
 
     /// Explains the projection of points to splats, and its results.
@@ -197,13 +199,13 @@ impl Plan<'_> {
         let gaussians = if self.frame.method.discs().is_some() { self.facts.gaussians } else { 0 };
         let points = self.facts.points.saturating_sub(gaussians);
         self.add("project/splats", points > 0, format!("{points} points; {}", self.shading()));
-        self.add("project/gaussians", gaussians > 0, format!("{gaussians} Gaussians, each to its ellipse"));
+        self.add("project/gaussians", gaussians > 0, format!("{gaussians} Gaussians, each projected to an ellipse"));
         self.found();
     }
 
     /// Points that become pixels, without splats.
     pub fn not_projected(&mut self) {
-        let reason = "a point is one pixel or a square: no splats";
+        let reason = "a point is one pixel or a square, so there are no splats to project";
         self.add("project/splats", false, reason);
         self.add("project/gaussians", false, reason);
     }
@@ -221,7 +223,7 @@ impl Plan<'_> {
         let reason = if facts.raster == "compute" {
             format!("{large} splats are large enough for tiles")
         } else {
-            "the rasterizer visits the pixels".to_owned()
+            "the rasterizer visits the pixels, so splats need no tiles".to_owned()
         };
         for name in TILES {
             self.add(name, on, reason.clone());
@@ -237,7 +239,7 @@ impl Plan<'_> {
         self.add(
             "scan/reduce",
             elements > SCAN_RUN,
-            format!("{counted}: {elements} elements, {levels} than the {SCAN_RUN} of a run"),
+            format!("{counted}: {elements} elements, {levels} than one run takes ({SCAN_RUN})"),
         );
         self.add("scan/spread", elements > 0, format!("{counted}: {elements} elements"));
     }
@@ -250,10 +252,10 @@ impl Plan<'_> {
         let by = match order {
             Order::Depth => "in order of depth",
             Order::Index => "in canonical order",
-            Order::File | Order::Arrival => "in the files' order",
+            Order::File | Order::Arrival => "in the order of the files",
             Order::Along(_) => "along an axis",
         };
-        let by_digit = format!("keys have {bits} bits: {digits} digit(s) of {digit}");
+        let by_digit = format!("keys have {bits} bits, sorted as {digits} digit(s) of {digit} bits");
         let zero = || "counters start at zero".to_owned();
         let reasons = [format!("{why}: {visible} splats {by}"), zero(), by_digit.clone(), by_digit];
         for (name, reason) in ORDER.into_iter().zip(reasons) {
@@ -268,10 +270,10 @@ impl Plan<'_> {
         let reasons = [
             format!("splats are read {by}"),
             "counters start at zero".to_owned(),
-            format!("{} counters of tiles and runs of splats", self.facts.tile_cells),
-            "the longest list of a tile decides how often tiles are run".to_owned(),
-            "the total of the lists decides whether the window fits".to_owned(),
-            "each tile gets its splats in order".to_owned(),
+            format!("{} counters, one for each tile and run of splats", self.facts.tile_cells),
+            "the longest list of a tile decides how often tiles are dispatched".to_owned(),
+            "the total length of the lists decides whether the window fits in memory".to_owned(),
+            "stores the splats of each tile in order".to_owned(),
         ];
         for (name, reason) in ORDER[4..].iter().zip(reasons) {
             self.add(name, true, reason);

@@ -131,12 +131,12 @@ pub(super) fn order_group() -> PassGroup {
 
 /// Returns the passes that go through an order of points that was made beforehand.
 pub(super) fn presorted_group() -> PassGroup {
-    PassGroup::new(&PRESORTED, Absent::Always("no order of the points was made beforehand"))
+    PassGroup::new(&PRESORTED, Absent::Always("points were not sorted in advance"))
 }
 
 /// Returns the stages that go through tiles of ordered splats.
 pub(super) fn stage_group() -> PassGroup {
-    PassGroup::new(&STAGES, Absent::Discs("tiles of splats are gone through otherwise, or not at all"))
+    PassGroup::new(&STAGES, Absent::Discs("this frame processes tiles of splats by other passes, or has none"))
 }
 
 /// The plan of a frame of one of these stages: the sort of splats, the stage, and the counting of lists.
@@ -156,12 +156,12 @@ pub(super) fn explain_stages(plan: &mut Plan<'_>, names: &[&'static str], order:
     }
     plan.emptied();
     plan.rest(&ORDER, NOTHING);
-    without_lists(plan, &format!("splats are sorted, not fragments: {why}"));
+    without_lists(plan, &format!("splats are sorted, so fragments need no lists: {why}"));
 }
 
 /// The passes of lists in the plan of a frame without lists.
 pub(super) fn without_lists(plan: &mut Plan<'_>, reason: &str) {
-    plan.rest(&abuffer::COUNT, "lengths of lists are not requested, and the method does not need them");
+    plan.rest(&abuffer::COUNT, "lengths of lists were not requested, and the method does not need them");
     plan.rest(&abuffer::list_passes(), reason);
 }
 

@@ -48,7 +48,7 @@ fn check_size(path: &Path, width: u64, height: u64, len: u64, ratio: u64) -> Res
     }
     let pixels = width * height;
     if pixels > ALWAYS_ALLOWED && pixels / ratio > len {
-        let reason = format!("truncated file or wrong header: {width} × {height} pixels can't be in {len} bytes");
+        let reason = format!("truncated file or wrong header: {width} × {height} pixels don't fit in {len} bytes");
         return Err(Error::Decode { path: path.to_owned(), reason });
     }
     Ok(())

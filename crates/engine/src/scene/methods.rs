@@ -97,11 +97,11 @@ methods! {
     "squares" => Squares(ScreenSplats), Opaque, for Opaque;
     /// The nearest disc of each pixel, opaque and facing the screen.
     "circles" => Circles(ScreenSplats), Opaque, for Opaque;
-    /// As `circles`, moved toward the viewer by a paraboloid so that splats meet half-way (Schütz and Wimmer 2015).
+    /// Like `circles`, but a paraboloid moves fragments toward the viewer, so that splats meet half-way (Schütz and Wimmer 2015).
     "paraboloid" => Paraboloid(Interpolated), Opaque, for Opaque;
-    /// As `paraboloid`, by a cone.
+    /// Like `paraboloid`, but by a cone.
     "cone" => Cone(Interpolated), Opaque, for Opaque;
-    /// As `paraboloid`, by a sphere.
+    /// Like `paraboloid`, but by a sphere.
     "sphere" => Sphere(ScreenSplats), Opaque, for Opaque;
     /// Transparent discs, exact for any number of layers, crossing or not (Maule et al. 2012).
     "abuffer" => ABuffer(Discs), Discs, for Exact, also &["raster=hardware", "long_lists=in-place"];
@@ -111,17 +111,17 @@ methods! {
     "sorted" => Sorted(Discs), Discs, for Exact;
     /// Exact depth peeling of the same discs, without memory for fragments; one pass for each layer.
     "peel" => Peel(Peel), Discs, for Exact;
-    /// The nearest surfaces of points, each as by `image-space`, blended front to back (Dobrev et al. 2010).
+    /// The nearest surfaces of points, each closed as by `image-space`, blended front to back (Dobrev et al. 2010).
     "peel-layers" => PeelLayers(PeelLayers), Surfaces, for Surfaces;
     /// Random samples of the same discs in each pixel, without sorting, with a standard error (Enderton et al. 2011).
     "stochastic" => Stochastic(Stochastic), Discs, for Approximate, also &["alpha_correction=false", "raster=hardware"];
-    /// The nearest discs of each pixel exactly, the mean of those behind (Maule et al. 2013), or what their moments tell.
+    /// The nearest discs of each pixel exactly, and those behind by their mean (Maule et al. 2013) or by their moments.
     "hybrid" => Hybrid(Hybrid), Discs, for Approximate, also &["tail=moments"];
-    /// A few layers for each pixel, of which the last two are merged as discs come in the order of the files (Salvi and Vaidyanathan 2014).
+    /// A few layers for each pixel; discs come in the order of the files, and the last two layers are merged (Salvi and Vaidyanathan 2014).
     "mlab" => Mlab(Mlab), Discs, for Approximate;
-    /// Discs weighted by the light before them, as bounded by power moments of each pixel's optical depth (Münstermann et al. 2018).
+    /// Discs weighted by the light let through in front of them, as bounded by power moments of each pixel's optical depth (Münstermann et al. 2018).
     "moments" => Moments(Moments), Discs, for Approximate, also &["overestimation=0", "overestimation=0.25"];
-    /// Discs weighted by the light before them, by wavelets of each pixel's optical depth (Aizenshtein et al. 2022).
+    /// Discs weighted by the light let through in front of them, by wavelets of each pixel's optical depth (Aizenshtein et al. 2022).
     "wavelet" => Wavelet(Wavelet), Discs, for Approximate;
     /// Discs averaged with weights that fall with depth (McGuire and Bavoil 2013): an approximation with exact opacity.
     "weighted" => Weighted(Discs), Discs, for Approximate;
@@ -135,17 +135,17 @@ methods! {
     "splats" => Splats(BlendedSplats), Opaque, for Opaque;
     /// Points whose holes are closed by filters of the image (Dobrev et al. 2010); needs no radii.
     "image-space" => ImageSpace(ImageSpace), Surfaces, for Opaque;
-    /// Soft points as spheres, integrated exactly along each ray, in front of solid ones (Seemann et al. 2018).
+    /// Soft points as spheres, integrated exactly along each ray, in front of solid points (Seemann et al. 2018).
     "soft-base" => SoftBase(Soft), Soft, for Soft, also &["layout=paper"];
-    /// As `soft-base`, each sphere as concentric ones of constant density.
+    /// Like `soft-base`, but each sphere consists of concentric shells of constant density.
     "soft-concentric" => SoftConcentric(Soft), Soft, for Soft;
-    /// As `soft-base`, but discs in a presorted order: fast and approximate.
+    /// Like `soft-base`, but with discs in a presorted order: fast and approximate.
     "soft-express" => SoftExpress(Soft), Soft, for Soft;
-    /// The nearest soft points as one transparent layer, all else opaque.
+    /// The nearest soft points as one transparent layer; all other points are opaque.
     "one-layer" => OneLayer(OneLayer), OneLayer, for Soft;
     /// The mean of opaque images of random parts of the points: surfaces with a given opacity (Tanaka et al. 2016).
     "spbr" => Spbr(Spbr), Ensembles, for Surfaces;
-    /// As `spbr`, with each point in one part: opacity follows from the points (Uchida et al. 2020).
+    /// Like `spbr`, but each point is in one part only: opacity follows from the points (Uchida et al. 2020).
     "spbr-simplified" => SpbrSimplified(SpbrSimplified), Ensembles, for Surfaces;
 }
 

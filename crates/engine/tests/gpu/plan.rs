@@ -56,7 +56,7 @@ fn a_method_that_was_asked_for_stays() {
     for method in [Method::Points, Method::Squares(ScreenSplats::default()), oriented] {
         let (taken, why) = resolve(method.into(), &scene(&with_opacities(&[0.5])));
         assert_eq!(taken, method);
-        assert!(why.contains(method.name()) && why.contains("asked for"), "{why}");
+        assert!(why.contains(method.name()) && why.contains("requested"), "{why}");
     }
 }
 

@@ -148,7 +148,7 @@ fn clouds_that_are_not_as_announced_are_refused() {
         let streamed = Streamed { store: &held, cube, layout: &layout, key: "two points" };
         stream(&streamed, &store, &Settings::default(), &Progress::hidden())
     };
-    for (scale, side, says) in [(0.5, 1.0, "off the grid"), (0.25, 0.5, "is not in the octree")] {
+    for (scale, side, says) in [(0.5, 1.0, "off the grid"), (0.25, 0.5, "lies outside the octree")] {
         let error = write(scale, side).unwrap_err().to_string();
         assert!(error.contains("held") && error.contains(says), "{error}");
         assert!(!store.exists());

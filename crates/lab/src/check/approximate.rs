@@ -37,7 +37,7 @@ pub(super) fn cases() -> Vec<Case> {
         each(
             &approximations(),
             "equal-depths",
-            "discs of equal depth and other colors, shuffled: no byte changes",
+            "discs of equal depth and different colors, shuffled: no byte changes",
             ties,
         ),
         each(&approximations(), "reversed", "the order of the input reversed: no byte changes", reversed),

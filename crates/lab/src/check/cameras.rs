@@ -53,7 +53,7 @@ pub(super) fn cases() -> Vec<Case> {
             "at near and at far, and a unit in the last place beyond: the first two",
             depth_limits,
         ),
-        each(&all, "behind", "points behind the camera, in its eye, before near and behind far: nothing", behind),
+        each(&all, "behind", "points behind the camera, at its eye, in front of near and behind far: nothing", behind),
     ]
     .into_iter()
     .flatten()

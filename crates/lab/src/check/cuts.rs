@@ -27,7 +27,7 @@ pub(super) fn cases() -> Vec<Case> {
     let in_place = [Method::ABuffer(Discs { long_lists: LongLists::InPlace, ..oriented })];
     [
         each(&cut, "budget", "cut by a memory budget: no byte changes", budget),
-        each(&in_place, "in-place", "4000 fragments sorted in their place: the bytes of the merge", in_place_bytes),
+        each(&in_place, "in-place", "4000 fragments sorted in place: the bytes of the merge", in_place_bytes),
         each(
             &[Method::ABuffer(oriented)],
             "beyond-a-binding",

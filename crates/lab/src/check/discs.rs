@@ -30,9 +30,14 @@ pub(super) fn cases() -> Vec<Case> {
             layers(stage, method, 10_000)
         }),
         each(&with_peel(), "coincident", "300 equal discs: 1 - 0.9^300 of their color", coincident),
-        each(&with_peel(), "equal-depths", "discs of equal depth and other colors, shuffled: no byte changes", ties),
+        each(
+            &with_peel(),
+            "equal-depths",
+            "discs of equal depth and different colors, shuffled: no byte changes",
+            ties,
+        ),
         each(&with_peel(), "reversed", "the order of the input reversed: no byte changes", reversed),
-        each(&with_peel(), "opacity-0-and-1", "nothing of opacity 0, nothing behind opacity 1", extremes),
+        each(&with_peel(), "opacity-0-and-1", "nothing shows of opacity 0, or behind opacity 1", extremes),
         lengths(),
         each(&with_peel(), "nearly-opaque", "opacities of 1 - 2^-24: what shines through is not lost", nearly_opaque),
         each(&with_peel(), "least-opacity", "three layers of opacity 2^-125: 3 · 2^-125", least_opacity),
@@ -42,7 +47,7 @@ pub(super) fn cases() -> Vec<Case> {
             "radii of 0 to 1e-3 with a Gaussian: at the rim, exp(-2) of the opacity",
             no_radius,
         ),
-        each(&[tilted], "edge-on", "a disc seen from its edge covers the pixel of its centre, at its depth", edge_on),
+        each(&[tilted], "edge-on", "a disc seen edge-on covers the pixel of its center, at its depth", edge_on),
     ]
     .into_iter()
     .flatten()
@@ -51,7 +56,7 @@ pub(super) fn cases() -> Vec<Case> {
 
 /// Lists around the sizes at which another kernel takes over.
 fn lengths() -> Vec<Case> {
-    let about = "a list of so many layers against float64";
+    let about = "a list of that many layers against float64";
     let case = |n: u32| {
         let discs = Discs::default();
         let run = move |stage: &mut Stage| layers(stage, Method::ABuffer(discs), n);

@@ -12,13 +12,13 @@ use pellucid_engine::reference;
 type CaseResult = Result<Finding, Trouble>;
 
 pub(super) fn cases() -> Vec<Case> {
-    let about = "prefix sums of zeros, ones, one large number and any numbers: those that are wrong";
+    let about = "prefix sums of zeros, ones, one large number and arbitrary numbers: wrong sums";
     let scan = |n: usize| one(&format!("scan/{n}-elements"), about, move |stage| sums(stage, n));
-    let about = "a stable sort of any, few, equal and falling keys: records in a wrong place";
+    let about = "a stable sort of arbitrary, few, equal and falling keys: records in the wrong place";
     let sort = |n: usize| one(&format!("radix/{n}-records"), about, move |stage| sort(stage, n));
     let scans = [1, 255, 256, 257, 4097, (1 << 20) + 1].map(scan);
     let sorts = [1, 255, 256, 257, 1025, 100_000].map(sort);
-    let wrap = one("scan/overflow", "sums of 2^32 - 1 pass, sums beyond are told: verdicts that are wrong", overflow);
+    let wrap = one("scan/overflow", "sums of 2^32 - 1 pass, larger sums are reported: wrong verdicts", overflow);
     scans.into_iter().chain([wrap]).chain(sorts).collect()
 }
 

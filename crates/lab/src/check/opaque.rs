@@ -32,7 +32,7 @@ pub(super) fn cases() -> Vec<Case> {
             bisector,
         ),
         each(&hqs, "bisector", "two equal splats blend by exp(-2 ρ²), evenly on the line between them", blend),
-        each(&all, "equal-depths", "splats of equal depth and other colors, shuffled: no byte changes", ties),
+        each(&all, "equal-depths", "splats of equal depth and different colors, shuffled: no byte changes", ties),
         each(
             &nearest,
             "nearest",
@@ -42,7 +42,7 @@ pub(super) fn cases() -> Vec<Case> {
         each(
             &splats,
             "no-radius",
-            "radii of 0, 1e-45 and 1e-3 beside a pixel's centre: the pixel, at the point's depth",
+            "radii of 0, 1e-45 and 1e-3 next to a pixel's center: the pixel, at the point's depth",
             no_radius,
         ),
         each(&splats, "huge-radius", "a radius of 3.4e38 is drawn 25 pixels wide: pixels that differ", huge_radius),

@@ -26,7 +26,11 @@ const LID: f64 = 50.0;
 pub(super) fn cases() -> Vec<Case> {
     vec![
         one("shadows/slanted", "a plane alone, light up to 80 degrees off its normal: dark points", slanted),
-        one("shadows/behind", "a plane behind one whose points leave pixels of the light free: lit points", behind),
+        one(
+            "shadows/behind",
+            "a plane behind one whose points don't cover all pixels of the light: lit points",
+            behind,
+        ),
         one("shadows/half-a-disc", "half of an area light covered: 0.5, in 4 standard errors", half_a_disc),
         one("shadows/inside", "a lamp in two spheres: the inner one is lit, the outer one is not", inside),
         one("shadows/georeferenced", "moved by (500000, 4500000, 100): the same shares of light", georeferenced),

@@ -52,7 +52,7 @@ pub(super) fn cases() -> Vec<Case> {
             one_sphere,
         ),
         each(&exact(), "one-pixel-of-many", "20 000 fragments in one of 4096 pixels against float64", crowded),
-        each(&round, "rim", "a radius of 25 pixels around a pixel's centre: 1961 of them, 20 on the rim itself", rim),
+        each(&round, "rim", "a radius of 25 pixels around a pixel's center: 1961 of them, 20 on the rim itself", rim),
         each(&placed, "border", "points on corners of pixels belong to the pixel right below", border),
         each(&one, "one-point", "one opaque point of no radius: its pixel, at its depth", one_point),
     ]
@@ -126,7 +126,7 @@ fn one_point(stage: &mut Stage, method: Method) -> CaseResult {
     let naive = if radius == 0.0 {
         Computed(pixels_apart(&covered, &wanted))
     } else {
-        Stated { why: "a disc that has a radius covers the pixel in whose centre it lies by any formula" }
+        Stated { why: "by any formula, a disc that has a radius covers the pixel in whose center it lies" }
     };
     Ok(Finding { error, bound: 0.0, naive })
 }

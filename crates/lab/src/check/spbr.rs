@@ -40,7 +40,7 @@ pub(super) fn cases() -> Vec<Case> {
         white,
         each(&spbr(true), "slanted", "a plane at 60 degrees, Eq. 2: 1 - (1 - 0.3)^2", tilted),
         each(&spbr(false), "slanted-corrected", "the same without the shading effect: 0.3", tilted),
-        each(&spbr(true), "two-planes", "0.4 before 0.7: 0.4 + 0.6 · 0.7", two_planes),
+        each(&spbr(true), "two-planes", "0.4 in front of 0.7: 0.4 + 0.6 · 0.7", two_planes),
         each(&spbr(true), "opacity-0-and-1", "one point on each pixel: opaque in all images, or in none", extremes),
         each(&spbr(true), "ensembles", "the variance of a pixel is that of 20 independent images", independent),
         each(&simplified, "each-point-once", "one point on each pixel is in one of 7 images: A = 1/7", once),

@@ -30,10 +30,12 @@ const DEVICE: u64 = 1 << 20;
 
 pub(super) fn cases() -> Vec<Case> {
     let methods: Vec<Method> = ["abuffer", "circles", "stochastic", "unsorted"].into_iter().filter_map(named).collect();
-    let borders = "points on the borders of nodes, in either of them, at equal depths: values unlike those of memory";
-    let wide = "a disc over all nodes, whose own is seen by few windows: values unlike those of memory";
-    let empty = "nodes without points around nodes without points: values unlike those of memory";
-    let place = "points of other looks in one place, in nodes of four levels: values unlike those of memory";
+    let borders =
+        "points on the borders of nodes, in either of them, at equal depths: values that differ from those in memory";
+    let wide = "a disc that covers all nodes, while few windows see its own: values that differ from those in memory";
+    let empty = "nodes without points around nodes without points: values that differ from those in memory";
+    let place =
+        "points of different looks in one place, in nodes of four levels: values that differ from those in memory";
     [
         each(&methods, "store-borders", borders, |stage, method| {
             compared(stage, method, |cloud, i| (cloud.positions[i].x + f64::from(i as u32 % 2)).floor() as i64)

@@ -42,13 +42,18 @@ pub(super) fn cases() -> Vec<Case> {
         one("peel-layers/tiny-distance", "d̃ of 1e-30: surfaces a unit apart are two layers, each once", tiny_layers),
         one("peel-layers/huge-distance", "d̃ of 3e38: one layer", huge_layers),
         one("peel-layers/three-planes", "opacities of 0.3, 0.6 and 0.9, shuffled, against float64", three_planes),
-        one("peel-layers/opacity-0-and-1", "nothing of opacity 0, nothing behind opacity 1", extremes),
+        one("peel-layers/opacity-0-and-1", "nothing shows of opacity 0, or behind opacity 1", extremes),
         one("peel-layers/ends", "0, 1, 8, 9 and 17 surfaces: as many layers as there are", ends),
         one("peel-layers/all-equal", "500 points in one place, d̃ of 1% of nothing: one layer", all_equal),
     ];
     let mut all = Vec::from(alone);
     all.extend(each(&both, "budget", "cut by a memory budget: no byte changes", budget));
-    all.extend(each(&both, "equal-depths", "points of equal depth and other colors, shuffled: no byte changes", ties));
+    all.extend(each(
+        &both,
+        "equal-depths",
+        "points of equal depth and different colors, shuffled: no byte changes",
+        ties,
+    ));
     all
 }
 

@@ -24,7 +24,7 @@ impl Decoder {
         reader.read_to_end(&mut file)?;
         let mut decoder = JpegDecoder::new_with_options(ZCursor::new(&file), options());
         decoder.decode_headers()?;
-        let incomplete = || Error::Malformed("JPEG: a header without a size".into());
+        let incomplete = || Error::Malformed("JPEG: the header has no size".into());
         let (width, height) = decoder.dimensions().ok_or_else(incomplete)?;
         // A JPEG states both in 16 bits.
         let (width, height) = (width as u32, height as u32);

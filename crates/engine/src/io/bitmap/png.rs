@@ -38,7 +38,7 @@ impl<R: BufRead + Seek> Decoder<R> {
         let (width, height) = self.size();
         let (color, depth) = self.0.output_color_type();
         let bytes = self.0.output_buffer_size();
-        let bytes = bytes.ok_or_else(|| Error::Malformed("larger than this machine's memory".into()))?;
+        let bytes = bytes.ok_or_else(|| Error::Malformed("the picture is larger than this machine's memory".into()))?;
         let samples = if depth == BitDepth::Sixteen {
             let mut samples = vec![0u16; bytes / 2];
             self.0.next_frame(bytemuck::cast_slice_mut(&mut samples))?;

@@ -59,7 +59,7 @@ impl<R: BufRead + Seek> Decoder<R> {
         let mut samples = DecodingResult::U8(Vec::new());
         let layout = tiff.read_image_to_buffer(&mut samples)?;
         if samples.as_buffer(0).as_bytes().len() < layout.complete_len {
-            return Err(Error::Malformed("TIFF: more planes than it has pixels for".into()));
+            return Err(Error::Malformed("TIFF: it announces more planes than it has pixels for".into()));
         }
         let stored = usize::from(colors.num_samples());
         let samples = match (samples, colors) {

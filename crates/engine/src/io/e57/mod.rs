@@ -81,10 +81,10 @@ fn check_header(source: &mut Source) -> Result<(), Error> {
     let (length, start, bytes) = (number(16), number(24), number(32));
     let len = source.len;
     if length > len {
-        return Err(source.truncated(format!("the header announces {length} bytes, the file has {len}")));
+        return Err(source.truncated(format!("the header announces {length} bytes, but the file has {len}")));
     }
     if start.checked_add(bytes).is_none_or(|end| end > len) {
-        let what = format!("the header announces {bytes} bytes of XML at byte {start}, the file has {len} bytes");
+        let what = format!("the header announces {bytes} bytes of XML at byte {start}, but the file has {len} bytes");
         return Err(source.truncated(what));
     }
     Ok(())
@@ -134,8 +134,9 @@ fn check_claim(numbers: &[usize], clouds: &[PointCloud], len: u64) -> Result<(),
         let records = cloud.records;
         let place = || format!("scan {number}");
         let Some(least) = bits.iter().copied().filter(|&bits| bits > 0).min() else {
-            let cause =
-                format!("all values of its {records} points are constants, so that any number of points is claimed");
+            let cause = format!(
+                "every field of its {records} points is a constant, so the file could announce any number of points"
+            );
             return Err(Problem::new(place(), cause));
         };
         let constants = bits.iter().filter(|&&bits| bits == 0).count() as u64;
@@ -144,7 +145,10 @@ fn check_claim(numbers: &[usize], clouds: &[PointCloud], len: u64) -> Result<(),
             return Err(Problem::new(place(), cause));
         }
         if constants * (len.min(MAX_PACKET) * 8 / least) > MAX_CONSTANTS {
-            return Err(Problem::new(place(), format!("{constants} of its fields are constants: this is no scan")));
+            return Err(Problem::new(
+                place(),
+                format!("{constants} of its fields are constants, so this is not a scan"),
+            ));
         }
         needed += u128::from(sum) * u128::from(records);
         if needed > u128::from(len) * 8 {

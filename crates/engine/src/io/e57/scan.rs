@@ -237,7 +237,7 @@ fn pose(scan: &PointCloud) -> Result<(DQuat, DVec3), String> {
     let rotation = DQuat::from_xyzw(r.x, r.y, r.z, r.w);
     let length = rotation.length();
     if !length.is_normal() {
-        return Err(format!("its pose is no rotation: ({}, {}, {}, {})", r.w, r.x, r.y, r.z));
+        return Err(format!("its pose is not a rotation: ({}, {}, {}, {})", r.w, r.x, r.y, r.z));
     }
     Ok((rotation / length, DVec3::new(t.x, t.y, t.z)))
 }

@@ -38,7 +38,7 @@ pub(in crate::io) struct Chunk {
 /// Cuts uncompressed points into blocks.
 pub(super) fn plain(source: &Source, header: &Header) -> Result<Vec<Chunk>, Error> {
     if header.record_len == 0 {
-        return Err(source.malformed("LAS header", "point records of 0 bytes"));
+        return Err(source.malformed("LAS header", "its point records have 0 bytes"));
     }
     let len = header.record_len as u64;
     let block = |first_point| {
@@ -67,7 +67,8 @@ pub(super) fn compressed(source: &mut Source, header: &Header, laz: &LazVlr) -> 
             continue;
         }
         if entry.byte_count > data_end.saturating_sub(start) {
-            let cause = format!("{} bytes from byte {start}, but the chunks end at {data_end}", entry.byte_count);
+            let cause =
+                format!("it has {} bytes from byte {start}, but all chunks end by byte {data_end}", entry.byte_count);
             return Err(source.malformed(format!("LAZ chunk {index}"), cause));
         }
         chunks.push(Chunk { start, bytes: entry.byte_count, first_point, points });
@@ -76,7 +77,9 @@ pub(super) fn compressed(source: &mut Source, header: &Header, laz: &LazVlr) -> 
     }
     if first_point < header.count {
         let count = header.count;
-        return Err(source.truncated(format!("the header announces {count} points, the chunk table {first_point}")));
+        return Err(
+            source.truncated(format!("the header announces {count} points, but the chunk table has {first_point}"))
+        );
     }
     Ok(chunks)
 }
@@ -97,23 +100,23 @@ fn compressor(laz: &LazVlr) -> Option<CompressorType> {
 fn check_items(source: &Source, header: &Header, laz: &LazVlr) -> Result<(), Error> {
     let place = "LAZ record of the header";
     if compressor(laz).is_none() {
-        return Err(source.malformed(place, "points marked as compressed, but with no compressor"));
+        return Err(source.malformed(place, "the points are marked as compressed, but the record names no compressor"));
     }
     // Before the decoder takes memory for them; the library's own sum of 16-bit sizes may overflow.
     let announced: u64 = laz.items().iter().map(|item| u64::from(item.size())).sum();
     if announced != header.record_len as u64 {
-        let cause = format!("its fields take {announced} bytes, a point record has {}", header.record_len);
+        let cause = format!("its fields take {announced} bytes, but a point record has {}", header.record_len);
         return Err(source.malformed(place, cause));
     }
     if header.record_len > MAX_COMPRESSED_RECORD {
-        let cause = format!("point records of {} bytes (at most {MAX_COMPRESSED_RECORD})", header.record_len);
+        let cause = format!("its point records have {} bytes (at most {MAX_COMPRESSED_RECORD})", header.record_len);
         return Err(source.malformed(place, cause));
     }
     let items = decoder::guard(|| record_decoder(laz, &[], false).map(|decoder| decoder.record_size()));
     match items {
         Ok(Ok(size)) if size == header.record_len => Ok(()),
         Ok(Ok(size)) => {
-            let cause = format!("its fields take {size} bytes, a point record has {}", header.record_len);
+            let cause = format!("its fields take {size} bytes, but a point record has {}", header.record_len);
             Err(source.malformed(place, cause))
         }
         Ok(Err(cause)) | Err(cause) => Err(source.malformed(place, cause)),
@@ -127,14 +130,14 @@ fn chunk_table(source: &mut Source, header: &Header, laz: &LazVlr) -> Result<(Ch
     let Some(place) = place.filter(|place| (data_start..source.len.saturating_sub(7)).contains(place)) else {
         let place = place.map_or_else(|| "nowhere".to_owned(), |place| format!("at byte {place}"));
         return Err(
-            source.truncated(format!("the LAZ chunk table should be {place}, the file has {} bytes", source.len))
+            source.truncated(format!("the LAZ chunk table should be {place}, but the file has {} bytes", source.len))
         );
     };
     // The library allocates the announced number of entries at once. Each chunk starts with an uncompressed point.
     let chunks = entry_count(source, place).map_err(|e| source.read_error(e))?;
     let possible = (place - data_start) / header.record_len.max(1) as u64;
     if chunks > possible {
-        let cause = format!("announces {chunks} chunks, the bytes before it hold at most {possible}");
+        let cause = format!("it announces {chunks} chunks, but the bytes before it hold at most {possible}");
         return Err(source.malformed(format!("LAZ chunk table at byte {place}"), cause));
     }
     source.reader.seek(SeekFrom::Start(header.start)).map_err(|e| source.read_error(e))?;
@@ -256,7 +259,7 @@ fn check_layers(header: &Header, laz: &LazVlr, bytes: &[u8]) -> Result<(), Strin
     };
     let total: u64 = sizes.chunks_exact(4).map(|b| u64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]]))).sum();
     let left = (bytes.len() - sizes_start - 4 * layers) as u64;
-    if total > left { Err(format!("layers of {total} bytes, but only {left} are left")) } else { Ok(()) }
+    if total > left { Err(format!("its layers take {total} bytes, but only {left} are left")) } else { Ok(()) }
 }
 
 /// Layers that a field is stored in.

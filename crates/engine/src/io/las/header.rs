@@ -80,7 +80,7 @@ pub(super) fn read(source: &mut Source) -> Result<Header, Error> {
     }
     if start > source.len {
         let len = source.len;
-        return Err(source.truncated(format!("the points should start at byte {start}, the file has {len} bytes")));
+        return Err(source.truncated(format!("the points should start at byte {start}, but the file has {len} bytes")));
     }
     let format = format(source, &raw)?;
     let vlrs = vlrs(source, &raw)?;
@@ -112,7 +112,8 @@ fn format(source: &Source, raw: &raw::Header) -> Result<Format, Error> {
     };
     let len = raw.point_data_record_length;
     let Some(extra_bytes) = len.checked_sub(format.len()) else {
-        let cause = format!("point records of {len} bytes, but point format {} needs {}", number & 0x3f, format.len());
+        let cause =
+            format!("its point records have {len} bytes, but point format {} needs {}", number & 0x3f, format.len());
         return Err(source.malformed("LAS header", cause));
     };
     format.extra_bytes = extra_bytes;
@@ -154,7 +155,7 @@ fn laz_vlr(source: &Source, vlrs: &[raw::Vlr]) -> Result<LazVlr, Error> {
     let place = "LAZ record of the header";
     let is_laz = |vlr: &&raw::Vlr| user_id(vlr) == LazVlr::USER_ID.as_bytes() && vlr.record_id == LazVlr::RECORD_ID;
     let Some(vlr) = vlrs.iter().find(is_laz) else {
-        return Err(source.malformed(place, "missing, but the points are marked as compressed"));
+        return Err(source.malformed(place, "it is missing, although the points are marked as compressed"));
     };
     LazVlr::from_buffer(&vlr.data).map_err(|e| source.malformed(place, e.to_string()))
 }

@@ -64,7 +64,7 @@ impl Sequences {
                 change => self.last = (self.last + change as usize) & 3,
             }
         }
-        Err(Error::new(ErrorKind::InvalidData, "GPS times that change their sequence without end"))
+        Err(Error::new(ErrorKind::InvalidData, "the GPS times change their sequence without end"))
     }
 
     /// Decodes a time after a difference of 0, or how far away another sequence is.

@@ -123,9 +123,11 @@ impl Lines {
             // The origin or viewpoint of the file; it doesn't move its points.
             "VERSION" | "VIEWPOINT" => {}
             "FIELDS" | "COLUMNS" => self.names = Some(words.iter().map(|&name| name.to_owned()).collect()),
-            "SIZE" => self.sizes = Some(all(&words, "one of 1, 2, 4 and 8 for each field", size)?),
-            "TYPE" => self.kinds = Some(all(&words, "one of F, I and U for each field", kind)?),
-            "COUNT" => self.counts = Some(all(&words, "a number from 0 for each field", |word| word.parse().ok())?),
+            "SIZE" => self.sizes = Some(all(&words, "1, 2, 4 or 8 for each field", size)?),
+            "TYPE" => self.kinds = Some(all(&words, "F, I or U for each field", kind)?),
+            "COUNT" => {
+                self.counts = Some(all(&words, "a number, 0 or more, for each field", |word| word.parse().ok())?)
+            }
             "WIDTH" => self.width = Some(one(key, &words)?),
             "HEIGHT" => self.height = Some(one(key, &words)?),
             "POINTS" => self.points = Some(one(key, &words)?),
@@ -138,7 +140,9 @@ impl Lines {
                     _ => return Err(format!("DATA {name:?} (known: ascii, binary, binary_compressed)")),
                 });
             }
-            _ => return Err(format!("`{}` is no line of a PCD header", line.chars().take(40).collect::<String>())),
+            _ => {
+                return Err(format!("`{}` does not belong in a PCD header", line.chars().take(40).collect::<String>()));
+            }
         }
         Ok(())
     }
@@ -165,7 +169,7 @@ impl Lines {
             (Some(points), Some(area)) if points != area => {
                 return Err(format!("POINTS is {points}, but WIDTH × HEIGHT is {area}"));
             }
-            (points, area) => points.or(area).ok_or("neither POINTS nor WIDTH")?,
+            (points, area) => points.or(area).ok_or("there is neither POINTS nor WIDTH")?,
         };
         let fields = names.into_iter().zip(kinds).zip(sizes).zip(counts);
         let field = |(((name, kind), size), count)| match (kind, size) {

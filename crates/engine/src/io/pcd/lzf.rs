@@ -6,7 +6,7 @@ pub(super) const MAX_EXPANSION: usize = 88;
 /// Decompresses a stream that must become exactly `len` bytes. Memory grows with the decoded part.
 pub(super) fn decompress(input: &[u8], len: usize) -> Result<Vec<u8>, String> {
     if len / MAX_EXPANSION > input.len() {
-        return Err(format!("{} compressed bytes can't become the {len} announced", input.len()));
+        return Err(format!("{} compressed bytes can't expand to the {len} that are announced", input.len()));
     }
     let mut output = Vec::new();
     let mut rest = input;
@@ -23,7 +23,10 @@ pub(super) fn decompress(input: &[u8], len: usize) -> Result<Vec<u8>, String> {
             let count = usize::from(control >> 5) + usize::from(*extra) + 2;
             let back = (usize::from(control & 31) << 8 | usize::from(*low)) + 1;
             let start = output.len().checked_sub(back).ok_or_else(|| {
-                format!("the item at byte {at} of the compressed data refers to {back} bytes back, of {}", output.len())
+                format!(
+                    "the item at byte {at} of the compressed data refers to {back} bytes back, but there are only {}",
+                    output.len()
+                )
             })?;
             // A match may overlap its own output.
             for from in start..start + count {
@@ -32,10 +35,14 @@ pub(super) fn decompress(input: &[u8], len: usize) -> Result<Vec<u8>, String> {
             after
         };
         if output.len() > len {
-            return Err(format!("the compressed data become more than the {len} bytes announced"));
+            return Err(format!("the compressed data expand to more than the {len} bytes that are announced"));
         }
     }
-    if output.len() == len { Ok(output) } else { Err(format!("the data become {} bytes, not {len}", output.len())) }
+    if output.len() == len {
+        Ok(output)
+    } else {
+        Err(format!("the data expand to {} bytes, not to {len}", output.len()))
+    }
 }
 
 #[cfg(test)]
@@ -62,11 +69,11 @@ mod tests {
             (&[0, 1, 1 << 5], 4, "end within the item at their byte 2"),
             (&[0, 1, 7 << 5], 4, "end within"),
             (&[0, 1, 7 << 5, 0], 4, "end within"),
-            (&[0, 1, 1 << 5, 1], 4, "refers to 2 bytes back, of 1"),
+            (&[0, 1, 1 << 5, 1], 4, "refers to 2 bytes back, but there are only 1"),
             (&[1, 7, 8], 1, "more than the 1 bytes"),
-            (&[1, 7, 8], 3, "become 2 bytes, not 3"),
-            (&[1, 7, 8], 1 << 40, "3 compressed bytes can't become"),
-            (&[], 1 << 40, "0 compressed bytes can't become"),
+            (&[1, 7, 8], 3, "expand to 2 bytes, not to 3"),
+            (&[1, 7, 8], 1 << 40, "3 compressed bytes can't expand to"),
+            (&[], 1 << 40, "0 compressed bytes can't expand to"),
         ] {
             assert!(decompress(input, len).unwrap_err().contains(says), "{input:?}");
         }

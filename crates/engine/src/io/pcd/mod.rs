@@ -161,12 +161,12 @@ fn compressed(
     let unpacked = u64::from(u32::from_le_bytes([u0, u1, u2, u3]));
     let wanted = header.record_len() * header.points;
     if unpacked != wanted {
-        let cause = format!("{unpacked} bytes announced, but {} points need {wanted}", header.points);
+        let cause = format!("{unpacked} unpacked bytes are announced, but {} points need {wanted}", header.points);
         return Err(source.malformed("compressed data", cause));
     }
     let left = source.len.saturating_sub(header.len + 8);
     if packed > left {
-        return Err(source.truncated(format!("{packed} compressed bytes announced, but only {left} are left")));
+        return Err(source.truncated(format!("{packed} compressed bytes are announced, but only {left} are left")));
     }
     let mut bytes = Vec::new();
     let read = source.reader.by_ref().take(packed).read_to_end(&mut bytes);

@@ -66,7 +66,7 @@ impl<'a> Layout<'a> {
         row.clear();
         for (field, used) in &self.fields {
             for _ in 0..field.count {
-                let word = words.next().ok_or_else(|| format!("nothing for field `{}`", field.name))?;
+                let word = words.next().ok_or_else(|| format!("there is no value for field `{}`", field.name))?;
                 let wrong = || format!("field `{}`: `{word}` is not a number", field.name);
                 match used {
                     Use::Skip => {}
@@ -80,7 +80,7 @@ impl<'a> Layout<'a> {
         }
         match words.count() {
             0 => Ok(()),
-            more => Err(format!("{more} more values than the fields")),
+            more => Err(format!("{more} more values than there are fields")),
         }
     }
 }

@@ -78,7 +78,7 @@ fn points(
     let mut columns = Columns::with_room(room, picture.has_alpha).ok_or_else(|| Error::Malformed {
         path: path.to_owned(),
         place: "the picture".into(),
-        cause: format!("no memory for its {room} points; scale it down"),
+        cause: format!("there is not enough memory for its {room} points; scale the picture down"),
     })?;
     for y in 0..picture.height {
         for x in 0..picture.width {

@@ -47,7 +47,7 @@ impl Picture {
             |place: &str, cause: String| Error::Malformed { path: path.clone(), place: place.into(), cause };
         let failed = |error: bitmap::Error| match error {
             bitmap::Error::Read(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
-                Error::Truncated { path: path.clone(), what: format!("the pixels go on behind byte {len}") }
+                Error::Truncated { path: path.clone(), what: format!("the pixels continue past the last byte, {len}") }
             }
             error => malformed("the picture", error.to_string()),
         };
@@ -55,16 +55,17 @@ impl Picture {
         let (width, height) = decoder.size();
         let pixels = u64::from(width) * u64::from(height);
         if pixels == 0 {
-            return Err(malformed("the header", format!("{width} × {height} pixels: there is nothing in it")));
+            return Err(malformed("the header", format!("{width} × {height} pixels, so the picture is empty")));
         }
         if pixels > MAX_PIXELS {
-            let cause = format!("{width} × {height} pixels, but {MAX_PIXELS} is the most; scale it down");
+            let cause =
+                format!("{width} × {height} pixels, but at most {MAX_PIXELS} are supported; scale the picture down");
             return Err(malformed("the header", cause));
         }
         let bytes = decoder.bytes();
         let allowed = if matches!(decoder, Decoder::Jpeg(_)) { ALWAYS_ALLOWED_JPEG } else { ALWAYS_ALLOWED };
         if bytes > allowed && bytes / LARGEST_RATIO > len {
-            let what = format!("{width} × {height} pixels of {bytes} bytes can't be in a file of {len}");
+            let what = format!("{width} × {height} pixels of {bytes} bytes don't fit in a file of {len} bytes");
             return Err(Error::Truncated { path: path.clone(), what });
         }
         let orientation = decoder.orientation().map_err(failed)?;

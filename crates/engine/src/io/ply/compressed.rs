@@ -61,10 +61,11 @@ impl Compressed {
         let count = header.elements[vertex].count;
         let wrong = |cause: String| file.malformed("header", cause);
         let named = |name: &str| header.elements.iter().position(|element| element.name == name);
-        let chunk = named("chunk").ok_or_else(|| wrong("compressed splats without an element `chunk`".to_owned()))?;
+        let chunk = named("chunk")
+            .ok_or_else(|| wrong("compressed splats need an element `chunk`, but there is none".to_owned()))?;
         let chunks = header.elements[chunk].count;
         if chunks != count.div_ceil(CHUNK as u64) {
-            return Err(wrong(format!("{chunks} chunks of {CHUNK} splats for {count} splats")));
+            return Err(wrong(format!("{chunks} chunks of {CHUNK} splats don't match {count} splats")));
         }
         let harmonics = named("sh").map(|at| (at, &header.elements[at]));
         let degree = harmonics.map_or(Ok(0), |(_, element)| degree(element, count)).map_err(wrong)?;
@@ -93,7 +94,7 @@ impl Compressed {
 fn degree(element: &Element, count: u64) -> Result<u32, String> {
     let found = element.properties.len();
     if element.count != count {
-        return Err(format!("{} × element `sh` for {count} splats", element.count));
+        return Err(format!("element `sh` has {} records for {count} splats", element.count));
     }
     let degree = (0..=MAX_DEGREE).find(|degree| 3 * coefficients(*degree) == found);
     degree.ok_or_else(|| format!("{found} properties of element `sh`, expected 0, 9, 24, 45 or 72"))
@@ -155,14 +156,20 @@ impl Records {
         let mut start = u128::from(header.len);
         for element in &header.elements[..=at] {
             if element.scalars().len() < element.properties.len() {
-                return Err(wrong(format!("element `{}` of compressed splats has a list", element.name)));
+                return Err(wrong(format!(
+                    "element `{}` has a list, which compressed splats can't have",
+                    element.name
+                )));
             }
             start += u128::from(element.least_bytes()) * u128::from(element.count);
         }
         let element = &header.elements[at];
         let (len, bytes) = (element.least_bytes(), u128::from(element.least_bytes()) * u128::from(element.count));
         if start > u128::from(file.len()) {
-            let what = format!("{} × element `{}` of {len} bytes end at byte {start}", element.count, element.name);
+            let what = format!(
+                "{} records of element `{}` with {len} bytes each end at byte {start}",
+                element.count, element.name
+            );
             return Err(file.truncated(format!("{what}, but the file has {} bytes", file.len())));
         }
         let values = names.iter().map(|name| {

@@ -47,7 +47,7 @@ impl Binary {
     fn skip_list(&self, reader: &mut impl Read, count: &ScalarType, item: &ScalarType) -> std::io::Result<()> {
         let length = self.scalar(reader, count)?;
         if !(0.0..=f64::from(u32::MAX)).contains(&length) {
-            return Err(std::io::Error::new(ErrorKind::InvalidData, format!("a list of {length} items")));
+            return Err(std::io::Error::new(ErrorKind::InvalidData, format!("a list can't have {length} items")));
         }
         skip_bytes(reader, length as u64 * size(item))
     }
@@ -149,7 +149,7 @@ impl Lines {
                 return source.malformed(format!("line {}", self.number), cause);
             }
             source.truncated(format!(
-                "the file ends in line {}, after {index} of the {} × element `{}` that the header announces ({cause})",
+                "the file ends in line {}, after {index} of the {} records of element `{}` that the header announces ({cause})",
                 self.number, element.count, element.name
             ))
         })
@@ -162,7 +162,7 @@ impl Lines {
             let read = source.reader.read_until(b'\n', &mut self.line);
             if read.map_err(|e| source.read_error(e))? == 0 {
                 return Err(source.truncated(format!(
-                    "the file ends at line {} after {index} of the {} × element `{}` that the header announces",
+                    "the file ends at line {} after {index} of the {} records of element `{}` that the header announces",
                     self.number - 1,
                     element.count,
                     element.name
@@ -182,7 +182,7 @@ fn parse(line: &str, element: &Element, row: &mut Vec<f64>) -> Result<(), String
     for property in &element.properties {
         let word = words.next().ok_or_else(|| {
             let (values, name) = (line.split_ascii_whitespace().count(), &property.name);
-            format!("expected {} values, found {values}: nothing for property `{name}`", element.properties.len())
+            format!("expected {} values, found {values}: there is none for property `{name}`", element.properties.len())
         })?;
         let value = number(word).ok_or_else(|| format!("property `{}`: `{word}` is not a number", property.name))?;
         match property.kind {

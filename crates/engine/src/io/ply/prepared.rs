@@ -164,7 +164,7 @@ fn read(text: &str) -> Result<Claim, String> {
     let value: serde_json::Value = serde_json::from_str(text).map_err(unreadable)?;
     match value.get("version").and_then(serde_json::Value::as_u64) {
         Some(version) if version > VERSION => {
-            return Err(format!("prepared in format {version}, of which this version knows only {VERSION}"));
+            return Err(format!("it was prepared in format {version}, but this program reads only format {VERSION}"));
         }
         Some(VERSION) => {}
         _ => return Err(format!("the comment `{WORD}` names no version of the format")),

@@ -55,9 +55,7 @@ impl SplatColumns {
         let degree = (0..=MAX_DEGREE).find(|degree| 3 * coefficients(*degree) == rest.len());
         let warning = degree.is_none().then(|| {
             let found = rest.len();
-            format!(
-                "{found} properties f_rest_ are harmonics of no degree, which have 9, 24, 45 or 72; they are left out"
-            )
+            format!("{found} properties f_rest_ are left out: harmonics of degree 1, 2, 3 or 4 have 9, 24, 45 or 72")
         });
         if degree.is_none() {
             rest.clear();

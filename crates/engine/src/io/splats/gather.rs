@@ -12,7 +12,7 @@ use crate::progress::Progress;
 const RUN: usize = 1 << 14;
 
 /// The end of the warning about splats that are none.
-const LEFT_OUT: &str = "splats are left out: a number of each is not finite, or it has no axes, or no extent";
+const LEFT_OUT: &str = "splats are left out: each has a number that is not finite, no axes, or no extent";
 
 /// A splat as a file gives it. Any number may be one that no splat has.
 #[derive(Debug, Clone, Copy)]

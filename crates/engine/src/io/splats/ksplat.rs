@@ -49,7 +49,7 @@ struct Section<'a> {
 pub(super) fn read(source: Source, progress: &Progress) -> Result<Cloud, Error> {
     let (file, bytes) = all_bytes(source)?;
     if bytes.len() < HEADER {
-        return Err(file.truncated(format!("{} bytes, but the header has {HEADER}", bytes.len())));
+        return Err(file.truncated(format!("the file has {} bytes, but the header alone has {HEADER}", bytes.len())));
     }
     let version = [bytes[0], bytes[1]];
     if version[0] != 0 || version[1] == 0 {
@@ -87,7 +87,8 @@ fn sections<'a>(file: &SharedFile, bytes: &'a [u8], mode: &Mode) -> Result<Vec<S
     let sections = word(bytes, 4);
     let room = (bytes.len() - HEADER) / SECTION;
     if sections as usize > room {
-        let cause = format!("the header announces {sections} sections, but there is room for the headers of {room}");
+        let cause =
+            format!("the header announces {sections} sections, but the file has room for only {room} section headers");
         return Err(file.truncated(cause));
     }
     let mut found = Vec::new();
@@ -121,17 +122,20 @@ impl<'a> Section<'a> {
         let (bucket, full, partial) = (u64::from(short(header, 20)), field(32), field(36));
         let degree = short(header, 40);
         if degree > MAX_DEGREE {
-            return Err(Fault::Wrong(format!("harmonics of degree {degree}, of which 3 is the highest")));
+            return Err(Fault::Wrong(format!("its harmonics have degree {degree}, expected at most 3")));
         }
         if count > room {
-            return Err(Fault::Wrong(format!("{count} splats, but room for {room}")));
+            return Err(Fault::Wrong(format!("it has {count} splats, but room for only {room}")));
         }
         let row = row_len(mode.number, degree.into());
         // Products of two 32-bit numbers; that of the rows is compared with the length before it is a place.
         let (sizes, centers, rows) = (partial * 4, buckets * bucket, u128::from(room) * row as u128);
         let end = u128::from(at) + u128::from(sizes) + u128::from(centers) + rows;
         if end > bytes.len() as u128 {
-            return Err(Fault::Short(format!("{room} rows of {row} bytes end at byte {end} of {}", bytes.len())));
+            return Err(Fault::Short(format!(
+                "{room} rows of {row} bytes end at byte {end}, but the file has {} bytes",
+                bytes.len()
+            )));
         }
         let part = |from: u64, len: u64| &bytes[from as usize..(from + len) as usize];
         let mut ends = Vec::new();

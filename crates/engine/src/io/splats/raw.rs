@@ -17,7 +17,7 @@ pub(super) fn read(source: Source, progress: &Progress) -> Result<Cloud, Error> 
     let (rows, rest) = (source.len / ROW as u64, source.len % ROW as u64);
     if rest != 0 {
         return Err(source.truncated(format!(
-            "{} bytes are {rows} splats of {ROW} bytes each, and {rest} bytes of another one",
+            "{} bytes are {rows} splats of {ROW} bytes each, and {rest} bytes of an incomplete one",
             source.len
         )));
     }

@@ -135,7 +135,7 @@ pub(super) fn check_finite(file: &LasFile) -> Result<(), Error> {
     if file.header.is_finite() {
         return Ok(());
     }
-    Err(file.file.malformed("LAS header", "scales or offsets that make coordinates infinite"))
+    Err(file.file.malformed("LAS header", "its scales or offsets make coordinates infinite"))
 }
 
 pub(super) fn no_points(file: &LasFile) -> Error {

@@ -36,14 +36,14 @@ impl PlyPieces {
         let mut source = Source::open(path)?;
         let start = source.peek()?;
         if !start.starts_with(b"ply") {
-            return Err(source.malformed("byte 0", "no PLY file"));
+            return Err(source.malformed("byte 0", "this is not a PLY file"));
         }
         match Self::new(source)? {
             Some(pieces) => Ok(pieces),
             None => Err(Error::Malformed {
                 path: path.to_path_buf(),
                 place: "header".to_owned(),
-                cause: "text, lists, splats or prepared points, which are read as a whole".to_owned(),
+                cause: "text, lists, splats and prepared points can only be read as a whole".to_owned(),
             }),
         }
     }

@@ -130,7 +130,7 @@ fn warnings(all: &[&Summary], keeps_prepared: bool, keeps_radii: bool) -> Vec<St
     }
     if let Some(other) = all.iter().find(|summary| summary.up != all[0].up) {
         warnings.push(format!(
-            "{} has {:?} up, but {} has {:?}, which holds for all",
+            "{} has {:?} as its up axis, but {} has {:?}, which is used for all files",
             other.path.display(),
             other.up,
             all[0].path.display(),

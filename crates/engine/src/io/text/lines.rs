@@ -35,7 +35,9 @@ impl<'s> Lines<'s> {
             self.number += 1;
             self.read += read;
             if read == MAX_LINE && !self.bytes.ends_with(b"\n") {
-                return Err(self.malformed(format!("longer than {MAX_LINE} bytes: not a table of numbers")));
+                return Err(self.malformed(format!(
+                    "the line is longer than {MAX_LINE} bytes, so this is not a table of numbers"
+                )));
             }
             let text = String::from_utf8_lossy(&self.bytes);
             let text = if self.number == 1 { text.trim_start_matches('\u{feff}') } else { &text }.trim();

@@ -129,7 +129,7 @@ impl Scan {
         let left = lines.source.len.saturating_sub(lines.read) + 1;
         let cells = columns.checked_mul(rows).filter(|&cells| cells <= left / LEAST_LINE).ok_or_else(|| {
             lines.source.truncated(format!(
-                "line {start} announces {columns} × {rows} points, but the {} bytes after its head hold at most {}",
+                "line {start} announces {columns} × {rows} points, but the {} bytes after its header hold at most {}",
                 left - 1,
                 left / LEAST_LINE
             ))
@@ -149,7 +149,7 @@ fn next(lines: &mut Lines, line: &mut String) -> Result<(), Error> {
     if lines.next(line)? {
         return Ok(());
     }
-    Err(lines.source.truncated(format!("the file ends at line {} within the head of a scan", lines.number)))
+    Err(lines.source.truncated(format!("the file ends at line {} within the header of a scan", lines.number)))
 }
 
 fn size(lines: &Lines, line: &str, what: &str) -> Result<u64, Error> {

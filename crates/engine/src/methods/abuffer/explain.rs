@@ -67,7 +67,8 @@ pub(super) fn lists(plan: &mut Plan<'_>, discs: &Discs, linked: bool) {
     let (ordered, unordered) = (facts.ordered > 0, facts.windows > facts.ordered);
     let mut counters = 0;
     if ordered {
-        counters = plan.order(Order::Depth, "splats are large and flat: sorted, they make ordered lists");
+        counters =
+            plan.order(Order::Depth, "splats are large and face the screen, so sorting them yields lists in order");
     }
     count(plan, why, unordered, counters, linked);
     plan.add("image/clear", true, "pixels without fragments stay empty");
@@ -78,31 +79,46 @@ pub(super) fn lists(plan: &mut Plan<'_>, discs: &Discs, linked: bool) {
         plan.add(name, any && for_links == linked, reason);
     }
     if ordered {
-        plan.add("abuffer/resolve-ordered", any, plan.if_seen("the lists are in the order of blending".to_owned()));
+        plan.add(
+            "abuffer/resolve-ordered",
+            any,
+            plan.if_seen("the lists are already in the order of blending".to_owned()),
+        );
     }
     if unordered {
         for name in BY_LENGTH {
-            plan.add(name, any, plan.if_seen("lists of each length get their own kernel".to_owned()));
+            plan.add(
+                name,
+                any,
+                plan.if_seen(
+                    "pixels are grouped by the length of their lists, as each length has its own kernel".to_owned(),
+                ),
+            );
         }
         kernels(plan, facts.max_list, discs);
     }
-    plan.rest(&list_passes(), "no list has to be sorted, or none is in order");
+    plan.rest(&list_passes(), "every list is already in order, or every list must be sorted");
 }
 
 /// The plan of a frame of lists of events: where rays enter and leave ellipsoids.
 fn ellipsoids(plan: &mut Plan<'_>, long_lists: LongLists, linked: bool) {
     let facts = plan.facts;
     let (any, several) = (facts.fragments > 0, facts.max_events > LOCAL_LENGTH);
-    let met = plan.if_seen(format!("{} ellipsoids and discs on all rays in {} band(s)", facts.fragments, facts.bands));
+    let met = plan
+        .if_seen(format!("all rays meet {} ellipsoids and discs, stored in {} band(s)", facts.fragments, facts.bands));
     plan.add("abuffer/clear", true, "counters start at zero");
-    plan.add("ellipsoids/count", plan.seen(), plan.if_seen("an ellipsoid is entered and left".to_owned()));
+    plan.add(
+        "ellipsoids/count",
+        plan.seen(),
+        plan.if_seen("a ray that meets an ellipsoid has two events: it enters and it leaves".to_owned()),
+    );
     plan.add("abuffer/measure", true, format!("the longest list has {} events", facts.max_events));
     let counts = plan.pixels().div_ceil(facts.windows.max(1)) + 1;
     let tiled = plan.tiles(facts.large);
     plan.scan(counts.max(tiled), "counters of events and tiles");
-    let slots = if linked { "linked lists need no slots" } else { "the next free slot of each list is its first" };
+    let slots = if linked { "linked lists reserve no slots" } else { "each list starts with its first slot free" };
     plan.add("abuffer/cursors", !linked, slots);
-    plan.add("abuffer/summary", true, "the events' total decides the bands");
+    plan.add("abuffer/summary", true, "the total number of events decides how many bands the image is split into");
     plan.add("image/clear", true, "pixels without events stay empty");
     for (name, for_links) in [
         ("ellipsoids/store", false),
@@ -113,7 +129,7 @@ fn ellipsoids(plan: &mut Plan<'_>, long_lists: LongLists, linked: bool) {
         let reason = if for_links == linked { met.clone() } else { plan.why.to_owned() };
         plan.add(name, any && for_links == linked, reason);
     }
-    let runs = plan.if_seen(format!("lists are sorted and composed in runs of {LOCAL_LENGTH} events"));
+    let runs = plan.if_seen(format!("lists are sorted and composited in runs of {LOCAL_LENGTH} events"));
     let longest = format!("the longest list has {} events", facts.max_events);
     plan.add("ellipsoids/split", any, runs.clone());
     plan.add("abuffer/run-groups", any, runs.clone());
@@ -132,7 +148,7 @@ fn ellipsoids(plan: &mut Plan<'_>, long_lists: LongLists, linked: bool) {
 /// The lengths of lists, counted beside what the method does if they are asked for; `others` are elements of its prefix sums.
 pub(crate) fn counted_beside(plan: &mut Plan<'_>, others: u64) {
     if plan.frame.fragments {
-        count(plan, "lengths of lists are asked for", true, others, false);
+        count(plan, "the lengths of lists were requested", true, others, false);
     } else {
         plan.scan(others, "counters of digits and tiles");
     }
@@ -142,7 +158,7 @@ pub(crate) fn counted_beside(plan: &mut Plan<'_>, others: u64) {
 /// share their passes.
 fn count(plan: &mut Plan<'_>, why: &str, visited: bool, others: u64, linked: bool) {
     let facts = plan.facts;
-    let counted = if plan.seen() { format!("{why}; by {}", facts.raster) } else { NOTHING.to_owned() };
+    let counted = if plan.seen() { format!("{why}; rasterized by {}", facts.raster) } else { NOTHING.to_owned() };
     plan.add("abuffer/clear", true, "counters start at zero");
     plan.add("abuffer/count", plan.seen(), counted);
     plan.add("abuffer/measure", true, format!("the longest list has {} fragments", facts.max_list));
@@ -150,9 +166,9 @@ fn count(plan: &mut Plan<'_>, why: &str, visited: bool, others: u64, linked: boo
     let counts = plan.pixels().div_ceil(facts.windows.max(1)) + 1;
     let tiled = if visited { plan.tiles(facts.large) } else { 0 };
     plan.scan(counts.max(tiled).max(others), "counters of fragments, tiles and digits");
-    let slots = if linked { "linked lists need no slots" } else { "the next free slot of each list is its first" };
+    let slots = if linked { "linked lists reserve no slots" } else { "each list starts with its first slot free" };
     plan.add("abuffer/cursors", !linked, slots);
-    plan.add("abuffer/summary", true, "the fragments' total decides the bands");
+    plan.add("abuffer/summary", true, "the total number of fragments decides how many bands the image is split into");
 }
 
 /// The kernels of the lengths that occur.
@@ -182,14 +198,14 @@ fn kernels(plan: &mut Plan<'_>, longest: u32, discs: &Discs) {
         plan.add(name, long && taken, reason);
     }
     let ends = discs.gaussians.stop > 0.0;
-    let end = if ends { reason.clone() } else { "no early end of lists requested (stop)".to_owned() };
+    let end = if ends { reason.clone() } else { "no early end of lists requested (method.stop)".to_owned() };
     plan.add("abuffer/end", long && ends, end);
     let wanted = wants_medians(plan);
     plan.add("abuffer/median", long && wanted, if wanted { reason } else { NO_MEDIANS.to_owned() });
 }
 
 /// Reason why no medians are found.
-const NO_MEDIANS: &str = "neither eye-dome lighting (shading.edl) nor median depths requested";
+const NO_MEDIANS: &str = "neither eye-dome lighting (shading.edl) nor median depths were requested";
 
 /// Returns `true` if the depths are wanted at which half of the light or less is left.
 fn wants_medians(plan: &Plan<'_>) -> bool {

@@ -111,20 +111,20 @@ impl Filtering {
         self.explain_filters(plan);
         let [width, height] = plan.frame.size;
         if self.layers.is_some() {
-            plan.add("peel-layers/blend", true, "each layer lies behind those before");
-            plan.add("peel-layers/summary", true, "between batches of layers the host looks whether there are more");
+            plan.add("peel-layers/blend", true, "blends each layer behind those before it");
+            plan.add("peel-layers/summary", true, "after each batch of layers the host checks whether more are left");
         } else {
-            plan.add("image/clear", true, "tiles of background alone are not delivered");
-            plan.add("image-space/deliver", true, format!("from tiles to {width} × {height} pixels"));
+            plan.add("image/clear", true, "image-space/deliver skips tiles that are all background");
+            plan.add("image-space/deliver", true, format!("copies tiles to {width} × {height} pixels"));
         }
-        plan.rest(&PASSES, "layers are blended, not delivered by themselves");
+        plan.rest(&PASSES, "the method blends layers and does not deliver each by itself");
     }
 
     /// Finding the nearest points.
     fn explain_points(&self, plan: &mut Plan<'_>) {
         plan.add("image-space/clear", true, "nearest points and work lists start empty");
         if self.layers.is_some() {
-            plan.add("peel-layers/clear", true, "no layer is counted yet");
+            plan.add("peel-layers/clear", true, "counts of layers start at zero");
             plan.add("image/clear", true, "pixels without layers stay empty");
         }
         let culled =
@@ -138,34 +138,39 @@ impl Filtering {
     fn explain_filters(&self, plan: &mut Plan<'_>) {
         let facts = plan.facts;
         let tiles = facts.image_tiles;
-        plan.add("image-space/measure", true, format!("what each of {tiles} tiles holds"));
+        plan.add("image-space/measure", true, format!("finds what each of {tiles} tiles holds"));
         if let Some(most) = self.layers {
-            let reason = format!("{} layers of at most {most} have points; one without empties the rest", facts.layers);
+            let reason = format!(
+                "{} of at most {most} layers have points; the first layer without any ends the search",
+                facts.layers
+            );
             plan.add("peel-layers/next", true, reason);
         }
-        plan.add("image-space/list", true, "each pass gets the tiles it may change");
+        plan.add("image-space/list", true, "lists for each filter the tiles it may change");
         let shading = plan.shading();
-        plan.add("image-space/resolve", true, format!("index of the nearest point to color; {shading}"));
+        plan.add("image-space/resolve", true, format!("turns the index of the nearest point into a color; {shading}"));
         for (filter, listed) in Filter::ALL.into_iter().zip(facts.filtered_tiles) {
             let (name, iterations, what) = asked(filter, &self.filters);
             let reason = match iterations {
-                0 => "switched off".to_owned(),
+                0 => "the filter is switched off".to_owned(),
                 _ => format!("{iterations} iteration(s) over tiles with {what}: {listed} of {tiles} tiles"),
             };
             // Its dispatches are recorded, if empty: the host does not know what an image holds.
             plan.add(name, iterations > 0, reason);
         }
-        plan.add("image-space/summary", true, "how many tiles each filter had");
+        plan.add("image-space/summary", true, "reports how many tiles each filter visited");
     }
 }
 
 /// The pass of a filter, the number of its iterations, and its purpose.
 fn asked(filter: Filter, filters: &ImageSpace) -> (&'static str, u32, &'static str) {
     match filter {
-        Filter::Fill => ("image-space/fill", filters.fill, "background beside points"),
-        Filter::Occlusion => ("image-space/occlusion", filters.occlusion, "points that others lie d~ before"),
+        Filter::Fill => ("image-space/fill", filters.fill, "background next to points"),
+        Filter::Occlusion => {
+            ("image-space/occlusion", filters.occlusion, "points that lie min_layer_distance or more behind others")
+        }
         Filter::Smooth => ("image-space/smooth", filters.smooth, "points"),
-        Filter::Antialias => ("image-space/antialias", u32::from(filters.antialias), "edges of depth"),
+        Filter::Antialias => ("image-space/antialias", u32::from(filters.antialias), "edges in depth"),
     }
 }
 
@@ -185,5 +190,5 @@ const PASSES: [&str; 10] = [
 
 /// Returns the passes of filtered images.
 pub(crate) fn pass_group() -> PassGroup {
-    PassGroup::new(&PASSES, Absent::Method("no filters of the image"))
+    PassGroup::new(&PASSES, Absent::Method("no image-space filters"))
 }

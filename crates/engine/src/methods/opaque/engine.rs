@@ -74,7 +74,7 @@ impl Engine for NearestEngine {
         plan.scan(tiled, "tiles of large splats");
         let (seen, why) = (plan.seen(), plan.why);
         plan.nearest(NEAREST, seen, if seen { why } else { NOTHING });
-        plan.add("opaque/resolve", true, "index of the nearest splat to color");
+        plan.add("opaque/resolve", true, "turns the index of the nearest splat into a color");
     }
 }
 
@@ -83,12 +83,12 @@ const NEAREST: [&str; 3] = ["opaque/nearest", "opaque/nearest-depth", "opaque/ne
 
 /// Counters that most methods clear, and the results of the projection.
 pub(crate) fn counter_group() -> PassGroup {
-    PassGroup::new(&COUNTERS, Absent::Always("ensembles have counters of their own"))
+    PassGroup::new(&COUNTERS, Absent::Always("methods of ensembles use their own counters"))
 }
 
 /// Returns the passes that list the large splats of tiles.
 pub(crate) fn tile_group() -> PassGroup {
-    PassGroup::new(&TILES, Absent::Always("no stage visits pixels splat by splat"))
+    PassGroup::new(&TILES, Absent::Always("no pass visits pixels splat by splat"))
 }
 
 /// Returns the passes of opaque splats where only the nearest one counts.

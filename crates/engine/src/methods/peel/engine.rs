@@ -74,16 +74,20 @@ impl Engine for PeelEngine {
         let (seen, why, layers) = (plan.seen(), plan.why, self.peel.layers);
         let tiled = plan.tiles(plan.facts.large);
         plan.scan(tiled, "tiles of large splats");
-        let counted = "list lengths, for `profile` and --aov only";
+        let counted = "list lengths are counted only for `pellucid profile` and --aov";
         plan.add("peel/clear", true, "nothing is peeled yet");
         plan.add("peel/count", seen && plan.frame.fragments, if seen { counted } else { NOTHING });
         plan.add("image/clear", true, "pixels without fragments stay empty");
-        let until = if layers == 0 { "until nothing is left".to_owned() } else { format!("{layers} layers") };
+        let until = if layers == 0 {
+            "layers are peeled until none is left".to_owned()
+        } else {
+            format!("{layers} layers are peeled")
+        };
         let reason = plan.if_seen(format!("{why}; {until}"));
         plan.nearest(NEAREST, seen, &reason);
-        plan.add("peel/blend", true, "each layer lies behind those before");
-        plan.add("peel/next", true, "a layer without a fragment is the last");
-        plan.add("peel/summary", true, "between batches of layers the host looks whether there are more");
+        plan.add("peel/blend", true, "blends each layer behind those before it");
+        plan.add("peel/next", true, "the first layer without fragments ends the peeling");
+        plan.add("peel/summary", true, "after each batch of layers the host checks whether more are left");
     }
 }
 

@@ -72,7 +72,7 @@ impl Engine for PointsEngine {
         plan.nearest(NEAREST, plan.facts.points > 0, plan.why);
         plan.found();
         let shading = plan.shading();
-        plan.add("points/resolve", true, format!("index of the nearest point to color; {shading}"));
+        plan.add("points/resolve", true, format!("turns the index of the nearest point into a color; {shading}"));
     }
 }
 

@@ -124,11 +124,11 @@ fn lit_variant(cube: bool) -> Variant {
 /// Returns the reason why a frame has no shadows; `None` if it has.
 pub fn refusal(frame: &Frame) -> Option<String> {
     if frame.shadows.is_none() {
-        Some("no shadows asked for".to_owned())
+        Some("no shadows requested (shadows.method)".to_owned())
     } else if !frame.method.takes_shadows() {
-        Some(format!("method {} takes no shadows", frame.method.name()))
+        Some(format!("the method {} has no shadows", frame.method.name()))
     } else if frame.shading.model == ShadingModel::None {
-        Some("no shading requested, so no shadows".to_owned())
+        Some("shading is off (shading.model = \"none\"), so there are no shadows".to_owned())
     } else if frame.shading.light == Light::Headlight {
         Some("a headlight casts no shadows".to_owned())
     } else {

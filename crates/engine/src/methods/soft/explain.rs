@@ -33,8 +33,8 @@ pub(super) fn spheres(plan: &mut Plan<'_>, threshold: f32, interior: Interior) {
     plan.projected();
     let solid = facts.solid_points;
     let soft = facts.points.saturating_sub(solid);
-    let solids = format!("{solid} solid points (field at most {threshold})");
-    let softs = format!("{soft} soft points above threshold {threshold}");
+    let solids = format!("{solid} solid points (field values up to {threshold})");
+    let softs = format!("{soft} soft points (field values above {threshold})");
     let counters = if solid > 0 { explain_solids(plan, &solids) } else { 0 };
     plan.add("image/clear", true, "pixels without fragments stay empty");
     if soft == 0 {
@@ -42,10 +42,10 @@ pub(super) fn spheres(plan: &mut Plan<'_>, threshold: f32, interior: Interior) {
     } else {
         events(plan, &softs, counters, interior);
     }
-    plan.add("soft/compose", solid > 0, format!("{softs}, before {solids}"));
+    plan.add("soft/compose", solid > 0, format!("{softs}, in front of {solids}"));
     plan.rest(&sphere_passes(), &softs);
-    plan.rest(&abuffer::COUNT, if soft > 0 { "soft spheres have a count of their own" } else { &softs });
-    plan.rest(&abuffer::list_passes(), &format!("events of soft spheres, not fragments: {why}"));
+    plan.rest(&abuffer::COUNT, if soft > 0 { "soft spheres are counted by soft/count" } else { &softs });
+    plan.rest(&abuffer::list_passes(), &format!("lists hold events of soft spheres, not fragments: {why}"));
 }
 
 /// Events of spheres in lists.
@@ -60,13 +60,13 @@ fn events(plan: &mut Plan<'_>, softs: &str, counters: u64, interior: Interior) {
     let counts = plan.pixels().div_ceil(facts.windows.max(1)) + 1;
     let tiled = plan.tiles(facts.soft_large);
     plan.scan(counts.max(tiled).max(counters), "counters of events, tiles and digits");
-    plan.add("abuffer/cursors", true, "the next free slot of each list is its first");
-    plan.add("abuffer/summary", true, "the events' total decides the bands");
+    plan.add("abuffer/cursors", true, "each list starts with its first slot free");
+    plan.add("abuffer/summary", true, "the total number of events decides how many bands the image is split into");
     let stored =
-        format!("{} spheres on pixels, each with two events or more, in {} band(s)", facts.fragments, facts.bands);
+        format!("pixels meet {} spheres, each with two events or more, in {} band(s)", facts.fragments, facts.bands);
     plan.add("soft/store", any, pick(&stored));
     for name in BY_LENGTH {
-        plan.add(name, any, pick("lists of each length get their own kernel"));
+        plan.add(name, any, pick("pixels are grouped by the length of their lists, as each length has its own kernel"));
     }
     kernels(plan, facts.max_events, interior.is_integrated());
 }
@@ -88,7 +88,11 @@ fn kernels(plan: &mut Plan<'_>, longest: u32, integrated: bool) {
     }
     for name in LONG {
         let on = long && (integrated || name != "soft/segments");
-        plan.add(name, on, if on || !long { reason.clone() } else { "densities are constant".to_owned() });
+        plan.add(
+            name,
+            on,
+            if on || !long { reason.clone() } else { "the density is constant within each sphere".to_owned() },
+        );
     }
     plan.add("abuffer/combine", long, reason);
 }
@@ -98,16 +102,16 @@ pub(super) fn discs(plan: &mut Plan<'_>, threshold: f32) {
     let (facts, why) = (plan.facts, plan.why);
     plan.projected();
     let solid = facts.solid_points;
-    let solids = format!("{solid} solid points (field at most {threshold})");
-    let softs = format!("{} soft points above threshold {threshold}", facts.points.saturating_sub(solid));
+    let solids = format!("{solid} solid points (field values up to {threshold})");
+    let softs = format!("{} soft points (field values above {threshold})", facts.points.saturating_sub(solid));
     let mut counters = if solid > 0 { explain_solids(plan, &solids) } else { 0 };
     let Axis { index, backward } = Axis::nearest(plan.frame.camera.forward);
     let by = format!("along {}{}", if backward { '-' } else { '+' }, ['x', 'y', 'z'][index]);
     let seen = facts.soft_visible > 0;
     if seen {
-        plan.rest(&ORDER[..4], "points were sorted along the axes once");
-        plan.add("bin/pick", true, format!("{} soft points are drawn, in order {by}", facts.soft_visible));
-        plan.add("bin/place", true, "only what is drawn is fetched and binned");
+        plan.rest(&ORDER[..4], "points are already sorted along each axis");
+        plan.add("bin/pick", true, format!("{} soft points are drawn, in their order {by}", facts.soft_visible));
+        plan.add("bin/place", true, "fetches and bins only the points that are drawn");
         if facts.splatted == 0 {
             plan.bins(&by);
         }
@@ -116,14 +120,14 @@ pub(super) fn discs(plan: &mut Plan<'_>, threshold: f32) {
     plan.scan(counters, "counters of runs, tiles and digits");
     let blended = format!("{softs}, {by}, in {} window(s)", facts.bands);
     plan.add("soft/express", seen, if seen { &blended } else { NOTHING });
-    plan.add("soft/compose", solid > 0, format!("{softs}, before {solids}"));
+    plan.add("soft/compose", solid > 0, format!("{softs}, in front of {solids}"));
     let empty = facts.windows - facts.bands.min(facts.windows);
     let bare = if solid > 0 { facts.windows.saturating_sub(facts.splatted) } else { 0 };
-    let windows = format!("{empty} window(s) show no soft point, {bare} with solid points none of these");
+    let windows = format!("{empty} window(s) show no soft point; {bare} show none of the frame's solid points");
     plan.add("image/clear", empty + bare > 0, windows);
     plan.rest(&PRESORTED, NOTHING);
     plan.rest(&ORDER, NOTHING);
-    plan.rest(&sphere_passes(), &format!("discs, not spheres: {why}"));
+    plan.rest(&sphere_passes(), &format!("soft points are discs, not spheres: {why}"));
     plan.rest(&abuffer::COUNT, "the method needs no lists");
-    plan.rest(&abuffer::list_passes(), "soft discs are blended tile by tile: no lists");
+    plan.rest(&abuffer::list_passes(), "soft discs are blended tile by tile, without lists");
 }

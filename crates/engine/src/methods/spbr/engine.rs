@@ -133,20 +133,29 @@ impl Engine for EnsembleEngine {
     fn explain(&self, plan: &mut Plan<'_>) {
         let facts = plan.facts;
         let any = facts.slots > 0;
-        plan.add("spbr/clear", true, "planes of ensembles and sums start empty");
-        let whole = || "all points fit the device and the budget".to_owned();
-        let part = |n| format!("{} points don't fit the budget or an allocation: at most {n} at a time", facts.points);
+        plan.add("spbr/clear", true, "the planes of ensembles and the sums start empty");
+        let whole = || "all points fit in device memory and in the budget".to_owned();
+        let part = |n| {
+            format!(
+                "{} points don't fit in the budget or in one allocation, so at most {n} are uploaded at a time",
+                facts.points
+            )
+        };
         plan.add("spbr/upload", any && facts.streamed.is_some(), facts.streamed.map_or_else(whole, part));
         explain_stages(plan, any);
-        let wide = "points of more than 64 pixels are possible: whole workgroups fill them";
+        let wide = "points may cover more than 64 pixels; a whole workgroup fills each of these";
         let narrow = "no point can be wider than 7 pixels";
         plan.add("spbr/large", any && facts.listed, if facts.listed { wide } else { narrow });
-        let epochs = "index and epoch of a point share 32 bits";
-        let renewed = if facts.renewed { "there are more ensembles than epochs" } else { "epochs last" };
+        let epochs = "the index and the epoch of a point share 32 bits";
+        let renewed = if facts.renewed { "there are more ensembles than epochs" } else { "there are enough epochs" };
         plan.add("spbr/renew", any && facts.renewed, format!("{epochs}: {renewed}"));
-        plan.add("spbr/resolve", true, format!("sums of {} ensembles to color and A", facts.ensembles));
-        plan.add("spbr/summary", true, "how many points were drawn, to the host");
-        plan.rest(&PASSES, &format!("{} needs none", plan.frame.method.name()));
+        plan.add(
+            "spbr/resolve",
+            true,
+            format!("turns the sums of {} ensembles into color and opacity A", facts.ensembles),
+        );
+        plan.add("spbr/summary", true, "reports to the host how many points were drawn");
+        plan.rest(&PASSES, &format!("{} does not need this pass", plan.frame.method.name()));
         plan.not_projected();
     }
 }
@@ -158,18 +167,26 @@ fn explain_stages(plan: &mut Plan<'_>, any: bool) {
     let has = if plan.device.info().int64_atomics { "the device has" } else { "the device has no" };
     let (single, wide, narrow) = (&[Form::Single][..], &[Form::Wide][..], &[Form::Narrow][..]);
     for (name, forms, how) in [
-        ("spbr/draw", single, "64-bit atomics, colors need no shading and are within reach".to_owned()),
-        ("spbr/nearest", wide, format!("{has} 64-bit atomics; colors are shaded, or not all in reach")),
+        (
+            "spbr/draw",
+            single,
+            "the device has 64-bit atomics; colors need no shading, and the shader reaches all of them".to_owned(),
+        ),
+        (
+            "spbr/nearest",
+            wide,
+            format!("{has} 64-bit atomics; colors are shaded, or the shader does not reach all of them"),
+        ),
         ("spbr/nearest-depth", narrow, format!("{has} 64-bit atomics")),
         ("spbr/nearest-id", narrow, format!("{has} 64-bit atomics")),
         (
             "spbr/sum",
             &[Form::Wide, Form::Narrow][..],
-            "colors of the points that are the nearest of an ensemble".to_owned(),
+            "sums the colors of the nearest points of each ensemble".to_owned(),
         ),
     ] {
         let on = any && facts.form.is_some_and(|form| forms.contains(&form));
-        let reason = if on { format!("{why}; {dealt}; {how}") } else { "the ensembles are drawn otherwise".to_owned() };
+        let reason = if on { format!("{why}; {dealt}; {how}") } else { "other passes draw the ensembles".to_owned() };
         plan.add(name, on, reason);
     }
 }

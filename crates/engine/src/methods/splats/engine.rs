@@ -142,7 +142,7 @@ pub(crate) const SOLID_BYTES: u64 = PIXEL_BYTES + Layer::PIXEL_BYTES;
 
 /// Returns the passes of splats that are blended in three passes.
 pub(crate) fn pass_group() -> PassGroup {
-    PassGroup::new(&PASSES, Absent::Method("no splats are blended in three passes"))
+    PassGroup::new(&PASSES, Absent::Method("splats are not blended in three passes"))
 }
 
 /// The plan of windows of splats, and perhaps a layer over them; `scan` explains the prefix sums of so many counters.
@@ -151,7 +151,7 @@ pub(crate) fn explain_windows(plan: &mut Plan<'_>, scan: fn(&mut Plan<'_>, u64))
     let counters = explain_solids(plan, why);
     scan(plan, counters);
     let layered = facts.layered > 0;
-    let layer = format!("soft points lie before others in {} window(s)", facts.layered);
+    let layer = format!("soft points lie in front of others in {} window(s)", facts.layered);
     plan.add("one-layer/compose", layered, if layered { &layer } else { "no soft point touches the image" });
     // A window with a layer is drawn into twice.
     let empty = facts.windows.saturating_sub(facts.splatted - facts.layered);
@@ -163,9 +163,9 @@ pub(crate) fn explain_solids(plan: &mut Plan<'_>, why: &str) -> u64 {
     let seen = plan.facts.splatted > 0;
     let counters = if seen { plan.order(Order::Index, EACH_PIXEL) } else { 0 };
     let reasons = [
-        format!("{why}; the nearest splats hide deeper ones"),
-        "splats that are not hidden are summed by weight".to_owned(),
-        "sums to colors".to_owned(),
+        format!("{why}; finds the nearest splats, which hide deeper ones"),
+        "sums the splats that are not hidden, by weight".to_owned(),
+        "turns sums into colors".to_owned(),
     ];
     for (name, reason) in PASSES.into_iter().zip(reasons) {
         plan.add(name, seen, if seen { reason } else { NOTHING.to_owned() });

@@ -151,11 +151,11 @@ impl Engine for StochasticEngine {
         plan.emptied();
         let why = plan.why;
         if plan.facts.raster == "hardware" {
-            plan.rest(&SAMPLES, "the rasterizer takes the samples");
+            plan.rest(&SAMPLES, "the rasterizer takes the samples (method.raster = \"hardware\")");
         }
-        plan.rest(&ORDER, &format!("splats are blended in no order: {why}"));
-        plan.rest(&tiled::stage_group().names, &format!("samples are taken: {why}"));
-        tiled::without_lists(plan, &format!("samples, not lists: {why}"));
+        plan.rest(&ORDER, &format!("samples need no order of splats: {why}"));
+        plan.rest(&tiled::stage_group().names, &format!("the method takes samples: {why}"));
+        tiled::without_lists(plan, &format!("samples need no lists: {why}"));
     }
 }
 
@@ -171,7 +171,7 @@ pub(crate) fn pass_groups() -> [PassGroup; 2] {
 }
 
 fn correction(settings: &Stochastic) -> &'static str {
-    if settings.alpha_correction { "the exact A corrects colors" } else { "no alpha correction" }
+    if settings.alpha_correction { "colors are corrected by the exact opacity A" } else { "alpha correction is off" }
 }
 
 /// Splats in tiles, and the passes over them for each few strata of samples.
@@ -181,10 +181,10 @@ fn explain_tiles(plan: &mut Plan<'_>, settings: &Stochastic) {
     counted_beside(plan, counters);
     let (samples, runs) = (settings.samples, batches(settings.samples).count());
     let reasons = [
-        format!("{why}; {samples} samples in {runs} run(s) over the splats"),
-        format!("what is visible in {samples} samples; {alpha}"),
-        "the sums of each run to those before".to_owned(),
-        format!("sums to color and A; {alpha}"),
+        format!("{why}; {samples} samples, taken in {runs} run(s) over the splats"),
+        format!("sums what is visible in {samples} samples; {alpha}"),
+        "adds the sums of each run to those of earlier runs".to_owned(),
+        format!("turns sums into color and opacity A; {alpha}"),
     ];
     for (name, reason) in SAMPLES.into_iter().zip(reasons) {
         plan.add(name, plan.seen(), plan.if_seen(reason));
@@ -201,11 +201,11 @@ fn explain_draws(plan: &mut Plan<'_>, settings: &Stochastic) {
     let corrected = settings.alpha_correction;
     for (name, on, reason) in [
         (DRAWS[0], corrected, alpha.to_owned()),
-        (DRAWS[1], true, format!("{why}; {samples} samples in {strata} draws")),
-        (DRAWS[2], true, format!("what is visible in the samples, in {strata} draws")),
-        (DRAWS[3], true, "from attachments to sums".to_owned()),
-        (SAMPLES[2], true, "the sums of each run to those before".to_owned()),
-        (SAMPLES[3], true, format!("sums to color and A; {alpha}")),
+        (DRAWS[1], true, format!("{why}; {samples} samples, taken in {strata} draws")),
+        (DRAWS[2], true, format!("sums what is visible in the samples, in {strata} draws")),
+        (DRAWS[3], true, "copies attachments to sums".to_owned()),
+        (SAMPLES[2], true, "adds the sums of each run to those of earlier runs".to_owned()),
+        (SAMPLES[3], true, format!("turns sums into color and opacity A; {alpha}")),
     ] {
         let reason = if plan.seen() { reason } else { NOTHING.to_owned() };
         plan.add(name, plan.seen() && on, reason);

@@ -25,7 +25,7 @@ settings! {
         /// Use an orthographic camera; it shows the whole scene unless `height` is given.
         ortho: bool = false, rival "fov_y";
         /// Nearest depth that is drawn, measured at the center of each point.
-        near: Option<f64> = None, in Range::POSITIVE, unit "world units", without "before the scene";
+        near: Option<f64> = None, in Range::POSITIVE, unit "world units", without "in front of the scene";
         /// Farthest depth that is drawn, measured at the center of each point.
         far: Option<f64> = None, in Range::POSITIVE, unit "world units", without "behind the scene";
         /// The direction from which the scene is framed; no key sets it.

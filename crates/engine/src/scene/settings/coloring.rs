@@ -27,19 +27,19 @@ settings! {
 words! {
     /// `colormap` of a `[[cloud]]`.
     pub enum ColormapName {
-        /// From dark blue by green to yellow, even to the eye.
+        /// From dark blue through green to yellow, perceptually even.
         Viridis = "viridis",
-        /// From blue to yellow; also even to eyes that see no red or no green.
+        /// From blue to yellow; even with red-green color blindness too.
         Cividis = "cividis",
-        /// From black by purple to pale yellow.
+        /// From black through purple to pale yellow.
         Magma = "magma",
-        /// From black by red to pale yellow.
+        /// From black through red to pale yellow.
         Inferno = "inferno",
-        /// From blue by red to yellow.
+        /// From blue through red to yellow.
         Plasma = "plasma",
         /// A rainbow without false edges.
         Turbo = "turbo",
-        /// From water by green and brown to snow.
+        /// From water through green and brown to snow.
         Terrain = "terrain",
         /// From black to white, even in sRGB.
         Grey = "grey",
@@ -57,7 +57,7 @@ impl ColormapName {
 /// `color_by` of a `[[cloud]]`.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum ColorBy {
-    /// The best that the file has.
+    /// The best source that the file has.
     #[default]
     Auto,
     /// The file's colors.

@@ -53,7 +53,7 @@ words! {
         Ewa = "ewa",
         /// By its largest value along the pixel's ray (Moënne-Loccoz et al. 2024).
         Ray = "ray",
-        /// An ellipsoid of constant density, as a ray goes through it (Mai et al. 2025): abuffer and linked-list.
+        /// An ellipsoid of constant density that rays pass through (Mai et al. 2025): abuffer and linked-list.
         Ellipsoid = "ellipsoid",
     }
 }
@@ -105,9 +105,9 @@ words! {
 words! {
     /// Way to sort lists that are too long for one invocation's registers.
     pub enum LongLists {
-        /// In runs, by many invocations, merged between two buffers.
+        /// In runs by many invocations, which are merged between two buffers.
         Merge = "merge",
-        /// By one invocation for each list, in the fragment buffer itself.
+        /// In place in the fragment buffer, by one invocation for each list.
         InPlace = "in-place",
     }
 }
@@ -185,7 +185,7 @@ words! {
     pub enum Tail {
         /// Their mean color under their exact opacity (Maule et al. 2013).
         Average = "average",
-        /// Each weighted by the light that power moments leave before it, under their exact opacity.
+        /// Each weighted by the light let through in front of it, by power moments, under their exact opacity.
         Moments = "moments",
     }
 }
@@ -230,7 +230,7 @@ settings! {
         discs: Discs = Discs::default();
         /// Number of power moments of each pixel's optical depth.
         moments: MomentCount = MomentCount::Four, tried MOMENTS;
-        /// Position of the light before a fragment between its bounds: 0 is the most light, 1 the least.
+        /// Where the light in front of a fragment lies between its bounds: 0 is the most light, 1 the least.
         overestimation: f32 = 0.1, in Range::UNIT;
         /// Share by which moments are moved toward a smooth distribution: more is smoother, less is sharper.
         bias: Option<f32> = None, in Range::UNIT, without "`5e-7`, `5e-6`, `5e-5` for 4, 6, 8 moments", start 5e-6, slider Slider::Powers(1e-8, 0.1);

@@ -65,7 +65,7 @@ words! {
         Lambert = "lambert",
         /// Lambert plus specular·max(0, r·v)^shininess.
         Phong = "phong",
-        /// Lambert, where normals are given or estimated from neighbors that lie about a surface.
+        /// Lambert, where normals are given or estimated from neighbors that lie near a surface.
         Auto = "auto",
     }
 }

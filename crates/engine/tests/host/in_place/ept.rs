@@ -103,11 +103,11 @@ fn lying_descriptions_are_refused() {
         ("dataType", json!("zip"), "known: laszip, binary, zstandard"),
         ("dataType", json!("laszip"), "no such file"),
         ("hierarchyType", json!("gzip"), "known: json"),
-        ("bounds", json!([0, 0, 0, -1, 1, 1]), "no box"),
+        ("bounds", json!([0, 0, 0, -1, 1, 1]), "is not a box"),
         ("bounds", json!([0, 0, 0]), "line 1"),
         ("boundsConforming", json!([0, 0, 0, 1, 1, 1]), "lies outside"),
-        ("schema", json!([]), "no `X`"),
-        ("schema", json!([{ "name": "X", "type": "signed", "size": 3 }]), "of 3 bytes"),
+        ("schema", json!([]), "lacks one of `X`"),
+        ("schema", json!([{ "name": "X", "type": "signed", "size": 3 }]), "can't have 3 bytes"),
     ];
     for (key, value, says) in cases {
         let (folder, _) = made(Tiles::Binary, true);
@@ -130,9 +130,9 @@ fn lying_hierarchies_are_refused() {
     let cases = [
         (&*below, json!(5), "the nodes of the hierarchy have"),
         ("0-0-0-0", json!(-1), "read before"),
-        ("1-2-0-0", json!(1), "no level and place"),
-        ("40-0-0-0", json!(1), "no level and place"),
-        ("a", json!(1), "no level and place"),
+        ("1-2-0-0", json!(1), "not a level and place"),
+        ("40-0-0-0", json!(1), "not a level and place"),
+        ("a", json!(1), "not a level and place"),
         ("0-0-0-0", json!(-2), "-2 points"),
         ("0-0-0-0", json!(1e30), "line 1"),
         ("2-3-3-3", json!(-1), "no such file"),
@@ -163,7 +163,7 @@ fn lying_hierarchies_are_refused() {
     std::fs::write(ept.join("ept.json"), description).unwrap();
     std::fs::write(ept.join("ept-hierarchy/0-0-0-0.json"), root.to_string()).unwrap();
     // A file below that leads to itself, and one with a node that another file has.
-    for (own, says) in [(json!({ below.clone(): -1 }), "read before"), (json!({ "0-0-0-0": 1 }), "another count")] {
+    for (own, says) in [(json!({ below.clone(): -1 }), "read before"), (json!({ "0-0-0-0": 1 }), "a second count")] {
         std::fs::write(ept.join(format!("ept-hierarchy/{below}.json")), own.to_string()).unwrap();
         let error = read(&ept).expect_err(says).to_string();
         assert!(error.contains(says), "{error}");

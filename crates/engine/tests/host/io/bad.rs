@@ -95,9 +95,9 @@ fn truncated_and_lying_ply() {
     }
     assert_refused("a.ply", binary("99999999999999999999", &rows), &["line 3"]);
     let text = ply("ascii", "3", b"1.5 2.5 3.5\n1.5 2.5 3.5\n");
-    assert_refused("a.ply", text, &["ends at line 9 after 2 of the 3 × element `vertex`"]);
+    assert_refused("a.ply", text, &["ends at line 9 after 2 of the 3 records of element `vertex`"]);
     let text = ply("ascii", "2", b"1.5 2.5 3.5\n1.5 2.");
-    assert_refused("a.ply", text, &["truncated", "ends in line 9, after 1 of the 2 × element `vertex`"]);
+    assert_refused("a.ply", text, &["truncated", "ends in line 9, after 1 of the 2 records of element `vertex`"]);
     assert_refused("a.ply", ply("ascii", "2", b"1.5 2.5 3.5\n1 2\n"), &["line 9", "expected 3 values, found 2"]);
     assert_refused("a.ply", ply("ascii", "2", b"1.5 2.5 3.5\n\n1 2 3 4\n"), &["line 10", "1 more values"]);
     assert_refused("a.ply", ply("ascii", "1", b"1 2,5 3\n"), &["line 8", "property `y`", "`2,5` is not a number"]);
@@ -181,7 +181,7 @@ fn truncated_and_lying_laz() {
         if format == 6 {
             // The size of the first layer: after the place of the table, a point and the count.
             let lie = patched(file, start + 8 + 30 + 4, &[255; 4]);
-            assert_refused("a.laz", lie, &["points 0–999", "layers of"]);
+            assert_refused("a.laz", lie, &["points 0–999", "its layers take"]);
         }
     }
 }
@@ -208,7 +208,7 @@ fn fields_of_laz_beyond_sixteen_bits() {
     assert_eq!(file[start - 12..start], [6, 0, 20, 0, 2, 0, 7, 0, 8, 0, 2, 0]);
     // Extra bytes, 61 440 and 4124 of them: 65 536 more than the 28 of a record.
     let lie = patched(file, start - 12, &[0, 0, 0, 240, 2, 0, 0, 0, 28, 16, 2, 0]);
-    assert_refused("a.laz", lie, &["LAZ record", "its fields take 65564 bytes, a point record has 28"]);
+    assert_refused("a.laz", lie, &["LAZ record", "its fields take 65564 bytes, but a point record has 28"]);
 }
 
 #[test]

@@ -219,7 +219,7 @@ fn damaged_and_lying_files() {
     assert_refused(
         "a.e57",
         xml("type=\"Float\">0</cartesian", &format!("{constant}>0</cartesian")),
-        &["all values of its 100 points are constants"],
+        &["every field of its 100 points is a constant"],
     );
     let many = format!("<prototype type=\"Structure\">{}", format!("<returnCount {constant}/>").repeat(2000));
     assert_refused("a.e57", xml("<prototype type=\"Structure\">", &many), &["2003 fields (at most 1024)"]);

@@ -134,7 +134,7 @@ fn damaged_times_end_in_errors_at_most() {
     let found = root().join("fuzz/corpus/copc/found-times-without-end");
     let error = times("a.laz", &std::fs::read(found).unwrap()).unwrap_err();
     assert!(
-        error.contains("a.laz: points ") && error.contains("GPS times that change their sequence without end"),
+        error.contains("a.laz: points ") && error.contains("the GPS times change their sequence without end"),
         "{error}"
     );
     let mut refused = 0;

@@ -358,7 +358,7 @@ fn points_outside_of_the_announced_box_are_refused() {
     let error =
         build(&[Box::new(Lying(held, summary))], &folder.path().join("a"), &settings(ROOMY), &Progress::hidden());
     let message = error.unwrap_err().to_string();
-    assert!(message.starts_with("memory: point at ") && message.contains("outside of the box"), "{message}");
+    assert!(message.starts_with("memory: point at ") && message.contains("outside the box"), "{message}");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is left");
 }
 

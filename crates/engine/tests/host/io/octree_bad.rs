@@ -75,24 +75,27 @@ fn assert_bad(path: &Path, says: &str) {
 fn octrees_that_lie_are_refused() {
     type Change = fn(&mut serde_json::Value);
     let changes: [(Change, &str); 19] = [
-        (|m| m["scale"][2] = 1e300.into(), "no coordinate beyond the range of float64"),
-        (|m| m["offset"][2] = 1.79e308.into(), "outside of its box"),
+        (|m| m["scale"][2] = 1e300.into(), "coordinates within the range of float64"),
+        (|m| m["offset"][2] = 1.79e308.into(), "outside its box"),
         (|m| m["spacing"] = (-0.25).into(), "spacing: -0.25"),
         (|m| m["boundingBox"]["max"][2] = 1e308.into(), "no box"),
         (|m| m["attributes"][5]["numElements"] = u64::MAX.into(), "18446744073709551615 elements"),
         (|m| m["attributes"][5]["type"] = "int128".into(), "unknown variant `int128`"),
         (|m| m["encoding"] = "BROTLI".into(), "is not supported; convert the source with"),
-        (|m| m["version"] = "1.8".into(), "only Potree 2 is known"),
+        (|m| m["version"] = "1.8".into(), "only Potree 2 is supported"),
         (|m| m["scale"][1] = 0.into(), "scales must be above 0"),
         (|m| m["boundingBox"]["min"][2] = 9.into(), "no box"),
         (|m| m["hierarchy"]["firstChunkSize"] = 66.into(), "no node before it"),
         (|m| m["hierarchy"]["firstChunkSize"] = u64::MAX.into(), "but the file ends after 66"),
-        (|m| m["attributes"][0]["size"] = 16.into(), "attribute \"position\": 16 bytes for 3 elements of 4"),
+        (|m| m["attributes"][0]["size"] = 16.into(), "attribute \"position\": 16 bytes don't match 3 elements of 4"),
         (|m| m["attributes"][0]["name"] = "place".into(), "no position of three int32, only [place, intensity"),
-        (|m| m["attributes"][1]["elementSize"] = 4.into(), "elements of 4 bytes, but Uint16 has other ones"),
-        (|m| m["attributes"][5]["size"] = 4.into(), "4 bytes for 1 elements of 3"),
-        (|m| m["attributes"] = serde_json::json!([m["attributes"][0]]), "132 bytes for 4 points of 12 bytes"),
-        (|m| m["boundingBox"]["max"][0] = 102.into(), "outside of its box"),
+        (
+            |m| m["attributes"][1]["elementSize"] = 4.into(),
+            "its elements have 4 bytes, but those of Uint16 have another size",
+        ),
+        (|m| m["attributes"][5]["size"] = 4.into(), "4 bytes don't match 1 elements of 3"),
+        (|m| m["attributes"] = serde_json::json!([m["attributes"][0]]), "132 bytes don't match 4 points of 12 bytes"),
+        (|m| m["boundingBox"]["max"][0] = 102.into(), "outside its box"),
         (|m| m["points"] = "many".into(), "a Potree 2.0 octree was expected"),
     ];
     for (change, says) in changes {
@@ -182,9 +185,9 @@ fn hierarchies_that_lie_are_refused() {
             "two nodes overlap in octree.bin: one ends before byte 132, the next one begins at byte 99",
         ),
         (changed(&[(2, OFFSET, &long(0))]), "two nodes overlap"),
-        (changed(&[(2, OFFSET, &long(133))]), "a node has 99 bytes from byte 133, the file has 231"),
+        (changed(&[(2, OFFSET, &long(133))]), "a node has 99 bytes from byte 133, but the file has 231"),
         (changed(&[(2, OFFSET, &long(u64::MAX))]), "99 bytes from byte 18446744073709551615"),
-        (changed(&[(2, COUNT, &[255; 4])]), "99 bytes for 4294967295 points of 33 bytes"),
+        (changed(&[(2, COUNT, &[255; 4])]), "99 bytes don't match 4294967295 points of 33 bytes"),
         (changed(&[(2, COUNT, &[255; 4]), (2, BYTES, &long(u64::from(u32::MAX) * 33))]), "the file has 231"),
         (changed(&[(1, OFFSET, &long(u64::MAX - 21))]), "the file ends after 66"),
         (changed(&[(1, BYTES, &long(u64::MAX))]), "the file ends after 66"),
@@ -219,11 +222,14 @@ fn points_that_go_while_the_octree_is_open_are_missed() {
     fs::write(&points, &whole[..whole.len() - 1]).unwrap();
     assert_eq!(octree.read(0).unwrap().cloud.len(), 4);
     let error = octree.read(1).unwrap_err().to_string();
-    assert!(error.starts_with(&*points.to_string_lossy()) && error.contains("became shorter meanwhile"), "{error}");
+    assert!(
+        error.starts_with(&*points.to_string_lossy()) && error.contains("became shorter while it was read"),
+        "{error}"
+    );
     // Other bytes of the same number: points that lie elsewhere.
     fs::write(&points, vec![0; whole.len()]).unwrap();
     let error = octree.read(1).unwrap_err().to_string();
-    assert!(error.contains("octree.bin") && error.contains("outside of its box"), "{error}");
+    assert!(error.contains("octree.bin") && error.contains("outside its box"), "{error}");
 }
 
 /// Bytes of nodes.bin before the first node, of a node, and of its parts.
@@ -248,14 +254,14 @@ fn boxes_and_radii_that_lie_are_found_where_points_are_read() {
     let least = whole[last + LEAST..last + MOST].to_vec();
     let cases: [(Vec<u8>, &str); 8] = [
         // The box ends where it begins.
-        (changed(HEAD + MOST, &whole[HEAD + LEAST..HEAD + MOST]), "outside of its box from"),
+        (changed(HEAD + MOST, &whole[HEAD + LEAST..HEAD + MOST]), "outside its box from"),
         (changed(HEAD + RADIUS, &0_f32.to_le_bytes()), "but the largest should be 0"),
-        (changed(last + LEAST, &i32::MIN.to_le_bytes()), "its box is outside of its part"),
-        (changed(last + MOST, &i32::MAX.to_le_bytes()), "its box is outside of its part"),
+        (changed(last + LEAST, &i32::MIN.to_le_bytes()), "its box is outside its part"),
+        (changed(last + MOST, &i32::MAX.to_le_bytes()), "its box is outside its part"),
         (changed(last + LEAST, &i32::MAX.to_le_bytes()), "no box"),
         (changed(last, &u64::MAX.to_le_bytes()), "missing"),
         (whole[..last].to_vec(), "missing"),
-        ([&whole[..], &least].concat(), "are no records"),
+        ([&whole[..], &least].concat(), "are not a multiple of"),
     ];
     for (bytes, says) in cases {
         fs::write(&file, bytes).unwrap();
@@ -283,13 +289,13 @@ fn surveys_that_lie_are_refused_and_others_are_those_of_all_points() {
         [&whole[..8], &(text.len() as u32).to_le_bytes(), text.as_bytes(), &whole[facts..]].concat()
     };
     let cases: [(Vec<u8>, &str); 7] = [
-        (whole[..5].to_vec(), "starts like no file"),
+        (whole[..5].to_vec(), "first bytes are not those of a file"),
         (whole[..10].to_vec(), "ends within its facts"),
         (whole[..facts - 1].to_vec(), "ends within its facts"),
         (whole[..whole.len() - 1].to_vec(), "ends within a point"),
-        (text("\"points\":3000", "\"points\":3001"), "other points than octree.bin"),
+        (text("\"points\":3000", "\"points\":3001"), "other points than those of octree.bin"),
         (text("\"points\"", "\"joints\""), "missing field"),
-        ([&whole[..facts], &[0x7f; 12], &whole[facts + 12..]].concat(), "points outside of the octree"),
+        ([&whole[..facts], &[0x7f; 12], &whole[facts + 12..]].concat(), "points outside the octree"),
     ];
     for (bytes, says) in cases {
         fs::write(&file, bytes).unwrap();

@@ -142,7 +142,7 @@ fn headers_that_are_wrong() {
     };
     refused("FIELDS x y z", "FIELDS x y w", &["header", "no field `z`, only [x, y, w]"]);
     refused("FIELDS x y z\n", "", &["header", "no line `FIELDS`"]);
-    refused("SIZE 4 4 4", "SIZE 4 4 3", &["line 4", "one of 1, 2, 4 and 8", "`3`"]);
+    refused("SIZE 4 4 4", "SIZE 4 4 3", &["line 4", "1, 2, 4 or 8", "`3`"]);
     refused("SIZE 4 4 4", "SIZE 4 4", &["SIZE has 2 values for 3 FIELDS"]);
     refused("SIZE 4 4 4", "SIZE 4 4 2", &["field `z` is a float of 2 bytes"]);
     refused("TYPE F F F", "TYPE F F Q", &["line 5", "`Q`"]);
@@ -151,7 +151,7 @@ fn headers_that_are_wrong() {
     refused("POINTS 2", "POINTS 3", &["POINTS is 3, but WIDTH × HEIGHT is 2"]);
     refused("HEIGHT 1", "HEIGHT 18446744073709551615", &["too large"]);
     refused("VERSION", "VERSATILE", &["line 2", "`VERSATILE 0.7`"]);
-    refused("WIDTH 2\nHEIGHT 1\nVIEWPOINT 1 2 3 0 1 0 0\nPOINTS 2\n", "", &["neither POINTS nor WIDTH"]);
+    refused("WIDTH 2\nHEIGHT 1\nVIEWPOINT 1 2 3 0 1 0 0\nPOINTS 2\n", "", &["there is neither POINTS nor WIDTH"]);
     assert_refused("a.pcd", &good, &["line 10", "no line `DATA`"]);
     assert_refused("a.pcd", file(&good, "zipped", b""), &["line 10", "\"zipped\"", "binary_compressed"]);
     assert_refused("a.pcd", "hello", &["line 1", "`hello`"]);
@@ -175,18 +175,26 @@ fn truncated_and_lying_payloads() {
         }
     }
     assert_refused("a.pcd", file(&lines(2), "ascii", b"1 2 3\n1.5 2.5 x\n"), &["line 12", "field `z`: `x` is not"]);
-    assert_refused("a.pcd", file(&lines(2), "ascii", b"1 2 3\n1.5 2.5\n"), &["line 12", "nothing for field `z`"]);
+    assert_refused(
+        "a.pcd",
+        file(&lines(2), "ascii", b"1 2 3\n1.5 2.5\n"),
+        &["line 12", "there is no value for field `z`"],
+    );
     assert_refused("a.pcd", file(&lines(2), "ascii", b"1 2 3\n1 2 3 4\n"), &["line 12", "1 more values"]);
     assert_refused("a.pcd", file(&lines(2), "ascii", b"1.5 2.5 3.5\n1.5"), &["ends in line 12", "after 1 of the 2"]);
     assert_refused("a.pcd", file(&lines(2), "ascii", b"1.55 2.55 3.55\n"), &["ends at line 11 after 1 of the 2"]);
 
     let compressed = |points, payload: &[u8]| file(&lines(points), "binary_compressed", payload);
     assert_eq!(load_bytes("a.pcd", compressed(3, &literals(&rows))).unwrap().len(), 3);
-    assert_refused("a.pcd", compressed(3, &literals(&rows[..24])), &["24 bytes announced, but 3 points need 36"]);
+    assert_refused(
+        "a.pcd",
+        compressed(3, &literals(&rows[..24])),
+        &["24 unpacked bytes are announced, but 3 points need 36"],
+    );
     assert_refused("a.pcd", compressed(3, &literals(&rows)[..30]), &["announced, but only 22 are left"]);
     assert_refused("a.pcd", compressed(3, &[1, 2, 3]), &["before the sizes"]);
-    assert_refused("a.pcd", compressed(3, &sized(&[3 << 5, 7], 36)), &["refers to 8 bytes back, of 0"]);
-    assert_refused("a.pcd", compressed(3, &sized(&[1, 2, 3], 36)), &["become 2 bytes, not 36"]);
+    assert_refused("a.pcd", compressed(3, &sized(&[3 << 5, 7], 36)), &["refers to 8 bytes back, but there are only 0"]);
+    assert_refused("a.pcd", compressed(3, &sized(&[1, 2, 3], 36)), &["expand to 2 bytes, not to 36"]);
     // The most that a byte becomes is 88; more is a lie before any is decoded.
     let lie = compressed(1 << 20, &sized(&[0; 1000], 12 << 20));
     assert_refused("a.pcd", lie, &["announces 1048576 points", "hold at most"]);

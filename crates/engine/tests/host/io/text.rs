@@ -241,7 +241,7 @@ fn ptx() {
         );
     }
     refused(head("1", "one"), &["line 2", "expected the number of rows of a scan, found `one`"]);
-    refused("1\n1\n1 2 3\n".into(), &["ends at line 3 within the head of a scan"]);
+    refused("1\n1\n1 2 3\n".into(), &["ends at line 3 within the header of a scan"]);
     refused(head("1", "1").replace("0 0 1 0", "0 0 1"), &["line 9: expected 4 values, found 3"]);
     refused(head("1", "1").replace("10 20 30\n", "10 zwanzig 30\n"), &["line 3, column 4: `zwanzig` is not a number"]);
     refused(head("1", "1") + "1 2 3 4 5\n", &["line 11: 5 values (expected x y z, then intensity", "--columns"]);

@@ -92,7 +92,7 @@ fn with_moments(moments: MomentCount) -> Vec<Case> {
 fn behind_a_front(moments: MomentCount) -> Case {
     one(
         &format!("hybrid/tail-{}", moments.get()),
-        "an exact disc before 10 000 of opacity 1e-4 at 15 depths by moments, against float64",
+        "an exact disc in front of 10 000 of opacity 1e-4 at 15 depths by moments, against float64",
         move |stage| faint_tail(stage, moments),
     )
 }

@@ -47,7 +47,7 @@ fn shapes() -> Vec<Case> {
             shapes::plates,
         ),
         all("gaussian-flat", "an extent of 0, by both kernels, over what is allowed", shapes::flat),
-        all("gaussian-wide", "centres far beside the image: J goes no farther than 1.3 times its border", shapes::wide),
+        all("gaussian-wide", "centers far outside the image: J goes no farther than 1.3 times its border", shapes::wide),
         all("gaussian-orthographic", "parallel rays, by both kernels, over what is allowed", shapes::parallel),
         all(
             "gaussian-through-the-eye",
@@ -91,7 +91,7 @@ fn ends() -> Vec<Case> {
         each(
             &every,
             "gaussian-behind",
-            "centres behind the camera, in its eye, before near and behind far: nothing",
+            "centers behind the camera, at its eye, in front of near and behind far: nothing",
             ends::behind,
         ),
     ]
@@ -125,7 +125,7 @@ fn lists() -> Vec<Case> {
         each(
             &every,
             "gaussian-equal-depths",
-            "splats of equal depth and other colors and shapes, shuffled: no byte changes",
+            "splats of equal depth and different colors and shapes, shuffled: no byte changes",
             order::ties,
         ),
         each(
@@ -184,13 +184,13 @@ fn ellipsoids() -> Vec<Case> {
         each(
             &methods,
             "ellipsoid-around-the-eye",
-            "the eye within an ellipsoid: what lies before near is not seen",
+            "the eye inside an ellipsoid: the part in front of near is not seen",
             ellipsoids::around_the_eye,
         ),
         each(
             &methods,
             "ellipsoid-georeferenced",
-            "two of a centimeter at 5e6, half within each other: three segments",
+            "two ellipsoids of a centimeter at 5e6, half inside each other: three segments",
             ellipsoids::georeferenced,
         ),
     ]

@@ -30,10 +30,11 @@ pub(in crate::report) fn section(popping: &Popping, figures: &Markup, error: fn(
     html! {
         h2 { "Popping" }
         p {
-            "How much the error changes from one of the path's " (popping.frames) " frames to the next: what flickers or jumps while the camera "
-            "moves. The error of a frame is its difference from " code { (popping.exact) } ", pixel by pixel; an error that stays as it is "
-            "does not pop, however large it is (the last column). RMSE is that of the change; FLIP compares the exact frame with the "
-            "exact frame plus the change. An error that moves with the scene changes, too: steps as small as a film's keep that small, and jumps show."
+            "The table shows how much the error changes from one of the path's " (popping.frames) " frames to the next: what "
+            "flickers or jumps while the camera moves. The error of a frame is its difference from " code { (popping.exact) } ", pixel by "
+            "pixel; an error that stays the same does not pop, however large it is (the last column). RMSE is that of the change; FLIP compares the exact frame with the "
+            "exact frame plus the change. An error that moves with the scene changes, too. Steps as small as a film's keep that "
+            "change small, so jumps stand out."
         }
         (table(&columns, &popping.curves.iter().map(row).collect::<Vec<_>>()))
         (figures)
@@ -46,7 +47,7 @@ pub(in crate::report) fn caption(name: &str) -> Markup {
     let figure = if name == "popping.svg" { "RMSE" } else { "FLIP" };
     html! {
         b { "The change of the error since the frame before, as " (figure) ", over the frames of the path. " }
-        "Down is steadier. A peak is a frame in which much jumps at once; a level line is noise that is anew in every frame. No change at all is "
+        "Lower is steadier. A peak is a frame in which much jumps at once; a level line is noise that is new in every frame. No change at all is "
         "drawn at the least value."
     }
 }

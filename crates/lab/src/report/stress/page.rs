@@ -22,16 +22,16 @@ pub(super) fn html(report: &Report<'_>, figures: &[(&str, String)]) -> String {
         h2 { "Result" }
         (summary(report))
         p {
-            "Each line is the deepest cell that was measured of a scene, a size and a method. The slope is that of time "
-            "over layers, both logarithmic, by least squares over the deeper half of the cells, at least three: 1 is in "
-            "proportion to the layers, 2 is quadratic."
+            "Each row is the deepest cell that was measured for a scene, a size and a method. The slope is that of time "
+            "over layers, both logarithmic, by least squares over the deeper half of the cells, at least three: 1 means in "
+            "proportion to the layers, 2 means quadratic."
         }
         h2 { "Figures" }
         @for (name, svg) in figures {
             (figure(svg, &format!("{name}: the values are those of the table of all cells"), &caption(name)))
         }
         h2 { "Time of each pass" }
-        p { "Median device time in ms over layers per pixel; empty: the pass did not run." }
+        p { "Median device time in ms over layers per pixel. An empty cell means that the pass did not run." }
         (passes(report))
         h2 { "All cells" }
         details { summary { (report.sweep.cells.len()) " measured cells" } (cells(report)) }
@@ -109,16 +109,16 @@ fn caption(name: &str) -> Markup {
     match name {
         "time.svg" => html! {
             b { "Device time of a frame. " }
-            "Points are medians, bars reach from the least to the greatest, slopes are those of the table. The dashed line is parallel to everything that "
+            "Points are medians, bars reach from the shortest to the longest time, slopes are those of the table. The dashed line is parallel to everything that "
             "grows in proportion to the layers."
         },
         "throughput.svg" => html! {
             b { "Fragments over device time. " }
-            "Level where each further layer costs as much as the one before; it rises where a frame's fixed cost still counts."
+            "The line is level where each further layer costs as much as the one before; it rises where a frame's fixed cost still counts."
         },
         "memory.svg" => html! {
             b { "Largest amount of device memory at any time of a frame, " }
-            "cloud and image included, as the allocator reserves it: in blocks of 8 MiB. Level where fragments no longer "
+            "cloud and image included, as the allocator reserves it: in blocks of 8 MiB. The line is level where fragments no longer "
             "fit and the image is cut into bands."
         },
         _ => html! {
@@ -232,7 +232,7 @@ fn method(report: &Report<'_>) -> Markup {
             b { "Scenes. " } "In " code { "stack" } " each layer is one disc over the whole image. In " code { "mosaic" }
             " each layer is tiled by discs of radius 1.7 pixels, which cover 3 × 3 pixels each, in random colors. Both have exactly as many "
             "fragments in every pixel as layers, and differ in what it takes to find them. Opacity is 1 − 2^(−1/layers), so "
-            "that the pile lets half of the light through: no layer is hidden, none can be left out."
+            "the pile lets half of the light through: no layer is hidden, and none can be left out."
         }
         p {
             b { "Time. " } "Each method renders a scene twice before it is measured; then the methods take turns, "
@@ -240,15 +240,15 @@ fn method(report: &Report<'_>) -> Markup {
             "from the first submission to the end of read-back."
         }
         p {
-            b { "Memory. " } "The peak of a frame rendered with buffers of its own, with nothing else on the device but the cloud."
+            b { "Memory. " } "The peak during a frame rendered with its own buffers, with nothing on the device but the cloud."
         }
         p {
-            b { "Error. " } "Against the same scene in float64, composed from the equations without a device, over a "
+            b { "Error. " } "The error is measured against the same scene in float64, computed from the equations without a device, over a "
             "random sample of 256 pixels. (In " code { "stack" } " all pixels are alike.) RMSE is over linear R, G, B."
         }
         p {
-            b { "Skipped. " } "A cell with more fragments than the limit; a method whose frame would take longer than "
-            "the limit, by a prediction from its own two cells before; and what a method says it can't do."
+            b { "Skipped. " } "Left out are cells with more fragments than the limit, methods whose frame would take longer than "
+            "the limit, by a prediction from their previous two cells, and what a method refuses."
         }
     }
 }

@@ -37,7 +37,7 @@ pub fn settings(occasion: &Occasion, ladders: &Ladders) -> (Vec<Setting>, Vec<Sk
         }
         Formation::Ensembles(spbr) => {
             found.try_all(occasion, ladders, Method::Spbr(spbr), "");
-            let reason = "its opacity depends on the number of ensembles: there is no one image to compare them with";
+            let reason = "its opacity depends on the number of ensembles, so there is no single image to compare with";
             found.skip(Method::SpbrSimplified(Default::default()), reason);
         }
         Formation::Soft { soft, from_lambda } => {
@@ -89,7 +89,9 @@ impl ApplicableSettings {
                 ..Setting::step(stepped, (key.name, *value), rest)
             };
             if reached {
-                let reason = format!("the longest list has {longest} fragments: the step before has all");
+                let reason = format!(
+                    "the longest list has {longest} fragments, and the previous step already holds all of them"
+                );
                 self.skipped.push(setting.skipped(reason));
             } else {
                 reached = ladder.ends_at_longest_list && *value >= longest;
@@ -173,10 +175,10 @@ fn pointless(occasion: &Occasion, method: &Method, also: &str) -> Option<String>
     let longest = occasion.max_list;
     match (also, method.soft()) {
         ("long_lists=in-place", _) if longest <= LOCAL_LENGTH => {
-            Some(format!("the longest list has {longest} fragments: none is long"))
+            Some(format!("the longest list has {longest} fragments, so none is long"))
         }
         (_, Some(Soft { layout: SoftLayout::Paper, modulation: Some(_), .. })) => {
-            Some("has no room for what method.modulation needs".to_owned())
+            Some("does not store what method.modulation needs".to_owned())
         }
         _ => None,
     }
@@ -191,13 +193,13 @@ fn why_not(formation: &Formation, family: Family) -> &'static str {
         (Formation::Surfaces(_), Family::Opaque) => "is not among those whose surfaces are compared",
         (_, Family::Opaque) => "draws opaque points of another shape: its image is not meant to be the same",
         (Formation::Surfaces(_), Family::Surfaces | Family::OneLayer) => {
-            "draws layers that are seen through, another image formation"
+            "draws transparent layers, which is another image formation"
         }
-        (_, Family::Surfaces) => "draws surfaces of points, another image formation",
-        (_, Family::Discs) => "draws transparent discs, another image formation",
-        (_, Family::Soft) => "draws soft spheres, another image formation",
-        (_, Family::OneLayer) => "draws one transparent layer, another image formation",
-        (_, Family::Ensembles) => "draws surfaces that are seen through, another image formation",
+        (_, Family::Surfaces) => "draws surfaces of points, which is another image formation",
+        (_, Family::Discs) => "draws transparent discs, which is another image formation",
+        (_, Family::Soft) => "draws soft spheres, which is another image formation",
+        (_, Family::OneLayer) => "draws one transparent layer, which is another image formation",
+        (_, Family::Ensembles) => "draws transparent surfaces, which is another image formation",
         (_, _) => "draws something else",
     }
 }

@@ -43,7 +43,7 @@ fn blended(rows: &[Row], analytic: &Analytic) -> Option<Finding> {
     let Analytic { dealt_once, expected_floor, floor, .. } = *analytic;
     let [first, last] = [few, many].map(|count| analytic.expected(count));
     Some(Finding {
-        claim: "planes look as alpha blending has them (Eq. 1), but for noise".to_owned(),
+        claim: "planes look as alpha blending draws them (Eq. 1), except for noise".to_owned(),
         measured: format!(
             "RMSE against alpha blending is {before:.4} with {few} ensembles ({first:.4} expected) and {after:.4} with {many} \
              ({last:.4}); no point is dealt twice up to {dealt_once:.0} of them{}; points leave {floor:.4} however many there are \
@@ -63,7 +63,9 @@ fn ensembles(rows: &[Row]) -> Option<Finding> {
     let [(few, before), .., (many, after)] = found[..] else { return None };
     let scaled = [before * few.sqrt(), after * many.sqrt()];
     Some(Finding {
-        claim: "the error against ever more ensembles of the same points falls as 1/√L (Fig. 6), or faster".to_owned(),
+        claim:
+            "the error against a reference of many more ensembles of the same points falls as 1/√L (Fig. 6), or faster"
+                .to_owned(),
         measured: format!(
             "RMSE · √L is {:.4} with {few} and {:.4} with {many} ensembles; ensembles that share all points between them, none \
              twice, make it smaller",
@@ -105,7 +107,7 @@ fn packed(precise: &Row, paper: &Row) -> Finding {
     let bytes = paper.fragment_bytes as f64 / (precise.fragment_bytes.max(1)) as f64;
     let errors = paper.errors;
     Finding {
-        claim: "8 bits are enough for a ray's distance from a sphere's centre (Section 4)".to_owned(),
+        claim: "8 bits are enough for a ray's distance from a sphere's center (Section 4)".to_owned(),
         measured: format!(
             "layout=paper: {:.2} times the time and {bytes:.2} times the bytes of events, RMSE {:.1e}, largest error {:.1e}",
             ratio(paper, precise),

@@ -62,17 +62,18 @@ impl Kind {
 impl<'a> Numbers<'a> {
     /// Returns the numbers of an accessor whose elements have this shape, or what is wrong with it.
     pub fn find(document: &Document, buffers: &'a Buffers, number: usize, shape: &str) -> Result<Self, String> {
-        let of = |what: &str, number: usize| format!("no {what} has the number {number}");
+        let of = |what: &str, number: usize| format!("there is no {what} {number}");
         let accessor = document.accessors.get(number).ok_or_else(|| of("accessor", number))?;
         let named = format!("accessor {number}");
         if accessor.shape != shape {
             return Err(format!("{named} is of type {}, expected {shape}", accessor.shape));
         }
         if accessor.sparse.is_some() {
-            return Err(format!("{named} is sparse, which is not read"));
+            return Err(format!("{named} is sparse, which is not supported"));
         }
-        let kind = Kind::of(accessor.component_type)
-            .ok_or_else(|| format!("{named} has componentType {}, which there isn't", accessor.component_type))?;
+        let kind = Kind::of(accessor.component_type).ok_or_else(|| {
+            format!("{named} has componentType {}, which glTF does not define", accessor.component_type)
+        })?;
         let view = accessor.buffer_view.ok_or_else(|| format!("{named} has no bufferView"))?;
         let view = document.buffer_views.get(view).ok_or_else(|| of("bufferView", view))?;
         let buffer = buffers.get(view.buffer).ok_or_else(|| of("buffer", view.buffer))?;

@@ -55,18 +55,20 @@ fn one<'a>(file: &SharedFile, number: usize, buffer: &Buffer, binary: Option<&'a
     let wrong = |cause: &str| file.malformed(format!("buffer {number}"), cause);
     let Some(uri) = &buffer.uri else {
         let within = binary.filter(|_| number == 0);
-        return within.map(Bytes::Within).ok_or_else(|| wrong("no `uri`, and no bytes behind the text of the file"));
+        return within
+            .map(Bytes::Within)
+            .ok_or_else(|| wrong("it has no `uri`, and no bytes follow the text of the file"));
     };
     if let Some(data) = uri.strip_prefix("data:") {
-        let (kind, content) = data.split_once(',').ok_or_else(|| wrong("a data: URI without a comma"))?;
+        let (kind, content) = data.split_once(',').ok_or_else(|| wrong("its data: URI has no comma"))?;
         if !kind.ends_with(";base64") {
-            return Err(wrong("a data: URI that is not base64"));
+            return Err(wrong("its data: URI is not base64"));
         }
         let bytes = BASE64_STANDARD.decode(content).map_err(|e| wrong(&format!("base64: {e}")))?;
         return Ok(Bytes::Own(bytes));
     }
     let name = decoded(uri).filter(|name| !name.contains("://") && !Path::new(name).is_absolute());
-    let name = name.ok_or_else(|| wrong(&format!("{uri:?} isn't the name of a file beside this one")))?;
+    let name = name.ok_or_else(|| wrong(&format!("{uri:?} is not the name of a file next to this one")))?;
     let path = file.path().parent().map(PathBuf::from).unwrap_or_default().join(name);
     Ok(Bytes::Own(all_bytes(Source::open(&path)?)?.1))
 }

@@ -108,7 +108,9 @@ impl Document {
     /// Checks that all is known that must be.
     pub fn check(&self) -> Result<(), String> {
         match self.extensions_required.iter().find(|name| !KNOWN.contains(&name.as_str())) {
-            Some(name) => Err(format!("{name} is required, which is not read; write the file without compression")),
+            Some(name) => {
+                Err(format!("the file needs {name}, which is not supported; write the file without compression"))
+            }
             None => Ok(()),
         }
     }
@@ -128,7 +130,7 @@ pub(super) fn chunks<'a>(file: &SharedFile, bytes: &'a [u8]) -> Result<(&'a [u8]
     }
     let (kind, text, rest) = chunk(file, bytes, 12)?;
     if kind != JSON {
-        return Err(file.malformed("byte 16", "the first chunk is no JSON"));
+        return Err(file.malformed("byte 16", "the first chunk is not JSON"));
     }
     if rest + 8 > bytes.len() {
         return Ok((text, None));
@@ -144,7 +146,7 @@ fn chunk<'a>(file: &SharedFile, bytes: &'a [u8], at: usize) -> Result<(u32, &'a 
         Some(content) => Ok((kind, content, start + len)),
         None => {
             Err(file
-                .truncated(format!("a chunk of {len} bytes from byte {start} on, but the file has {}", bytes.len())))
+                .truncated(format!("a chunk has {len} bytes from byte {start} on, but the file has {}", bytes.len())))
         }
     }
 }

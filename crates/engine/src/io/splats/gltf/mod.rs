@@ -40,7 +40,7 @@ pub(super) fn read(source: Source, progress: &Progress) -> Result<Cloud, Error> 
     };
     let primitives = placed.iter().map(primitive).collect::<Result<Vec<_>, Error>>()?;
     let Some(degree) = primitives.iter().map(|primitive| primitive.degree).max() else {
-        let cause = format!("no primitive with {EXTENSION} in its scene: other meshes are not read");
+        let cause = format!("no primitive of its scene has {EXTENSION}, and other meshes are not read");
         return Err(file.malformed("meshes", cause));
     };
     let count = primitives.iter().map(|primitive| primitive.count as u64).sum();
@@ -60,16 +60,15 @@ pub(super) fn read(source: Source, progress: &Progress) -> Result<Cloud, Error> 
 fn warnings(primitives: &[Primitive], logarithms: bool, others: usize) -> Vec<String> {
     let mut warnings = Vec::new();
     if logarithms {
-        warnings
-            .push(format!("a scale below 0: the scales are logarithms, as in drafts of {EXTENSION}, and read as such"));
+        warnings.push(format!("a scale is below 0, so all scales are read as logarithms, as in drafts of {EXTENSION}"));
     }
     if primitives.iter().any(|primitive| primitive.linear) {
         let how = if primitives.iter().any(|primitive| primitive.linear && primitive.degree > 0) {
-            "; harmonics are changed by the slope at the color without them"
+            "; harmonics are multiplied by the slope of the conversion at the color without them"
         } else {
             ""
         };
-        warnings.push(format!("colors are linear and made display values{how}"));
+        warnings.push(format!("linear colors are converted to display values{how}"));
     }
     for odd in primitives.iter().flat_map(|primitive| &primitive.odd) {
         if !warnings.contains(odd) {
@@ -77,7 +76,7 @@ fn warnings(primitives: &[Primitive], logarithms: bool, others: usize) -> Vec<St
         }
     }
     if others > 0 {
-        warnings.push(format!("{others} primitives that are no splats are left out"));
+        warnings.push(format!("{others} primitives that are not splats are left out"));
     }
     warnings
 }

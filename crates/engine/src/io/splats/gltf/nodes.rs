@@ -71,7 +71,7 @@ fn roots(document: &Document) -> Result<Vec<usize>, Wrong> {
     let number = document.scene.unwrap_or(0);
     match document.scenes.get(number) {
         Some(scene) => Ok(scene.nodes.clone()),
-        None if document.scene.is_some() => Err(("scene".to_owned(), format!("no scene has the number {number}"))),
+        None if document.scene.is_some() => Err(("scene".to_owned(), format!("there is no scene {number}"))),
         None => {
             let mut is_root = vec![true; document.nodes.len()];
             let children = document.nodes.iter().flat_map(|node| &node.children);
@@ -113,13 +113,13 @@ impl Transform {
         let lengths = [linear.x_axis.length(), linear.y_axis.length(), linear.z_axis.length()];
         let scale = lengths.iter().sum::<f64>() / 3.0;
         if !(matrix.is_finite() && scale > 0.0) {
-            return Err("its transform is not finite, or makes a point of everything".to_owned());
+            return Err("its transform is not finite, or shrinks everything to a point".to_owned());
         }
         let unit = linear * (1.0 / scale);
         let off = (unit.transpose() * unit - DMat3::IDENTITY).to_cols_array();
         if off.iter().any(|off| off.abs() > TOLERANCE) || unit.determinant() < 0.0 {
             return Err(
-                "it mirrors splats, or scales them differently along its axes, which is not read; apply it to the splats first"
+                "it mirrors splats, or scales them differently along its axes, which is not supported; apply it to the splats first"
                     .to_owned(),
             );
         }

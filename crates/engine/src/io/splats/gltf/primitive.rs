@@ -40,7 +40,7 @@ impl<'a> Primitive<'a> {
         if let Some(name) = packed.into_iter().find(|name| name.contains("compression")) {
             return Err((
                 EXTENSION.to_owned(),
-                format!("packed by {name}, which is not read; write it without compression"),
+                format!("it is compressed by {name}, which is not supported; write it without compression"),
             ));
         }
         let number = |name: &str| primitive.attributes.get(name).copied();
@@ -68,7 +68,7 @@ impl<'a> Primitive<'a> {
         let count = found.position.count;
         let others = [&found.rotation, &found.scale, &found.opacity].into_iter().chain(&found.harmonics);
         if let Some(other) = others.map(|numbers| numbers.count).find(|other| *other != count) {
-            return Err(("attributes".to_owned(), format!("one has {other} elements, but POSITION {count}")));
+            return Err(("attributes".to_owned(), format!("one has {other} elements, but POSITION has {count}")));
         }
         Ok(Self { count, ..found })
     }

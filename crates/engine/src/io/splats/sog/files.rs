@@ -35,7 +35,7 @@ impl Files {
             Some(folder) => Ok(Self::Archive { file, bytes, folder }),
             None => {
                 let cause =
-                    format!("no {META} in the ZIP archive: SOG splats have one, {} other files are there", names.len());
+                    format!("the ZIP archive has no {META}, which SOG splats need, but {} other files", names.len());
                 Err(file.malformed("ZIP archive", cause))
             }
         }
@@ -51,7 +51,7 @@ impl Files {
     /// Returns the content of a file.
     pub fn read(&self, name: &str) -> Result<Vec<u8>, Error> {
         if name.is_empty() || name.contains(['/', '\\', '\0']) || name == ".." {
-            return Err(self.malformed(META, format!("{name:?} isn't the name of a file beside it")));
+            return Err(self.malformed(META, format!("{name:?} is not the name of a file in the same folder")));
         }
         match self {
             Self::Folder { meta, .. } if name == META => Ok(meta.clone()),
@@ -102,7 +102,10 @@ fn entry(archive: &[u8], name: &str) -> Result<Vec<u8>, String> {
     let entry = archive.get_entry(place).map_err(|e| e.to_string())?;
     let packed = entry.data();
     if len > (packed.len() as u64).saturating_mul(MOST_PER_BYTE) {
-        return Err(format!("{len} bytes are to come of {}, more than {MOST_PER_BYTE} of each", packed.len()));
+        return Err(format!(
+            "{len} bytes are announced for {} compressed ones, more than {MOST_PER_BYTE} for each",
+            packed.len()
+        ));
     }
     let mut content = Vec::new();
     let read = match method {

@@ -92,7 +92,11 @@ impl Meta {
                      2".into(),
                 ));
             }
-            None => return Err(wrong("neither `version` nor `means`: not the description of SOG splats".into())),
+            None => {
+                return Err(wrong(
+                    "there is neither `version` nor `means`, so this does not describe SOG splats".into(),
+                ));
+            }
         }
         let meta: Self = serde_json::from_value(value).map_err(|e| wrong(e.to_string()))?;
         meta.check(files)?;

@@ -133,7 +133,8 @@ impl<'a> Palette<'a> {
         let beyond = (0..meta.count as usize).find(|at| palette.label(*at) >= harmonics.count as usize);
         match beyond {
             Some(at) => {
-                let cause = format!("splat {at} has entry {} of a palette of {}", palette.label(at), harmonics.count);
+                let cause =
+                    format!("splat {at} refers to entry {} of a palette of {}", palette.label(at), harmonics.count);
                 Err(files.malformed(labels, cause))
             }
             None => Ok(Some(palette)),

@@ -34,7 +34,7 @@ pub(super) fn read(files: &Files, name: &str, splats: u64) -> Result<Pixels, Err
     decode(files, name, |[width, height], packed| {
         let pixels = width * height;
         if splats > packed.saturating_mul(MOST_PER_BYTE) {
-            return Err(format!("{packed} bytes for {splats} splats: more than {MOST_PER_BYTE} splats for each"));
+            return Err(format!("{packed} bytes for {splats} splats: more than {MOST_PER_BYTE} splats for each byte"));
         }
         if pixels < splats {
             return Err(format!(
@@ -54,7 +54,7 @@ pub(super) fn read(files: &Files, name: &str, splats: u64) -> Result<Pixels, Err
 pub(super) fn read_sized(files: &Files, name: &str, [width, height]: [u64; 2]) -> Result<Pixels, Error> {
     decode(files, name, |[found, rows], _| {
         if found != width || rows < height || rows > height + MOST_SPARE / width.max(1) {
-            return Err(format!("{found} × {rows} pixels, expected {width} × {height} of this palette"));
+            return Err(format!("{found} × {rows} pixels, expected {width} × {height} for this palette"));
         }
         Ok(())
     })
@@ -69,7 +69,9 @@ fn decode(files: &Files, name: &str, check: impl FnOnce([u64; 2], u64) -> Result
         let (width, height) = decoder.dimensions();
         check([width.into(), height.into()], packed)?;
         if decoder.is_animated() || decoder.is_lossy() {
-            return Err("a lossy or animated WebP picture, expected a lossless one: its bytes are numbers".to_owned());
+            return Err(
+                "the WebP picture is lossy or animated, expected a lossless one, as its bytes are numbers".to_owned()
+            );
         }
         let mut bytes = vec![0; decoder.output_buffer_size().unwrap_or(0)];
         decoder.read_image(&mut bytes).map_err(|e| e.to_string())?;

@@ -105,7 +105,9 @@ fn unzipped(file: &SharedFile, bytes: &[u8]) -> Result<(Header, Planes), Error> 
 impl Header {
     fn parse(file: &SharedFile, bytes: &[u8]) -> Result<Self, Error> {
         if bytes.len() < HEADER {
-            return Err(file.truncated(format!("{} bytes, but the header has {HEADER}", bytes.len())));
+            return Err(
+                file.truncated(format!("the file has {} bytes, but the header alone has {HEADER}", bytes.len()))
+            );
         }
         let header = Self {
             version: word(bytes, 4),

@@ -19,7 +19,7 @@ const LINE: u64 = 16;
 /// Returns the planes of a file. Only as much of a stream is unpacked as its plane has.
 pub(super) fn read(file: &SharedFile, bytes: &[u8], header: &Header) -> Result<Planes, Error> {
     if (bytes.len() as u64) < HEADER {
-        return Err(file.truncated(format!("{} bytes, but the header has {HEADER}", bytes.len())));
+        return Err(file.truncated(format!("the file has {} bytes, but the header alone has {HEADER}", bytes.len())));
     }
     header.check(file, Some(bytes.len() as u64))?;
     let (streams, table) = (u64::from(bytes[15]), u64::from(word(bytes, 16)));
@@ -45,8 +45,10 @@ pub(super) fn read(file: &SharedFile, bytes: &[u8], header: &Header) -> Result<P
             return Err(file.malformed(format!("stream of {name}"), cause));
         }
         let Some(end) = place.checked_add(packed).filter(|end| *end <= bytes.len() as u64) else {
-            let cause =
-                format!("the stream of {name} has {packed} bytes from byte {place} on, the file {}", bytes.len());
+            let cause = format!(
+                "the stream of {name} has {packed} bytes from byte {place} on, but the file has {}",
+                bytes.len()
+            );
             return Err(file.truncated(cause));
         };
         *plane = unpacked(&bytes[place as usize..end as usize], len)
@@ -67,6 +69,6 @@ fn unpacked(stream: &[u8], len: u64) -> Result<Vec<u8>, String> {
     match all.len() as u64 {
         found if found == len => Ok(all),
         found if found < len => Err(format!("it ends after {found} of {len} bytes")),
-        _ => Err(format!("more than the {len} bytes that are announced")),
+        _ => Err(format!("it has more than the {len} bytes that are announced")),
     }
 }

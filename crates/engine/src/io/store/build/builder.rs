@@ -112,7 +112,10 @@ impl<'a> Build<'a> {
         let too_large = || Error::Malformed {
             path: target.to_path_buf(),
             place: "bounds".to_owned(),
-            cause: format!("a box from {} to {} has no grid of 32-bit integers", input.bounds.min, input.bounds.max),
+            cause: format!(
+                "no grid of 32-bit integers covers the box from {} to {}",
+                input.bounds.min, input.bounds.max
+            ),
         };
         let grid = input.shared_grid().or_else(|| Grid::around(&input.bounds)).ok_or_else(too_large)?;
         let cube = Cube::around(grid, &input.bounds).ok_or_else(too_large)?;

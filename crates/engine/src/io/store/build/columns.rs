@@ -32,7 +32,7 @@ pub(super) fn union(inputs: &[Box<dyn Store>]) -> (Cloud, Vec<String>) {
     if inputs.len() > 1 {
         let has_own = |like: &Cloud| like.own_radii().is_some();
         if likes().any(has_own) && !likes().all(has_own) {
-            notes.push("some inputs have no radii: those of the others are left out".to_owned());
+            notes.push("some inputs have no radii, so those of the others are left out".to_owned());
         }
         like.radii = likes().all(has_own).then(Vec::new);
         if likes().any(|like| like.prepared.is_some()) {

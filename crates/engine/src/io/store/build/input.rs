@@ -91,7 +91,7 @@ impl<'a> Input<'a> {
     fn error(&self, store: usize, outside: Outside) -> Error {
         let Outside(position) = outside;
         let Bounds { min, max } = self.bounds;
-        let cause = format!("outside of the box that was announced, from {min} to {max}");
+        let cause = format!("it lies outside the box that was announced, from {min} to {max}");
         let path = self.stores[store].summary().path.clone();
         Error::Malformed { path, place: format!("point at {position}"), cause }
     }

@@ -23,7 +23,7 @@ impl Sink {
         let mut file = OpenOptions::new().create(true).truncate(false).write(true).open(path).map_err(failed)?;
         let found = file.metadata().map_err(failed)?.len();
         if found < len {
-            let what = format!("{len} bytes of an earlier run are needed, the file has {found}");
+            let what = format!("{len} bytes of an earlier run are needed, but the file has {found}");
             return Err(Error::Truncated { path: path.to_path_buf(), what });
         }
         file.set_len(len).map_err(failed)?;

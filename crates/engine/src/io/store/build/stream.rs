@@ -71,7 +71,7 @@ fn chunks(streamed: &Streamed, most: u64) -> Result<Vec<Chunk>, Error> {
     for (number, node) in streamed.store.nodes().iter().enumerate().filter(|(_, node)| node.points > 0) {
         let steps = |corner| cube.grid.nearest(corner).and_then(|at| cube.steps(at));
         let (Some(low), Some(high)) = (steps(node.bounds.min), steps(node.bounds.max)) else {
-            let cause = format!("a node from {} to {} is not in the octree", node.bounds.min, node.bounds.max);
+            let cause = format!("a node from {} to {} lies outside the octree", node.bounds.min, node.bounds.max);
             return Err(malformed(streamed, "bounds", cause));
         };
         nodes.push((number, node.points, [low, high]));
@@ -144,7 +144,7 @@ impl Run<'_> {
         }
         if assembler.points() != summary.points {
             let cause =
-                format!("{} points were announced, {} are in the nodes' boxes", summary.points, assembler.points());
+                format!("{} points were announced, but {} are in the nodes' boxes", summary.points, assembler.points());
             return Err(malformed(self.streamed, "points", cause));
         }
         let metadata = assembler.finish(&Told { name: &target::name(folder), like: &summary.like, rounding: 0.0 })?;
@@ -167,7 +167,7 @@ impl Run<'_> {
         let Piece { cloud, places } = store.read(node)?;
         let outside = |cause: String| malformed(self.streamed, &format!("node {node}"), cause);
         let encoded = encode(layout, cube, &cloud, &places)
-            .map_err(|position| outside(format!("a point at {position} is not in the octree")))?;
+            .map_err(|position| outside(format!("a point at {position} lies outside the octree")))?;
         if encoded.rounding > 0.0 {
             return Err(outside(format!("a point is {:e} off the grid", encoded.rounding)));
         }

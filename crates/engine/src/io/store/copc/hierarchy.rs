@@ -32,14 +32,14 @@ pub(super) fn read(file: &SharedFile, root: Page) -> Result<Vec<Entry>, Error> {
         let place = format!("COPC hierarchy at byte {}", page.start);
         total = total.saturating_add(page.bytes);
         if total > file.len() {
-            let cause =
-                format!("pages of {total} bytes and more in a file of {}: they lie above each other", file.len());
+            let cause = format!("its pages take {total} bytes or more in a file of {}, so they overlap", file.len());
             return Err(file.malformed(place, cause));
         }
         let bytes = file.read(page.start, page.bytes)?;
         let (records, rest) = bytes.as_chunks::<ENTRY>();
         if !rest.is_empty() || records.is_empty() {
-            let cause = format!("a page of {} bytes, which are no entries of {ENTRY} bytes", page.bytes);
+            let cause =
+                format!("a page has {} bytes, expected a multiple of the {ENTRY} bytes of an entry", page.bytes);
             return Err(file.malformed(place, cause));
         }
         for record in records {
@@ -47,7 +47,9 @@ pub(super) fn read(file: &SharedFile, root: Page) -> Result<Vec<Entry>, Error> {
                 Target::Page(further) => pages.push(further),
                 Target::Empty => {}
                 Target::Node(entry) if keys.insert(entry.key) => entries.push(entry),
-                Target::Node(entry) => return Err(file.malformed(place, format!("a second node {}", entry.key))),
+                Target::Node(entry) => {
+                    return Err(file.malformed(place, format!("there is a second node {}", entry.key)));
+                }
             }
         }
     }
@@ -69,13 +71,13 @@ fn parse(record: &[u8; ENTRY]) -> Result<Target, String> {
     ]);
     let numbers = [word(0), word(1), word(2), word(3)];
     let Some(key) = Key::new(numbers.map(i64::from)) else {
-        return Err(format!("an entry for level and place {numbers:?}, which no octree has"));
+        return Err(format!("an entry has level and place {numbers:?}, which no octree has"));
     };
     let (bytes, points) = (word(6), word(7));
     match (u64::try_from(bytes), u64::try_from(points)) {
         (Ok(_), Ok(0)) => Ok(Target::Empty),
         (Ok(bytes), Ok(points)) => Ok(Target::Node(Entry { key, start, bytes, points })),
         (Ok(bytes), Err(_)) if points == -1 => Ok(Target::Page(Page { start, bytes })),
-        _ => Err(format!("node {key} of {points} points in {bytes} bytes")),
+        _ => Err(format!("node {key} can't have {points} points in {bytes} bytes")),
     }
 }

@@ -23,10 +23,10 @@ impl Info {
     pub fn read(file: &LasFile) -> Result<Self, Error> {
         let malformed = |cause: String| file.file.malformed("COPC info record", cause);
         let Some(record) = &file.header.copc else {
-            return Err(malformed("missing: a LAZ file, but no COPC file".to_owned()));
+            return Err(malformed("it is missing: this is a LAZ file, but not a COPC file".to_owned()));
         };
         let Some((fields, [])) = record.get(..LEN).map(<[u8]>::as_chunks::<8>) else {
-            return Err(malformed(format!("{} bytes, at least {LEN} are needed", record.len())));
+            return Err(malformed(format!("it has {} bytes, but at least {LEN} are needed", record.len())));
         };
         let number = |at: usize| f64::from_le_bytes(fields[at]);
         let whole = |at: usize| u64::from_le_bytes(fields[at]);
@@ -34,10 +34,10 @@ impl Info {
         let cube = Bounds { min: center - half, max: center + half };
         let widened = file.header.widened(cube);
         if !((widened.max - widened.min).is_finite() && half > 0.0) {
-            return Err(malformed(format!("a cube around {center} with half a side of {half}")));
+            return Err(malformed(format!("no cube can lie around {center} with half a side of {half}")));
         }
         if !(spacing.is_finite() && spacing > 0.0) {
-            return Err(malformed(format!("a spacing of {spacing}")));
+            return Err(malformed(format!("its spacing is {spacing}, expected a number above 0")));
         }
         Ok(Self { cube, spacing, root_page: Page { start: whole(5), bytes: whole(6) } })
     }

@@ -54,7 +54,7 @@ impl Copc {
         let nodes = entries.iter().zip(parents(&keys)).map(|(entry, parent)| {
             let cube = file.header.widened(entry.key.cube(&info.cube));
             let Some(bounds) = claimed.map_or(Some(cube), |claimed| cut(cube, claimed)) else {
-                let cause = "its cube lies outside of the box in the header";
+                let cause = "its cube lies outside the box in the header";
                 return Err(file.file.malformed(format!("COPC node {}", entry.key), cause));
             };
             Ok(Node {
@@ -84,12 +84,12 @@ fn chunks(file: &LasFile, entries: &[Entry]) -> Result<Vec<Chunk>, Error> {
         Some(chunk) if chunk.bytes == entry.bytes && chunk.points == entry.points => Ok(*chunk),
         chunk => {
             let cause = format!(
-                "{} points in {} bytes from byte {}, where {}",
+                "it has {} points in {} bytes from byte {}, where {}",
                 entry.points,
                 entry.bytes,
                 entry.start,
                 chunk.map_or_else(
-                    || "no chunk of points begins, or one that another node has".to_owned(),
+                    || "no chunk of points begins, or one that belongs to another node".to_owned(),
                     |chunk| format!("a chunk of {} points in {} bytes begins", chunk.points, chunk.bytes)
                 )
             );

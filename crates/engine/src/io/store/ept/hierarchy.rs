@@ -21,11 +21,11 @@ pub(super) fn read(folder: &Path, announced: u64) -> Result<Vec<(Key, u64)>, Err
         };
         for (name, count) in entries {
             let Some(key) = Key::parse(&name) else {
-                return malformed(&name, "no level and place of an octree".to_owned());
+                return malformed(&name, "it is not a level and place of an octree".to_owned());
             };
             match u64::try_from(count) {
                 Ok(points) if !keys.insert(key) => {
-                    return malformed(&name, format!("another count, {points}, for a node that has one"));
+                    return malformed(&name, format!("the same node has a second count, {points}"));
                 }
                 Ok(0) => {}
                 Ok(points) => {
@@ -33,13 +33,13 @@ pub(super) fn read(folder: &Path, announced: u64) -> Result<Vec<(Key, u64)>, Err
                     total = total.saturating_add(points);
                 }
                 Err(_) if count == -1 && seen.insert(key) => files.push(key),
-                Err(_) if count == -1 => return malformed(&name, "leads to a file that was read before".to_owned()),
+                Err(_) if count == -1 => return malformed(&name, "it leads to a file that was read before".to_owned()),
                 Err(_) => return malformed(&name, format!("{count} points")),
             }
         }
     }
     if total != announced {
-        let cause = format!("`points` says {announced}, the nodes of the hierarchy have {total}");
+        let cause = format!("`points` says {announced}, but the nodes of the hierarchy have {total}");
         return Err(Error::Malformed { path: folder.join("ept.json"), place: "hierarchy".to_owned(), cause });
     }
     Ok(nodes)

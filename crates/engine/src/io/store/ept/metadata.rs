@@ -114,17 +114,21 @@ impl Metadata {
             place: format!("`{place}`"),
             cause,
         };
-        let cube = corners(json.bounds).ok_or_else(|| malformed("bounds", format!("{:?}, no box", json.bounds)))?;
+        let cube =
+            corners(json.bounds).ok_or_else(|| malformed("bounds", format!("{:?} is not a box", json.bounds)))?;
         let conforming = json.bounds_conforming.unwrap_or(json.bounds);
         let conforming =
-            corners(conforming).ok_or_else(|| malformed("boundsConforming", format!("{conforming:?}, no box")))?;
+            corners(conforming).ok_or_else(|| malformed("boundsConforming", format!("{conforming:?} is not a box")))?;
         if json.hierarchy_type != "json" {
             return Err(malformed("hierarchyType", format!("`{}` (known: json)", json.hierarchy_type)));
         }
         let sides = cube.max - cube.min;
         let spacing = sides.max_element() / f64::from(json.span);
         if !(spacing.is_finite() && spacing > 0.0) {
-            return Err(malformed("span", format!("{} along a box with sides of {sides}", json.span)));
+            return Err(malformed(
+                "span",
+                format!("{} does not divide a box with sides of {sides} into cells", json.span),
+            ));
         }
         let tiles = match &*json.data_type {
             "laszip" => Tiles::Laszip,
@@ -139,7 +143,7 @@ impl Metadata {
         let metadata = Self { points: json.points, cube, conforming, spacing, tiles, schema: json.schema, step };
         let is_finite = |bounds: Bounds| (bounds.max - bounds.min).is_finite();
         if !(is_finite(metadata.widened(cube)) && is_finite(metadata.widened(conforming))) {
-            return Err(malformed("schema", format!("coordinates in steps of {step}")));
+            return Err(malformed("schema", format!("coordinates can't have steps of {step}")));
         }
         Ok(metadata)
     }

@@ -105,7 +105,7 @@ impl Ept {
             Tiles::Laszip => {
                 let file = LasFile::open(Source::open(&path)?, self.asked)?;
                 if file.header.count != points {
-                    let cause = format!("{} points, the hierarchy says {points}", file.header.count);
+                    let cause = format!("it has {} points, but the hierarchy says {points}", file.header.count);
                     return Err(file.file.malformed("LAS header", cause));
                 }
                 let decode = |chunk| file.decode(chunk, &Progress::hidden());
@@ -139,17 +139,20 @@ impl Ept {
             Err(Error::Malformed { path, place: "tile".to_owned(), cause })
         };
         if cloud.len() as u64 != *points {
-            return fail(format!("{} points with finite coordinates, the hierarchy says {points}", cloud.len()));
+            return fail(format!(
+                "it has {} points with finite coordinates, but the hierarchy says {points}",
+                cloud.len()
+            ));
         }
         if let Some(found) = cloud.bounds().filter(|found| !bounds.holds(found)) {
             return fail(format!(
-                "points from {} to {}, beyond its box from {} to {}",
+                "its points lie from {} to {}, outside its box from {} to {}",
                 found.min, found.max, bounds.min, bounds.max
             ));
         }
         let like = Cloud { warnings: self.summary.like.warnings.clone(), ..cloud.subset(&[]) };
         if like != self.summary.like {
-            return fail("other columns than the tile of the root has".to_owned());
+            return fail("its columns differ from those of the root's tile".to_owned());
         }
         Ok(())
     }
@@ -186,11 +189,11 @@ fn node(folder: &Path, metadata: &Metadata, key: Key, points: u64, parent: Optio
     };
     let most = metadata.tiles.most_points(bytes);
     if points > most {
-        let what = format!("the hierarchy says {points} points, {bytes} bytes hold at most {most}");
+        let what = format!("the hierarchy says {points} points, but {bytes} bytes hold at most {most}");
         return Err(Error::Truncated { path, what });
     }
     let Some(bounds) = cut(metadata.widened(key.cube(&metadata.cube)), metadata.widened(metadata.conforming)) else {
-        let cause = format!("node {key} lies outside of `boundsConforming`");
+        let cause = format!("node {key} lies outside `boundsConforming`");
         return Err(Error::Malformed { path: folder.join("ept.json"), place: "hierarchy".to_owned(), cause });
     };
     let spacing = metadata.spacing / (1u64 << key.level) as f64;

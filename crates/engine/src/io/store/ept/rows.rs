@@ -79,7 +79,7 @@ fn decompressed(bytes: &[u8], most: u64) -> Result<Vec<u8>, String> {
     };
     decoder::guard(decode)??;
     if all.len() as u64 > most {
-        return Err(format!("more than {most} bytes come of {}", bytes.len()));
+        return Err(format!("more than {most} bytes come from {} compressed ones", bytes.len()));
     }
     Ok(all)
 }
@@ -92,7 +92,7 @@ impl Rows {
         for Dimension { name, kind, size, scale, offset, .. } in schema {
             let sizes: &[usize] = if *kind == Kind::Float { &[4, 8] } else { &[1, 2, 4, 8] };
             if !sizes.contains(size) {
-                return Err(format!("`{name}` of {size} bytes"));
+                return Err(format!("`{name}` can't have {size} bytes"));
             }
             let number = Number {
                 at: len,
@@ -109,7 +109,7 @@ impl Rows {
             Some(numbers.remove(at).1)
         };
         let (Some(x), Some(y), Some(z)) = (take("X"), take("Y"), take("Z")) else {
-            return Err("no `X`, `Y` and `Z`".to_owned());
+            return Err("it lacks one of `X`, `Y` and `Z`".to_owned());
         };
         let color = take("Red").zip(take("Green")).zip(take("Blue")).map(|((red, green), blue)| [red, green, blue]);
         let returns = take("ReturnNumber").zip(take("NumberOfReturns")).map(|(number, of)| [number, of]);
@@ -142,7 +142,11 @@ impl Rows {
             bytes = decompressed(&bytes, most).map_err(fail)?;
         }
         if bytes.len() % self.len != 0 {
-            return Err(source.truncated(format!("{} bytes, but points have {} each", bytes.len(), self.len)));
+            return Err(source.truncated(format!(
+                "{} bytes are not a multiple of the {} bytes of a point",
+                bytes.len(),
+                self.len
+            )));
         }
         let rows = || bytes.chunks_exact(self.len);
         let positions: Vec<DVec3> =

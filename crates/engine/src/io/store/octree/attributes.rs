@@ -268,13 +268,13 @@ impl Layout {
     pub(crate) fn add_foreign(&mut self, mut attribute: Attribute, bytes_of_element: usize) -> Result<(), String> {
         let Attribute { kind, elements, bytes, .. } = attribute;
         if kind.bytes().is_some_and(|right| right != bytes_of_element) {
-            return Err(format!("elements of {bytes_of_element} bytes, but {kind:?} has other ones"));
+            return Err(format!("its elements have {bytes_of_element} bytes, but those of {kind:?} have another size"));
         }
         if elements.checked_mul(bytes_of_element) != Some(bytes) {
-            return Err(format!("{bytes} bytes for {elements} elements of {bytes_of_element}"));
+            return Err(format!("{bytes} bytes don't match {elements} elements of {bytes_of_element} bytes"));
         }
         if bytes > MAX_STRIDE || self.stride + bytes > MAX_STRIDE {
-            return Err(format!("more than {MAX_STRIDE} bytes for a point"));
+            return Err(format!("a point has more than {MAX_STRIDE} bytes"));
         }
         if !attribute.role.takes(kind, elements) {
             return Err(format!("{elements} of type {kind:?} can't be {:?}", attribute.role));
@@ -312,7 +312,7 @@ impl Layout {
         }
         let missing = roles.iter().zip(found).filter(|(_, found)| found.is_none());
         let missing: Vec<_> = missing.map(|(role, _)| role.attribute_name()).collect();
-        Err(format!("Gaussian splats have extents, rotation and base, but here is no {}", missing.join(" and no ")))
+        Err(format!("Gaussian splats need extents, rotation and base, but there is no {}", missing.join(" and no ")))
     }
 
     /// Three attributes of one role each, if all are there.
@@ -349,7 +349,7 @@ mod tests {
         assert_eq!((all.stride, splats.degree()), (4 * (3 + 4 + 3 + 24), 2));
         assert!(layout(&[Role::Alpha]).splats().unwrap().is_none());
         let error = layout(&[Role::Extents, Role::Harmonics(1)]).splats().unwrap_err();
-        assert!(error.ends_with("here is no rotation and no base"), "{error}");
+        assert!(error.ends_with("there is no rotation and no base"), "{error}");
     }
 
     #[test]

@@ -79,7 +79,7 @@ pub(super) fn read(file: &[u8], first_chunk: u64, root: Bounds) -> Result<Vec<Li
     while let Some(part) = parts.pop_front() {
         let place = || format!("hierarchy.bin: chunk at byte {}", part.offset);
         if !seen.insert(part.offset) {
-            return Err((place(), "two nodes refer to it: the hierarchy has a loop".to_owned()));
+            return Err((place(), "two nodes refer to it, so the hierarchy has a loop".to_owned()));
         }
         let start = usize::try_from(part.offset).ok();
         let end = part.offset.checked_add(part.bytes).and_then(|end| usize::try_from(end).ok());
@@ -88,7 +88,10 @@ pub(super) fn read(file: &[u8], first_chunk: u64, root: Bounds) -> Result<Vec<Li
             return Err((place(), cause));
         };
         if records.is_empty() || records.len() % NODE_BYTES != 0 {
-            return Err((place(), format!("{} bytes are no records of {NODE_BYTES}", records.len())));
+            return Err((
+                place(),
+                format!("{} bytes are not a multiple of the {NODE_BYTES} bytes of a record", records.len()),
+            ));
         }
         read_part(records, part.root, &mut nodes, &mut parts).map_err(|cause| (place(), cause))?;
         if nodes.len() > most {
@@ -118,7 +121,7 @@ fn read_part(
             parts.push_back(Part { offset: record.offset, bytes: record.bytes, root: (level, parent, bounds) });
             continue;
         }
-        let this = u32::try_from(nodes.len()).map_err(|_| "2³² nodes and more".to_owned())?;
+        let this = u32::try_from(nodes.len()).map_err(|_| "there are 2³² nodes or more".to_owned())?;
         // PotreeConverter writes nodes that it left empty with the number of points that they had.
         let points = if record.bytes == 0 { 0 } else { u64::from(record.points) };
         nodes.push(Listed { level, parent, bounds, points, offset: record.offset, bytes: record.bytes });
@@ -180,8 +183,8 @@ mod tests {
         refused(&[record(LEAF, 0, 0, 0), record(LEAF, 0, 0, 0)], 44, "no node before it");
         refused(&[record(LEAF, 0, 0, 0)], 44, "ends after 22");
         refused(&[record(INNER, 1, 0, 0), record(PROXY, 0, u64::MAX, 22)], 44, "ends after");
-        refused(&[record(LEAF, 0, 0, 0)], 21, "no records");
-        refused(&[record(LEAF, 0, 0, 0)], 0, "no records");
+        refused(&[record(LEAF, 0, 0, 0)], 21, "not a multiple");
+        refused(&[record(LEAF, 0, 0, 0)], 0, "not a multiple");
         refused(&[record(7, 0, 0, 0)], 22, "type 7");
         // Each chunk begins in the middle of the one before it.
         let twice: Vec<_> =

@@ -133,7 +133,7 @@ pub(crate) fn read(path: &Path) -> Result<Checked, Error> {
     let metadata: Metadata = serde_json::from_slice(&text)
         .map_err(|error| malformed("JSON", format!("{error}; a Potree 2.0 octree was expected")))?;
     if !metadata.version.starts_with("2.") {
-        return Err(malformed("version", format!("{:?}, but only Potree 2 is known", metadata.version)));
+        return Err(malformed("version", format!("{:?}, but only Potree 2 is supported", metadata.version)));
     }
     if metadata.encoding != "DEFAULT" {
         let cause = format!(
@@ -144,11 +144,11 @@ pub(crate) fn read(path: &Path) -> Result<Checked, Error> {
     }
     let grid = Grid { scale: metadata.scale.into(), offset: metadata.offset.into() };
     if !grid.is_valid() {
-        let cause = "scales must be above 0, and no coordinate beyond the range of float64";
+        let cause = "scales must be above 0, and coordinates within the range of float64";
         return Err(malformed("scale", cause.to_owned()));
     }
     if metadata.spacing < 0.0 {
-        return Err(malformed("spacing", format!("{}, no distance", metadata.spacing)));
+        return Err(malformed("spacing", format!("{} is not a distance", metadata.spacing)));
     }
     let bounds = bounds(&metadata.bounding_box).map_err(|cause| malformed("boundingBox", cause))?;
     let mut warnings = Vec::new();
@@ -164,7 +164,7 @@ fn bounds(corners: &Corners) -> Result<Bounds, String> {
     if far < MOST && sides.min_element() >= 0.0 {
         return Ok(bounds);
     }
-    Err(format!("no box: from {} to {}", bounds.min, bounds.max))
+    Err(format!("there is no box from {} to {}", bounds.min, bounds.max))
 }
 
 /// Returns the description that this program added, if it can be used; a warning if not.
@@ -174,7 +174,9 @@ fn about(metadata: &Metadata, warnings: &mut Vec<String>) -> Option<About> {
     match value.get("version").and_then(serde_json::Value::as_u64) {
         Some(VERSION) => {}
         Some(version) => {
-            warnings.push(refused(format!("prepared in format {version}, of which this version knows only {VERSION}")));
+            warnings.push(refused(format!(
+                "it was prepared in format {version}, but this program reads only format {VERSION}"
+            )));
             return None;
         }
         None => {
@@ -212,7 +214,10 @@ fn layout(metadata: &Metadata, about: Option<&About>) -> Result<Layout, (String,
     }
     if layout.find(&Role::Position).is_none() {
         let names: Vec<_> = layout.attributes.iter().map(|attribute| &*attribute.name).collect();
-        return Err(("attributes".to_owned(), format!("no position of three int32, only [{}]", names.join(", "))));
+        return Err((
+            "attributes".to_owned(),
+            format!("there is no position of three int32, only [{}]", names.join(", ")),
+        ));
     }
     Ok(layout)
 }

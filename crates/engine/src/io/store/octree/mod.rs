@@ -133,13 +133,15 @@ impl Octree {
         let Bounds { min, max } = about.bounds;
         let is_outside = |p: &&DVec3| !(p.cmpge(min) & p.cmple(max)).all();
         if let Some(outside) = cloud.positions.iter().find(is_outside) {
-            return Err(self.damaged(node, format!("a point at {outside}, outside of its box from {min} to {max}")));
+            return Err(self.damaged(node, format!("a point lies at {outside}, outside its box from {min} to {max}")));
         }
         let reaches = cloud.gaussians.iter().flat_map(|splats| &splats.extents).map(|extents| reach(*extents));
         let mut radii = cloud.radii.iter().flatten().copied().chain(reaches);
         let mut larger = |largest: f32| radii.find(|radius| *radius > largest);
         if let Some((radius, largest)) = about.largest_radius.and_then(|largest| Some((larger(largest)?, largest))) {
-            return Err(self.damaged(node, format!("a radius of {radius}, but the largest should be {largest}")));
+            return Err(
+                self.damaged(node, format!("a point has the radius {radius}, but the largest should be {largest}"))
+            );
         }
         Ok(Piece { cloud, places })
     }
@@ -176,7 +178,7 @@ fn malformed(folder: &Path, place: &str, cause: String) -> Error {
 fn missing(error: Error, folder: &Path) -> Error {
     match error {
         Error::Read { source, .. } if source.kind() == std::io::ErrorKind::NotFound && folder.is_dir() => {
-            let cause = format!("no {METADATA}, which a Potree 2.0 octree has");
+            let cause = format!("it has no {METADATA}, which a Potree 2.0 octree needs");
             malformed(folder, "folder", cause)
         }
         Error::Read { source, path } if source.kind() == std::io::ErrorKind::NotFound => Error::Missing { path },
@@ -203,13 +205,13 @@ fn check_bytes(folder: &Path, nodes: &[Listed], stride: u64, len: u64) -> Result
         let refused = |cause: String| malformed(folder, &format!("{HIERARCHY}: node of level {}", node.level), cause);
         if node.points.checked_mul(stride) != Some(node.bytes) {
             let (points, bytes) = (node.points, node.bytes);
-            return Err(refused(format!("{bytes} bytes for {points} points of {stride} bytes")));
+            return Err(refused(format!("{bytes} bytes don't match {points} points of {stride} bytes")));
         }
         if node.bytes > 0 && node.offset.checked_add(node.bytes).is_none_or(|end| end > len) {
             let (offset, bytes) = (node.offset, node.bytes);
             return Err(Error::Truncated {
                 path: folder.join(POINTS),
-                what: format!("a node has {bytes} bytes from byte {offset}, the file has {len}"),
+                what: format!("a node has {bytes} bytes from byte {offset}, but the file has {len}"),
             });
         }
     }
@@ -259,7 +261,7 @@ fn nodes_of(
             let extent = found.map_err(|_| refused("missing"))?;
             let own = extents[extent].bounds(&checked.grid);
             if own.min.cmplt(part.min).any() || own.max.cmpgt(part.max).any() {
-                return Err(refused("its box is outside of its part of the octree"));
+                return Err(refused("its box is outside its part of the octree"));
             }
             largest_radius = extents[extent].largest_radius;
             // The grid rounds by half a step, and that is rounded.
@@ -317,7 +319,7 @@ fn decoder(checked: &Checked, points: u64) -> Result<(Decoder, Cloud), String> {
     like.filter = about.as_ref().and_then(|about| Filter::named(about.filter.as_deref()?));
     like.warnings.clone_from(&checked.warnings);
     if metadata.points != points {
-        like.warnings.push(format!("{METADATA} announces {} points, the nodes have {points}", metadata.points));
+        like.warnings.push(format!("{METADATA} announces {} points, but the nodes have {points}", metadata.points));
     }
     Ok((decoder, like))
 }

@@ -42,10 +42,10 @@ impl Extent {
         let corners: [[i32; 3]; 2] = [corner(12), corner(24)];
         let [least, most] = corners;
         if (0..3).any(|axis| least[axis] > most[axis]) {
-            return Err(format!("no box: from {least:?} to {most:?}"));
+            return Err(format!("there is no box from {least:?} to {most:?}"));
         }
         if radius < 0.0 || radius.is_infinite() {
-            return Err(format!("a largest radius of {radius}"));
+            return Err(format!("the largest radius can't be {radius}"));
         }
         Ok(Self { offset, largest_radius: Some(radius).filter(|radius| !radius.is_nan()), corners })
     }
@@ -65,10 +65,13 @@ pub(crate) fn write(extents: &[Extent]) -> Vec<u8> {
 /// Returns the nodes of the file, in the order of their bytes; or what is wrong, with its place.
 pub(crate) fn read(bytes: &[u8]) -> Result<Vec<Extent>, (String, String)> {
     let Some(records) = bytes.strip_prefix(&MAGIC) else {
-        return Err((NODES.to_owned(), "it starts like no file of this version".to_owned()));
+        return Err((NODES.to_owned(), "its first bytes are not those of a file of this version".to_owned()));
     };
     if records.len() % RECORD != 0 {
-        return Err((NODES.to_owned(), format!("{} bytes are no records of {RECORD}", records.len())));
+        return Err((
+            NODES.to_owned(),
+            format!("{} bytes are not a multiple of the {RECORD} bytes of a record", records.len()),
+        ));
     }
     let read = |(index, bytes)| Extent::read(bytes).map_err(|cause| (format!("{NODES}: record {index}"), cause));
     let extents = records.chunks_exact(RECORD).enumerate().map(read).collect::<Result<Vec<_>, _>>()?;

@@ -79,7 +79,8 @@ pub(super) fn read(octree: &Octree) -> Result<Option<Survey>, Error> {
         return Err(refused("it has more bytes than any survey"));
     }
     let bytes = file.read(0, file.len())?;
-    let rest = bytes.strip_prefix(&MAGIC).ok_or_else(|| refused("it starts like no file of this version"))?;
+    let rest =
+        bytes.strip_prefix(&MAGIC).ok_or_else(|| refused("its first bytes are not those of a file of this version"))?;
     let (length, rest) = rest.split_first_chunk().ok_or_else(|| refused("it ends within its facts"))?;
     let length = u32::from_le_bytes(*length) as usize;
     if length > rest.len() {
@@ -90,7 +91,7 @@ pub(super) fn read(octree: &Octree) -> Result<Option<Survey>, Error> {
     let all = octree.summary.bounds;
     let holds = |bounds: &Bounds| all.holds(bounds) && bounds.min.cmple(bounds.max).all();
     if facts.points != octree.summary.points || !facts.bounds.as_ref().is_some_and(holds) {
-        return Err(refused("it is of other points than octree.bin"));
+        return Err(refused("it was made from other points than those of octree.bin"));
     }
     if !(records.len() as u64).is_multiple_of(stride) {
         return Err(refused("it ends within a point"));
@@ -99,7 +100,7 @@ pub(super) fn read(octree: &Octree) -> Result<Option<Survey>, Error> {
     let decoded = splats_of(&decoded).map(|splats| decoded.subset(&splats)).unwrap_or(decoded);
     let sample = Cloud { up: octree.summary.up, filter: octree.summary.like.filter, ..decoded };
     if sample.bounds().is_some_and(|bounds| !all.holds(&bounds)) {
-        return Err(refused("it has points outside of the octree"));
+        return Err(refused("it has points outside the octree"));
     }
     Ok(Some(Survey { facts, sample }))
 }

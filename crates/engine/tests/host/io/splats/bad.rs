@@ -82,24 +82,28 @@ fn splat_and_ksplat() {
     assert_refused(
         "a.splat",
         [0; 33],
-        &["truncated", "33 bytes are 1 splats of 32 bytes each, and 1 bytes of another"],
+        &["truncated", "33 bytes are 1 splats of 32 bytes each, and 1 bytes of an incomplete one"],
     );
     assert_refused("a.splat", [0; 32], &["splats: 1 splats are left out", "no extent"]);
     let refused =
         |at, with: &[u8], says: &[&str]| assert_refused("a.ksplat", patched("soup-mode2.ksplat", at, with), says);
     refused(0, &[1], &["byte 0", "version 1.1, expected 0.1"]);
-    refused(4, &[0xff; 4], &["truncated", "4294967295 sections, but there is room for the headers of 2"]);
+    refused(4, &[0xff; 4], &["truncated", "4294967295 sections, but the file has room for only 2 section headers"]);
     refused(16, &[41], &["byte 16", "41 splats are announced, but the sections have 40"]);
     refused(20, &[3], &["byte 20", "compression mode 3, expected 0, 1 or 2"]);
-    refused(4096, &[0xff; 4], &["section 0", "4294967295 splats, but room for 40"]);
+    refused(4096, &[0xff; 4], &["section 0", "4294967295 splats, but room for only 40"]);
     refused(
         4096,
         &[0xff; 8],
-        &["truncated", "section 0", "4294967295 rows of 48 bytes end at byte 206158435320 of 7080"],
+        &[
+            "truncated",
+            "section 0",
+            "4294967295 rows of 48 bytes end at byte 206158435320, but the file has 7080 bytes",
+        ],
     );
     refused(4096 + 8, &[1], &["section 0", "3 buckets of 12 bytes, 2 of them full with 1 splats", "10 splats of 40"]);
     refused(4096 + 12, &[0xff; 4], &["truncated", "section 0"]);
-    refused(4096 + 40, &[4], &["section 0", "harmonics of degree 4, of which 3 is the highest"]);
+    refused(4096 + 40, &[4], &["section 0", "harmonics have degree 4, expected at most 3"]);
 }
 
 /// A header of SPZ.
@@ -192,16 +196,16 @@ fn sog_descriptions() {
         ),
         (|json| json["sh0"]["codebook"] = vec![0.0; 257].into(), &["`sh0.codebook` has 257 numbers"]),
         (|json| json["sh0"]["codebook"][3] = Value::Null, &["/meta.json: ", "invalid type: null"]),
-        (|json| json["sh0"]["codebook"] = json!([1.0]), &["splats are left out: a number of each is not finite"]),
+        (|json| json["sh0"]["codebook"] = json!([1.0]), &["splats are left out: each has a number that is not finite"]),
         (|json| json["scales"]["codebook"] = vec![1e4; 256].into(), &["splats: 40 splats are left out"]),
         (|json| json["shN"]["codebook"] = json!([]), &["`shN.codebook` has 0 numbers"]),
         (|json| json["shN"]["bands"] = 5.into(), &["`shN.bands` is 5, expected at most 4"]),
         (|json| json["shN"]["bands"] = 3.into(), &["/shN_centroids.webp: ", "expected 960 ×"]),
         (|json| json["shN"]["count"] = 0.into(), &["`shN.count` is 0, expected 1 to 65536"]),
-        (|json| json["shN"]["count"] = 1.into(), &["/shN_labels.webp: ", "has entry", "of a palette of 1"]),
+        (|json| json["shN"]["count"] = 1.into(), &["/shN_labels.webp: ", "refers to entry", "of a palette of 1"]),
         (
             |json| json["quats"]["files"][0] = "../quats.webp".into(),
-            &["\"../quats.webp\" isn't the name of a file beside it"],
+            &["\"../quats.webp\" is not the name of a file in the same folder"],
         ),
         (|json| json["quats"]["files"][0] = "meta.json".into(), &["not a WebP picture"]),
     ];
@@ -222,7 +226,7 @@ fn sog_archives() {
     let mut archive = bytes("soup.sog");
     let at = archive.windows(9).rposition(|bytes| bytes == b"meta.json").unwrap();
     archive[at] = b'x';
-    assert_refused("a.sog", &archive, &["ZIP archive", "no meta.json in the ZIP archive", "8 other files"]);
+    assert_refused("a.sog", &archive, &["ZIP archive", "the ZIP archive has no meta.json", "8 other files"]);
     let mut archive = bytes("soup.sog");
     let at = archive.windows(10).rposition(|bytes| bytes == b"quats.webp").unwrap();
     archive[at] = b'x';
@@ -247,12 +251,16 @@ fn compressed(from: &str, to: &str) -> Vec<u8> {
 #[test]
 fn compressed_ply_headers() {
     for (from, to, says) in [
-        ("element vertex 40", "element vertex 400", &["header", "1 chunks of 256 splats for 400 splats"] as &[&str]),
-        ("element vertex 40", "element vertex 41", &["header", "40 × element `sh` for 41 splats"]),
-        ("element chunk 1", "element junk 1", &["header", "compressed splats without an element `chunk`"]),
+        (
+            "element vertex 40",
+            "element vertex 400",
+            &["header", "1 chunks of 256 splats don't match 400 splats"] as &[&str],
+        ),
+        ("element vertex 40", "element vertex 41", &["header", "element `sh` has 40 records for 41 splats"]),
+        ("element chunk 1", "element junk 1", &["header", "compressed splats need an element `chunk`"]),
         ("property float min_z", "property float min_q", &["header", "element `chunk` has no property `min_z`"]),
         ("property uchar f_rest_0\n", "", &["header", "23 properties of element `sh`, expected 0, 9, 24, 45 or 72"]),
-        ("property float max_b", "property double max_b", &["truncated", "40 × element `sh`", "end at byte"]),
+        ("property float max_b", "property double max_b", &["truncated", "40 records of element `sh`", "end at byte"]),
         ("property uint packed_color", "property list uchar uint packed_colors", &["no property `x`"]),
         ("property float min_x", "property list uchar float min_x", &["header", "`chunk`", "list"]),
     ] {

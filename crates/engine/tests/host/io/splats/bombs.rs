@@ -103,7 +103,7 @@ fn archives_and_pictures() {
     assert_refused(
         "a.sog",
         sog(&[("meta.json", &vec![b' '; 64 << 20])]),
-        &["meta.json", "bytes are to come of", "more than 64"],
+        &["meta.json", "bytes are announced for", "more than 64"],
     );
     let large = picture(4000, 2000);
     assert!(large.len() < 100_000, "{}", large.len());

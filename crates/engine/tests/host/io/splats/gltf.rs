@@ -98,7 +98,7 @@ fn linear_colors_become_display_values() {
     let cloud = load_bytes("a.gltf", linear).unwrap();
     let soup = load(&folder().join("soup.gltf")).unwrap();
     assert!(
-        cloud.warnings[0].contains("colors are linear") && cloud.warnings[0].contains("slope"),
+        cloud.warnings[0].contains("linear colors are converted") && cloud.warnings[0].contains("slope"),
         "{:?}",
         cloud.warnings
     );
@@ -160,7 +160,7 @@ fn two_primitives_of_different_degrees() {
     assert_eq!((cloud.len(), gaussians.len(), gaussians.degree), (80, 80, 2));
     assert_eq!(gaussians.harmonics_of(40)[..3], gaussians.harmonics_of(0)[..3]);
     assert_eq!(gaussians.harmonics_of(40)[3..], [Vec3::ZERO; 5]);
-    assert!(cloud.warnings[0].contains("1 primitives that are no splats"), "{:?}", cloud.warnings);
+    assert!(cloud.warnings[0].contains("1 primitives that are not splats"), "{:?}", cloud.warnings);
 }
 
 #[test]
@@ -170,25 +170,25 @@ fn what_is_refused_says_why() {
         (|json| json["nodes"][1]["scale"] = json!([1, 1, 2]), &["node 1", "scales them differently along its axes"]),
         (|json| json["nodes"][1]["children"] = json!([0]), &["node 0", "belongs to two nodes, or to itself"]),
         (|json| json["nodes"][1]["mesh"] = 7.into(), &["node 1", "there is no mesh 7"]),
-        (|json| json["scene"] = 3.into(), &["scene", "no scene has the number 3"]),
+        (|json| json["scene"] = 3.into(), &["scene", "there is no scene 3"]),
         (|json| json["scenes"][0]["nodes"] = json!([9]), &["node 9", "no such node"]),
         (|json| json["meshes"][0]["primitives"][0]["mode"] = 4.into(), &["mesh 0, primitive 0", "mode 4, expected 0"]),
         (
             |json| json["meshes"][0]["primitives"][0]["extensions"] = json!({}),
-            &["meshes", "no primitive with KHR_gaussian"],
+            &["meshes", "no primitive of its scene has KHR_gaussian"],
         ),
         (
             |json| json["accessors"][0]["count"] = 41.into(),
             &["attribute POSITION", "accessor 0 has 41 elements of 12 bytes"],
         ),
         (|json| json["accessors"][0]["count"] = u64::MAX.into(), &["attribute POSITION", "elements of 12 bytes"]),
-        (|json| json["accessors"][1]["count"] = 39.into(), &["attributes", "39 elements, but POSITION 40"]),
+        (|json| json["accessors"][1]["count"] = 39.into(), &["attributes", "39 elements, but POSITION has 40"]),
         (|json| json["accessors"][2]["type"] = "VEC4".into(), &["SCALE", "accessor 2 is of type VEC4, expected VEC3"]),
         (|json| json["accessors"][2]["componentType"] = 1.into(), &["SCALE", "componentType 1"]),
-        (|json| json["accessors"][2]["sparse"] = json!({}), &["SCALE", "sparse, which is not read"]),
+        (|json| json["accessors"][2]["sparse"] = json!({}), &["SCALE", "sparse, which is not supported"]),
         (|json| json["bufferViews"][0]["byteLength"] = u64::MAX.into(), &["POSITION", "reaches beyond its buffer"]),
         (|json| json["buffers"][0]["byteLength"] = 99_999.into(), &["truncated", "buffer 0 has 6080 bytes", "99999"]),
-        (|json| json["buffers"][0]["uri"] = "https://a/b".into(), &["buffer 0", "isn't the name of a file"]),
+        (|json| json["buffers"][0]["uri"] = "https://a/b".into(), &["buffer 0", "is not the name of a file"]),
         (|json| json["buffers"][0]["uri"] = "data:;base64,!".into(), &["buffer 0", "base64"]),
         (
             |json| json["extensionsRequired"] = json!(["EXT_meshopt_compression"]),

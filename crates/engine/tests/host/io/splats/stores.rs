@@ -193,7 +193,7 @@ fn stores_of_splats_that_lie_are_refused() {
         (&|m| role(m, "harmonics", serde_json::json!({"harmonics": 200})), "24 of type Float can't be Harmonics(200)"),
         (
             &|m| role(m, "extents", serde_json::json!("ignored")),
-            "have extents, rotation and base, but here is no extents",
+            "need extents, rotation and base, but there is no extents",
         ),
         (&|m| role(m, "exact_position", serde_json::json!("rotation")), "3 of type Double can't be Rotation"),
         (
@@ -231,7 +231,7 @@ fn files_that_are_cut_short_are_refused() {
     hierarchy[2..6].copy_from_slice(&u32::MAX.to_le_bytes());
     fs::write(&file, hierarchy).unwrap();
     let error = Octree::open(&path).unwrap_err().to_string();
-    assert!(error.contains("bytes for 4294967295 points of"), "{error}");
+    assert!(error.contains("bytes don't match 4294967295 points of"), "{error}");
 }
 
 /// Changes the numbers of an attribute of the first points.
@@ -281,10 +281,10 @@ fn numbers_that_no_splat_has_are_left_out_and_counted() {
     let splats = load(&path).unwrap().gaussians.unwrap();
     assert!(splats.rotations[5].abs_diff_eq(Quat::from_xyzw(0.0, 0.6, 0.0, 0.8), 1e-6), "{}", splats.rotations[5]);
     assert_eq!(splats.extents[5], Vec3::new(1e-5, 1e-5, 0.0));
-    // Farther than the node says, and outside of its box.
+    // Farther than the node says, and outside its box.
     for (name, bytes, says) in [
         ("extents", floats(&[9.0]), "but the largest should be"),
-        ("exact_position", 7.0_f64.to_le_bytes().to_vec(), "outside of its box"),
+        ("exact_position", 7.0_f64.to_le_bytes().to_vec(), "outside its box"),
     ] {
         let (_folder, path) = changed(|_| ());
         overwrite(&path, name, 1, &bytes);

@@ -49,7 +49,7 @@ pub(in super::super) fn changes(discs: &Discs, order: Order, degree: u32, projec
     let mut all = vec![of(
         "the exact image",
         "",
-        "The exact image once more: its time is what those below are to be compared with.",
+        "The exact image, rendered once more: compare the times below with its time.",
         own,
     )];
     // Ellipsoids are entered and left: neither one depth nor a fainter rim.
@@ -59,17 +59,17 @@ pub(in super::super) fn changes(discs: &Discs, order: Order, degree: u32, projec
         of(cause, &format!("method.order={}", changed.word()), meaning, settings)
     }));
     if has_rims && own.alpha_min > FAINTEST {
-        let meaning = format!("What the end of every Gaussian at opacity {} takes from its rim.", share(own.alpha_min));
+        let meaning = format!("What each Gaussian loses at its rim, as it ends at opacity {}.", share(own.alpha_min));
         let settings = GaussianSettings { alpha_min: FAINTEST, ..own };
         all.push(of("cut of faint rims", &format!("method.alpha_min={FAINTEST:e}"), &meaning, settings));
     }
     if own.alpha_max < 1.0 {
-        let meaning = format!("What shows through Gaussians because none is more opaque than {}.", own.alpha_max);
+        let meaning = format!("What shows through Gaussians, as none may be more opaque than {}.", own.alpha_max);
         let settings = GaussianSettings { alpha_max: 1.0, ..own };
         all.push(of("cap of opacity", "method.alpha_max=1", &meaning, settings));
     }
     if has_rims && own.stop == 0.0 {
-        let meaning = "What is left out where a pixel is done once less than a ten-thousandth of the light is left, as in the original.";
+        let meaning = "What is lost if a pixel ends once less than a ten-thousandth of the light is left, as in the original renderer.";
         all.push(of("early end", "method.stop=1e-4", meaning, GaussianSettings { stop: EARLY_END, ..own }));
     }
     all.extend(projections(&own, projection, of));
@@ -84,20 +84,20 @@ fn orders(own: Order) -> impl Iterator<Item = (Order, &'static str, &'static str
     let all = [
         (
             Order::Center,
-            "order of centres",
-            "Gaussians ordered by the depth of their centres, as most renderers do: where they overlap the wrong one may be in front, and \
+            "order of centers",
+            "Gaussians ordered by the depth of their centers, as in most renderers: where they overlap, the wrong one may be in front, and \
              they change places when the camera turns.",
         ),
         (
             Order::Distance,
             "order of distances",
-            "Gaussians ordered by how far their centres are from the eye: still wrong where they overlap, but they keep their places while \
-             the camera turns about itself.",
+            "Gaussians ordered by the distance of their centers from the eye: still wrong where they overlap, but the order stays while \
+             the camera turns in place.",
         ),
         (
             Order::Pixel,
             "order in each pixel",
-            "Gaussians ordered in each pixel by where they are densest along its ray: what the scene's own order gets wrong.",
+            "Gaussians ordered in each pixel by where they are densest along its ray: this shows what the scene's own order gets wrong.",
         ),
     ];
     all.into_iter().filter(move |(order, ..)| *order != own)
@@ -113,21 +113,21 @@ fn projections(
     let along_rays = of(
         "kernel ray",
         "method.kernel=ray",
-        "Gaussians as they are along each pixel's ray, without a projection and without its dilation.",
+        "Gaussians evaluated along each pixel's ray, without a projection and without its dilation.",
         other(Kernel::Ray),
     );
     let projected = of(
         "kernel ewa",
         "method.kernel=ewa",
-        "Gaussians projected by what the perspective does at their centres, and widened by the dilation: both are approximations that \
-         the scene's kernel does without.",
+        "Gaussians projected by the perspective at their centers, and widened by the dilation: the scene's kernel needs neither of \
+         these approximations.",
         other(Kernel::Ewa),
     );
     let dense = of(
         "density in place of opacity",
         "method.kernel=ellipsoid",
-        "Ellipsoids of constant density, which rays go through, in place of an opacity for each Gaussian: no order is left to be wrong, but \
-         shapes and rims are others than those that the model was trained with.",
+        "Ellipsoids of constant density that rays pass through, in place of an opacity for each Gaussian: no order can be wrong, but \
+         shapes and rims differ from those that the model was trained with.",
         other(Kernel::Ellipsoid),
     );
     match own.kernel {
@@ -142,22 +142,25 @@ fn projections(
             let ray = of(
                 "frozen Jacobian",
                 "method.kernel=ray",
-                "What of that comes from the perspective, which the projection takes to be everywhere as at the Gaussian's centre.",
+                "The part of that error that comes from the perspective, which the projection evaluates only at the Gaussian's center.",
                 other(Kernel::Ray),
             );
             all.push(Change { against: "method.dilation=0", base: Some(bare), ..ray });
         }
         let meaning = format!(
-            "What {} px² more variance on the screen do: Gaussians as sharp as they are, and gaps where they are thinner than a pixel.",
+            "What {} px² of added variance on the screen do: without them Gaussians are sharper, with gaps where they are thinner than a pixel.",
             own.dilation
         );
         all.push(of("dilation", "method.dilation=0", &meaning, bare));
         let (setting, meaning) = match own.antialias {
             false => (
                 "method.antialias=true",
-                "The opacity that the dilation adds to small Gaussians, which this takes back.",
+                "The opacity that the dilation adds to small Gaussians: this setting removes it.",
             ),
-            true => ("method.antialias=false", "The opacity that the dilation adds to small Gaussians, left as it is."),
+            true => (
+                "method.antialias=false",
+                "The opacity that the dilation adds to small Gaussians: this setting keeps it.",
+            ),
         };
         let settings = GaussianSettings { antialias: !own.antialias, ..*own };
         all.push(of("opacity of the dilation", setting, meaning, settings));
@@ -171,12 +174,12 @@ fn hybrids(own: GaussianSettings) -> impl Iterator<Item = Change> {
         (
             "average behind the nearest",
             0.0,
-            "By hybrid: only the nearest fragments of each pixel in order, and the average of those behind (Maule et al. 2013).",
+            "By hybrid: only the nearest fragments of each pixel are in order, and those behind are averaged (Maule et al. 2013).",
         ),
         (
             "average behind the nearest opaque",
             CORE_ALPHA_MIN,
-            "The same, but fragments of less opacity are averaged wherever they lie, so that they take no place among the nearest \
+            "The same, but fragments of less opacity are averaged wherever they lie, and so take no place among the nearest \
              (Hahlbohm et al. 2025).",
         ),
     ];
@@ -197,8 +200,8 @@ fn hybrids(own: GaussianSettings) -> impl Iterator<Item = Change> {
 
 fn of_degree(own: GaussianSettings, degree: u32) -> Change {
     let meaning = match degree {
-        0 => "One color for every direction: what is lost of gloss and reflections without any harmonics.".to_owned(),
-        _ => format!("What of gloss and reflections is lost with harmonics up to degree {degree} alone."),
+        0 => "One color for every direction: the gloss and reflections that are lost without any harmonics.".to_owned(),
+        _ => format!("The gloss and reflections that are lost with harmonics only up to degree {degree}."),
     };
     Change {
         cause: "harmonics",

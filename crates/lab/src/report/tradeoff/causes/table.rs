@@ -74,10 +74,11 @@ pub(in super::super) fn page(causes: &[Cause]) -> Markup {
         @if !causes.is_empty() {
             h2 { "Error by cause" }
             p {
-                "What each approximation of Gaussian splats does to this image by itself: the image of " code { "abuffer" }
-                " with one thing changed, against its exact image of the scene's own kernel and order. “Exact” is exact for these; which of two "
-                "images looks better depends on how the splats were trained. “% off” are the pixels with a channel off by more than 1/255; "
-                "times are the least of two frames. " code { "cause-….png" } " beside this page show where the differences are."
+                "The table shows what each approximation of Gaussian splats does to this image by itself. Each row changes one thing "
+                "of the image of " code { "abuffer" } " and compares it with the exact image of the scene's own kernel and order. "
+                "“Exact” holds for these; which of two images looks better depends on how the splats were trained. “% off” is the "
+                "share of pixels with a channel off by more than 1/255; times are the shorter of two frames. "
+                code { "cause-….png" } " beside this page show where the differences are."
             }
             div.sentences { (table(&columns, &causes.iter().map(row).collect::<Vec<_>>())) }
         }

@@ -17,7 +17,7 @@ pub fn causes_table(causes: &[Cause]) -> String {
     for column in table.column_iter_mut().skip(2) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    let about = "by cause: the exact image of this kernel and order with one thing changed, against itself";
+    let about = "by cause: the exact image of this kernel and order, compared with itself with one thing changed";
     format!("{about}\n{}\n", table.trim_fmt())
 }
 

@@ -57,7 +57,7 @@ pub(super) fn refusal(needed: f64, left: f64, all: f64) -> Option<String> {
     (needed > left).then(|| {
         let left = left.max(0.0);
         format!(
-            "it would take about {needed:.1} s by what was measured so far, and {left:.1} s are left of {all} s in all"
+            "it would take about {needed:.1} s by what was measured so far, but only {left:.1} s are left of {all} s in all"
         )
     })
 }

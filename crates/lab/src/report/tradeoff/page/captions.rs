@@ -20,50 +20,50 @@ fn caption(name: &str, report: &Tradeoff) -> Markup {
     match name {
         "error.svg" if report.surveyed.is_some() => html! {
             b { "RMSE over device time. " }
-            "Down and left is better. A panel for each cloud, each with its own front; the first point of a ladder names what is "
-            "turned, the last one says how far. No image with one sample in a pixel is as smooth at edges as the reference: 0 is out of reach."
+            "Lower left is better. Each cloud has a panel with its own front; the first point of a ladder names the setting that "
+            "changes, the last one gives its last value. No image with one sample per pixel is as smooth at edges as the reference, so 0 is out of reach."
         },
         "flip.svg" if report.surveyed.is_some() => html! {
             b { "FLIP over device time, " }
-            "which weighs differences as an eye does that flips between the two images. The fronts are those of FLIP."
+            "which weighs differences as an eye does while the two images alternate. The fronts are those of FLIP."
         },
         "size-time.svg" => html! {
             b { "Device time over the size factor, " }
-            "as in Fig. 8 of Schütz and Wimmer (2015), but times instead of frames per second: down is better. Size 0 draws one pixel, "
-            "1 the radius that the points have. Points of one pixel, and image-space with one iteration of its filters, have no size: "
-            "lines across. Bars reach from the least to the greatest time."
+            "as in Fig. 8 of Schütz and Wimmer (2015), but with times instead of frames per second: lower is better. Size 0 draws one pixel, "
+            "size 1 the radius of each point. Points of one pixel, and image-space with one iteration of its filters, have no size and are "
+            "horizontal lines. Bars reach from the shortest to the longest time."
         },
         "size-holes.svg" => html! {
             b { "Holes over the size factor: " }
-            "the share of the silhouette's pixels on which nothing is drawn. None at all is drawn at half a pixel, the least value."
+            "the share of the silhouette's pixels on which nothing is drawn. No holes at all appear as half a pixel, the least value."
         },
         "size-error.svg" => html! {
             b { "RMSE inside the silhouette over the size factor. " }
-            "Too small, and there are holes; too large, and points hide each other: the least error is between. How far splats reach "
-            "over the outline is left out here, and not in the figures above."
+            "Small points leave holes, and large points hide each other; the least error lies between. This figure leaves out how far splats reach "
+            "over the outline; the figures above include it."
         },
         "error.svg" => html! {
             b { "RMSE over device time. " }
-            "Down and left is better. Points are medians, bars reach from the least to the greatest time; the first point "
-            "of a ladder names what is turned. RMSE below " (power(RMSE_FLOOR)) ", equality included, is drawn there."
+            "Lower left is better. Points are medians, bars reach from the shortest to the longest time; the first point "
+            "of a ladder names the setting that changes. RMSE below " (power(RMSE_FLOOR)) ", equality included, is drawn there."
         },
         "flip.svg" => html! {
             b { "FLIP over device time, " }
-            "which weighs differences as an eye does that flips between the two images. The front is that of FLIP. Values "
+            "which weighs differences as an eye does while the two images alternate. The front is that of FLIP. Values "
             "below " (power(FLIP_FLOOR)) ", equality included, are drawn there."
         },
         "convergence.svg" => html! {
-            b { "RMSE over what is turned. " }
-            "Independent samples fall in parallel to the dashed line. Slopes are given where a power law explains "
+            b { "RMSE over the setting that changes. " }
+            "Errors of independent samples fall parallel to the dashed line. A slope is given where a power law explains "
             (100.0 * LAW_R_SQUARED) " % of the variance. RMSE below " (power(RMSE_FLOOR))
             " is drawn there."
-            @if report.analytic.is_some() { " The slope against alpha blending is that of settings which deal no point twice." }
+            @if report.analytic.is_some() { " The slope against alpha blending is that of settings that deal no point twice." }
         },
         "popping.svg" | "popping-flip.svg" => popping::caption(name),
         _ => html! {
             b { "Noise and bias of stochastic methods. " }
-            "Noise goes away with more images, bias stays. The floor is what noise alone leaves in the mean over the seeds: "
-            "a bias below it can't be told from none. A bias below " (power(bias_floor(report)))
+            "Noise decreases with more images, bias stays. The floor is what noise alone leaves in the mean over the seeds: "
+            "a bias below it can't be distinguished from none. A bias below " (power(bias_floor(report)))
             ", 0 included, is drawn there."
         },
     }

@@ -33,7 +33,7 @@ pub(super) fn convergence(report: &Tradeoff) -> Markup {
         @if rows.is_empty() { p { "No method has three settings on a ladder." } } @else {
             p {
                 "Slopes of RMSE, both axes logarithmic, by least squares: −0.5 is what independent samples give. A law "
-                "with R² far from 1 is none."
+                "with R² far from 1 does not hold."
             }
             (table(&columns, &rows))
         }
@@ -58,12 +58,12 @@ pub(super) fn blended(report: &Tradeoff, analytic: &Analytic) -> Markup {
     html! {
         h3 { "Against alpha blending" }
         p {
-            "This scene is planes that fill the image, of opacity " (list(&analytic.opacities)) " (the nearest first) and "
-            (list(&analytic.points_per_pixel)) " points on a pixel, so that its image is known: one color. Up to "
-            (digits(analytic.dealt_once)) " ensembles no point is dealt twice, and the error falls as 1/√ensembles"
-            @if let Some(law) = analytic.slope { " (slope " (signed(law.exponent, 3)) " as measured)" }
-            ". Beyond, what is left is the chance of how many points are on a pixel: " (error(analytic.floor))
-            " is the error of the reference itself, " (error(analytic.expected_floor)) " the one expected."
+            "This scene consists of planes that fill the image, of opacity " (list(&analytic.opacities)) " (the nearest first) and "
+            (list(&analytic.points_per_pixel)) " points on a pixel, so its image is known: a single color. Up to "
+            (digits(analytic.dealt_once)) " ensembles, no point is dealt twice, and the error falls as 1/√ensembles"
+            @if let Some(law) = analytic.slope { " (slope " (signed(law.exponent, 3)) ", measured)" }
+            ". Beyond that, the random number of points on a pixel remains: " (error(analytic.floor))
+            " is the error of the reference itself, " (error(analytic.expected_floor)) " is expected."
         }
         (table(&columns, &report.rows.iter().filter_map(row).collect::<Vec<_>>()))
     }
@@ -99,8 +99,8 @@ pub(super) fn bias(report: &Tradeoff) -> Markup {
     html! {
         @if lines.is_empty() { p { "No method among those measured depends on a seed." } } @else {
             p {
-                "Images with different seeds, their mean, and the reference: noise is the RMSE of one image against the "
-                "mean, bias that of the mean against the reference, less what noise leaves in it."
+                "Images with different seeds are compared with their mean, and the mean with the reference. Noise is the RMSE of one "
+                "image against the mean. Bias is that of the mean against the reference, less what noise leaves in it."
             }
             (sortable(&columns, &lines))
         }

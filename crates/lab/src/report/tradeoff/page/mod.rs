@@ -63,7 +63,7 @@ pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures, cr
         }
         (front(report))
         @if !report.findings.is_empty() {
-            p { "What the paper says of these methods, and what was measured on this scene:" }
+            p { "What the paper says about these methods, and what was measured on this scene:" }
             (findings(report))
         }
         (causes::page(&report.causes))
@@ -91,8 +91,8 @@ pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures, cr
             }, error))
         }
         h2 { "All settings" }
-        p { "Settings on the Pareto front are marked. A click on the head of a column sorts by it, another one the other way round; "
-            "“from–to” is sorted by its width over the median. “% off” are the pixels with a channel off by more than 1/255." }
+        p { "Settings on the Pareto front are marked. Click the head of a column to sort by it, and again to reverse the order; "
+            "“from–to” is sorted by its width over the median. “% off” is the share of pixels with a channel off by more than 1/255." }
         (rows(report))
         h2 { "Pictures" }
         (compared(report, pictures))
@@ -146,8 +146,8 @@ fn sittings(count: u32) -> String {
         return "in one run".to_owned();
     }
     format!(
-        "in {count} runs, since it was interrupted: in each of them all settings that were left took turns, but a median may \
-         hold frames of several runs, and two medians frames of different ones"
+        "in {count} runs, since it was interrupted: in each run all remaining settings took turns, but a median may \
+         hold frames of several runs, and two medians may hold frames of different runs"
     )
 }
 

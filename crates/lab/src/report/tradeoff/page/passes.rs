@@ -11,7 +11,7 @@ pub(super) fn passes(report: &Tradeoff) -> Markup {
     let mut methods: Vec<&str> = report.rows.iter().map(|row| row.method.as_str()).collect();
     methods.dedup();
     html! {
-        p { "Median device time in ms; empty: the pass did not run." }
+        p { "Median device time in ms. An empty cell means that the pass did not run." }
         @for method in methods {
             @let rows: Vec<&Row> = report.rows.iter().filter(|row| row.method == method).collect();
             details { summary { (method) } (passes_of(&rows)) }

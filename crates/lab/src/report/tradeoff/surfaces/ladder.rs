@@ -51,11 +51,11 @@ fn sized(surfaces: &Surfaces) -> Vec<Sized> {
 }
 
 fn skipped(surfaces: &Surfaces) -> Vec<Skipped> {
-    let relief = "a relief like that of paraboloid; compared where it is the scene's method";
+    let relief = "its relief is like that of paraboloid; it is compared only if it is the scene's method";
     let others = [
         (Method::Cone(surfaces.interpolated(1.0)), relief, surfaces.relief != Relief::Cone),
         (Method::Sphere(surfaces.splats), relief, surfaces.relief != Relief::Sphere),
-        (Method::Splats(Default::default()), "no point has a normal: the same as hqs", !surfaces.normals),
+        (Method::Splats(Default::default()), "no point has a normal, so the image is that of hqs", !surfaces.normals),
     ];
     let skipped = others.into_iter().filter(|(.., is_skipped)| *is_skipped);
     skipped.map(|(method, reason, _)| Setting::single(method, "").skipped(reason)).collect()
