@@ -128,7 +128,7 @@ impl Meta {
         self.harmonics.as_ref().map_or(0, |harmonics| harmonics.bands)
     }
 
-    /// Coefficients of a splat from degree 1 on.
+    /// Returns coefficients of a splat from degree 1 on.
     pub fn coefficients(&self) -> usize {
         coefficients(self.degree())
     }
