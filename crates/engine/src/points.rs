@@ -269,10 +269,10 @@ impl Points {
         all.filter(move |position| sampling.takes(**position))
     }
 
-    /// Returns ids of some points of the list: numbers that random words are made from. An id follows from a point's
-    /// place and, of points in one place, from their canonical order; not from what else there is, so that any part of
-    /// a scene has the ids of the whole. A scene of up to 2¹⁸ points that is moved, or scaled by a power of two,
-    /// without a rounding keeps its ids. Two of 2³² points in different places share an id by chance.
+    /// Returns the ids of some points of the list: numbers that random words are made from. An id follows from a
+    /// point's place and, of points in one place, from their canonical order; not from what else there is, so that any
+    /// part of a scene has the ids of the whole. A scene of up to 2¹⁸ points that is moved, or scaled by a power of
+    /// two, without a rounding keeps its ids. Two of 2³² points in different places share an id by chance.
     ///
     /// Gaussians in one place are told apart by how far they reach before they are counted: a part of a scene may hold the large ones
     /// alone.
@@ -336,7 +336,7 @@ impl Points {
         Bounds::of(&self.positions)
     }
 
-    /// Returns positions and radii of all points, also of those that are not drawn.
+    /// Returns the positions and radii of all points, also of those that are not drawn.
     pub fn spheres(&self) -> impl IndexedParallelIterator<Item = (DVec3, f64)> {
         let unseen = self.unseen.positions.par_iter().zip(&self.unseen.radii);
         let all = self.positions.par_iter().zip(&self.radii).chain(unseen).with_min_len(1 << 12);

@@ -264,7 +264,7 @@ impl<'a, T> Slice<'a, T> {
         self.raw.bytes == 0
     }
 
-    /// Returns elements of the buffer before the first.
+    /// Returns the number of elements of the buffer before the first.
     pub fn start(&self) -> u64 {
         self.raw.offset / size_of::<T>() as u64
     }

@@ -380,8 +380,8 @@ impl Device {
         self.0.allowed.load(Ordering::Relaxed) == 0
     }
 
-    /// Returns bytes uploaded so far, without the view that every frame writes. Changing the threshold, softness or
-    /// radius factor adds nothing.
+    /// Returns the number of bytes uploaded so far, without the view that every frame writes. Changing the threshold,
+    /// softness or radius factor adds nothing.
     pub fn uploaded_bytes(&self) -> u64 {
         self.0.uploaded.load(Ordering::Relaxed)
     }
@@ -392,7 +392,7 @@ impl Device {
         self.0.waits.load(Ordering::Relaxed)
     }
 
-    /// Returns names and sizes of all allocations: a leak report when it should be empty.
+    /// Returns the names and sizes of all allocations: a leak report when it should be empty.
     pub fn live_allocations(&self) -> Vec<(String, u64)> {
         self.0.live_allocations()
     }

@@ -36,7 +36,7 @@ impl Format {
         }
     }
 
-    /// Returns bytes of a sample.
+    /// Returns the number of bytes of a sample.
     pub fn bytes(self) -> u64 {
         match self {
             Self::Depth | Self::Number => 4,

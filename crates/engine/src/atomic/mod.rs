@@ -172,7 +172,7 @@ pub fn probe(folder: &Path) -> io::Result<()> {
     tempfile::tempfile_in(folder).map(drop)
 }
 
-/// Returns bytes that a file in a folder may still take; `None` where the system doesn't say.
+/// Returns the number of bytes that a file in a folder may still take; `None` where the system doesn't say.
 pub fn free_bytes(folder: &Path) -> Option<u64> {
     fs4::available_space(folder).ok()
 }

@@ -43,7 +43,7 @@ pub struct Gaussians {
     pub harmonics: Vec<Vec3>,
 }
 
-/// Returns coefficients from degree 1 to this one.
+/// Returns the number of coefficients from degree 1 to this one.
 pub fn coefficients(degree: u32) -> usize {
     ((degree + 1) * (degree + 1) - 1) as usize
 }
@@ -60,7 +60,7 @@ impl Gaussians {
         }
     }
 
-    /// Returns coefficients of each splat from degree 1 on.
+    /// Returns the number of coefficients of each splat from degree 1 on.
     pub fn coefficients(&self) -> usize {
         coefficients(self.degree)
     }
@@ -188,7 +188,7 @@ impl Gaussians {
         (0..self.len()).into_par_iter().with_min_len(1 << 10).map(of_splat).reduce(ByDegree::default, larger)
     }
 
-    /// Returns bytes of each splat in these columns.
+    /// Returns the number of bytes of each splat in these columns.
     pub fn bytes_each(degree: u32) -> u64 {
         (size_of::<Quat>() + (2 + coefficients(degree)) * size_of::<Vec3>()) as u64
     }

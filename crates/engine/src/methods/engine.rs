@@ -147,7 +147,7 @@ pub(crate) enum Sums {
 }
 
 impl Sums {
-    /// Returns samples between two places where they may be cut.
+    /// Returns the number of samples between two places where they may be cut.
     pub fn step(self) -> u32 {
         match self {
             Self::Ensembles => 1,
@@ -243,7 +243,7 @@ pub(crate) struct Work<'a> {
 pub(crate) type Later = Box<dyn FnOnce(&mut Facts, &Timeline)>;
 
 impl Work<'_> {
-    /// Returns pixels of the window.
+    /// Returns the number of pixels of the window.
     pub fn pixels(&self) -> u64 {
         bands::pixels(self.window)
     }

@@ -245,7 +245,7 @@ impl SamplePart {
         Self { layout, samples, planes }
     }
 
-    /// Returns columns and rows of the image.
+    /// Returns the columns and rows of the image.
     pub fn size(&self) -> [u32; 2] {
         self.layout.size
     }

@@ -44,7 +44,7 @@ pass! {
     }
 }
 
-/// Returns columns and rows of tiles over a window.
+/// Returns the columns and rows of tiles over a window.
 pub fn grid([x0, y0, x1, y1]: Window) -> [u32; 2] {
     [(x1 - x0).div_ceil(TILE), (y1 - y0).div_ceil(TILE)]
 }
@@ -72,7 +72,7 @@ impl Tiles {
         })
     }
 
-    /// Returns device bytes that the tiles of these splats take in a window.
+    /// Returns the number of device bytes that the tiles of these splats take in a window.
     pub fn bytes(stats: &[Stats], window: Window) -> u64 {
         let pairs: u64 = stats.iter().map(Stats::tiles).sum();
         let large = stats.iter().map(|s| u64::from(s.large)).max().unwrap_or(0);

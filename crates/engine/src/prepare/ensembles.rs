@@ -153,7 +153,7 @@ impl Deal {
 }
 
 impl Rows {
-    /// Returns points of all rows.
+    /// Returns the number of points of all rows.
     pub fn len(&self) -> u64 {
         (self.count * u64::from(self.columns)) << self.block_bits
     }

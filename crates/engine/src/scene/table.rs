@@ -63,7 +63,7 @@ impl<'a> Table<'a> {
         self.context.warnings.borrow_mut().push(warning);
     }
 
-    /// Returns keys with their places, in alphabetical order.
+    /// Returns the keys with their places, in alphabetical order.
     pub fn keys(&self) -> impl Iterator<Item = (&'a str, &'a Place)> {
         self.entries.into_iter().flatten().map(|(key, (place, _))| (key.as_str(), place))
     }

@@ -100,7 +100,7 @@ impl<R: BufRead + Seek> Decoder<R> {
         }
     }
 
-    /// Returns bytes of the decoded pixels.
+    /// Returns the number of bytes of the decoded pixels.
     pub fn bytes(&self) -> u64 {
         let (width, height) = self.size();
         let pixel = match self {

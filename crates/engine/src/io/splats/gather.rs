@@ -63,7 +63,7 @@ impl Splats {
         }
     }
 
-    /// Returns bytes of a splat in the columns of a cloud.
+    /// Returns the number of bytes of a splat in the columns of a cloud.
     pub fn bytes(degree: u32) -> u64 {
         let own = size_of::<DVec3>() + size_of::<f32>() + 3 * size_of::<Vec3>() + size_of::<Quat>();
         (own + coefficients(degree) * size_of::<Vec3>()) as u64

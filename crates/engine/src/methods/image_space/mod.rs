@@ -407,7 +407,7 @@ const BACKGROUND_ALPHA: f32 = -1.0;
 /// Floats that shaders know of this module.
 pub(crate) const FLOATS: [(&str, f32); 1] = [("BACKGROUND_ALPHA", BACKGROUND_ALPHA)];
 
-/// Returns bytes that a pass must at least read and write: those of filters by the tiles that they had.
+/// Returns the number of bytes that a pass must at least read and write: those of filters by the tiles that they had.
 pub fn least_bytes(name: &str, facts: &Facts, cloud: &DeviceCloud, cull: bool) -> Option<u64> {
     let [fill, occlusion, smooth, antialias] = facts.filtered_tiles.map(|tiles| tiles * AREA);
     let normals = if cull && cloud.has_normals() { 16 } else { 0 };

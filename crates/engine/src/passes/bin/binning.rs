@@ -167,7 +167,7 @@ impl Binned {
         }
     }
 
-    /// Returns tiles of the window.
+    /// Returns the number of tiles of the window.
     pub fn tiles(&self) -> u32 {
         self.binning.tiles() as u32
     }
@@ -187,7 +187,7 @@ impl Binned {
         self.binning.cells()
     }
 
-    /// Returns pairs of a splat and a tile that it meets, once they were submitted.
+    /// Returns the number of pairs of a splat and a tile that it meets, once they were submitted.
     pub fn found_entries(&self, timeline: &Timeline) -> u64 {
         timeline.found(self.counts)[1].into()
     }
@@ -219,7 +219,7 @@ fn steps(tiles: [u32; 2], subgroup: u32) -> u64 {
     u64::from(tiles[0].div_ceil(columns)) * u64::from(tiles[1].div_ceil(rows))
 }
 
-/// Returns columns and rows of the pattern of tiles that the invocations of a subgroup own.
+/// Returns the columns and rows of the pattern of tiles that the invocations of a subgroup own.
 pub(super) fn pattern(subgroup: u32) -> [u32; 2] {
     let columns = match subgroup {
         32 => 8,

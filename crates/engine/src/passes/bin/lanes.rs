@@ -26,7 +26,7 @@ impl Lanes {
         Ok(Self { subgroup, team: if info.prefers.shared_work && fits { TEAM } else { 1 } })
     }
 
-    /// Returns workgroups of so many subgroups.
+    /// Returns the number of workgroups of so many subgroups.
     pub(super) fn groups(self, subgroups: u64) -> u64 {
         subgroups.div_ceil(self.team.into())
     }

@@ -46,12 +46,12 @@ gpu_struct! {
 }
 
 impl Stats {
-    /// Returns pixels of all rectangles of all chunks.
+    /// Returns the number of pixels of all rectangles of all chunks.
     pub fn area(stats: &[Self]) -> u64 {
         stats.iter().map(|s| u64::from(s.area_high) << 32 | u64::from(s.area_low)).sum()
     }
 
-    /// Returns columns and rows of pixels of the widest and the tallest splat of all chunks.
+    /// Returns the columns and rows of pixels of the widest and the tallest splat of all chunks.
     pub fn extent(stats: &[Self]) -> [u32; 2] {
         stats.iter().fold([0, 0], |[x, y], s| [x.max(s.widest), y.max(s.tallest)])
     }
@@ -68,7 +68,7 @@ impl Stats {
         }
     }
 
-    /// Returns tiles of the large splats.
+    /// Returns the number of tiles of the large splats.
     pub fn tiles(&self) -> u64 {
         u64::from(self.tiles_high) << 32 | u64::from(self.tiles_low)
     }

@@ -129,7 +129,7 @@ impl<'a> Buckets<'a> {
     }
 }
 
-/// Returns points of some extents.
+/// Returns the number of points of some extents.
 pub(super) fn points_of(layout: Layout, extents: &[Extent]) -> u64 {
     words_of(extents) / layout.words() as u64
 }

@@ -84,7 +84,7 @@ impl Tiles {
         }
     }
 
-    /// Returns points of a tile of so many bytes, at most.
+    /// Returns the number of points of a tile of so many bytes, at most.
     pub fn most_points(&self, bytes: u64) -> u64 {
         match self {
             Self::Laszip => bytes.saturating_mul(MAX_POINTS_PER_BYTE),

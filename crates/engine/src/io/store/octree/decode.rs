@@ -36,7 +36,7 @@ impl Decoder {
         Self { layout, grid, table, first_time, prepared }
     }
 
-    /// Returns bytes of a point.
+    /// Returns the number of bytes of a point.
     pub fn stride(&self) -> u64 {
         self.layout.stride as u64
     }

@@ -48,7 +48,7 @@ impl Surveyor {
         (Facts::of(&cloud), taken.flat_map(|(record, _)| record).copied().collect())
     }
 
-    /// Returns bytes of the points that stand for all, at most: with more of them a store has no survey.
+    /// Returns the number of bytes of the points that stand for all, at most: with more of them a store has no survey.
     pub fn most_bytes(&self) -> u64 {
         MAX_POINTS as u64 * self.decoder.stride()
     }

@@ -29,7 +29,7 @@ pub struct GaussianColumns {
     pub brightest: f32,
 }
 
-/// Returns numbers of each splat's color of a degree.
+/// Returns the number of numbers of each splat's color of a degree.
 pub(super) fn words(degree: u32) -> u64 {
     3 * (coefficients(degree) as u64 + 1)
 }
@@ -89,12 +89,12 @@ impl GaussianColumns {
         self.upload(all)
     }
 
-    /// Returns device bytes of each point in these columns.
+    /// Returns the number of device bytes of each point in these columns.
     pub fn bytes_each(&self) -> u64 {
         2 * size_of::<[f32; 4]>() as u64 + 4 * self.words()
     }
 
-    /// Returns numbers of each splat's color.
+    /// Returns the number of numbers of each splat's color.
     pub fn words(&self) -> u64 {
         words(self.degree)
     }

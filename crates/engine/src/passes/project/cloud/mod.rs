@@ -246,7 +246,7 @@ impl DeviceCloud {
         self.len == 0
     }
 
-    /// Returns device bytes of the cloud and its splats.
+    /// Returns the number of device bytes of the cloud and its splats.
     pub fn bytes(&self) -> u64 {
         self.points_hi.bytes()
             + self.points_lo.bytes()
@@ -343,7 +343,7 @@ impl DeviceCloud {
         self.orders_made
     }
 
-    /// Returns indices of the points along an axis; `None` before [`Self::sort_along`], and without a field.
+    /// Returns the indices of the points along an axis; `None` before [`Self::sort_along`], and without a field.
     pub fn along(&self, axis: usize) -> Option<Slice<'_, u32>> {
         self.orders[axis].as_ref().map(Buffer::all)
     }
@@ -370,7 +370,7 @@ impl DeviceCloud {
         self.surfaces.as_deref()
     }
 
-    /// Returns points that can be bound at a time.
+    /// Returns the number of points that can be bound at a time.
     pub fn longest(&self) -> u64 {
         self.chunk_len
     }
