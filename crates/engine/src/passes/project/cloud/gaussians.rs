@@ -29,7 +29,7 @@ pub struct GaussianColumns {
     pub brightest: f32,
 }
 
-/// Returns the number of numbers of each splat's color of a degree.
+/// Returns how many numbers make up each splat's color of a degree.
 pub(super) fn words(degree: u32) -> u64 {
     3 * (coefficients(degree) as u64 + 1)
 }
@@ -94,7 +94,7 @@ impl GaussianColumns {
         2 * size_of::<[f32; 4]>() as u64 + 4 * self.words()
     }
 
-    /// Returns the number of numbers of each splat's color.
+    /// Returns how many numbers make up each splat's color.
     pub fn words(&self) -> u64 {
         words(self.degree)
     }
