@@ -8,7 +8,7 @@ pub mod ticks;
 
 use glam::Vec3;
 
-/// Linear value of an sRGB-encoded one. Values outside [0, 1] follow the same curve.
+/// Returns the linear value of an sRGB-encoded one. Values outside [0, 1] follow the same curve.
 pub fn decode_srgb(encoded: f32) -> f32 {
     decode_srgb_f64(f64::from(encoded)) as f32
 }
@@ -28,8 +28,8 @@ pub fn encode_srgb_f64(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// Linear R, G, B of a color that CSS has a word or a form for ("white", "#80c0ff", "hsl(120 50% 50%)"); `None` for others,
-/// and for colors that one can see through.
+/// Returns linear R, G, B of a color that CSS has a word or a form for ("white", "#80c0ff", "hsl(120 50% 50%)"); `None`
+/// for others, and for colors that one can see through.
 pub fn named(text: &str) -> Option<Vec3> {
     let color = csscolorparser::parse(text).ok().filter(|color| color.a == 1.0)?;
     let [r, g, b] = [color.r, color.g, color.b].map(|value| decode_srgb(value.clamp(0.0, 1.0)));

@@ -39,7 +39,8 @@ impl Image {
         self.rgba.len() == self.depth.len()
     }
 
-    /// Standard error of the whole image, if that of its pixels was found: root mean square over pixels and R, G, B.
+    /// Returns the standard error of the whole image, if that of its pixels was found: root mean square over pixels and
+    /// R, G, B.
     pub fn standard_error(&self) -> Option<f64> {
         self.stderr.as_deref().map(|errors| mean_square(errors).sqrt())
     }
@@ -66,7 +67,7 @@ pub struct LinearImage {
     pub pixels: Vec<[f32; 3]>,
 }
 
-/// Mean of the squares of all values; 0 if empty.
+/// Returns the mean of the squares of all values; 0 if empty.
 pub fn mean_square(values: &[[f32; 3]]) -> f64 {
     let squares: f64 = values.iter().flatten().map(|value| f64::from(*value).powi(2)).sum();
     squares / (values.len().max(1) * 3) as f64

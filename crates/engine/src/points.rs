@@ -85,7 +85,7 @@ pub struct WholeSplats {
 }
 
 impl WholeSplats {
-    /// Count and bounds of two parts together.
+    /// Returns the count and bounds of two parts together.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self {
@@ -227,7 +227,7 @@ impl Points {
         is_one.then(|| self.radii[index])
     }
 
-    /// Count and bounds of the Gaussians among all points; `None` if none is one.
+    /// Returns the count and bounds of the Gaussians among all points; `None` if none is one.
     pub fn splats(&self) -> Option<WholeSplats> {
         if let Some(whole) = &self.whole {
             return whole.splats;
@@ -262,17 +262,17 @@ impl Points {
         Anchor::new(sampled, self.bounds())
     }
 
-    /// Positions of points that stand for all, also for those that are not drawn, in any order.
+    /// Returns positions of points that stand for all, also for those that are not drawn, in any order.
     pub fn sampled(&self) -> impl ParallelIterator<Item = &DVec3> {
         let sampling = Sampling::of((self.len() + self.unseen.positions.len()) as u64);
         let all = self.positions.par_iter().chain(&self.unseen.positions).with_min_len(1 << 14);
         all.filter(move |position| sampling.takes(**position))
     }
 
-    /// Ids of some points of the list: numbers that random words are made from. An id follows from a point's place and, of points in
-    /// one place, from their canonical order; not from what else there is, so that any part of a scene has the ids of the whole.
-    /// A scene of up to 2¹⁸ points that is moved, or scaled by a power of two, without a rounding keeps its ids. Two of 2³² points in different
-    /// places share an id by chance.
+    /// Returns the ids of some points of the list: numbers that random words are made from. An id follows from a
+    /// point's place and, of points in one place, from their canonical order; not from what else there is, so that any
+    /// part of a scene has the ids of the whole. A scene of up to 2¹⁸ points that is moved, or scaled by a power of
+    /// two, without a rounding keeps its ids. Two of 2³² points in different places share an id by chance.
     ///
     /// Gaussians in one place are told apart by how far they reach before they are counted: a part of a scene may hold the large ones
     /// alone.
@@ -336,7 +336,7 @@ impl Points {
         Bounds::of(&self.positions)
     }
 
-    /// Positions and radii of all points, also of those that are not drawn.
+    /// Returns the positions and radii of all points, also of those that are not drawn.
     pub fn spheres(&self) -> impl IndexedParallelIterator<Item = (DVec3, f64)> {
         let unseen = self.unseen.positions.par_iter().zip(&self.unseen.radii);
         let all = self.positions.par_iter().zip(&self.radii).chain(unseen).with_min_len(1 << 12);

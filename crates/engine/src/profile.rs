@@ -90,7 +90,7 @@ impl Profile {
         })
     }
 
-    /// Device times of each pass over all frames, in the order of their first run.
+    /// Returns device times of each pass over all frames, in the order of their first run.
     pub fn passes(&self) -> Vec<PassTimes> {
         let mut names: Vec<&'static str> = Vec::new();
         for pass in self.frames.iter().flat_map(|f| &f.passes) {
@@ -133,7 +133,7 @@ pub struct PassTimes {
     pub bytes: Option<u64>,
 }
 
-/// Median of some numbers, 0 if empty.
+/// Returns the median of some numbers, 0 if empty.
 pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let n = values.len();
@@ -144,14 +144,15 @@ pub fn median(mut values: Vec<f64>) -> f64 {
     }
 }
 
-/// Lengths of lists and how many pixels have each, ascending.
+/// Returns lengths of lists and how many pixels have each, ascending.
 pub fn histogram(lengths: &[u32]) -> Vec<(u32, u64)> {
     let mut sorted = lengths.to_vec();
     sorted.sort_unstable();
     sorted.chunk_by(|a, b| a == b).map(|run| (run[0], run.len() as u64)).collect()
 }
 
-/// Bytes per second, reads and writes together, of the device's own copy between two buffers: the yardstick for passes.
+/// Returns bytes per second, reads and writes together, of the device's own copy between two buffers: the yardstick for
+/// passes.
 pub fn copy_rate(device: &Device) -> Result<f64, gpu::Error> {
     const BYTES: u64 = 64 << 20;
     const COPIES: usize = 5;

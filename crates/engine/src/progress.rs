@@ -176,7 +176,7 @@ impl Progress {
         self.set_length(self.length().unwrap_or(0).saturating_add(steps));
     }
 
-    /// Steps of the stage, if they are known.
+    /// Returns the number of steps of the stage, if they are known.
     pub fn length(&self) -> Option<u64> {
         Some(self.0.length.load(Ordering::Relaxed)).filter(|length| *length != UNKNOWN)
     }
@@ -193,7 +193,7 @@ impl Progress {
         self.tell();
     }
 
-    /// Steps that are done.
+    /// Returns the number of steps that are done.
     pub fn position(&self) -> u64 {
         self.0.position.load(Ordering::Relaxed)
     }

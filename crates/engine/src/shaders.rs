@@ -41,7 +41,7 @@ pub fn key_without_numbers(variant: &Variant) -> String {
     variant.key()
 }
 
-/// Every pass with all its variants, as each stage lists them.
+/// Returns every pass with all its variants, as each stage lists them.
 pub fn shaders() -> Vec<Shader> {
     let stages = [
         bin::shaders,

@@ -111,7 +111,7 @@ impl<T: GpuType> Buffer<T> {
         Arc::ptr_eq(&self.context, context)
     }
 
-    /// Size of the content in bytes.
+    /// Returns the size of the content in bytes.
     pub fn bytes(&self) -> u64 {
         self.len * size_of::<T>() as u64
     }
@@ -264,7 +264,7 @@ impl<'a, T> Slice<'a, T> {
         self.raw.bytes == 0
     }
 
-    /// Elements of the buffer before the first.
+    /// Returns the number of elements of the buffer before the first.
     pub fn start(&self) -> u64 {
         self.raw.offset / size_of::<T>() as u64
     }

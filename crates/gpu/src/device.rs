@@ -137,7 +137,7 @@ fn best(found: &[Candidate]) -> Option<&Candidate> {
     found.iter().filter(|(info, _)| info.lacks.is_empty()).min_by_key(|(info, _)| (info.rank, info.index))
 }
 
-/// Index and flags of a queue family for compute and graphics with timestamps.
+/// Returns the index and flags of a queue family for compute and graphics with timestamps.
 pub(super) fn queue_family(instance: &Instance, physical: vk::PhysicalDevice) -> Option<u32> {
     // SAFETY: a plain query on a live instance.
     let families = unsafe { instance.raw.get_physical_device_queue_family_properties(physical) };
@@ -313,7 +313,7 @@ impl Device {
         Ok(Self(Arc::new(context)))
     }
 
-    /// Properties of the opened device.
+    /// Returns properties of the opened device.
     pub fn info(&self) -> &DeviceInfo {
         &self.0.info
     }
@@ -358,7 +358,7 @@ impl Device {
         self.0.idle_commands()
     }
 
-    /// Largest number of bytes that was reserved on the device at any time since [`Self::reset_peak`].
+    /// Returns the largest number of bytes that was reserved on the device at any time since [`Self::reset_peak`].
     pub fn peak_bytes(&self) -> u64 {
         self.0.peak_bytes()
     }
@@ -380,8 +380,8 @@ impl Device {
         self.0.allowed.load(Ordering::Relaxed) == 0
     }
 
-    /// Bytes uploaded so far, without the view that every frame writes. Changing the threshold, softness or radius
-    /// factor adds nothing.
+    /// Returns the number of bytes uploaded so far, without the view that every frame writes. Changing the threshold,
+    /// softness or radius factor adds nothing.
     pub fn uploaded_bytes(&self) -> u64 {
         self.0.uploaded.load(Ordering::Relaxed)
     }
@@ -392,7 +392,7 @@ impl Device {
         self.0.waits.load(Ordering::Relaxed)
     }
 
-    /// Names and sizes of all allocations: a leak report when it should be empty.
+    /// Returns the names and sizes of all allocations: a leak report when it should be empty.
     pub fn live_allocations(&self) -> Vec<(String, u64)> {
         self.0.live_allocations()
     }
@@ -408,12 +408,12 @@ impl Device {
         self.0.made()
     }
 
-    /// Everything that the validation layers said so far.
+    /// Returns everything that the validation layers said so far.
     pub fn validation_messages(&self) -> Vec<String> {
         self.0.instance.messages.snapshot()
     }
 
-    /// Messages of the validation layers, to be read after the device is gone.
+    /// Returns messages of the validation layers, to be read after the device is gone.
     pub fn validation_log(&self) -> ValidationLog {
         ValidationLog(self.0.instance.messages.clone())
     }

@@ -36,7 +36,7 @@ impl Format {
         }
     }
 
-    /// Bytes of a sample.
+    /// Returns the number of bytes of a sample.
     pub fn bytes(self) -> u64 {
         match self {
             Self::Depth | Self::Number => 4,
@@ -60,8 +60,8 @@ impl Format {
     }
 }
 
-/// Width and height up to which a device has all that multisampled drawing needs: depths and numbers of [`SAMPLES`]
-/// samples, numbers and colors of one that blend; `None` where it lacks any of them.
+/// Returns the width and height up to which a device has all that multisampled drawing needs: depths and numbers of
+/// [`SAMPLES`] samples, numbers and colors of one that blend; `None` where it lacks any of them.
 pub(super) fn multisampled_size(instance: &Instance, physical: vk::PhysicalDevice) -> Option<[u32; 2]> {
     let several = vk::SampleCountFlags::from_raw(SAMPLES);
     let one = vk::SampleCountFlags::TYPE_1;
@@ -179,12 +179,12 @@ impl Attachment {
         self.format
     }
 
-    /// Samples per pixel.
+    /// Returns samples per pixel.
     pub fn samples(&self) -> u32 {
         self.samples
     }
 
-    /// Columns and rows.
+    /// Returns columns and rows.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }

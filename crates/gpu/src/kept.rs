@@ -33,7 +33,7 @@ impl<T: GpuType> Kept<T> {
         self.buffer = None;
     }
 
-    /// Bytes of the buffer, 0 before the first reservation.
+    /// Returns the number of bytes of the buffer, 0 before the first reservation.
     pub fn bytes(&self) -> u64 {
         self.buffer.as_ref().map_or(0, Buffer::bytes)
     }

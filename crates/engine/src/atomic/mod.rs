@@ -172,12 +172,12 @@ pub fn probe(folder: &Path) -> io::Result<()> {
     tempfile::tempfile_in(folder).map(drop)
 }
 
-/// Bytes that a file in a folder may still take; `None` where the system doesn't say.
+/// Returns the number of bytes that a file in a folder may still take; `None` where the system doesn't say.
 pub fn free_bytes(folder: &Path) -> Option<u64> {
     fs4::available_space(folder).ok()
 }
 
-/// Advice to end an error message with; empty if the reason already says everything.
+/// Returns advice to end an error message with; empty if the reason already says everything.
 pub fn remedy(error: &io::Error) -> &'static str {
     match error.kind() {
         ErrorKind::StorageFull => "; free some space there or write elsewhere",

@@ -69,13 +69,13 @@ impl Camera {
         format!("[camera]\neye = {eye:?}\ntarget = {target:?}\nup = {up:?}\n{lens}\nnear = {near:?}\nfar = {far:?}")
     }
 
-    /// Camera coordinates (right, up, z) of a world position; z is positive before the camera.
+    /// Returns camera coordinates (right, up, z) of a world position; z is positive before the camera.
     pub fn to_view(&self, world: DVec3) -> DVec3 {
         let p = world - self.eye;
         DVec3::new(p.dot(self.right), p.dot(self.up), p.dot(self.forward))
     }
 
-    /// Pixels over one world unit at depth 1 (perspective) or anywhere (orthographic).
+    /// Returns pixels over one world unit at depth 1 (perspective) or anywhere (orthographic).
     pub fn focal_px(&self, image_height: u32) -> f64 {
         match self.projection {
             Projection::Perspective { fov_y } => f64::from(image_height) / (2.0 * (0.5 * fov_y).tan()),
@@ -91,7 +91,7 @@ impl Camera {
         (center + DVec2::new(view.x, -view.y) * scale, view.z)
     }
 
-    /// Pixels per world unit at depth `z`: the factor from a world radius to pixels.
+    /// Returns pixels per world unit at depth `z`: the factor from a world radius to pixels.
     pub fn pixels_per_unit(&self, z: f64, image_height: u32) -> f64 {
         match self.projection {
             Projection::Perspective { .. } => self.focal_px(image_height) / z,

@@ -57,7 +57,7 @@ impl Default for Facts {
 }
 
 impl Facts {
-    /// Those of some points.
+    /// Returns those of some points.
     pub fn of(cloud: &Cloud) -> Self {
         let mut classes = [0; 4];
         for code in cloud.classification.iter().flatten() {
@@ -82,7 +82,7 @@ impl Facts {
         }
     }
 
-    /// Those of two parts together.
+    /// Returns those of two parts together.
     #[must_use]
     pub fn and(self, other: &Self) -> Self {
         Self {

@@ -68,7 +68,7 @@ pub enum Error {
 }
 
 impl Field {
-    /// Its name in the setting `field`.
+    /// Returns its name in the setting `field`.
     pub fn name(&self) -> &str {
         match self {
             Self::Uncertainty => "uncertainty",
@@ -141,7 +141,7 @@ impl Field {
     }
 }
 
-/// Values from the smallest to the largest as 0 to 1, all 0 if they differ by no more than rounding.
+/// Returns values from the smallest to the largest as 0 to 1, all 0 if they differ by no more than rounding.
 pub fn scaled(values: &[f64]) -> Vec<f32> {
     scaled_in(values, range(values))
 }

@@ -43,7 +43,7 @@ pub struct Gaussians {
     pub harmonics: Vec<Vec3>,
 }
 
-/// Coefficients from degree 1 to this one.
+/// Returns the number of coefficients from degree 1 to this one.
 pub fn coefficients(degree: u32) -> usize {
     ((degree + 1) * (degree + 1) - 1) as usize
 }
@@ -60,7 +60,7 @@ impl Gaussians {
         }
     }
 
-    /// Coefficients of each splat from degree 1 on.
+    /// Returns the number of coefficients of each splat from degree 1 on.
     pub fn coefficients(&self) -> usize {
         coefficients(self.degree)
     }
@@ -154,7 +154,7 @@ impl Gaussians {
         self.harmonics.extend(more.harmonics);
     }
 
-    /// Those of two lists that follow each other, of which either may have none.
+    /// Returns those of two lists that follow each other, of which either may have none.
     #[must_use]
     pub fn joined(first: (Option<Self>, usize), second: (Option<Self>, usize)) -> Option<Self> {
         if first.0.is_none() && second.0.is_none() {
@@ -166,8 +166,8 @@ impl Gaussians {
         Some(all)
     }
 
-    /// Bounds on the display value of all splats from any direction, drawn with harmonics up to each degree: element d is that of degree
-    /// d. Of degrees that they don't have it is that of their own; at least 0.
+    /// Returns bounds on the display value of all splats from any direction, drawn with harmonics up to each degree:
+    /// element d is that of degree d. Of degrees that they don't have it is that of their own; at least 0.
     pub fn brightest(&self) -> ByDegree {
         // A bound on each harmonic is its norm, √((2l + 1) / 4π) (addition theorem).
         let norm = |degree: u32| ((2 * degree + 1) as f32 / (4.0 * std::f32::consts::PI)).sqrt();
@@ -188,7 +188,7 @@ impl Gaussians {
         (0..self.len()).into_par_iter().with_min_len(1 << 10).map(of_splat).reduce(ByDegree::default, larger)
     }
 
-    /// Bytes of each splat in these columns.
+    /// Returns the number of bytes of each splat in these columns.
     pub fn bytes_each(degree: u32) -> u64 {
         (size_of::<Quat>() + (2 + coefficients(degree)) * size_of::<Vec3>()) as u64
     }

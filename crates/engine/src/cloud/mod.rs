@@ -143,7 +143,7 @@ impl Cloud {
         self.positions.is_empty()
     }
 
-    /// Smallest and largest corner of the finite points; `None` for an empty cloud.
+    /// Returns the smallest and largest corner of the finite points; `None` for an empty cloud.
     pub fn bounds(&self) -> Option<Bounds> {
         Bounds::of(&self.positions)
     }
@@ -205,7 +205,7 @@ impl Bounds {
         0.5 * self.min + 0.5 * self.max
     }
 
-    /// Length of the diagonal.
+    /// Returns the length of the diagonal.
     pub fn diagonal(&self) -> f64 {
         (self.max - self.min).length()
     }

@@ -64,7 +64,7 @@ pub fn srgb(code: u8) -> DVec3 {
     }
 }
 
-/// Colors in sRGB that differ by at least 0.15 in some channel, 288 of them, over and over.
+/// Returns colors in sRGB that differ by at least 0.15 in some channel, 288 of them, over and over.
 pub fn distinct(index: usize) -> DVec3 {
     let colors: Vec<[u16; 3]> = (0..343u16).map(|i| [i / 49, i / 7 % 7, i % 7]).filter(|c| is_vivid(*c)).collect();
     // Prime to their number, so that all are met, and far apart at first.

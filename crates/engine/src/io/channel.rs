@@ -112,8 +112,8 @@ pub(super) fn full_scale(largest: Option<f32>) -> Option<f32> {
     })
 }
 
-/// Linear colors from sRGB-encoded ones, by the number of full intensity ([`full_scale`]). A color without any number is white,
-/// like points without color.
+/// Returns linear colors from sRGB-encoded ones, by the number of full intensity ([`full_scale`]). A color without any
+/// number is white, like points without color.
 pub(super) fn measured(mut colors: Vec<Vec3>, full: f32) -> Vec<Vec3> {
     let channel = |value: f32| if value.is_nan() { 0.0 } else { decode_srgb((value / full).clamp(0.0, 1.0)) };
     let linear = |color: &Vec3| {

@@ -38,7 +38,8 @@ const UNKNOWN: u64 = 2 << 30;
 /// The least memory for points that is of use.
 pub const LEAST_MEMORY: u64 = 1 << 20;
 
-/// Bytes of memory for points where nobody asks for others: half of what Linux says can be used without swapping.
+/// Returns the number of bytes of memory for points where nobody asks for others: half of what Linux says can be used
+/// without swapping.
 pub fn memory_for_points() -> u64 {
     let text = std::fs::read_to_string("/proc/meminfo").ok();
     let free = text.and_then(|text| bytes(&text, "MemAvailable:"));

@@ -229,7 +229,7 @@ impl LasColumns {
         }
     }
 
-    /// Those of them that a cloud doesn't have.
+    /// Returns those of them that a cloud doesn't have.
     #[must_use]
     pub fn lacking(self, cloud: &Cloud) -> Self {
         let lacks = |name| cloud.scalar(name).is_none();

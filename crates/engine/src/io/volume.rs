@@ -41,7 +41,7 @@ const SCALARS: [(&str, Scalar); 8] = [
 ];
 
 impl Scalar {
-    /// Bytes of one number.
+    /// Returns the number of bytes of one number.
     pub fn bytes(self) -> usize {
         match self {
             Self::U8 | Self::I8 => 1,

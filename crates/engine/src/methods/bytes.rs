@@ -25,17 +25,17 @@ pub(crate) struct PassRuns<'a> {
 }
 
 impl PassRuns<'_> {
-    /// Lengths of all lists of fragments, if they were read back.
+    /// Returns lengths of all lists of fragments, if they were read back.
     pub fn lengths(&self) -> &[u32] {
         self.image.fragments.as_deref().unwrap_or_default()
     }
 
-    /// Pixels of the image.
+    /// Returns the number of pixels of the image.
     pub fn pixels(&self) -> u64 {
         u64::from(self.frame.size[0]) * u64::from(self.frame.size[1])
     }
 
-    /// Bytes of a splat; `tilted` for a method whose splats lie in their tangent planes.
+    /// Returns the number of bytes of a splat; `tilted` for a method whose splats lie in their tangent planes.
     pub fn splat(&self, tilted: bool) -> u64 {
         20 + if self.is_tilted(tilted) { 16 } else { 0 }
     }
@@ -51,7 +51,7 @@ impl PassRuns<'_> {
         facts.points * 8 * facts.windows.max(1) + facts.visible * self.splat(tilted)
     }
 
-    /// Bytes of the projection.
+    /// Returns the number of bytes of the projection.
     pub fn projected(&self, tilted: bool) -> Option<u64> {
         let facts = self.facts;
         let normal = if self.cloud.has_normals() || self.cloud.casting().is_some() { 16 } else { 0 };

@@ -70,7 +70,7 @@ impl Model {
         Ok(model)
     }
 
-    /// Predicted milliseconds of `abuffer` and of `sorted`.
+    /// Returns the predicted milliseconds of `abuffer` and of `sorted`.
     pub fn predict(&self, load: &Load) -> [f64; 2] {
         let predicted = |costs: &[Costs; 2]| dot(&costs[usize::from(load.large())], &load.terms());
         [predicted(&self.abuffer), predicted(&self.sorted)]

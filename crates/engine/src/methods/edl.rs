@@ -157,7 +157,7 @@ fn darken(colors: &mut [[f32; 4]], factors: &[f32]) {
     each.for_each(|([r, g, b, _], factor)| [r, g, b].into_iter().for_each(|color| *color *= factor));
 }
 
-/// Bytes that one of the passes must at least read and write, for an image of so many pixels.
+/// Returns the number of bytes that one of the passes must at least read and write, for an image of so many pixels.
 pub(crate) fn least_bytes(name: &str, pixels: u64) -> Option<u64> {
     PASSES.contains(&name).then_some(pixels * 8)
 }

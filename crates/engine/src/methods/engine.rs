@@ -147,7 +147,7 @@ pub(crate) enum Sums {
 }
 
 impl Sums {
-    /// Samples between two places where they may be cut.
+    /// Returns the number of samples between two places where they may be cut.
     pub fn step(self) -> u32 {
         match self {
             Self::Ensembles => 1,
@@ -243,7 +243,7 @@ pub(crate) struct Work<'a> {
 pub(crate) type Later = Box<dyn FnOnce(&mut Facts, &Timeline)>;
 
 impl Work<'_> {
-    /// Pixels of the window.
+    /// Returns the number of pixels of the window.
     pub fn pixels(&self) -> u64 {
         bands::pixels(self.window)
     }
@@ -358,7 +358,7 @@ pub(crate) fn project(
     Ok(Projected { stats, found: Found(answer.place) })
 }
 
-/// Windows for a method that needs `pixel_bytes` per pixel.
+/// Returns windows for a method that needs `pixel_bytes` per pixel.
 pub(crate) fn windows_of(frame: &Frame, budget: Budget, pixel_bytes: u64) -> Vec<Window> {
     bands::windows(frame.size, budget.window_pixels(pixel_bytes))
 }

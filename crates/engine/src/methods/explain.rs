@@ -139,7 +139,7 @@ impl Plan<'_> {
         }
     }
 
-    /// Pixels of the image.
+    /// Returns the number of pixels of the image.
     pub fn pixels(&self) -> u64 {
         u64::from(self.frame.size[0]) * u64::from(self.frame.size[1])
     }

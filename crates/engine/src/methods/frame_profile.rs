@@ -35,7 +35,7 @@ pub struct FrameProfile {
 }
 
 impl FrameProfile {
-    /// Device time of all passes.
+    /// Returns device time of all passes.
     pub fn gpu(&self) -> Duration {
         self.passes.iter().map(|p| p.gpu).sum()
     }

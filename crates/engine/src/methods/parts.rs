@@ -245,7 +245,7 @@ impl SamplePart {
         Self { layout, samples, planes }
     }
 
-    /// Columns and rows of the image.
+    /// Returns the columns and rows of the image.
     pub fn size(&self) -> [u32; 2] {
         self.layout.size
     }
@@ -279,7 +279,7 @@ impl SamplePart {
         Ok(())
     }
 
-    /// Everything as bytes, little endian, for [`Self::from_bytes`] of the same version of pellucid.
+    /// Returns everything as bytes, little endian, for [`Self::from_bytes`] of the same version of pellucid.
     pub fn to_bytes(&self) -> Vec<u8> {
         let Layout { size: [width, height], steps, .. } = self.layout;
         let mut header = vec![MAGIC, VERSION, width, height, steps.total, steps.step, self.layout.flags()];

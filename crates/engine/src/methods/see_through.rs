@@ -50,7 +50,7 @@ impl Found {
     }
 }
 
-/// Each cloud's opacity with a factor, cut at 1.
+/// Returns each cloud's opacity with a factor, cut at 1.
 pub fn opacities(factor: f32, clouds: &[CloudSettings]) -> Vec<f32> {
     clouds.iter().map(|cloud| (cloud.opacity * factor).min(1.0)).collect()
 }

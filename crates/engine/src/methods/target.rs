@@ -37,7 +37,7 @@ impl Target {
         Ok(())
     }
 
-    /// Premultiplied color and A of the window's pixels.
+    /// Returns premultiplied color and A of the window's pixels.
     pub fn image(&self) -> Slice<'_, [f32; 4]> {
         self.image.get().all()
     }
@@ -57,7 +57,7 @@ impl Target {
         Ok(self.depths.get().upload(depths)?)
     }
 
-    /// Depths of the window's pixels.
+    /// Returns depths of the window's pixels.
     pub fn depths(&self) -> Slice<'_, f32> {
         self.depths.get().all()
     }

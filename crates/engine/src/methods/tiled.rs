@@ -55,7 +55,7 @@ pub(crate) trait Stage {
     ) -> Result<Outcome, Error>;
 }
 
-/// Bytes per pixel of a window that are in use before its splats are binned.
+/// Returns bytes per pixel of a window that are in use before its splats are binned.
 pub(super) fn counted_bytes(frame: &Frame) -> u64 {
     if frame.fragments { abuffer::PIXEL_BYTES } else { bin::PIXEL_BYTES }
 }
@@ -165,14 +165,15 @@ pub(super) fn without_lists(plan: &mut Plan<'_>, reason: &str) {
     plan.rest(&abuffer::list_passes(), reason);
 }
 
-/// Bytes that a pass of a frame of discs must at least move, except those of a stage: projection, counted lists and tiles.
+/// Returns the number of bytes that a pass of a frame of discs must at least move, except those of a stage: projection,
+/// counted lists and tiles.
 pub(super) fn disc_bytes(pass: &PassRuns<'_>, discs: &Discs) -> Option<u64> {
     let tilted = discs.shape == DiscShape::Oriented;
     let counted = || abuffer::list_bytes(pass, tilted);
     pass.projected(tilted).or_else(counted).or_else(|| binned_bytes(pass))
 }
 
-/// Bytes that a pass must at least move which puts splats into tiles.
+/// Returns the number of bytes that a pass must at least move which puts splats into tiles.
 pub(super) fn binned_bytes(pass: &PassRuns<'_>) -> Option<u64> {
     least_bytes(pass.name, pass.runs, pass.facts)
 }

@@ -63,7 +63,8 @@ pub fn compare(a: &LinearImage, b: &LinearImage) -> Option<Comparison> {
     })
 }
 
-/// Root of the mean squared difference over R, G, B of all pixels: in units of linear light, 0 for equal images.
+/// Returns the root of the mean squared difference over R, G, B of all pixels: in units of linear light, 0 for equal
+/// images.
 pub fn rmse(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
     let (sum, count) = pairs(a, b)
         .map(|(a, b)| differences(a, b).iter().map(|d| d * d).sum::<f64>())
@@ -71,8 +72,8 @@ pub fn rmse(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
     if count == 0.0 { 0.0 } else { (sum / count).sqrt() }
 }
 
-/// Normalized mean square error, Σ(I − K)² / ΣI² with reference I and image K (Uchida et al. 2020, Eq. 10), here over R, G
-/// and B of linear light: no unit, 0 for equal images, 1 for a black K, unbounded.
+/// Returns the normalized mean square error, Σ(I − K)² / ΣI² with reference I and image K (Uchida et al. 2020, Eq. 10),
+/// here over R, G and B of linear light: no unit, 0 for equal images, 1 for a black K, unbounded.
 ///
 /// Infinite if only the reference is black.
 pub fn nmse(reference: &[[f32; 3]], image: &[[f32; 3]]) -> f64 {
@@ -84,7 +85,7 @@ pub fn nmse(reference: &[[f32; 3]], image: &[[f32; 3]]) -> f64 {
     if error == 0.0 { 0.0 } else { error / signal }
 }
 
-/// Peak signal-to-noise ratio in decibels, −20·log₁₀(RMSE) with a peak of 1: infinite for equal images.
+/// Returns the peak signal-to-noise ratio in decibels, −20·log₁₀(RMSE) with a peak of 1: infinite for equal images.
 pub fn psnr(rmse: f64) -> f64 {
     -20.0 * rmse.log10()
 }
@@ -103,7 +104,7 @@ pub fn largest(a: &LinearImage, b: &LinearImage) -> Largest {
     largest
 }
 
-/// Share of pixels, in [0, 1], with a channel that differs by more than `step`.
+/// Returns the share of pixels, in [0, 1], with a channel that differs by more than `step`.
 pub fn share_above(a: &[[f32; 3]], b: &[[f32; 3]], step: f64) -> f64 {
     let above = pairs(a, b).filter(|(a, b)| differences(*a, *b).iter().any(|d| *d > step)).count();
     above as f64 / a.len().max(1) as f64

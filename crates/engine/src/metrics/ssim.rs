@@ -16,9 +16,9 @@ const C2: f64 = 9e-4;
 /// The averages of one channel over a window: x, y, x² + y², xy.
 type Moments = [f64; 4];
 
-/// Mean structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004, Eq. 13) of linear values, over windows of 11 ×
-/// 11 pixels with Gaussian weights of σ = 1.5 and over R, G, B; K₁ = 0.01, K₂ = 0.03, L = 1. No unit; 1 for equal
-/// images, less for others, at least −1.
+/// Returns the mean structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004, Eq. 13) of linear values, over
+/// windows of 11 × 11 pixels with Gaussian weights of σ = 1.5 and over R, G, B; K₁ = 0.01, K₂ = 0.03, L = 1. No unit; 1
+/// for equal images, less for others, at least −1.
 ///
 /// A window's similarity is (2μxμy + C₁)(2σxy + C₂) / ((μx² + μy² + C₁)(σx² + σy² + C₂)). Windows lie wholly in the
 /// image; where a side is shorter than 11 pixels, they are cut to the longest odd length that fits, with weights

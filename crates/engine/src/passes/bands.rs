@@ -151,8 +151,8 @@ pub struct Budget {
 const OVERHEAD_BYTES: u64 = 40 << 20;
 
 impl Budget {
-    /// Pixels of a window: limited by a quarter of the budget at `bytes_per_pixel`, and by a binding of 16 bytes per
-    /// pixel.
+    /// Returns the number of pixels of a window: limited by a quarter of the budget at `bytes_per_pixel`, and by a
+    /// binding of 16 bytes per pixel.
     pub fn window_pixels(&self, bytes_per_pixel: u64) -> u64 {
         (self.bytes / 4 / bytes_per_pixel).min(self.binding / 16).max(1)
     }
@@ -162,7 +162,7 @@ impl Budget {
         (tiles <= self.bytes / 8 && tiles <= self.binding).then_some(Self { tiles, ..self })
     }
 
-    /// Bytes left for fragments beside `used` and the tiles.
+    /// Returns the number of bytes left for fragments beside `used` and the tiles.
     pub fn left(&self, used: u64) -> u64 {
         self.bytes.saturating_sub(used + self.tiles + OVERHEAD_BYTES.min(self.bytes / 8 * 3))
     }
@@ -175,7 +175,7 @@ impl Budget {
     }
 }
 
-/// Column and row in the image of a window's pixel.
+/// Returns the column and row in the image of a window's pixel.
 pub fn place(window: Window, pixel: u32) -> [u32; 2] {
     let width = window[2] - window[0];
     [window[0] + pixel % width, window[1] + pixel / width]

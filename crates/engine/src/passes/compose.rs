@@ -38,7 +38,7 @@ impl Cut {
         Ok(Self { len: (u64::from(cut.len) / stride) as u32, tilt_stride: stride as u32, ..cut })
     }
 
-    /// Most points of a device.
+    /// Returns the largest number of points of a device.
     pub fn most(device: &Device) -> u64 {
         PARTS as u64 * Self::longest(device)
     }

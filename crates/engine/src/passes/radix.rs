@@ -113,13 +113,13 @@ impl Radix {
         })
     }
 
-    /// Device bytes of a sort of so many records, the records themselves not counted.
+    /// Returns the number of device bytes of a sort of so many records, the records themselves not counted.
     pub fn bytes(device: &Device, records: u64) -> u64 {
         let counters = counters(device, records);
         counters * 8 + Scan::bytes(counters)
     }
 
-    /// Device bytes of the buffers that are kept.
+    /// Returns the number of device bytes of the buffers that are kept.
     pub fn kept_bytes(&self) -> u64 {
         let scan = self.scan.as_ref().map_or(0, |s| Scan::bytes(s.capacity()));
         self.counts.bytes() + self.cursors.bytes() + scan

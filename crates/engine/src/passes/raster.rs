@@ -209,7 +209,7 @@ impl<'a> Raster<'a> {
         Ok(())
     }
 
-    /// Colors of a chunk's splats.
+    /// Returns colors of a chunk's splats.
     pub fn colors_of(&self, chunk: &Chunk<'a>) -> Slice<'a, [f32; 4]> {
         self.cloud.colors.slice(chunk.splats.start(), chunk.splats.len())
     }

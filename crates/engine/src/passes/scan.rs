@@ -96,7 +96,7 @@ impl Scan {
         Ok(Self { levels, capacity, shared })
     }
 
-    /// Device bytes that a scan of `capacity` elements needs at most.
+    /// Returns the number of device bytes that a scan of `capacity` elements needs at most.
     pub fn bytes(capacity: u64) -> u64 {
         capacity.div_ceil(SCAN_RUN) * 8 * 2
     }

@@ -44,7 +44,7 @@ pass! {
     }
 }
 
-/// Columns and rows of tiles over a window.
+/// Returns the columns and rows of tiles over a window.
 pub fn grid([x0, y0, x1, y1]: Window) -> [u32; 2] {
     [(x1 - x0).div_ceil(TILE), (y1 - y0).div_ceil(TILE)]
 }
@@ -72,7 +72,7 @@ impl Tiles {
         })
     }
 
-    /// Device bytes that the tiles of these splats take in a window.
+    /// Returns the number of device bytes that the tiles of these splats take in a window.
     pub fn bytes(stats: &[Stats], window: Window) -> u64 {
         let pairs: u64 = stats.iter().map(Stats::tiles).sum();
         let large = stats.iter().map(|s| u64::from(s.large)).max().unwrap_or(0);
@@ -137,7 +137,8 @@ impl Tiles {
         Ok(())
     }
 
-    /// First entry of each tile of a chunk; a stand-in if the chunk has no large splat or no tiles were made.
+    /// Returns the first entry of each tile of a chunk; a stand-in if the chunk has no large splat or no tiles were
+    /// made.
     pub fn starts_of(&self, stats: &[Stats], chunk: usize, window: Window) -> Slice<'_, u32> {
         let end = (chunk as u64 + 1) * stride(window);
         if stats[chunk].large == 0 || self.starts.get().len() < end {
@@ -146,7 +147,7 @@ impl Tiles {
         self.starts.get().slice(chunk as u64 * stride(window), stride(window))
     }
 
-    /// Splats of the tiles of a chunk; a stand-in if the chunk has no large splat or no tiles were made.
+    /// Returns splats of the tiles of a chunk; a stand-in if the chunk has no large splat or no tiles were made.
     pub fn entries_of(&self, stats: &[Stats], chunk: usize) -> Slice<'_, u32> {
         let start: u64 = stats[..chunk].iter().map(|s| aligned(s.tiles())).sum();
         let pairs = stats[chunk].tiles();

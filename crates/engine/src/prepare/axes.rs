@@ -29,7 +29,8 @@ impl Axis {
     }
 }
 
-/// Indices of all points by one of their coordinates, smallest first, equal ones by index. At most 2³² points.
+/// Returns the indices of all points by one of their coordinates, smallest first, equal ones by index. At most 2³²
+/// points.
 pub fn order(positions: &[DVec3], axis: usize) -> Vec<u32> {
     let mut order: Vec<(u64, u32)> =
         positions.par_iter().enumerate().map(|(i, p)| (ordered_bits(p[axis]), i as u32)).collect();

@@ -51,8 +51,8 @@ pub(super) const BLOCK: usize = 1 << 14;
 /// Blocks of points in memory that are shown at a time, so that progress is seen.
 const SHOWN: usize = 64;
 
-/// Points per unit of area (world units squared) of the surface that contains them; 0 if fewer than two of them differ
-/// or no two are close to each other. Finite.
+/// Returns points per unit of area (world units squared) of the surface that contains them; 0 if fewer than two of them
+/// differ or no two are close to each other. Finite.
 ///
 /// `shuffled` are finite positions in random order: the first ones serve as centers, and if counting all would take
 /// long, only the first ones are counted.

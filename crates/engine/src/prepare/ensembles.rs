@@ -153,7 +153,7 @@ impl Deal {
 }
 
 impl Rows {
-    /// Points of all rows.
+    /// Returns the number of points of all rows.
     pub fn len(&self) -> u64 {
         (self.count * u64::from(self.columns)) << self.block_bits
     }
@@ -266,7 +266,7 @@ pub(super) struct Shuffle {
 }
 
 impl Shuffle {
-    /// Those of the cloud at a place among the others.
+    /// Returns those of the cloud at a place among the others.
     pub fn new(place: u32, seed: u64) -> Self {
         let [low, high] = key(seed);
         Self { place, key: [low, high ^ SHUFFLE] }

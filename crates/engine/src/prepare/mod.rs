@@ -185,7 +185,7 @@ impl Request {
         (self.fields && self.stored_field(like).is_none()).then(|| self.field_of(like))
     }
 
-    /// Warnings about prepared data that this request can't use, one sentence each.
+    /// Returns warnings about prepared data that this request can't use, one sentence each.
     pub fn notes(&self, cloud: &Cloud) -> Vec<String> {
         let Some(prepared) = &cloud.prepared else { return Vec::new() };
         let difference = self.difference(cloud, prepared);

@@ -27,7 +27,7 @@ pub(super) struct Cells {
 }
 
 impl Cells {
-    /// Those of a box.
+    /// Returns those of a box.
     pub fn of(bounds: &Bounds) -> Self {
         // Halved before the subtraction: the side of a box of ±1e308 would overflow.
         let half_side = (0.5 * bounds.max - 0.5 * bounds.min).max_element();

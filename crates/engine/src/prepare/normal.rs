@@ -36,7 +36,7 @@ pub(super) struct Moments {
 }
 
 impl Moments {
-    /// Those of points by their offsets from one among them, at which there are `here`.
+    /// Returns those of points by their offsets from one among them, at which there are `here`.
     ///
     /// The mean is subtracted from the sums. Where that would cancel more than two digits, as around a stray far from its
     /// neighbors, it is subtracted from the points.

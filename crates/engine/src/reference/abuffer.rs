@@ -44,7 +44,8 @@ pub fn splat(points: &Points, index: usize, shape: DiscShape) -> Splat {
     }
 }
 
-/// Fragments of each pixel, near to far; equal depths by the point's index, so that order of arrival can't show.
+/// Returns fragments of each pixel, near to far; equal depths by the point's index, so that order of arrival can't
+/// show.
 pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -> Vec<Vec<Fragment>> {
     let all: Vec<usize> = (0..size[0] as usize * size[1] as usize).collect();
     lists_at(camera, size, points, discs, &all)

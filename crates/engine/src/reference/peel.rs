@@ -9,7 +9,7 @@ use crate::camera::Camera;
 use crate::points::Points;
 use crate::scene::{Discs, Falloff};
 
-/// Fragments of each pixel in the order of the points, unsorted by depth.
+/// Returns fragments of each pixel in the order of the points, unsorted by depth.
 pub fn fragments(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -> Vec<Vec<Fragment>> {
     let mut pixels = vec![Vec::new(); size[0] as usize * size[1] as usize];
     for index in 0..points.len() {

@@ -35,8 +35,8 @@ pub fn order(camera: &Camera, points: &Points, settings: &GaussianSettings) -> V
     order
 }
 
-/// Fragments of each pixel in the order of their centers; z is the fragment's own depth in the pixel, of a Gaussian that of its
-/// center.
+/// Returns fragments of each pixel in the order of their centers; z is the fragment's own depth in the pixel, of a
+/// Gaussian that of its center.
 pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -> Vec<Vec<Fragment>> {
     let mut pixels = vec![Vec::new(); size[0] as usize * size[1] as usize];
     for index in order(camera, points, &discs.gaussians) {

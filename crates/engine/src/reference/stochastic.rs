@@ -40,8 +40,8 @@ pub struct Estimate {
     pub stderr: DVec3,
 }
 
-/// One stratum of a pixel; `samples` (1 to 4) of its samples are used. `masks` holds the covered samples for each
-/// fragment of the sorted list.
+/// Returns one stratum of a pixel; `samples` (1 to 4) of its samples are used. `masks` holds the covered samples for
+/// each fragment of the sorted list.
 pub fn stratum(list: &[Fragment], colors: &[DVec3], masks: &[u32], samples: u32) -> Stratum {
     // The place in the list of the first fragment that covers a sample: the smallest rank.
     let held: Vec<Option<usize>> = (0..samples).map(|s| masks.iter().position(|mask| mask >> s & 1 == 1)).collect();

@@ -78,7 +78,7 @@ impl Absorption {
     }
 }
 
-/// Places of depths from that of the nearest to that of the farthest, by logarithms; 0 where all are the same.
+/// Returns places of depths from that of the nearest to that of the farthest, by logarithms; 0 where all are the same.
 pub fn places(depths: &[f64], depth_range: [f64; 2]) -> Vec<f64> {
     let at: Vec<f64> = depths.iter().map(|z| place_of(*z, depth_range)).collect();
     let [low, high] = at.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], z| [l.min(*z), h.max(*z)]);

@@ -31,7 +31,7 @@ impl<'a> Course<'a> {
         Ok(Self { scene, subject, up })
     }
 
-    /// Values for keys that leave them open: `[camera] up`, or else the vertical, and the scene's lens.
+    /// Returns values for keys that leave them open: `[camera] up`, or else the vertical, and the scene's lens.
     pub fn defaults(&self) -> Defaults {
         let settings = &self.scene.camera;
         let vertical = framing::vertical_of(settings, self.up);
@@ -136,7 +136,7 @@ impl<'a> Course<'a> {
     }
 }
 
-/// Values for keys that leave them open, in a scene with this `[camera]` whose clouds have this vertical.
+/// Returns values for keys that leave them open, in a scene with this `[camera]` whose clouds have this vertical.
 pub fn path_defaults(camera: &CameraSettings, up: UpAxis) -> Defaults {
     let up = camera.up.unwrap_or_else(|| Vertical::from(up).up());
     Defaults { up, projection: framing::projection(camera) }

@@ -63,7 +63,7 @@ pub(super) fn most_frequent(ups: impl Iterator<Item = UpAxis> + Clone) -> UpAxis
     most.filter(|up| count(*up) > 0).unwrap_or_default()
 }
 
-/// Warnings about data of prepared clouds that the scene can't use, one sentence each.
+/// Returns warnings about data of prepared clouds that the scene can't use, one sentence each.
 pub fn notes(scene: &Scene, clouds: &[Cloud], needs_radii: bool) -> Vec<String> {
     let prefixed_notes = |(settings, cloud): (&CloudSettings, &Cloud)| {
         let path = settings.path.display().to_string();

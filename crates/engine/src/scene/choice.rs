@@ -35,7 +35,7 @@ impl MethodChoice {
         if name == AUTO { Some(Self::default()) } else { method.map(Self::Fixed) }
     }
 
-    /// Its keys with the values in force; `name` is not among them.
+    /// Returns its keys with the values in force; `name` is not among them.
     pub fn keys(&self) -> Vec<Key> {
         match self {
             // No particular method, so keys that only some methods have are left out, unless all have them that it may stand for.

@@ -132,7 +132,7 @@ pub(super) fn vertical_of(settings: &CameraSettings, up: UpAxis) -> Vertical {
     settings.up.and_then(Vertical::nearest).unwrap_or(up.into())
 }
 
-/// Settings in which `ortho` has become the `height` that shows the whole subject from the direction of view.
+/// Returns settings in which `ortho` has become the `height` that shows the whole subject from the direction of view.
 pub(super) fn with_height(
     settings: &CameraSettings,
     subject: &Subject<'_>,
@@ -153,7 +153,8 @@ pub(super) fn is_centered(settings: &CameraSettings) -> bool {
     !settings.view.is_given() && (settings.eye.is_some() || settings.target.is_some())
 }
 
-/// World units over the height of an orthographic image that shows an extent with the margin of all automatic cameras.
+/// Returns world units over the height of an orthographic image that shows an extent with the margin of all automatic
+/// cameras.
 pub(super) fn height_of(extent: &Extent, centered: bool, [width, height]: [u32; 2], subject: &Subject<'_>) -> f64 {
     let size = if centered { 2.0 * extent.upper.max(-extent.lower) } else { extent.upper - extent.lower };
     let needed = size.y.max(size.x * f64::from(height) / f64::from(width)) / FILL;
@@ -250,7 +251,7 @@ fn framed(
     center + right * shift.x + up * shift.y - forward * distance
 }
 
-/// Slopes of the planes between which everything must lie; 0 for an orthographic projection.
+/// Returns slopes of the planes between which everything must lie; 0 for an orthographic projection.
 pub(super) fn tangents(projection: Projection, size: [u32; 2]) -> DVec2 {
     match projection {
         Projection::Perspective { fov_y } => {

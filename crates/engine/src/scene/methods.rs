@@ -30,7 +30,7 @@ macro_rules! methods {
         pub const METHODS: &[&str] = &[AUTO, $($name),+];
 
         impl Method {
-            /// Every method with its defaults.
+            /// Returns every method with its defaults.
             pub fn all() -> Vec<Self> {
                 vec![$(Self::$Variant $((<$Settings>::default()))?),+]
             }
@@ -198,7 +198,7 @@ impl Family {
         }
     }
 
-    /// Its methods with their defaults.
+    /// Returns its methods with their defaults.
     pub fn methods(self) -> impl Iterator<Item = Method> {
         Method::all().into_iter().filter(move |method| method.family() == self)
     }
@@ -239,14 +239,14 @@ impl Purpose {
         }
     }
 
-    /// Its methods with their defaults.
+    /// Returns its methods with their defaults.
     pub fn methods(self) -> impl Iterator<Item = Method> {
         Method::all().into_iter().filter(move |method| method.purpose() == self)
     }
 }
 
 impl Method {
-    /// Its keys with the values in force; `name` is not among them.
+    /// Returns its keys with the values in force; `name` is not among them.
     pub fn keys(&self) -> Vec<Key> {
         let mut keys = self.settings().map(Settings::keys).unwrap_or_default();
         keys.retain(|key| key.only.is_empty() || key.only.contains(&self.name()));
@@ -270,14 +270,14 @@ impl Method {
         matches!(self, Self::Stochastic(_) | Self::Spbr(_) | Self::SpbrSimplified(_))
     }
 
-    /// Settings of this type, if those of the method are of it or hold some.
+    /// Returns settings of this type, if those of the method are of it or hold some.
     pub(super) fn part<T: 'static>(&self) -> Option<&T> {
         let mut parts = Vec::new();
         self.settings()?.parts(&mut parts);
         parts.into_iter().find_map(|part| part.downcast_ref())
     }
 
-    /// One of its keys with its current value.
+    /// Returns one of its keys with its current value.
     pub fn key(&self, name: &str) -> Option<Key> {
         self.keys().into_iter().find(|key| key.name == name)
     }

@@ -60,8 +60,8 @@ impl Named {
         Ok(Opened { name: self.name, document: self.document, clouds, generated: self.generated.is_some() })
     }
 
-    /// Bytes of memory for all points that the clouds announce, as far as their files say how many they have; `None` of the built-in
-    /// scene.
+    /// Returns bytes of memory for all points that the clouds announce, as far as their files say how many they have;
+    /// `None` of the built-in scene.
     ///
     /// # Errors
     /// Files that can't be opened.

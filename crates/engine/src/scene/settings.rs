@@ -128,7 +128,7 @@ pub enum SoftMethod {
 }
 
 impl SoftMethod {
-    /// Its settings.
+    /// Returns its settings.
     pub fn settings(&self) -> &Soft {
         match self {
             Self::Base(soft) | Self::Concentric(soft) | Self::Express(soft) => soft,

@@ -201,8 +201,8 @@ fn may_be_inside(settings: &CameraSettings) -> bool {
     *settings == CameraSettings { up: settings.up, fov_y: settings.fov_y, ..CameraSettings::default() }
 }
 
-/// Notes about the camera that [`super::camera`] finds: that it stands within the points, that another axis may be the
-/// vertical, and that there may be nothing to see because points have the color of the background.
+/// Returns notes about the camera that [`super::camera`] finds: that it stands within the points, that another axis may
+/// be the vertical, and that there may be nothing to see because points have the color of the background.
 pub fn camera_notes(scene: &Scene, points: &Points, up: UpAxis) -> Vec<String> {
     let settings = &scene.camera;
     let vertical = super::framing::vertical_of(settings, up);

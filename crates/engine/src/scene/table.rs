@@ -63,7 +63,7 @@ impl<'a> Table<'a> {
         self.context.warnings.borrow_mut().push(warning);
     }
 
-    /// Keys with their places, in alphabetical order.
+    /// Returns the keys with their places, in alphabetical order.
     pub fn keys(&self) -> impl Iterator<Item = (&'a str, &'a Place)> {
         self.entries.into_iter().flatten().map(|(key, (place, _))| (key.as_str(), place))
     }
@@ -181,7 +181,7 @@ impl<'a> Table<'a> {
         Ok(self.string(key)?.map(from))
     }
 
-    /// One of a few words, each with its meaning.
+    /// Returns one of a few words, each with its meaning.
     pub fn choice<T: Copy>(&self, key: &str, words: &[(&str, T)]) -> Result<Option<T>, Error> {
         let Some(node) = self.get(key) else { return Ok(None) };
         let found = match &node.value {
@@ -203,7 +203,7 @@ impl<'a> Table<'a> {
         items.ok_or_else(|| self.error(key, node, format!("must be an array of {N} {what}, found {}", found())))
     }
 
-    /// Three coordinates in float64.
+    /// Returns three coordinates in float64.
     pub fn vector(&self, key: &str) -> Result<Option<DVec3>, Error> {
         let Some(node) = self.get(key) else { return Ok(None) };
         let [x, y, z] = self.items(key, node, "numbers")?;
@@ -241,7 +241,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// Linear RGB, each from 0 to 1; or a color of CSS in a text, which is sRGB.
+    /// Returns linear RGB, each from 0 to 1; or a color of CSS in a text, which is sRGB.
     pub fn color(&self, key: &str) -> Result<Option<Vec3>, Error> {
         let Some(node) = self.get(key) else { return Ok(None) };
         if let Value::String(text) = &node.value {

@@ -18,12 +18,12 @@ impl Vertical {
         alone.then(|| Self(DVec3::AXES[longest] * up[longest].signum() + DVec3::ZERO))
     }
 
-    /// Its unit vector, upward.
+    /// Returns its unit vector, upward.
     pub fn up(self) -> DVec3 {
         self.0
     }
 
-    /// Its place among the axes: 0 for x, 1 for y, 2 for z.
+    /// Returns its place among the axes: 0 for x, 1 for y, 2 for z.
     pub fn index(self) -> usize {
         (0..3).find(|axis| self.0[*axis] != 0.0).unwrap_or(2)
     }
@@ -138,12 +138,12 @@ impl View {
         (self.azimuth.unwrap_or(azimuth), self.elevation.unwrap_or(elevation))
     }
 
-    /// Its azimuth in degrees.
+    /// Returns its azimuth in degrees.
     pub(super) fn azimuth_of(&self, vertical: Vertical) -> f64 {
         self.angles(vertical).0
     }
 
-    /// Unit vectors along the view and toward the image's top. They are orthogonal even straight from above.
+    /// Returns unit vectors along the view and toward the image's top. They are orthogonal even straight from above.
     pub fn axes(&self, vertical: impl Into<Vertical>) -> (DVec3, DVec3) {
         let frame = vertical.into();
         let (front, vertical) = (frame.front(), frame.up());

@@ -84,7 +84,7 @@ impl<'a> Keep<'a> {
     /// All of them.
     pub const ALL: Keep<'static> = Keep { keeps: &|_, _, _| true, convex: true, grows: None };
 
-    /// Those in a convex part of space, as they are. Points may be taken as well that don't show.
+    /// Returns those in a convex part of space, as they are. Points may be taken as well that don't show.
     pub fn those(keeps: &'a (dyn Fn(DVec3, u32, Option<f32>) -> bool + Sync)) -> Self {
         Self { keeps, convex: true, grows: None }
     }
@@ -175,7 +175,7 @@ impl Debug for Held {
 }
 
 impl Held {
-    /// Points in canonical order.
+    /// Returns points in canonical order.
     pub fn new(points: Arc<Points>) -> Self {
         let starts = starts(&points);
         let block = |range: &[usize]| {

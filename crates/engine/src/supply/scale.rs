@@ -28,17 +28,17 @@ impl Scale {
         self.nearest.map_or(self.focal_px, |nearest| self.focal_px / distance.max(nearest))
     }
 
-    /// Pixels of a world unit at a place.
+    /// Returns pixels of a world unit at a place.
     pub fn px(&self, place: DVec3) -> f64 {
         self.px_from(place.distance(self.eye))
     }
 
-    /// Pixels of a world unit at the nearest place of a box.
+    /// Returns pixels of a world unit at the nearest place of a box.
     pub fn most_px(&self, bounds: &Bounds) -> f64 {
         self.px(self.eye.clamp(bounds.min, bounds.max))
     }
 
-    /// Pixels of a world unit at the farthest place of a box.
+    /// Returns pixels of a world unit at the farthest place of a box.
     pub fn least_px(&self, bounds: &Bounds) -> f64 {
         let apart = (self.eye - bounds.min).abs().max((self.eye - bounds.max).abs());
         self.px_from(apart.length())

@@ -22,7 +22,7 @@ impl Recorder<'_> {
         Ok([x, y, 1, 0])
     }
 
-    /// Workgroups in x and y; none of an indirect dispatch.
+    /// Returns workgroups in x and y; none of an indirect dispatch.
     pub(super) fn groups(&self, name: &str, dispatch: Dispatch<'_>) -> Result<[u32; 2], Error> {
         match dispatch {
             Dispatch::Invocations(n) => {

@@ -109,7 +109,7 @@ impl Source {
         }
     }
 
-    /// Width and height in pixels, if the file gives them.
+    /// Returns the width and height in pixels, if the file gives them.
     pub fn size(&self) -> Option<[u32; 2]> {
         match self {
             Self::Path(path) => path.size,

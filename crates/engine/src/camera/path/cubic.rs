@@ -25,7 +25,7 @@ impl Spans {
         self.lengths.len()
     }
 
-    /// Length of a piece.
+    /// Returns the length of a piece.
     pub fn length(&self, span: usize) -> f64 {
         self.lengths[span]
     }

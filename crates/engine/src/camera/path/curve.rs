@@ -70,8 +70,8 @@ impl Curve {
         (0..self.knots.len()).map(|knot| self.at_knot(knot)).collect()
     }
 
-    /// Poses of equally spaced times: of an open path from the first key to the last one (only the first if `count` is 1),
-    /// of a closed one from the first key to a step before it.
+    /// Returns poses of equally spaced times: of an open path from the first key to the last one (only the first if
+    /// `count` is 1), of a closed one from the first key to a step before it.
     pub fn frames(&self, count: usize) -> Vec<Pose> {
         let [start, end] = self.time_range();
         let steps = if self.closed { count } else { count.saturating_sub(1) }.max(1);

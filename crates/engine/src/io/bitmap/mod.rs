@@ -91,7 +91,7 @@ impl<R: BufRead + Seek> Decoder<R> {
         }
     }
 
-    /// Width and height in pixels.
+    /// Returns the width and height in pixels.
     pub fn size(&self) -> (u32, u32) {
         match self {
             Self::Png(decoder) => decoder.size(),
@@ -100,7 +100,7 @@ impl<R: BufRead + Seek> Decoder<R> {
         }
     }
 
-    /// Bytes of the decoded pixels.
+    /// Returns the number of bytes of the decoded pixels.
     pub fn bytes(&self) -> u64 {
         let (width, height) = self.size();
         let pixel = match self {

@@ -57,7 +57,7 @@ impl Orientation {
         None
     }
 
-    /// Width and height of the upright picture, of those stored.
+    /// Returns the width and height of the upright picture, of those stored.
     pub fn size(self, [width, height]: [u32; 2]) -> [u32; 2] {
         match self {
             Self::Upright | Self::Mirrored | Self::HalfTurn | Self::Flipped => [width, height],
@@ -65,7 +65,8 @@ impl Orientation {
         }
     }
 
-    /// Column and row of the stored pixel that is at (x, y) of the upright picture; `stored`: width and height.
+    /// Returns the column and row of the stored pixel that is at (x, y) of the upright picture; `stored`: width and
+    /// height.
     pub fn source(self, x: u32, y: u32, stored: [u32; 2]) -> [u32; 2] {
         let [right, bottom] = stored.map(|side| side - 1);
         match self {

@@ -80,7 +80,7 @@ impl Layout {
         }
     }
 
-    /// Bytes of a row in the columns of a cloud.
+    /// Returns the number of bytes of a row in the columns of a cloud.
     pub fn bytes(&self) -> u64 {
         let threes = u64::from(self.color.is_some()) + u64::from(self.normal.is_some());
         let single =

@@ -47,7 +47,7 @@ impl Whole {
 }
 
 impl Table {
-    /// Columns of so many rows, all zero. Memory is taken as they are written.
+    /// Returns columns of so many rows, all zero. Memory is taken as they are written.
     pub fn new(layout: &Layout, rows: usize) -> Self {
         fn sized<T: Zeroable>(column: &mut Vec<T>, rows: usize) {
             *column = zeroed_vec(rows);

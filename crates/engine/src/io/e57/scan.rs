@@ -82,7 +82,7 @@ fn normal(scan: &PointCloud) -> Option<[usize; 3]> {
     Some([find(0)?, find(1)?, find(2)?])
 }
 
-/// Bits of a value in the file.
+/// Returns the number of bits of a value in the file.
 pub(super) fn bits(kind: &RecordDataType) -> u64 {
     match kind {
         RecordDataType::Single { .. } => 32,

@@ -47,7 +47,8 @@ impl Columns {
         }
     }
 
-    /// Bytes of a point in the columns of a cloud, without those that depend on values and wishes.
+    /// Returns the number of bytes of a point in the columns of a cloud, without those that depend on values and
+    /// wishes.
     pub(super) fn least_bytes(header: &Header) -> u64 {
         let (intensity, classification) = (size_of::<f32>(), size_of::<u8>());
         (size_of::<DVec3>() + intensity + classification + header.extra.len() * size_of::<f32>()) as u64

@@ -19,7 +19,7 @@ impl Traits {
     /// Those of no point.
     pub const NONE: Self = Self { largest_color: 0, most_returns: 0, first_time: f64::INFINITY };
 
-    /// Those of two parts together.
+    /// Returns those of two parts together.
     #[must_use]
     pub fn and(self, more: Self) -> Self {
         Self {

@@ -49,7 +49,7 @@ impl Field {
         }
     }
 
-    /// Bytes of the field in a point.
+    /// Returns the number of bytes of the field in a point.
     pub fn bytes(&self) -> u64 {
         u64::from(self.size).saturating_mul(self.count)
     }
@@ -69,12 +69,12 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// Bytes of a point in binary files.
+    /// Returns the number of bytes of a point in binary files.
     pub fn record_len(&self) -> u64 {
         self.fields.iter().fold(0, |sum: u64, field| sum.saturating_add(field.bytes()))
     }
 
-    /// Numbers of a point.
+    /// Returns the number of numbers of a point.
     pub fn numbers(&self) -> u64 {
         self.fields.iter().fold(0, |sum: u64, field| sum.saturating_add(field.count))
     }

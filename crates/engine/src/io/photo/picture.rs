@@ -77,7 +77,7 @@ impl Picture {
         Ok(Self { width, height, has_alpha: stored.has_alpha(), stored, orientation, linear })
     }
 
-    /// Linear color and alpha of a pixel; column from the left, row from the top.
+    /// Returns the linear color and alpha of a pixel; column from the left, row from the top.
     pub fn pixel(&self, x: u32, y: u32) -> (Vec3, f32) {
         match self.sample(x, y) {
             Sample::Encoded([r, g, b, a]) => {

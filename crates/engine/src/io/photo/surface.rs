@@ -43,7 +43,7 @@ impl Surface {
         self.heights.get(at).copied().unwrap_or(0.0)
     }
 
-    /// World position of a pixel's center; column from the left, row from the top.
+    /// Returns the world position of a pixel's center; column from the left, row from the top.
     pub fn position(&self, x: u32, y: u32) -> DVec3 {
         let [width, height] = self.size.map(f64::from);
         let (u, v) = ((f64::from(x) + 0.5) / width, 1.0 - (f64::from(y) + 0.5) / height);
@@ -68,7 +68,7 @@ impl Surface {
         tangents[0].cross(tangents[1]) / self.right.cross(self.up).length()
     }
 
-    /// Unit normal at a pixel.
+    /// Returns the unit normal at a pixel.
     pub fn normal(&self, x: u32, y: u32) -> Vec3 {
         self.scaled_normal(x, y).normalize_or_zero().as_vec3()
     }

@@ -43,7 +43,7 @@ pub(super) enum Kind {
     List { count: ScalarType, item: ScalarType },
 }
 
-/// Bytes of a scalar in binary files.
+/// Returns the number of bytes of a scalar in binary files.
 pub(super) fn size(scalar: &ScalarType) -> u64 {
     match scalar {
         ScalarType::Char | ScalarType::UChar => 1,

@@ -63,13 +63,14 @@ impl Splats {
         }
     }
 
-    /// Bytes of a splat in the columns of a cloud.
+    /// Returns the number of bytes of a splat in the columns of a cloud.
     pub fn bytes(degree: u32) -> u64 {
         let own = size_of::<DVec3>() + size_of::<f32>() + 3 * size_of::<Vec3>() + size_of::<Quat>();
         (own + coefficients(degree) * size_of::<Vec3>()) as u64
     }
 
-    /// Splats of a degree, each decoded by its number on all cores. `splat` also writes the harmonics, which are zero before.
+    /// Returns splats of a degree, each decoded by its number on all cores. `splat` also writes the harmonics, which
+    /// are zero before.
     pub fn gather(
         count: usize,
         degree: u32,

@@ -37,7 +37,7 @@ impl Key {
         Some(Self { level, place: self.place.map(|at| at / 2) })
     }
 
-    /// Its part of the root's cube, whose side is the same along all axes.
+    /// Returns its part of the root's cube, whose side is the same along all axes.
     pub fn cube(self, root: &Bounds) -> Bounds {
         // Halved exactly, so that a node's corner is the same number as that of the node above.
         let side = (root.max - root.min) / (1u64 << self.level) as f64;

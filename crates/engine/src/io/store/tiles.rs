@@ -33,7 +33,7 @@ struct Tile {
 }
 
 impl Tiles {
-    /// One cloud of several stores; `path` is what messages call it.
+    /// Returns one cloud of several stores; `path` is what messages call it.
     ///
     /// # Errors
     /// No stores.

@@ -138,7 +138,7 @@ impl Need {
         Self { fragment, spare, links, runs, segments, records, samples: job.samples.unwrap_or(0).into() }
     }
 
-    /// Bytes of so many fragments as they are stored.
+    /// Returns the number of bytes of so many fragments as they are stored.
     pub(super) fn stored_bytes(self, fragments: u64) -> u64 {
         let records = if self.records { fragments * soft::RECORD_BYTES } else { 0 };
         (fragments * self.fragment).next_multiple_of(FRAGMENT_BYTES) + records

@@ -202,8 +202,8 @@ impl ABuffer {
     }
 }
 
-/// Least number of bytes that a pass over lists must move, for any lengths; `tilted` if discs lie in their tangent
-/// planes.
+/// Returns the least number of bytes that a pass over lists must move, for any lengths; `tilted` if discs lie in their
+/// tangent planes.
 pub(crate) fn list_bytes(pass: &PassRuns<'_>, tilted: bool) -> Option<u64> {
     let (facts, pixels) = (pass.facts, pass.pixels());
     let stored = |fragment: u64| {

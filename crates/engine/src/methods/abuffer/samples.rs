@@ -73,7 +73,7 @@ impl Buffers {
 }
 
 impl WindowJob<'_> {
-    /// Device bytes of a pixel for the runs of its list, where every list has some.
+    /// Returns the number of device bytes of a pixel for the runs of its list, where every list has some.
     pub(super) fn run_bytes(&self) -> u64 {
         if self.samples.is_some() && !self.storing.are_ellipsoids() { ellipsoids::PIXEL_BYTES } else { 0 }
     }

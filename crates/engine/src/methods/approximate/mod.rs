@@ -221,7 +221,7 @@ fn layer_slots(nodes: u32) -> u32 {
     LAYER_SLOTS.into_iter().find(|slots| slots + 1 >= nodes).unwrap_or(MAX_NODES - 1)
 }
 
-/// Device bytes of a pixel that a method always needs.
+/// Returns the number of device bytes of a pixel that a method always needs.
 pub fn pixel_bytes(kind: Kind) -> u64 {
     match kind {
         Kind::Hybrid { tail: Some(moments), .. } => tail::pixel_bytes(moments),
@@ -480,8 +480,8 @@ fn layer_variant(shape: Variant, run: OneRun, slots: u32) -> Variant {
         .each("slot", slots)
 }
 
-/// Bytes that a stage must at least read and write: `tilted` whether discs are oriented. Of splats each pair with a tile, in
-/// each round, and the window's pixels.
+/// Returns the number of bytes that a stage must at least read and write: `tilted` whether discs are oriented. Of
+/// splats each pair with a tile, in each round, and the window's pixels.
 pub fn least_bytes(name: &str, facts: &Facts, kind: Kind, tilted: bool, pixels: u64) -> Option<u64> {
     // Index, then splat, depth and color.
     let splat = 4 + 16 + 4 + 16 + if tilted { 16 } else { 0 };

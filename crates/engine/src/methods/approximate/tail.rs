@@ -64,7 +64,7 @@ impl<'a> Tail<'a> {
     }
 }
 
-/// Bytes of a pixel: its moments, and the rank of the last fragment in front of the tail.
+/// Returns the number of bytes of a pixel: its moments, and the rank of the last fragment in front of the tail.
 pub(super) fn pixel_bytes(moments: MomentCount) -> u64 {
     fading::PAIR_BYTES * fading::pairs(moments) + super::LAST_BYTES
 }

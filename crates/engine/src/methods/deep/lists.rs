@@ -19,7 +19,7 @@ pub(super) struct Wanted {
     pub stop: f32,
 }
 
-/// Lengths and samples of a band's pixels, with the solid points behind them.
+/// Returns lengths and samples of a band's pixels, with the solid points behind them.
 pub(super) fn pixels(taken: &Taken<'_>, solids: Option<&Solids>, wanted: Wanted) -> (Vec<u32>, Vec<Sample>) {
     let count = taken.offsets.len() - 1;
     let parts: Vec<_> = (0..count.div_ceil(PIXELS))

@@ -47,7 +47,7 @@ impl Fading {
     }
 }
 
-/// Pairs of floats of a pixel's moments, and of its nearest place.
+/// Returns the number of pairs of floats of a pixel's moments, and of its nearest place.
 pub(super) fn pairs(moments: MomentCount) -> u64 {
     u64::from(moments.get()) + 2
 }
@@ -57,7 +57,7 @@ pub(super) const PAIR_BYTES: u64 = 8;
 /// Up to so many pixels a window has room for what is known of them whatever else there is.
 const SMALL_WINDOW: u64 = 256;
 
-/// Device bytes of a pixel while a window is rendered.
+/// Returns the number of device bytes of a pixel while a window is rendered.
 pub fn pixel_bytes(fading: Fading) -> u64 {
     STATE_BYTES + PAIR_BYTES * (fading.pairs() + 1)
 }
@@ -201,8 +201,8 @@ impl Stages {
     }
 }
 
-/// Bytes that a stage must at least read and write: `tilted` whether discs are oriented. Of splats each pair with a tile, and
-/// what it reads, leaves or both of the window's pixels.
+/// Returns the number of bytes that a stage must at least read and write: `tilted` whether discs are oriented. Of
+/// splats each pair with a tile, and what it reads, leaves or both of the window's pixels.
 pub fn least_bytes(name: &str, facts: &Facts, fading: Fading, tilted: bool, pixels: u64) -> Option<u64> {
     let known = PAIR_BYTES * fading.pairs();
     let (color, pixel) = match name {

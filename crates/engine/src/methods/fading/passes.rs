@@ -135,7 +135,7 @@ fn variants<N: Copy>(numbers: &[N], of: impl Fn(Variant, OneRun, N) -> Variant) 
     all
 }
 
-/// Those of a stage with moments.
+/// Returns those of a stage with moments.
 pub(in crate::methods) fn by_moments(of: fn(Variant, OneRun) -> Variant) -> Vec<Variant> {
     variants(&MomentCount::ALL, |shape, run, count| with_moments(of(shape, run), count.get()))
 }

@@ -86,7 +86,7 @@ impl Filtering {
         super::frame_windows(frame.size, self, budget)
     }
 
-    /// Pixels around a window that its filters reach.
+    /// Returns the number of pixels around a window that its filters reach.
     pub fn halo(&self) -> u32 {
         halo(&self.filters, self.layers.unwrap_or(1))
     }

@@ -105,7 +105,7 @@ impl WindowJob<'_> {
         u64::from(columns) * u64::from(rows)
     }
 
-    /// Size of the rendered rectangle, in pixels.
+    /// Returns the size of the rendered rectangle, in pixels.
     pub(super) fn outer_size(&self) -> [u32; 2] {
         [self.outer[2] - self.outer[0], self.outer[3] - self.outer[1]]
     }
@@ -237,7 +237,7 @@ impl Filterer {
         self.colors.get().slice(0, Self::places(job) + 1)
     }
 
-    /// Nearest points of the pixels that are rendered.
+    /// Returns the nearest points of the pixels that are rendered.
     pub(super) fn nearest(&self, job: &WindowJob<'_>) -> Slice<'_, NearestSplat> {
         self.nearest.get().slice(0, bands::pixels(job.outer))
     }
@@ -407,7 +407,7 @@ const BACKGROUND_ALPHA: f32 = -1.0;
 /// Floats that shaders know of this module.
 pub(crate) const FLOATS: [(&str, f32); 1] = [("BACKGROUND_ALPHA", BACKGROUND_ALPHA)];
 
-/// Bytes that a pass must at least read and write: those of filters by the tiles that they had.
+/// Returns the number of bytes that a pass must at least read and write: those of filters by the tiles that they had.
 pub fn least_bytes(name: &str, facts: &Facts, cloud: &DeviceCloud, cull: bool) -> Option<u64> {
     let [fill, occlusion, smooth, antialias] = facts.filtered_tiles.map(|tiles| tiles * AREA);
     let normals = if cull && cloud.has_normals() { 16 } else { 0 };

@@ -6,7 +6,7 @@ use crate::passes::tiles;
 /// Side of a tile in pixels.
 pub const TILE: u32 = tiles::TILE;
 
-/// Columns and rows of tiles that cover a window.
+/// Returns the columns and rows of tiles that cover a window.
 pub fn tiles([x0, y0, x1, y1]: Window) -> [u32; 2] {
     [(x1 - x0).div_ceil(TILE), (y1 - y0).div_ceil(TILE)]
 }

@@ -81,7 +81,7 @@ impl Engine for NearestEngine {
 /// The passes that find the nearest splats, by 64-bit atomics and without.
 const NEAREST: [&str; 3] = ["opaque/nearest", "opaque/nearest-depth", "opaque/nearest-id"];
 
-/// Counters that most methods clear, and the results of the projection.
+/// Returns counters that most methods clear, and the results of the projection.
 pub(crate) fn counter_group() -> PassGroup {
     PassGroup::new(&COUNTERS, Absent::Always("methods of ensembles use their own counters"))
 }

@@ -100,7 +100,7 @@ pass! {
     }
 }
 
-/// Device bytes per pixel of a window; `counted`: with list lengths and layers.
+/// Returns device bytes per pixel of a window; `counted`: with list lengths and layers.
 pub fn pixel_bytes(counted: bool) -> u64 {
     PIXEL_BYTES + if counted { COUNTED_BYTES } else { 0 }
 }

@@ -116,7 +116,7 @@ impl LayerPeeler {
         })
     }
 
-    /// Layers of every pixel of the window, in its order, as the last counted window left them.
+    /// Returns layers of every pixel of the window, in its order, as the last counted window left them.
     pub fn read_layers(&self, window: Window) -> Result<Vec<u32>, Error> {
         self.told.read(self.layers.get(), bands::pixels(window))
     }

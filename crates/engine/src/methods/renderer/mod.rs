@@ -145,8 +145,8 @@ impl Renderer {
         self.spare = Some(image);
     }
 
-    /// Colors of the last frame, premultiplied R, G, B and A per pixel, row by row: where the device had those of the whole image at
-    /// once, and until anything else is rendered.
+    /// Returns colors of the last frame, premultiplied R, G, B and A per pixel, row by row: where the device had those
+    /// of the whole image at once, and until anything else is rendered.
     pub fn colors(&self) -> Option<Slice<'_, [f32; 4]>> {
         self.whole.map(|pixels| self.target.image().first(pixels))
     }

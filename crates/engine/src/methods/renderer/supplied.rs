@@ -61,7 +61,7 @@ impl Renderer {
         Beam::new(&frame.camera, frame.size, window, engine_of(&frame.method).extent(frame, cloud))
     }
 
-    /// Points of a cloud that comes window by window that are on the device at a time, at most.
+    /// Returns the number of points of a cloud that comes window by window that are on the device at a time, at most.
     pub fn room(&self, cloud: &DeviceCloud, frame: &Frame) -> u64 {
         room(&self.device, cloud, frame)
     }

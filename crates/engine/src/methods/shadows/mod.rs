@@ -142,7 +142,7 @@ pub fn casting(frame: &Frame, cloud: &DeviceCloud) -> Option<Casting> {
     shadows.casting(frame.shading.light, frame.seed, cloud.diagonal())
 }
 
-/// Images of the scene that a casting takes: one for each light, or six.
+/// Returns images of the scene that a casting takes: one for each light, or six.
 pub fn image_count(casting: &Casting, cloud: &DeviceCloud) -> u64 {
     views(casting, cloud).map(|views| views.len() as u64).sum()
 }
@@ -307,8 +307,8 @@ fn record_lit<'a>(
     Ok(())
 }
 
-/// Bytes that one of the passes must at least read and write in its `runs`, for `points` points and a light's image of
-/// `resolution` pixels squared.
+/// Returns the number of bytes that one of the passes must at least read and write in its `runs`, for `points` points
+/// and a light's image of `resolution` pixels squared.
 pub fn least_bytes(name: &str, runs: u64, points: u64, chunks: u64, resolution: u32) -> Option<u64> {
     let pixels = pitch(resolution) * u64::from(resolution);
     // A run is one chunk's.

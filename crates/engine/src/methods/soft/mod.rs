@@ -37,17 +37,17 @@ impl Layer {
         Ok(())
     }
 
-    /// Premultiplied color, A = 1 where something is.
+    /// Returns premultiplied color, A = 1 where something is.
     pub fn image(&self) -> Slice<'_, [f32; 4]> {
         self.image.get().all()
     }
 
-    /// Depths along the viewing axis, +inf where nothing is.
+    /// Returns depths along the viewing axis, +inf where nothing is.
     pub fn depths(&self) -> Slice<'_, f32> {
         self.depths.get().all()
     }
 
-    /// Both of `len` pixels from `start`, on the host.
+    /// Returns both of `len` pixels from `start`, on the host.
     pub fn read(&self, [start, len]: [u64; 2]) -> Result<(Vec<[f32; 4]>, Vec<f32>), Error> {
         Ok((self.image.get().read(start, len)?, self.depths.get().read(start, len)?))
     }

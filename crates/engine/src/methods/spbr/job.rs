@@ -80,7 +80,7 @@ impl WindowJob<'_> {
         is_listed(self.shares)
     }
 
-    /// Most slots of a dispatch.
+    /// Returns the largest number of slots of a dispatch.
     pub(super) fn dispatch_slots(&self) -> u64 {
         if !self.listed() {
             return DISPATCH_SLOTS;
@@ -114,12 +114,12 @@ impl WindowJob<'_> {
         self.is_inline() && self.drawn.len() as u64 > u64::from(Epochs::most(self.epoch_bits()))
     }
 
-    /// Points that a dispatch can bind.
+    /// Returns the number of points that a dispatch can bind.
     pub(super) fn longest(&self) -> u64 {
         self.streamed.unwrap_or(u64::MAX).min(self.cloud.longest())
     }
 
-    /// Bits of keys for epochs.
+    /// Returns the number of bits of keys for epochs.
     pub(super) fn epoch_bits(&self) -> u32 {
         if self.form == Form::Narrow { 0 } else { epoch_bits(self.cloud.len()).min(self.most_epoch_bits) }
     }
@@ -128,7 +128,7 @@ impl WindowJob<'_> {
         Scale::new(self.ensembles(), self.cloud.max_color(self.how))
     }
 
-    /// Workgroups of a large square.
+    /// Returns the number of workgroups of a large square.
     pub(super) fn stripes(&self) -> u64 {
         self.pixels().div_ceil(LARGE_STEPS * u64::from(crate::gpu::shader::WORKGROUP))
     }

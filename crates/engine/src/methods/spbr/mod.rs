@@ -49,12 +49,12 @@ pub fn key(seed: u64) -> [u32; 2] {
     [low, high ^ STREAM]
 }
 
-/// Device bytes per pixel of a window, with one plane.
+/// Returns device bytes per pixel of a window, with one plane.
 pub fn pixel_bytes(spread: bool) -> u64 {
     8 + 32 + if spread { 48 } else { 0 }
 }
 
-/// Pixels of a window whose buffers fit a binding, and a quarter of the budget.
+/// Returns the number of pixels of a window whose buffers fit a binding, and a quarter of the budget.
 pub fn window_pixels(budget: Budget, spread: bool) -> u64 {
     budget.window_pixels(pixel_bytes(spread)).min(budget.binding / 32).max(1)
 }
@@ -81,7 +81,7 @@ pub fn is_listed(shares: &[Share]) -> bool {
     (largest(shares).sqrt() + 1.0).powi(2) > f64::from(SMALL_SQUARE)
 }
 
-/// Bytes that a pass must at least read and write; `pixels` of the image.
+/// Returns the number of bytes that a pass must at least read and write; `pixels` of the image.
 pub fn least_bytes(name: &str, facts: &Facts, spread: bool, pixels: u64) -> Option<u64> {
     let (walk, squares) = (facts.slots * 32 * facts.windows.max(1), if spread { 32 } else { 0 });
     match name {

@@ -151,7 +151,7 @@ fn parts(all: Range<u64>, most: u64) -> impl Iterator<Item = Range<u64>> {
     all.step_by(most.max(1) as usize).map(move |start| start..start.saturating_add(most.max(1)).min(end))
 }
 
-/// Bits of a key that are left for epochs beside the index of one of `points`, at most 31.
+/// Returns the number of bits of a key that are left for epochs beside the index of one of `points`, at most 31.
 pub fn epoch_bits(points: u64) -> u32 {
     points.saturating_sub(1).leading_zeros().saturating_sub(32).min(31)
 }

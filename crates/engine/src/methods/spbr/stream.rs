@@ -204,7 +204,7 @@ impl Stream {
         self.window.get().slice(column as u64 * self.shelf.capacity + place, points.end - points.start)
     }
 
-    /// Ids of some points of the submission.
+    /// Returns the ids of some points of the submission.
     pub fn ids(&self, points: &Range<u64>) -> Slice<'_, u32> {
         let place = self.shelf.place(points).expect("points of the submission are there");
         self.ids.get().slice(place, points.end - points.start)

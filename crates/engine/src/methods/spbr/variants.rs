@@ -31,7 +31,7 @@ impl Form {
         }
     }
 
-    /// Its passes over slots.
+    /// Returns its passes over slots.
     pub fn stages(self) -> &'static [Stage] {
         match self {
             Self::Single => &[Stage::Draw],

@@ -217,8 +217,8 @@ impl OneRun {
     }
 }
 
-/// Bytes that a pass must at least read and write: of splats each pair with a tile in each of two passes, `tilted` whether they are
-/// oriented; and the pixels of so many `windows`.
+/// Returns the number of bytes that a pass must at least read and write: of splats each pair with a tile in each of two
+/// passes, `tilted` whether they are oriented; and the pixels of so many `windows`.
 pub fn least_bytes(name: &str, facts: &Facts, tilted: bool, pixels: u64) -> Option<u64> {
     // Index, then splat, depth and tilt.
     let splat = 4 + 16 + 4 + if tilted { 16 } else { 0 };

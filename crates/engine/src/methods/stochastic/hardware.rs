@@ -279,7 +279,8 @@ fn draw_variant(job: &WindowJob<'_>) -> Variant {
     compose::shape_variant(job.bin.raster.footprint, job.settings.discs.falloff)
 }
 
-/// Bytes that a pass must at least read and write in its `runs`: `quads` those of all splats, `pixels` those of the image.
+/// Returns the number of bytes that a pass must at least read and write in its `runs`: `quads` those of all splats,
+/// `pixels` those of the image.
 pub fn least_bytes(name: &str, runs: u64, strata: u64, quads: u64, pixels: u64) -> Option<u64> {
     // Depths and indices of the samples, and a color.
     let (held, color) = (32, 16);

@@ -126,8 +126,8 @@ fn most_strata(batches: impl Iterator<Item = Batch>) -> u32 {
     batches.map(|batch| batch.strata).max().unwrap_or(0)
 }
 
-/// Bytes that a pass must at least read and write for so many pixels of `samples` each; `splat` bytes of a splat, its color
-/// and record aside.
+/// Returns the number of bytes that a pass must at least read and write for so many pixels of `samples` each; `splat`
+/// bytes of a splat, its color and record aside.
 pub fn least_bytes(name: &str, samples: u32, kind: Kind, facts: &Facts, pixels: u64, splat: u64) -> Option<u64> {
     let runs = batches(samples).count() as u64;
     let strata: u64 = batches(samples).map(|b| u64::from(b.strata)).sum();
@@ -146,21 +146,22 @@ pub fn least_bytes(name: &str, samples: u32, kind: Kind, facts: &Facts, pixels: 
     }
 }
 
-/// Device bytes per pixel of a window, without the tiles.
+/// Returns device bytes per pixel of a window, without the tiles.
 pub fn pixel_bytes(spread: bool) -> u64 {
     let kind = Kind { exact: true, spread };
     // Keys and indices held by the samples, sums, exact A; Q, S and X of the spread.
     16 * (2 * u64::from(MOST_STRATA) + kind.sums(MOST_STRATA)) + 4 + if spread { 32 } else { 0 }
 }
 
-/// Pixels of a window whose buffers fit a binding, and a quarter of the budget.
+/// Returns the number of pixels of a window whose buffers fit a binding, and a quarter of the budget.
 pub fn window_pixels(budget: Budget, bytes_per_pixel: u64, spread: bool) -> u64 {
     let widest = u64::from(MOST_STRATA) + u64::from(spread);
     budget.window_pixels(bytes_per_pixel).min(budget.binding / 16 / widest).max(1)
 }
 
-/// Samples of the next round of a frame whose standard errors are to fall to `most` (root mean square over pixels and R, G,
-/// B), from those of a round with `samples`; `None` where they have, or where there are `limit` samples already.
+/// Returns the number of samples of the next round of a frame whose standard errors are to fall to `most` (root mean
+/// square over pixels and R, G, B), from those of a round with `samples`; `None` where they have, or where there are
+/// `limit` samples already.
 ///
 /// Rounds begin anew: what stands in a window's buffers is gone when the next window is rendered, and whether one window or
 /// many make up the frame must not change it. Since errors fall as 1/√samples, the second round is mostly the last.

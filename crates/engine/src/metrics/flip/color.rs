@@ -28,7 +28,7 @@ impl Colors {
         opponents(self.xyz * DVec3::from_array(rgb.map(|value| f64::from(value.clamp(0.0, 1.0)))))
     }
 
-    /// Linear RGB of YCxCz.
+    /// Returns linear RGB of YCxCz.
     pub fn linear(&self, opponent: DVec3) -> DVec3 {
         let y = (opponent.x + 16.0) / 116.0;
         self.rgb * DVec3::new(y + opponent.y / 500.0, y, y - opponent.z / 200.0)

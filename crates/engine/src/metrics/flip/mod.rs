@@ -23,9 +23,9 @@ const PIXELS_PER_DEGREE: f64 = 3840.0 * PI / 180.0;
 /// Rows that one task does; the rows around them that its filters need are converted once more for each.
 const STRIP: usize = 32;
 
-/// Mean LDR-FLIP error (Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and Fairchild 2020, "FLIP: a difference
-/// evaluator for alternating images") of two images, clamped to [0, 1], on a screen of 67 pixels per degree: no unit, 0
-/// for equal images, at most 1.
+/// Returns the mean LDR-FLIP error (Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and Fairchild 2020, "FLIP: a
+/// difference evaluator for alternating images") of two images, clamped to [0, 1], on a screen of 67 pixels per degree:
+/// no unit, 0 for equal images, at most 1.
 ///
 /// Per pixel (ΔE_c)^(1 − ΔE_f). ΔE_c is the HyAB distance of Hunt-adjusted CIELAB colors after filters of the eye's
 /// contrast sensitivity in YCxCz, ΔE_f the difference of the edges and points in their luminance. Beyond its sides an

@@ -78,7 +78,8 @@ impl Layout {
         4 * color + if self.volumes { 8 } else { 4 }
     }
 
-    /// Bytes of a file with so many samples at most: lines that packing doesn't make smaller are written as they are.
+    /// Returns bytes of a file with so many samples at most: lines that packing doesn't make smaller are written as
+    /// they are.
     ///
     /// # Errors
     /// Metadata that no header can hold.

@@ -115,7 +115,7 @@ impl Binning {
         u64::from(self.runs.runs) * u64::from(blocks)
     }
 
-    /// Bytes left for the tiles' entries; `None` if the window must be cut.
+    /// Returns bytes left for the tiles' entries; `None` if the window must be cut.
     pub(super) fn left(&self, device: &Device, job: &Job<'_>) -> Result<Option<u64>, Error> {
         let (points, binding) = (job.raster.cloud.len(), device.limits().binding_bytes);
         // Stages that go through tiles region by region keep a bit for each region of a block beside the index.
@@ -167,7 +167,7 @@ impl Binned {
         }
     }
 
-    /// Tiles of the window.
+    /// Returns the number of tiles of the window.
     pub fn tiles(&self) -> u32 {
         self.binning.tiles() as u32
     }
@@ -187,7 +187,7 @@ impl Binned {
         self.binning.cells()
     }
 
-    /// Pairs of a splat and a tile that it meets, once they were submitted.
+    /// Returns the number of pairs of a splat and a tile that it meets, once they were submitted.
     pub fn found_entries(&self, timeline: &Timeline) -> u64 {
         timeline.found(self.counts)[1].into()
     }
@@ -219,7 +219,7 @@ fn steps(tiles: [u32; 2], subgroup: u32) -> u64 {
     u64::from(tiles[0].div_ceil(columns)) * u64::from(tiles[1].div_ceil(rows))
 }
 
-/// Columns and rows of the pattern of tiles that the invocations of a subgroup own.
+/// Returns the columns and rows of the pattern of tiles that the invocations of a subgroup own.
 pub(super) fn pattern(subgroup: u32) -> [u32; 2] {
     let columns = match subgroup {
         32 => 8,

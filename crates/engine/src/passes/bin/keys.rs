@@ -34,7 +34,7 @@ pub(super) fn keys(order: Order, depth_range: [f32; 2], points: u64) -> [u32; 2]
     }
 }
 
-/// Bits of the keys of so many splats between two depths.
+/// Returns the number of bits of the keys of so many splats between two depths.
 pub fn key_bits(order: Order, depth_range: [f32; 2], points: u64) -> u32 {
     (u32::BITS - keys(order, depth_range, points)[1].leading_zeros()).max(1)
 }

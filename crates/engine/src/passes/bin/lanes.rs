@@ -18,7 +18,7 @@ pub struct Lanes {
 }
 
 impl Lanes {
-    /// Those of a device.
+    /// Returns those of a device.
     pub(super) fn of(device: &Device) -> Result<Self, Error> {
         let info = device.info();
         let subgroup = info.subgroup.ok_or_else(|| Error::NoSubgroups { device: info.name.clone() })?;
@@ -26,7 +26,7 @@ impl Lanes {
         Ok(Self { subgroup, team: if info.prefers.shared_work && fits { TEAM } else { 1 } })
     }
 
-    /// Workgroups of so many subgroups.
+    /// Returns the number of workgroups of so many subgroups.
     pub(super) fn groups(self, subgroups: u64) -> u64 {
         subgroups.div_ceil(self.team.into())
     }

@@ -185,7 +185,7 @@ impl Bins {
         OrderedTiles { binned, tiled }
     }
 
-    /// Device bytes that sorting a window's splats takes, tiles not counted.
+    /// Returns the number of device bytes that sorting a window's splats takes, tiles not counted.
     pub fn least_bytes(device: &Device, job: &Job<'_>) -> u64 {
         let (cloud, drawn) = (job.raster.cloud, job.raster.stats.iter().map(|s| u64::from(s.visible)).sum::<u64>());
         order_bytes(device, job.order, cloud.len(), drawn)
@@ -196,7 +196,7 @@ impl Bins {
         sort_bytes(device, cloud.len())
     }
 
-    /// Device bytes of the buffers that hold a binned window.
+    /// Returns the number of device bytes of the buffers that hold a binned window.
     pub fn bytes(&self) -> u64 {
         let records: u64 = self.records.iter().map(|r| r.bytes()).sum();
         let tiles = self.counts.bytes() + self.cursors.bytes() + self.entries.bytes();

@@ -59,12 +59,12 @@ impl Bins {
     }
 }
 
-/// Device bytes of the records of so many points, and of sorting them.
+/// Returns the number of device bytes of the records of so many points, and of sorting them.
 pub fn sort_bytes(device: &Device, points: u64) -> u64 {
     2 * RECORD_BYTES * points + Radix::bytes(device, points)
 }
 
-/// Device bytes of putting the drawn ones of so many points into an order.
+/// Returns the number of device bytes of putting the drawn ones of so many points into an order.
 pub(super) fn order_bytes(device: &Device, order: Order, points: u64, drawn: u64) -> u64 {
     match order {
         Order::Along(_) => {

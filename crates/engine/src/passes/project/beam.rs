@@ -38,7 +38,7 @@ impl Extent {
         Self { radius: std::f64::consts::SQRT_2 * f64::from(factor), pixels: ONE }
     }
 
-    /// Gaussians whose radii are their [`REACH`], at the least opacity of a fragment that settings name.
+    /// Returns Gaussians whose radii are their [`REACH`], at the least opacity of a fragment that settings name.
     pub fn gaussians(settings: &GaussianSettings, camera: &Camera, size: [u32; 2]) -> Self {
         let GaussianSettings { alpha_min, dilation, kernel, .. } = *settings;
         // Standard deviations at which opacity 1 falls to the least one.
@@ -70,7 +70,7 @@ impl Extent {
         Self { radius: self.radius.max(other.radius), pixels: self.pixels.max(other.pixels) }
     }
 
-    /// Points without a radius that show this many pixels around their own.
+    /// Returns points without a radius that show this many pixels around their own.
     pub fn pixels(around: f64) -> Self {
         Self { radius: 0.0, pixels: ONE + around }
     }

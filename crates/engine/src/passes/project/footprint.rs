@@ -48,7 +48,7 @@ impl Footprint {
         self.tilt_stride() > 0
     }
 
-    /// Elements of the buffer of tilts for each splat.
+    /// Returns the number of elements of the buffer of tilts for each splat.
     pub fn tilt_stride(self) -> u64 {
         match self {
             Self::Disc | Self::Square | Self::Point | Self::Sphere => 0,

@@ -46,17 +46,17 @@ gpu_struct! {
 }
 
 impl Stats {
-    /// Pixels of all rectangles of all chunks.
+    /// Returns the number of pixels of all rectangles of all chunks.
     pub fn area(stats: &[Self]) -> u64 {
         stats.iter().map(|s| u64::from(s.area_high) << 32 | u64::from(s.area_low)).sum()
     }
 
-    /// Columns and rows of pixels of the widest and the tallest splat of all chunks.
+    /// Returns the columns and rows of pixels of the widest and the tallest splat of all chunks.
     pub fn extent(stats: &[Self]) -> [u32; 2] {
         stats.iter().fold([0, 0], |[x, y], s| [x.max(s.widest), y.max(s.tallest)])
     }
 
-    /// Bounds of what can be found among so many points in a window of this size.
+    /// Returns bounds of what can be found among so many points in a window of this size.
     pub fn at_most(self, points: u64, [width, height]: [u32; 2]) -> Self {
         let points = points as u32;
         Self {
@@ -68,7 +68,7 @@ impl Stats {
         }
     }
 
-    /// Tiles of the large splats.
+    /// Returns the number of tiles of the large splats.
     pub fn tiles(&self) -> u64 {
         u64::from(self.tiles_high) << 32 | u64::from(self.tiles_low)
     }
@@ -278,7 +278,7 @@ impl DeviceCloud {
         Ok(())
     }
 
-    /// Statistics of the last projection, on the device: one for each chunk.
+    /// Returns statistics of the last projection, on the device: one for each chunk.
     pub fn found(&self) -> Slice<'_, Stats> {
         self.stats.slice(0, self.chunks().count() as u64)
     }
@@ -294,13 +294,13 @@ impl DeviceCloud {
         recorder.copy("project/stats", self.stats.all(), self.stats_host.all())
     }
 
-    /// Bindings of a pass that takes the points of a chunk straight to their pixels.
+    /// Returns bindings of a pass that takes the points of a chunk straight to their pixels.
     pub fn places(&self, first: u64, count: u64) -> Places<'_> {
         let (points_hi, points_lo) = (self.points_hi.slice(first, count), self.points_lo.slice(first, count));
         Places { camera: self.view.all(), points_hi, points_lo, stats: self.stats.all() }
     }
 
-    /// Statistics of the last submitted projection, chunk by chunk.
+    /// Returns statistics of the last submitted projection, chunk by chunk.
     pub fn stats(&self) -> Vec<Stats> {
         self.chunks().zip(self.stats_host.mapped_slice()).map(|(_, stats)| *stats).collect()
     }

@@ -29,7 +29,7 @@ impl Words {
     /// All words.
     pub const ALL: Self = Self { start: 0, end: Self::END };
 
-    /// Those among points of all words that are to be expected.
+    /// Returns those among points of all words that are to be expected.
     pub fn of(self, points: u64) -> u64 {
         ((u128::from(points) * (self.end - self.start)) >> 64) as u64
     }
@@ -129,7 +129,7 @@ impl<'a> Buckets<'a> {
     }
 }
 
-/// Points of some extents.
+/// Returns the number of points of some extents.
 pub(super) fn points_of(layout: Layout, extents: &[Extent]) -> u64 {
     words_of(extents) / layout.words() as u64
 }

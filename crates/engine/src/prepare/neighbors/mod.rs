@@ -149,7 +149,7 @@ impl Places {
         ranks
     }
 
-    /// World units in which distances are given; a power of two.
+    /// Returns world units in which distances are given; a power of two.
     pub fn unit(&self) -> f64 {
         self.unit
     }
@@ -362,7 +362,7 @@ pub(super) mod tests {
 
     use super::*;
 
-    /// Points on a plane and in a ball, copies of some, and strays far from all.
+    /// Returns points on a plane and in a ball, copies of some, and strays far from all.
     pub fn cloud(count: usize, seed: u64) -> Vec<DVec3> {
         let mut random = Pcg64::seed_from_u64(seed);
         let mut number = || random.random::<f64>();

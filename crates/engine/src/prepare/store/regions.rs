@@ -34,7 +34,7 @@ impl Region {
         codes.into_par_iter().map(|code| code >> (3 * (BITS - self.level)) == self.code).collect()
     }
 
-    /// Its box, to rounding.
+    /// Returns its box, to rounding.
     pub fn bounds(self, bounds: &Bounds) -> Bounds {
         let digits = |axis: u32| {
             (0..self.level).fold(0, |at, level| at | ((self.code >> (3 * level + axis) & 1) as u32) << level)

@@ -45,7 +45,7 @@ impl Strength {
     }
 }
 
-/// Median radius of the points with F > t; the mean of the middle two for an even number, 0 for none.
+/// Returns the median radius of the points with F > t; the mean of the middle two for an even number, 0 for none.
 pub fn median_radius(points: &Points, threshold: f32) -> f64 {
     let soft = points.fields.iter().zip(&points.radii).filter(|(field, _)| **field > threshold);
     let mut radii: Vec<f64> = soft.map(|(_, radius)| f64::from(*radius)).collect();

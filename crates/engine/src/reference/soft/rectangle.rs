@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use super::Sphere;
 use crate::camera::{Camera, Projection};
 
-/// First column and row, one past the last column and row, with a pixel to spare on each side.
+/// Returns the first column and row, one past the last column and row, with a pixel to spare on each side.
 pub fn around(camera: &Camera, size: [u32; 2], sphere: &Sphere) -> [u32; 4] {
     let focal = camera.focal_px(size[1]);
     let extent = |offset: f64| match camera.projection {

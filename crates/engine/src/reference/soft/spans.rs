@@ -41,7 +41,7 @@ pub enum Medium {
 }
 
 impl Span {
-    /// Optical depth from s₀ to s₁, both within the span.
+    /// Returns the optical depth from s₀ to s₁, both within the span.
     pub fn depth(&self, s0: f64, s1: f64) -> f64 {
         match self.medium {
             Medium::Falling { lambda, radius, distance, middle } => {

@@ -75,7 +75,7 @@ pub(super) fn hash(x: i64, y: i64, z: i64) -> f64 {
     ((h ^ (h >> 31)) >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// Value noise in [0, 1], smooth over lengths of 1.
+/// Returns the value noise in [0, 1], smooth over lengths of 1.
 pub(super) fn noise(p: DVec3) -> f64 {
     let cell = p.floor();
     let f = p - cell;

@@ -62,7 +62,7 @@ macro_rules! settings {
         }
 
         impl $Name {
-            /// Its keys with the values in force, in the order of their declaration.
+            /// Returns its keys with the values in force, in the order of their declaration.
             pub fn keys(&self) -> Vec<$crate::scene::schema::Key> {
                 $crate::scene::schema::Settings::keys(self)
             }

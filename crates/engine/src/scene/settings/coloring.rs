@@ -47,7 +47,7 @@ words! {
 }
 
 impl ColormapName {
-    /// Its table.
+    /// Returns its table.
     pub fn map(self) -> Colormap {
         // Every word names a table: a test tells.
         Colormap::named(self.word()).unwrap_or_else(Colormap::grey)
@@ -135,7 +135,7 @@ impl ColorBy {
         Self::WORDS.iter().map(|word| word.name)
     }
 
-    /// Its word in a scene file, or the name of the scalar.
+    /// Returns its word in a scene file, or the name of the scalar.
     pub fn word(&self) -> &str {
         match self {
             Self::Scalar(name) => name,

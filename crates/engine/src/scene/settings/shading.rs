@@ -82,7 +82,7 @@ pub enum Formula {
 }
 
 impl ShadingModel {
-    /// Its formula where there are normals.
+    /// Returns its formula where there are normals.
     pub fn formula(self) -> Formula {
         match self {
             Self::None => Formula::None,

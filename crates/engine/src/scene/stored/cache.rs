@@ -34,12 +34,12 @@ impl Cache {
         Self { most, held: Mutex::default() }
     }
 
-    /// Bytes that it holds at most.
+    /// Returns the number of bytes that it holds at most.
     pub fn most(&self) -> u64 {
         self.most
     }
 
-    /// Bytes that were read of the store so far.
+    /// Returns the number of bytes that were read of the store so far.
     pub fn bytes_read(&self) -> u64 {
         self.held.lock().unwrap_or_else(PoisonError::into_inner).read
     }

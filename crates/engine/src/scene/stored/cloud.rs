@@ -125,7 +125,7 @@ impl StoredCloud {
         (self.facts.points > 0).then_some(self.bounds)
     }
 
-    /// Its nodes as blocks.
+    /// Returns its nodes as blocks.
     pub fn blocks(&self, scene: &Scene) -> Vec<(usize, Block)> {
         let nodes = self.store.nodes();
         let (radii, branches) = (self.radii(nodes, scene), branches(nodes, scene.clouds[self.index].scale));

@@ -279,7 +279,7 @@ impl Stored {
         self.nodes.cache.clear();
     }
 
-    /// Bytes that were read of nodes so far, and those of all nodes.
+    /// Returns bytes that were read of nodes so far, and those of all nodes.
     pub fn bytes_read(&self) -> [u64; 2] {
         let nodes = self.nodes.clouds.iter().flat_map(|cloud| cloud.store.nodes());
         [self.nodes.cache.bytes_read(), nodes.map(|node| node.bytes).sum()]

@@ -37,7 +37,7 @@ struct Found {
 }
 
 impl OpenStore {
-    /// One whose points nobody has looked at.
+    /// Returns one whose points nobody has looked at.
     pub fn new(store: Box<dyn Store>) -> Self {
         Self { store: Arc::from(store), found: Arc::default() }
     }

@@ -36,7 +36,7 @@ impl<'a> Buffers<'a> {
         self.0.get(number).map(Bytes::slice)
     }
 
-    /// Bytes of all.
+    /// Returns the number of bytes of all.
     pub fn len(&self) -> u64 {
         self.0.iter().map(|bytes| bytes.slice().len() as u64).sum()
     }

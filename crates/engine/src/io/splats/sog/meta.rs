@@ -132,7 +132,7 @@ impl Meta {
         self.harmonics.as_ref().map_or(0, |harmonics| harmonics.bands)
     }
 
-    /// Coefficients of a splat from degree 1 on.
+    /// Returns the number of coefficients of a splat from degree 1 on.
     pub fn coefficients(&self) -> usize {
         coefficients(self.degree())
     }

@@ -27,7 +27,7 @@ pub(super) struct Planes {
     signs: Vec<f32>,
 }
 
-/// Bytes of each plane.
+/// Returns bytes of each plane.
 pub(super) fn lengths(header: &Header) -> [u64; 6] {
     let position = if header.version == 1 { 6 } else { 9 };
     let rotation = if header.version < 3 { 3 } else { 4 };
@@ -36,7 +36,7 @@ pub(super) fn lengths(header: &Header) -> [u64; 6] {
 }
 
 impl Planes {
-    /// Planes of the lengths that the header tells.
+    /// Returns planes of the lengths that the header tells.
     pub fn new(header: &Header, planes: [Vec<u8>; 6]) -> Self {
         Self {
             version: header.version,

@@ -95,7 +95,7 @@ impl Assembler {
         Ok(Self { folder, layout, rules, points, written, open, ranges, surveyor, facts, sample, total, kept })
     }
 
-    /// Points so far.
+    /// Returns the number of points so far.
     pub fn points(&self) -> u64 {
         self.total
     }

@@ -37,7 +37,7 @@ impl Cube {
         Some(Self { grid, least, bits })
     }
 
-    /// Levels below the root: a cell of the last one holds a single position along at least one axis.
+    /// Returns levels below the root: a cell of the last one holds a single position along at least one axis.
     pub fn levels(&self) -> u32 {
         self.bits.into_iter().min().unwrap_or(0)
     }
@@ -54,7 +54,7 @@ impl Cube {
         Bounds { min: corner(0), max: corner(1) }
     }
 
-    /// Steps from the least corner; `None` outside.
+    /// Returns steps from the least corner; `None` outside.
     pub(super) fn steps(&self, at: [i32; 3]) -> Option<[u32; 3]> {
         let steps = self.steps_of(at);
         let is_inside = |axis: usize| at[axis] >= self.least[axis] && u64::from(steps[axis]) < 1 << self.bits[axis];
@@ -100,13 +100,13 @@ impl Cell {
         Self { level: self.level.saturating_sub(1), at: self.at.map(|at| at >> 1) }
     }
 
-    /// One of the eight below: bit 0 of the number is x.
+    /// Returns one of the eight below: bit 0 of the number is x.
     pub fn child(self, digit: u32) -> Self {
         let at = std::array::from_fn(|axis| self.at[axis] << 1 | digit >> axis & 1);
         Self { level: self.level + 1, at }
     }
 
-    /// Its number among those of its parent.
+    /// Returns its number among those of its parent.
     #[cfg(test)]
     pub(super) fn digit(self) -> u32 {
         (self.at[0] & 1) | (self.at[1] & 1) << 1 | (self.at[2] & 1) << 2

@@ -33,7 +33,8 @@ impl Ranges {
         })
     }
 
-    /// Those of some records, and the box and largest radius or reach of their points; `None` without points. The offset is 0.
+    /// Returns those of some records, and the box and largest radius or reach of their points; `None` without points.
+    /// The offset is 0.
     pub fn of(layout: &Layout, records: &[u8]) -> (Self, Option<Extent>) {
         let mut ranges = Self::new(layout);
         if records.is_empty() {

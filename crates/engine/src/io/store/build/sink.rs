@@ -36,7 +36,7 @@ impl Sink {
         Self::keep(path, 0)
     }
 
-    /// Its bytes so far.
+    /// Returns its bytes so far.
     pub fn len(&self) -> u64 {
         self.len
     }

@@ -45,7 +45,7 @@ impl Counts {
         }
     }
 
-    /// Codes and points, along the Morton curve.
+    /// Returns codes and points, along the Morton curve.
     pub fn sorted(&self) -> Vec<(u64, u64)> {
         let mut cells: Vec<(u64, u64)> = self.cells.iter().map(|(code, count)| (*code, *count)).collect();
         cells.sort_unstable();

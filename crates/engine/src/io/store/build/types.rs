@@ -117,7 +117,7 @@ impl Types {
         }
     }
 
-    /// Types that keep two parts of a cloud.
+    /// Returns types that keep two parts of a cloud.
     #[must_use]
     pub fn and(mut self, other: &Self) -> Self {
         self.linear_colors |= other.linear_colors;

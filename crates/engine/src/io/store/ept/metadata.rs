@@ -84,7 +84,7 @@ impl Tiles {
         }
     }
 
-    /// Points of a tile of so many bytes, at most.
+    /// Returns the number of points of a tile of so many bytes, at most.
     pub fn most_points(&self, bytes: u64) -> u64 {
         match self {
             Self::Laszip => bytes.saturating_mul(MAX_POINTS_PER_BYTE),
@@ -186,7 +186,7 @@ impl Metadata {
         traits.settle(self.dimension("Red").is_some(), asked.gps_time, asked.returns)
     }
 
-    /// Least and largest values of scalars.
+    /// Returns the least and largest values of scalars.
     pub fn ranges(&self, asked: LasColumns) -> Vec<(String, [f64; 2])> {
         let range = |dimension: &Dimension| {
             let limits = [dimension.minimum?, dimension.maximum?];

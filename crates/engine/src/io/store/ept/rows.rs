@@ -120,7 +120,7 @@ impl Rows {
         Ok(Self { len, position, color, intensity, classification, returns, source, gps_time, extra })
     }
 
-    /// Bytes of a point.
+    /// Returns the number of bytes of a point.
     pub fn len(&self) -> usize {
         self.len
     }

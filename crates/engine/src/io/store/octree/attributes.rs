@@ -37,7 +37,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Its bytes; `None` if they are not known.
+    /// Returns its bytes; `None` if they are not known.
     pub(crate) fn bytes(self) -> Option<usize> {
         match self {
             Self::Int8 | Self::Uint8 => Some(1),
@@ -315,7 +315,7 @@ impl Layout {
         Err(format!("Gaussian splats need extents, rotation and base, but there is no {}", missing.join(" and no ")))
     }
 
-    /// Three attributes of one role each, if all are there.
+    /// Returns three attributes of one role each, if all are there.
     pub(crate) fn three(&self, role: fn(u8) -> Role) -> Option<[&Attribute; 3]> {
         Some([self.find(&role(0))?, self.find(&role(1))?, self.find(&role(2))?])
     }

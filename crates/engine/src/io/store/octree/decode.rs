@@ -36,7 +36,7 @@ impl Decoder {
         Self { layout, grid, table, first_time, prepared }
     }
 
-    /// Bytes of a point.
+    /// Returns the number of bytes of a point.
     pub fn stride(&self) -> u64 {
         self.layout.stride as u64
     }
@@ -176,7 +176,7 @@ impl Decoder {
     }
 }
 
-/// Those of a cloud's points that are splats, if some are none; `None` of other clouds.
+/// Returns those of a cloud's points that are splats, if some are none; `None` of other clouds.
 pub(super) fn splats_of(cloud: &Cloud) -> Option<Vec<u32>> {
     let splats = cloud.gaussians.as_ref().filter(|splats| !splats.are_all())?;
     Some((0..splats.len() as u32).filter(|at| splats.is_one(*at as usize)).collect())

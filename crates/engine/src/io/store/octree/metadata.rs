@@ -90,7 +90,7 @@ pub(crate) struct Described {
 }
 
 impl Described {
-    /// Least and largest value, if both are there and a range.
+    /// Returns the least and largest value, if both are there and a range.
     pub fn range(&self) -> Option<[f64; 2]> {
         let first = |values: &[Option<f64>]| values.first().copied().flatten();
         let [least, most] = [first(&self.min)?, first(&self.max)?];

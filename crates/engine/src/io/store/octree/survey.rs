@@ -40,7 +40,7 @@ impl Surveyor {
         Self { decoder: Decoder::new(layout, grid, full, 0.0, None), sampling: Sampling::of(points) }
     }
 
-    /// Facts about the points of some records, and the records of those that stand for all.
+    /// Returns facts about the points of some records, and the records of those that stand for all.
     pub fn look(&self, records: &[u8]) -> (Facts, Vec<u8>) {
         let cloud = self.decoder.cloud(records);
         let each = records.chunks_exact(self.decoder.stride().max(1) as usize).zip(&cloud.positions);
@@ -48,7 +48,7 @@ impl Surveyor {
         (Facts::of(&cloud), taken.flat_map(|(record, _)| record).copied().collect())
     }
 
-    /// Bytes of the points that stand for all, at most: with more of them a store has no survey.
+    /// Returns the number of bytes of the points that stand for all, at most: with more of them a store has no survey.
     pub fn most_bytes(&self) -> u64 {
         MAX_POINTS as u64 * self.decoder.stride()
     }

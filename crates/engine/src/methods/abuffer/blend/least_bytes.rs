@@ -3,8 +3,8 @@
 use super::classes::{CLASSES, lower_bound};
 use crate::methods::abuffer::{FRAGMENT_BYTES, LOCAL_LENGTH};
 
-/// Bytes that sorting and blending must at least read and write, from the lengths of all lists; `None` without these, and
-/// for other passes.
+/// Returns the number of bytes that sorting and blending must at least read and write, from the lengths of all lists;
+/// `None` without these, and for other passes.
 pub fn least_bytes(name: &str, lengths: &[u32]) -> Option<u64> {
     // Record and splat color of each fragment; place in the work list, two offsets and result of each pixel.
     let blended = |fragments: u64, pixels: u64| fragments * (FRAGMENT_BYTES + 16) + pixels * (4 + 8 + 20);

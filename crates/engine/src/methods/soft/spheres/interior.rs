@@ -58,7 +58,7 @@ impl Interior {
         self.most_shells().next_power_of_two().ilog2()
     }
 
-    /// Points that events can tell apart.
+    /// Returns the number of points that events can tell apart.
     pub(super) fn most_points(self) -> u64 {
         1 << (31 - self.shell_bits())
     }

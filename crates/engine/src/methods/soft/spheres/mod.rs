@@ -42,7 +42,7 @@ pub const RESOLVE: [&str; 7] = [
     "soft/resolve-128",
     "soft/resolve-256",
 ];
-/// Each class of list lengths that events come in, by its number: the longest list and the name of its kernel.
+/// Returns each class of list lengths that events come in, by its number: the longest list and the name of its kernel.
 pub fn classes() -> impl Iterator<Item = (usize, (u32, &'static str))> {
     let names = abuffer::CLASSES.into_iter().zip(RESOLVE).map(|((capacity, _), name)| (capacity, name));
     names.enumerate().skip(1)
@@ -84,7 +84,7 @@ impl<'a> Spheres<'a> {
         Ok(())
     }
 
-    /// Device bytes per pixel beside those of lists.
+    /// Returns device bytes per pixel beside those of lists.
     pub fn pixel_bytes(&self) -> u64 {
         pixel_bytes(self.kind.interior, self.layer.is_some())
     }
@@ -147,7 +147,7 @@ impl<'a> Spheres<'a> {
     }
 }
 
-/// Device bytes per pixel beside those of lists, those by which the solid points were drawn included.
+/// Returns device bytes per pixel beside those of lists, those by which the solid points were drawn included.
 pub fn pixel_bytes(interior: Interior, solids: bool) -> u64 {
     let layer = if solids { Layer::PIXEL_BYTES + splats::PIXEL_BYTES } else { 0 };
     layer + if interior.counted() { SPHERES_BYTES } else { 0 }

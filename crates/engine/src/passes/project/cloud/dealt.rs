@@ -118,7 +118,7 @@ impl DeviceCloud {
         if self.has_normals { &Column::ALL } else { &Column::ALL[..3] }
     }
 
-    /// Device bytes of all columns.
+    /// Returns the number of device bytes of all columns.
     pub fn column_bytes(&self) -> u64 {
         self.len * self.columns().len() as u64 * COLUMN_BYTES
     }

@@ -29,7 +29,7 @@ pub struct GaussianColumns {
     pub brightest: f32,
 }
 
-/// Numbers of each splat's color of a degree.
+/// Returns how many numbers make up each splat's color of a degree.
 pub(super) fn words(degree: u32) -> u64 {
     3 * (coefficients(degree) as u64 + 1)
 }
@@ -89,17 +89,17 @@ impl GaussianColumns {
         self.upload(all)
     }
 
-    /// Device bytes of each point in these columns.
+    /// Returns the number of device bytes of each point in these columns.
     pub fn bytes_each(&self) -> u64 {
         2 * size_of::<[f32; 4]>() as u64 + 4 * self.words()
     }
 
-    /// Numbers of each splat's color.
+    /// Returns how many numbers make up each splat's color.
     pub fn words(&self) -> u64 {
         words(self.degree)
     }
 
-    /// Device bytes.
+    /// Returns device bytes.
     pub fn bytes(&self) -> u64 {
         self.extents.bytes() + self.rotations.bytes() + self.harmonics.bytes()
     }

@@ -28,7 +28,7 @@ impl DeviceCloud {
         self.light_images.as_ref()
     }
 
-    /// Device bytes of the images of lights.
+    /// Returns the number of device bytes of the images of lights.
     pub fn light_bytes(&self) -> u64 {
         self.light_images.iter().flat_map(|images| &images.depths).map(Buffer::bytes).sum()
     }

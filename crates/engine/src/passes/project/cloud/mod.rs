@@ -246,7 +246,7 @@ impl DeviceCloud {
         self.len == 0
     }
 
-    /// Device bytes of the cloud and its splats.
+    /// Returns the number of device bytes of the cloud and its splats.
     pub fn bytes(&self) -> u64 {
         self.points_hi.bytes()
             + self.points_lo.bytes()
@@ -281,7 +281,7 @@ impl DeviceCloud {
         self.depth_origin
     }
 
-    /// Diagonal of the points' box in world units; 0 without points.
+    /// Returns the diagonal of the points' box in world units; 0 without points.
     pub fn diagonal(&self) -> f64 {
         self.bounds().diagonal()
     }
@@ -343,7 +343,7 @@ impl DeviceCloud {
         self.orders_made
     }
 
-    /// Indices of the points along an axis; `None` before [`Self::sort_along`], and without a field.
+    /// Returns the indices of the points along an axis; `None` before [`Self::sort_along`], and without a field.
     pub fn along(&self, axis: usize) -> Option<Slice<'_, u32>> {
         self.orders[axis].as_ref().map(Buffer::all)
     }
@@ -370,12 +370,12 @@ impl DeviceCloud {
         self.surfaces.as_deref()
     }
 
-    /// Points that can be bound at a time.
+    /// Returns the number of points that can be bound at a time.
     pub fn longest(&self) -> u64 {
         self.chunk_len
     }
 
-    /// First point and number of points of each chunk.
+    /// Returns the first point and number of points of each chunk.
     pub fn chunks(&self) -> impl Iterator<Item = (u64, u64)> + use<> {
         let (len, chunk_len) = (self.len, self.chunk_len);
         (0..len.div_ceil(chunk_len)).map(move |i| (i * chunk_len, chunk_len.min(len - i * chunk_len)))

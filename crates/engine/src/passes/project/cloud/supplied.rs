@@ -125,7 +125,8 @@ impl DeviceCloud {
         Ok(())
     }
 
-    /// Device bytes of a point with its splat, by the widest footprint if some points are Gaussians.
+    /// Returns the number of device bytes of a point with its splat, by the widest footprint if some points are
+    /// Gaussians.
     pub fn point_bytes(&self, footprint: Footprint) -> u64 {
         let columns = self.columns().len() as u64 * COLUMN_BYTES + 4 + if self.has_fields { 8 } else { 0 };
         let footprint = if self.has_gaussians() { Footprint::Gaussian } else { footprint };

@@ -13,7 +13,7 @@ const WALNUT: Rgb = [112, 74, 48];
 const WHITE: Rgb = [240, 236, 228];
 const STEEL: Rgb = [58, 60, 66];
 
-/// Everything of class furniture, and the house's floor.
+/// Returns everything of class furniture, and the house's floor.
 pub(super) fn furniture() -> Model {
     let mut model = Model::new(class::BUILDING);
     model.cuboid(

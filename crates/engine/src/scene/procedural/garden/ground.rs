@@ -15,7 +15,7 @@ const LOT: DVec2 = DVec2::new(10.6, 9.4);
 /// Lowest x and y of the terrace, then highest.
 const DECK: [f64; 4] = [4.9, -6.3, 8.5, -2.9];
 
-/// Height of the ground, flat near the house.
+/// Returns the height of the ground, flat near the house.
 pub(super) fn height(x: f64, y: f64) -> f64 {
     let away = (DVec2::new(x, y).abs() - DVec2::new(5.5, 5.0)).max(DVec2::ZERO).length();
     let relief = noise(DVec3::new(0.23 * x, 0.23 * y, 0.5)) - 0.5;

@@ -116,7 +116,8 @@ impl Occupancy {
     }
 }
 
-/// Linear color of a sample in the light. Foliage scatters: its normals count half, and shade sets in slowly.
+/// Returns the linear color of a sample in the light. Foliage scatters: its normals count half, and shade sets in
+/// slowly.
 pub(super) fn shade(sample: &Sample, shadows: &ShadowMap, occupancy: &Occupancy, foliage: bool) -> DVec3 {
     let n = sample.normal;
     let facing = n.dot(sun());

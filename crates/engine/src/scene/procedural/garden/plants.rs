@@ -14,7 +14,7 @@ pub(super) struct Plants {
     pub(super) leaves: Model,
 }
 
-/// Everything that grows but the lawn.
+/// Returns everything that grows but the lawn.
 pub(super) fn plants(random: &mut Random) -> Plants {
     let mut plants = Plants { wood: Model::new(class::HIGH_VEGETATION), leaves: Model::new(class::HIGH_VEGETATION) };
     let oak = Species { bark: [104, 78, 58], leaf: [92, 142, 48], crown: 0.7 };

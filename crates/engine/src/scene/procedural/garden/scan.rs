@@ -28,7 +28,7 @@ const STATIONS: [DVec3; 6] = [
 /// Distance at which half of the points are left.
 const RANGE: f64 = 16.0;
 
-/// Share of the points that the scanner's distance leaves, between 0 and 1.
+/// Returns the share of the points that the scanner's distance leaves, between 0 and 1.
 pub(super) fn density(position: DVec3) -> f64 {
     let nearest = STATIONS.iter().map(|s| s.distance_squared(position)).fold(f64::INFINITY, f64::min);
     1.0 / (1.0 + nearest / (RANGE * RANGE))

@@ -39,7 +39,7 @@ impl<'a> Field<'a> {
         if count > 0.0 { sum / count } else { 0.0 }
     }
 
-    /// Least and greatest value; `None` if no value is finite.
+    /// Returns the least and greatest value; `None` if no value is finite.
     pub fn extremes(&self) -> Option<[f64; 2]> {
         Some([f64::from(*self.sorted.first()?), f64::from(*self.sorted.last()?)])
     }
@@ -70,7 +70,7 @@ impl<'a> Field<'a> {
         Some(0.5 * (f64::from(*lower) + f64::from(*upper)))
     }
 
-    /// Cells along x, y and z: one less than numbers.
+    /// Returns cells along x, y and z: one less than numbers.
     pub fn cells(&self) -> [usize; 3] {
         self.volume.dims.map(|count| count - 1)
     }
@@ -99,7 +99,7 @@ impl<'a> Field<'a> {
         (cell, place - DVec3::from_array(cell.map(|v| v as f64)))
     }
 
-    /// Value and gradient at a place in the volume.
+    /// Returns the value and gradient at a place in the volume.
     pub fn at(&self, place: DVec3) -> (f64, DVec3) {
         let (cell, t) = self.cell(place);
         let v = self.corners(cell);
@@ -116,8 +116,8 @@ impl<'a> Field<'a> {
         (mix(y[0], y[1], t.z), gradient)
     }
 
-    /// Unit normal at a place, outward; zero where values don't change. From central differences at the numbers, between which
-    /// it is interpolated: those of the interpolant jump from cell to cell.
+    /// Returns the unit normal at a place, outward; zero where values don't change. From central differences at the
+    /// numbers, between which it is interpolated: those of the interpolant jump from cell to cell.
     pub fn normal(&self, place: DVec3) -> DVec3 {
         let ([x, y, z], t) = self.cell(place);
         let weight = |bit: usize, t: f64| if bit == 1 { t } else { 1.0 - t };

@@ -99,7 +99,7 @@ pub(super) fn class(cover: Cover) -> u8 {
     }
 }
 
-/// Height of what grows on the ground, meters.
+/// Returns the height of what grows on the ground, meters.
 pub(super) fn growth(cover: Cover) -> f64 {
     match cover {
         Cover::Meadow => 0.22,

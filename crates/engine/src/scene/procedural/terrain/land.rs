@@ -136,7 +136,7 @@ impl Land {
         uv.y - self.river_line(uv.x + PERIOD * town[0] as f64, town[1])
     }
 
-    /// Radius of a town.
+    /// Returns the radius of a town.
     pub(super) fn town_radius(&self, town: [i64; 2]) -> f64 {
         let share = if town == [0, 0] { 1.0 } else { 0.3 + 0.6 * self.hash(town[0], town[1], layer::TOWN) };
         share * self.town
@@ -148,7 +148,7 @@ impl Land {
         smooth((place.river.abs() - low) / (high - low))
     }
 
-    /// Height of the ground, below 0 under water.
+    /// Returns the height of the ground, below 0 under water.
     pub(super) fn height(&self, p: DVec2) -> f64 {
         let place = self.place(p);
         let from_bank = place.river.abs() - self.river;

@@ -81,7 +81,7 @@ impl<'a> Site<'a> {
         site
     }
 
-    /// Height and normal of the ground, or of the water over it.
+    /// Returns the height and normal of the ground, or of the water over it.
     pub(super) fn ground(&self, p: DVec2) -> (f64, DVec3) {
         let (z, normal) = self.ground.at(p);
         if z < 0.0 { (0.0, DVec3::Z) } else { (z, normal) }
@@ -110,7 +110,7 @@ impl<'a> Site<'a> {
         }
     }
 
-    /// Share of the sun's light that reaches a position.
+    /// Returns the share of the sun's light that reaches a position.
     pub(super) fn lit(&self, p: DVec3) -> f64 {
         let mut light = 1.0;
         for rise in [1.0, 2.6, 5.0, 9.0] {
@@ -129,7 +129,7 @@ impl<'a> Site<'a> {
         f64::max(light, 0.2)
     }
 
-    /// Lowest and highest height in the tile, with all that stands there.
+    /// Returns the lowest and highest height in the tile, with all that stands there.
     pub(super) fn heights(&self) -> [f64; 2] {
         let [low, mut high] = self.ground.range();
         for top in self.solids.iter().map(Solid::top).chain(self.trees.iter().map(Tree::top)) {

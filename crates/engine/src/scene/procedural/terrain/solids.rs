@@ -72,7 +72,7 @@ impl Wall {
 }
 
 impl Solid {
-    /// Radius of a circle around it.
+    /// Returns the radius of a circle around it.
     pub(super) fn reach(&self) -> f64 {
         self.half.length() + EAVES
     }
@@ -87,7 +87,7 @@ impl Solid {
         DVec2::new(d.dot(self.axis), d.dot(self.axis.perp()))
     }
 
-    /// Height and normal of the roof over a position, if it is there.
+    /// Returns the height and normal of the roof over a position, if it is there.
     pub(super) fn roof_at(&self, p: DVec2) -> Option<(f64, DVec3)> {
         let at = self.local(p);
         let beyond = if self.roof == Roof::Gable { EAVES } else { 0.0 };
@@ -108,7 +108,7 @@ impl Solid {
         Some((self.eave + self.rise * (1.0 - share), normal))
     }
 
-    /// Color of the roof: rows of tiles, each of its own brightness.
+    /// Returns the color of the roof: rows of tiles, each of its own brightness.
     pub(super) fn roof_tone(&self, p: DVec2) -> Tone {
         if self.roof == Roof::Flat {
             return self.cover;
@@ -142,12 +142,13 @@ impl Solid {
         self.eave + self.rise * share
     }
 
-    /// Mean of that.
+    /// Returns the mean of that.
     pub(super) fn mean_top(&self, wall: &Wall) -> f64 {
         self.eave + if wall.gable { 0.5 * self.rise } else { 0.0 }
     }
 
-    /// Color of a wall at so many meters along it and above the ground outside, whose points are `spacing` apart.
+    /// Returns the color of a wall at so many meters along it and above the ground outside, whose points are `spacing`
+    /// apart.
     pub(super) fn wall_tone(&self, wall: &Wall, t: f64, h: f64, storeys_end: f64, spacing: f64) -> Tone {
         let glass = Tone::new(66.0, 80.0, 96.0);
         let bay = |width: f64| {

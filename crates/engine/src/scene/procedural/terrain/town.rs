@@ -159,7 +159,7 @@ pub(super) fn blocks(land: &Land, center: DVec2, radius: f64) -> Vec<Block> {
     all.map(|at| Block { town: place.town, at }).filter(|block| block.is_built(land)).collect()
 }
 
-/// Middle and half lengths of the nave and of the tower, on the square.
+/// Returns the middle and half lengths of the nave and of the tower, on the square.
 pub(super) fn church_uv() -> [(DVec2, DVec2); 2] {
     let middle = 0.5 * BLOCK + DVec2::new(4.0, 4.0);
     [(middle, DVec2::new(12.0, 5.5)), (middle - DVec2::new(15.0, 0.0), DVec2::splat(3.2))]

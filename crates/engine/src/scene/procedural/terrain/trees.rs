@@ -119,7 +119,7 @@ impl Tree {
         if z < self.low() { 0.0 } else { self.radius * (self.top() - z) / (self.top() - self.low()) }
     }
 
-    /// Color of its leaves before light.
+    /// Returns the color of its leaves before light.
     pub(super) fn tone(&self) -> Tone {
         self.tone
     }
@@ -158,7 +158,7 @@ impl Tree {
         (z.clamp(low, high), (d / r.max(0.1)).extend(0.55))
     }
 
-    /// Its trunk, as far up as it is bare or seen through leaves.
+    /// Returns its trunk, as far up as it is bare or seen through leaves.
     pub(super) fn trunk(&self) -> Option<Post> {
         let bark = match self.kind {
             Kind::Bush => return None,
