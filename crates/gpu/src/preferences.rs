@@ -7,7 +7,7 @@ use ash::vk;
 pub struct Preferences {
     /// The number of sequential pieces that work is cut into to occupy the device: few on CPUs, where more only cost.
     pub concurrent_runs: u64,
-    /// True if the invocations of a workgroup go through neighbouring words together and share sums, so that a GPU reads whole
+    /// True if the invocations of a workgroup go through neighboring words together and share sums, so that a GPU reads whole
     /// stretches of memory; false if each goes through words of its own, as the threads of a CPU should.
     pub shared_work: bool,
     /// Splats of at most so many pixels are walked by one invocation each, larger ones tile by tile. The invocations of a GPU's

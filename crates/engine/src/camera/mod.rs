@@ -82,7 +82,7 @@ impl Camera {
         }
     }
 
-    /// Pixel position (x right, y down, pixel (i, j) has its centre at (i + 0.5, j + 0.5)) and z of a world position.
+    /// Pixel position (x right, y down, pixel (i, j) has its center at (i + 0.5, j + 0.5)) and z of a world position.
     pub fn project(&self, world: DVec3, size: [u32; 2]) -> (DVec2, f64) {
         let view = self.to_view(world);
         let scale = self.pixels_per_unit(view.z, size[1]);

@@ -26,7 +26,7 @@ pub enum Field {
     Intensity,
     /// Distance from a line, scaled to [0, 1].
     DistanceToAxis {
-        /// A point of the line, by default the centre of the bounds.
+        /// A point of the line, by default the center of the bounds.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         point: Option<[f64; 3]>,
         /// The line's direction, not zero, by default the file's vertical.

@@ -72,7 +72,7 @@ pub fn distinct(index: usize) -> DVec3 {
     DVec3::new(r, g, b)
 }
 
-/// True for colors of the lattice that are neither grey nor dark.
+/// True for colors of the lattice that are neither gray nor dark.
 fn is_vivid(levels: [u16; 3]) -> bool {
     let (most, least) = (levels.into_iter().max().unwrap_or(0), levels.into_iter().min().unwrap_or(0));
     most - least >= 2 && most >= 3

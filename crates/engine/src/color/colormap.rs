@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::decode_srgb_f64;
 
-/// The tables that are text, by name; each names its source and licence in its first line.
+/// The tables that are text, by name; each names its source and license in its first line.
 const TABLES: [(&str, &str); 7] = [
     ("viridis", include_str!("tables/viridis.txt")),
     ("cividis", include_str!("tables/cividis.txt")),

@@ -7,7 +7,7 @@ use crate::image::LinearImage;
 
 /// Standard deviation of the window's weights, in pixels.
 const SIGMA: f64 = 1.5;
-/// The window reaches as far from its centre, in pixels: 11 × 11.
+/// The window reaches as far from its center, in pixels: 11 × 11.
 const RADIUS: usize = 5;
 /// (K₁·L)² and (K₂·L)² with K₁ = 0.01, K₂ = 0.03 and the range L = 1 of linear light.
 const C1: f64 = 1e-4;
@@ -22,7 +22,7 @@ type Moments = [f64; 4];
 ///
 /// A window's similarity is (2μxμy + C₁)(2σxy + C₂) / ((μx² + μy² + C₁)(σx² + σy² + C₂)). Windows lie wholly in the
 /// image; where a side is shorter than 11 pixels, they are cut to the longest odd length that fits, with weights
-/// normalised to 1. The order of the images does not matter. Differing values give −1 if one of them is not finite.
+/// normalized to 1. The order of the images does not matter. Differing values give −1 if one of them is not finite.
 ///
 /// # Panics
 /// The images differ in size.

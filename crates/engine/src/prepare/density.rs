@@ -4,7 +4,7 @@
 //! at random, and divides the mean by the area πR² of a great circle. That is exact on planes and on spheres alike (a ball
 //! of radius R cuts πR² out of any sphere), except for four effects that are corrected here.
 //!
-//! * **The centre** is a point itself and would always be counted, so it is excluded. Points that keep their distance, as
+//! * **The center** is a point itself and would always be counted, so it is excluded. Points that keep their distance, as
 //!   in a thinned cloud, then lack one point around it, and points that were measured twice have one too many. The number
 //!   is the same for each radius, so a third radius reveals it.
 //! * **Rims.** A sphere that extends beyond a rim holds too few points. Over a flat piece of area A and perimeter P the mean
@@ -18,7 +18,7 @@
 //! * **Points in rows** of a grid enter a sphere by whole rows. A point at distance d counts 2(1 − d²/r²) instead of 1,
 //!   which is twice the mean over all spheres up to that area, so that no row enters all at once.
 //!
-//! Where points are few, R is doubled up to three times, and more than 1000 centres are used where that is cheap.
+//! Where points are few, R is doubled up to three times, and more than 1000 centers are used where that is cheap.
 
 use std::convert::Infallible;
 use std::f64::consts::PI;
@@ -32,9 +32,9 @@ use crate::cloud::Bounds;
 
 /// Diagonals of the box to a sphere's radius.
 const DIAGONAL: f64 = 50.0;
-/// Number of centres that are always used, if the cloud has as many points.
+/// Number of centers that are always used, if the cloud has as many points.
 const CENTERS: usize = 1000;
-/// Limit on the pairs of a point and a centre, near or not, up to which more centres are used.
+/// Limit on the pairs of a point and a center, near or not, up to which more centers are used.
 const CHEAP_PAIRS: usize = 2_000_000_000;
 /// Pairs that are measured at most: beyond, only some of the points are counted.
 const MAX_PAIRS: u64 = 400_000_000;
@@ -54,7 +54,7 @@ const SHOWN: usize = 64;
 /// Points per unit of area (world units squared) of the surface that contains them; 0 if fewer than two of them differ
 /// or no two are close to each other. Finite.
 ///
-/// `shuffled` are finite positions in random order: the first ones serve as centres, and if counting all would take
+/// `shuffled` are finite positions in random order: the first ones serve as centers, and if counting all would take
 /// long, only the first ones are counted.
 pub fn estimate(shuffled: &[DVec3], progress: &Progress) -> f64 {
     let Ok(density) = estimate_of(shuffled, progress);
@@ -111,7 +111,7 @@ pub(super) fn estimate_of<S: Shuffled + ?Sized>(shuffled: &S, progress: &Progres
         progress.inc(some.len() as u64);
     })?;
     progress.inc((count - counted) as u64);
-    // For one centre, as if all points were counted.
+    // For one center, as if all points were counted.
     let weight = (count - 1) as f64 / ((counted - 1) as f64 * centers as f64);
     let density = extrapolate(&bands, centers, weight) / frame.radius / frame.radius;
     Ok(density.min(f64::MAX))
@@ -181,10 +181,10 @@ struct Band {
     squares: f64,
 }
 
-/// The centres whose spheres may reach into each cell.
+/// The centers whose spheres may reach into each cell.
 struct Grid {
     centers: Vec<DVec3>,
-    /// For each cell the start of its centres in `members`, with their number as the last entry.
+    /// For each cell the start of its centers in `members`, with their number as the last entry.
     starts: Vec<u32>,
     members: Vec<u32>,
 }
@@ -221,12 +221,12 @@ impl Grid {
         self.starts[cell] as usize..self.starts[cell + 1] as usize
     }
 
-    /// The pairs of a centre and one of some points that may be near to it.
+    /// The pairs of a center and one of some points that may be near to it.
     fn pairs(&self, frame: &Frame, points: &[DVec3]) -> u64 {
         points.par_iter().map(|&p| self.members(frame.cell(frame.local(p))).len() as u64).sum()
     }
 
-    /// Adds to the bands. Band b holds the pairs of a centre and another point whose distance d has 2⁻ᵇ⁻¹ ≤ d < 2⁻ᵇ; the last one all
+    /// Adds to the bands. Band b holds the pairs of a center and another point whose distance d has 2⁻ᵇ⁻¹ ≤ d < 2⁻ᵇ; the last one all
     /// nearer ones too. `first` points were counted before, a multiple of [`BLOCK`]. The sums don't depend on the number of cores.
     fn count(&self, frame: &Frame, first: usize, points: &[DVec3], all: &mut [Band; RADII]) {
         let count = |(block, points): (usize, &[DVec3])| {
@@ -288,7 +288,7 @@ fn extrapolate(bands: &[Band; RADII], centers: usize, weight: f64) -> f64 {
         let chance = (pairs / centers as f64).powf(-2.0 / 3.0) + 2.0 / pairs.sqrt();
         if off + chance < best.0 {
             // whole = ρ − rim − own, half = ρ − rim/2 − 4 own, quarter = ρ − rim/4 − 16 own. No surface has less than no
-            // rim, and no more than the centre itself can be missing, which counts 2.
+            // rim, and no more than the center itself can be missing, which counts 2.
             let most = 2.0 * weight * centers as f64 * f64::from(1u32 << (2 * j)) / PI;
             let own = (((half - whole) - 2.0 * (quarter - half)) / 21.0).min(most);
             let rim = (2.0 * (half - whole) + 6.0 * own).max(0.0);

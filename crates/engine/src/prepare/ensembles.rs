@@ -31,7 +31,7 @@ pub struct Surface {
     /// Middle of the box of its points, in world coordinates: where a point is one pixel wide.
     pub center: DVec3,
     /// Points for each unit of a surface's area (world units squared), by counting spheres (Tanaka et al. 2016, Section
-    /// 3.2.1, less its biases: rims, the spheres' own centres). 0 if the points are too few to tell or all in one place.
+    /// 3.2.1, less its biases: rims, the spheres' own centers). 0 if the points are too few to tell or all in one place.
     pub density: f64,
     /// Largest opacity α of its points, in [0, 1]: that of its surface.
     pub opacity: f32,

@@ -1,7 +1,7 @@
-//! Which pixels a splat covers, at which depth, and how far from its centre.
+//! Which pixels a splat covers, at which depth, and how far from its center.
 //!
-//! Every pixel of a window around the splat is tested by the definition itself: the pixel's centre against the drawn
-//! outline, or the ray through the pixel's centre against the tangent plane.
+//! Every pixel of a window around the splat is tested by the definition itself: the pixel's center against the drawn
+//! outline, or the ray through the pixel's center against the tangent plane.
 
 mod ranges;
 
@@ -16,11 +16,11 @@ use crate::camera::{Camera, Projection};
 /// The shape drawn for a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
-    /// The pixel that contains the projected centre.
+    /// The pixel that contains the projected center.
     Point,
-    /// Screen-aligned disc at the depth of its centre.
+    /// Screen-aligned disc at the depth of its center.
     Disc,
-    /// Screen-aligned square of half side `radius` at the depth of its centre.
+    /// Screen-aligned square of half side `radius` at the depth of its center.
     Square,
     /// Disc in the tangent plane with a depth for each pixel; [`Shape::Disc`] without a normal.
     Oriented,
@@ -50,7 +50,7 @@ pub struct Coverage {
     pub y: u32,
     /// Depth along the viewing axis.
     pub z: f64,
-    /// Distance from the splat's centre over its radius: on screen for flat shapes, in the tangent plane for oriented
+    /// Distance from the splat's center over its radius: on screen for flat shapes, in the tangent plane for oriented
     /// ones. At most 1, save in a square's corners.
     pub rho: f64,
 }
@@ -64,7 +64,7 @@ pub fn footprint(camera: &Camera, size: [u32; 2], splat: &Splat) -> Vec<Coverage
 }
 
 /// The splat's distance, in pixels, from covering another set of pixels. It is the minimum over three distances: from
-/// its rim to the nearest pixel centre, from its centre to the nearest pixel border where the always-covered pixel
+/// its rim to the nearest pixel center, from its center to the nearest pixel border where the always-covered pixel
 /// matters, and from its depth to `near` and `far` (in pixels at that depth). To first order for oriented discs;
 /// infinite for a non-finite position.
 pub fn margin_px(camera: &Camera, size: [u32; 2], splat: &Splat) -> f64 {
@@ -76,7 +76,7 @@ pub fn margin_px(camera: &Camera, size: [u32; 2], splat: &Splat) -> f64 {
     placed.window().map(|p| placed.rim_margin_px(p)).fold(depth.min(placed.home_margin_px()), f64::min)
 }
 
-/// The per-pixel test once a splat's centre is projected.
+/// The per-pixel test once a splat's center is projected.
 enum Outline {
     Pixel,
     Disc { radius_px: f64 },
@@ -120,7 +120,7 @@ impl<'a> Placed<'a> {
         before_eye && z >= self.camera.near && z <= self.camera.far
     }
 
-    /// True if a pixel contains the projected centre.
+    /// True if a pixel contains the projected center.
     fn is_home(&self, pixel: DVec2) -> bool {
         self.center_px.floor() == pixel
     }
@@ -142,7 +142,7 @@ impl<'a> Placed<'a> {
         };
         let (z, rho) = match hit {
             Some(hit) => hit,
-            // The pixel's centre is outside the rim, so ρ is the rim's own.
+            // The pixel's center is outside the rim, so ρ is the rim's own.
             None if self.is_home(pixel) => (self.position_view.z, 1.0),
             None => return None,
         };
@@ -212,9 +212,9 @@ impl<'a> Placed<'a> {
         to(self.camera.near).min(to(self.camera.far))
     }
 
-    /// Distance from the projected centre to the next pixel border, where that decides something.
+    /// Distance from the projected center to the next pixel border, where that decides something.
     fn home_margin_px(&self) -> f64 {
-        // From these radii on, a flat shape reaches the centre of its own pixel from anywhere in it.
+        // From these radii on, a flat shape reaches the center of its own pixel from anywhere in it.
         let decides = match self.outline {
             Outline::Disc { radius_px } => radius_px < 0.5f64.sqrt(),
             Outline::Square { radius_px } => radius_px < 0.5,
@@ -226,7 +226,7 @@ impl<'a> Placed<'a> {
         if decides && near_image { (c - c.round()).abs().min_element() } else { f64::INFINITY }
     }
 
-    /// Distance from a pixel's centre to the rim.
+    /// Distance from a pixel's center to the rim.
     fn rim_margin_px(&self, [x, y]: [u32; 2]) -> f64 {
         let at_px = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
         let offset = at_px - self.center_px;

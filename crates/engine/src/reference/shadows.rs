@@ -39,7 +39,7 @@ fn across(axis: DVec3) -> DVec3 {
 }
 
 /// The frames of a light around some bounds, empty for a headlight: an orthographic square that holds the box along a
-/// direction; a perspective one from a position toward the centre of the box; the faces of a cube from a position in the box,
+/// direction; a perspective one from a position toward the center of the box; the faces of a cube from a position in the box,
 /// or so near that the box needs more than 120°. One pixel is left free on each side.
 pub fn frames(light: &Light, bounds: &Bounds, resolution: u32) -> Frames {
     let free = f64::from(resolution) / (f64::from(resolution) - 2.0).max(1.0);
@@ -93,7 +93,7 @@ fn cube(position: DVec3, bounds: &Bounds) -> Frames {
 }
 
 /// Lights over the disc of an area light, one for each place in the unit disc: `radius` degrees around a direction, world
-/// units across the line from a position to the centre of the bounds.
+/// units across the line from a position to the center of the bounds.
 pub fn area(light: &Light, radius: f64, bounds: &Bounds, places: &[DVec2]) -> Vec<Light> {
     let moved = |axis: DVec3, reach: f64, place: DVec2| {
         let right = axis.cross(across(axis)).normalize();

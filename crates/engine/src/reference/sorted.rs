@@ -1,5 +1,5 @@
-//! Transparency of discs and Gaussians in the order of their centres: each pixel composes those that cover it by the depth of
-//! their centres, or the distance, regardless of their depth in that pixel.
+//! Transparency of discs and Gaussians in the order of their centers: each pixel composes those that cover it by the depth of
+//! their centers, or the distance, regardless of their depth in that pixel.
 
 use glam::DVec3;
 
@@ -18,7 +18,7 @@ pub fn key(settings: &GaussianSettings) -> Order {
     }
 }
 
-/// The points by the depth of their centres along the viewing axis, Gaussians perhaps by their distance from the eye; equal ones by
+/// The points by the depth of their centers along the viewing axis, Gaussians perhaps by their distance from the eye; equal ones by
 /// their place in the canonical order.
 pub fn order(camera: &Camera, points: &Points, settings: &GaussianSettings) -> Vec<usize> {
     let by_distance = key(settings) == Order::Distance && matches!(camera.projection, Projection::Perspective { .. });
@@ -35,8 +35,8 @@ pub fn order(camera: &Camera, points: &Points, settings: &GaussianSettings) -> V
     order
 }
 
-/// Fragments of each pixel in the order of their centres; z is the fragment's own depth in the pixel, of a Gaussian that of its
-/// centre.
+/// Fragments of each pixel in the order of their centers; z is the fragment's own depth in the pixel, of a Gaussian that of its
+/// center.
 pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -> Vec<Vec<Fragment>> {
     let mut pixels = vec![Vec::new(); size[0] as usize * size[1] as usize];
     for index in order(camera, points, &discs.gaussians) {

@@ -1,5 +1,5 @@
 //! Opaque splats blended in three passes (`hqs`, `splats`; Botsch, Spernat, Kobbelt 2004): the combined result of
-//! visibility, attributes and normalisation. [`super::opaque`] covers opaque splats where only the nearest one counts.
+//! visibility, attributes and normalization. [`super::opaque`] covers opaque splats where only the nearest one counts.
 
 mod ranges;
 
@@ -20,7 +20,7 @@ use crate::scene::{BlendedSplats, ScreenSplats};
 pub struct Fragment {
     /// Depth along the viewing axis, in the tangent plane if the splat is oriented.
     pub z: f64,
-    /// Distance from the centre over the drawn radius, at most 1.
+    /// Distance from the center over the drawn radius, at most 1.
     pub rho: f64,
     /// The drawn radius in world units: after `size` and the clamp.
     pub radius: f64,
@@ -28,7 +28,7 @@ pub struct Fragment {
     pub index: usize,
 }
 
-/// The splat that is drawn for a point. The clamp in pixels, at the depth of the centre, is put into the world radius, so that
+/// The splat that is drawn for a point. The clamp in pixels, at the depth of the center, is put into the world radius, so that
 /// it holds for a disc in the tangent plane too.
 pub fn splat(
     camera: &Camera,

@@ -116,7 +116,7 @@ impl<'a> Course<'a> {
         inside || distance >= extent.centered_distance(tangents)
     }
 
-    /// The nearest eye that has everything in the image during the whole turn. If `centered`, it looks at the centre,
+    /// The nearest eye that has everything in the image during the whole turn. If `centered`, it looks at the center,
     /// else past it above or below, so that the margins above and below are equal; those to the sides are equal anyway.
     fn eye(&self, start: &Camera, center: DVec3, axis: DVec3, centered: bool) -> DVec3 {
         let tangents = framing::tangents(start.projection, self.scene.image.size);
@@ -141,7 +141,7 @@ pub fn path_defaults(camera: &CameraSettings, up: UpAxis) -> Defaults {
     Defaults { up, projection: framing::projection(camera) }
 }
 
-/// Like [`Spheres::extent`], for everything that the points sweep in a turn around an axis through the centre.
+/// Like [`Spheres::extent`], for everything that the points sweep in a turn around an axis through the center.
 ///
 /// A plane measures a point p by p·n. During the turn p moves on a circle of radius R at the height h along the axis a,
 /// where p·n is at most h·(a·n) + R·|n − (a·n)a|.

@@ -352,7 +352,7 @@ fn of_value(map: &Colormap, t: Option<f64>, reverse: bool) -> Vec3 {
     t.map_or_else(mid_grey, |t| map.linear(if reverse { 1.0 - t } else { t }).as_vec3())
 }
 
-/// A unit vector as sRGB from 0 to 1; grey without one.
+/// A unit vector as sRGB from 0 to 1; gray without one.
 fn of_normal(normal: Vec3) -> Vec3 {
     linear(0.5 + 0.5 * normal.as_dvec3().clamp(DVec3::NEG_ONE, DVec3::ONE))
 }

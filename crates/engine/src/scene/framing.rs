@@ -221,7 +221,7 @@ fn upright(forward: DVec3, vertical: Vertical) -> DVec3 {
     if forward.cross(vertical.up()).length() < 1e-3 { -vertical.front() } else { vertical.up() }
 }
 
-/// The eye from which the subject fits; the image's centre shows `target` if one is given.
+/// The eye from which the subject fits; the image's center shows `target` if one is given.
 fn framed(
     subject: &Subject<'_>,
     projection: Projection,
@@ -261,7 +261,7 @@ pub(super) fn tangents(projection: Projection, size: [u32; 2]) -> DVec2 {
     }
 }
 
-/// The least distance of an eye to the centre; `nearest` is the least depth of any part, counted from there.
+/// The least distance of an eye to the center; `nearest` is the least depth of any part, counted from there.
 ///
 /// A subject of zero width fits at any distance, but should be well in front of the eye; and a point closer than its
 /// rounding error would coincide with the eye.
@@ -274,7 +274,7 @@ pub(super) fn clearance(subject: &Subject<'_>, center: DVec3, nearest: f64) -> f
     (CLEARANCE * fallback - nearest).max(1e-6 * center.abs().max_element())
 }
 
-/// Points as spheres at (offset, depth) around a centre.
+/// Points as spheres at (offset, depth) around a center.
 pub(super) struct Spheres<'a> {
     pub points: &'a Points,
     pub center: DVec3,
@@ -341,7 +341,7 @@ impl Spheres<'_> {
         (DVec2::new(p.dot(right), p.dot(up)), p.dot(forward), radius)
     }
 
-    /// The shift of an eye at this distance that puts the outermost discs equally far from the image's centre, along
+    /// The shift of an eye at this distance that puts the outermost discs equally far from the image's center, along
     /// both axes.
     ///
     /// Newton's method: the outermost pair, of slopes (a − shift)/z and (b − shift)/w, is even at shift = (a/z +

@@ -119,7 +119,7 @@ impl Pixels {
         self
     }
 
-    /// Adds a disc: the pixels whose centres lie in it, and the one that its centre is in.
+    /// Adds a disc: the pixels whose centers lie in it, and the one that its center is in.
     fn cover(&mut self, center: DVec2, radius: f64) {
         let home = center.floor();
         for y in inside(center.y, radius, self.size[1]) {
@@ -149,7 +149,7 @@ impl Pixels {
     }
 }
 
-/// The pixels of a line of this length whose centres lie within `reach` of a place on it.
+/// The pixels of a line of this length whose centers lie within `reach` of a place on it.
 fn inside(at: f64, reach: f64, length: u32) -> std::ops::Range<u32> {
     let border = |place: f64| place.clamp(0.0, f64::from(length)) as u32;
     border((at - reach - 0.5).ceil())..border((at + reach - 0.5).floor() + 1.0)

@@ -47,7 +47,7 @@ fn scene_file() -> String {
             "camera" => "All of it is optional: by default the whole scene is in view.",
             "cloud.*" => "One or more. Positions become scale · p + translate, in float64.",
             "clip.*" => {
-                "Any number of them. A point is drawn if each keeps its centre; borders are kept. Points that are cut off still \
+                "Any number of them. A point is drawn if each keeps its center; borders are kept. Points that are cut off still \
                  count for bounds, percentiles, radii and normals."
             }
             "shading" => "Points without normals are not shaded.",

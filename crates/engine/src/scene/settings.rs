@@ -52,7 +52,7 @@ pub struct Scene {
     pub shading: Shading,
     /// `[[cloud]]`, at least one.
     pub clouds: Vec<CloudSettings>,
-    /// `[[clip]]`: points are drawn where all of them keep the centre.
+    /// `[[clip]]`: points are drawn where all of them keep the center.
     pub clips: Vec<Clip>,
     /// `[method]`.
     pub method: MethodChoice,
@@ -102,7 +102,7 @@ impl Scene {
 }
 
 /// The displacement of an opaque splat's fragments toward the viewer, in drawn radii, at the distance ρ from its
-/// centre, in radii (Schütz and Wimmer 2015).
+/// center, in radii (Schütz and Wimmer 2015).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Relief {
     /// No displacement.
@@ -166,7 +166,7 @@ impl Method {
         self.part()
     }
 
-    /// What it orders Gaussians by: the centre, if it orders splats once.
+    /// What it orders Gaussians by: the center, if it orders splats once.
     pub fn order(&self) -> Order {
         let default = if matches!(self, Self::Sorted(_)) { Order::Center } else { Order::Pixel };
         match self.discs().map(|discs| discs.gaussians) {

@@ -221,7 +221,7 @@ pub fn camera_notes(scene: &Scene, points: &Points, up: UpAxis) -> Vec<String> {
     notes
 }
 
-/// Says that X and Y may be degrees of longitude and latitude, where heights are metres: the scene is a needle then.
+/// Says that X and Y may be degrees of longitude and latitude, where heights are meters: the scene is a needle then.
 fn in_degrees(bounds: &Bounds) -> Option<String> {
     let extent = bounds.max - bounds.min;
     let wide = extent.x.max(extent.y);

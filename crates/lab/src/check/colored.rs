@@ -29,7 +29,7 @@ const BOUND: f64 = HALF_ULP + 1e-14;
 pub(super) fn cases() -> Vec<Case> {
     let mut cases = vec![
         one("color/constant", "equal values, equal heights, one class: the first color of the map", constant),
-        one("color/not-finite", "NaN, infinities, and logarithms of 0 and less: grey, sRGB 0.5", not_finite),
+        one("color/not-finite", "NaN, infinities, and logarithms of 0 and less: gray, sRGB 0.5", not_finite),
         one("color/far", "heights of 4500000 + i/4096: colors from the first to the last", far),
     ];
     let faint = "two classes and a range of a scalar, of other opacities and colors: alpha blending of their points";

@@ -1,7 +1,7 @@
 //! Cameras of other programs: nerfstudio's `transforms.json`, and COLMAP's models as text or binary files.
 //!
 //! Both become a [`CameraPath`] with one key for each picture, without a target. This program's camera is a pinhole
-//! with square pixels whose principal point is the picture's centre; other properties of a camera are dropped with a
+//! with square pixels whose principal point is the picture's center; other properties of a camera are dropped with a
 //! warning.
 
 mod binary;

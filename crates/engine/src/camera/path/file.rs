@@ -43,7 +43,7 @@ pub struct Key {
     pub time: Option<f64>,
     /// The eye in world units.
     pub eye: [f64; 3],
-    /// The point at the image's centre, in world units.
+    /// The point at the image's center, in world units.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<[f64; 3]>,
     /// Direction of the image's top, with `target`; by default the scene's vertical.

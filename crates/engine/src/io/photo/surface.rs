@@ -43,7 +43,7 @@ impl Surface {
         self.heights.get(at).copied().unwrap_or(0.0)
     }
 
-    /// World position of a pixel's centre; column from the left, row from the top.
+    /// World position of a pixel's center; column from the left, row from the top.
     pub fn position(&self, x: u32, y: u32) -> DVec3 {
         let [width, height] = self.size.map(f64::from);
         let (u, v) = ((f64::from(x) + 0.5) / width, 1.0 - (f64::from(y) + 0.5) / height);
@@ -97,7 +97,7 @@ impl Surface {
     }
 }
 
-/// A map's value at the centre of a pixel of a picture of `size` pixels: bilinear; exact where the sizes are equal.
+/// A map's value at the center of a pixel of a picture of `size` pixels: bilinear; exact where the sizes are equal.
 fn sample(map: &[f32], map_size: [u32; 2], pixel: [u32; 2], size: [u32; 2]) -> f64 {
     let place = |at: u32, count: u32, of: u32| {
         let place = ((f64::from(at) + 0.5) * f64::from(of) / f64::from(count) - 0.5).clamp(0.0, f64::from(of - 1));

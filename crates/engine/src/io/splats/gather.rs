@@ -39,7 +39,7 @@ pub(in crate::io) struct Splats {
     positions: Vec<DVec3>,
     alphas: Vec<f32>,
     gaussians: Gaussians,
-    /// Splats left out because their centre is not finite.
+    /// Splats left out because their center is not finite.
     without_center: usize,
     /// Splats left out for another reason.
     odd: usize,
@@ -154,12 +154,12 @@ impl Splats {
     }
 }
 
-/// The warning that so many splats that have a centre are left out.
+/// The warning that so many splats that have a center are left out.
 pub(in crate::io) fn left_out(count: u64) -> String {
     format!("{count} {LEFT_OUT}")
 }
 
-/// Why splats of a cloud were left out that have a centre.
+/// Why splats of a cloud were left out that have a center.
 pub(in crate::io) fn reason(cloud: &Cloud) -> Option<&str> {
     cloud.warnings.iter().find(|warning| warning.ends_with(LEFT_OUT)).map(String::as_str)
 }

@@ -64,7 +64,7 @@ pub struct SoftModel {
     /// λ of Eq. 1, 14 or 19: per squared world unit (`soft-base`), per world unit (`soft-concentric`), or an opacity
     /// (`soft-express`).
     pub lambda: f32,
-    /// Opacity of a whole chord through the centre of a sphere of median radius, in [0, 1].
+    /// Opacity of a whole chord through the center of a sphere of median radius, in [0, 1].
     pub peak: f32,
 }
 

@@ -1,4 +1,4 @@
-//! `sorted`: splats sorted once by the depth of their centres, binned to tiles in that order, blended front to back tile by
+//! `sorted`: splats sorted once by the depth of their centers, binned to tiles in that order, blended front to back tile by
 //! tile, until nothing behind can be seen. Exact for flat discs; approximate where oriented ones cross.
 //!
 //! The order is that of the A-buffer, depth and then content.

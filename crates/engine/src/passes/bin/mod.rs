@@ -40,7 +40,7 @@ use crate::prepare::axes::Axis;
 /// The order of splats in tiles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Order {
-    /// By the depth of their centres, then by index: that of blending, front to back.
+    /// By the depth of their centers, then by index: that of blending, front to back.
     #[default]
     Depth,
     /// By index: the canonical one, which costs no sort to speak of.

@@ -18,12 +18,12 @@ pub struct Extent {
     pub pixels: f64,
 }
 
-/// The half of a pixel that roundings may take, and another half for the pixel around a centre.
+/// The half of a pixel that roundings may take, and another half for the pixel around a center.
 const ONE: f64 = 1.0;
 /// What roundings of float32 and here may move a point, as a share of its coordinates from the eye.
 const ROUNDING: f64 = 1e-6;
 
-/// Slopes of a Gaussian's centre are clamped to so many times those of the image's sides (`clamped_slopes` in WGSL).
+/// Slopes of a Gaussian's center are clamped to so many times those of the image's sides (`clamped_slopes` in WGSL).
 const SLOPE: f64 = 1.3;
 
 impl Extent {
@@ -49,7 +49,7 @@ impl Extent {
             // Its semi-axes are the standard deviations, whatever the least opacity.
             Kernel::Ellipsoid => Self { radius: 1.0 / f64::from(REACH), pixels: ONE },
             // Along an axis of the screen an ellipse reaches √(σ²·(1 + slope²)·(focal / z)² + dilation) deviations at most. The slope is
-            // that of the centre, but at most 1.3 times that of the image's side.
+            // that of the center, but at most 1.3 times that of the image's side.
             Kernel::Ewa => {
                 let slope = match camera.projection {
                     Projection::Perspective { .. } => {

@@ -70,7 +70,7 @@ fn normal_key(normal: Vec3) -> [i32; 3] {
 }
 
 /// Puts many points of one Morton code into the order of codes within their own bounds, and so on: a stray a thousand
-/// kilometres away has all others in a few cells.
+/// kilometers away has all others in a few cells.
 fn refine(cell: &mut [Keyed], positions: &[DVec3], by_content: &(impl Fn(u32, u32) -> Ordering + Sync)) {
     if cell.len() <= LEAF {
         return;

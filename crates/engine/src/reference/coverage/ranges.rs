@@ -1,6 +1,6 @@
-//! Coverage where roundings of float32 decide, at which depth, and how far from the centre.
+//! Coverage where roundings of float32 decide, at which depth, and how far from the center.
 //!
-//! Errors are counted in roundings ([`ROUNDING`]), as the shaders compute: pixel by pixel from the projected centre, which is
+//! Errors are counted in roundings ([`ROUNDING`]), as the shaders compute: pixel by pixel from the projected center, which is
 //! known as a whole pixel and a rounded fraction of one.
 
 use glam::{DVec2, DVec3};
@@ -18,7 +18,7 @@ pub struct Possible {
     pub y: u32,
     /// Depth along the viewing axis.
     pub z: Range,
-    /// Distance from the centre over the radius.
+    /// Distance from the center over the radius.
     pub rho: Range,
     /// False if roundings decide that the pixel is covered.
     pub sure: bool,
@@ -34,7 +34,7 @@ pub fn possible(camera: &Camera, size: [u32; 2], splat: &Splat, rows: std::ops::
     }
 }
 
-/// Where a pixel's centre meets an outline.
+/// Where a pixel's center meets an outline.
 struct Met {
     z: Range,
     rho: Range,
@@ -61,7 +61,7 @@ impl Placed<'_> {
         Some(Possible { x, y, z, rho, sure })
     }
 
-    /// Tells if a pixel contains the projected centre: for sure, and perhaps.
+    /// Tells if a pixel contains the projected center: for sure, and perhaps.
     fn may_be_home(&self, pixel: DVec2) -> [bool; 2] {
         let inside = |axis: usize, sign: f64| {
             let error = sign * screen_error(self.center_px[axis], self.size[axis]);
@@ -82,7 +82,7 @@ impl Placed<'_> {
         }
     }
 
-    /// The ray o + d t in pixels at the centre's depth and relative to the centre, where the plane n·(o − d t) = 0 is met.
+    /// The ray o + d t in pixels at the center's depth and relative to the center, where the plane n·(o − d t) = 0 is met.
     fn tangent_met(&self, at_px: DVec2, radius: f64, normal: DVec3) -> Met {
         let (u, z) = (ROUNDING, self.position_view.z);
         let scale = self.camera.pixels_per_unit(z, self.size[1]);

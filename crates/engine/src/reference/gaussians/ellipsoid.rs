@@ -57,7 +57,7 @@ pub fn density(opacity: f64, shortest: f64, settings: &GaussianSettings) -> f64 
     -(-opacity.min(f64::from(settings.alpha_max))).ln_1p() / (2.0 * shortest)
 }
 
-/// The ray through a pixel's centre.
+/// The ray through a pixel's center.
 pub fn ray(camera: &Camera, size: [u32; 2], pixel: [u32; 2]) -> Ray {
     Ray::new(camera, size, pixel)
 }

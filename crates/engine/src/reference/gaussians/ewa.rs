@@ -1,6 +1,6 @@
-//! The kernel `ewa`: a Gaussian's projection, linear around its centre (Zwicker et al. 2001, "EWA Splatting"; Kerbl et al. 2023).
+//! The kernel `ewa`: a Gaussian's projection, linear around its center (Zwicker et al. 2001, "EWA Splatting"; Kerbl et al. 2023).
 //!
-//! Σ′ = P Pᵀ + `dilation`·I with P = J M in pixels. With the columns p_k of P and d from the centre to the pixel's centre,
+//! Σ′ = P Pᵀ + `dilation`·I with P = J M in pixels. With the columns p_k of P and d from the center to the pixel's center,
 //! det Σ′ = Σ_{j<k} (p_j × p_k)² + dilation·Σ|p_k|² + dilation² (Cauchy and Binet), and
 //! ρ² = dᵀΣ′⁻¹d = (Σ(p_k × d)² + dilation·|d|²) / det Σ′. No term is negative, so nothing cancels however thin a splat is.
 
@@ -9,7 +9,7 @@ use glam::{DMat3, DVec2, DVec3};
 use super::{Hit, Placed, alpha, is_orthographic, largest_rho2, ray};
 use crate::scene::{GaussianSettings, Order};
 
-/// How far beyond the border of the image J still follows the centre, over the image's half side (Kerbl et al. 2023).
+/// How far beyond the border of the image J still follows the center, over the image's half side (Kerbl et al. 2023).
 const CLAMP: f64 = 1.3;
 
 /// The least opacity factor for the dilation, squared (Yu et al. 2023, "Mip-Splatting").
@@ -25,7 +25,7 @@ pub struct Projected {
     pub center: DVec2,
     /// The columns of P in pixels, x to the right and y down.
     pub columns: [DVec2; 3],
-    /// The slope that J goes along, x/z and y/z: that of the centre, within its bounds. 0 of an orthographic camera.
+    /// The slope that J goes along, x/z and y/z: that of the center, within its bounds. 0 of an orthographic camera.
     pub slope: DVec2,
     /// What is added to both variances, in px².
     pub dilation: f64,
@@ -54,7 +54,7 @@ impl Projected {
         squares + self.dilation * (self.trace() + self.dilation)
     }
 
-    /// ρ² at an offset from the centre; NaN or infinite where Σ′ has no inverse.
+    /// ρ² at an offset from the center; NaN or infinite where Σ′ has no inverse.
     pub fn rho2(&self, offset: DVec2) -> f64 {
         let crosses: f64 = self.columns.iter().map(|column| column.perp_dot(offset).powi(2)).sum();
         (crosses + self.dilation * offset.length_squared()) / self.determinant()
@@ -85,7 +85,7 @@ pub(super) fn dilation_factor(ratio: f64) -> f64 {
     ratio.max(LEAST_FACTOR2).sqrt()
 }
 
-/// J, pixels to the right and down by units to the right, up and away, and the slope that it goes along. That follows the centre to
+/// J, pixels to the right and down by units to the right, up and away, and the slope that it goes along. That follows the center to
 /// 1.3 times the half field of view.
 fn jacobian(placed: &Placed) -> (DMat3, DVec2) {
     let scale = placed.camera.pixels_per_unit(placed.center.z, placed.size[1]);

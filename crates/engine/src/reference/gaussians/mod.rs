@@ -1,9 +1,9 @@
 //! Gaussian splats (Kerbl et al. 2023): which pixels one covers, with which opacity, and at which depth.
 //!
-//! A Gaussian has a centre μ and a covariance Σ = M Mᵀ, whose columns are the axes r_k scaled by the standard deviations s_k.
+//! A Gaussian has a center μ and a covariance Σ = M Mᵀ, whose columns are the axes r_k scaled by the standard deviations s_k.
 //! On a pixel it has the opacity α = min(`alpha_max`, o·exp(−ρ²/2)), and none where that is less than `alpha_min`. ρ follows
 //! from the kernel: [`ewa`] or [`ray`]; [`ellipsoid`] has its own rules. Nothing else bounds a splat: neither tiles nor a number of standard deviations, and the
-//! pixel of its centre is not covered for that alone.
+//! pixel of its center is not covered for that alone.
 
 pub mod ellipsoid;
 pub mod ewa;
@@ -23,11 +23,11 @@ use crate::scene::{GaussianSettings, Kernel, Order};
 /// A Gaussian of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gaussian {
-    /// World position of the centre μ.
+    /// World position of the center μ.
     pub position: DVec3,
     /// M in world coordinates: in each column an axis, as long as the standard deviation along it.
     pub axes: DMat3,
-    /// Opacity o in the centre, in [0, 1].
+    /// Opacity o in the center, in [0, 1].
     pub opacity: f64,
 }
 
@@ -99,7 +99,7 @@ pub fn fragments(
 }
 
 /// A sorted list with the depths that an image shows in place of the keys that it is sorted by. They differ for Gaussians that are
-/// sorted by distance, which show the depth of their centres.
+/// sorted by distance, which show the depth of their centers.
 pub fn with_depths(camera: &Camera, points: &Points, settings: &GaussianSettings, list: &[Fragment]) -> Vec<Fragment> {
     let shown = |fragment: &Fragment| {
         let index = fragment.index as usize;
@@ -129,7 +129,7 @@ pub struct Placed<'a> {
 }
 
 impl<'a> Placed<'a> {
-    /// `None` of a centre that is outside the range of depths, or nowhere.
+    /// `None` of a center that is outside the range of depths, or nowhere.
     pub fn new(camera: &'a Camera, size: [u32; 2], gaussian: &Gaussian) -> Option<Self> {
         let center = camera.to_view(gaussian.position);
         let before_eye = center.z > 0.0 || is_orthographic(camera);
@@ -166,14 +166,14 @@ impl<'a> Placed<'a> {
         if order == Order::Pixel { densest } else { self.center.z }
     }
 
-    /// The place of a pixel's centre on the plane at depth 1 (orthographic: at any depth).
+    /// The place of a pixel's center on the plane at depth 1 (orthographic: at any depth).
     fn on_plane(&self, [x, y]: [u32; 2]) -> DVec2 {
         let middle = 0.5 * DVec2::new(f64::from(self.size[0]), f64::from(self.size[1]));
         let offset = DVec2::new(f64::from(x), f64::from(y)) + 0.5 - middle;
         offset * DVec2::new(1.0, -1.0) / self.camera.focal_px(self.size[1])
     }
 
-    /// The pixels whose centres are within a box on the screen, and at least one more on each side.
+    /// The pixels whose centers are within a box on the screen, and at least one more on each side.
     fn window(&self, [low, high]: [DVec2; 2]) -> impl Iterator<Item = [u32; 2]> + use<> {
         let first = |low: f64| (low.floor() - 1.0).max(0.0) as u32;
         let end = |high: f64, size: u32| ((high.ceil() + 1.0).max(0.0) as u32).min(size);
@@ -183,7 +183,7 @@ impl<'a> Placed<'a> {
     }
 }
 
-/// α by ρ² and the opacity in the centre; `None` below `alpha_min`, and where ρ is none.
+/// α by ρ² and the opacity in the center; `None` below `alpha_min`, and where ρ is none.
 fn alpha(opacity: f64, rho2: f64, settings: &GaussianSettings) -> Option<f64> {
     let alpha = (opacity * (-0.5 * rho2).exp()).min(f64::from(settings.alpha_max));
     (rho2.is_finite() && alpha >= f64::from(settings.alpha_min)).then_some(alpha)

@@ -13,13 +13,13 @@ use crate::scene::{GaussianSettings, Order};
 /// Where a Gaussian is densest along a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Densest {
-    /// Distance from the centre in standard deviations, squared; not finite where the ray is in the plane of a flat Gaussian.
+    /// Distance from the center in standard deviations, squared; not finite where the ray is in the plane of a flat Gaussian.
     pub rho2: f64,
     /// Depth along the viewing axis; of a line, not of a ray that ends at the eye.
     pub depth: f64,
 }
 
-/// Where a Gaussian with these axes in camera coordinates is densest along the ray through a pixel's centre.
+/// Where a Gaussian with these axes in camera coordinates is densest along the ray through a pixel's center.
 pub fn densest(placed: &Placed, axes: DMat3, pixel: [u32; 2]) -> Densest {
     let rows = axes.transpose();
     let on_plane = placed.on_plane(pixel);

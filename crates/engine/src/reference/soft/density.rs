@@ -8,7 +8,7 @@ use crate::scene::{Density, Method, Soft};
 pub struct Strength {
     /// λ of Eq. 1, 14 or 19.
     pub lambda: f64,
-    /// a₀, the opacity of a whole chord through the centre of a sphere of median radius.
+    /// a₀, the opacity of a whole chord through the center of a sphere of median radius.
     pub peak: f64,
 }
 

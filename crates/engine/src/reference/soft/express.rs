@@ -1,4 +1,4 @@
-//! `soft-express`: discs in the order of their centres along the axis nearest to the viewing direction.
+//! `soft-express`: discs in the order of their centers along the axis nearest to the viewing direction.
 
 use std::f64::consts::PI;
 

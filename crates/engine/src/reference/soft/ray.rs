@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::camera::{Camera, Projection};
 
-/// The ray through a pixel's centre, in camera coordinates (right, up, z).
+/// The ray through a pixel's center, in camera coordinates (right, up, z).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
     /// The point with s = 0: the eye (perspective), or the pixel's position on the plane z = 0.
@@ -18,7 +18,7 @@ pub struct Ray {
 /// The intersection of a ray and a sphere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chord {
-    /// Distance d of the ray from the sphere's centre.
+    /// Distance d of the ray from the sphere's center.
     pub distance: f64,
     /// s of the chord's middle.
     pub middle: f64,
@@ -27,7 +27,7 @@ pub struct Chord {
 }
 
 impl Ray {
-    /// Through the centre of pixel (x, y).
+    /// Through the center of pixel (x, y).
     pub fn new(camera: &Camera, size: [u32; 2], [x, y]: [u32; 2]) -> Self {
         let focal = camera.focal_px(size[1]);
         let right = (f64::from(x) + 0.5 - 0.5 * f64::from(size[0])) / focal;

@@ -21,11 +21,11 @@ pub(super) const BUILTIN: Builtin = Builtin {
     generate,
 };
 
-/// Pixels between the centres of a layer's discs.
+/// Pixels between the centers of a layer's discs.
 const PITCH: usize = 3;
 
-/// World units, which are pixels. From the centre of a pixel it reaches the 3 × 3 pixels around (√2) and no other (2):
-/// the rim is 0.28 pixels away from any pixel's centre, so that float32 decides as float64 does.
+/// World units, which are pixels. From the center of a pixel it reaches the 3 × 3 pixels around (√2) and no other (2):
+/// the rim is 0.28 pixels away from any pixel's center, so that float32 decides as float64 does.
 const RADIUS: f64 = 1.7;
 
 fn generate(given: &Given<'_>, seed: u64) -> Result<Generated, Error> {
@@ -72,7 +72,7 @@ name = "abuffer"
     Ok(Generated { clouds: vec![("mosaic.ply".to_owned(), builder.finish())], scene_toml })
 }
 
-/// Columns and rows of the pixels at the centres of a layer's discs, plus one: the blocks of 3 × 3 around them cover
+/// Columns and rows of the pixels at the centers of a layer's discs, plus one: the blocks of 3 × 3 around them cover
 /// each pixel once. The grid of each layer begins elsewhere, so that neighbors share no list.
 fn centers(layer: usize, size: usize) -> impl Iterator<Item = [usize; 2]> {
     let along = move |shift: usize| (shift..size + 2).step_by(PITCH);

@@ -19,7 +19,7 @@ pub(super) const BUILTIN: Builtin = Builtin {
     generate,
 };
 
-/// Half the side of the square, which is centred on the origin in the plane z = 0 before the tilt.
+/// Half the side of the square, which is centered on the origin in the plane z = 0 before the tilt.
 const HALF: f64 = 1.0;
 
 fn generate(given: &Given<'_>, seed: u64) -> Result<Generated, Error> {

@@ -25,7 +25,7 @@ pub(super) const MAX_LAYERS: f64 = (1u32 << 23) as f64;
 /// The eye's height; the image is 2 world units high and wide.
 pub(super) const EYE_Z: f64 = 2.0;
 
-/// Extends beyond the image's corners, which are √2 from its centre.
+/// Extends beyond the image's corners, which are √2 from its center.
 const RADIUS: f64 = 1.5;
 
 /// Neighbors differ strongly, so that a wrong order shows.

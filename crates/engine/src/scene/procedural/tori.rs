@@ -19,7 +19,7 @@ pub(super) const BUILTIN: Builtin = Builtin {
     generate,
 };
 
-/// Name, radius of the tube, opacity, color. All share the centre circle of radius 1 in the plane z = 0.
+/// Name, radius of the tube, opacity, color. All share the center circle of radius 1 in the plane z = 0.
 const TORI: [(&str, f64, f64, Rgb); 3] =
     [("inner", 0.15, 1.0, [204, 118, 36]), ("middle", 0.30, 0.5, [60, 150, 50]), ("outer", 0.45, 0.3, [50, 80, 170])];
 

@@ -8,7 +8,7 @@ use crate::scene::error::Error;
 use crate::scene::schema::{Key, Kind, Range};
 use crate::scene::table::Table;
 
-/// An entry of `[[clip]]`. A point is drawn if every entry keeps its centre.
+/// An entry of `[[clip]]`. A point is drawn if every entry keeps its center.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clip {
     /// The part of the world that is kept, in the scene's coordinates. Its border is kept always.

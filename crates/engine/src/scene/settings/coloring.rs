@@ -18,7 +18,7 @@ settings! {
         range: Option<[f64; 2]> = None, without "percentiles 1 and 99 of the cloud's finite values";
         /// Reverse the colormap.
         reverse: bool = false;
-        /// Use a logarithmic scale; values of 0 or less are grey.
+        /// Use a logarithmic scale; values of 0 or less are gray.
         log: bool = false;
     }
     check check;

@@ -49,7 +49,7 @@ const ALPHA_MIN: Range = Range::closed(1e-6, 1.0);
 words! {
     /// Falloff of a Gaussian's opacity over the pixels.
     pub enum Kernel {
-        /// By the Gaussian's projection, linear around its centre (Zwicker et al. 2001; Kerbl et al. 2023).
+        /// By the Gaussian's projection, linear around its center (Zwicker et al. 2001; Kerbl et al. 2023).
         Ewa = "ewa",
         /// By its largest value along the pixel's ray (Moënne-Loccoz et al. 2024).
         Ray = "ray",
@@ -61,9 +61,9 @@ words! {
 words! {
     /// Order of Gaussians.
     pub enum Order {
-        /// The depth of their centres along the viewing axis.
+        /// The depth of their centers along the viewing axis.
         Center = "center",
-        /// The distance of their centres from the eye.
+        /// The distance of their centers from the eye.
         Distance = "distance",
         /// Where they are densest along the pixel's ray (Radl et al. 2024).
         Pixel = "pixel",
@@ -73,7 +73,7 @@ words! {
 words! {
     /// Depth and tilt of a transparent disc.
     pub enum DiscShape {
-        /// Screen-aligned; one depth, that of the centre.
+        /// Screen-aligned; one depth, that of the center.
         Flat = "flat",
         /// A disc in the tangent plane, with a depth for each pixel; flat where a point has no normal.
         Oriented = "oriented",

@@ -46,7 +46,7 @@ fn agree(soft: &Soft, table: &Table<'_>) -> Result<(), Error> {
 /// How dense the spheres of the soft methods are.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Density {
-    /// `softness`: the opacity of a whole chord through the centre of a sphere of median radius, in [0, 1].
+    /// `softness`: the opacity of a whole chord through the center of a sphere of median radius, in [0, 1].
     Softness(f32),
     /// `lambda`: the factor itself, at least 0.
     Lambda(f32),
@@ -138,7 +138,7 @@ words! {
     pub enum SoftLayout {
         /// Depth and sphere; all else follows from the sphere.
         Precise = "precise",
-        /// The paper's 16 bytes: color and distance from the centre in 8 bits each, signed depth, radius, middle.
+        /// The paper's 16 bytes: color and distance from the center in 8 bits each, signed depth, radius, middle.
         Paper = "paper",
     }
 }

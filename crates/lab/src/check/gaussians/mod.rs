@@ -47,7 +47,7 @@ fn shapes() -> Vec<Case> {
             shapes::plates,
         ),
         all("gaussian-flat", "an extent of 0, by both kernels, over what is allowed", shapes::flat),
-        all("gaussian-wide", "centres far beside the image: J goes no farther than 1.3 times its border", shapes::wide),
+        all("gaussian-wide", "centers far beside the image: J goes no farther than 1.3 times its border", shapes::wide),
         all("gaussian-orthographic", "parallel rays, by both kernels, over what is allowed", shapes::parallel),
         all(
             "gaussian-through-the-eye",
@@ -91,7 +91,7 @@ fn ends() -> Vec<Case> {
         each(
             &every,
             "gaussian-behind",
-            "centres behind the camera, in its eye, before near and behind far: nothing",
+            "centers behind the camera, in its eye, before near and behind far: nothing",
             ends::behind,
         ),
     ]

@@ -105,7 +105,7 @@ fn packed(precise: &Row, paper: &Row) -> Finding {
     let bytes = paper.fragment_bytes as f64 / (precise.fragment_bytes.max(1)) as f64;
     let errors = paper.errors;
     Finding {
-        claim: "8 bits are enough for a ray's distance from a sphere's centre (Section 4)".to_owned(),
+        claim: "8 bits are enough for a ray's distance from a sphere's center (Section 4)".to_owned(),
         measured: format!(
             "layout=paper: {:.2} times the time and {bytes:.2} times the bytes of events, RMSE {:.1e}, largest error {:.1e}",
             ratio(paper, precise),

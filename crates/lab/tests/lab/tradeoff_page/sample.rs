@@ -89,7 +89,7 @@ pub fn report(size: [u32; 2]) -> Tradeoff {
         analytic: None,
         surveyed: None,
         shaded: None,
-        causes: [("the exact image", "", 0.0), ("order of centres", "method.order=center", 0.0123)].map(cause).to_vec(),
+        causes: [("the exact image", "", 0.0), ("order of centers", "method.order=center", 0.0123)].map(cause).to_vec(),
         popping: Some(popping()),
         rows,
         skipped: vec![

@@ -1,6 +1,6 @@
 //! Gaussians where roundings of float32 decide: the opacities and depths that a pixel may have.
 //!
-//! Errors are counted in roundings ([`ROUNDING`]), as the shaders compute: from the projected centre, which is known as a whole pixel
+//! Errors are counted in roundings ([`ROUNDING`]), as the shaders compute: from the projected center, which is known as a whole pixel
 //! and a rounded fraction of one, and from a few float32 numbers of each splat, linear in the offset of a pixel ([`factor`]).
 
 mod densest;
@@ -45,7 +45,7 @@ pub struct PossibleChord {
     pub half: Range,
 }
 
-/// The pixels in which an ellipsoid with a thickness may be met ([`super::ellipsoid`]). Near and far have to be clear of its centre's depth.
+/// The pixels in which an ellipsoid with a thickness may be met ([`super::ellipsoid`]). Near and far have to be clear of its center's depth.
 pub fn possible_chords(
     camera: &Camera,
     size: [u32; 2],
@@ -72,7 +72,7 @@ const ALPHA: f64 = 8.0;
 /// Roundings in a distance from the eye: of a sum of squares, its root, and the three coordinates.
 const DISTANCE: f64 = 6.0;
 
-/// The pixels of some rows that a Gaussian may cover ([`super::footprint`]). Near and far have to be clear of its centre's depth.
+/// The pixels of some rows that a Gaussian may cover ([`super::footprint`]). Near and far have to be clear of its center's depth.
 pub fn possible(
     camera: &Camera,
     size: [u32; 2],
@@ -140,7 +140,7 @@ impl<'a> Bounded<'a> {
         }
     }
 
-    /// From the projected centre to a pixel's, and the error of that.
+    /// From the projected center to a pixel's, and the error of that.
     fn offset(&self, [x, y]: [u32; 2]) -> (DVec2, DVec2) {
         let place = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
         let size = self.placed.size;

@@ -9,7 +9,7 @@ use super::model::{Model, class};
 use super::paint::{Paint, linear};
 use super::scan::{Sample, density, hidden_by_tripod, samples};
 
-/// Half the sides of the lot, metres; beyond it the scan fades out.
+/// Half the sides of the lot, meters; beyond it the scan fades out.
 const LOT: DVec2 = DVec2::new(10.6, 9.4);
 
 /// Lowest x and y of the terrace, then highest.

@@ -13,7 +13,7 @@ pub(super) const FLOOR: f64 = 0.3;
 const EAVES: f64 = 2.9;
 const RIDGE: f64 = 5.1;
 const OVERHANG: f64 = 0.45;
-/// Rise of the roof over a metre.
+/// Rise of the roof over a meter.
 const SLOPE: f64 = (RIDGE - EAVES) / HALF_Y;
 /// The wall between living room and bedroom.
 pub(super) const PARTITION_X: f64 = 1.3;

@@ -47,7 +47,7 @@ const FURNITURE: Part = Part { name: "furniture", opacity: 0.75, share: 0.21, ov
 const WOOD: Part = Part { name: "wood", opacity: 0.7, share: 0.04, overlap: 0.7 };
 const LEAVES: Part = Part { name: "leaves", opacity: 0.25, share: 0.26, overlap: 0.4 };
 
-/// Standard deviation of the scanner's range, in metres.
+/// Standard deviation of the scanner's range, in meters.
 const NOISE: f64 = 0.003;
 
 /// One point in this many is an outlier.

@@ -14,7 +14,7 @@ pub(super) struct Paint {
     grain: f64,
 }
 
-/// The variation of the color over the surface; lengths in metres.
+/// The variation of the color over the surface; lengths in meters.
 #[derive(Clone, Copy)]
 enum Pattern {
     Plain,
@@ -60,7 +60,7 @@ impl Paint {
         Self { base: linear(rgb), pattern: Pattern::Leaves, grain: 0.35 }
     }
 
-    /// Linear albedo at (s, t) metres along the surface and at `position`; `depth` is that inside foliage.
+    /// Linear albedo at (s, t) meters along the surface and at `position`; `depth` is that inside foliage.
     pub(super) fn albedo(&self, s: f64, t: f64, position: DVec3, depth: f64, random: &mut Random) -> DVec3 {
         let patina = 1.0 + 0.16 * (noise(position * 1.7) - 0.5) + 0.14 * (noise(position * 7.0) - 0.5);
         let grain = 1.0 + self.grain * (random.unit() + random.unit() - 1.0);

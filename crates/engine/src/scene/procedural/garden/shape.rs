@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::super::random::{Random, unit_circle};
 
-/// A piece of surface, in metres.
+/// A piece of surface, in meters.
 #[derive(Clone)]
 pub(super) enum Shape {
     /// A parallelogram; the normal is u × v.
@@ -17,7 +17,7 @@ pub(super) enum Shape {
     Ball { center: DVec3, semi: DVec3 },
     /// Leaves inside such an ellipsoid, denser toward its outside.
     Leaves { center: DVec3, semi: DVec3 },
-    /// Leaves in the outer decimetres of a box.
+    /// Leaves in the outer decimeters of a box.
     Hedge { center: DVec3, half: DVec3 },
 }
 
@@ -33,7 +33,7 @@ pub(super) struct Place {
 const LEAF_AREA: f64 = 2.0;
 
 impl Shape {
-    /// Square metres.
+    /// Square meters.
     pub(super) fn area(&self) -> f64 {
         let [u, v] = self.lengths();
         match self {
@@ -45,7 +45,7 @@ impl Shape {
         }
     }
 
-    /// Metres over which the unit square's sides are spread.
+    /// Meters over which the unit square's sides are spread.
     pub(super) fn lengths(&self) -> [f64; 2] {
         use std::f64::consts::{PI, TAU};
         match self {

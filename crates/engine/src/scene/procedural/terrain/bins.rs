@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-/// Side of a cell, metres.
+/// Side of a cell, meters.
 const CELL: f64 = 4.0;
 
 /// Lists of numbers, one for each cell.

@@ -6,7 +6,7 @@ use super::land::{Land, Place};
 use super::light::Tone;
 use super::town;
 
-/// Half the width of the main roads and of the lanes that cross them, metres.
+/// Half the width of the main roads and of the lanes that cross them, meters.
 pub(super) const ROAD: f64 = 4.0;
 const LANE: f64 = 2.8;
 
@@ -38,7 +38,7 @@ pub(super) enum Cover {
 pub(super) struct Parcel {
     /// Uniform in [0, 1): the crop.
     crop: f64,
-    /// Metres to the nearest edge.
+    /// Meters to the nearest edge.
     pub(super) edge: f64,
     /// True if a hedge grows along that edge.
     pub(super) hedge: bool,
@@ -99,7 +99,7 @@ pub(super) fn class(cover: Cover) -> u8 {
     }
 }
 
-/// Height of what grows on the ground, metres.
+/// Height of what grows on the ground, meters.
 pub(super) fn growth(cover: Cover) -> f64 {
     match cover {
         Cover::Meadow => 0.22,
@@ -111,7 +111,7 @@ pub(super) fn growth(cover: Cover) -> f64 {
     }
 }
 
-/// The color of a cover before light, where points are `spacing` metres apart.
+/// The color of a cover before light, where points are `spacing` meters apart.
 pub(super) fn tone(land: &Land, p: DVec2, place: &Place, cover: Cover, spacing: f64) -> Tone {
     let coarse = land.noise(p / 31.0, layer::PATCHES);
     let fine = land.noise(p / 4.5, layer::PATCHES + 1);

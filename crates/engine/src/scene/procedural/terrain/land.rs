@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::super::random;
 
-/// Distance between rivers and between main roads, metres; a town stands near each crossing.
+/// Distance between rivers and between main roads, meters; a town stands near each crossing.
 const PERIOD: f64 = 2400.0;
 
 /// Cosine and sine of the angle by which streets are turned against the axes.
@@ -20,7 +20,7 @@ mod layer {
     pub(super) const KNOLLS: i64 = 20;
 }
 
-/// A landscape without anything on it. Lengths in metres; the origin is in the middle of a town, z = 0 the level of the water.
+/// A landscape without anything on it. Lengths in meters; the origin is in the middle of a town, z = 0 the level of the water.
 #[derive(Debug, Clone)]
 pub(super) struct Land {
     salt: i64,
@@ -43,7 +43,7 @@ pub(super) struct Place {
     pub(super) uv: DVec2,
     /// Which town.
     pub(super) town: [i64; 2],
-    /// Metres from the middle of the river.
+    /// Meters from the middle of the river.
     pub(super) river: f64,
 }
 
@@ -131,7 +131,7 @@ impl Land {
         -0.72 * self.town - self.river + swing * self.wave(u / length, layer::RIVER + 100 * row)
     }
 
-    /// Metres from the middle of the river to a place.
+    /// Meters from the middle of the river to a place.
     pub(super) fn river_gap(&self, uv: DVec2, town: [i64; 2]) -> f64 {
         uv.y - self.river_line(uv.x + PERIOD * town[0] as f64, town[1])
     }

@@ -7,7 +7,7 @@ use super::super::builder::Rgb;
 /// An sRGB-encoded color, 0 to 255.
 pub(super) type Tone = DVec3;
 
-/// Metres along the ground, in x and y, over which a shadow of something one metre high reaches: away from the sun.
+/// Meters along the ground, in x and y, over which a shadow of something one meter high reaches: away from the sun.
 pub(super) const TO_SUN: [f64; 2] = [-0.85, -0.62];
 
 /// Toward the sun.

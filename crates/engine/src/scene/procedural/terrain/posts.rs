@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::super::random::{Random, unit_circle};
 use super::light::Tone;
 
-/// A cylinder, with a ball on it if it is a lamp. Lengths in metres.
+/// A cylinder, with a ball on it if it is a lamp. Lengths in meters.
 #[derive(Debug, Clone)]
 pub(super) struct Post {
     pub(super) foot: DVec3,
@@ -19,7 +19,7 @@ pub(super) struct Post {
 }
 
 impl Post {
-    /// Square metres.
+    /// Square meters.
     pub(super) fn area(&self) -> f64 {
         let head = self.head.map_or(0.0, |(radius, _)| 2.0 * radius * radius);
         std::f64::consts::TAU * (self.radius * self.height + head)

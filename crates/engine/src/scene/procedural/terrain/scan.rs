@@ -10,15 +10,15 @@ use super::site::{Hit, Side, Site};
 use super::trees::Tree;
 use crate::cloud::{Cloud, UpAxis};
 
-/// Points on a square metre of upright surfaces, over pulses on a square metre of ground.
+/// Points on a square meter of upright surfaces, over pulses on a square meter of ground.
 const UPRIGHT: f64 = 2.2;
 /// Returns of a pulse from a crown, and the share of such pulses that reach the ground.
 const LEAVES: usize = 3;
 const THROUGH: f64 = 0.5;
-/// Metres between the pulses that estimate how many points a tile has.
+/// Meters between the pulses that estimate how many points a tile has.
 const PROBES: f64 = 2.5;
 
-/// Square metres that would get as many points at one pulse each.
+/// Square meters that would get as many points at one pulse each.
 pub(super) fn weight(site: &Site<'_>) -> f64 {
     let probes = (site.side / PROBES).ceil();
     let count = probes as usize;
@@ -61,10 +61,10 @@ struct Point {
 /// A scan in the making.
 pub(super) struct Scan<'a> {
     site: &'a Site<'a>,
-    /// The tile's lowest corner and its side, millimetres.
+    /// The tile's lowest corner and its side, millimeters.
     corner: [i64; 2],
     side: i64,
-    /// Metres between pulses.
+    /// Meters between pulses.
     spacing: f64,
     sun: DVec3,
     random: Random,
@@ -73,7 +73,7 @@ pub(super) struct Scan<'a> {
     cloud: Cloud,
 }
 
-/// The `wanted` points of a tile whose lowest corner and side are in millimetres, at so many pulses per square metre.
+/// The `wanted` points of a tile whose lowest corner and side are in millimeters, at so many pulses per square meter.
 pub(super) fn scan(site: &Site<'_>, corner: [i64; 2], side: i64, density: f64, wanted: usize, random: Random) -> Cloud {
     let cloud = columns(wanted);
     let spacing = 1.0 / density.sqrt();
@@ -84,7 +84,7 @@ pub(super) fn scan(site: &Site<'_>, corner: [i64; 2], side: i64, density: f64, w
 }
 
 impl Scan<'_> {
-    /// Walls, trunks and lamps, at so many points per square metre.
+    /// Walls, trunks and lamps, at so many points per square meter.
     fn upright(&mut self, density: f64) {
         let site = self.site;
         let radius = 0.9 / density.sqrt();
@@ -102,7 +102,7 @@ impl Scan<'_> {
         }
     }
 
-    /// A wall, in rows of so many points per metre that stray by a quarter of their distance.
+    /// A wall, in rows of so many points per meter that stray by a quarter of their distance.
     fn side(&mut self, side: &Side, per_metre: f64, radius: f64) {
         let length = side.to - side.from;
         // Rounded at random, so that parts of walls get their share on average.

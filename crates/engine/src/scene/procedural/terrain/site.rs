@@ -11,9 +11,9 @@ use super::solids::{Solid, Wall};
 use super::town;
 use super::trees::{Tree, trees};
 
-/// Metres between heights of the ground that are computed; linear in between.
+/// Meters between heights of the ground that are computed; linear in between.
 const STEP: f64 = 2.0;
-/// Metres around a tile from which a shadow may fall into it.
+/// Meters around a tile from which a shadow may fall into it.
 const MARGIN: f64 = 14.0;
 /// No tree and no house reaches farther from its middle.
 const REACH: f64 = 15.0;
@@ -23,10 +23,10 @@ const REACH: f64 = 15.0;
 pub(super) struct Side {
     pub(super) solid: usize,
     pub(super) wall: Wall,
-    /// Metres along the wall.
+    /// Meters along the wall.
     pub(super) from: f64,
     pub(super) to: f64,
-    /// Square metres, nearly.
+    /// Square meters, nearly.
     pub(super) area: f64,
 }
 
@@ -52,7 +52,7 @@ pub(super) enum Hit<'a> {
 }
 
 impl<'a> Site<'a> {
-    /// Gathers what stands in a square of `side` metres from its lowest corner on.
+    /// Gathers what stands in a square of `side` meters from its lowest corner on.
     pub(super) fn new(land: &'a Land, low: DVec2, side: f64) -> Self {
         let (from, length) = (low - MARGIN, side + 2.0 * MARGIN);
         let center = low + 0.5 * side;
@@ -138,7 +138,7 @@ impl<'a> Site<'a> {
         for post in &self.posts {
             high = high.max(post.foot.z + post.height + post.head.map_or(0.0, |(radius, _)| radius));
         }
-        // Water is at 0, and banks within the two metres to the next height that is known are low.
+        // Water is at 0, and banks within the two meters to the next height that is known are low.
         let low = if low < 1.0 { 0.0 } else { low };
         [low - 0.1, high + 0.6]
     }
@@ -158,7 +158,7 @@ impl<'a> Site<'a> {
     }
 }
 
-/// The part of a segment within a square from the origin on: metres along it.
+/// The part of a segment within a square from the origin on: meters along it.
 fn clip(from: DVec2, along: DVec2, length: f64, side: f64) -> Option<[f64; 2]> {
     let (mut enter, mut leave) = (0.0f64, length);
     for axis in 0..2 {
@@ -239,7 +239,7 @@ mod tests {
         for i in 0..350 {
             let p = DVec2::new(4.5, 7.0 + 0.1 * f64::from(i));
             assert_eq!(left.at(p), right.at(p));
-            // Linear over 2 m on a ground that bends by less than 0.3 a metre.
+            // Linear over 2 m on a ground that bends by less than 0.3 a meter.
             assert!((left.at(p).0 - land.height(p)).abs() < 0.3 * STEP * STEP / 8.0, "{p}");
         }
     }

@@ -5,9 +5,9 @@ use glam::{DVec2, DVec3};
 use super::super::random;
 use super::light::Tone;
 
-/// How far a gable roof reaches beyond the walls, metres.
+/// How far a gable roof reaches beyond the walls, meters.
 const EAVES: f64 = 0.4;
-/// Height of a storey and distance of windows, metres.
+/// Height of a storey and distance of windows, meters.
 const STOREY: f64 = 2.8;
 const BAY: f64 = 2.5;
 
@@ -32,7 +32,7 @@ pub(super) enum Front {
     Church,
 }
 
-/// A body over a rectangle. Lengths in metres.
+/// A body over a rectangle. Lengths in meters.
 #[derive(Debug, Clone)]
 pub(super) struct Solid {
     pub(super) center: DVec2,
@@ -136,7 +136,7 @@ impl Solid {
         ]
     }
 
-    /// The upper end of a wall so many metres along it.
+    /// The upper end of a wall so many meters along it.
     pub(super) fn wall_top(&self, wall: &Wall, t: f64) -> f64 {
         let share = if wall.gable { 1.0 - (2.0 * t / wall.length - 1.0).abs() } else { 0.0 };
         self.eave + self.rise * share
@@ -147,7 +147,7 @@ impl Solid {
         self.eave + if wall.gable { 0.5 * self.rise } else { 0.0 }
     }
 
-    /// Color of a wall at so many metres along it and above the ground outside, whose points are `spacing` apart.
+    /// Color of a wall at so many meters along it and above the ground outside, whose points are `spacing` apart.
     pub(super) fn wall_tone(&self, wall: &Wall, t: f64, h: f64, storeys_end: f64, spacing: f64) -> Tone {
         let glass = Tone::new(66.0, 80.0, 96.0);
         let bay = |width: f64| {

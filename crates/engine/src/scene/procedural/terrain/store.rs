@@ -15,17 +15,17 @@ use crate::io::store::build::{Built, Cube, Settings, Streamed, Types, stream};
 use crate::io::store::{Grid, Node, Piece, Store, Summary};
 use crate::progress::Progress;
 
-/// Metres of side for a single point; those of n are ∛n times as many, nearly: sides are whole tiles.
+/// Meters of side for a single point; those of n are ∛n times as many, nearly: sides are whole tiles.
 const SIDE: f64 = 4.472;
 /// Most points of a tile, on average.
 const TILE_POINTS: f64 = 131_072.0;
 /// Fewest tiles along a side, so that rounding to whole ones changes a side by less than a twentieth.
 const LEAST_COLUMNS: f64 = 12.0;
-/// Lowest height of the cube around a landscape, millimetres.
+/// Lowest height of the cube around a landscape, millimeters.
 const FLOOR: i64 = -8000;
 
 /// A landscape of a given number of points. Tiles are squares of the same size in Morton order, whose points have
-/// coordinates of whole millimetres; z is up. A tile's side is a power of two of millimetres, so that tiles are columns of cells of
+/// coordinates of whole millimeters; z is up. A tile's side is a power of two of millimeters, so that tiles are columns of cells of
 /// an octree on that grid.
 #[derive(Debug, Clone)]
 pub struct Terrain {
@@ -33,12 +33,12 @@ pub struct Terrain {
     seed: u64,
     /// Tiles along a side.
     columns: i64,
-    /// Side of a tile, millimetres, and its binary logarithm.
+    /// Side of a tile, millimeters, and its binary logarithm.
     tile: i64,
     tile_bits: u32,
     /// Each tile's column and row.
     places: Vec<[i64; 2]>,
-    /// Pulses per square metre.
+    /// Pulses per square meter.
     density: f64,
     summary: Summary,
     nodes: Vec<Node>,
@@ -84,7 +84,7 @@ impl Terrain {
         Ok(terrain)
     }
 
-    /// Metres of side.
+    /// Meters of side.
     pub fn side(&self) -> f64 {
         self.land.side
     }
@@ -151,7 +151,7 @@ name = "auto"
         )
     }
 
-    /// The lowest corner of a tile, millimetres.
+    /// The lowest corner of a tile, millimeters.
     fn corner(&self, index: usize) -> [i64; 2] {
         let half = self.columns * self.tile / 2;
         self.places[index].map(|place| place * self.tile - half)
@@ -235,7 +235,7 @@ fn summary(points: u64, side: f64) -> Summary {
     }
 }
 
-/// Millimetres.
+/// Millimeters.
 fn grid() -> Grid {
     Grid { scale: DVec3::splat(0.001), offset: DVec3::ZERO }
 }

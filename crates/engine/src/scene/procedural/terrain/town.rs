@@ -6,7 +6,7 @@ use super::ground::Cover;
 use super::land::{Land, Place};
 
 /// Distances of streets along u and v, from the middle of one to that of the next; half their width without and with
-/// pavements. Metres.
+/// pavements. Meters.
 const BLOCK: DVec2 = DVec2::new(62.0, 46.0);
 pub(super) const STREET: f64 = 3.0;
 const PAVEMENT: f64 = 4.8;
@@ -84,7 +84,7 @@ impl Block {
         (0..count).filter_map(move |lot| block.lot(land, lot))
     }
 
-    /// A house that fills most of the width of its lot, a few metres behind the street.
+    /// A house that fills most of the width of its lot, a few meters behind the street.
     fn lot(&self, land: &Land, lot: i64) -> Option<Lot> {
         let hash = |what: i64| self.hash(land, lot, layer::LOT + what);
         if hash(0) < 0.07 {
@@ -148,7 +148,7 @@ pub(super) fn has_room(land: &Land, place: &Place, radius: f64) -> bool {
 /// The built blocks that a circle may touch.
 pub(super) fn blocks(land: &Land, center: DVec2, radius: f64) -> Vec<Block> {
     let place = land.place(center);
-    // Streets are bent: some metres more.
+    // Streets are bent: some meters more.
     let reach = DVec2::splat(1.15 * radius + 8.0);
     if place.uv.length() > reach.length() + 1.2 * land.town_radius(place.town) + BLOCK.length() {
         return Vec::new();

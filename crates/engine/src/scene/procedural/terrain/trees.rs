@@ -9,7 +9,7 @@ use super::light::Tone;
 use super::posts::Post;
 use super::town;
 
-/// Side of the cells that hold one tree at most, metres; no crown is wider than two of them.
+/// Side of the cells that hold one tree at most, meters; no crown is wider than two of them.
 const CELL: f64 = 6.0;
 
 /// Keys of noises and hashes.
@@ -29,7 +29,7 @@ enum Kind {
     Bush,
 }
 
-/// A tree. Lengths in metres.
+/// A tree. Lengths in meters.
 #[derive(Debug, Clone)]
 pub(super) struct Tree {
     pub(super) foot: DVec3,
@@ -172,7 +172,7 @@ impl Tree {
     }
 }
 
-/// The trees of a square from its lowest corner; its sides are in metres.
+/// The trees of a square from its lowest corner; its sides are in meters.
 pub(super) fn trees(land: &Land, low: DVec2, side: f64) -> Vec<Tree> {
     let first = (low / CELL).floor();
     let last = ((low + side) / CELL).floor();

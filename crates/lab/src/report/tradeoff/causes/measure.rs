@@ -220,7 +220,7 @@ mod tests {
     fn pictures_have_names_of_their_own() {
         let all = changes(&Discs::default(), Order::Pixel, 3, &Projection::Perspective { fov_y: 1.0 });
         let mut names: Vec<String> = all.iter().map(stem).collect();
-        for name in ["order-of-centres-order-center", "harmonics-sh-degree-0"] {
+        for name in ["order-of-centers-order-center", "harmonics-sh-degree-0"] {
             assert!(names.iter().any(|other| other == name), "{name} of {names:?}");
         }
         names.sort();

@@ -84,14 +84,14 @@ fn orders(own: Order) -> impl Iterator<Item = (Order, &'static str, &'static str
     let all = [
         (
             Order::Center,
-            "order of centres",
-            "Gaussians ordered by the depth of their centres, as most renderers do: where they overlap the wrong one may be in front, and \
+            "order of centers",
+            "Gaussians ordered by the depth of their centers, as most renderers do: where they overlap the wrong one may be in front, and \
              they change places when the camera turns.",
         ),
         (
             Order::Distance,
             "order of distances",
-            "Gaussians ordered by how far their centres are from the eye: still wrong where they overlap, but they keep their places while \
+            "Gaussians ordered by how far their centers are from the eye: still wrong where they overlap, but they keep their places while \
              the camera turns about itself.",
         ),
         (
@@ -119,7 +119,7 @@ fn projections(
     let projected = of(
         "kernel ewa",
         "method.kernel=ewa",
-        "Gaussians projected by what the perspective does at their centres, and widened by the dilation: both are approximations that \
+        "Gaussians projected by what the perspective does at their centers, and widened by the dilation: both are approximations that \
          the scene's kernel does without.",
         other(Kernel::Ewa),
     );
@@ -142,7 +142,7 @@ fn projections(
             let ray = of(
                 "frozen Jacobian",
                 "method.kernel=ray",
-                "What of that comes from the perspective, which the projection takes to be everywhere as at the Gaussian's centre.",
+                "What of that comes from the perspective, which the projection takes to be everywhere as at the Gaussian's center.",
                 other(Kernel::Ray),
             );
             all.push(Change { against: "method.dilation=0", base: Some(bare), ..ray });
