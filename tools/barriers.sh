@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A short turntable by every method, by the release build under synchronisation validation. Frames whose passes nobody times
+# A short turntable by every method, by the release build under synchronization validation. Frames whose passes nobody times
 # have barriers only where one pass needs another's results, and the checks of a debug build between passes bring barriers of
 # their own: only a release build shows a barrier that is missing.
 set -euo pipefail

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Everything that must hold before a change goes in: format, lints, docs, typos, licences, tests, in that order. With --lints
+# Everything that must hold before a change goes in: format, lints, docs, typos, licenses, tests, in that order. With --lints
 # all but the tests, as CI runs it from tools/test.sh.
 set -euo pipefail
 cd "$(dirname "$0")/.."

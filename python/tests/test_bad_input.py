@@ -566,7 +566,7 @@ CASES = [
         "fov_y: expected a number above 0 and below 180, found 180.0",
     ),
     (
-        "off-centre calibration",
+        "off-center calibration",
         lambda: pellucid.Camera.from_opencv([[500, 0, 300], [0, 500, 240], [0, 0, 1]], np.eye(4), size=(640, 480)),
         ValueError,
         "K: expected a principal point in the middle of the image, (320.0, 240.0), found (300.0, 240.0), 20.0 pixels off it: a "

@@ -40,7 +40,7 @@ def blended(scene, x, y, colors, shape):
     width, height = scene.view.width, scene.view.height_px
     reach = radius_px(scene.size_px) if shape == "disc" else scene.size_px / 2
 
-    # A pixel is covered if its centre is: the first and the one after the last.
+    # A pixel is covered if its center is: the first and the one after the last.
     def bounds(centre, size):
         low, high = np.ceil(centre - reach - 0.5), np.ceil(centre + reach - 0.5)
         return np.clip(low, 0, size).astype(int).tolist(), np.clip(high, 0, size).astype(int).tolist()

@@ -64,7 +64,7 @@ def write_cloud(scene, path):
     for i, name in enumerate(("red", "green", "blue", "alpha")):
         vertices[name] = scene.colors[:, i]
     _, _, depth = project(scene.positions, scene.view, 0)
-    # Radius 0 is the pixel that contains the centre.
+    # Radius 0 is the pixel that contains the center.
     vertices["radius"] = 0 if scene.opaque else radius_px(scene.size_px) * world_per_pixel(scene.view, depth)
     kinds = {"<f4": "float", "|u1": "uchar"}
     lines = [f"property {kinds[VERTEX[name].str]} {name}" for name in VERTEX.names]

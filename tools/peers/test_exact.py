@@ -13,7 +13,7 @@ from scenes import Scene
 
 # Four pixels of one world unit on a side, seen along +Y; x goes right and z up.
 VIEW = View(4, 4, (0, -5, 0), (0, 0, 0), height=4.0)
-# Behind, red of opacity 0.2; in front, green of opacity 0.4; both over the centre of column 2, row 1.
+# Behind, red of opacity 0.2; in front, green of opacity 0.4; both over the center of column 2, row 1.
 POSITIONS = np.array([(0.5, 0, 0.5), (0.5, -1, 0.5)], np.float32)
 COLORS = np.array([(255, 0, 0, 51), (0, 255, 0, 102)], np.uint8)
 BOTH = (0.2 * 0.6, 0.4, 0)
@@ -30,14 +30,14 @@ class Exact(unittest.TestCase):
         np.testing.assert_allclose([x, y, depth], [[2.5, 2.5], [1.5, 1.5], [5, 4]])
 
     def test_disc(self):
-        # The disc's radius is 2/√π = 1.13: the pixel of the centre and its four neighbors.
+        # The disc's radius is 2/√π = 1.13: the pixel of the center and its four neighbors.
         image, counts = exact_image(scene(2), "disc")
         covered = np.array([(0, 0, 1, 0), (0, 1, 1, 1), (0, 0, 1, 0), (0, 0, 0, 0)])
         np.testing.assert_array_equal(counts, 2 * covered)
         np.testing.assert_allclose(image, covered[..., None] * BOTH)
 
     def test_square(self):
-        # From 1.5 to 3.5 across and 0.5 to 2.5 down: of the centres on its rim, those at the lower ends are in.
+        # From 1.5 to 3.5 across and 0.5 to 2.5 down: of the centers on its rim, those at the lower ends are in.
         image, counts = exact_image(scene(2), "square")
         np.testing.assert_array_equal(counts[:3, 1:3], [(2, 2), (2, 2), (0, 0)])
         self.assertEqual(counts.sum(), 8)

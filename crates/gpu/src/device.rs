@@ -94,7 +94,7 @@ pub struct DeviceInfo {
     pub timestamp_period_ns: f64,
     /// Optional: 64-bit integers with atomic minimum in storage buffers.
     pub int64_atomics: bool,
-    /// Optional: storage writes and atomics in fragment shaders, so that the rasteriser can be used.
+    /// Optional: storage writes and atomics in fragment shaders, so that the rasterizer can be used.
     pub fragment_atomics: bool,
     /// Optional: largest width and height of attachments with 4 samples per pixel, and of those that blend floats.
     pub multisampled: Option<[u32; 2]>,

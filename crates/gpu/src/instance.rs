@@ -67,7 +67,7 @@ impl Instance {
 
     /// `wanted` are names of further extensions.
     fn with_extensions(validation: bool, gpu_assisted: bool, wanted: &[*const c_char]) -> Result<Self, Error> {
-        // SAFETY: loading the system's Vulkan loader runs its initialisers; this is the only way to reach Vulkan.
+        // SAFETY: loading the system's Vulkan loader runs its initializers; this is the only way to reach Vulkan.
         let entry = unsafe { ash::Entry::load() }.map_err(|e| Error::NoLoader(e.to_string()))?;
         // SAFETY: plain queries on a loaded entry.
         let extensions = unsafe { entry.enumerate_instance_extension_properties(None) }.unwrap_or_default();

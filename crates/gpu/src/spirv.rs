@@ -129,10 +129,10 @@ fn forbid_contraction(words: &[u32]) -> Vec<u32> {
     out
 }
 
-/// Drops the initialiser that naga gives function-local arrays of its own accord.
+/// Drops the initializer that naga gives function-local arrays of its own accord.
 ///
-/// naga zero-initialises every local variable. For an array of 256 that means 256 stores which lavapipe unrolls: 24 s
-/// of compilation against 0.2 s. Only arrays are touched, and not those with values of their own: a scalar's initialiser is part of the program.
+/// naga zero-initializes every local variable. For an array of 256 that means 256 stores which lavapipe unrolls: 24 s
+/// of compilation against 0.2 s. Only arrays are touched, and not those with values of their own: a scalar's initializer is part of the program.
 ///
 /// A GPU then finds there whatever an earlier shader left, which a CPU driver hardly ever does. So in debug builds short arrays are
 /// spoiled instead (`spoil`): a shader that reads an element before it writes one shows it on every driver.
@@ -306,7 +306,7 @@ mod tests {
         let initialised = |op: u32, i: &[u32]| op == OP_VARIABLE && i.len() == 5;
         let before = count(&words, initialised);
         let after = count(&drop_array_initialisers(&words, false), initialised);
-        assert!(before >= 2, "the shader has an initialised array and scalar");
+        assert!(before >= 2, "the shader has an initialized array and scalar");
         assert_eq!(after, before - 1);
     }
 
@@ -338,7 +338,7 @@ mod tests {
     fn short_arrays_are_spoiled() {
         let words = compiled(LOCAL);
         let spoiled = drop_array_initialisers(&words, true);
-        // A float, a vector of two and an array of three; the long array has no initialiser.
+        // A float, a vector of two and an array of three; the long array has no initializer.
         let added = |op: u32| count(&spoiled, |o, _| o == op) - count(&words, |o, _| o == op);
         assert_eq!((added(OP_CONSTANT), added(OP_CONSTANT_COMPOSITE)), (1, 2));
         let initialised = |w: &[u32]| count(w, |op, i| op == OP_VARIABLE && i.len() == 5);

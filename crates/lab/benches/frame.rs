@@ -9,11 +9,11 @@
 //! How to read it. Part one prints the table of `pellucid profile`; look at the median and at how far min and max lie
 //! from it, and compare only tables of one machine, driver and commit, which the first line names. A pass near 100% of
 //! the copy rate is limited by memory. Part two lets the two ways of visiting pixels race on the same random discs. The
-//! ratio is hardware / compute: above 1 the compute shaders are faster, below 1 the rasteriser is. `auto / best` says
+//! ratio is hardware / compute: above 1 the compute shaders are faster, below 1 the rasterizer is. `auto / best` says
 //! how good the choice of `raster = "auto"` was; 1.1 is 10% slower than the better of the two, and what differs from 1
 //! although the choice was right is noise. The three runs alternate and ratios are taken round by round, so that a machine
 //! that slows down slows them all.
-//! On a CPU driver the rasteriser is software as well: its ratios say nothing about a GPU's.
+//! On a CPU driver the rasterizer is software as well: its ratios say nothing about a GPU's.
 
 use std::process::{Command, ExitCode};
 
@@ -103,7 +103,7 @@ fn run() -> Result<()> {
         println!("\n== {name}{with}, {}", scene.method.name());
         print_passes(&device, scene, clouds, frames, copy_rate)?;
     }
-    println!("\n== compute against hardware rasterisation, medians of {frames} frames");
+    println!("\n== compute against hardware rasterization, medians of {frames} frames");
     race_all(&device, frames)
 }
 

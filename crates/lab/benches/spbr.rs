@@ -1,4 +1,4 @@
-//! How fast ensembles of points are drawn, against the same points in the rasteriser.
+//! How fast ensembles of points are drawn, against the same points in the rasterizer.
 //!
 //! ```sh
 //! cargo bench --bench spbr                          # 10 million points
@@ -6,7 +6,7 @@
 //! PELLUCID_BENCH_FRAMES=20 cargo bench --bench spbr # frames behind every median, 5 without it
 //! ```
 //!
-//! How to read it. The first line is the rasteriser's: each point a quad of one pixel (two triangles, since WGSL knows
+//! How to read it. The first line is the rasterizer's: each point a quad of one pixel (two triangles, since WGSL knows
 //! no size of points), its nearest found by the atomic minimum that `squares` takes too. Then the ensembles of the
 //! same points, each once in an ensemble (k = 1): `draw` is the time of the passes over points, `Mpoints/s` slots over
 //! that, `/ hardware` the ratio of both rates; `rest` is the share of everything else in the frame: clearing,
@@ -36,7 +36,7 @@ use rand_pcg::Pcg64Mcg;
 /// Width and height of the image.
 const SIDE: u32 = 1024;
 const ENSEMBLES: [u32; 4] = [1, 10, 100, 1000];
-/// Points of the rasteriser's part at most.
+/// Points of the rasterizer's part at most.
 const MOST_QUADS: usize = 2_000_000;
 
 fn main() -> ExitCode {
@@ -61,7 +61,7 @@ fn run(count: usize) -> Result<()> {
     println!("{} ({}), pellucid {}", device.info().name, device.info().driver, env!("CARGO_PKG_VERSION"));
     let frames = std::env::var("PELLUCID_BENCH_FRAMES").ok().and_then(|n| n.parse().ok()).unwrap_or(5);
     let hardware = hardware(&device, count.min(MOST_QUADS), frames)?;
-    println!("rasteriser, quads of one pixel: {:.1} Mpoints/s", hardware / 1e6);
+    println!("rasterizer, quads of one pixel: {:.1} Mpoints/s", hardware / 1e6);
 
     let dealt = dealt(count);
     let mut renderer = Renderer::new(&device)?;
@@ -135,7 +135,7 @@ fn milliseconds(rendered: &Rendered, wanted: impl Fn(&str) -> bool) -> f64 {
     rendered.profile.passes.iter().filter(|p| wanted(p.name)).map(|p| p.gpu.as_secs_f64() * 1e3).sum()
 }
 
-/// Points per second of the rasteriser.
+/// Points per second of the rasterizer.
 fn hardware(device: &Device, count: usize, frames: usize) -> Result<f64> {
     let mut cloud = DeviceCloud::new(device, &points(count))?;
     let how = Projecting {

@@ -127,7 +127,7 @@ impl ScreenEncoder {
     }
 }
 
-/// Maps pixels of the screen to those of a coarser picture with the same camera. The centres of both coincide, and a row of the
+/// Maps pixels of the screen to those of a coarser picture with the same camera. The centers of both coincide, and a row of the
 /// screen is `from[1] / to[1]` rows of the picture.
 #[derive(Debug, Clone, Copy)]
 struct Scaling {
@@ -136,7 +136,7 @@ struct Scaling {
 }
 
 impl Scaling {
-    /// The position of a pixel centre, in pixels from the centre of the first one.
+    /// The position of a pixel center, in pixels from the center of the first one.
     fn place(&self, axis: usize, at: usize) -> f64 {
         let scale = self.from[1] as f64 / self.to[1] as f64;
         (at as f64 + 0.5 - 0.5 * self.to[axis] as f64) * scale + 0.5 * self.from[axis] as f64 - 0.5

@@ -57,7 +57,7 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// The distance from its centre to its farthest part, above 0.
+    /// The distance from its center to its farthest part, above 0.
     pub fn reach(&self) -> f64 {
         let reach = 0.5 * self.bounds.diagonal() + self.radius;
         if reach > 0.0 && reach.is_finite() { reach } else { 1.0 }
@@ -83,7 +83,7 @@ pub struct Navigator {
 
 impl Navigator {
     /// The navigator that starts from a camera of the scene. Its pivot lies in the middle of the picture, at the
-    /// distance of the scene's centre.
+    /// distance of the scene's center.
     pub fn new(camera: &Camera, fov_y: Option<f64>, subject: Subject) -> Self {
         let table = Turntable::level_with(camera, subject.up);
         let (vertical, forward) = (table.vertical, camera.forward);

@@ -18,7 +18,7 @@ def f32(value):
 
 
 def splat(rng):
-    """Centre, logarithms of extents, rotation (w, x, y, z), display value, opacity, harmonics by coefficient and channel."""
+    """Center, logarithms of extents, rotation (w, x, y, z), display value, opacity, harmonics by coefficient and channel."""
     turn = [rng.gauss(0, 1) for _ in range(4)]
     length = math.sqrt(sum(part * part for part in turn))
     return {

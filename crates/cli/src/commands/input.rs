@@ -76,7 +76,7 @@ pub struct InputArgs {
     color_by: Option<String>,
     /// Colormap for values, as in turbo.
     ///
-    /// One of viridis, cividis, magma, inferno, plasma, turbo, terrain and grey. Default: the scene file's, else viridis.
+    /// One of viridis, cividis, magma, inferno, plasma, turbo, terrain and gray. Default: the scene file's, else viridis.
     #[arg(long, value_name = "NAME", help_heading = APPEARANCE)]
     colormap: Option<String>,
     /// Background color, as in white, "#80c0ff" or 0.1,0.1,0.1.

@@ -172,7 +172,7 @@ fn real_models_fill_the_image_up_to_its_margin() {
             let (file, (covered, [x0, y0, x1, y1])) = (file.display(), silhouette(&folder.path().join("out.png")));
             assert!((0.9 * share..1.1 * share).contains(&covered), "{file}: {covered} of the image is covered");
             // The margin is 2.5% of 256 pixels on each side, 6.4; a disc that reaches it covers the pixels whose
-            // centres it holds, or the one of its own centre.
+            // centers it holds, or the one of its own center.
             let ends = |low: u32, high: u32| (5..=8).contains(&low) && (248..=251).contains(&high);
             assert!(ends(x0, x1) || ends(y0, y1), "{file}: columns {x0}..{x1}, rows {y0}..{y1}");
             // Narrower ranges lie in the middle.

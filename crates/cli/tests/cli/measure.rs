@@ -346,7 +346,7 @@ fn the_plan_is_what_runs() {
             assert_planned(&folder, &["row.ply", "--size", "64x64", "--opacity", opacity]);
         }
     }
-    // Large splats drawn by the rasteriser need no tiles.
+    // Large splats drawn by the rasterizer need no tiles.
     let device = crate::device();
     let opened = Device::open(&DeviceOptions { device, validation: false, ..Default::default() }).unwrap();
     if opened.info().fragment_atomics {

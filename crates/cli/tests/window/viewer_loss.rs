@@ -1,4 +1,4 @@
-//! The window's behaviour when the device is lost or out of memory, and when it is closed in the middle of the work.
+//! The window's behavior when the device is lost or out of memory, and when it is closed in the middle of the work.
 //! Like `viewer.rs`; `PELLUCID_FAULT` (src/fault.rs, debug builds) places a fault.
 
 mod closed;

@@ -1,5 +1,5 @@
 // image/encode: pixels over a background as bytes, those of the PNG, in some rows of a picture. One invocation per pixel of the
-// picture. A coarser image is enlarged by bilinear interpolation: the centres of both coincide, and a row of the picture is
+// picture. A coarser image is enlarged by bilinear interpolation: the centers of both coincide, and a row of the picture is
 // `scale` rows of the image. Reference: output::to_byte.
 #import dispatch
 
@@ -37,7 +37,7 @@ fn composed(column: u32, row: u32) -> vec3<f32> {
     return pixel.rgb + (1.0 - pixel.a) * background;
 }
 
-// Of a pixel centre of the picture, in pixels of the image from the centre of its first one.
+// Of a pixel center of the picture, in pixels of the image from the center of its first one.
 fn place(at: u32, size: u32, image_size: u32) -> f32 {
     let centred = (f32(at) + 0.5 - 0.5 * f32(size)) * push.scale;
     return clamp(centred + 0.5 * f32(image_size) - 0.5, 0.0, f32(image_size - 1u));

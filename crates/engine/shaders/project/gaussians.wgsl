@@ -78,7 +78,7 @@ fn inverse_of(f: Factor) -> vec3<f32> {
     return vec3<f32>(1.0 / f.a, -f.across / (f.a * f.rest), 1.0 / f.rest);
 }
 
-// Reach along one axis of the screen at depth 1, as (below, above) the centre: slopes d with d^2 z^2 = c |a - d m|^2, planes through the eye that
+// Reach along one axis of the screen at depth 1, as (below, above) the center: slopes d with d^2 z^2 = c |a - d m|^2, planes through the eye that
 // touch the ellipsoid of Mahalanobis distance sqrt(c).
 fn extent_along(a: vec3<f32>, m: vec3<f32>, z: f32, c: f32) -> vec2<f32> {
     let lead = z * z - c * dot3(m, m);
@@ -91,13 +91,13 @@ fn extent_along(a: vec3<f32>, m: vec3<f32>, z: f32, c: f32) -> vec2<f32> {
     return max(vec2<f32>(root + shift, root - shift), vec2<f32>(0.0)) / lead;
 }
 
-// Slopes of the centre as J takes them: clamped to 1.3 times those of the image's sides (Kerbl et al. 2023, forward.cu).
+// Slopes of the center as J takes them: clamped to 1.3 times those of the image's sides (Kerbl et al. 2023, forward.cu).
 fn clamped_slopes(slope: vec2<f32>) -> vec2<f32> {
     let limit = 1.3 * (0.5 * vec2<f32>(view.size) / view.focal.x);
     return clamp(slope, -limit, limit);
 }
 
-// Distance of a centre from the eye; along parallel rays its depth.
+// Distance of a center from the eye; along parallel rays its depth.
 fn distance_of(position: vec3<f32>) -> f32 {
     return select(length3(position), position.z, view.orthographic != 0u);
 }
@@ -128,7 +128,7 @@ fn cross3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
 
-// By the projection of the Gaussian, linear around its centre.
+// By the projection of the Gaussian, linear around its center.
 fn draw_ewa(extent: vec3<f32>, q: vec4<f32>, point: Located, position: vec3<f32>, given: f32, base: Splat) -> Drawn {
     var drawn = Drawn(base, no_tilt(), vec4<f32>(0.0), given, true);
     let axes = axes_of(extent, q);

@@ -20,7 +20,7 @@ override NORMALS: u32 = 0u;
 // Which points: all, those whose field is at most the threshold, or those above; or all, with a mark on the former.
 override PART: u32 = 0u;
 
-// Half extent of a tilted disc along one axis of the screen, at depth 1, as (below, above) the projected centre.
+// Half extent of a tilted disc along one axis of the screen, at depth 1, as (below, above) the projected center.
 // e solves A e^2 - 2 e q^2 b - q^2 c = 0 with A = 1 - q^2 (1 - n_z^2) and q = r / Z, in whatever units: the plane through the eye
 // and a line x = const touches the disc. A <= 0: the disc reaches the eye's plane and may cover any part of the screen.
 fn extent_perspective(slope: f32, n: f32, n_z: f32, ratio: f32) -> vec2<f32> {
@@ -36,7 +36,7 @@ fn extent_perspective(slope: f32, n: f32, n_z: f32, ratio: f32) -> vec2<f32> {
     return vec2<f32>(max((root - squared * b) / a, 0.0), max((root + squared * b) / a, 0.0));
 }
 
-// Half extent of a sphere along one axis of the screen, at depth 1, as (below, above) the projected centre: the planes through
+// Half extent of a sphere along one axis of the screen, at depth 1, as (below, above) the projected center: the planes through
 // the eye and a line x = const that touch it. `ratio` = r / z.
 fn extent_sphere(slope: f32, ratio: f32) -> vec2<f32> {
     // A sphere that reaches the eye's plane may cover any part of the screen.
@@ -49,7 +49,7 @@ fn extent_sphere(slope: f32, ratio: f32) -> vec2<f32> {
     return vec2<f32>(max(half - shift, 0.0), max(half + shift, 0.0)) / ((1.0 - ratio) * (1.0 + ratio));
 }
 
-// Distances from the projected centre to the left, top, right and bottom of the covered area, in pixels.
+// Distances from the projected center to the left, top, right and bottom of the covered area, in pixels.
 fn extents(splat: Splat, tilt: Tilt, center: vec2<f32>) -> vec4<f32> {
     if SHAPE == SHAPE_POINT {
         return vec4<f32>(0.0);
@@ -68,7 +68,7 @@ fn extents(splat: Splat, tilt: Tilt, center: vec2<f32>) -> vec4<f32> {
     }
     if may_tilt() && any(tilt.normal.xyz != vec3<f32>(0.0)) {
         let n = tilt.normal.xyz;
-        // Rounding of the centre and of the extents themselves: the exact test follows per pixel.
+        // Rounding of the center and of the extents themselves: the exact test follows per pixel.
         let margin = 0.01 + 1e-5 * splat.radius;
         if view.orthographic != 0u {
             let half = splat.radius * sqrt(max(vec2<f32>(1.0) - n.xy * n.xy, vec2<f32>(0.0))) + margin;

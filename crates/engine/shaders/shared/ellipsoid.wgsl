@@ -1,4 +1,4 @@
-// An ellipsoid of constant density and the ray through a pixel's centre. The stage has `view`.
+// An ellipsoid of constant density and the ray through a pixel's center. The stage has `view`.
 #import pixel_ray
 
 // Where a ray is within an ellipsoid: middle and half length as depths along the axis.
@@ -9,7 +9,7 @@ struct Chord {
 }
 
 // With the names of shared/gaussian.wgsl and B = w^2 + t^2 |v|^2 the chord's middle is at the depth z w / B, and half of it goes through the depth
-// z t sqrt(1 - rho^2) / sqrt(B). Both are found as parts of z, relative to the centre: small ellipsoids may be far.
+// z t sqrt(1 - rho^2) / sqrt(B). Both are found as parts of z, relative to the center: small ellipsoids may be far.
 fn chord_of(splat: Splat, tilt: Tilt, pixel: vec2<u32>) -> Chord {
     let d = offset_of(splat, whole_to(splat, pixel));
     let v = vec2<f32>(tilt.normal.x * d.x, tilt.normal.y * d.x - splat.radius * d.y);

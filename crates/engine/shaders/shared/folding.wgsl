@@ -10,7 +10,7 @@ override LATER: u32 = 0u;
 struct Handed {
     // Its pixel is there only for its own lane.
     splat: Splat,
-    // From the corner in work to the pixel of the centre; once handed over, from that to the invocation's first pixel.
+    // From the corner in work to the pixel of the center; once handed over, from that to the invocation's first pixel.
     whole: vec2<f32>,
     tilt: Tilt,
     color: vec4<f32>,
@@ -54,7 +54,7 @@ fn handed(own: Handed, k: u32, present: bool, first: vec2<f32>) -> Handed {
     let index = subgroupShuffle(own.index, k);
     var splat = handed_splat(own.splat, k);
     if is_rectangle() {
-        // No ray meets the plane of a tilted disc exactly where its centre is not.
+        // No ray meets the plane of a tilted disc exactly where its center is not.
         splat.radius = select(0.0, splat.radius, present);
     }
     return Handed(splat, handed_whole(own.whole, k, present, first), tilt, color, index);
@@ -70,7 +70,7 @@ struct Fragment {
     shown_key: u32,
     // The splat's, in canonical order: what breaks ties of depth.
     index: u32,
-    // Distance from the splat's centre over its radius, at most 1 but in a square's corners; and that radius in world units.
+    // Distance from the splat's center over its radius, at most 1 but in a square's corners; and that radius in world units.
     rho: f32,
     radius: f32,
 }

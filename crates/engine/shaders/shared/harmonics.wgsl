@@ -9,7 +9,7 @@ fn coefficient(first: u32, k: u32) -> vec3<f32> {
     return vec3<f32>(harmonics[at], harmonics[at + 1u], harmonics[at + 2u]);
 }
 
-// Degrees 1 and 2; d is the unit vector from the eye to the centre in world axes.
+// Degrees 1 and 2; d is the unit vector from the eye to the center in world axes.
 fn low_degrees(first: u32, d: vec3<f32>) -> vec3<f32> {
     var sum = vec3<f32>(0.0);
     if DEGREE >= 1u {

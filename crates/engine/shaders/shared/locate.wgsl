@@ -62,7 +62,7 @@ fn on_screen(relative: vec2<f32>, size: u32) -> Screen {
     return screen;
 }
 
-// A point's centre before the camera and on the screen.
+// A point's center before the camera and on the screen.
 struct Located {
     // Between near and far, and not so far out that arithmetic ends; NaN is not drawn.
     drawn: bool,

@@ -1,4 +1,4 @@
-// The ray through a pixel's centre, and where a chord on it begins and ends. The stage has `view`. Depths are relative to
+// The ray through a pixel's center, and where a chord on it begins and ends. The stage has `view`. Depths are relative to
 // depth_origin().
 #import elementary
 #import splat

@@ -34,12 +34,12 @@ fn put_splat(i: u32, splat: Splat, tilt: Tilt) {
     }
 }
 
-// First column and row of the rectangle of pixels that lie so far to the left, top, right and bottom of the centre, and one past the last; zero if
-// it misses the part of the image in work. `always`: with the centre's own pixel in any case.
+// First column and row of the rectangle of pixels that lie so far to the left, top, right and bottom of the center, and one past the last; zero if
+// it misses the part of the image in work. `always`: with the center's own pixel in any case.
 fn rectangle_of(splat: Splat, reach: vec4<f32>, always: bool) -> vec4<u32> {
     let pixel = center_pixel(splat);
     let fraction = vec2<f32>(splat.fraction_x, splat.fraction_y);
-    // Pixel i of the neighborhood has its centre at i + 0.5.
+    // Pixel i of the neighborhood has its center at i + 0.5.
     let limit = vec2<f32>(65536.0);
     let low = pixel + vec2<i32>(clamp(ceil(fraction - reach.xy - 0.5), -limit, limit));
     let high = pixel + vec2<i32>(clamp(floor(fraction + reach.zw - 0.5), -limit, limit));

@@ -220,7 +220,7 @@ fn exact_hit(slot: Slot) -> Hit {
     let half = half_side(area);
     let center = vec2<f32>(f32(point.column.pixel), f32(point.row.pixel));
     let fraction = vec2<f32>(point.column.fraction, point.row.fraction);
-    // The pixels whose centres lie in (centre - half, centre + half]: for half a pixel the one that holds the centre.
+    // The pixels whose centers lie in (center - half, center + half]: for half a pixel the one that holds the center.
     let low = max(center + floor(fraction + (0.5 - half)), vec2<f32>(view.window.xy));
     let high = min(center + floor(fraction + (0.5 + half)), vec2<f32>(view.window.zw));
     let seen = point.drawn && all(low < high) && is_drawn(slot, area);

@@ -1,4 +1,4 @@
-// A soft sphere and the ray through a pixel's centre. Everything is relative to the sphere's centre, so that nothing cancels.
+// A soft sphere and the ray through a pixel's center. Everything is relative to the sphere's center, so that nothing cancels.
 // The stage has `view`. A splat's radius is here in world units, as SHAPE_SPHERE asks for, and depths are relative to
 // depth_origin(), so that neither far spheres that overlap nor thin segments between them lose digits.
 #import pixel_ray
@@ -14,9 +14,9 @@ override PACKED: u32 = 0u;
 const LEAST_RADIUS = 1e-30;
 
 struct Chord {
-    // 1 - d / r for the ray's distance d from the centre: 1 through it, 0 at the rim, negative beside the sphere.
+    // 1 - d / r for the ray's distance d from the center: 1 through it, 0 at the rim, negative beside the sphere.
     edge: f32,
-    // Depth along the axis where the ray is nearest to the centre.
+    // Depth along the axis where the ray is nearest to the center.
     middle: f32,
     // The radius along the ray, as depth along the axis.
     reach: f32,
@@ -51,7 +51,7 @@ fn exact_chord(splat: Splat, low: vec4<f32>, pixel: vec2<u32>, ray: vec4<f32>) -
         slopes[1] = divide2(vec2<f32>(from_middle.y, 0.0), view.focal);
     }
     let unit = divide2(depth, view.focal);
-    // From the centre to where the ray crosses its depth, and the ray's direction: ray × offset over the ray's length.
+    // From the center to where the ray crosses its depth, and the ray's direction: ray × offset over the ray's length.
     let a = multiply2(x, unit);
     let b = multiply2(y, unit);
     let turn = add2(multiply2(a, slopes[1]), -multiply2(b, slopes[0]));
@@ -90,7 +90,7 @@ fn shells_met(chord: Chord, shells: u32, near: f32, far: f32) -> u32 {
     if !(chord.edge > 0.0 && chord.middle + half > near && chord.middle - half < far) {
         return 0u;
     }
-    // The point nearest to the centre between the depths decides.
+    // The point nearest to the center between the depths decides.
     let beside = max(max(near - chord.middle, chord.middle - far), 0.0) / chord.reach;
     let across = 1.0 - chord.edge;
     let edge = select(chord.edge, 1.0 - sqrt(across * across + beside * beside), beside > 0.0);

@@ -12,13 +12,13 @@ override SHAPE: u32 = 0u;
 override RELIEF: u32 = 0u;
 
 struct Splat {
-    // Where in its pixel the projected centre lies, in [0, 1); the pixel is apart, so that a fraction of a pixel is as
+    // Where in its pixel the projected center lies, in [0, 1); the pixel is apart, so that a fraction of a pixel is as
     // fine at the image's edge as in its middle.
     fraction_x: f32,
     fraction_y: f32,
-    // Column (low 16 bits) and row of that pixel, signed; a centre farther out has a fraction beyond [0, 1).
+    // Column (low 16 bits) and row of that pixel, signed; a center farther out has a fraction beyond [0, 1).
     pixel: u32,
-    // z of the centre, relative to that in the view.
+    // z of the center, relative to that in the view.
     depth: f32,
     // In pixels; of a sphere in world units.
     radius: f32,
@@ -36,8 +36,8 @@ fn unpack_splat(splat: PackedSplat, depth: f32) -> Splat {
     return Splat(bitcast<f32>(splat.x), bitcast<f32>(splat.y), splat.z, depth, bitcast<f32>(splat.w));
 }
 
-// The rest of an oriented disc: its unit normal n in camera axes and n.c / z for its centre c, the slope of the
-// plane against the centre's ray. The normal is zero for a flat disc. Of an exact sphere: what rounding took from
+// The rest of an oriented disc: its unit normal n in camera axes and n.c / z for its center c, the slope of the
+// plane against the center's ray. The normal is zero for a flat disc. Of an exact sphere: what rounding took from
 // fraction_x, fraction_y and depth. Of a Gaussian what shared/gaussian.wgsl says; that alone has a rest, the next element of the buffer.
 struct Tilt {
     normal: vec4<f32>,
@@ -61,7 +61,7 @@ alias Bounds = vec2<u32>;
 struct Coverage {
     hit: bool,
     depth: f32,
-    // Distance from the centre over the radius, at most 1 but in a square's corners. Of a Gaussian the square of its Mahalanobis distance over
+    // Distance from the center over the radius, at most 1 but in a square's corners. Of a Gaussian the square of its Mahalanobis distance over
     // that at which it ends.
     rho: f32,
 }
@@ -74,25 +74,25 @@ fn bounds_max(b: Bounds) -> vec2<u32> {
     return b >> vec2<u32>(16u);
 }
 
-// The pixel that contains the centre.
+// The pixel that contains the center.
 fn center_pixel(splat: Splat) -> vec2<i32> {
     let packed = bitcast<i32>(splat.pixel);
     return vec2<i32>((packed << 16u) >> 16u, packed >> 16u);
 }
 
-// From the pixel of the projected centre to another one: whole numbers.
+// From the pixel of the projected center to another one: whole numbers.
 fn whole_to(splat: Splat, pixel: vec2<u32>) -> vec2<f32> {
     return vec2<f32>(vec2<i32>(pixel) - center_pixel(splat));
 }
 
-// From the projected centre to a pixel's centre, in pixels: exact up to one rounding.
+// From the projected center to a pixel's center, in pixels: exact up to one rounding.
 fn offset_of(splat: Splat, whole: vec2<f32>) -> vec2<f32> {
     return whole + (0.5 - vec2<f32>(splat.fraction_x, splat.fraction_y));
 }
 
-// The ray through a pixel against the disc's plane, with everything in pixels at the centre's depth and relative to the
-// centre, so that nothing cancels: with o = (pixel - centre, 0), d the ray and t = n.o / n.d, the hit lies at o - d t from
-// the centre and t pixels nearer than it.
+// The ray through a pixel against the disc's plane, with everything in pixels at the center's depth and relative to the
+// center, so that nothing cancels: with o = (pixel - center, 0), d the ray and t = n.o / n.d, the hit lies at o - d t from
+// the center and t pixels nearer than it.
 fn cover_oriented(splat: Splat, tilt: vec4<f32>, whole: vec2<f32>, pixel: vec2<u32>, view: View) -> Coverage {
     let normal = tilt.xyz;
     let o = offset_of(splat, whole);
@@ -121,7 +121,7 @@ fn relative_distance(distance: f32, radius: f32) -> f32 {
     return select(1.0, min(distance / radius, 1.0), radius > 0.0);
 }
 
-// Depth of a flat splat where the distance from its centre over its radius has this square.
+// Depth of a flat splat where the distance from its center over its radius has this square.
 fn moved_depth(splat: Splat, squared: f32, view: View) -> f32 {
     if RELIEF == RELIEF_FLAT {
         return splat.depth;
@@ -140,7 +140,7 @@ fn cover(splat: Splat, tilt: Tilt, pixel: vec2<u32>, view: View) -> Coverage {
     return cover_from(splat, tilt, whole_to(splat, pixel), pixel, view);
 }
 
-// The same where the way from the centre's pixel is known.
+// The same where the way from the center's pixel is known.
 fn cover_from(splat: Splat, tilt: Tilt, whole: vec2<f32>, pixel: vec2<u32>, view: View) -> Coverage {
     let in_center = all(whole == vec2<f32>(0.0));
     if SHAPE == SHAPE_POINT {
@@ -155,7 +155,7 @@ fn cover_from(splat: Splat, tilt: Tilt, whole: vec2<f32>, pixel: vec2<u32>, view
     let offset = offset_of(splat, whole);
     if SHAPE == SHAPE_SQUARE {
         let inside = all(abs(offset) <= vec2<f32>(splat.radius));
-        // The rim counts where only the centre's own pixel is covered.
+        // The rim counts where only the center's own pixel is covered.
         let relative = select(1.0, dot(offset, offset) / (splat.radius * splat.radius), inside && splat.radius > 0.0);
         return Coverage(inside || in_center, moved_depth(splat, relative, view), sqrt(relative));
     }

@@ -64,7 +64,7 @@ fn flat_at(i: u32) -> Splat {
 // Where a splat lies that stands in where none is left, in pixels: beyond any radius.
 const NOWHERE = 1e19;
 
-// The way from the centre of lane k's splat to an invocation's first pixel.
+// The way from the center of lane k's splat to an invocation's first pixel.
 fn handed_whole(own: vec2<f32>, k: u32, present: bool, first: vec2<f32>) -> vec2<f32> {
     return first - vec2<f32>(select(NOWHERE, subgroupShuffle(own.x, k), present), subgroupShuffle(own.y, k));
 }

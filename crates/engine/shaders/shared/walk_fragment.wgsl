@@ -1,4 +1,4 @@
-// Walker: the rasteriser visits the pixels of each splat's rectangle (raster/quad.vert); the same test decides.
+// Walker: the rasterizer visits the pixels of each splat's rectangle (raster/quad.vert); the same test decides.
 @fragment
 fn main(@builtin(position) position: vec4<f32>, @location(0) @interpolate(flat) i: u32) {
     view = camera;

@@ -47,7 +47,7 @@ const STOPS = true;
 struct Handed {
     // Only its own lane needs it.
     splat: Splat,
-    // From the tile's corner to the pixel of the centre, and from the centre to the middle of that pixel.
+    // From the tile's corner to the pixel of the center, and from the center to the middle of that pixel.
     pixel: vec2<f32>,
     rest: vec2<f32>,
     // 1 / radius².

@@ -1,5 +1,5 @@
 // stochastic/draw-held: the nearest fragment of each sample of a stratum, among those whose mask has the sample. The mask goes
-// to the rasteriser; its depth test keeps the nearest, and of equal depths the first one drawn, which has the lowest index.
+// to the rasterizer; its depth test keeps the nearest, and of equal depths the first one drawn, which has the lowest index.
 // Reference: reference::stochastic::stratum.
 #import stochastic_quad
 #import held

@@ -66,7 +66,7 @@ mod tests {
             DVec3::new((1.2 * u - 0.6) * z, (0.9 * v - 0.45) * z, z)
         };
         assert!(is_depth_camera(&points(seen)));
-        assert!(is_depth_camera(&points(|at| 1000.0 * seen(at))), "millimetres");
+        assert!(is_depth_camera(&points(|at| 1000.0 * seen(at))), "millimeters");
         assert!(!is_depth_camera(&points(|at| -seen(at))), "behind");
         assert!(!is_depth_camera(&points(seen)[..900]));
     }

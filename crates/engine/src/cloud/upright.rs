@@ -88,7 +88,7 @@ mod tests {
         assert!(reason_for_z(&table()).unwrap().contains("fall over"));
         assert!(!is_z_up(&turned(table())), "Y is up");
         let moved = table().into_iter().map(|p| 1e-3 * p + DVec3::splat(50.0)).collect::<Vec<_>>();
-        assert!(is_z_up(&moved), "millimetres");
+        assert!(is_z_up(&moved), "millimeters");
         assert!(!is_z_up(&table()[..900]), "too few");
     }
 

@@ -1,6 +1,6 @@
 //! The cost of exact methods on a device: `auto` chooses the cheaper of those that are exact for a scene.
 //!
-//! The time of a frame is modelled as a sum of non-negative costs per frame, splat, pixel of the splats' rectangles and
+//! The time of a frame is modeled as a sum of non-negative costs per frame, splat, pixel of the splats' rectangles and
 //! pixel of the image. They are fitted once per device, driver and version to frames of small random clouds, and kept
 //! on disk. Small and large splats are fitted separately, since `abuffer` handles them differently, and so is each
 //! falloff.

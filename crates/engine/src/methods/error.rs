@@ -202,7 +202,7 @@ pub enum Error {
         /// The device.
         device: String,
     },
-    /// The rasteriser was asked for, but the device cannot write from fragment shaders, or not over so large an area.
+    /// The rasterizer was asked for, but the device cannot write from fragment shaders, or not over so large an area.
     #[error("raster = \"hardware\" needs {needed}, which {device} lacks; use \"compute\" or \"auto\"")]
     NoHardwareRaster {
         /// The device.

@@ -24,7 +24,7 @@ pub(crate) trait Stage {
     /// The raster path.
     ///
     /// # Errors
-    /// The hardware rasteriser was requested and isn't supported.
+    /// The hardware rasterizer was requested and isn't supported.
     fn walker(&self, device: &Device, window: Window) -> Result<Walker, Error> {
         walker(device, scene::Raster::Auto, window)
     }

@@ -1,4 +1,4 @@
-//! The raster path of splats: compute shaders or the hardware rasteriser.
+//! The raster path of splats: compute shaders or the hardware rasterizer.
 
 use super::Error;
 use crate::gpu::Device;
@@ -9,7 +9,7 @@ use crate::scene::Raster;
 /// Returns the raster path of a window, for methods that have both.
 ///
 /// # Errors
-/// The hardware rasteriser was requested and isn't supported.
+/// The hardware rasterizer was requested and isn't supported.
 pub(super) fn walker(device: &Device, raster: Raster, window: Window) -> Result<Walker, Error> {
     let [width, height] = device.limits().framebuffer;
     let fits = window[2] - window[0] <= width && window[3] - window[1] <= height;
@@ -25,7 +25,7 @@ pub(super) fn walker(device: &Device, raster: Raster, window: Window) -> Result<
 /// Returns the raster path of stochastic transparency.
 ///
 /// # Errors
-/// The hardware rasteriser was requested and isn't supported.
+/// The hardware rasterizer was requested and isn't supported.
 pub(super) fn sampling_walker(device: &Device, raster: Raster, window: Window) -> Result<Walker, Error> {
     let info = device.info();
     match raster {

@@ -22,7 +22,7 @@ type Moments = [f64; 4];
 ///
 /// A window's similarity is (2μxμy + C₁)(2σxy + C₂) / ((μx² + μy² + C₁)(σx² + σy² + C₂)). Windows lie wholly in the
 /// image; where a side is shorter than 11 pixels, they are cut to the longest odd length that fits, with weights
-/// normalised to 1. The order of the images does not matter. Differing values give −1 if one of them is not finite.
+/// normalized to 1. The order of the images does not matter. Differing values give −1 if one of them is not finite.
 ///
 /// # Panics
 /// The images differ in size.

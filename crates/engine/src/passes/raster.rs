@@ -1,4 +1,4 @@
-//! Visiting the pixels of splats, in compute shaders or by the rasteriser, for any stage that binds what
+//! Visiting the pixels of splats, in compute shaders or by the rasterizer, for any stage that binds what
 //! shaders/shared/raster.wgsl states.
 
 use super::bands::{Band, Window};
@@ -26,7 +26,7 @@ gpu_struct! {
 pub enum Walker {
     /// Compute: one invocation per small splat, large ones tile by tile.
     Compute,
-    /// The rasteriser.
+    /// The rasterizer.
     Hardware,
 }
 
@@ -273,7 +273,7 @@ impl<'a> Raster<'a> {
 const WALK_SMALL: &str = "walk_small";
 /// One workgroup per tile and segment of its large splats.
 const WALK_TILES: &str = "walk_tiles";
-/// The rasteriser.
+/// The rasterizer.
 const WALK_FRAGMENT: &str = "walk_fragment";
 
 /// The variant of a stage for a footprint, and a walker that takes `segment` large splats of a tile at a time.

@@ -83,7 +83,7 @@ impl Tiles {
         4 * (pairs + large + tiles) + Scan::bytes(large.max(tiles))
     }
 
-    /// Makes room for these splats (none if the rasteriser visits them). There must be less than 2^32 pairs per chunk.
+    /// Makes room for these splats (none if the rasterizer visits them). There must be less than 2^32 pairs per chunk.
     pub fn reserve(&mut self, device: &Device, stats: &[Stats], window: Window) -> Result<(), Error> {
         let large = stats.iter().map(|s| u64::from(s.large)).max().unwrap_or(0);
         let any = large > 0;

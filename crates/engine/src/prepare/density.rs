@@ -111,7 +111,7 @@ pub(super) fn estimate_of<S: Shuffled + ?Sized>(shuffled: &S, progress: &Progres
         progress.inc(some.len() as u64);
     })?;
     progress.inc((count - counted) as u64);
-    // For one centre, as if all points were counted.
+    // For one center, as if all points were counted.
     let weight = (count - 1) as f64 / ((counted - 1) as f64 * centers as f64);
     let density = extrapolate(&bands, centers, weight) / frame.radius / frame.radius;
     Ok(density.min(f64::MAX))
@@ -288,7 +288,7 @@ fn extrapolate(bands: &[Band; RADII], centers: usize, weight: f64) -> f64 {
         let chance = (pairs / centers as f64).powf(-2.0 / 3.0) + 2.0 / pairs.sqrt();
         if off + chance < best.0 {
             // whole = ρ − rim − own, half = ρ − rim/2 − 4 own, quarter = ρ − rim/4 − 16 own. No surface has less than no
-            // rim, and no more than the centre itself can be missing, which counts 2.
+            // rim, and no more than the center itself can be missing, which counts 2.
             let most = 2.0 * weight * centers as f64 * f64::from(1u32 << (2 * j)) / PI;
             let own = (((half - whole) - 2.0 * (quarter - half)) / 21.0).min(most);
             let rim = (2.0 * (half - whole) + 6.0 * own).max(0.0);

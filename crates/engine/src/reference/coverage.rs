@@ -142,7 +142,7 @@ impl<'a> Placed<'a> {
         };
         let (z, rho) = match hit {
             Some(hit) => hit,
-            // The pixel's centre is outside the rim, so ρ is the rim's own.
+            // The pixel's center is outside the rim, so ρ is the rim's own.
             None if self.is_home(pixel) => (self.position_view.z, 1.0),
             None => return None,
         };
@@ -214,7 +214,7 @@ impl<'a> Placed<'a> {
 
     /// Distance from the projected center to the next pixel border, where that decides something.
     fn home_margin_px(&self) -> f64 {
-        // From these radii on, a flat shape reaches the centre of its own pixel from anywhere in it.
+        // From these radii on, a flat shape reaches the center of its own pixel from anywhere in it.
         let decides = match self.outline {
             Outline::Disc { radius_px } => radius_px < 0.5f64.sqrt(),
             Outline::Square { radius_px } => radius_px < 0.5,

@@ -100,7 +100,7 @@ impl Layer {
         })
     }
 
-    /// Section 3.4, Table 1: the alleviated Gaussian 16, 2, 1 over what is not background, normalised by the weights that
+    /// Section 3.4, Table 1: the alleviated Gaussian 16, 2, 1 over what is not background, normalized by the weights that
     /// took part. Depths stay.
     pub fn smoothed(&self) -> Self {
         let smooth = |pixel: usize| {

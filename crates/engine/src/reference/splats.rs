@@ -1,5 +1,5 @@
 //! Opaque splats blended in three passes (`hqs`, `splats`; Botsch, Spernat, Kobbelt 2004): the combined result of
-//! visibility, attributes and normalisation. [`super::opaque`] covers opaque splats where only the nearest one counts.
+//! visibility, attributes and normalization. [`super::opaque`] covers opaque splats where only the nearest one counts.
 
 mod ranges;
 

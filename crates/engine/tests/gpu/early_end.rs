@@ -15,7 +15,7 @@ use pellucid_engine::scene::{ColorSpace, Discs, GaussianSettings, Hybrid, LongLi
 use pellucid_testing::gaussians::Soup;
 use pellucid_testing::*;
 
-/// Odd, so that the middle pixel's centre is in the middle.
+/// Odd, so that the middle pixel's center is in the middle.
 const SIZE: [u32; 2] = [9, 9];
 const MIDDLE: usize = 40;
 
@@ -44,7 +44,7 @@ fn row(balls: &[(f64, f32, Vec3)]) -> Points {
     })
 }
 
-/// Ordered by centres, which all methods can; ends at so little opacity that thousands of fragments are faint enough.
+/// Ordered by centers, which all methods can; ends at so little opacity that thousands of fragments are faint enough.
 fn ending(stop: f32) -> Discs {
     let gaussians =
         GaussianSettings { order: Some(Order::Center), alpha_min: 1e-6, stop, ..GaussianSettings::default() };

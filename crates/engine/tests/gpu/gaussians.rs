@@ -439,7 +439,7 @@ fn samples_converge_to_the_lists() {
     });
 }
 
-/// Two that cross: each is in front on its side, by pixels; by centres one is everywhere.
+/// Two that cross: each is in front on its side, by pixels; by centers one is everywhere.
 #[test]
 fn crossing_gaussians_change_their_order_across_the_image() {
     with_device(|device| {

@@ -137,7 +137,7 @@ fn the_comparison_notices_other_settings() {
     });
 }
 
-/// A point in pixel coordinates for [`pixel_camera`]: centre of a pixel, depth, color.
+/// A point in pixel coordinates for [`pixel_camera`]: center of a pixel, depth, color.
 fn at(x: u32, y: u32, z: f64, color: Vec3) -> P {
     P {
         position: at_pixel(f64::from(x) + 0.5, f64::from(y) + 0.5, z),

@@ -10,7 +10,7 @@ use pellucid_engine::scene::{
 };
 use pellucid_testing::{P, at_pixel, frame, perspective, pixel_camera, scene, soup, with_device};
 
-/// Six samples of each pixel, by the rasteriser.
+/// Six samples of each pixel, by the rasterizer.
 fn in_hardware() -> Stochastic {
     let discs = Discs { raster: Raster::Hardware, ..Discs::default() };
     Stochastic { discs, samples: 6, alpha_correction: true }

@@ -195,7 +195,7 @@ fn gaps_of_a_pixel_of_the_light_let_none_through() {
     });
 }
 
-/// The share of a unit disc on one side of a line at distance t from its centre, the side of the centre for t > 0.
+/// The share of a unit disc on one side of a line at distance t from its center, the side of the center for t > 0.
 fn share_of_disc(t: f64) -> f64 {
     let t = t.clamp(-1.0, 1.0);
     0.5 + (t.asin() + t * (1.0 - t * t).sqrt()) / std::f64::consts::PI
@@ -212,7 +212,7 @@ fn half_a_disc_of_light_is_half_the_light() {
         points.iter_mut().filter(|p| p.position.x == 0.0).for_each(|p| p.position.x = 0.25);
         points.extend(lid(-10.0..32.0, -8.0..17.0, LID, 0.25));
         let (radius, height) = (10.0f64, 60.0);
-        // By how many radii of the disc the line through a point and the border misses its centre.
+        // By how many radii of the disc the line through a point and the border misses its center.
         let reach = (FLOOR - LID) * radius.to_radians().tan();
         let direction = |x: f64| (x - 32.0) / reach;
         // A lamp in the middle above: radius in world units, the border half-way.

@@ -173,7 +173,7 @@ fn what_lies_before_near_is_cut_off() {
         assert_eq!(image.depth[0], 10.0);
         let image = of(10.0, 9.0);
         assert_close(image.rgba[0][3], -(-0.2 * integral(2.0, 0.0, -1.0, 2.0)).exp_m1(), 1e-5);
-        // The centre decides whether a sphere is drawn at all.
+        // The center decides whether a sphere is drawn at all.
         assert_eq!(of(10.0, 10.1).rgba[0], [0.0; 4]);
     });
 }

@@ -19,7 +19,7 @@ use rand::seq::SliceRandom;
 
 /// Every channel and A.
 const BOUND: f64 = 3e-4;
-/// Relative, of the entry depth; beside it a few roundings of the centre's depth and the radius, whose difference it is.
+/// Relative, of the entry depth; beside it a few roundings of the center's depth and the radius, whose difference it is.
 const DEPTH_BOUND: f64 = 1e-5;
 const DEPTH_ROUNDINGS: f64 = 4.0 * f32::EPSILON as f64;
 /// Spheres that a ray passes this near to their rim, relative to the radius, may be met or not: they contribute nothing
@@ -119,7 +119,7 @@ impl Case {
         Scene { camera, size, points, colors: &colors, model }.render(behind)
     }
 
-    /// The picture of the solid points, if there are any; no pixel's centre is near the rim of one.
+    /// The picture of the solid points, if there are any; no pixel's center is near the rim of one.
     fn solids(&self) -> Option<Picture> {
         let solid: Vec<usize> = (0..self.points.len()).filter(|i| self.points.fields[*i] == 0.0).collect();
         let settings = BlendedSplats::default();
@@ -227,7 +227,7 @@ fn describe(method: Method) -> String {
     }
 }
 
-/// A sphere on the ray of each pixel, the further from it the further to the lower right: from through the centre to 10⁻⁶
+/// A sphere on the ray of each pixel, the further from it the further to the lower right: from through the center to 10⁻⁶
 /// of the radius within the rim.
 fn one_on_each_ray(camera: &Camera, size: [u32; 2], depths: std::ops::Range<f64>) -> Vec<S> {
     let mut r = random(17);

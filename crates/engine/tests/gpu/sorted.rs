@@ -148,7 +148,7 @@ fn shuffled_input_and_a_second_run_change_no_byte() {
             }
             shuffled.reverse();
             assert!(bits(&render(device, &scene(&shuffled), &frame)) == first, "{discs:?} reversed");
-            // The rasteriser, if asked for, is not asked.
+            // The rasterizer, if asked for, is not asked.
             let method = Method::Sorted(Discs { raster: Raster::Hardware, ..discs });
             let met = rendered(device, &scene(&points), &Frame { method, ..frame });
             assert!(bits(&met.image) == first && met.facts.raster == "compute");

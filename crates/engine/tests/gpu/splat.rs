@@ -22,13 +22,13 @@ fn render_both(device: &Device, points: &Points, frame: &Frame) -> Image {
         for wide in [device.info().int64_atomics, false] {
             renderer.wide_atomics = wide;
             let drawn = renderer.render(&mut cloud, &Frame { method, ..*frame }).expect("renders").image;
-            assert!(bits(&native) == bits(&drawn), "{method:?}: the rasteriser finds other fragments");
+            assert!(bits(&native) == bits(&drawn), "{method:?}: the rasterizer finds other fragments");
         }
     }
     native
 }
 
-/// The same method with the rasteriser to visit its splats' pixels; `None` where there are no splats.
+/// The same method with the rasterizer to visit its splats' pixels; `None` where there are no splats.
 fn rasterised(method: Method) -> Option<Method> {
     let drawn = |splats| ScreenSplats { raster: Raster::Hardware, ..splats };
     Some(match method {

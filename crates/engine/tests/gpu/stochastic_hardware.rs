@@ -1,4 +1,4 @@
-//! `stochastic` by multisampled rasterisation, against the float64 reference and against the compute way.
+//! `stochastic` by multisampled rasterization, against the float64 reference and against the compute way.
 
 use glam::{DVec3, Vec3};
 use pellucid_engine::camera::Camera;

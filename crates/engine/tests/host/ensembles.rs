@@ -36,7 +36,7 @@ fn density(positions: &[DVec3]) -> f64 {
     dealt.surfaces[0].density
 }
 
-/// As the paper has it, rims, centres and all: every sphere's points, its centre among them, over its great circle.
+/// As the paper has it, rims, centers and all: every sphere's points, its center among them, over its great circle.
 fn uncorrected(positions: &[DVec3]) -> f64 {
     let bounds = pellucid_engine::cloud::Bounds::enclosing(positions.iter().copied()).unwrap();
     let radius = bounds.diagonal() / 50.0;
@@ -131,7 +131,7 @@ fn a_turned_scaled_and_moved_cloud() {
     }
     let scaled = density(&flat.iter().map(|&p| 1024.0 * p).collect::<Vec<_>>());
     assert!((scaled * 1024.0 * 1024.0 / upright - 1.0).abs() < 1e-9, "{scaled} {upright}");
-    // Float64 has steps of 10⁻⁹ out there: rounded places are others, and so are the centres that are chosen.
+    // Float64 has steps of 10⁻⁹ out there: rounded places are others, and so are the centers that are chosen.
     let moved = density(&flat.iter().map(|&p| p + DVec3::new(5e5, 4.5e6, 100.0)).collect::<Vec<_>>());
     assert!((moved / upright - 1.0).abs() < 2e-3, "{moved} {upright}");
 }

@@ -104,7 +104,7 @@ fn jpeg_is_read_to_its_precision() {
     let wanted = Vec3::new(200.0, 100.0, 50.0);
     for color in cloud.colors.unwrap() {
         let encoded = Vec3::from_array(color.to_array().map(pellucid_engine::color::encode_srgb)) * 255.0;
-        // One quantisation step of the encoder, and rounding to and from YCbCr.
+        // One quantization step of the encoder, and rounding to and from YCbCr.
         assert!(encoded.distance(wanted) < 6.0, "{encoded}");
     }
 }

@@ -140,7 +140,7 @@ fn scene_files_name_their_clouds_and_known_keys_only() {
 }
 
 /// Fragments of every pixel of an orthographic scene that looks along −z at the origin, disc by disc and pixel by
-/// pixel from the coverage rule: the pixel's centre within the radius, and always the pixel of the disc's centre.
+/// pixel from the coverage rule: the pixel's center within the radius, and always the pixel of the disc's center.
 fn fragments(scene: &Generated) -> Vec<u32> {
     let table = toml(scene);
     let size = number(&table["image"]["size"][0]) as usize;
@@ -340,7 +340,7 @@ fn distances(count: usize, center: DVec3) -> Volume {
     Volume { dims: [count; 3], values }
 }
 
-/// Its points in cells' sides from the centre, and their normals.
+/// Its points in cells' sides from the center, and their normals.
 fn around(cloud: &Cloud, count: usize, center: DVec3) -> Vec<(DVec3, DVec3)> {
     let half = 0.5 * (count - 1) as f64;
     let normals = cloud.normals.as_ref().unwrap();

@@ -16,7 +16,7 @@ use pellucid_engine::scene::{
 
 /// Rounding of a few dozen float64 operations on values of order 10.
 const ROUNDING: f64 = 1e-12;
-/// The image of most cases; pixel (4, 4) is in the middle, its centre on the optical axis.
+/// The image of most cases; pixel (4, 4) is in the middle, its center on the optical axis.
 const SIZE: [u32; 2] = [9, 9];
 
 fn camera(projection: Projection) -> Camera {

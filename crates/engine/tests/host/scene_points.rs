@@ -108,7 +108,7 @@ fn fields_of_every_kind() {
     assert_eq!(fields(&cloud, "field = \"constant\""), [0.0; 5]);
     assert_eq!(fields(&cloud, "field = \"x\""), [0.0, 0.25, 0.5, 0.75, 1.0]);
     assert_eq!(fields(&cloud, "field = \"label\""), [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0, 1.0 / 3.0], "the codes");
-    // The vertical through the centre (2, 2, 0.5) is along Y: distances √(4.25), √(1.25), 0.5, √(1.25), √(4.25).
+    // The vertical through the center (2, 2, 0.5) is along Y: distances √(4.25), √(1.25), 0.5, √(1.25), √(4.25).
     let [near, middle, far] = [0.5f64, 1.25f64.sqrt(), 4.25f64.sqrt()];
     let share = ((middle - near) / (far - near)) as f32;
     assert_eq!(fields(&cloud, "field = \"distance-to-axis\""), [1.0, share, 0.0, share, 1.0]);

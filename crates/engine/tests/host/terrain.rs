@@ -13,7 +13,7 @@ fn tiles(terrain: &Terrain) -> Vec<Piece> {
     (0..terrain.nodes().len()).into_par_iter().map(|tile| terrain.read(tile).unwrap()).collect()
 }
 
-/// A coordinate on the grid of millimetres, as LAS files hold it.
+/// A coordinate on the grid of millimeters, as LAS files hold it.
 fn millimetres(p: &DVec3) -> [i64; 3] {
     let grid = (*p * 1000.0).round();
     assert_eq!(grid * 0.001, *p, "not on the grid");

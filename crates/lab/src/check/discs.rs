@@ -220,7 +220,7 @@ fn edge_on(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     let found: Vec<f32> = image.rgba.iter().map(|c| c[3]).collect();
     let wanted: Vec<f64> = (0..25).map(|i| if i == 12 { 0.5 } else { 0.0 }).collect();
     let depth = (f64::from(image.depth[12]) - 3.0).abs();
-    // The ray of a pixel's centre doesn't meet the disc's plane, without the rule of the always-covered pixel.
+    // The ray of a pixel's center doesn't meet the disc's plane, without the rule of the always-covered pixel.
     let (normal, center) = (disc.normal, disc.position.as_vec3());
     let met = |pixel: u32| {
         let start = at(pixel % 5, pixel / 5, 0.0).as_vec3();

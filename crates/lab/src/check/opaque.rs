@@ -62,7 +62,7 @@ pub(super) fn cases() -> Vec<Case> {
 
 const SIZE: [u32; 2] = [32, 24];
 
-/// Two splats of a radius of 8 pixels at equal depth, placed so that no pixel's centre is near the line between them.
+/// Two splats of a radius of 8 pixels at equal depth, placed so that no pixel's center is near the line between them.
 fn pair() -> [Dot; 2] {
     let splat =
         |x: f64, y: f64, color| Dot { position: DVec3::new(x, -y, -20.0), radius: 8.0, color, ..Dot::default() };
@@ -138,7 +138,7 @@ fn no_radius(stage: &mut Stage, method: Method) -> CaseResult {
         let wanted: Vec<[f64; 4]> = (0..9).map(|i| if i == 4 { [1.0; 4] } else { [0.0; 4] }).collect();
         // ρ counts as 1 there, so that only squares move toward the viewer.
         error = error.max(pixels_apart(&image.rgba, &wanted)).max(apart(&image.depth[4..5], &[4.0]));
-        // It contains no pixel's centre.
+        // It contains no pixel's center.
         let covered: Vec<[f32; 4]> = (0..9).map(|i| naive::pixel(&dot, [i % 3, i / 3])).collect();
         naive = naive.max(pixels_apart(&covered, &wanted));
     }

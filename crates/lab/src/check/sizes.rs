@@ -121,7 +121,7 @@ fn one_point(stage: &mut Stage, method: Method) -> CaseResult {
     let deep =
         |depths: &[f32]| depths.iter().zip(&depth).filter(|(z, wanted)| f64::from(**z) != **wanted).count() as f64;
     let error = pixels_apart(&image.rgba, &wanted).max(deep(&image.depth));
-    // A disc of a radius of 0 covers no pixel, not even with its centre in the pixel's: 0 / 0 is not at most 1.
+    // A disc of a radius of 0 covers no pixel, not even with its center in the pixel's: 0 / 0 is not at most 1.
     let covered: Vec<[f32; 4]> = (0..16).map(|i| naive::pixel(&dot, [i % 4, i / 4])).collect();
     let naive = if radius == 0.0 {
         Computed(pixels_apart(&covered, &wanted))
@@ -156,7 +156,7 @@ fn border(stage: &mut Stage, method: Method) -> CaseResult {
     let image = stage.image(&dots, pixels(size), size, method)?;
     let wanted = |pixel: usize| if pixel.is_multiple_of(3) && (pixel / 15).is_multiple_of(3) { 1.0 } else { 0.0 };
     let error = (0..225).filter(|pixel| image.rgba[*pixel][3] != wanted(*pixel)).count();
-    // The nearest centre, where two are as near: half to even takes the left one of an odd border.
+    // The nearest center, where two are as near: half to even takes the left one of an odd border.
     let naive = (0..5).map(|i| 3.0 * f64::from(i)).filter(|x| (x - 0.5).round_ties_even() != *x).count();
     Ok(Finding { error: error as f64, bound: 0.0, naive: Computed(naive as f64) })
 }

@@ -106,7 +106,7 @@ pub fn pixels(size: [u32; 2]) -> Camera {
     looking(center, center - DVec3::Z, Projection::Orthographic { height }, 0.5, 1e7)
 }
 
-/// The centre of a pixel of [`pixels`] at a depth.
+/// The center of a pixel of [`pixels`] at a depth.
 pub fn at(x: u32, y: u32, depth: f64) -> DVec3 {
     DVec3::new(f64::from(x) + 0.5, -(f64::from(y) + 0.5), -depth)
 }

@@ -199,7 +199,7 @@ fn discs() -> Vec<Subject> {
         subject(Method::ABuffer(flat), "", many(), as_it_is),
         subject(Method::ABuffer(soft_edged), "Gaussian, encoded", many(), lit_and_encoded),
         subject(Method::ABuffer(oriented), "oriented", many(), orthographic),
-        subject(Method::ABuffer(drawn(oriented)), "oriented, rasteriser", many(), as_it_is),
+        subject(Method::ABuffer(drawn(oriented)), "oriented, rasterizer", many(), as_it_is),
         subject(Method::ABuffer(in_place), "oriented, in place", many(), as_it_is),
         subject(Method::LinkedList(oriented), "oriented", many(), as_it_is),
         subject(Method::Sorted(flat), "", many(), as_it_is),
@@ -208,7 +208,7 @@ fn discs() -> Vec<Subject> {
         subject(Method::Peel(Peel { discs: oriented, layers: 9 }), "oriented, 9 layers", few(), as_it_is),
         subject(Method::Stochastic(sampled(Discs { raster: Raster::Compute, ..flat })), "compute", many(), as_it_is),
         subject(Method::Stochastic(sampled(computed)), "oriented, compute", few(), orthographic),
-        subject(Method::Stochastic(sampled(drawn(oriented))), "oriented, rasteriser", few(), as_it_is),
+        subject(Method::Stochastic(sampled(drawn(oriented))), "oriented, rasterizer", few(), as_it_is),
         subject(Method::Hybrid(Hybrid::default()), "", many(), as_it_is),
         subject(
             Method::Hybrid(Hybrid { discs: oriented, k: 11, ..Hybrid::default() }),
@@ -243,7 +243,7 @@ fn gaussians() -> Vec<Subject> {
     let (few, many, mixed) = (clouds::few_gaussians, clouds::many_gaussians, clouds::mixed);
     vec![
         subject(Method::ABuffer(with(settings)), "Gaussians, encoded", many(), encoded),
-        subject(Method::ABuffer(drawn), "Gaussians by ray, rasteriser", few(), orthographic),
+        subject(Method::ABuffer(drawn), "Gaussians by ray, rasterizer", few(), orthographic),
         subject(Method::ABuffer(ellipsoids), "ellipsoids, encoded", many(), encoded),
         subject(Method::LinkedList(by_ray), "Gaussians and discs", mixed(), as_it_is),
         subject(Method::LinkedList(ellipsoids), "ellipsoids and discs", mixed(), as_it_is),
@@ -271,7 +271,7 @@ fn opaque() -> Vec<Subject> {
         subject(Method::Points, "", few(), lit),
         subject(Method::Squares(splats), "", few(), as_it_is),
         subject(Method::Circles(splats), "shadows", few(), shadowed),
-        subject(Method::Circles(drawn), "rasteriser", few(), as_it_is),
+        subject(Method::Circles(drawn), "rasterizer", few(), as_it_is),
         subject(Method::Paraboloid(relief(SplatShape::Circle)), "", few(), as_it_is),
         subject(Method::Cone(relief(SplatShape::Square)), "squares", few(), lit_and_encoded),
         subject(Method::Sphere(splats), "", few(), lit),

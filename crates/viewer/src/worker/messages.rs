@@ -98,7 +98,7 @@ pub enum News {
     Cameras(PathBuf, Box<Source>),
     /// The error of the pictures of the view with this serial against the exact one.
     Measured(u64, Accuracy),
-    /// The task of this serial was stopped in favour of a later one.
+    /// The task of this serial was stopped in favor of a later one.
     Stopped(u64),
     /// Files were written.
     Saved(Vec<PathBuf>),

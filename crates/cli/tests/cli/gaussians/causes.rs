@@ -65,7 +65,7 @@ fn errors_of_gaussians_by_cause() {
     assert!(others.iter().all(|cause| number(cause, "rmse") > 1e-6 && number(cause, "max") > 1e-4), "{causes:#?}");
     assert!(ends.len() == 1 && number(ends[0], "max") < 0.05, "{ends:?}");
     assert!(causes.iter().all(|cause| number(cause, "gpu_ms") > 0.0), "{causes:#?}");
-    // `sorted` orders centres: another way to the same image.
+    // `sorted` orders centers: another way to the same image.
     let sorted = report["rows"].as_array().unwrap().iter().find(|row| row["method"] == "sorted").unwrap();
     let (a, b) = (number(&sorted["errors"], "rmse"), number(cause(&report, "method.order=center", ""), "rmse"));
     assert!((a - b).abs() < 1e-5 && b > 1e-3, "{a} and {b}");

@@ -6,7 +6,7 @@ use tempfile::TempDir;
 
 use crate::inside;
 
-/// The properties in their order: centre, color, harmonics of degree 1, opacity, extents, rotation.
+/// The properties in their order: center, color, harmonics of degree 1, opacity, extents, rotation.
 const PROPERTIES: [&str; 23] = [
     "x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "f_rest_0", "f_rest_1", "f_rest_2", "f_rest_3", "f_rest_4",
     "f_rest_5", "f_rest_6", "f_rest_7", "f_rest_8", "opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1",

@@ -38,7 +38,7 @@ const MAX_PACKET: u64 = 1 << 16;
 pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Error> {
     check_header(source)?;
     let len = source.len;
-    // The library's behaviour on damaged files is unknown; a panic counts as a fault of the file.
+    // The library's behavior on damaged files is unknown; a panic counts as a fault of the file.
     let cloud = decoder::guard(|| points(&mut source.reader, len, progress));
     match cloud {
         Ok(Ok(cloud)) => Ok(cloud),

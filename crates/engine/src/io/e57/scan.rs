@@ -230,7 +230,7 @@ fn from_spherical(DVec3 { x: range, y: azimuth, z: elevation }: DVec3) -> DVec3 
     DVec3::new(across * azimuth.cos(), across * azimuth.sin(), range * elevation.sin())
 }
 
-/// The pose of a scan in the file's coordinates; a rotation need not be normalised.
+/// The pose of a scan in the file's coordinates; a rotation need not be normalized.
 fn pose(scan: &PointCloud) -> Result<(DQuat, DVec3), String> {
     let Some(pose) = &scan.transform else { return Ok((DQuat::IDENTITY, DVec3::ZERO)) };
     let (r, t) = (&pose.rotation, &pose.translation);

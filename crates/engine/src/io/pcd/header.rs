@@ -59,7 +59,7 @@ impl Field {
 pub(super) struct Header {
     pub fields: Vec<Field>,
     pub points: u64,
-    /// Columns of an organised cloud: an image, row by row.
+    /// Columns of an organized cloud: an image, row by row.
     pub columns: Option<u64>,
     pub encoding: Encoding,
     /// Bytes up to and including the line `DATA`.

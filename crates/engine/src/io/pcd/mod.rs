@@ -1,4 +1,4 @@
-//! PCD files (Point Cloud Library): text, binary and compressed, organised or not.
+//! PCD files (Point Cloud Library): text, binary and compressed, organized or not.
 //!
 //! Fields have the names of PLY's properties. `rgb` and `rgba` of four bytes are packed colors whatever their type,
 //! since the float only carries the bits. Colors of other types than bytes share a common range. A group of `COUNT`

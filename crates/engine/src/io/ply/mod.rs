@@ -5,7 +5,7 @@
 //! | column | names (any case) | values |
 //! |---|---|---|
 //! | position | `x y z` | any type, world units |
-//! | normal | `nx ny nz`, `normal_x normal_y normal_z`, `normalx normaly normalz` | normalised |
+//! | normal | `nx ny nz`, `normal_x normal_y normal_z`, `normalx normaly normalz` | normalized |
 //! | color | `red green blue`, `r g b`, `diffuse_red diffuse_green diffuse_blue` | sRGB-encoded: `ushort` of 65535, floats of 1 (as other tools write them), other integers of 255 |
 //! | color | `linear_red linear_green linear_blue` | linear |
 //! | alpha | `alpha`, `diffuse_alpha` | integers as colors; floats as they are |

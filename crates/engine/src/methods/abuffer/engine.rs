@@ -71,7 +71,7 @@ impl ListEngine {
         cloud.has_gaussians() && self.discs.gaussians.kernel == Kernel::Ellipsoid
     }
 
-    /// Ellipsoids have no stage for the rasteriser.
+    /// Ellipsoids have no stage for the rasterizer.
     fn walker(&self, device: &Device, cloud: &DeviceCloud, window: Window) -> Result<Walker, Error> {
         if self.are_ellipsoids(cloud) { Ok(Walker::Compute) } else { walker(device, self.discs.raster, window) }
     }

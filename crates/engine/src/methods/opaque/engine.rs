@@ -13,7 +13,7 @@ use crate::scene::{Relief, ScreenSplats};
 
 /// Opaque splats where only the nearest one counts.
 pub(crate) struct NearestEngine {
-    /// Size, clamp and rasteriser.
+    /// Size, clamp and rasterizer.
     pub splats: ScreenSplats,
     /// Shape of the pixels that a splat covers.
     pub footprint: Footprint,

@@ -1,5 +1,5 @@
 //! Opaque splats in three passes (`hqs`, `splats`; Botsch, Spernat, Kobbelt 2004), which blend what lies close together:
-//! visibility, attributes, normalisation. Other methods take them for their solid points. Those whose nearest one wins are
+//! visibility, attributes, normalization. Other methods take them for their solid points. Those whose nearest one wins are
 //! [`super::opaque`].
 //!
 //! Splats go through tiles in canonical order and their sums are compensated, so that neither windows nor runs over a tile's

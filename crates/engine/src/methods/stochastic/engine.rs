@@ -1,4 +1,4 @@
-//! The engine of `stochastic`, by compute shaders and by the rasteriser.
+//! The engine of `stochastic`, by compute shaders and by the rasterizer.
 
 use std::ops::Range;
 
@@ -73,7 +73,7 @@ impl Stage for StochasticEngine {
 
 impl Engine for StochasticEngine {
     fn needs_subgroups(&self, device: &DeviceInfo) -> bool {
-        // The rasteriser takes the samples where it can.
+        // The rasterizer takes the samples where it can.
         device.multisampled.is_none()
     }
 
@@ -162,7 +162,7 @@ impl Engine for StochasticEngine {
 /// The passes of stochastic transparency, without those that it shares.
 const SAMPLES: [&str; 4] =
     ["stochastic/visibility", "stochastic/accumulate", "stochastic/gather", "stochastic/resolve"];
-/// The passes by which the rasteriser takes the samples.
+/// The passes by which the rasterizer takes the samples.
 const DRAWS: [&str; 4] = ["stochastic/draw-alpha", "stochastic/draw-held", "stochastic/draw-sums", "stochastic/fold"];
 
 /// Returns the passes of stochastic transparency, without those that it shares.
@@ -191,7 +191,7 @@ fn explain_tiles(plan: &mut Plan<'_>, settings: &Stochastic) {
     }
 }
 
-/// The rasteriser's samples, stratum by stratum.
+/// The rasterizer's samples, stratum by stratum.
 fn explain_draws(plan: &mut Plan<'_>, settings: &Stochastic) {
     let (why, alpha) = (plan.why, correction(settings));
     if plan.frame.fragments {

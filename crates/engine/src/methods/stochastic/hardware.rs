@@ -1,4 +1,4 @@
-//! The samples' passes over the splats as their paper has them: by multisampled rasterisation (`raster = "hardware"`).
+//! The samples' passes over the splats as their paper has them: by multisampled rasterization (`raster = "hardware"`).
 //!
 //! A stratum is two draws of all splats. In the first one the depth test keeps the nearest fragment of each sample among
 //! those whose mask has the sample; the second one compares every fragment with what the samples of its pixel hold, and sums
@@ -201,7 +201,7 @@ impl Attachments {
 }
 
 impl Sampler {
-    /// Renders a window into the target by the rasteriser, or keeps its sums.
+    /// Renders a window into the target by the rasterizer, or keeps its sums.
     pub(crate) fn draw(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>, depths: HeldDepths) -> Result<(), Error> {
         let (device, target) = (work.device, work.target);
         self.reserve_drawing(device, job)?;

@@ -50,7 +50,7 @@ impl Extent {
             // Its semi-axes are the standard deviations, whatever the least opacity.
             Kernel::Ellipsoid => Self { radius: 1.0 / f64::from(REACH), pixels: ONE },
             // Along an axis of the screen an ellipse reaches √(σ²·(1 + slope²)·(focal / z)² + dilation) deviations at most. The slope is
-            // that of the centre, but at most 1.3 times that of the image's side.
+            // that of the center, but at most 1.3 times that of the image's side.
             Kernel::Ewa => {
                 let slope = match camera.projection {
                     Projection::Perspective { .. } => {

@@ -77,7 +77,7 @@ fn solve_radius(positions: &[DVec3], layers: f64) -> Result<f64, Error> {
     let guess = (layers * cube_px / (std::f64::consts::PI * most)).sqrt() / scale;
     let (mut low, mut high) = (0.0, LARGEST_RADIUS);
     let mut radius = guess.min(LARGEST_RADIUS);
-    // The square law (layers ∝ R²) is exact except for rims and the centre's own pixel, so a few steps with it suffice;
+    // The square law (layers ∝ R²) is exact except for rims and the center's own pixel, so a few steps with it suffice;
     // the halvings after it always end. A remainder after 50 steps is a jump of the mean, which no radius avoids.
     for step in 0..50 {
         let mean = counter.mean_layers(centers(), radius * scale);
@@ -130,7 +130,7 @@ impl Counter {
         let last = ((center.y + radius - 0.5).floor().max(own.y).min(SIZE as f64 - 1.0)) as usize;
         for row in first..=last {
             let dy = row as f64 + 0.5 - center.y;
-            // NaN where the row misses the disc; then `f64::min` and `max` keep the pixel of the centre alone.
+            // NaN where the row misses the disc; then `f64::min` and `max` keep the pixel of the center alone.
             let half = (radius * radius - dy * dy).sqrt();
             let (mut left, mut right) = ((center.x - half - 0.5).ceil(), (center.x + half - 0.5).floor());
             if row as f64 == own.y {

@@ -17,7 +17,7 @@ pub struct Key {
     pub unit: &'static str,
     /// The value in force; `None` if none was given and none stands for it.
     pub value: Option<Setting>,
-    /// The behaviour without a value, in a few words; empty for a key that always has one.
+    /// The behavior without a value, in a few words; empty for a key that always has one.
     pub without: &'static str,
     /// Value at which a control begins when it is switched on, of a key that may have no value. For [`Slider::Lengths`]
     /// it is a share of the scene's diagonal.

@@ -57,7 +57,7 @@ fn nerfstudio_by_hand() {
     assert_seen(&keys, 0, size, [2.0, 3.0, -7.0], [110.0, 40.0], 10.0);
     // (1, 0.5, −1) lies 4 before, 0.5 above and, as −z is to the right of −x, 1 to the right: 100 + 100/4, 50 − 50/4.
     assert_seen(&keys, 1, size, [1.0, 0.5, -1.0], [125.0, 37.5], 4.0);
-    // Twice the size in the picture: pixels twice as far from its centre.
+    // Twice the size in the picture: pixels twice as far from its center.
     assert_seen(&keys, 1, [400, 200], [1.0, 0.5, -1.0], [250.0, 75.0], 4.0);
     // A folder is read by the file in it.
     assert_eq!(read(folder.path()), source);

@@ -65,7 +65,7 @@ pub fn plain(points: impl IntoIterator<Item = [f64; 3]>) -> Scan {
 }
 
 fn quarter_turn() -> Transform {
-    // A quarter turn about z, not normalised: x becomes y, y becomes −x.
+    // A quarter turn about z, not normalized: x becomes y, y becomes −x.
     let rotation = Quaternion { w: 2.0, x: 0.0, y: 0.0, z: 2.0 };
     Transform { rotation, translation: Translation { x: 100.0, y: 200.0, z: 300.0 } }
 }

@@ -67,7 +67,7 @@ fn equal_points_meet_on_their_bisector() {
         let [red, green, _, a] = picture.rgba[y * 9 + 4];
         assert!((red - 0.5).abs() < ROUNDING && (green - 0.5).abs() < ROUNDING && a == 1.0, "{red} {green}");
     }
-    // Left of it more of the left one: at x = 3 the centres are 0 and 2 of 3 away.
+    // Left of it more of the left one: at x = 3 the centers are 0 and 2 of 3 away.
     let wanted = 1.0 / (1.0 + weight(2.0 / 3.0));
     assert_close(picture.rgba[4 * 9 + 3][0], wanted, ROUNDING);
     assert_eq!((picture.rgba[4 * 9], picture.counts[4 * 9 + 4]), ([1.0, 0.0, 0.0, 1.0], 2));
@@ -77,7 +77,7 @@ fn equal_points_meet_on_their_bisector() {
 #[test]
 fn the_drawn_radius_is_scaled_and_clamped_in_the_world() {
     let one = points(&[-3.0 * DVec3::Z], &[2.0625], Some(vec![Vec3::Z]), &[]);
-    // 1.5 pixels per unit at z = 3; 3.1 pixels reach 29 pixel centres, 1.5 pixels the 8 neighbors.
+    // 1.5 pixels per unit at z = 3; 3.1 pixels reach 29 pixel centers, 1.5 pixels the 8 neighbors.
     for (size, most, wanted, pixels) in
         [(1.0, 25.0, 2.0625, 29), (0.5, 25.0, 1.03125, 9), (1.0, 1.5, 1.0, 9), (4.0, 1.5, 1.0, 9), (0.0, 25.0, 0.0, 1)]
     {
@@ -94,7 +94,7 @@ fn the_drawn_radius_is_scaled_and_clamped_in_the_world() {
 
 #[test]
 fn oriented_depths_decide_pixel_by_pixel() {
-    // A disc whose z grows to the right through a flat one that lies at its centre's depth: within 0.5 of each other they blend.
+    // A disc whose z grows to the right through a flat one that lies at its center's depth: within 0.5 of each other they blend.
     let crossing = points(&[-5.0 * DVec3::Z; 2], &[2.2, 2.2], Some(vec![tilted(45.0).as_vec3(), Vec3::ZERO]), &[]);
     let settings = BlendedSplats { blend_depth: 0.25, ..BlendedSplats::default() };
     let picture = splats::render(&orthographic(), SIZE, &crossing, &COLORS[..2], Shape::Oriented, &settings);

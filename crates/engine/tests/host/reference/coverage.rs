@@ -5,7 +5,7 @@ use super::*;
 #[test]
 fn disc_around_a_pixel_centre() {
     let count = |radius| footprint(&orthographic(), SIZE, &flat(Shape::Disc, -5.0 * DVec3::Z, radius)).len();
-    // Squared distances of pixel centres: 0 (1 pixel), 1 (4), 2 (4), 4 (4), 5 (8), 8 (4), 9 (4).
+    // Squared distances of pixel centers: 0 (1 pixel), 1 (4), 2 (4), 4 (4), 5 (8), 8 (4), 9 (4).
     assert_eq!([0.9, 1.2, 1.5, 2.0, 2.1, 2.3, 2.9, 3.0].map(count), [1, 5, 9, 13, 13, 21, 25, 29]);
 }
 
@@ -26,11 +26,11 @@ fn row_0_is_at_the_top_and_column_0_at_the_left() {
 
 #[test]
 fn disc_on_a_pixel_corner() {
-    // 0.5, 0.5 world units to the right and up of the middle pixel's centre: the corner of four pixels.
+    // 0.5, 0.5 world units to the right and up of the middle pixel's center: the corner of four pixels.
     let corner = DVec3::new(0.5, 0.5, -5.0);
     let four = footprint(&orthographic(), SIZE, &flat(Shape::Disc, corner, 0.75));
     assert_eq!(pixels(&four), [(4, 3), (5, 3), (4, 4), (5, 4)]);
-    // sqrt(1/2) > 0.7: no pixel centre within, so that only the pixel of the projected centre (5, 4) is left.
+    // sqrt(1/2) > 0.7: no pixel center within, so that only the pixel of the projected center (5, 4) is left.
     let one = footprint(&orthographic(), SIZE, &flat(Shape::Disc, corner, 0.7));
     assert_eq!(pixels(&one), [(5, 4)]);
     assert_eq!(one[0].rho, 1.0);
@@ -91,7 +91,7 @@ fn only_points_from_near_to_far_are_drawn() {
 
 #[test]
 fn what_lies_outside_the_image_is_cut_off() {
-    // The centre is 2 units left of the image: the centres of columns 0 and 1 are 2.5 and 3.5 away.
+    // The center is 2 units left of the image: the centers of columns 0 and 1 are 2.5 and 3.5 away.
     let splat = flat(Shape::Disc, DVec3::new(-6.5, 0.0, -5.0), 3.0);
     let covered = footprint(&orthographic(), SIZE, &splat);
     // 2.5² + 1² = 7.25 and 2.5² + 2² = 10.25 against 9.

@@ -88,7 +88,7 @@ fn covariance(camera: &Camera, gaussian: &Gaussian) -> DMat3 {
     axes * axes.transpose()
 }
 
-/// Start and direction of the ray through a pixel's centre, in camera coordinates; z of the direction is 1.
+/// Start and direction of the ray through a pixel's center, in camera coordinates; z of the direction is 1.
 fn ray_through(camera: &Camera, x: u32, y: u32) -> (DVec3, DVec3) {
     let place = DVec2::new(f64::from(x) - 4.0, 4.0 - f64::from(y)) / camera.focal_px(SIZE[1]);
     match camera.projection {

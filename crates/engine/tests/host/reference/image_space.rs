@@ -228,7 +228,7 @@ fn the_background_beside_an_edge_takes_part_in_it() {
 
 fn points(at: &[(f64, f64, f64)], normals: Option<Vec<Vec3>>) -> Points {
     Points {
-        // Pixel centres are whole numbers away from the axis.
+        // Pixel centers are whole numbers away from the axis.
         positions: at.iter().map(|(x, y, z)| DVec3::new(*x, *y, -z)).collect(),
         colors: vec![Vec3::ONE; at.len()],
         opacities: vec![0.5; at.len()],

@@ -5,7 +5,7 @@ use super::*;
 #[test]
 fn distance_from_the_rim_to_the_nearest_pixel_centre() {
     let margin = |shape, radius| margin_px(&orthographic(), SIZE, &flat(shape, -5.0 * DVec3::Z, radius));
-    // Distances of pixel centres: 1, sqrt(2), 2.
+    // Distances of pixel centers: 1, sqrt(2), 2.
     assert_close(margin(Shape::Disc, 1.1), 0.1, ROUNDING);
     assert_close(margin(Shape::Disc, 1.95), 0.05, ROUNDING);
     assert_close(margin(Shape::Square, 1.45), 0.45, ROUNDING);
@@ -20,7 +20,7 @@ fn distance_from_the_centre_to_a_pixel_border() {
     let margin = |shape, x, radius| margin_px(&orthographic(), SIZE, &flat(shape, DVec3::new(x, 0.0, -5.0), radius));
     assert_close(margin(Shape::Point, 0.45, 0.0), 0.05, ROUNDING);
     assert_close(margin(Shape::Disc, 0.47, 0.2), 0.03, ROUNDING);
-    // From sqrt(1/2) on a disc covers its own pixel anyway and only the rim counts: pixel centres are 0.47, 0.53,
+    // From sqrt(1/2) on a disc covers its own pixel anyway and only the rim counts: pixel centers are 0.47, 0.53,
     // hypot(0.47, 1) = 1.105 and more away.
     assert_close(margin(Shape::Disc, 0.47, 0.8), 0.8 - 0.53, ROUNDING);
 }

@@ -81,7 +81,7 @@ fn fragments_move_by_the_drawn_radius() {
     near(z[middle], 3.0);
     near(z[beside], 5.0 - 3f64.sqrt());
     near(z[corner], 5.0 - 2f64.sqrt());
-    // A square's corner lies √2 radii out, where a paraboloid is as far behind the centre as its apex is before it.
+    // A square's corner lies √2 radii out, where a paraboloid is as far behind the center as its apex is before it.
     let z = alone(Shape::Square, plain, Relief::Paraboloid);
     near(z[2 * 9 + 6], 7.0);
     // Half the size, and clamped.

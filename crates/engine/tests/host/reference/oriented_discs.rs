@@ -27,7 +27,7 @@ fn without_a_normal_it_is_flat() {
 
 #[test]
 fn orthographic_at_60_degrees() {
-    // On the disc an offset (dx, dy) in pixels is dx²·(1 + tan² 60°) + dy² = 4dx² + dy² away from the centre.
+    // On the disc an offset (dx, dy) in pixels is dx²·(1 + tan² 60°) + dy² = 4dx² + dy² away from the center.
     // Radius 2.1: |dy| ≤ 2 for dx = 0, dy = 0 for dx = ±1 (4 < 4.41 < 5).
     let covered = footprint(&orthographic(), SIZE, &oriented(-5.0 * DVec3::Z, 2.1, tilted(60.0)));
     assert_eq!(pixels(&covered), [(4, 2), (4, 3), (3, 4), (4, 4), (5, 4), (4, 5), (4, 6)]);
@@ -44,7 +44,7 @@ fn orthographic_at_60_degrees() {
 fn perspective_at_60_degrees() {
     // The ray of column offset dx is (z·dx/4.5, 0, z), the plane z = 9 + tan 60°·x: z = 9/(1 − tan 60°·dx/4.5).
     let z = |dx: f64| 9.0 / (1.0 - 3f64.sqrt() * dx / 4.5);
-    // (x, z − 9) from the centre to the hit: 2x, since z − 9 = x·tan 60°.
+    // (x, z − 9) from the center to the hit: 2x, since z − 9 = x·tan 60°.
     let distance = |dx: f64| 2.0 * (z(dx) * dx / 4.5).abs();
     // 2.889 at dx = −1, 6.503 at dx = +1, 4.520 at dx = −2, 5.569 at dx = −3: a radius of 5 takes two of them.
     let covered = footprint(&perspective(), SIZE, &oriented(-9.0 * DVec3::Z, 5.0, tilted(60.0)));
@@ -75,7 +75,7 @@ fn edge_on_leaves_its_own_pixel_at_the_centres_depth() {
 
 #[test]
 fn own_pixel_has_the_rays_depth_only_where_the_ray_meets_the_disc() {
-    // The centre lies 0.25 right of the pixel's centre; along the disc that is 0.25·sqrt(1 + tan² 60°) = 0.5.
+    // The center lies 0.25 right of the pixel's center; along the disc that is 0.25·sqrt(1 + tan² 60°) = 0.5.
     let position = DVec3::new(0.25, 0.0, -5.0);
     let reached = footprint(&orthographic(), SIZE, &oriented(position, 0.6, tilted(60.0)));
     assert_eq!(pixels(&reached), [(4, 4)]);

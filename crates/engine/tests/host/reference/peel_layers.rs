@@ -14,7 +14,7 @@ const NO_FILTER: ImageSpace = ImageSpace {
     cull: false,
 };
 
-/// Points at pixels' centres (0, 0 in the middle), depth, gray, opacity.
+/// Points at pixels' centers (0, 0 in the middle), depth, gray, opacity.
 fn points(at: &[(i32, i32, f64, f32, f32)]) -> (Points, Vec<DVec3>) {
     let points = Points {
         positions: at.iter().map(|p| DVec3::new(f64::from(p.0), f64::from(p.1), -p.2)).collect(),

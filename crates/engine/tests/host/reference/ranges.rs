@@ -94,7 +94,7 @@ fn rims_and_borders_are_open_as_far_as_roundings_reach() {
         let all = possible(&orthographic(), SIZE, &splat, 0..SIZE[1]);
         all.iter().find(|p| (p.x, p.y) == (x, 4)).map(|p| p.sure)
     };
-    // The centre of the pixel to the right is one unit from the middle.
+    // The center of the pixel to the right is one unit from the middle.
     let disc = |radius: f64| found(flat(Shape::Disc, -5.0 * DVec3::Z, radius), 5);
     assert_eq!(
         [disc(1.0 + 1e-5), disc(1.0 + 1e-8), disc(1.0 - 1e-8), disc(1.0 - 1e-5)],
@@ -109,14 +109,14 @@ fn rims_and_borders_are_open_as_far_as_roundings_reach() {
     // Seen from the side at 60° the disc's half width is half its radius.
     let tilted = |radius: f64| found(oriented(-5.0 * DVec3::Z, radius, tilted(60.0)), 5);
     assert_eq!([tilted(2.0 + 1e-4), tilted(2.0 + 1e-8), tilted(2.0 - 1e-4)], [Some(true), Some(false), None]);
-    // Edge-on nothing is known but the centre's pixel.
+    // Edge-on nothing is known but the center's pixel.
     let edge_on = oriented(-5.0 * DVec3::Z, 3.0, DVec3::X);
     assert!(possible(&orthographic(), SIZE, &edge_on, 0..SIZE[1]).iter().all(|p| p.sure == ((p.x, p.y) == (4, 4))));
 }
 
 #[test]
 fn a_splat_that_roundings_decide_moves_the_mean_by_its_share() {
-    // The second one's rim is on the pixel's centre: weights of 1 and e^−2.
+    // The second one's rim is on the pixel's center: weights of 1 and e^−2.
     let of = |x: f64| {
         let two = points(&[point(0.0, 0.0, 5.0, Vec3::ZERO), point(x, 0.0, 5.0, Vec3::ONE)]);
         splats::ranges(&orthographic(), SIZE, &two, &colors(&two), Shape::Disc, &BlendedSplats::default()).rgba[MIDDLE]

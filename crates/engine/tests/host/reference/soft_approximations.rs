@@ -26,7 +26,7 @@ fn two_shells_off_the_centre() {
     let one = spheres(&[(DVec3::new(1.5, 0.0, -9.0), 5.0, Vec3::X)]);
     let depth = 0.35 * 2.0 * 22.75f64.sqrt() + 0.4 * 4.0;
     assert_close(middle(&one, shells(2, 0.25)).alpha, opacity(0.25 * depth), ROUNDING);
-    // Only to the centre: half.
+    // Only to the center: half.
     let behind = Behind { color: DVec3::ZERO, alpha: 1.0, depth: 9.0 };
     let half = pixel(&orthographic(), &one, shells(2, 0.25), [4, 4], behind);
     assert_close(half.color.x, opacity(0.125 * depth), ROUNDING);
@@ -52,7 +52,7 @@ fn many_shells_come_to_an_integral() {
 #[test]
 fn shells_weigh_colors_by_themselves() {
     // Two coincident spheres of one and of two shells do not exist in one frame: one sphere inside another does. Red has
-    // r = 4, 2; green r = 2, 1 around the same centre, and the ray goes through at d = 0: all weights 1.
+    // r = 4, 2; green r = 2, 1 around the same center, and the ray goes through at d = 0: all weights 1.
     let two = spheres(&[(-9.0 * DVec3::Z, 4.0, Vec3::X), (-9.0 * DVec3::Z, 2.0, Vec3::Y)]);
     let found = middle(&two, shells(2, 0.125));
     // Densities: red 1/2 from 4, 1 from 2; green 1/2 from 2, 1 from 1. Segments out to in: 2, 1, 2, 1, 2 long.
@@ -89,7 +89,7 @@ fn a_disc_falls_off_as_a_cosine() {
     // The rim is covered and lets everything through.
     assert_eq!((at(6).alpha, at(6).depth, at(6).count), (0.0, f64::INFINITY, 1));
     assert_eq!(at(7).count, 0);
-    // The pixel of a small disc's centre is always covered, at ρ = 1.
+    // The pixel of a small disc's center is always covered, at ρ = 1.
     let small = spheres(&[(DVec3::new(0.3, 0.0, -9.0), 0.2, Vec3::X)]);
     let found = middle(&small, Method::SoftExpress(lambda(0.75)));
     assert_eq!((found.alpha, found.count), (0.0, 1));

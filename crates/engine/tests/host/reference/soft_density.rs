@@ -57,7 +57,7 @@ fn a_ray_meets_a_sphere() {
     let through = DVec3::new(4.0 / 4.5, 0.0, 1.0);
     let ray = Ray::new(&perspective(), SIZE, [8, 4]);
     assert_close(ray.stretch, through.length(), ROUNDING);
-    let Chord { distance, middle, half } = ray.meet(3.0 * through, 2.0).expect("through the centre");
+    let Chord { distance, middle, half } = ray.meet(3.0 * through, 2.0).expect("through the center");
     assert_close(distance, 0.0, 1e-9);
     assert_close(middle, 3.0 * through.length(), ROUNDING);
     assert_close(half, 2.0, ROUNDING);

@@ -91,7 +91,7 @@ fn coincident_spheres_add_up() {
 
 #[test]
 fn overlapping_spheres_share_the_segment_that_they_share() {
-    // Both through their centres: half a sphere has 1/2, so segments of λ/2, λ, λ/2.
+    // Both through their centers: half a sphere has 1/2, so segments of λ/2, λ, λ/2.
     let two = spheres(&[(ahead(5.0), 1.0, RED), (ahead(6.0), 1.0, GREEN)]);
     let found = middle(&two, Method::SoftBase(lambda(1.0)));
     let (t1, t2) = ((-0.5f64).exp(), (-1.5f64).exp());
@@ -135,7 +135,7 @@ fn a_solid_cuts_spheres() {
 
 #[test]
 fn a_solid_cuts_oblique_rays_at_its_depth_along_the_axis() {
-    // The ray of pixel (8, 4) goes through the centre, at z = 5 and s = 5/cos φ.
+    // The ray of pixel (8, 4) goes through the center, at z = 5 and s = 5/cos φ.
     let through = DVec3::new(4.0 / 4.5, 0.0, -1.0);
     let one = spheres(&[(5.0 * through, 2.0, RED)]);
     let at = |depth| {
@@ -150,14 +150,14 @@ fn a_solid_cuts_oblique_rays_at_its_depth_along_the_axis() {
 #[test]
 fn the_near_plane_cuts_what_the_camera_is_inside_of() {
     for camera in [orthographic(), perspective()] {
-        // The centre on the near plane is still drawn.
+        // The center on the near plane is still drawn.
         let one = spheres(&[(ahead(0.5), 2.0, RED)]);
         let found = pixel(&camera, &one, Method::SoftBase(lambda(0.5)), [4, 4], Behind::NOTHING);
         assert_close(found.alpha, opacity(1.0), ROUNDING);
         assert_eq!((found.depth, found.count), (0.5, 1));
         let nearer = spheres(&[(ahead(0.49), 2.0, RED)]);
         assert_eq!(pixel(&camera, &nearer, Method::SoftBase(lambda(0.5)), [4, 4], Behind::NOTHING).count, 0);
-        // far tests the centre alone.
+        // far tests the center alone.
         let far = spheres(&[(ahead(99.0), 2.0, RED)]);
         let found = pixel(&camera, &far, Method::SoftBase(lambda(0.5)), [4, 4], Behind::NOTHING);
         assert_close(found.alpha, opacity(2.0), ROUNDING);
@@ -263,7 +263,7 @@ fn the_papers_layout_rounds_distance_and_color() {
     assert_close(found.alpha, opacity(depth), ROUNDING);
     assert_close(found.color.x / found.alpha, 77.0 / 255.0, ROUNDING);
     assert_close(found.color.y / found.alpha, 1.0, ROUNDING);
-    // Through the centre nothing is rounded but the color; at the rim nothing is left.
+    // Through the center nothing is rounded but the color; at the rim nothing is left.
     let centred = spheres(&[(ahead(5.0), 1.0, RED)]);
     assert_close(middle(&centred, Method::SoftBase(soft)).alpha, opacity(1.0), ROUNDING);
     let rim = spheres(&[(DVec3::new(0.9985, 0.0, -5.0), 1.0, RED)]);

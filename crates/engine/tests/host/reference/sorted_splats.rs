@@ -1,4 +1,4 @@
-//! Discs in the order of their centres.
+//! Discs in the order of their centers.
 
 use super::*;
 

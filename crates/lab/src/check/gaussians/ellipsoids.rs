@@ -14,7 +14,7 @@ use pellucid_engine::scene::{GaussianSettings, Kernel, Method};
 /// its logarithm included, 8; of the chord and of the exponential, 8.
 const DEPTH: f64 = 28.0;
 
-/// The only pixel, whose ray goes through all centres.
+/// The only pixel, whose ray goes through all centers.
 fn pixel(stage: &mut Stage, method: Method, splats: &[Splat]) -> Result<[f32; 4], Trouble> {
     let settings = GaussianSettings { kernel: Kernel::Ellipsoid, alpha_max: 1.0, ..GaussianSettings::default() };
     let view = View::new(pixels([1, 1]), [1, 1], settings, &method);

@@ -1,4 +1,4 @@
-//! The least and the most opacity of a fragment, and centres that are not drawn.
+//! The least and the most opacity of a fragment, and centers that are not drawn.
 
 use glam::{DVec3, Vec3};
 
@@ -59,7 +59,7 @@ pub(super) fn most_opacity(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(shares.and(shines_through(stage, method, 0.99, &[nearly, 1.0, 1.0], more)?).finding())
 }
 
-/// White behind black layers. ρ is 0 in the middle of a pixel, so that opacities are those of the centres.
+/// White behind black layers. ρ is 0 in the middle of a pixel, so that opacities are those of the centers.
 fn shines_through(
     stage: &mut Stage,
     method: Method,

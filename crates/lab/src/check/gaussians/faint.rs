@@ -13,7 +13,7 @@ use pellucid_engine::scene::{GaussianSettings, Method};
 const COUNT: u32 = 100_000;
 const OPACITY: f32 = 1e-5;
 
-/// The pixel, in whose middle all centres are: ρ is 0 there, and each opacity that of the centre.
+/// The pixel, in whose middle all centers are: ρ is 0 there, and each opacity that of the center.
 fn pixel(stage: &mut Stage, method: Method) -> Result<[f32; 4], Trouble> {
     let settings = GaussianSettings { alpha_min: 2e-6, ..GaussianSettings::default() };
     let view = View::new(pixels([1, 1]), [1, 1], settings, &method);

@@ -1,4 +1,4 @@
-//! The order of splats: ties, by pixels, by depths and distances of centres, among discs.
+//! The order of splats: ties, by pixels, by depths and distances of centers, among discs.
 
 use glam::{DVec3, Quat, Vec3};
 
@@ -65,7 +65,7 @@ pub(super) fn crossing(stage: &mut Stage, method: Method) -> CaseResult {
     let points = cloud(&[0.6, -0.5, 0.1].iter().enumerate().map(plate).collect::<Vec<_>>());
     let view = View::new(before(3.0, 30.0), [63, 48], ordered(Order::Pixel), &method);
     let scene = Scene { view, points: &points, color: ColorSpace::Encoded };
-    // In the order of their centres, everywhere.
+    // In the order of their centers, everywhere.
     let naive = Scene { view: View { settings: ordered(Order::Center), ..view }, ..scene };
     Ok(scene.compare(stage, method, &naive.pixels())?.finding())
 }

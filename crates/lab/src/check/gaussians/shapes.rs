@@ -1,4 +1,4 @@
-//! Needles, plates and flat splats; centres far beside the image; rays that end in a splat.
+//! Needles, plates and flat splats; centers far beside the image; rays that end in a splat.
 
 use glam::{DVec2, DVec3, Quat, Vec3};
 
@@ -60,7 +60,7 @@ pub(super) fn needles(stage: &mut Stage, method: Method) -> CaseResult {
 ///
 /// With u for a rounding: the axis has components that are off by 40 u of its length (an entry of a turned quaternion and its
 /// products), and by 8 u where rows are made orthogonal (Higham, "Accuracy and Stability of Numerical Algorithms", Section 19.3). At
-/// d pixels from the centre w is off by √2 · 48 u d, and d itself by one rounding of a pixel and eight of its products. What 8 u of
+/// d pixels from the center w is off by √2 · 48 u d, and d itself by one rounding of a pixel and eight of its products. What 8 u of
 /// the length L adds across the needle, its variance gains.
 fn along_an_axis(view: &View, splat: &Splat, method: &Method) -> Option<Expected> {
     let gaussian = gaussian(&cloud(std::slice::from_ref(splat)), 0)?;
@@ -90,7 +90,7 @@ fn along_an_axis(view: &View, splat: &Splat, method: &Method) -> Option<Expected
     Some(Expected(view.pixels().map(known).collect()))
 }
 
-/// The depth of a splat's centre.
+/// The depth of a splat's center.
 fn placed_depth(view: &View, splat: &Splat) -> f64 {
     view.camera.to_view(splat.position).z
 }
@@ -166,7 +166,7 @@ pub(super) fn through_the_eye(stage: &mut Stage, method: Method) -> CaseResult {
     let view = View::new(camera, SIZE, by(Kernel::Ray), &method);
     let around = |splat: Splat| Splat { position: 0.5 * splat.position + DVec3::NEG_Z, ..splat };
     let splats: Vec<Splat> = some(8, Vec3::new(1.2, 0.7, 0.9), 1.0).into_iter().map(around).collect();
-    // The projection that is linear around the centre.
+    // The projection that is linear around the center.
     let naive = |splat: &Splat| projected(splat, &view, &Formula::default());
     Ok(alone(stage, method, &view, &splats, 300, naive)?.finding())
 }

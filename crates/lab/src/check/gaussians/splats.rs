@@ -13,13 +13,13 @@ use pellucid_engine::scene::{ColorSpace, GaussianSettings, Method};
 /// A Gaussian of a case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Splat {
-    /// World position of its centre.
+    /// World position of its center.
     pub position: DVec3,
     /// Standard deviations along its axes.
     pub extents: Vec3,
     /// Turns x, y and z into these axes.
     pub rotation: Quat,
-    /// Opacity in the centre.
+    /// Opacity in the center.
     pub opacity: f32,
     /// Display color without harmonics.
     pub base: Vec3,

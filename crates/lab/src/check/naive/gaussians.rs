@@ -20,7 +20,7 @@ const NOTHING: Seen = Seen { alpha: 0.0, depth: Some(f32::INFINITY) };
 /// What formulas have that follow Kerbl et al., and other ones have otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Formula {
-    /// A centre that is as near as that is not drawn.
+    /// A center that is as near as that is not drawn.
     pub nearest: f32,
     /// The bound of the slopes in J, over those of the image's borders.
     pub clamp: f32,
@@ -79,7 +79,7 @@ fn opacity_of(splat: &Splat, rho2: f32, view: &View, formula: &Formula) -> f32 {
     if ends { 0.0 } else { alpha }
 }
 
-/// By the kernel `ewa`, with a determinant that is a difference of products. Depths are the centre's, or not known.
+/// By the kernel `ewa`, with a determinant that is a difference of products. Depths are the center's, or not known.
 pub fn projected(splat: &Splat, view: &View, formula: &Formula) -> Vec<Seen> {
     let lens = Lens::new(view);
     let t = lens.center(splat);

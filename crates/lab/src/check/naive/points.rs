@@ -9,7 +9,7 @@ fn place(dot: &Dot) -> [f32; 2] {
     [dot.position.x as f32, -dot.position.y as f32]
 }
 
-/// True if a disc covers a pixel in the view of [`crate::check::stage::pixels`]: its centre is at most one radius away.
+/// True if a disc covers a pixel in the view of [`crate::check::stage::pixels`]: its center is at most one radius away.
 pub fn covers(dot: &Dot, [x, y]: [u32; 2]) -> bool {
     let [column, row] = place(dot);
     (column - (x as f32 + 0.5)).hypot(row - (y as f32 + 0.5)) / dot.radius <= 1.0
@@ -20,7 +20,7 @@ pub fn pixel(dot: &Dot, at: [u32; 2]) -> [f32; 4] {
     if covers(dot, at) { dot.color.extend(1.0).to_array() } else { [0.0; 4] }
 }
 
-/// The Gaussian of a disc's falloff at a distance from its centre.
+/// The Gaussian of a disc's falloff at a distance from its center.
 pub fn gaussian(distance: f32, radius: f32) -> f32 {
     let rho = distance / radius;
     (-2.0 * rho * rho).exp()

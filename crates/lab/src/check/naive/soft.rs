@@ -98,7 +98,7 @@ impl Sphere {
     }
 }
 
-/// The profile of a soft disc (Eq. 19 without λ) at a distance from its centre.
+/// The profile of a soft disc (Eq. 19 without λ) at a distance from its center.
 pub fn disc(distance: f32, radius: f32) -> f32 {
     ((PI * distance / radius).cos() + 1.0) / 2.0
 }

@@ -20,7 +20,7 @@ type CaseResult = Result<Finding, Trouble>;
 const ULP: f64 = 2.0 * HALF_ULP;
 /// Relative error of an optical depth: the guarantee of shaders/shared/absorb.wgsl for its quadrature.
 const INTEGRAL: f64 = 1e-5;
-/// Relative error of a ray's distance from a centre: position on the screen, world units per pixel, cross product and
+/// Relative error of a ray's distance from a center: position on the screen, world units per pixel, cross product and
 /// root, each of which Vulkan allows up to 3 units in the last place.
 const DISTANCE: f64 = 12.0 * ULP;
 
@@ -112,7 +112,7 @@ fn lambda(method: SoftMethod, lambda: f32) -> SoftMethod {
     method.changed(|soft| soft.density = Density::Lambda(lambda))
 }
 
-/// A soft sphere that the ray of a pixel passes at a distance, above its centre.
+/// A soft sphere that the ray of a pixel passes at a distance, above its center.
 fn beside(x: u32, distance: f64, depth: f64, radius: f32) -> Dot {
     let position = at(x, 0, depth) + DVec3::Y * distance;
     Dot { position, radius, color: Vec3::new(0.25, 0.5, 1.0), field: 1.0, ..Dot::default() }

@@ -85,7 +85,7 @@ fn segment(stage: &mut Stage, method: SoftMethod, near: f64, center: f64) -> Cas
     let wanted = opacity(1e5 * density);
     let whole = naive::Soft { limits: [near as f32, (near + length) as f32], ..naive::Soft::new(1e5) };
     let naive = whole.pixel(&[sphere], &camera, [1, 1], [0, 0])[0];
-    // Centre and both ends are binary fractions, exact for any zero of depths, and so is the segment's length.
+    // Center and both ends are binary fractions, exact for any zero of depths, and so is the segment's length.
     let bound = INTEGRAL + 4.0 * DISTANCE + 16.0 * ULP;
     Ok(Finding { error: relative(image.rgba[0][0], wanted), bound, naive: Computed(relative(naive, wanted)) })
 }
@@ -103,7 +103,7 @@ pub(super) fn no_radius(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let dots: Vec<Dot> = (0..).zip(radii).map(|(x, radius)| beside(x, 0.0, 10.0, radius)).collect();
     let image = stage.image(&dots, pixels([3, 1]), [3, 1], method)?;
     let wanted: Vec<[f64; 4]> = match method {
-        // A disc covers the pixel of its centre, except with a radius of 0.
+        // A disc covers the pixel of its center, except with a radius of 0.
         SoftMethod::Express(_) => [0.0, 0.5, 0.5].map(|a: f64| [a / 4.0, a / 2.0, a, a]).to_vec(),
         _ => vec![[0.0; 4]; 3],
     };

@@ -13,7 +13,7 @@ pub(super) struct Scale {
     is_even: bool,
     floor: f64,
     pub(super) range: Range<f64>,
-    /// Labelled ticks.
+    /// Labeled ticks.
     ticks: Vec<f64>,
     /// Without one.
     minor: Vec<f64>,

@@ -14,7 +14,7 @@ pub struct Candidate {
 }
 
 /// The method whose frames are exact for a method of discs, Gaussians or soft spheres; `None` for others. Gaussians are ordered in each
-/// pixel whatever the method's own order is, since an order by centres is what pops.
+/// pixel whatever the method's own order is, since an order by centers is what pops.
 pub fn exact(method: &Method, points: &Points) -> Option<Method> {
     match plan::exact(method, points)? {
         Method::ABuffer(discs) if points.gaussians.is_some() => Some(Method::ABuffer(ordered(discs, Order::Pixel))),
@@ -89,7 +89,7 @@ mod tests {
         let gaussians = Points { gaussians: Some(Gaussians::default()), ..Points::default() };
         let sorted = ["sorted method.order=center", "sorted method.order=distance"];
         assert_eq!(names(discs, &gaussians, &[]), [&sorted[..], &approximate].concat());
-        // An order by centres is not exact, whichever method has it.
+        // An order by centers is not exact, whichever method has it.
         let centres = Method::ABuffer(ordered(Discs::default(), Order::Center));
         assert!(names(centres, &gaussians, &[]).contains(&"abuffer".to_owned()));
         assert_eq!(exact(&centres, &gaussians).unwrap().order(), Order::Pixel);

@@ -140,7 +140,7 @@ pub(super) fn chord(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Op
     let over = if is_orthographic(placed.camera) { 1.0 } else { z };
     let half = quotient(across.scaled(over).times(root), shared, 8.0 * u);
     let middle = range(bounded, offset, screen_error).depth;
-    // Relative to the centre: what is added to it has roundings of its own.
+    // Relative to the center: what is added to it has roundings of its own.
     let own = 8.0 * u * (along.low.abs().max(along.high.abs()) + half.high);
     Some(Chord { middle: middle.widened(own), half })
 }

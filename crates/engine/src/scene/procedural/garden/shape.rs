@@ -17,7 +17,7 @@ pub(super) enum Shape {
     Ball { center: DVec3, semi: DVec3 },
     /// Leaves inside such an ellipsoid, denser toward its outside.
     Leaves { center: DVec3, semi: DVec3 },
-    /// Leaves in the outer decimetres of a box.
+    /// Leaves in the outer decimeters of a box.
     Hedge { center: DVec3, half: DVec3 },
 }
 

@@ -138,7 +138,7 @@ impl<'a> Site<'a> {
         for post in &self.posts {
             high = high.max(post.foot.z + post.height + post.head.map_or(0.0, |(radius, _)| radius));
         }
-        // Water is at 0, and banks within the two metres to the next height that is known are low.
+        // Water is at 0, and banks within the two meters to the next height that is known are low.
         let low = if low < 1.0 { 0.0 } else { low };
         [low - 0.1, high + 0.6]
     }
@@ -239,7 +239,7 @@ mod tests {
         for i in 0..350 {
             let p = DVec2::new(4.5, 7.0 + 0.1 * f64::from(i));
             assert_eq!(left.at(p), right.at(p));
-            // Linear over 2 m on a ground that bends by less than 0.3 a metre.
+            // Linear over 2 m on a ground that bends by less than 0.3 a meter.
             assert!((left.at(p).0 - land.height(p)).abs() < 0.3 * STEP * STEP / 8.0, "{p}");
         }
     }

@@ -148,7 +148,7 @@ pub(super) fn has_room(land: &Land, place: &Place, radius: f64) -> bool {
 /// Returns the built blocks that a circle may touch.
 pub(super) fn blocks(land: &Land, center: DVec2, radius: f64) -> Vec<Block> {
     let place = land.place(center);
-    // Streets are bent: some metres more.
+    // Streets are bent: some meters more.
     let reach = DVec2::splat(1.15 * radius + 8.0);
     if place.uv.length() > reach.length() + 1.2 * land.town_radius(place.town) + BLOCK.length() {
         return Vec::new();

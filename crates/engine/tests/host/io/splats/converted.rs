@@ -33,7 +33,7 @@ const SIGNED: f32 = 1.0 / 255.0 + 1e-6;
 /// angle.
 const SMALLEST_THREE: f64 = 2.0 * 2.0 * 1.732 * 0.5 / 511.0 * 0.707_2;
 
-/// Centres of 24 bits behind 12 of the fraction, logarithms of extents in sixteenths; a byte of color is 0.15/Y₀ of a display value.
+/// Centers of 24 bits behind 12 of the fraction, logarithms of extents in sixteenths; a byte of color is 0.15/Y₀ of a display value.
 const SPZ: Bounds = Bounds {
     position: 1.7321 * 0.5 / 4096.0,
     scale: 1.0 / 32.0 + 1e-5,
@@ -119,7 +119,7 @@ fn splat() {
 fn ksplat() {
     let floats = Bounds { base: UNIT, alpha: UNIT, ..EXACT };
     assert_reads_as_soup("soup-mode0.ksplat", 2, None, &floats);
-    // Steps of 8/2/32767 of the centre; ten bits and a hidden one of the others.
+    // Steps of 8/2/32767 of the center; ten bits and a hidden one of the others.
     let half = 0.5_f32.powi(11);
     let halves = Bounds {
         position: 1.7321 * 2.0 / 32767.0 + 1e-6,
@@ -150,7 +150,7 @@ fn spz() {
 
 #[test]
 fn compressed_ply() {
-    // 11, 10 and 11 bits of 6 units of the centre and of 4 of the logarithms; a byte of 8 units of harmonics.
+    // 11, 10 and 11 bits of 6 units of the center and of 4 of the logarithms; a byte of 8 units of harmonics.
     let step = |range: f64, bits: i32| range / (2.0_f64.powi(bits) - 1.0) / 2.0;
     let bounds = Bounds {
         position: DVec3::new(step(6.0, 11), step(6.0, 10), step(6.0, 11)).length(),

@@ -50,7 +50,7 @@ fn off_the_axis_it_is_stretched_away_from_the_middle() {
 
 #[test]
 fn beyond_the_image_j_stays_at_1_3_times_the_half_field_of_view() {
-    // 90° over 9 pixels: the half field of view has the slope 1. The centre at slope 2 is at 9 pixels, J at 1.3.
+    // 90° over 9 pixels: the half field of view has the slope 1. The center at slope 2 is at 9 pixels, J at 1.3.
     let settings = bare(Kernel::Ewa);
     let hits = center(&perspective(), ball(DVec3::new(4.0, 0.0, -2.0), 2.0, 1.0), &settings);
     let across = (2.0f64 * 4.5 / 2.0).powi(2);
@@ -92,7 +92,7 @@ fn nothing_else_bounds_it() {
     // 1/255 of opacity 1 is at 3.329 deviations, beyond three.
     let hits = center(&orthographic(), ball(-5.0 * DVec3::Z, 1.21, 1.0), &bare(Kernel::Ewa));
     assert_close(hit(&hits, 8, 4).alpha, (-0.5 * (4.0 / f64::from(1.21f32)).powi(2)).exp(), ROUNDING);
-    // And one between pixel centres is nowhere: 0.5/0.1 = 5 deviations.
+    // And one between pixel centers is nowhere: 0.5/0.1 = 5 deviations.
     assert!(center(&orthographic(), ball(DVec3::new(0.5, 0.0, -5.0), 0.1, 1.0), &bare(Kernel::Ewa)).is_empty());
 }
 

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// The largest density along the ray through a pixel's centre, by thirds: its ρ² and its depth.
+/// The largest density along the ray through a pixel's center, by thirds: its ρ² and its depth.
 fn densest(camera: &Camera, gaussian: &Gaussian, axes: DMat3, x: u32, y: u32) -> (f64, f64) {
     let (start, direction) = ray_through(camera, x, y);
     let to_view = DMat3::from_cols(camera.right, camera.up, camera.forward).transpose();
@@ -60,7 +60,7 @@ fn orthographic_it_is_the_projection() {
 
 #[test]
 fn without_thickness_it_is_where_the_ray_meets_the_plane() {
-    // The plane z = 9 + x tan 60° meets the ray of column offset dx at z = 9 / (1 − tan 60°·dx/4.5), 2|x| from the centre.
+    // The plane z = 9 + x tan 60° meets the ray of column offset dx at z = 9 / (1 − tan 60°·dx/4.5), 2|x| from the center.
     let splat = pancake(-9.0 * DVec3::Z, 3.0, 60.0, 1.0);
     let hits = footprint(&perspective(), SIZE, &one(splat), &bare(Kernel::Ray), Order::Pixel);
     for dx in [-2.0, -1.0, 0.0, 1.0] {
@@ -93,7 +93,7 @@ fn depths_outside_near_and_far_are_none() {
     // One unit to the right of what roundings decide.
     assert_eq!(columns(4.9, Kernel::Ray), [2, 3, 4, 5, 6]);
     assert_eq!(columns(4.9, Kernel::Ewa), [0, 1, 2, 3, 4, 5, 6, 7, 8]);
-    // The centre itself has to be within.
+    // The center itself has to be within.
     assert!(columns(9.1, Kernel::Ray).is_empty());
     assert!(columns(0.4, Kernel::Ray).is_empty());
 }

@@ -18,7 +18,7 @@ use pellucid_engine::scene::{BlendedSplats, ImageSpace, Interpolated, Method, Re
 pub struct Surfaces {
     /// True if points have normals.
     pub normals: bool,
-    /// Clamp and rasteriser; of size 1.
+    /// Clamp and rasterizer; of size 1.
     pub splats: ScreenSplats,
     /// Outline of what has one.
     pub shape: SplatShape,
