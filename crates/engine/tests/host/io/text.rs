@@ -171,7 +171,7 @@ fn what_is_no_number() {
     }
     assert_refused("a.txt", b"1 2 3\n\0\0\0", &["byte 6: binary data, not text"]);
     assert_refused("a.csv", b"\xff\xfe1\0 \0", &["byte 0: UTF-16 text"]);
-    assert_refused("a.txt", vec![b'1'; 3 << 20], &["line 1: longer than 1048576 bytes"]);
+    assert_refused("a.txt", vec![b'1'; 3 << 20], &["line 1: the line is longer than 1048576 bytes"]);
     // Bytes of another encoding in a comment are no harm.
     assert_eq!(load_bytes("a.txt", b"# \xb5\xff\n1 2 3\n").unwrap().len(), 1);
 }

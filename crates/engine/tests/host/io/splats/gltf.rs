@@ -192,7 +192,7 @@ fn what_is_refused_says_why() {
         (|json| json["buffers"][0]["uri"] = "data:;base64,!".into(), &["buffer 0", "base64"]),
         (
             |json| json["extensionsRequired"] = json!(["EXT_meshopt_compression"]),
-            &["EXT_meshopt_compression is required"],
+            &["needs EXT_meshopt_compression"],
         ),
         (
             |json| extension(json)["extensions"] = json!({ "KHR_gaussian_splatting_compression_spz_2": {} }),
