@@ -143,7 +143,11 @@ fn truncated_and_lying_las() {
     assert_refused("a.las", patched(plain.clone(), field::FORMAT, &[11]), &["point format 11"]);
     assert_refused("a.las", patched(plain.clone(), field::FORMAT, &[203]), &["point format 203"]);
     assert_refused("a.las", patched(plain.clone(), field::RECORD_LEN, &[27, 0]), &["27 bytes", "needs 28"]);
-    assert_refused("a.las", patched(plain.clone(), field::FORMAT, &[129]), &["LAZ record of the header: it is missing"]);
+    assert_refused(
+        "a.las",
+        patched(plain.clone(), field::FORMAT, &[129]),
+        &["LAZ record of the header: it is missing"],
+    );
     // More records than fit before the points: the points are there all the same.
     let vlrs = patched(plain.clone(), field::VLR_COUNT, &[255; 4]);
     assert_eq!(load_bytes("a.las", vlrs).unwrap().len(), 10);

@@ -190,10 +190,7 @@ fn what_is_refused_says_why() {
         (|json| json["buffers"][0]["byteLength"] = 99_999.into(), &["truncated", "buffer 0 has 6080 bytes", "99999"]),
         (|json| json["buffers"][0]["uri"] = "https://a/b".into(), &["buffer 0", "is not the name of a file"]),
         (|json| json["buffers"][0]["uri"] = "data:;base64,!".into(), &["buffer 0", "base64"]),
-        (
-            |json| json["extensionsRequired"] = json!(["EXT_meshopt_compression"]),
-            &["needs EXT_meshopt_compression"],
-        ),
+        (|json| json["extensionsRequired"] = json!(["EXT_meshopt_compression"]), &["needs EXT_meshopt_compression"]),
         (
             |json| extension(json)["extensions"] = json!({ "KHR_gaussian_splatting_compression_spz_2": {} }),
             &["packed by KHR_gaussian_splatting_compression_spz_2"],
