@@ -126,7 +126,7 @@ impl Lines {
             "SIZE" => self.sizes = Some(all(&words, "1, 2, 4 or 8 for each field", size)?),
             "TYPE" => self.kinds = Some(all(&words, "F, I or U for each field", kind)?),
             "COUNT" => {
-                self.counts = Some(all(&words, "a number, 0 or more, for each field", |word| word.parse().ok())?)
+                self.counts = Some(all(&words, "a number, 0 or more, for each field", |word| word.parse().ok())?);
             }
             "WIDTH" => self.width = Some(one(key, &words)?),
             "HEIGHT" => self.height = Some(one(key, &words)?),
