@@ -83,7 +83,7 @@ make_deb() {
         printf '\nLicense: Apache-2.0\n On Debian systems the text is in /usr/share/common-licenses/Apache-2.0.\n'
         printf '\nComment:\n The program holds code of other crates. Their licenses are in THIRD-PARTY-LICENSES.html beside this file.\n'
     } >"$stage/copyright"
-    printf 'pellucid (%s-1) stable; urgency=medium\n\n  * New version; changelog.gz tells what is new.\n\n -- The pellucid developers <pellucid@localhost>  %s\n' \
+    printf 'pellucid (%s-1) stable; urgency=medium\n\n  * New release; changelog.gz lists its changes.\n\n -- The pellucid developers <pellucid@localhost>  %s\n' \
         "$version" "$(date -R)" >"$stage/changelog"
     gzip -9nc CHANGELOG.md >"$stage/changelog.gz"
     cp "$binary" "$stage/pellucid"
