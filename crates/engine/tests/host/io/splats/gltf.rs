@@ -193,7 +193,7 @@ fn what_is_refused_says_why() {
         (|json| json["extensionsRequired"] = json!(["EXT_meshopt_compression"]), &["needs EXT_meshopt_compression"]),
         (
             |json| extension(json)["extensions"] = json!({ "KHR_gaussian_splatting_compression_spz_2": {} }),
-            &["packed by KHR_gaussian_splatting_compression_spz_2"],
+            &["compressed by KHR_gaussian_splatting_compression_spz_2"],
         ),
     ];
     for (change, says) in cases {
