@@ -1,4 +1,4 @@
-//! What there is to say of a frame: warnings about what doesn't come out as asked, and the metadata of its image.
+//! Notes on a frame: warnings about whatever differs from the request, and the metadata of its image.
 
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::brightness::Applied;
@@ -60,7 +60,7 @@ pub fn decisions(
     all.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?.to_string()))).collect()
 }
 
-/// What was left out of the last frame; `None` if nothing was.
+/// Returns what was left out of the last frame; `None` if nothing was.
 fn left_out(frame: &Frame, cloud: &DeviceCloud) -> Option<Value> {
     let cut = cloud.cut_in_force()?;
     Some(json!({

@@ -22,7 +22,7 @@ pub struct Census {
     pub points: usize,
     /// True if the file has colors.
     pub colors: bool,
-    /// What `color_by = "auto"` shows; `Auto` while that is not known.
+    /// Quantity that `color_by = "auto"` shows; `Auto` while it is not known.
     pub auto: ColorBy,
     /// True if the file has normals.
     pub normals: bool,
@@ -91,7 +91,7 @@ impl Census {
     }
 }
 
-/// What `auto` shows of a cloud, as the engine decides it.
+/// Returns the quantity that `auto` shows of a cloud, as the engine decides it.
 fn automatic(cloud: &Cloud) -> ColorBy {
     let scene = Document::from_clouds(["cloud.ply"], &Overrides::default()).and_then(|document| document.scene());
     let Ok(scene) = scene else { return ColorBy::Auto };

@@ -54,7 +54,7 @@ pub enum Passes {
 }
 
 impl Passes {
-    /// What follows after pressing T so many times.
+    /// Returns the state after pressing T so many times.
     pub fn after(self, presses: usize) -> Self {
         (0..presses % 3).fold(self, |passes, _| match passes {
             Self::Total => Self::List,

@@ -152,7 +152,7 @@ impl Stage {
         self.sources.into_clouds()
     }
 
-    /// What the colors of the scene mean that was last taken a picture of.
+    /// Returns the meaning of the colors in the scene of the last picture.
     ///
     /// # Errors
     /// A cloud lacks what its colors are to show.

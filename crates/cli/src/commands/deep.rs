@@ -172,7 +172,7 @@ fn write(
     (renderer, cloud, frame, device): (&mut Renderer, &mut DeviceCloud, &Frame, &Device),
 ) -> Result<Written> {
     let mut written = None;
-    // What isn't about the file keeps its own words.
+    // Errors that aren't about the file keep their own words.
     let mut failed: Option<pellucid_engine::Error> = None;
     let done = output::write_atomically(output, |file| {
         let mut writer = Writer::begin(file, layout)?;

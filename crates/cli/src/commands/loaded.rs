@@ -34,7 +34,7 @@ pub struct Resolved {
     pub camera: Camera,
     /// How clouds are colored and why, a phrase for each way.
     pub colorings: Vec<String>,
-    /// What the colors mean, if it was asked for.
+    /// Meaning of the colors, if it was requested.
     pub legend: Option<Legend>,
     /// `--see-through`.
     pub see_through: Option<f64>,

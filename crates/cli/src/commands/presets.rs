@@ -7,11 +7,11 @@ use pellucid_engine::scene::Overrides;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Preset {
     pub name: &'static str,
-    /// What it is for, as a phrase.
+    /// Purpose, as a phrase.
     purpose: &'static str,
     /// Keys of the scene file with values in TOML; a key that ends in `+` gets one more entry.
     keys: &'static [(&'static str, &'static str)],
-    /// What `--see-through` is where no option gives an opacity.
+    /// Value of `--see-through` where no option gives an opacity.
     pub see_through: Option<SeeThrough>,
     /// True if `--view iso` is taken where nothing says from where to look: from outside, whatever surrounds the middle.
     pub from_outside: bool,

@@ -269,7 +269,7 @@ impl RenderArgs {
         self.legend && is_png(output)
     }
 
-    /// What decides whether a film can be made.
+    /// Returns the facts that decide if a film can be made.
     fn asked(&self) -> Asked<'_> {
         Asked {
             output: self.output.as_deref(),

@@ -99,7 +99,7 @@ pub fn run(
     Ok(ExitCode::from(interrupt::STATUS))
 }
 
-/// What a film and a page say of their frames.
+/// Returns the text that a film and a page hold about their frames.
 fn caption(along: &Along, resolved: &Resolved, session: &Session) -> Caption {
     let name = Path::new(&resolved.name).file_name().map(|name| name.to_string_lossy().into_owned());
     let method = session.frame.method.name();

@@ -67,7 +67,7 @@ fn whole_lines(block: &Block) -> Vec<(usize, String)> {
     whole
 }
 
-/// What a parser says to every command `program` of the blocks: the number of those that it takes, and its complaints.
+/// Parses every command `program` of the blocks. Returns the number of those that are valid, and the parser's complaints.
 fn parse_all(blocks: &[Block], program: &str, parser: &clap::Command) -> (usize, Vec<String>) {
     let (mut taken, mut complaints) = (0, Vec::new());
     for block in blocks {
@@ -150,7 +150,7 @@ fn commands_are_found_where_they_stand_in_a_line() {
     assert_eq!(ranks.unwrap(), [["render", "a.ply", "-o", "a.png"]]);
 }
 
-/// What the reader says to each scene of the blocks. One without a cloud is a part of a scene and gets one.
+/// Reads each scene of the blocks, and returns the reader's complaints. One without a cloud is a part of a scene and gets one.
 fn read_all(blocks: &[Block]) -> (usize, Vec<String>) {
     let (mut taken, mut complaints) = (0, Vec::new());
     for block in blocks {

@@ -102,7 +102,7 @@ fn draw(layout: &Layout<'_>, looks: Looks, raster: &mut Raster) {
     }
 }
 
-/// What rows are drawn with.
+/// Means by which rows are drawn.
 struct Pen<'a> {
     canvas: Canvas<'a>,
     layout: &'a Layout<'a>,

@@ -20,7 +20,7 @@ const LAST: [f64; 3] = [0.993_248, 0.906_157, 0.143_936];
 /// Between the entries 63 and 64, 127 and 128, 191 and 192 of that table, of 0 to 255.
 const QUARTERS: [[f64; 3]; 3] =
     [[0.23022275, 0.32129725, 0.545488], [0.1281485, 0.565107, 0.5508925], [0.36285925, 0.786695, 0.386589]];
-/// What class 2 is drawn in.
+/// Color of class 2.
 const GROUND: [f64; 3] = [0.63, 0.47, 0.3];
 
 /// A decoded color is rounded to float32, and t to some units of float64, of which the decoding makes at most three times as much.

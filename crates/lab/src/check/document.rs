@@ -1,4 +1,4 @@
-//! What `check` found, as JSON.
+//! Results of `check`, as JSON.
 
 use serde_json::{Map, Value, json};
 

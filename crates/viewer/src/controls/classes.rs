@@ -1,10 +1,10 @@
-//! What `[[cloud.class]]` says of a class, and the changes that make it say something else.
+//! Settings of a class in `[[cloud.class]]`, and the changes to them.
 
 use glam::Vec3;
 
 use pellucid_engine::scene::{Change, ClassSettings, Selection, Setting};
 
-/// What holds of a class of a cloud.
+/// Settings of a class of a cloud.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClassLook {
     /// Opacity of these points, in place of the cloud's.
@@ -24,7 +24,7 @@ pub enum ClassKey {
     Opacity(f64),
     /// Its color, linear.
     Color([f64; 3]),
-    /// Whether its points are drawn.
+    /// `true` if its points are drawn.
     Visible(bool),
 }
 
@@ -54,7 +54,7 @@ impl ClassKey {
     }
 }
 
-/// What the entries of a cloud say of a class: of several the last, key by key.
+/// Returns the settings of a class in the entries of a cloud: of several the last, key by key.
 pub fn class_look(entries: &[ClassSettings], code: u8) -> ClassLook {
     let about = || entries.iter().rev().filter(|entry| entry.points.holds_class(code));
     ClassLook {

@@ -1,4 +1,4 @@
-//! What cuts the scene: boxes, slabs and planes, with their numbers.
+//! Boxes, slabs and planes that cut the scene, with their numbers.
 
 use egui::{ComboBox, DragValue, Response, RichText, Ui};
 

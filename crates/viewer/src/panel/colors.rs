@@ -97,7 +97,7 @@ fn plain(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSetting
     }
 }
 
-/// What the colors show: whatever all of the clouds have.
+/// Shows the choice of what the colors mean, among the quantities that all of the clouds have.
 fn meaning(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSettings) {
     let (census, scene) = (model.census(), model.scene().clone());
     let known = scene.clouds.iter().zip(census.iter()).enumerate();
@@ -128,7 +128,7 @@ fn by(target: Target, word: Option<&str>) -> Vec<Change> {
     vec![(target.key("color_by"), word.map(Setting::from)), (target.key("range"), None)]
 }
 
-/// What the colors of a cloud can show.
+/// Returns the quantities that the colors of a cloud can show.
 fn offers<'a>(settings: &CloudSettings, census: &'a Census) -> Vec<&'a str> {
     let has = |name: &str| census.scalars.iter().any(|(known, _)| known == name);
     // Columns of LAS files are read when they are asked for.

@@ -43,7 +43,7 @@ pub fn all(ui: &mut Ui, model: &mut Model, clouds: &[CloudSettings]) {
     }
 }
 
-/// Whether the opacity is that of discs or of the surface that they lie on.
+/// Shows the choice between the opacity of discs and that of the surface that they lie on.
 pub fn surface(ui: &mut Ui, model: &mut Model, i: usize, cloud: &CloudSettings) {
     let (key, value) = controls::opacity(cloud);
     let mut on = key == "surface_opacity";

@@ -32,10 +32,10 @@ const FPS: u32 = 25;
 /// A browser shows a frame of a GIF for a tenth of a second if it is to be shown for less than two hundredths.
 const MAX_GIF_FPS: u32 = 50;
 
-/// What ffmpeg writes, in the folder of the frames, before the film gets its name.
+/// File that ffmpeg writes in the folder of the frames, before the film gets its name.
 const PARTS: [&str; 2] = ["film.mp4", "film.webm"];
 
-/// What is made of the frames.
+/// Film and page that the frames become.
 #[derive(Debug, Args)]
 pub struct FilmArgs {
     /// With --path or --turntable: write a page that turns the scene in any browser.
@@ -103,7 +103,7 @@ pub struct Asked<'a> {
     pub deep: bool,
 }
 
-/// What is to be made of the frames of a path; it may be nothing.
+/// Film and page that the frames of a path become; both may be missing.
 #[derive(Debug, Default)]
 pub struct Films {
     film: Option<(PathBuf, Kind)>,
@@ -128,7 +128,7 @@ impl FilmArgs {
         }
     }
 
-    /// What the options ask for beside frames.
+    /// Returns the film and the page that the options request.
     pub fn films(&self, asked: &Asked<'_>) -> pellucid_engine::Result<Films> {
         let film = match asked.output.filter(|output| names_film(output)) {
             Some(path) => Some((path.to_owned(), known_kind(path)?)),

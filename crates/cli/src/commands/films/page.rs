@@ -31,7 +31,7 @@ const SCRIPT: &str = include_str!("page.js");
 /// Where the frames stand in the page. No text has it, since its brackets would be escaped.
 const FRAMES: &str = "<!--frames-->";
 
-/// What is said of the frames.
+/// Text about the frames.
 pub struct Caption {
     /// The scene's name.
     pub title: String,

@@ -1,4 +1,4 @@
-//! What a picture of a cloud could use: classes, ranges, histograms, spacing and layers.
+//! Facts for a picture of a cloud: classes, ranges, histograms, spacing and layers.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -18,7 +18,7 @@ const BAR: usize = 24;
 /// Points of each class that has any.
 pub type Classes = BTreeMap<u8, usize>;
 
-/// What a picture of a cloud could use.
+/// Facts for a picture of a cloud.
 pub struct Facts {
     pub classes: Classes,
     /// The smallest and the largest finite value of each scalar.

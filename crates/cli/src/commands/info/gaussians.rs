@@ -1,4 +1,4 @@
-//! What `info` says of Gaussian splats.
+//! Text of `info` about Gaussian splats.
 
 use pellucid_engine::cloud::filter::Filter;
 use pellucid_engine::cloud::gaussians::Gaussians;

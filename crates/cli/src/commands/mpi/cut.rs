@@ -20,7 +20,7 @@ const ROWS: u32 = 4;
 pub const POINT: f64 = 4.0;
 pub const PIXEL: f64 = 0.25;
 
-/// What the tiles of an image are expected to cost, in fragments.
+/// Expected cost of the tiles of an image, in fragments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Costs {
     size: [u32; 2],
@@ -28,7 +28,7 @@ pub struct Costs {
     tiles: Vec<Tile>,
 }
 
-/// What is expected in a tile.
+/// Expected cost of a tile.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Tile {
     points: f64,
@@ -43,7 +43,7 @@ impl Default for Tile {
     }
 }
 
-/// What is expected in a part of an image.
+/// Expected cost of a part of an image.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Load {
     /// Points that show there.
@@ -108,7 +108,7 @@ impl Costs {
         }
     }
 
-    /// What is expected in a window of whole tiles.
+    /// Returns the expected cost of a window of whole tiles.
     pub fn of(&self, window: Window) -> Load {
         let mut load = Load::default();
         for (at, pixels) in self.tiles_of(window) {

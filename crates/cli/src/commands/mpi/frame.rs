@@ -21,7 +21,7 @@ use crate::commands::session::Session;
 /// A frame, on the first rank.
 pub struct Shared {
     pub rendered: Rendered,
-    /// What each rank did.
+    /// Work of each rank.
     pub work: Vec<Work>,
     /// From the moment at which all ranks began until the image was whole.
     pub wall: Duration,

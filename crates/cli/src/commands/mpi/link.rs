@@ -1,4 +1,4 @@
-//! What a message costs: latency and bandwidth.
+//! Cost of a message: latency and bandwidth.
 
 use std::time::Instant;
 

@@ -205,7 +205,7 @@ fn target(args: &RenderArgs) -> Result<Target> {
     }
 }
 
-/// What a rank has done, once it is known that all others have, too: an error of one is an error of all, and the first rank says it.
+/// Returns the result of a rank once all others have theirs: an error of one is an error of all, and the first rank prints it.
 ///
 /// # Errors
 /// The exit status.

@@ -57,7 +57,7 @@ pub fn run(
 }
 
 impl<'a> Setting<'a> {
-    /// What a picture needs.
+    /// Returns the inputs of a picture.
     pub fn of(args: &'a RenderArgs, sharing: &SharingArgs, output: &Path) -> Self {
         Self {
             device: &args.device,

@@ -49,7 +49,7 @@ pub struct Ranks {
     _universe: Option<Universe>,
 }
 
-/// What a rank has sent and received, and how long it waited for messages.
+/// Messages that a rank has sent and received, and how long it waited for them.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Traffic {
     /// Bytes that were sent.
@@ -61,7 +61,7 @@ pub struct Traffic {
 }
 
 impl Traffic {
-    /// What has come since `before`.
+    /// Returns the traffic since `before`.
     pub fn since(self, before: Self) -> Self {
         Self {
             sent: self.sent - before.sent,
@@ -135,12 +135,12 @@ impl Ranks {
         format!("rank {} of {} ({})", self.own(), self.count(), self.host)
     }
 
-    /// What it sent and received so far.
+    /// Returns the traffic so far.
     pub fn traffic(&self) -> Traffic {
         self.traffic.get()
     }
 
-    /// What the first rank says, to all: along a tree, in which each rank tells those that differ from it by one bit more.
+    /// Returns the first rank's bytes on all ranks: along a tree, in which each rank tells those that differ from it by one bit more.
     pub fn told(&self, said: Vec<u8>) -> Vec<u8> {
         let bytes = self.parent().map_or(said, |parent| {
             self.wait(parent, TAG);
@@ -164,7 +164,7 @@ impl Ranks {
         (0..bits.min(31)).map(move |bit| own + (1 << bit)).filter(move |child| *child < count)
     }
 
-    /// What every rank says, in their order, to all.
+    /// Returns the bytes of every rank, in their order, on all ranks.
     pub fn all_told(&self, said: &[u8]) -> Vec<Vec<u8>> {
         let all = self.first_told(said).unwrap_or_default();
         let lengths: Vec<u8> = all.iter().flat_map(|one| (one.len() as u64).to_le_bytes()).collect();
@@ -172,7 +172,7 @@ impl Ranks {
         cut(&lengths, &all)
     }
 
-    /// What every rank says, in their order, to the first one.
+    /// Returns the bytes of every rank, in their order, on the first one; `None` on the others.
     pub fn first_told(&self, said: &[u8]) -> Option<Vec<Vec<u8>>> {
         if !self.is_first() {
             self.send(0, said);

@@ -41,7 +41,7 @@ impl Measured {
     }
 }
 
-/// What a rank did, without its timeline.
+/// Returns the work of a rank, without its timeline.
 fn rank(work: &Work) -> Value {
     let mut value = json!(work);
     if let Some(object) = value.as_object_mut() {
@@ -116,7 +116,7 @@ impl Report {
         args.trace.as_ref().map_or(Ok(()), |path| write_json(path, &self.to_trace()))
     }
 
-    /// What each rank did in the last frame, as a table.
+    /// Returns a table of the work of each rank in the last frame.
     pub fn table(&self) -> String {
         let Some(frame) = self.frames.last() else { return String::new() };
         let mut table = Table::new();

@@ -25,7 +25,7 @@ pub struct SharingArgs {
     pub simulation: SimulateArgs,
 }
 
-/// What the ranks are to share.
+/// Choice of what the ranks share.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Wanted {
     Auto,
@@ -34,7 +34,7 @@ pub enum Wanted {
     Frames,
 }
 
-/// What the ranks share.
+/// Thing that the ranks share.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Share {
     /// Windows of each image.
@@ -65,7 +65,7 @@ const SLOT: f64 = 5.0;
 const IMAGE_BYTES: f64 = 20.0;
 const SUM_BYTES: f64 = 32.0;
 
-/// What there is to share.
+/// Work that can be shared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Job {
     /// The points and fragments of a frame.

@@ -35,7 +35,7 @@ const REST: f64 = 0.2;
 /// Ranks whose longest time is at most so many times the mean keep their windows: others would have to bring other points.
 const BALANCED: f64 = 1.05;
 
-/// What a command wants of a stage.
+/// Requirements of a command on a stage.
 pub struct Setting<'a> {
     pub device: &'a DeviceArgs,
     /// True if list lengths are counted.
@@ -53,7 +53,7 @@ pub struct Stage {
     pub resolved: Resolved,
     pub session: Session,
     pub share: Share,
-    /// What there is to share.
+    /// Work that can be shared.
     pub job: Job,
     pub link: Link,
     /// The points of this rank, if they are spread over all.
@@ -179,7 +179,7 @@ impl Stage {
         }
     }
 
-    /// What the tiles of the session's frame are expected to cost.
+    /// Returns the expected cost of the tiles of the session's frame.
     pub fn costs(&mut self) -> &Costs {
         let (frame, points) = (&self.session.frame, self.resolved.points());
         let old = self.costs.take_if(|(camera, _)| *camera != frame.camera);
@@ -211,7 +211,7 @@ pub fn on_demand(job: &Job, ranks: usize) -> (usize, f64) {
     if ranks > 1 && job.alone() / ranks as f64 >= WORTH_DEMAND { (ON_DEMAND, REST) } else { (0, 0.0) }
 }
 
-/// What has to be the same on all ranks.
+/// Returns a hash of the facts that must be the same on all ranks.
 fn identity(resolved: &Resolved) -> [u8; 32] {
     let Resolved { scene, camera, seed, .. } = resolved;
     let points = resolved.points();
@@ -289,7 +289,7 @@ fn agree(session: &mut Session, resolved: &Resolved, ranks: &Ranks) {
     }
 }
 
-/// What there is to share, with what only a device tells.
+/// Returns the work that can be shared, including facts that only a device knows.
 fn job(session: &mut Session, resolved: &Resolved, frames: usize) -> Result<Job> {
     let Session { renderer, cloud, frame, device, .. } = session;
     let slots = if frame.method.is_dealt() { renderer.survey(cloud, frame)?.slots } else { 0 };
@@ -297,7 +297,7 @@ fn job(session: &mut Session, resolved: &Resolved, frames: usize) -> Result<Job>
 }
 
 impl Job {
-    /// What there is to share, as far as it shows without a device.
+    /// Returns the work that can be shared, as far as it is known without a device.
     fn of(frame: &Frame, resolved: &Resolved, frames: usize) -> Self {
         let load: Load = Costs::expected(frame, resolved.points()).whole();
         let samples = frame.sample_steps().map(|steps| [steps.total, steps.step]);

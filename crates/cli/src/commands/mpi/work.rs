@@ -1,4 +1,4 @@
-//! What a rank has done for a frame: units, passes, messages.
+//! Work of a rank for a frame: units, passes, messages.
 
 use std::time::{Duration, Instant};
 

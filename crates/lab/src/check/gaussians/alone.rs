@@ -13,7 +13,7 @@ use pellucid_engine::reference::gaussians::{self, Hit};
 use pellucid_engine::reference::range::Range;
 use pellucid_engine::scene::{Method, Order};
 
-/// What is known of a pixel that a Gaussian may cover.
+/// Facts about a pixel that a Gaussian may cover.
 #[derive(Debug, Clone, Copy)]
 pub struct Known {
     /// Opacity and depth without roundings; `None` where the Gaussian has no fragment.
@@ -134,7 +134,7 @@ fn share(found: f64, exact: f64, range: Range) -> f64 {
     }
 }
 
-/// What a device drew.
+/// Returns the pixels that a device drew.
 pub fn seen(image: &Image) -> Vec<Seen> {
     let pixels = image.rgba.iter().zip(&image.depth);
     pixels.map(|(rgba, depth)| Seen { alpha: rgba[3], depth: Some(*depth) }).collect()

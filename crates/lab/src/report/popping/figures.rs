@@ -6,7 +6,7 @@ use crate::report::plot::{Axis, Figure, Panel, Point, Series, Steps};
 /// Width and height of the figure in pixels.
 const SIZE: [u32; 2] = [1140, 420];
 
-/// What is shown of a change.
+/// Quantity that is shown of a change.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::report) struct Scale {
     /// The label of the axis.

@@ -14,7 +14,7 @@ use pellucid_engine::scene::Method;
 use super::{Candidate, Follower, Popping, Refused};
 use crate::report::tradeoff::renderers::Renderers;
 
-/// What is filmed.
+/// Subject of a film.
 #[derive(Debug, Clone, Copy)]
 pub struct Film<'a> {
     /// The scene's points.

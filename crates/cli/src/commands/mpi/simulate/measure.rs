@@ -1,4 +1,4 @@
-//! What parts of a frame take on this rank's device.
+//! Times that parts of a frame take on this rank's device.
 
 use std::time::Instant;
 

@@ -17,7 +17,7 @@ use super::ranks::Ranks;
 use super::stage::Stage;
 use crate::commands::console::{Console, print};
 
-/// What is simulated.
+/// Job that is simulated.
 #[derive(Debug, Clone, Args)]
 pub struct SimulateArgs {
     /// Predict the time of a frame on 1, 2, 4 … up to RANKS ranks.

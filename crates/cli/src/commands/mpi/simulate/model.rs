@@ -19,7 +19,7 @@ const PIXEL_BYTES: f64 = 20.0;
 pub struct Part {
     pub window: Window,
     pub seconds: f64,
-    /// What was expected in it.
+    /// Work expected in it.
     pub load: Load,
 }
 
@@ -36,7 +36,7 @@ impl Display for Part {
     }
 }
 
-/// What samples of a frame take.
+/// Time that samples of a frame take.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampled {
     total: u32,
@@ -68,7 +68,7 @@ impl Sampled {
     }
 }
 
-/// What ranks would share.
+/// Thing that ranks would share.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Parts {
     /// Whole frames.
@@ -90,7 +90,7 @@ pub struct Measured {
     frames: usize,
 }
 
-/// What grows with the number of ranks.
+/// Quantity that grows with the number of ranks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scaling {
     /// Nothing: one scene, ever more ranks.
@@ -127,7 +127,7 @@ impl Prediction {
 }
 
 impl Measured {
-    /// What follows from measured times.
+    /// Returns predictions from measured times.
     pub fn new(alone: f64, costs: Costs, parts: Parts, frames: usize) -> Self {
         let Parts::Windows(parts) = parts else { return Self { alone, once: 0.0, costs, parts, frames } };
         let all: f64 = parts.iter().map(|part| part.seconds).sum();

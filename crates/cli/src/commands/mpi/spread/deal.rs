@@ -132,7 +132,7 @@ impl<'a> Dealer<'a> {
         }
     }
 
-    /// What this rank keeps, after so many bytes were read.
+    /// Returns the points that this rank keeps, after so many bytes were read.
     pub fn finish(self, read: u64) -> Spread {
         Spread { portion: self.portion, dealt: self.dealt, sent: self.sent, read }
     }

@@ -75,7 +75,7 @@ impl Spread {
 /// Opens the device of the first rank as if it was alone, decides the method, and deals the points to all ranks.
 ///
 /// # Errors
-/// What can't be spread; those of reading points and of the device.
+/// Settings that can't be spread; those of reading points and of the device.
 pub fn open(setting: &Setting<'_>, resolved: &mut Resolved, all: &Ranks, progress: &Bar) -> Result<(Session, Spread)> {
     refuse(setting, resolved)?;
     // Method and opacity are those of a rank alone, which has all points at once.

@@ -1,4 +1,4 @@
-//! What the first rank tells the others to do.
+//! Orders of the first rank to the others.
 
 use pellucid_engine::Result;
 use pellucid_engine::methods::Frame;

@@ -56,7 +56,7 @@ pub fn serve(device: &DeviceArgs, ranks: &Ranks) -> Result<ExitCode> {
     }
 }
 
-/// What the bytes of an order say.
+/// Reads an order from the bytes of the first rank.
 fn read<T>(ranks: &Ranks, from: impl FnOnce(&[u8]) -> std::result::Result<T, Unreadable>) -> T {
     let bytes = ranks.received(0);
     from(&bytes).unwrap_or_else(|error| ranks.fail(&format!("points of rank 0: {error}"), 1))

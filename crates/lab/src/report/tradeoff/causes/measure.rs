@@ -21,7 +21,7 @@ use super::{Cause, Change};
 use crate::report::tradeoff::surfaces::Clouds;
 use crate::report::tradeoff::{DIFFERENCE_GAIN, Skipped};
 
-/// What the images are made from.
+/// Inputs of the images.
 #[derive(Clone, Copy)]
 pub(in super::super) struct Effort<'a> {
     /// The exact frame, of `abuffer`.

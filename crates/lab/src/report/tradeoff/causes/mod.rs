@@ -1,4 +1,4 @@
-//! What each approximation of Gaussian splats costs by itself: images with one thing changed, against the exact image of the scene's
+//! Cost of each approximation of Gaussian splats by itself: images with one thing changed, against the exact image of the scene's
 //! own kernel and order.
 
 mod measure;
@@ -16,13 +16,13 @@ pub use text::causes_table;
 /// The image of `abuffer` with one thing changed, or that of `hybrid`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Cause {
-    /// What the difference comes from, in a few words.
+    /// Cause of the difference, in a few words.
     pub cause: String,
     /// The change as an option of the command line would give it, as in `method.order=center`; empty for the exact image itself.
     pub setting: String,
     /// What the changed image is compared with, in the same form, beside the scene's own settings; empty for the exact image.
     pub against: String,
-    /// What the figures mean, one sentence.
+    /// Meaning of the figures, in one sentence.
     pub meaning: String,
     /// Root of the mean squared difference, on composed linear R, G, B of all pixels.
     pub rmse: f64,

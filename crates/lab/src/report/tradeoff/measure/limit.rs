@@ -7,7 +7,7 @@ use crate::report::tradeoff::settings::Setting;
 /// Part of the time that is kept for figures, pictures and the page.
 const REPORT_SHARE: f64 = 0.1;
 
-/// What the first frames of a setting took.
+/// Times that the first frames of a setting took.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Spent {
     /// Seconds of a frame whose buffers and shaders were ready.

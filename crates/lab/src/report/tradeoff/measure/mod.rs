@@ -169,7 +169,7 @@ struct Run<'a> {
     analytic: Option<Analytic>,
     surveyed: Option<Surveyed>,
     skipped: Vec<Skipped>,
-    /// What the settings took that this run tried.
+    /// Times of the settings that this run tried.
     tried: Vec<Spent>,
 }
 
@@ -244,7 +244,7 @@ impl Run<'_> {
         Ok(Some(popping::measure(self.device, &film, &candidates, self.progress)?))
     }
 
-    /// What each approximation of Gaussian splats costs, unless an earlier run has it.
+    /// Finds the cost of each approximation of Gaussian splats, unless an earlier run has it.
     fn find_causes(&mut self) -> Result<()> {
         let (points, frame) = (self.subject.arranged.points(), self.frame);
         let (Method::ABuffer(discs), Some(gaussians)) = (&frame.method, &points.gaussians) else { return Ok(()) };
