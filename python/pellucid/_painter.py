@@ -224,7 +224,7 @@ class Painter:
                 task = self._tasks.popleft() if self._tasks else None
                 request, self._wanted = self._wanted, None
             if task is not None:
-                self._fulfil(scene, *task)
+                self._fulfill(scene, *task)
             if request is not None:
                 try:
                     self._follow(scene, request)
@@ -233,7 +233,7 @@ class Painter:
                 except Exception as error:
                     self._deliver(error)
 
-    def _fulfil(self, scene: Loaded, request: Request, made: Future[Image]) -> None:
+    def _fulfill(self, scene: Loaded, request: Request, made: Future[Image]) -> None:
         """Make the whole picture that somebody waits for, unless the window is closed meanwhile."""
         if not made.set_running_or_notify_cancel():
             return

@@ -19,7 +19,7 @@ def rotation(seed: int = 0) -> np.ndarray:
     return q * np.sign(np.linalg.det(q))
 
 
-def centre_of_mass(image: pellucid.Image) -> tuple[float, float]:
+def center_of_mass(image: pellucid.Image) -> tuple[float, float]:
     alpha = image.rgba[..., 3].astype(np.float64)
     rows, columns = np.mgrid[: alpha.shape[0], : alpha.shape[1]] + 0.5
     return float((alpha * columns).sum() / alpha.sum()), float((alpha * rows).sum() / alpha.sum())
@@ -40,7 +40,7 @@ def test_a_calibration_of_opencv_projects_points_where_opencv_does(renderer):
         Camera.from_opencv(K, R=R, t=t.reshape(3, 1), size=(width, height)),
     ):
         image = pellucid.render([point], radii=[0.2], camera=camera, size=(width, height))
-        assert centre_of_mass(image) == pytest.approx(expected, abs=0.1)
+        assert center_of_mass(image) == pytest.approx(expected, abs=0.1)
 
 
 def test_a_camera_of_nerfstudio_is_that_of_opencv_turned(renderer):

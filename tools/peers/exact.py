@@ -41,8 +41,8 @@ def blended(scene, x, y, colors, shape):
     reach = radius_px(scene.size_px) if shape == "disc" else scene.size_px / 2
 
     # A pixel is covered if its center is: the first and the one after the last.
-    def bounds(centre, size):
-        low, high = np.ceil(centre - reach - 0.5), np.ceil(centre + reach - 0.5)
+    def bounds(center, size):
+        low, high = np.ceil(center - reach - 0.5), np.ceil(center + reach - 0.5)
         return np.clip(low, 0, size).astype(int).tolist(), np.clip(high, 0, size).astype(int).tolist()
 
     (x_low, x_high), (y_low, y_high) = bounds(x, width), bounds(y, height)

@@ -28,7 +28,7 @@ class Source:
     sha256: str
     done: str
     source: str
-    licence: str
+    license: str
     credit: str
     # The path by which commands name it.
     name: str = ""

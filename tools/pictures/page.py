@@ -102,7 +102,7 @@ def index(catalog: Catalog) -> str:
 
 def table(catalog: Catalog) -> str:
     """The files, one a line."""
-    return "".join(f"| `{s.path}` | {s.done} | {s.source} | {s.licence} | `{s.sha256}` |\n" for s in catalog.sources.values())
+    return "".join(f"| `{s.path}` | {s.done} | {s.source} | {s.license} | `{s.sha256}` |\n" for s in catalog.sources.values())
 
 
 def page(catalog: Catalog, measured: dict) -> str:

@@ -10,7 +10,7 @@ from catalog import DOCS, IMAGES, MAX_ALL, MAX_PICTURE, ROOT, CatalogError, load
 from page import about, page, slug, wrap
 from pictures import command_of, missing_files, sha256
 
-FILE = '[[file]]\npath = "a/b.laz"\nsha256 = "0"\ndone = "d"\nsource = "s"\nlicence = "l"\ncredit = "Ann"\n'
+FILE = '[[file]]\npath = "a/b.laz"\nsha256 = "0"\ndone = "d"\nsource = "s"\nlicense = "l"\ncredit = "Ann"\n'
 THEME = '[[theme]]\nname = "t"\ntitle = "Theme"\n'
 PICTURE = '[[picture]]\nname = "p"\ntheme = "t"\ntitle = "A picture, of it"\ntext = "Text."\nalt = "Alt"\n'
 

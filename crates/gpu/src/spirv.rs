@@ -54,7 +54,7 @@ fn emit(out: &mut Vec<u32>, opcode: u32, operands: &[u32]) {
 /// Returns all corrections.
 pub fn correct(words: &[u32]) -> Vec<u32> {
     let spoil = cfg!(debug_assertions);
-    let words = forbid_contraction(&correct_sample_mask(&drop_array_initialisers(words, spoil)));
+    let words = forbid_contraction(&correct_sample_mask(&drop_array_initializers(words, spoil)));
     if guard::BYTES > 0 { hide_bytes(&words, guard::BYTES) } else { words }
 }
 
@@ -136,7 +136,7 @@ fn forbid_contraction(words: &[u32]) -> Vec<u32> {
 ///
 /// A GPU then finds there whatever an earlier shader left, which a CPU driver hardly ever does. So in debug builds short arrays are
 /// spoiled instead (`spoil`): a shader that reads an element before it writes one shows it on every driver.
-fn drop_array_initialisers(words: &[u32], spoil: bool) -> Vec<u32> {
+fn drop_array_initializers(words: &[u32], spoil: bool) -> Vec<u32> {
     let arrays: Vec<u32> = instructions(words).filter(|(op, _)| *op == OP_TYPE_ARRAY).map(|(_, i)| i[1]).collect();
     let pointers: Vec<(u32, u32)> = instructions(words)
         .filter(|(op, i)| *op == OP_TYPE_POINTER && i[2] == STORAGE_FUNCTION && arrays.contains(&i[3]))
@@ -301,11 +301,11 @@ mod tests {
         }";
 
     #[test]
-    fn array_initialisers_are_dropped_and_scalars_keep_theirs() {
+    fn array_initializers_are_dropped_and_scalars_keep_theirs() {
         let words = compiled(ARRAY);
-        let initialised = |op: u32, i: &[u32]| op == OP_VARIABLE && i.len() == 5;
-        let before = count(&words, initialised);
-        let after = count(&drop_array_initialisers(&words, false), initialised);
+        let initialized = |op: u32, i: &[u32]| op == OP_VARIABLE && i.len() == 5;
+        let before = count(&words, initialized);
+        let after = count(&drop_array_initializers(&words, false), initialized);
         assert!(before >= 2, "the shader has an initialized array and scalar");
         assert_eq!(after, before - 1);
     }
@@ -320,9 +320,9 @@ mod tests {
                 data[2] = slopes[u32(data[3])];
             }",
         );
-        let initialised = |w: &[u32]| count(w, |op, i| op == OP_VARIABLE && i.len() == 5);
+        let initialized = |w: &[u32]| count(w, |op, i| op == OP_VARIABLE && i.len() == 5);
         for spoil in [false, true] {
-            assert_eq!(initialised(&drop_array_initialisers(&words, spoil)), initialised(&words));
+            assert_eq!(initialized(&drop_array_initializers(&words, spoil)), initialized(&words));
         }
     }
 
@@ -337,12 +337,12 @@ mod tests {
     #[test]
     fn short_arrays_are_spoiled() {
         let words = compiled(LOCAL);
-        let spoiled = drop_array_initialisers(&words, true);
+        let spoiled = drop_array_initializers(&words, true);
         // A float, a vector of two and an array of three; the long array has no initializer.
         let added = |op: u32| count(&spoiled, |o, _| o == op) - count(&words, |o, _| o == op);
         assert_eq!((added(OP_CONSTANT), added(OP_CONSTANT_COMPOSITE)), (1, 2));
-        let initialised = |w: &[u32]| count(w, |op, i| op == OP_VARIABLE && i.len() == 5);
-        assert_eq!(initialised(&spoiled), initialised(&words) - 1);
+        let initialized = |w: &[u32]| count(w, |op, i| op == OP_VARIABLE && i.len() == 5);
+        assert_eq!(initialized(&spoiled), initialized(&words) - 1);
     }
 
     #[test]

@@ -204,17 +204,17 @@ fn now(picture: &Picture) -> String {
     let last = rungs.last();
     let standard_error = last.and_then(|rung| rung.standard_error);
     let rmse = last.and_then(|rung| rung.rmse);
-    let labelled = |error: f64| format!("standard error {error:.5}");
+    let labeled = |error: f64| format!("standard error {error:.5}");
     match (standing, against, standard_error) {
         _ if !picture.whole => {
-            let suffix = standard_error.map(|error| format!(", {}", labelled(error))).unwrap_or_default();
+            let suffix = standard_error.map(|error| format!(", {}", labeled(error))).unwrap_or_default();
             format!("draft: {}{suffix}", picture.draft)
         }
         (Some(Standing::Exact), ..) => format!("exact: {} differs only by rounding", picture.method),
         (Some(Standing::Approximation(_)), Some(Reference::Exact(exact)), _) if rmse.is_some() => {
             format!("RMSE {:.5} against {exact}, which is exact", rmse.unwrap_or_default())
         }
-        (.., Some(error)) => labelled(error),
+        (.., Some(error)) => labeled(error),
         (Some(Standing::Approximation(exact)), ..) => format!("an approximation of {}, measured at rest", exact.name()),
         _ => format!("whole, as {} draws it", picture.method),
     }

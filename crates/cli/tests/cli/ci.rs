@@ -80,7 +80,7 @@ fn checked_out() -> TempDir {
 }
 
 /// The uploaded files.
-const ARTEFACTS: [&str; 6] = ["render.exr", "difference.png", "picture.txt", "base.json", "head.json", "cost.txt"];
+const ARTIFACTS: [&str; 6] = ["render.exr", "difference.png", "picture.txt", "base.json", "head.json", "cost.txt"];
 
 #[test]
 fn the_workflow_passes_what_did_not_change_and_stops_what_did() {
@@ -95,7 +95,7 @@ fn the_workflow_passes_what_did_not_change_and_stops_what_did() {
     // Whatever slows one side: what is tested is that the steps work.
     assert_eq!(run_steps(&folder, &[("ROUNDS", "2"), ("MAX_SLOWER", "1e9")]), named([0, 0, 0]));
     let out = |name: &str| inside(&folder, "out").join(name);
-    assert!(ARTEFACTS.iter().all(|name| out(name).is_file()));
+    assert!(ARTIFACTS.iter().all(|name| out(name).is_file()));
     let profile: serde_json::Value = serde_json::from_str(&fs::read_to_string(out("head.json")).unwrap()).unwrap();
     assert_eq!(profile["frames"].as_array().unwrap().len(), 10, "two runs of five frames");
     let cost = fs::read_to_string(out("cost.txt")).unwrap();
@@ -107,7 +107,7 @@ fn the_workflow_passes_what_did_not_change_and_stops_what_did() {
     let text = fs::read_to_string(&scene).unwrap();
     fs::write(&scene, text.replace("opacity = 0.05", "opacity = 0.06")).unwrap();
     assert_eq!(run_steps(&folder, &[("ROUNDS", "1"), ("MAX_SLOWER", "0.001")]), named([0, 1, 1]));
-    assert!(ARTEFACTS.iter().all(|name| out(name).is_file()));
+    assert!(ARTIFACTS.iter().all(|name| out(name).is_file()));
 }
 
 #[test]

@@ -146,7 +146,7 @@ fn one_version_and_one_day_stand_everywhere() {
 }
 
 #[test]
-fn every_published_crate_holds_the_licences_and_a_readme() {
+fn every_published_crate_holds_the_licenses_and_a_readme() {
     for name in CRATES {
         let crate_folder = root().join("crates").join(name);
         for license in ["LICENSE-MIT", "LICENSE-APACHE"] {

@@ -398,7 +398,7 @@ fn the_plan_is_what_runs() {
             let planned = assert_planned(&folder, &[&[tori.as_str(), "--size", "40x30"], args, &soft[..]].concat());
             let spheres = threshold != "method.threshold=1";
             assert_eq!(has(&planned, "soft/count") && has(&planned, "soft/store"), spheres, "{planned:?}");
-            assert_eq!(has(&planned, "soft/compose"), has(&planned, "splats/normalise"), "{planned:?}");
+            assert_eq!(has(&planned, "soft/compose"), has(&planned, "splats/normalize"), "{planned:?}");
         }
     }
     for method in ["hybrid", "mlab", "moments", "wavelet", "weighted", "average", "unsorted"] {
@@ -416,7 +416,7 @@ fn the_plan_is_what_runs() {
     for method in ["hqs", "splats"] {
         for args in [["row.ply", "--size", "7x9"], [&tori, "--memory-budget", "400KiB"], [&tori, "--size", "40x30"]] {
             let planned = assert_planned(&folder, &[&["-q"], &args[..], &["--method", method]].concat());
-            assert!(has(&planned, "splats/normalise") && !has(&planned, "opaque/nearest"), "{planned:?}");
+            assert!(has(&planned, "splats/normalize") && !has(&planned, "opaque/nearest"), "{planned:?}");
         }
     }
     // Soft discs before solid points: with many of either, with few, and in several windows.
@@ -425,7 +425,7 @@ fn the_plan_is_what_runs() {
             let threshold = format!("method.threshold={threshold}");
             let method = ["-q", "--method", "soft-express", "--set", &threshold];
             let planned = assert_planned(&folder, &[&[tori.as_str()], &args[..], &method[..]].concat());
-            assert!(has(&planned, "splats/normalise") && has(&planned, "soft/compose"), "{planned:?}");
+            assert!(has(&planned, "splats/normalize") && has(&planned, "soft/compose"), "{planned:?}");
             let presorted = ["bin/pick", "bin/place", "soft/express"].iter().filter(|name| has(&planned, name)).count();
             assert_eq!(presorted, if seen { 3 } else { 0 }, "{threshold}: {planned:?}");
         }

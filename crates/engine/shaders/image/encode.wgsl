@@ -39,8 +39,8 @@ fn composed(column: u32, row: u32) -> vec3<f32> {
 
 // Of a pixel center of the picture, in pixels of the image from the center of its first one.
 fn place(at: u32, size: u32, image_size: u32) -> f32 {
-    let centred = (f32(at) + 0.5 - 0.5 * f32(size)) * push.scale;
-    return clamp(centred + 0.5 * f32(image_size) - 0.5, 0.0, f32(image_size - 1u));
+    let centered = (f32(at) + 0.5 - 0.5 * f32(size)) * push.scale;
+    return clamp(centered + 0.5 * f32(image_size) - 0.5, 0.0, f32(image_size - 1u));
 }
 
 fn between(a: vec3<f32>, b: vec3<f32>, t: f32) -> vec3<f32> {

@@ -74,11 +74,11 @@ impl Scale {
         }
         let found = if self.is_log() { logarithmic(low, high, most) } else { Vec::new() };
         let (labels, found) = if found.len() >= 2 {
-            (each_labelled(&found), found)
+            (each_labeled(&found), found)
         } else {
             let found = if whole { linear(low, high, most, 0) } else { Vec::new() };
             let found = if found.len() < 2 { linear(low, high, most, i32::MIN) } else { found };
-            (labelled_alike(&found), found)
+            (labeled_alike(&found), found)
         };
         if found.len() < 2 {
             return [low, high].into_iter().filter_map(|end| tick(end, shortest(end))).collect();
@@ -138,7 +138,7 @@ fn logarithmic(low: f64, high: f64, most: usize) -> Vec<Decimal> {
 }
 
 /// Labels of numbers with one exponent: all written out, or all with the same power of ten.
-fn labelled_alike(numbers: &[Decimal]) -> Vec<String> {
+fn labeled_alike(numbers: &[Decimal]) -> Vec<String> {
     let power = numbers.iter().map(|number| number.magnitude()).max().unwrap_or(0);
     let plain: Vec<String> = numbers.iter().map(|number| number.plain()).collect();
     let short: Vec<String> = numbers.iter().map(|number| number.with_power(power)).collect();
@@ -147,7 +147,7 @@ fn labelled_alike(numbers: &[Decimal]) -> Vec<String> {
 }
 
 /// Labels of numbers of any exponents: all written out, or each with its power of ten.
-fn each_labelled(numbers: &[Decimal]) -> Vec<String> {
+fn each_labeled(numbers: &[Decimal]) -> Vec<String> {
     let plain: Vec<String> = numbers.iter().map(|number| number.plain()).collect();
     if plain.iter().all(|label| label.len() <= PLAIN) {
         return plain;
@@ -177,7 +177,7 @@ pub fn round_below(most: f64) -> Option<(f64, String)> {
     let mut candidates =
         (exponent - 1..=exponent + 1).flat_map(|exponent| [1, 2, 5].map(|digits| Decimal { digits, exponent }));
     let found = candidates.rfind(|number| number.value() > 0.0 && number.value() <= most)?;
-    Some((found.value(), labelled_alike(&[found]).pop()?))
+    Some((found.value(), labeled_alike(&[found]).pop()?))
 }
 
 #[cfg(test)]

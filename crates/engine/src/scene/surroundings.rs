@@ -359,7 +359,7 @@ mod tests {
     }
 
     #[test]
-    fn degrees_beside_metres_are_noted() {
+    fn degrees_beside_meters_are_noted() {
         let mut rng = Pcg64Mcg::seed_from_u64(6);
         let mut spread = |sides: DVec3, at: DVec3| -> Vec<DVec3> {
             (0..2000).map(|_| at + DVec3::new(rng.random(), rng.random(), rng.random()) * sides).collect()

@@ -230,7 +230,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// Returns a vector with a direction: not zero, and short enough to be normalised.
+    /// Returns a vector with a direction: not zero, and short enough to be normalized.
     pub fn direction(&self, key: &str) -> Result<Option<DVec3>, Error> {
         let vector = self.vector(key)?;
         match (vector, self.get(key)) {

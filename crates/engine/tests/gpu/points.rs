@@ -138,10 +138,10 @@ fn an_image_given_back_leaves_no_trace() {
             for method in [Method::Points, DOTS, Method::ABuffer(Default::default())] {
                 let frame = frame(perspective(), size, method);
                 let fresh = renderer.render(&mut cloud, &frame).expect("renders").image;
-                let mut spoilt = fresh.clone();
-                spoilt.rgba.fill([7.0; 4]);
-                spoilt.depth.fill(7.0);
-                renderer.recycle(spoilt);
+                let mut spoiled = fresh.clone();
+                spoiled.rgba.fill([7.0; 4]);
+                spoiled.depth.fill(7.0);
+                renderer.recycle(spoiled);
                 let again = renderer.render(&mut cloud, &frame).expect("renders").image;
                 assert!(bits(&again) == bits(&fresh) && again.fragments == fresh.fragments, "{method:?}");
             }

@@ -109,7 +109,7 @@ fn a_sphere_has_the_opacity_of_its_integral() {
 }
 
 #[test]
-fn softness_is_the_opacity_through_the_centre_of_the_median_sphere() {
+fn softness_is_the_opacity_through_the_center_of_the_median_sphere() {
     with_device(|device| {
         let of = |method, radius: f32| {
             // The others don't meet the ray: 3 is the median radius.

@@ -254,7 +254,7 @@ fn one_on_each_ray(camera: &Camera, size: [u32; 2], depths: std::ops::Range<f64>
 }
 
 #[test]
-fn one_sphere_from_its_centre_to_its_rim() {
+fn one_sphere_from_its_center_to_its_rim() {
     with_device(|device| {
         let size = [32, 24];
         let cases: Vec<Case> = cameras()

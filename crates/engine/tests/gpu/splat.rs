@@ -18,7 +18,7 @@ fn render_both(device: &Device, points: &Points, frame: &Frame) -> Image {
     renderer.wide_atomics = false;
     let narrow = renderer.render(&mut cloud, frame).expect("renders").image;
     assert!(bits(&native) == bits(&narrow), "the two kinds of atomics differ");
-    if let Some(method) = rasterised(frame.method) {
+    if let Some(method) = rasterized(frame.method) {
         for wide in [device.info().int64_atomics, false] {
             renderer.wide_atomics = wide;
             let drawn = renderer.render(&mut cloud, &Frame { method, ..*frame }).expect("renders").image;
@@ -29,7 +29,7 @@ fn render_both(device: &Device, points: &Points, frame: &Frame) -> Image {
 }
 
 /// The same method with the rasterizer to visit its splats' pixels; `None` where there are no splats.
-fn rasterised(method: Method) -> Option<Method> {
+fn rasterized(method: Method) -> Option<Method> {
     let drawn = |splats| ScreenSplats { raster: Raster::Hardware, ..splats };
     Some(match method {
         Method::Squares(splats) => Method::Squares(drawn(splats)),

@@ -387,10 +387,10 @@ fn normals_of_a_sphere_are_estimated_and_given_ones_kept() {
     given[7] = Vec3::X;
     let got = surface(&cloud, Some(&given), 24);
     assert_eq!(got.normals[7], Vec3::X);
-    let centre = DVec3::new(5e5, 4.5e6, 0.0);
+    let center = DVec3::new(5e5, 4.5e6, 0.0);
     for (i, (p, n)) in cloud.iter().zip(&got.normals).enumerate().filter(|(i, _)| *i != 7) {
         // 24 neighbors reach 0.14 far; uneven ones tilt the plane by a part of that.
-        assert!(n.as_dvec3().dot(*p - centre).abs() > 0.98, "{i}: {n}");
+        assert!(n.as_dvec3().dot(*p - center).abs() > 0.98, "{i}: {n}");
         assert!((n.length() - 1.0).abs() < 1e-6);
     }
 }

@@ -14,7 +14,7 @@ fn tiles(terrain: &Terrain) -> Vec<Piece> {
 }
 
 /// A coordinate on the grid of millimeters, as LAS files hold it.
-fn millimetres(p: &DVec3) -> [i64; 3] {
+fn millimeters(p: &DVec3) -> [i64; 3] {
     let grid = (*p * 1000.0).round();
     assert_eq!(grid * 0.001, *p, "not on the grid");
     grid.to_array().map(|value| value as i64)
@@ -95,7 +95,7 @@ fn tiles_are_columns_of_an_octree_and_share_no_point() {
     let terrain = Terrain::new(150_000, 3).unwrap();
     let mut seen: HashSet<[i64; 3]> = HashSet::new();
     for piece in tiles(&terrain) {
-        let own: HashSet<[i64; 3]> = piece.cloud.positions.iter().map(millimetres).collect();
+        let own: HashSet<[i64; 3]> = piece.cloud.positions.iter().map(millimeters).collect();
         assert!(seen.is_disjoint(&own));
         seen.extend(own);
     }

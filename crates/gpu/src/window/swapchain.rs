@@ -36,9 +36,9 @@ pub struct Swapchain {
     pub extent: vk::Extent2D,
     pub images: Vec<vk::Image>,
     pub views: Vec<vk::ImageView>,
-    /// Signalled when an image may be drawn to.
+    /// Signaled when an image may be drawn to.
     pub acquired: vk::Semaphore,
-    /// Signalled when an image may be presented.
+    /// Signaled when an image may be presented.
     pub finished: Vec<vk::Semaphore>,
 }
 

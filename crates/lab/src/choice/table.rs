@@ -21,7 +21,7 @@ pub struct Row {
     pub busy: bool,
 }
 
-/// The best rows for a wish, the best one first: those that fulfil it, then those that come nearest.
+/// The best rows for a wish, the best one first: those that fulfill it, then those that come nearest.
 pub(super) fn best(mut rows: Vec<Row>, wish: Wish) -> Vec<Row> {
     let rank = |row: &Row| {
         let Figures { rmse, gpu_ms } = row.figures;

@@ -26,7 +26,7 @@ fn curve<'a>(report: &'a Value, method: &str, setting: &str) -> &'a Value {
 }
 
 #[test]
-fn centres_pop_and_exact_methods_do_not() {
+fn centers_pop_and_exact_methods_do_not() {
     if !has_device() {
         return;
     }

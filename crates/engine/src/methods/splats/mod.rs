@@ -58,13 +58,13 @@ pass! {
 
 pass! {
     /// Turns the sums of each pixel into color, and sets A = 1 where there are any.
-    pub Normalise(CountPush) = "splats/normalise" {
+    pub Normalize(CountPush) = "splats/normalize" {
         image: ReadWrite<[f32; 4]>,
     }
 }
 
 /// The passes, by name.
-pub const PASSES: [&str; 3] = ["splats/visibility", "splats/attributes", "splats/normalise"];
+pub const PASSES: [&str; 3] = ["splats/visibility", "splats/attributes", "splats/normalize"];
 
 /// Device bytes per pixel of a window, besides tiles and what is drawn into.
 pub const PIXEL_BYTES: u64 = 4 + 16;
@@ -168,7 +168,7 @@ impl Splatter {
         }
         let pixels = bands::pixels(raster.window);
         let push = CountPush { count: pixels as u32 };
-        recorder.run(&Normalise { image }, push, &Run::new(Dispatch::Invocations(pixels)))?;
+        recorder.run(&Normalize { image }, push, &Run::new(Dispatch::Invocations(pixels)))?;
         Ok(())
     }
 }
@@ -225,7 +225,7 @@ pub fn least_bytes(name: &str, facts: &Facts, tilted: bool, pixels: u64) -> Opti
     match name {
         "splats/visibility" => Some(facts.tile_entries * splat + pixels * 8),
         "splats/attributes" => Some(facts.tile_entries * (splat + 16) + pixels * 20),
-        "splats/normalise" => Some(pixels * 32),
+        "splats/normalize" => Some(pixels * 32),
         _ => None,
     }
 }
@@ -242,7 +242,7 @@ pub fn shaders() -> Vec<Shader> {
     vec![
         Shader::new::<Visibility>(runs().map(|(run, shape)| run.visibility(shape))),
         Shader::new::<Attributes>(runs().map(|(run, shape)| run.attributes(shape))),
-        Shader::plain::<Normalise>(),
+        Shader::plain::<Normalize>(),
     ]
 }
 
@@ -258,7 +258,7 @@ mod tests {
         assert_eq!(least_bytes("splats/visibility", &facts, true, 10), Some(20 * 40 + 10 * 8));
         // Colors too; the limit is read, a sum written.
         assert_eq!(least_bytes("splats/attributes", &facts, true, 10), Some(20 * 56 + 10 * 20));
-        assert_eq!(least_bytes("splats/normalise", &facts, true, 10), Some(10 * 32));
+        assert_eq!(least_bytes("splats/normalize", &facts, true, 10), Some(10 * 32));
         assert_eq!(least_bytes("opaque/nearest", &facts, true, 10), None);
     }
 }

@@ -1,7 +1,7 @@
 //! Soft transparency (Seemann et al. 2018): spheres that are densest in the middle, in front of solid points.
 //!
 //! Everything is exact except for rounding: rays through pixel centers, spheres that are hit where d < r, no
-//! always-covered pixel, no limit on radii. s runs along the normalised ray; a depth z cuts it at z/cos φ. Colors of
+//! always-covered pixel, no limit on radii. s runs along the normalized ray; a depth z cuts it at z/cos φ. Colors of
 //! points are those of [`super::shading::shade`].
 
 pub mod density;

@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn disc_around_a_pixel_centre() {
+fn disc_around_a_pixel_center() {
     let count = |radius| footprint(&orthographic(), SIZE, &flat(Shape::Disc, -5.0 * DVec3::Z, radius)).len();
     // Squared distances of pixel centers: 0 (1 pixel), 1 (4), 2 (4), 4 (4), 5 (8), 8 (4), 9 (4).
     assert_eq!([0.9, 1.2, 1.5, 2.0, 2.1, 2.3, 2.9, 3.0].map(count), [1, 5, 9, 13, 13, 21, 25, 29]);

@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn distance_from_the_rim_to_the_nearest_pixel_centre() {
+fn distance_from_the_rim_to_the_nearest_pixel_center() {
     let margin = |shape, radius| margin_px(&orthographic(), SIZE, &flat(shape, -5.0 * DVec3::Z, radius));
     // Distances of pixel centers: 1, sqrt(2), 2.
     assert_close(margin(Shape::Disc, 1.1), 0.1, ROUNDING);
@@ -16,7 +16,7 @@ fn distance_from_the_rim_to_the_nearest_pixel_centre() {
 }
 
 #[test]
-fn distance_from_the_centre_to_a_pixel_border() {
+fn distance_from_the_center_to_a_pixel_border() {
     let margin = |shape, x, radius| margin_px(&orthographic(), SIZE, &flat(shape, DVec3::new(x, 0.0, -5.0), radius));
     assert_close(margin(Shape::Point, 0.45, 0.0), 0.05, ROUNDING);
     assert_close(margin(Shape::Disc, 0.47, 0.2), 0.03, ROUNDING);

@@ -36,7 +36,7 @@ fn size_scales_and_the_clamp_follows() {
             render(&[-5.0 * DVec3::Z], shape, ScreenSplats { size, max_pixel_radius, ..ScreenSplats::default() });
         picture.counts.iter().sum::<u32>()
     };
-    // Radius 2: 13 pixels of a disc (see `disc_around_a_pixel_centre`), 25 of a square; 0.6·2 = 1.2: 5 and 9.
+    // Radius 2: 13 pixels of a disc (see `disc_around_a_pixel_center`), 25 of a square; 0.6·2 = 1.2: 5 and 9.
     assert_eq!([drawn(Shape::Disc, 1.0, 25.0), drawn(Shape::Square, 1.0, 25.0)], [13, 25]);
     assert_eq!([drawn(Shape::Disc, 0.6, 25.0), drawn(Shape::Square, 0.6, 25.0)], [5, 9]);
     assert_eq!([drawn(Shape::Disc, 2.0, 1.5), drawn(Shape::Square, 2.0, 1.5)], [9, 9]);

@@ -61,7 +61,7 @@ fn perspective_at_60_degrees() {
 }
 
 #[test]
-fn edge_on_leaves_its_own_pixel_at_the_centres_depth() {
+fn edge_on_leaves_its_own_pixel_at_the_centers_depth() {
     let position = DVec3::new(1.2, 0.3, -5.0);
     let own = [Coverage { x: 5, y: 4, z: 5.0, rho: 1.0 }];
     assert_eq!(footprint(&orthographic(), SIZE, &oriented(position, 3.0, DVec3::X)), own);

@@ -21,7 +21,7 @@ fn the_central_chord_is_the_same_for_every_number_of_shells() {
 }
 
 #[test]
-fn two_shells_off_the_centre() {
+fn two_shells_off_the_center() {
     // r = 5 and 2.5, d = 1.5: half chords √22.75 and 2, μ′ = 1/2·(1 − 0.3) and 1·(1 − 0.6).
     let one = spheres(&[(DVec3::new(1.5, 0.0, -9.0), 5.0, Vec3::X)]);
     let depth = 0.35 * 2.0 * 22.75f64.sqrt() + 0.4 * 4.0;

@@ -67,7 +67,7 @@ fn the_central_chord_has_the_radius_squared() {
 }
 
 #[test]
-fn six_tenths_of_the_radius_off_the_centre() {
+fn six_tenths_of_the_radius_off_the_center() {
     // d = 3, h = 4, asinh(4/3) = ln 3: 25·(0.8 − 0.36·ln 3).
     let one = spheres(&[(DVec3::new(3.0, 0.0, -9.0), 5.0, RED)]);
     let found = middle(&one, Method::SoftBase(lambda(0.125)));
@@ -102,7 +102,7 @@ fn overlapping_spheres_share_the_segment_that_they_share() {
 }
 
 #[test]
-fn colors_weigh_by_distance_from_the_centres() {
+fn colors_weigh_by_distance_from_the_centers() {
     // d = 0 and d = 0.6 at the same depth: the green chord of half length 0.8 lies within the red one's.
     let two = spheres(&[(ahead(5.0), 1.0, RED), (DVec3::new(0.6, 0.0, -5.0), 1.0, GREEN)]);
     let found = middle(&two, Method::SoftBase(lambda(1.0)));
@@ -264,8 +264,8 @@ fn the_papers_layout_rounds_distance_and_color() {
     assert_close(found.color.x / found.alpha, 77.0 / 255.0, ROUNDING);
     assert_close(found.color.y / found.alpha, 1.0, ROUNDING);
     // Through the center nothing is rounded but the color; at the rim nothing is left.
-    let centred = spheres(&[(ahead(5.0), 1.0, RED)]);
-    assert_close(middle(&centred, Method::SoftBase(soft)).alpha, opacity(1.0), ROUNDING);
+    let centered = spheres(&[(ahead(5.0), 1.0, RED)]);
+    assert_close(middle(&centered, Method::SoftBase(soft)).alpha, opacity(1.0), ROUNDING);
     let rim = spheres(&[(DVec3::new(0.9985, 0.0, -5.0), 1.0, RED)]);
     let found = middle(&rim, Method::SoftBase(soft));
     assert_eq!((found.alpha, found.depth, found.count), (0.0, f64::INFINITY, 1));

@@ -21,7 +21,7 @@ fn oriented_discs() -> Discs {
 const COLORS: [DVec3; 2] = [DVec3::X, DVec3::Y];
 
 #[test]
-fn centres_decide_and_equal_ones_keep_the_order_of_the_points() {
+fn centers_decide_and_equal_ones_keep_the_order_of_the_points() {
     assert_eq!(sorted::order(&orthographic(), &two([6.0, 5.0], [0.0; 2], 0.5), &GaussianSettings::default()), [1, 0]);
     assert_eq!(sorted::order(&orthographic(), &two([5.0, 6.0], [0.0; 2], 0.5), &GaussianSettings::default()), [0, 1]);
     assert_eq!(sorted::order(&perspective(), &two([5.0, 5.0], [0.0; 2], 0.5), &GaussianSettings::default()), [0, 1]);

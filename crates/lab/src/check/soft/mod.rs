@@ -35,7 +35,7 @@ pub(super) fn cases() -> Vec<Case> {
     [
         each(&both, "faint", "lambda of 1e-6: 1 - exp(-x) of 6e-7, relative", rays::faint),
         each(&both, "dense", "lambda of 1e6: rays that pass within 1e-2 to 1e-5 of the rim", rays::dense),
-        each(&base, "through-centre", "d of 0 to 1e-3: d² ln d tends to 0", rays::through_centre),
+        each(&base, "through-centre", "d of 0 to 1e-3: d² ln d tends to 0", rays::through_center),
         each(&base, "grazing", "d = r (1 - 1e-4) at a depth of 1000, relative", rays::grazing),
         each(&base, "thin-segment", "a segment of 1e-5 r between near and a solid point, relative", rays::thin_segment),
         each(&both, "far-segment", "the same at a depth of 65536, relative", rays::far_segment),
@@ -68,7 +68,7 @@ pub(super) fn cases() -> Vec<Case> {
             "a sphere of radius 1 at a distance of 1000, 1 degree wide, against float64",
             rays::far_away,
         ),
-        each(&base, "quantised", "d and color of 32 spheres are not cut to 8 bits", rays::quantised),
+        each(&base, "quantised", "d and color of 32 spheres are not cut to 8 bits", rays::quantized),
         each(
             &concentric,
             "shells-add-up",

@@ -43,7 +43,7 @@ pub(super) fn dense(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     against_float64(stage, &dots, (pixels(size), size), method, bound, &naive)
 }
 
-pub(super) fn through_centre(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn through_center(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let distances = [0.0, 1e-40, 1e-30, 1e-20, 1e-10, 1e-6, 1e-4, 1e-3];
     let dots: Vec<Dot> = (0..).zip(&distances).map(|(x, d)| beside(x, *d, 10.0, 0.25)).collect();
     let size = [8, 1];
@@ -136,7 +136,7 @@ pub(super) fn far_away(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     against_float64(stage, &dots, (camera, size), method, bound(1, 1.0, 1.0), &naive)
 }
 
-pub(super) fn quantised(stage: &mut Stage, method: SoftMethod) -> CaseResult {
+pub(super) fn quantized(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let sphere =
         |x: u32| Dot { color: Vec3::new(x as f32 / 31.3, 0.123, 0.777), ..beside(x, f64::from(x) / 140.0, 10.0, 0.25) };
     let dots: Vec<Dot> = (0..32).map(sphere).collect();

@@ -220,10 +220,10 @@ impl Figure {
             space.avoid([line[0], line[1]]);
         }
         let points = panel.series.iter().flat_map(|series| &series.points);
-        let mut labelled: Vec<_> = points.filter(|point| !point.label.is_empty() && point.is_finite()).collect();
+        let mut labeled: Vec<_> = points.filter(|point| !point.label.is_empty() && point.is_finite()).collect();
         // Long labels are placed first, while space is free.
-        labelled.sort_by_key(|point| std::cmp::Reverse(point.label.chars().count()));
-        for point in labelled {
+        labeled.sort_by_key(|point| std::cmp::Reverse(point.label.chars().count()));
+        for point in labeled {
             let marker = at(point.x, point.y);
             let Some(placed) = space.place(marker, &point.label) else { continue };
             if let Some(end) = placed.tie {

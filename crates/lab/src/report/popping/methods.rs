@@ -90,9 +90,9 @@ mod tests {
         let sorted = ["sorted method.order=center", "sorted method.order=distance"];
         assert_eq!(names(discs, &gaussians, &[]), [&sorted[..], &approximate].concat());
         // An order by centers is not exact, whichever method has it.
-        let centres = Method::ABuffer(ordered(Discs::default(), Order::Center));
-        assert!(names(centres, &gaussians, &[]).contains(&"abuffer".to_owned()));
-        assert_eq!(exact(&centres, &gaussians).unwrap().order(), Order::Pixel);
+        let centers = Method::ABuffer(ordered(Discs::default(), Order::Center));
+        assert!(names(centers, &gaussians, &[]).contains(&"abuffer".to_owned()));
+        assert_eq!(exact(&centers, &gaussians).unwrap().order(), Order::Pixel);
         assert_eq!(exact(&Method::Spbr(Spbr::default()), &gaussians), None);
         assert_eq!(names(Method::Spbr(Spbr::default()), &gaussians, &[]), Vec::<String>::new());
     }

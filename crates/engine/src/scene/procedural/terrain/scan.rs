@@ -104,11 +104,11 @@ impl Scan<'_> {
     }
 
     /// A wall, in rows of so many points per meter that stray by a quarter of their distance.
-    fn side(&mut self, side: &Side, per_metre: f64, radius: f64) {
+    fn side(&mut self, side: &Side, per_meter: f64, radius: f64) {
         let length = side.to - side.from;
         // Rounded at random, so that parts of walls get their share on average.
-        let columns = (per_metre * length + self.random.unit()).floor();
-        let rows = (per_metre * side.area / length).round().max(1.0);
+        let columns = (per_meter * length + self.random.unit()).floor();
+        let rows = (per_meter * side.area / length).round().max(1.0);
         for i in 0..(columns * rows) as usize {
             let cell = DVec2::new(i as f64 % columns, (i as f64 / columns).floor());
             let stray = 0.5 * DVec2::new(self.random.unit(), self.random.unit()) + 0.25;

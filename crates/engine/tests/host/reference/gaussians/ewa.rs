@@ -168,7 +168,7 @@ fn what_has_no_inverse_has_no_fragment() {
 }
 
 #[test]
-fn only_the_centre_is_compared_with_near_and_far() {
+fn only_the_center_is_compared_with_near_and_far() {
     let seen = |z: f64| !center(&orthographic(), ball(-z * DVec3::Z, 3.0, 1.0), &bare(Kernel::Ewa)).is_empty();
     // Near is 0.5, far is 100.
     assert_eq!([0.5, 0.4999, 100.0, 100.0001, -1.0].map(seen), [true, false, true, false, false]);

@@ -130,7 +130,7 @@ fn colored(base: Vec3, harmonics: [Vec3; 3]) -> Points {
 }
 
 #[test]
-fn the_direction_goes_from_the_eye_to_the_centre() {
+fn the_direction_goes_from_the_eye_to_the_center() {
     let points = colored(Vec3::splat(0.5), [Vec3::X, Vec3::Y, Vec3::Z]);
     let y1 = 0.4886025119029199;
     // (0.6, 0, −0.8): −y, z, −x; red, green, blue.

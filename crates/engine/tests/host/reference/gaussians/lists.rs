@@ -43,7 +43,7 @@ fn splats_that_cross_change_places_from_pixel_to_pixel() {
 }
 
 #[test]
-fn without_an_order_it_is_that_of_the_pixel_and_of_the_centre_when_sorted() {
+fn without_an_order_it_is_that_of_the_pixel_and_of_the_center_when_sorted() {
     let none = Discs { gaussians: bare(Kernel::Ewa), ..Discs::default() };
     let all = crossing();
     let of = |discs: &Discs| lists(&orthographic(), SIZE, &all, discs);

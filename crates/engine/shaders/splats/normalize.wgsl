@@ -1,4 +1,4 @@
-// splats/normalise: sums to colors, in place; A = 1 where anything was summed (Botsch et al. 2004, the third pass). One
+// splats/normalize: sums to colors, in place; A = 1 where anything was summed (Botsch et al. 2004, the third pass). One
 // invocation per pixel. Reference: reference::splats::blend.
 #import dispatch
 
