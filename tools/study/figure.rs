@@ -1,7 +1,7 @@
 //! The map as a picture: a cell for each mean list and wanted error, colored by the fastest method.
 
 use maud::{Markup, html};
-use pellucid_lab::choice::EXACT;
+use pellucid_session::choice::EXACT;
 
 use crate::map::{ERRORS, fastest, verdicts};
 use crate::rows::{Measured, Row, Study};

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use pellucid_lab::choice::EXACT;
+use pellucid_session::choice::EXACT;
 
 use crate::rows::{Measured, Row};
 

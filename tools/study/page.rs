@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use pellucid_lab::choice::EXACT;
+use pellucid_session::choice::EXACT;
 
 use crate::figure::{self, scenes, targets};
 use crate::map::{ERRORS, Verdict, between, fastest, front, is_new, verdicts};

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use pellucid_engine::methods::{Frame, Stop};
 use pellucid_engine::profile::{self, Profile};
 use pellucid_engine::{output, plan};
-use pellucid_lab::report::tradeoff::settings::{self, Formation, Ladders};
+use pellucid_session::candidates::{self, Formation, Ladders};
 use pellucid_lab::report::tradeoff::{self, Options, Subject};
 use pyo3::prelude::*;
 use serde_json::json;

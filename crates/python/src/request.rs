@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use pellucid_engine::methods::{Factors, Stop};
 use pellucid_engine::scene::{Document, Overrides, Scene, View, ViewName};
-use pellucid_lab::choice::Wish;
+use pellucid_session::choice::Wish;
 use pyo3::prelude::*;
 
 use crate::failure::Failure;

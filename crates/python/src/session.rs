@@ -11,7 +11,7 @@ use pellucid_engine::progress::Phase;
 use pellucid_engine::scene::made::{self, Made, Source, Wanted};
 use pellucid_engine::scene::{self as engine, Document, Method, MethodChoice, Scene, ShadingModel, Vertical};
 use pellucid_engine::{io, plan};
-use pellucid_lab::choice::{self, Choice, Subject, Wish};
+use pellucid_session::choice::{self, Choice, Subject, Wish};
 use pellucid_lab::frame_notes;
 
 use crate::failure::Failure;

@@ -14,7 +14,7 @@ use pellucid_engine::points::Points;
 use pellucid_engine::scene::{Discs, Interpolated, Method, ScreenSplats, Soft, Spbr};
 use pellucid_engine::{Result, output};
 use pellucid_lab::report::popping;
-use pellucid_lab::report::tradeoff::settings::{self, Formation, Ladders, Occasion, Surfaces};
+use pellucid_session::candidates::{self, Formation, Ladders, Occasion, Surfaces};
 use pellucid_lab::report::tradeoff::{self, Options, Row, Shaded, ShadedStep, Skipped, Subject, Tradeoff};
 
 use super::DeviceArgs;

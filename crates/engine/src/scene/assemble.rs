@@ -1,5 +1,6 @@
 //! From the clouds of a scene to the points of a frame: settings applied, merged, put into canonical order.
 
+use std::borrow::Borrow;
 use std::sync::Arc;
 
 use crate::progress::{Phase, Progress};
@@ -51,8 +52,8 @@ pub fn take_generated(scene: &Scene, generated: &Generated) -> Result<Vec<Cloud>
 }
 
 /// Returns the vertical of most clouds; Z in a draw, since surveys are what other things are put into.
-pub fn up_axis(clouds: &[Cloud]) -> UpAxis {
-    most_frequent(clouds.iter().map(|cloud| cloud.up))
+pub fn up_axis(clouds: &[impl Borrow<Cloud>]) -> UpAxis {
+    most_frequent(clouds.iter().map(|cloud| cloud.borrow().up))
 }
 
 /// Returns the most frequent one; Z in a draw.
@@ -64,7 +65,7 @@ pub(super) fn most_frequent(ups: impl Iterator<Item = UpAxis> + Clone) -> UpAxis
 }
 
 /// Returns warnings about data of prepared clouds that the scene can't use, one sentence each.
-pub fn notes(scene: &Scene, clouds: &[Cloud], needs_radii: bool) -> Vec<String> {
+pub fn notes(scene: &Scene, clouds: &[impl Borrow<Cloud>], needs_radii: bool) -> Vec<String> {
     let prefixed_notes = |(settings, cloud): (&CloudSettings, &Cloud)| {
         let path = settings.path.display().to_string();
         let mut request = request(scene, settings, needs_radii, scene.method.needs_field());
@@ -74,7 +75,7 @@ pub fn notes(scene: &Scene, clouds: &[Cloud], needs_radii: bool) -> Vec<String> 
         let idle = idle.into_iter().flatten();
         notes.into_iter().chain(idle).map(move |note| format!("{path}: {note}"))
     };
-    scene.clouds.iter().zip(clouds).flat_map(prefixed_notes).collect()
+    scene.clouds.iter().zip(clouds.iter().map(Borrow::borrow)).flat_map(prefixed_notes).collect()
 }
 
 /// Says that the vertical was guessed, where the camera depends on it.
@@ -85,9 +86,13 @@ fn upright_note(scene: &Scene, cloud: &Cloud) -> Option<String> {
 
 /// Returns the shadow texture that is stored with the scene's cloud, if it matches the scene; else the reason as one
 /// sentence, if the cloud has one. `seed` is that of the frame.
-pub fn shadow_texture(scene: &Scene, clouds: &[Cloud], seed: u64) -> (Option<ShadowTexture>, Option<String>) {
+pub fn shadow_texture(
+    scene: &Scene,
+    clouds: &[impl Borrow<Cloud>],
+    seed: u64,
+) -> (Option<ShadowTexture>, Option<String>) {
     let stored = |cloud: &Cloud| cloud.prepared.as_ref().and_then(|prepared| prepared.shadows.clone());
-    let with_settings = scene.clouds.iter().zip(clouds);
+    let with_settings = scene.clouds.iter().zip(clouds.iter().map(Borrow::borrow));
     let found = with_settings.filter_map(|(settings, cloud)| Some((settings, cloud, stored(cloud)?))).next();
     let (Some(shadows), Some((settings, cloud, texture))) = (scene.shadows, found) else { return (None, None) };
     let diagonal = cloud.bounds().map_or(0.0, |bounds| bounds.diagonal());

@@ -1,5 +1,6 @@
 //! The colors of a cloud's points by what the cloud has: `color_by` and its keys.
 
+use std::borrow::Borrow;
 use std::borrow::Cow;
 
 use glam::{DVec3, Vec3};
@@ -367,7 +368,7 @@ fn doubles(values: &[f32]) -> Vec<f64> {
 }
 
 /// Returns how the points of each cloud are colored and why, a sentence for each.
-pub fn colorings(scene: &Scene, clouds: &[Cloud]) -> Vec<String> {
+pub fn colorings(scene: &Scene, clouds: &[impl Borrow<Cloud>]) -> Vec<String> {
     let describe = |(index, cloud)| Coloring::of(scene, index, cloud).describe();
-    clouds.iter().enumerate().map(describe).collect()
+    clouds.iter().map(Borrow::borrow).enumerate().map(describe).collect()
 }

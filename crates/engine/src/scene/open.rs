@@ -1,12 +1,13 @@
 //! From the inputs of a command to a scene and its clouds.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::progress::{Phase, Progress};
 
 use super::document::Document;
 use super::procedural::Generated;
-use super::{Error, Overrides, load_clouds, procedural, take_generated};
+use super::{Error, Overrides, Scene, load_clouds, procedural, take_generated};
 use crate::cloud::Cloud;
 use crate::cloud::gaussians::Gaussians;
 use crate::io::store;
@@ -30,46 +31,41 @@ pub struct Opened {
     pub generated: bool,
 }
 
-/// A scene, and where its clouds are.
+/// Where the clouds of a scene are. Clones share what is in memory.
 #[derive(Debug, Clone)]
-pub struct Named {
-    /// The inputs as they were named.
-    pub name: String,
-    /// The keys of the scene.
-    pub document: Document,
-    /// The clouds of the built-in scene, which no file contains.
-    generated: Option<Generated>,
+pub enum Input {
+    /// In the files that the scene names.
+    Files,
+    /// In memory, by the names in a built-in scene.
+    Generated(Arc<Generated>),
+    /// In memory, in the scene's order.
+    Clouds(Arc<[Arc<Cloud>]>),
 }
 
-impl Named {
-    /// Returns a scene of that name, whose clouds are the files that it names.
-    pub fn of_files(name: String, document: Document) -> Self {
-        Self { name, document, generated: None }
-    }
-
-    /// Reads the clouds.
+impl Input {
+    /// Returns the clouds of a scene, in its order; those in files are read.
     ///
     /// # Errors
-    /// Files that can't be read.
-    pub fn load(self, progress: &Progress) -> crate::Result<Opened> {
-        let scene = self.document.scene()?;
-        let clouds = match &self.generated {
-            Some(generated) => take_generated(&scene, generated)?,
-            None => load_clouds(&scene, progress)?,
-        };
-        Ok(Opened { name: self.name, document: self.document, clouds, generated: self.generated.is_some() })
+    /// Returns an error if a file can't be read, or if a generated cloud has another name.
+    pub fn load(&self, scene: &Scene, progress: &Progress) -> crate::Result<Vec<Arc<Cloud>>> {
+        match self {
+            Self::Files => Ok(load_clouds(scene, progress)?.into_iter().map(Arc::new).collect()),
+            Self::Generated(generated) => {
+                Ok(take_generated(scene, generated)?.into_iter().map(Arc::new).collect())
+            }
+            Self::Clouds(clouds) => Ok(clouds.to_vec()),
+        }
     }
 
-    /// Returns bytes of memory for all points that the clouds announce, as far as their files say how many they have;
-    /// `None` of the built-in scene.
+    /// Returns the bytes of memory that all points of a scene take, as far as its files say how many they have; `None` for
+    /// clouds that are in memory already.
     ///
     /// # Errors
-    /// Files that can't be opened.
-    pub fn needed_memory(&self) -> crate::Result<Option<u64>> {
-        if self.generated.is_some() {
+    /// Returns an error if a file can't be opened.
+    pub fn needed_memory(&self, scene: &Scene) -> crate::Result<Option<u64>> {
+        if !matches!(self, Self::Files) {
             return Ok(None);
         }
-        let scene = self.document.scene()?;
         let mut all = 0_u64;
         for cloud in &scene.clouds {
             let (points, degree) = store::announced(&cloud.path, &cloud.hints())?.unwrap_or_default();
@@ -78,6 +74,43 @@ impl Named {
             all = all.saturating_add(points.saturating_mul(bytes));
         }
         Ok(Some(all))
+    }
+}
+
+/// A scene, and where its clouds are.
+#[derive(Debug, Clone)]
+pub struct Named {
+    /// The inputs as they were named.
+    pub name: String,
+    /// The keys of the scene.
+    pub document: Document,
+    /// The place of the clouds.
+    pub input: Input,
+}
+
+impl Named {
+    /// Returns a scene of that name, whose clouds are the files that it names.
+    pub fn of_files(name: String, document: Document) -> Self {
+        Self { name, document, input: Input::Files }
+    }
+
+    /// Returns `true` if the clouds were generated, so that no file contains them.
+    pub fn is_generated(&self) -> bool {
+        matches!(self.input, Input::Generated(_))
+    }
+
+    /// Reads the clouds.
+    ///
+    /// # Errors
+    /// Returns an error if a file can't be read.
+    fn load(self, progress: &Progress) -> crate::Result<Opened> {
+        let scene = self.document.scene()?;
+        let clouds = match &self.input {
+            Input::Files => load_clouds(&scene, progress)?,
+            Input::Generated(generated) => take_generated(&scene, generated)?,
+            Input::Clouds(clouds) => clouds.iter().map(|cloud| Cloud::clone(cloud)).collect(),
+        };
+        Ok(Opened { generated: self.is_generated(), name: self.name, document: self.document, clouds })
     }
 }
 
@@ -101,7 +134,7 @@ pub fn name(inputs: &[PathBuf], overrides: &Overrides, seed: u64) -> crate::Resu
         [] => {
             let generated = procedural::build(DEFAULT_SCENE, &[], seed).map_err(Error::from)?;
             let document = Document::from_toml(&generated.scene_toml, Path::new(DEFAULT_SCENE), overrides)?;
-            return Ok(Named { name: DEFAULT_SCENE.to_owned(), document, generated: Some(generated) });
+            return Ok(Named { name: DEFAULT_SCENE.to_owned(), document, input: Input::Generated(Arc::new(generated)) });
         }
         [path] if is_scene(path) => Document::read(path, overrides)?,
         inputs if inputs.iter().any(is_scene) => {
@@ -112,5 +145,5 @@ pub fn name(inputs: &[PathBuf], overrides: &Overrides, seed: u64) -> crate::Resu
         inputs => Document::from_clouds(inputs, overrides)?,
     };
     let names: Vec<_> = inputs.iter().map(|input| input.display().to_string()).collect();
-    Ok(Named { name: names.join(" "), document, generated: None })
+    Ok(Named::of_files(names.join(" "), document))
 }

@@ -8,11 +8,10 @@ use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Error, Frame, Renderer};
 use pellucid_engine::points::Points;
-use pellucid_engine::prepare::Arranged;
 use pellucid_engine::reference::abuffer::{Composite, composite, lists_at};
 use pellucid_engine::reference::shading::shade;
 use pellucid_engine::reference::soft::{Behind, Model, Scene};
-use pellucid_engine::reference::{Picture, spbr};
+use pellucid_session::choice::image_of;
 use pellucid_engine::scene::{Density, Method, Soft};
 
 /// Pixels that are compared with the reference; of a smaller image all.
@@ -62,28 +61,7 @@ pub(super) fn soft_spheres(device: &Device, points: &Points, frame: &Frame) -> R
     let colors = shade(points, &frame.camera, &frame.shading, frame.color);
     let scene = Scene { camera: &frame.camera, size: frame.size, points, colors: &colors, model };
     let picture = scene.render(|pixel| solids.as_ref().map_or(Behind::NOTHING, |image| behind(image, pixel)));
-    Ok(Some(rounded(&picture)))
-}
-
-/// The limit of the mean over ensembles as their number grows, in float64; `None` for other methods.
-pub(crate) fn ensembles(arranged: &Arranged, frame: &Frame) -> Option<Image> {
-    let (Arranged::Dealt(dealt), Method::Spbr(settings)) = (arranged, frame.method) else { return None };
-    let colors = shade(&dealt.points, &frame.camera, &frame.shading, frame.color);
-    Some(rounded(&spbr::limit(&frame.camera, frame.size, dealt, &colors, &settings.into())))
-}
-
-fn rounded(picture: &Picture) -> Image {
-    Image {
-        width: picture.width,
-        height: picture.height,
-        rgba: picture.rgba.iter().map(|pixel| pixel.map(|value| value as f32)).collect(),
-        depth: picture.depth.iter().map(|depth| *depth as f32).collect(),
-        depth_median: None,
-        depth_mean: None,
-        fragments: None,
-        layers: None,
-        stderr: None,
-    }
+    Ok(Some(image_of(&picture)))
 }
 
 /// The picture of the solid points alone, as the device shows it behind soft points of zero density; `None` without

@@ -8,6 +8,7 @@
 mod derived;
 mod origins;
 
+use std::borrow::Borrow;
 use std::sync::Arc;
 
 use crate::progress::Progress;
@@ -89,11 +90,11 @@ impl GaussianKey {
 }
 
 impl PlacementKey {
-    fn for_scene(scene: &Scene, clouds: &[Cloud]) -> Self {
+    fn for_scene(scene: &Scene, clouds: &[impl Borrow<Cloud>]) -> Self {
         let bits = |translate: DVec3| translate.to_array().map(f64::to_bits);
         let placed =
             |cloud: &CloudSettings| (cloud.scale.to_bits(), bits(cloud.translate), cloud.strays.rule(Outliers::Drop));
-        let each = scene.clouds.iter().zip(clouds);
+        let each = scene.clouds.iter().zip(clouds.iter().map(Borrow::borrow));
         let drawn = |(settings, cloud)| gaussians::are_drawn(scene, settings, cloud).then(|| GaussianKey::of(settings));
         let gaussians = each.map(drawn).collect();
         let clouds = scene.clouds.iter().map(placed);
@@ -203,12 +204,12 @@ impl CloudView<'_> {
 /// Computes the data that a scene needs of its clouds' points, and the keys of their columns.
 fn learn(
     scene: &Scene,
-    clouds: &[Cloud],
+    clouds: &[impl Borrow<Cloud>],
     derived: &mut [DerivedColumns],
     progress: &Progress,
 ) -> Result<Vec<ColumnKey>, Error> {
     let method = &scene.method;
-    let each = scene.clouds.iter().zip(clouds).zip(derived).enumerate();
+    let each = scene.clouds.iter().zip(clouds.iter().map(Borrow::borrow)).zip(derived).enumerate();
     let column_key =
         |(index, ((settings, cloud), derived)): (usize, ((&CloudSettings, &Cloud), &mut DerivedColumns))| {
             let coloring = Coloring::of(scene, index, cloud);
@@ -236,11 +237,11 @@ fn learn(
 /// The clouds as a scene shows them, once [`learn`] has computed their data.
 fn views<'a>(
     scene: &'a Scene,
-    clouds: &'a [Cloud],
+    clouds: &'a [impl Borrow<Cloud>],
     derived: &'a [DerivedColumns],
     column_keys: &[ColumnKey],
 ) -> Result<Vec<CloudView<'a>>, Error> {
-    let each = scene.clouds.iter().zip(clouds).zip(derived).zip(column_keys);
+    let each = scene.clouds.iter().zip(clouds.iter().map(Borrow::borrow)).zip(derived).zip(column_keys);
     each.map(|(((settings, cloud), derived), column_key)| {
         let own = if column_key.radius.2.is_some() { derived.radii() } else { cloud.own_radii() };
         let radii = own.filter(|_| settings.radius.is_none());
@@ -274,9 +275,9 @@ fn views<'a>(
 ///
 /// # Errors
 /// Those of [`Tracked::new`].
-pub fn legend(scene: &Scene, clouds: &[Cloud], derived: &[DerivedColumns]) -> Result<Legend, Error> {
+pub fn legend(scene: &Scene, clouds: &[impl Borrow<Cloud>], derived: &[DerivedColumns]) -> Result<Legend, Error> {
     let (mut legend, clips) = (Legend::default(), Clips::load(&scene.clips)?);
-    for (index, (cloud, derived)) in clouds.iter().zip(derived).take(scene.clouds.len()).enumerate() {
+    for (index, (cloud, derived)) in clouds.iter().map(Borrow::borrow).zip(derived).take(scene.clouds.len()).enumerate() {
         let dropped = scene.clouds[index].strays.rule(Outliers::Drop).and_then(|rule| derived.dropped(rule));
         legend.add(&Coloring::of(scene, index, cloud), &clips, derived.fields(), dropped)?;
     }
@@ -291,7 +292,7 @@ impl Tracked {
     /// No point is left, a cloud lacks the property of its field or its colors, or the polygons of a clip can't be read.
     pub fn new(
         scene: &Scene,
-        clouds: &[Cloud],
+        clouds: &[impl Borrow<Cloud>],
         derived: &mut [DerivedColumns],
         seed: u64,
         progress: &Progress,
@@ -343,7 +344,7 @@ impl Tracked {
     pub fn follow(
         &mut self,
         scene: &Scene,
-        clouds: &[Cloud],
+        clouds: &[impl Borrow<Cloud>],
         derived: &mut [DerivedColumns],
         progress: &Progress,
     ) -> Result<Option<Changes>, Error> {

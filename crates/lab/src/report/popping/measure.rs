@@ -12,7 +12,7 @@ use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::Method;
 
 use super::{Candidate, Follower, Popping, Refused};
-use crate::report::tradeoff::renderers::Renderers;
+use pellucid_session::choice::Renderers;
 
 /// Subject of a film.
 #[derive(Debug, Clone, Copy)]

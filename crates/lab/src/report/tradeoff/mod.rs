@@ -2,7 +2,6 @@
 //! image formation, the Pareto front, and how the error of stochastic methods falls with their samples.
 
 mod analytic;
-mod applicable;
 mod causes;
 mod figures;
 mod files;
@@ -12,12 +11,11 @@ mod measure;
 mod page;
 mod partial;
 mod pictures;
-pub(crate) mod renderers;
 mod repeats;
-pub mod settings;
 mod summary;
 mod surfaces;
 
+pub use pellucid_session::candidates::Skipped;
 use serde::{Deserialize, Serialize};
 
 pub use causes::{Cause, causes_table};
@@ -114,19 +112,6 @@ pub struct Row {
 
 /// Amplification of the difference pictures.
 pub const DIFFERENCE_GAIN: f64 = 10.0;
-
-/// A setting that was not measured, and why.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Skipped {
-    /// The method's name.
-    pub method: String,
-    /// The setting's text, as in [`Row`].
-    pub setting: String,
-    /// Why.
-    pub reason: String,
-    /// True if it would have taken too long; another limit of time may let it in.
-    pub for_time: bool,
-}
 
 /// The fall of a method's error along its ladder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -59,7 +59,7 @@ pub(super) struct Content {
     /// Of Gaussian splats.
     #[serde(default)]
     pub causes: Vec<Cause>,
-    /// Keyed by [`super::settings::Setting::key`].
+    /// Keyed by [`pellucid_session::candidates::Setting::key`].
     pub settings: BTreeMap<String, Measured>,
 }
 

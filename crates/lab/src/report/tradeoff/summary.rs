@@ -2,7 +2,7 @@
 
 use super::figures::short;
 use super::partial::Measured;
-use super::settings::Setting;
+use pellucid_session::candidates::Setting;
 use super::{Convergence, Row};
 use crate::report::fit::power_law;
 use crate::report::stress::Spread;
@@ -103,7 +103,7 @@ mod tests {
     use super::*;
     use crate::report::tradeoff::Errors;
     use crate::report::tradeoff::partial::{Timed, Trial};
-    use crate::report::tradeoff::settings::{Formation, Ladders, Occasion, settings};
+    use pellucid_session::candidates::{Formation, Ladders, Occasion, settings};
     use pellucid_engine::scene::Discs;
 
     fn measured(times: &[f64], rmse: f64) -> Measured {

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use crate::report::tradeoff::settings::Setting;
+use pellucid_session::candidates::Setting;
 
 /// Part of the time that is kept for figures, pictures and the page.
 const REPORT_SHARE: f64 = 0.1;
@@ -82,7 +82,7 @@ mod tests {
     use pellucid_engine::scene::Discs;
 
     use super::*;
-    use crate::report::tradeoff::settings::{Formation, Ladders, Occasion, settings};
+    use pellucid_session::candidates::{Formation, Ladders, Occasion, settings};
 
     #[test]
     fn the_time_of_a_setting_is_told_from_those_before() {

@@ -8,7 +8,7 @@ use pellucid_engine::scene::{Hybrid, Method};
 use super::Run;
 use crate::report::tradeoff::Look;
 use crate::report::tradeoff::looks::{Exact, look};
-use crate::report::tradeoff::settings::{Formation, Setting};
+use pellucid_session::candidates::{Formation, Setting};
 
 impl Run<'_> {
     /// How the error of a setting's image looks; `None` of exact ones and of opaque points.

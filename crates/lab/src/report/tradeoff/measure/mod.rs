@@ -27,7 +27,7 @@ use self::reference::Made;
 use super::analytic::{self, Planes};
 use super::causes::{self, Effort as CausesEffort};
 use super::partial::Partial;
-use super::settings::{Formation, Ladders, Occasion, Setting, compared, settings};
+use pellucid_session::candidates::{Formation, Ladders, Occasion, Setting, compared, settings};
 use super::surfaces::shadows::{self, Effort};
 use super::surfaces::{self, Clouds};
 use super::{Analytic, Reference, Row, Shaded, Skipped, Surveyed, Tradeoff, findings, summary};

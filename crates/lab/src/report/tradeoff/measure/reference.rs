@@ -7,9 +7,10 @@ use pellucid_engine::methods::{Facts, Frame, Rendered, Renderer};
 use pellucid_engine::output::linear;
 
 use super::Subject;
-use crate::report::tradeoff::settings::Formation;
+use pellucid_session::candidates::Formation;
 use crate::report::tradeoff::surfaces::{Clouds, Silhouette, supersampled};
-use crate::report::truth::{self, soft_spheres};
+use crate::report::truth::soft_spheres;
+use pellucid_session::choice;
 
 /// The reference that images are compared with.
 pub(super) struct Made {
@@ -53,7 +54,7 @@ impl Made {
         }
         let Rendered { image, facts, .. } = renderer.render(cloud, frame)?;
         drop(renderer);
-        let in_float64 = match truth::ensembles(subject.arranged, frame) {
+        let in_float64 = match choice::ensembles(subject.arranged, frame) {
             Some(image) => Some(image),
             None => soft_spheres(device, subject.arranged.points(), frame)?,
         };

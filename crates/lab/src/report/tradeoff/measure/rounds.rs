@@ -7,8 +7,8 @@ use pellucid_engine::methods::{FrameProfile, Renderer};
 
 use super::{ALONE_SHARE, Run};
 use crate::report::tradeoff::partial::Timed;
-use crate::report::tradeoff::renderers::Renderers;
-use crate::report::tradeoff::settings::Setting;
+use pellucid_session::choice::Renderers;
+use pellucid_session::candidates::Setting;
 use crate::report::tradeoff::summary;
 
 /// Part of the time for frames that are timed in turns.

@@ -2,7 +2,7 @@
 
 use super::trials::Trials;
 use super::{EXACT, Figures};
-use crate::report::tradeoff::settings::Setting;
+use crate::candidates::Setting;
 use pellucid_engine::Result;
 
 /// Samples of the two steps from which the error of more is extrapolated.

@@ -1,8 +1,6 @@
 //! Which settings apply to a scene, and why the others don't.
 
-use super::Skipped;
-use super::settings::{Formation, Ladders, Occasion, Setting};
-use super::surfaces::ladder;
+use super::{Formation, Ladders, Occasion, Setting, Skipped, ladder};
 use pellucid_engine::methods::abuffer::LOCAL_LENGTH;
 use pellucid_engine::scene::{self, Density, Family, Key, Kind, Ladder, Method, ScreenSplats, Soft, SoftLayout};
 

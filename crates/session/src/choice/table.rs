@@ -57,6 +57,19 @@ pub(super) fn no_picture(rmse: f64) -> Option<String> {
     (rmse > NO_PICTURE).then(|| format!("with an RMSE of {rmse:.2} the picture does not show the scene"))
 }
 
+/// Returns the best settings as a table: setting, RMSE, time, and how far apart the times of its frames are.
+pub(super) fn listed(rows: &[Row]) -> String {
+    let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0).max("setting".len());
+    let line = |row: &Row| {
+        let spread = row.spread.map_or_else(String::new, |spread| format!("{:>6.0}%", 100.0 * spread));
+        let mark = if row.busy { " (a busy machine?)" } else { "" };
+        let Figures { rmse, gpu_ms } = row.figures;
+        format!("\n  {:<width$}  {rmse:>8.1e}  {gpu_ms:>9.2}  {spread}{mark}", row.name)
+    };
+    let lines: String = rows.iter().map(line).collect();
+    format!("  {:<width$}  {:>8}  {:>9}  {:>7}{lines}", "setting", "RMSE", "ms", "spread")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

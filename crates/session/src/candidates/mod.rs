@@ -1,8 +1,14 @@
 //! The methods of one image formation with their settings, which are compared on a scene.
 
-use super::Skipped;
-pub use super::applicable::settings;
-pub use super::surfaces::Surfaces;
+mod applicable;
+mod ladder;
+mod surfaces;
+
+pub use applicable::settings;
+pub use surfaces::Surfaces;
+
+use serde::{Deserialize, Serialize};
+
 use pellucid_engine::plan;
 use pellucid_engine::points::Points;
 use pellucid_engine::scene::{self, Density, Discs, Falloff, Ladder, Method, Soft, Spbr};
@@ -130,6 +136,19 @@ impl Occasion {
         };
         Self { formation, opaque, oriented, max_list, points: points.count() }
     }
+}
+
+/// A setting that was not measured, and why.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Skipped {
+    /// The method's name.
+    pub method: String,
+    /// The setting's text, as options of the command line.
+    pub setting: String,
+    /// Why.
+    pub reason: String,
+    /// True if it would have taken too long; another limit of time may let it in.
+    pub for_time: bool,
 }
 
 /// A method with one setting.

@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 use super::survey::Measured;
 use super::table::Row;
 use super::{Figures, Subject};
-use crate::report::tradeoff::renderers::Renderers;
-use crate::report::tradeoff::settings::{Formation, Occasion, Setting, formation};
-use crate::report::truth;
+use super::renderers::Renderers;
+use crate::candidates::{Formation, Occasion, Setting, formation};
+use super::limit;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::LinearImage;
 use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop};
@@ -270,7 +270,7 @@ impl<'a> Trials<'a> {
 
     fn reference(&mut self) -> Result<()> {
         if self.reference.is_none() {
-            if let Some(image) = truth::ensembles(self.subject.arranged, &self.frame) {
+            if let Some(image) = limit::ensembles(self.subject.arranged, &self.frame) {
                 self.reference = Some(linear(&image, self.subject.background, self.frame.color));
                 return Ok(());
             }

@@ -6,7 +6,7 @@ use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{Error, Renderer};
 
 /// One renderer for each method if memory allows, so that no method frees another's buffers; else one for all.
-pub(crate) struct Renderers {
+pub struct Renderers {
     device: Device,
     each: bool,
     by_name: BTreeMap<&'static str, Renderer>,

@@ -8,7 +8,7 @@ use pellucid_engine::progress::Progress;
 
 use super::trials::Trials;
 use super::{Figures, Subject};
-use crate::report::tradeoff::settings::{Ladders, Setting, settings};
+use crate::candidates::{Ladders, Setting, settings};
 
 /// Lists of an image of the exact method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -13,6 +13,8 @@
 //! few more frames.
 
 mod climb;
+mod limit;
+mod renderers;
 mod survey;
 mod table;
 mod trials;
@@ -21,7 +23,9 @@ use glam::Vec3;
 use pellucid_engine::progress::Progress;
 use serde_json::{Value, json};
 
-use crate::report::tradeoff::settings::{Ladders, Setting, formation, settings};
+use crate::messages::Messages;
+
+use crate::candidates::{Ladders, Setting, formation, settings};
 use pellucid_engine::Result;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{self, Frame};
@@ -30,6 +34,8 @@ use pellucid_engine::plan;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::{self, Detail, Method, Scene};
+pub use limit::{ensembles, image_of};
+pub use renderers::Renderers;
 pub use survey::{Lists, Measured, Survey};
 pub use table::Row;
 use trials::Trials;
@@ -114,6 +120,21 @@ pub struct Choice {
 }
 
 impl Choice {
+    /// Reports the choice, and what it was chosen among.
+    pub(crate) fn describe(&self, messages: &dyn Messages) {
+        messages.detail(&format_args!(
+            "chosen among {} measured settings; frames rendered for it now: {}",
+            self.known, self.frames
+        ));
+        let chosen = format!("{} {}", self.method.name(), self.setting);
+        let Figures { rmse, gpu_ms } = self.figures;
+        messages.note(&format_args!("{}: RMSE {rmse:.2e}, {gpu_ms:.2} ms on the device", chosen.trim_end()));
+        if let Some(warning) = &self.warning {
+            messages.warn(warning);
+        }
+        messages.note(&table::listed(&self.best));
+    }
+
     /// The wish, the setting and its figures as one JSON object: the image's `pellucid:choice`.
     pub fn json(&self) -> Value {
         let Self { method, setting, figures, wish, .. } = self;

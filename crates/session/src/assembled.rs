@@ -1,0 +1,382 @@
+//! From the clouds of a scene to its points on the host, with notes about them.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use pellucid_engine::Result;
+use pellucid_engine::cloud::shadow_texture::ShadowTexture;
+use pellucid_engine::cloud::{Cloud, UpAxis};
+use pellucid_engine::points::{Changes, Points};
+use pellucid_engine::prepare::Arranged;
+use pellucid_engine::progress::Progress;
+use pellucid_engine::scene::legend::Legend;
+use pellucid_engine::scene::stored::Stored;
+use pellucid_engine::scene::tracked::{self, Tracked};
+use pellucid_engine::scene::{self, Lighting, Method, Recipe, Scene, ScreenSplats, ShadingModel};
+
+use crate::messages::Messages;
+use crate::sources::{Clouds, Sources};
+
+/// Form in which points are wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Wanted {
+    /// Seed of the shuffle into ensembles.
+    pub seed: u64,
+    /// `true` if the meaning of colors is wanted.
+    pub legend: bool,
+    /// `true` for radii and canonical order even if the scene's method does without. Stored points are as the method wants them.
+    pub radii: bool,
+    /// `true` if points in memory are to follow changed keys; clouds and derived columns are then retained.
+    pub is_edited: bool,
+}
+
+/// The points of a scene, and what is known of them.
+pub struct Assembled {
+    /// The scene with what its clouds decide.
+    pub scene: Scene,
+    /// Meaning of the colors, if it was wanted.
+    pub legend: Option<Legend>,
+    /// Coloring of clouds and the reason for it, a phrase for each way.
+    pub colorings: Vec<String>,
+    /// Vertical of the clouds.
+    pub up: UpAxis,
+    /// Shadows that were stored with the scene's cloud, in the order of the file.
+    pub shadow_texture: Option<ShadowTexture>,
+    /// `true` if some points have classes other than 0 and 1.
+    pub is_classified: bool,
+    origin: Origin,
+    /// Color space and shading that clouds decided.
+    settled: Settled,
+    recipe: Recipe,
+    has_gaussians: bool,
+    wanted: Wanted,
+}
+
+/// Where the points come from.
+enum Origin {
+    /// Points of clouds that are gone.
+    Once(Arranged),
+    /// Points that follow an edited scene, of clouds in memory.
+    Tracked(Box<Tracked>),
+    /// Points of clouds that stay in their files.
+    Stored(Box<Stored>, Arranged),
+}
+
+/// Keys that the clouds of a scene decided.
+#[derive(Debug, Clone, Copy)]
+struct Settled {
+    /// `true` if colors are blended encoded because all clouds are of Gaussians.
+    is_encoded: bool,
+    /// `true` if points have no normals to shade by.
+    is_unlit: bool,
+}
+
+impl Assembled {
+    /// Makes points of a scene's clouds. Unless they are edited, clouds in memory are consumed.
+    ///
+    /// # Errors
+    /// Returns an error if no point is left, if a cloud lacks what the scene needs, or if a temporary file can't be written.
+    pub fn new(
+        sources: &mut Sources,
+        scene: &Scene,
+        wanted: Wanted,
+        messages: &dyn Messages,
+        progress: &Progress,
+    ) -> Result<Self> {
+        let is_classified = sources.are_classified();
+        let made = match &mut sources.clouds {
+            Clouds::Held(clouds) if !wanted.is_edited => {
+                let clouds = std::mem::take(clouds);
+                Self::of_clouds(scene.clone(), clouds, wanted, is_classified, messages, progress)?
+            }
+            Clouds::Held(_) => Self::tracked(scene.clone(), sources, wanted, is_classified, messages, progress)?,
+            Clouds::Stored(stores) => {
+                let stored = Stored::new(scene, stores, sources.memory, progress)?;
+                Self::of_stores(scene, stored, wanted, messages, progress)?
+            }
+        };
+        made.colorings.iter().for_each(|how| messages.detail(how));
+        scene::note_of_layers(&made.scene, made.points()).iter().for_each(|note| messages.note(note));
+        Ok(made)
+    }
+
+    fn of_clouds(
+        mut scene: Scene,
+        clouds: Vec<Arc<Cloud>>,
+        wanted: Wanted,
+        is_classified: bool,
+        messages: &dyn Messages,
+        progress: &Progress,
+    ) -> Result<Self> {
+        let facts = facts(&mut scene, &clouds, wanted, messages);
+        let clouds: Vec<Cloud> = clouds.into_iter().map(Arc::unwrap_or_clone).collect();
+        let with_radii = for_points(&scene, wanted);
+        let (arranged, legend) = if wanted.legend {
+            let (arranged, legend) = scene::arrange_with_legend(&with_radii, clouds, wanted.seed, progress)?;
+            (arranged, Some(legend))
+        } else {
+            (scene::arrange(&with_radii, clouds, wanted.seed, progress)?, None)
+        };
+        Ok(facts.with(scene, Origin::Once(arranged), legend, is_classified))
+    }
+
+    fn tracked(
+        mut scene: Scene,
+        sources: &mut Sources,
+        wanted: Wanted,
+        is_classified: bool,
+        messages: &dyn Messages,
+        progress: &Progress,
+    ) -> Result<Self> {
+        let Sources { clouds: Clouds::Held(clouds), derived, .. } = sources else {
+            unreachable!("clouds in files are not tracked")
+        };
+        let facts = facts(&mut scene, clouds, wanted, messages);
+        let with_radii = for_points(&scene, wanted);
+        let tracked = Tracked::new(&with_radii, clouds, derived, wanted.seed, progress)?;
+        let legend = match wanted.legend {
+            true => Some(tracked::legend(&with_radii, clouds, derived)?),
+            false => None,
+        };
+        Ok(facts.with(scene, Origin::Tracked(Box::new(tracked)), legend, is_classified))
+    }
+
+    /// Points stay in their files; for ensembles they are shuffled into a temporary file.
+    fn of_stores(
+        asked: &Scene,
+        stored: Stored,
+        wanted: Wanted,
+        messages: &dyn Messages,
+        progress: &Progress,
+    ) -> Result<Self> {
+        stored.notes().iter().for_each(|note| messages.note(note));
+        let arranged = if stored.scene().method.is_dealt() {
+            let folder = std::env::temp_dir();
+            messages.detail(&format_args!("points are dealt to ensembles in a temporary file in {}", folder.display()));
+            stored.dealt(wanted.seed, &folder, progress)?
+        } else {
+            stored.arranged()
+        };
+        let mut colorings = colorings(stored.scene(), &stored.colorings());
+        colorings.extend(stored.blends_displays().then(blended_displays));
+        let (scene, up, has_gaussians) = (stored.scene().clone(), stored.up(), stored.has_gaussians());
+        let settled = Settled {
+            is_encoded: stored.blends_displays(),
+            is_unlit: scene.shading.model == ShadingModel::None && asked.shading.model == ShadingModel::Auto,
+        };
+        Ok(Self {
+            legend: wanted.legend.then(|| stored.legend().clone()),
+            colorings,
+            up,
+            shadow_texture: None,
+            is_classified: stored.is_classified(),
+            settled,
+            recipe: Recipe::of(asked, wanted.seed, up, has_gaussians),
+            has_gaussians,
+            wanted,
+            scene,
+            origin: Origin::Stored(Box::new(stored), arranged),
+        })
+    }
+
+    /// Returns all points in the order that the method wants.
+    pub fn arranged(&self) -> &Arranged {
+        match &self.origin {
+            Origin::Once(arranged) | Origin::Stored(_, arranged) => arranged,
+            Origin::Tracked(tracked) => tracked.arranged(),
+        }
+    }
+
+    /// Replaces the points by others that stand for the same scene, such as those of other processes.
+    pub fn replace(&mut self, arranged: Arranged) {
+        match &mut self.origin {
+            Origin::Once(old) | Origin::Stored(_, old) => *old = arranged,
+            Origin::Tracked(_) => self.origin = Origin::Once(arranged),
+        }
+    }
+
+    /// Returns all points, or a sample of stored ones.
+    pub fn points(&self) -> &Points {
+        self.arranged().points()
+    }
+
+    /// Returns the scene in its files, if its clouds stay there.
+    pub fn stored(&self) -> Option<&Stored> {
+        match &self.origin {
+            Origin::Stored(stored, _) => Some(stored),
+            Origin::Once(_) | Origin::Tracked(_) => None,
+        }
+    }
+
+    /// Returns the names of the clouds in [`Arranged::surfaces`], which omits clouds without points.
+    pub fn cloud_names(&self) -> Vec<String> {
+        let (clouds, count) = (&self.scene.clouds, self.arranged().surfaces().len());
+        if clouds.len() == count {
+            clouds.iter().map(|cloud| cloud.path.display().to_string()).collect()
+        } else {
+            (1..=count).map(|number| format!("cloud {number} of those with points")).collect()
+        }
+    }
+
+    /// Returns the meaning of the colors of a scene that these points are those of.
+    ///
+    /// # Errors
+    /// Returns an error if a cloud lacks what its colors are to show.
+    pub fn legend_of(&self, scene: &Scene, sources: &Sources) -> Result<Legend> {
+        match (&self.origin, &sources.clouds) {
+            (Origin::Tracked(_), Clouds::Held(clouds)) => Ok(tracked::legend(scene, clouds, &sources.derived)?),
+            (Origin::Stored(stored, _), _) => Ok(stored.legend().clone()),
+            _ => Ok(self.legend.clone().unwrap_or_default()),
+        }
+    }
+
+    /// Gives another scene of the same clouds what these decide: the color space of Gaussians, and no shading without normals.
+    pub fn settle(&self, scene: &mut Scene) {
+        if self.settled.is_encoded && scene.image.color.is_none() {
+            scene.image.color = self.scene.image.color;
+        }
+        if self.settled.is_unlit && scene.shading.model == ShadingModel::Auto {
+            scene.shading.model = ShadingModel::None;
+        }
+    }
+
+    /// Turns the points into those of another scene of the same clouds. Returns the columns that changed, or `None`, with
+    /// everything unchanged, if they must be made again.
+    ///
+    /// # Errors
+    /// Returns an error if a cloud lacks the columns of its field or colors; nothing changes.
+    pub(crate) fn follow(
+        &mut self,
+        sources: &mut Sources,
+        scene: &Scene,
+        seed: u64,
+        progress: &Progress,
+    ) -> Result<Option<Changes>> {
+        let recipe = Recipe::of(scene, seed, self.up, self.has_gaussians);
+        if recipe == self.recipe {
+            self.adopt(scene);
+            return Ok(Some(Changes::default()));
+        }
+        let is_other_shuffle = scene.method.is_dealt() && seed != self.wanted.seed;
+        let (Origin::Tracked(tracked), Clouds::Held(clouds)) = (&mut self.origin, &sources.clouds) else {
+            return Ok(None);
+        };
+        if is_other_shuffle {
+            return Ok(None);
+        }
+        let with_radii = for_points(scene, self.wanted);
+        let Some(changes) = tracked.follow(&with_radii, clouds, &mut sources.derived, progress)? else {
+            return Ok(None);
+        };
+        if self.wanted.legend {
+            self.legend = Some(tracked::legend(&with_radii, clouds, &sources.derived)?);
+        }
+        self.recipe = recipe;
+        self.adopt(scene);
+        self.colorings = colorings(&self.scene, &scene::colorings(&self.scene, clouds));
+        self.colorings.extend(self.settled.is_encoded.then(blended_displays));
+        Ok(Some(changes))
+    }
+
+    fn adopt(&mut self, scene: &Scene) {
+        let mut settled = scene.clone();
+        self.settle(&mut settled);
+        self.scene = settled;
+    }
+
+    /// Returns the shadows stored with a scene's cloud, if they are those of the scene.
+    pub(crate) fn stored_shadows(&self, sources: &Sources, scene: &Scene, seed: u64) -> Option<ShadowTexture> {
+        match (&self.origin, &sources.clouds) {
+            (Origin::Tracked(_), Clouds::Held(clouds)) => scene::shadow_texture(scene, clouds, seed).0,
+            _ => None,
+        }
+    }
+
+    /// Returns the lighting of the scene.
+    pub(crate) fn lighting(&self) -> Lighting {
+        Lighting::of(&self.scene)
+    }
+
+    /// Returns the form in which the points were wanted.
+    pub fn wanted(&self) -> Wanted {
+        self.wanted
+    }
+}
+
+/// Facts about clouds in memory that are found before points are made of them.
+struct CloudFacts {
+    colorings: Vec<String>,
+    up: UpAxis,
+    shadow_texture: Option<ShadowTexture>,
+    settled: Settled,
+    recipe: Recipe,
+    has_gaussians: bool,
+    wanted: Wanted,
+}
+
+/// Finds facts about clouds, reports what is odd, and settles what they decide about the scene.
+fn facts(scene: &mut Scene, clouds: &[Arc<Cloud>], wanted: Wanted, messages: &dyn Messages) -> CloudFacts {
+    let mut with_radii = for_points(scene, wanted);
+    scene::notes(&with_radii, clouds, with_radii.method.needs_radii()).iter().for_each(|note| messages.note(note));
+    let (shadow_texture, note) = scene::shadow_texture(&with_radii, clouds, wanted.seed);
+    note.iter().for_each(|note| messages.note(note));
+    let up = scene::up_axis(clouds);
+    let has_gaussians = clouds.iter().any(|cloud| cloud.gaussians.is_some());
+    let recipe = Recipe::of(scene, wanted.seed, up, has_gaussians);
+    let mut colorings = colorings(&with_radii, &scene::colorings(&with_radii, clouds));
+    let is_encoded = with_radii.settle(clouds);
+    scene.image.color = with_radii.image.color;
+    colorings.extend(is_encoded.then(blended_displays));
+    let settled = Settled { is_encoded, is_unlit: false };
+    CloudFacts { colorings, up, shadow_texture, settled, recipe, has_gaussians, wanted }
+}
+
+impl CloudFacts {
+    fn with(self, scene: Scene, origin: Origin, legend: Option<Legend>, is_classified: bool) -> Assembled {
+        let Self { colorings, up, shadow_texture, settled, recipe, has_gaussians, wanted } = self;
+        Assembled {
+            scene,
+            legend,
+            colorings,
+            up,
+            shadow_texture,
+            is_classified,
+            origin,
+            settled,
+            recipe,
+            has_gaussians,
+            wanted,
+        }
+    }
+}
+
+/// Returns the scene whose points are made: with a method that has radii, if they are wanted whatever the method.
+fn for_points(scene: &Scene, wanted: Wanted) -> Scene {
+    let mut scene = scene.clone();
+    if wanted.radii && matches!(scene.method.fixed(), Some(Method::Points | Method::ImageSpace(_))) {
+        // Like these two, circles want the points in canonical order, and nothing else of them.
+        scene.method = Method::Circles(ScreenSplats::default()).into();
+    }
+    scene
+}
+
+/// Says which colors a scene of Gaussians alone blends.
+fn blended_displays() -> String {
+    "colors are blended as encoded values, because every cloud is of Gaussians".to_owned()
+}
+
+/// Returns how clouds are colored and why, a phrase for each way.
+fn colorings(scene: &Scene, each: &[String]) -> Vec<String> {
+    let mut ways: Vec<(&str, Vec<&Path>)> = Vec::new();
+    for (settings, way) in scene.clouds.iter().zip(each) {
+        match ways.iter_mut().find(|(known, _)| known == way) {
+            Some((_, paths)) => paths.push(&settings.path),
+            None => ways.push((way, vec![&settings.path])),
+        }
+    }
+    let phrase = |(way, paths): &(&str, Vec<&Path>)| match paths[..] {
+        [path] => format!("{} is colored by {way}", path.display()),
+        _ => format!("{} clouds are colored by {way}", paths.len()),
+    };
+    ways.iter().map(phrase).collect()
+}

@@ -1,0 +1,30 @@
+//! The image that means over ensembles tend to, from the float64 reference.
+
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::Frame;
+use pellucid_engine::prepare::Arranged;
+use pellucid_engine::reference::shading::shade;
+use pellucid_engine::reference::{Picture, spbr};
+use pellucid_engine::scene::Method;
+
+/// Returns the limit of the mean over ensembles as their number grows, in float64; `None` for other methods.
+pub fn ensembles(arranged: &Arranged, frame: &Frame) -> Option<Image> {
+    let (Arranged::Dealt(dealt), Method::Spbr(settings)) = (arranged, frame.method) else { return None };
+    let colors = shade(&dealt.points, &frame.camera, &frame.shading, frame.color);
+    Some(image_of(&spbr::limit(&frame.camera, frame.size, dealt, &colors, &settings.into())))
+}
+
+/// Returns a picture of the reference as an image, rounded to float32.
+pub fn image_of(picture: &Picture) -> Image {
+    Image {
+        width: picture.width,
+        height: picture.height,
+        rgba: picture.rgba.iter().map(|pixel| pixel.map(|value| value as f32)).collect(),
+        depth: picture.depth.iter().map(|depth| *depth as f32).collect(),
+        depth_median: None,
+        depth_mean: None,
+        fragments: None,
+        layers: None,
+        stderr: None,
+    }
+}

@@ -1,0 +1,30 @@
+//! From a request to a picture: the road that the program, the library, the window, the Python package and the ranks of MPI
+//! share.
+//!
+//! - A [`Request`] is plain data, made once from arguments, keywords or the state of a window.
+//! - [`Prepared`] is a request with its clouds read, its points arranged and its camera found. It needs no device.
+//! - A [`Session`] is a prepared request on a device. It decides method and opacity, renders, and [updates](Session::update)
+//!   to other requests: [`Recipe`](pellucid_engine::scene::Recipe) is the one table of what a changed key makes again.
+//! - [`Messages`] receives warnings and notes on the way.
+
+mod assembled;
+pub mod candidates;
+pub mod choice;
+mod ensemble_warnings;
+mod messages;
+mod notes;
+mod opacity;
+mod prepared;
+mod request;
+mod session;
+mod sources;
+mod uploaded;
+
+pub use assembled::{Assembled, Wanted};
+pub use messages::{Messages, Silent};
+pub use notes::empty;
+pub use prepared::{Opened, Prepared};
+pub use request::{ChoiceRequest, FrameRequest, Request, SeeThrough, SeeThroughBy};
+pub use session::Session;
+pub use sources::{Clouds, Limits, Residence, Sources, describe_cloud, describe_store};
+pub use uploaded::Uploaded;

@@ -1,0 +1,196 @@
+//! A request with its clouds read, its points arranged and its camera found: all that is known without a device.
+
+use bytesize::ByteSize;
+use pellucid_engine::camera::Camera;
+use pellucid_engine::cloud::{Bounds, UpAxis};
+use pellucid_engine::methods::{Frame, Stop};
+use pellucid_engine::points::Points;
+use pellucid_engine::progress::Progress;
+use pellucid_engine::scene::{self, Scene};
+use pellucid_engine::{Result, output};
+
+use crate::assembled::{Assembled, Wanted};
+use crate::choice::Wish;
+use crate::messages::Messages;
+use crate::request::Request;
+use crate::sources::Sources;
+
+/// A request whose clouds were read.
+#[derive(Clone)]
+pub struct Opened {
+    /// The request.
+    pub request: Request,
+    /// Its clouds.
+    pub sources: Sources,
+}
+
+impl Opened {
+    /// Reads the clouds of a request.
+    ///
+    /// # Errors
+    /// Returns an error if a file can't be read, or if the request contradicts itself.
+    pub fn new(request: Request, messages: &dyn Messages, progress: &Progress) -> Result<Self> {
+        request.check(messages)?;
+        let sources = Sources::open(&request.input, &request.scene, request.limits, messages, progress)?;
+        Ok(Self { request, sources })
+    }
+
+    /// Returns the scene with the first `count` of its clouds alone.
+    #[must_use]
+    pub fn first(&self, count: usize) -> Self {
+        let mut first = self.clone();
+        first.request.scene.clouds.truncate(count);
+        first.sources.truncate(count);
+        first
+    }
+
+    /// Makes points of the clouds, and finds the camera of the scene.
+    ///
+    /// # Errors
+    /// Returns an error if no point is left, if a cloud lacks what the scene needs, or if the scene has no camera.
+    pub fn prepare(self, messages: &dyn Messages, progress: &Progress) -> Result<Prepared> {
+        self.prepare_by(|scene, points, up| find_camera(scene, points, up, messages), messages, progress)
+    }
+
+    /// Makes points of the clouds, and has the camera found for these and the clouds' vertical. `find` returns warnings as well.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Self::prepare`] and of `find`.
+    pub fn prepare_by(
+        self,
+        find: impl FnOnce(&Scene, &Points, UpAxis) -> Result<(Camera, Vec<String>)>,
+        messages: &dyn Messages,
+        progress: &Progress,
+    ) -> Result<Prepared> {
+        let Self { request, mut sources } = self;
+        let (assembled, camera) = assemble(&request, &mut sources, find, messages, progress)?;
+        let bounds = assembled.points().bounds();
+        Ok(Prepared { request, assembled, camera, bounds, sources })
+    }
+}
+
+/// Makes points of the clouds of a request, and has the camera found.
+fn assemble(
+    request: &Request,
+    sources: &mut Sources,
+    find: impl FnOnce(&Scene, &Points, UpAxis) -> Result<(Camera, Vec<String>)>,
+    messages: &dyn Messages,
+    progress: &Progress,
+) -> Result<(Assembled, Camera)> {
+    let assembled = Assembled::new(sources, &request.scene, request.wanted(), messages, progress)?;
+    let (camera, warnings) = find(&assembled.scene, assembled.points(), assembled.up)?;
+    messages.detail(&described(&camera, assembled.points()));
+    for warning in assembled.scene.warnings.iter().chain(&warnings) {
+        messages.warn(warning);
+    }
+    Ok((assembled, camera))
+}
+
+/// Finds the camera of a scene, and says what is to be known of it.
+fn find_camera(
+    scene: &Scene,
+    points: &Points,
+    up: UpAxis,
+    messages: &dyn Messages,
+) -> Result<(Camera, Vec<String>)> {
+    scene::camera_notes(scene, points, up).iter().for_each(|note| messages.note(note));
+    Ok(scene::camera(scene, points, up)?)
+}
+
+/// Returns the camera that was found as a scene file has it.
+fn described(camera: &Camera, points: &Points) -> String {
+    let distance = points.bounds().map_or(1.0, |bounds| (bounds.center() - camera.eye).dot(camera.forward));
+    camera.to_toml(distance)
+}
+
+/// A request with its points and camera.
+pub struct Prepared {
+    /// The request.
+    pub request: Request,
+    /// The points on the host.
+    pub assembled: Assembled,
+    /// The camera, given or automatic.
+    pub camera: Camera,
+    /// The box of all points.
+    pub bounds: Option<Bounds>,
+    pub(crate) sources: Sources,
+}
+
+impl Prepared {
+    /// Reads the clouds of a request, makes points of them, and finds the camera.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Opened::new`] and [`Opened::prepare`].
+    pub fn new(request: Request, messages: &dyn Messages, progress: &Progress) -> Result<Self> {
+        Opened::new(request, messages, progress)?.prepare(messages, progress)
+    }
+
+    /// Makes points again for another request of the same clouds, which stayed in memory.
+    pub(crate) fn make_again(
+        &mut self,
+        request: Request,
+        messages: &dyn Messages,
+        progress: &Progress,
+    ) -> Result<()> {
+        let find = |scene: &Scene, points: &Points, up: UpAxis| find_camera(scene, points, up, messages);
+        let (assembled, camera) = assemble(&request, &mut self.sources, find, messages, progress)?;
+        self.bounds = assembled.points().bounds();
+        (self.request, self.assembled, self.camera) = (request, assembled, camera);
+        Ok(())
+    }
+
+    /// Returns the scene with what its clouds decide.
+    pub fn scene(&self) -> &Scene {
+        &self.assembled.scene
+    }
+
+    /// Returns all points, or a sample of those that stay in files.
+    pub fn points(&self) -> &Points {
+        self.assembled.points()
+    }
+
+    /// Returns the share of the light that is to get through.
+    pub fn see_through(&self) -> Option<f64> {
+        self.request.see_through?.share(self.assembled.scene.method, self.assembled.is_classified)
+    }
+
+    /// Returns the limits by which the method is chosen, if they are meaningful for the scene's method.
+    pub fn wish(&self) -> Option<Wish> {
+        let wish = Some(self.request.choice.wish).filter(Wish::is_any)?;
+        Wish::hindrance(&self.assembled.scene, self.points()).is_none().then_some(wish)
+    }
+
+    /// Returns the frame of a request, whose method and opacity are still those of the scene.
+    pub fn frame(&self) -> Frame {
+        let request = &self.request.frame;
+        Frame {
+            memory_budget: request.memory_budget,
+            fragments: request.counts,
+            depths: request.depths,
+            // An error is measured of every bit.
+            stop: if self.wish().is_some() { Stop::Exact } else { request.stop },
+            factors: request.factors,
+            max_error: request.max_error,
+            ..Frame::of_scene(&self.assembled.scene, self.camera, self.request.seed)
+        }
+    }
+
+    /// Returns the metadata of an image by a method on a device.
+    pub fn metadata(&self, method: &str, device: &str) -> Vec<(String, String)> {
+        output::tags(&self.request.name, method, &self.assembled.scene.settings, device, self.request.seed)
+    }
+
+    /// Says how much was read of clouds that stay in their files.
+    pub fn described_reads(&self) -> Option<String> {
+        let [read, all] = self.assembled.stored()?.bytes_read();
+        let share = 100.0 * read as f64 / all.max(1) as f64;
+        Some(format!("{} of {} were read for the picture ({share:.1} %)", ByteSize(read), ByteSize(all)))
+    }
+}
+
+impl Request {
+    pub(crate) fn wanted(&self) -> Wanted {
+        let Self { seed, legend, radii, is_edited, .. } = *self;
+        Wanted { seed, legend, radii, is_edited }
+    }
+}

@@ -1,0 +1,142 @@
+//! Request of a caller, as plain data: made once from arguments, keywords or the state of a window.
+
+use pellucid_engine::Result;
+use pellucid_engine::methods::{Factors, Stop, see_through};
+use pellucid_engine::scene::{Error, Input, MethodChoice, Named, Scene};
+
+use crate::choice::Wish;
+use crate::messages::Messages;
+use crate::sources::Limits;
+
+/// Everything that was requested of pictures of a scene.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// Inputs as they were named, for metadata.
+    pub name: String,
+    /// All keys, with the requested view.
+    pub scene: Scene,
+    /// Place of the clouds.
+    pub input: Input,
+    /// Limits on reading the clouds.
+    pub limits: Limits,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Share of the light that is to get through.
+    pub see_through: Option<SeeThrough>,
+    /// `true` if an option gave all points one opacity, which may have been a guess.
+    pub opacity_given: bool,
+    /// Choice of the method by error or time.
+    pub choice: ChoiceRequest,
+    /// `true` if the meaning of colors is wanted.
+    pub legend: bool,
+    /// `true` if radii are wanted whatever the method.
+    pub radii: bool,
+    /// `true` if the keys will change while the clouds stay: clouds and derived columns are retained.
+    pub is_edited: bool,
+    /// Properties of frames.
+    pub frame: FrameRequest,
+}
+
+/// Share of the light that is to get through the median covered pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeeThrough {
+    /// Share from 0 to 1.
+    pub share: f64,
+    /// Source of the share.
+    pub by: SeeThroughBy,
+}
+
+/// Source of a share of light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SeeThroughBy {
+    /// An option. Methods without opacity refuse it.
+    Option,
+    /// A preset. It counts for methods with opacity only.
+    Preset,
+    /// A preset that counts only where no point is classified.
+    PresetWithoutClasses,
+}
+
+/// Choice of the method by what it must keep to.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ChoiceRequest {
+    /// Largest error and longest time.
+    pub wish: Wish,
+    /// Name of the only method that is allowed.
+    pub only: Option<String>,
+    /// `true` if earlier measurements are repeated.
+    pub recalibrate: bool,
+}
+
+/// Properties of frames that are no keys of a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FrameRequest {
+    /// Bytes of device memory in addition to cloud and image.
+    pub memory_budget: Option<u64>,
+    /// `true` if list lengths are counted.
+    pub counts: bool,
+    /// `true` if median and mean depths are wanted.
+    pub depths: bool,
+    /// Omissions that are allowed.
+    pub stop: Stop,
+    /// Factors on radii and opacities.
+    pub factors: Factors,
+    /// Standard error at which stochastic methods may end.
+    pub max_error: Option<f32>,
+}
+
+impl Request {
+    /// Returns the request for pictures of a scene, exact to the last bit, on clouds that `limits` allow to read.
+    ///
+    /// # Errors
+    /// Returns an error with line and column if a key is wrong.
+    pub fn new(named: &Named, limits: Limits, seed: u64) -> Result<Self> {
+        Ok(Self::of_scene(named.name.clone(), named.document.scene()?, named.input.clone(), limits, seed))
+    }
+
+    /// Returns the request for pictures of a scene whose keys are already parsed.
+    pub fn of_scene(name: String, scene: Scene, input: Input, limits: Limits, seed: u64) -> Self {
+        // Clouds of the caller stay where they are; whoever names files can have them read again.
+        let is_edited = matches!(input, Input::Clouds(_));
+        Self {
+            name,
+            scene,
+            input,
+            limits,
+            seed,
+            see_through: None,
+            opacity_given: false,
+            choice: ChoiceRequest::default(),
+            legend: false,
+            radii: false,
+            is_edited,
+            frame: FrameRequest::default(),
+        }
+    }
+
+    /// Refuses a share of light for a method without opacity.
+    pub(crate) fn check(&self, messages: &dyn Messages) -> Result<()> {
+        let Some(SeeThrough { share, by: SeeThroughBy::Option }) = self.see_through else { return Ok(()) };
+        match see_through::refusal(self.scene.method) {
+            Some(reason) => Err(refused(share, &reason, messages)),
+            None => Ok(()),
+        }
+    }
+}
+
+fn refused(share: f64, reason: &str, messages: &dyn Messages) -> pellucid_engine::Error {
+    Error::Usage(format!("{}: {reason}", messages.option("see-through", &share))).into()
+}
+
+impl SeeThrough {
+    /// Returns the share that counts for a method, given if some points are classified.
+    pub(crate) fn share(self, method: MethodChoice, is_classified: bool) -> Option<f64> {
+        let has_opacity = || method.fixed().is_none_or(|method| method.family().has_opacity());
+        let counts = match self.by {
+            SeeThroughBy::Option => true,
+            SeeThroughBy::Preset => has_opacity(),
+            SeeThroughBy::PresetWithoutClasses => has_opacity() && !is_classified,
+        };
+        counts.then_some(self.share)
+    }
+}

@@ -1,0 +1,460 @@
+//! A scene on a device: from a request to a frame, and from a frame to a picture.
+
+use glam::Vec3;
+use pellucid_engine::Result;
+use pellucid_engine::camera::Camera;
+use pellucid_engine::gpu::Device;
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::brightness::{self, Applied};
+use pellucid_engine::methods::see_through::{self, Found};
+use pellucid_engine::methods::{Frame, PassProfile, Rendered, Renderer};
+use pellucid_engine::output::WriteOptions;
+use pellucid_engine::passes::project::DeviceCloud;
+use pellucid_engine::plan;
+use pellucid_engine::points::{Changes, Points};
+use pellucid_engine::profile::Profile;
+use pellucid_engine::progress::{Phase, Progress};
+use pellucid_engine::scene::{self, Detail, MethodChoice, Scene};
+
+use crate::assembled::Assembled;
+use crate::choice::{self, Choice, Subject, Wish};
+use crate::messages::{Messages, Told};
+use crate::prepared::Prepared;
+use crate::request::Request;
+use crate::uploaded::Uploaded;
+use crate::{notes, opacity};
+
+/// Factor on opacities before one is found: a scene that can be seen through, so that `auto` takes a method for that.
+const UNKNOWN_OPACITY: f32 = 0.5;
+
+/// A scene on a device, and the frame that was requested last.
+pub struct Session {
+    /// The device.
+    pub device: Device,
+    /// The renderer of its frames.
+    pub renderer: Renderer,
+    /// The request with points and camera.
+    pub prepared: Prepared,
+    /// The frame of the request.
+    pub frame: Frame,
+    /// Reason for the method.
+    pub why: String,
+    /// Opacity that a share of light was requested for.
+    pub found: Option<Found>,
+    /// Method chosen by error or time.
+    pub choice: Option<Choice>,
+    uploaded: Uploaded,
+    /// Facts that method and opacity follow from.
+    decided: Option<Decided>,
+    /// `true` once a picture was judged by its opacities.
+    is_judged: bool,
+    /// Warnings that were given already.
+    told: Told,
+    progress: Progress,
+}
+
+/// Everything that method and opacity follow from, given the points.
+#[derive(PartialEq)]
+struct Decided {
+    method: MethodChoice,
+    background: Vec3,
+    frame: Frame,
+    see_through: Option<f64>,
+    wish: Option<Wish>,
+    only: Option<String>,
+}
+
+impl Session {
+    /// Brings a prepared request to a device, and decides method and opacity.
+    ///
+    /// # Errors
+    /// Returns an error if the device has no room for the points or fails, or if no method can render the frame.
+    pub fn open(device: &Device, prepared: Prepared, messages: &dyn Messages, progress: &Progress) -> Result<Self> {
+        let mut session = Self::upload(device, prepared, false, progress)?;
+        session.decide(messages)?;
+        Ok(session)
+    }
+
+    /// Brings a prepared request to a device; the method is the scene's, or for `auto` one of the same image. With
+    /// `by_windows` points in memory come to the device window by window, even if it has room for all.
+    ///
+    /// # Errors
+    /// Returns an error if the device has no room for the points.
+    pub fn upload(device: &Device, prepared: Prepared, by_windows: bool, progress: &Progress) -> Result<Self> {
+        progress.begin(Phase::Upload);
+        progress.set_message("uploading");
+        let renderer = Renderer::new(device)?;
+        let uploaded = Uploaded::new(&renderer, &prepared.assembled, &prepared.scene().detail, by_windows)?;
+        let frame = undecided(&prepared);
+        Ok(Self {
+            device: device.clone(),
+            renderer,
+            prepared,
+            frame,
+            why: String::new(),
+            found: None,
+            choice: None,
+            uploaded,
+            decided: None,
+            is_judged: false,
+            told: Told::default(),
+            progress: progress.clone(),
+        })
+    }
+
+    /// Makes everything ready for the frame of another request of the same clouds: makes again only what depends on keys that
+    /// changed ([`Recipe`](pellucid_engine::scene::Recipe)).
+    ///
+    /// # Errors
+    /// Returns the errors of [`Opened::prepare`] and [`Self::open`]. The next request is then decided anew.
+    pub fn update(&mut self, request: Request, messages: &dyn Messages, progress: &Progress) -> Result<()> {
+        request.check(messages)?;
+        self.renderer.progress = progress.clone();
+        self.progress = progress.clone();
+        let decided = self.decided.take();
+        let is_other_form = request.wanted().radii != self.prepared.assembled.wanted().radii;
+        let followed = if is_other_form { None } else { self.follow(&request, progress)? };
+        // Method and opacity follow from the points.
+        let decided = decided.filter(|_| followed.is_some_and(|changes| !changes.any()));
+        if followed.is_none() {
+            self.make_again(request, messages, progress)?;
+        } else {
+            let camera = self.camera(&request.scene, messages)?;
+            self.prepared.request = request;
+            self.prepared.camera = camera;
+            let once = self.told.to(messages);
+            self.prepared.scene().warnings.iter().for_each(|warning| once.warn(warning));
+        }
+        let Self { uploaded, renderer, prepared, .. } = self;
+        uploaded.allow_detail(renderer, &prepared.assembled, &prepared.assembled.scene.detail)?;
+        self.decide_after(decided, messages)
+    }
+
+    /// Turns the points into those of a request. Returns `None` if they must be made again.
+    fn follow(&mut self, request: &Request, progress: &Progress) -> Result<Option<Changes>> {
+        let Self { renderer, uploaded, prepared, .. } = self;
+        let Prepared { assembled, sources, .. } = prepared;
+        sources.complete(&request.scene, progress)?;
+        uploaded.follow(renderer, assembled, sources, (&request.scene, request.seed), progress)
+    }
+
+    /// Makes the points of a request, again from clouds in memory, or from their files.
+    fn make_again(&mut self, request: Request, messages: &dyn Messages, progress: &Progress) -> Result<()> {
+        let once = self.told.to(messages);
+        if request.is_edited {
+            self.prepared.make_again(request, &once, progress)?;
+        } else {
+            self.prepared = Prepared::new(request, &once, progress)?;
+        }
+        progress.begin(Phase::Upload);
+        progress.set_message("uploading");
+        let detail = self.prepared.scene().detail;
+        self.uploaded = Uploaded::new(&self.renderer, &self.prepared.assembled, &detail, false)?;
+        Ok(())
+    }
+
+    /// Returns the camera of another scene of the same points.
+    fn camera(&self, scene: &Scene, messages: &dyn Messages) -> Result<Camera> {
+        let known = &self.prepared.request.scene;
+        if known.camera == scene.camera && known.image.size == scene.image.size {
+            return Ok(self.prepared.camera);
+        }
+        let points = self.prepared.points();
+        let given = self.prepared.bounds.filter(|_| !scene.camera.view.is_given());
+        let given = given.and_then(|bounds| scene::camera_at(&scene.camera, &bounds, points.largest_radius()));
+        if let Some(camera) = given {
+            return Ok(camera);
+        }
+        let (camera, warnings) = scene::camera(scene, points, self.prepared.assembled.up)?;
+        let once = self.told.to(messages);
+        warnings.iter().for_each(|warning| once.warn(warning));
+        Ok(camera)
+    }
+
+    /// Decides method and opacity.
+    ///
+    /// # Errors
+    /// Returns an error if a frame can't be rendered, or if the device fails.
+    pub fn decide(&mut self, messages: &dyn Messages) -> Result<()> {
+        self.decide_after(None, messages)
+    }
+
+    /// Decides method and opacity, unless nothing changed of what the last ones followed from.
+    fn decide_after(&mut self, last: Option<Decided>, messages: &dyn Messages) -> Result<()> {
+        let wish = self.wish(messages);
+        let frame = undecided(&self.prepared);
+        let Scene { method, image, .. } = self.prepared.scene();
+        let asked = Decided {
+            method: *method,
+            background: image.background,
+            frame,
+            see_through: self.prepared.see_through(),
+            wish,
+            only: self.prepared.request.choice.only.clone(),
+        };
+        if last.as_ref() != Some(&asked) {
+            self.frame = frame;
+            (self.found, self.choice, self.is_judged) = (None, None, false);
+            // On a device that was not met before, `auto` measures it first.
+            self.progress.begin(Phase::Frame);
+            self.progress.set_message("choosing the method");
+            match wish {
+                Some(wish) => {
+                    self.find_opacity()?;
+                    self.choose(wish, messages)?;
+                }
+                None => {
+                    let Self { renderer, uploaded, frame, prepared, .. } = self;
+                    let method = prepared.scene().method;
+                    (self.frame.method, self.why) =
+                        plan::choose(renderer, &mut uploaded.cloud, prepared.points(), method, frame)?;
+                    self.find_opacity()?;
+                }
+            }
+        }
+        if let Some(found) = self.found {
+            // Factors of the request, such as those of a slider, need no search.
+            self.frame.factors.opacity = found.factor * self.prepared.request.frame.factors.opacity;
+        }
+        self.progress.set_message("rendering");
+        self.decided = Some(asked);
+        Ok(())
+    }
+
+    /// Returns the limits by which the method is chosen, and says so where they have no effect.
+    fn wish(&self, messages: &dyn Messages) -> Option<Wish> {
+        let request = &self.prepared.request.choice;
+        if !request.wish.is_any() {
+            return None;
+        }
+        match Wish::hindrance(self.prepared.scene(), self.prepared.points()) {
+            Some(reason) => {
+                let [error, time] = ["max-error", "budget"].map(|option| messages.name(option));
+                self.told.to(messages).warn(&format_args!("{error} and {time} have no effect {reason}"));
+                None
+            }
+            None => Some(request.wish),
+        }
+    }
+
+    /// Chooses the method and its setting by the limits that they must keep to.
+    fn choose(&mut self, wish: Wish, messages: &dyn Messages) -> Result<()> {
+        let Self { device, prepared, frame, uploaded, progress, .. } = self;
+        let request = &prepared.request.choice;
+        let subject = Subject {
+            arranged: prepared.assembled.arranged(),
+            frame: *frame,
+            background: prepared.scene().image.background,
+            only: request.only.as_deref(),
+        };
+        let choice = choice::choose(device, &mut uploaded.cloud, &subject, wish, request.recalibrate, progress)?;
+        progress.set_message("rendering");
+        choice.describe(messages);
+        self.frame.method = choice.method;
+        self.take_detail(choice.detail)?;
+        self.why = "chosen by what was measured on this scene".to_owned();
+        self.choice = Some(choice);
+        Ok(())
+    }
+
+    /// Finds the opacity at which the median covered pixel lets the requested share of the light through.
+    ///
+    /// # Errors
+    /// Returns an error if a frame can't be rendered, or if the device fails.
+    pub fn find_opacity(&mut self) -> Result<()> {
+        let Some(share) = self.prepared.see_through() else { return Ok(()) };
+        if let Some(found) = self.found {
+            self.frame.factors.opacity = found.factor;
+            return Ok(());
+        }
+        self.progress.set_message("finding the opacity");
+        let Self { renderer, uploaded, frame, prepared, .. } = self;
+        let largest = see_through::largest_factor(prepared.points());
+        self.found = see_through::find(renderer, &mut uploaded.cloud, frame, share, largest)?;
+        self.frame.factors.opacity = self.found.map_or(1.0, |found| found.factor);
+        self.device.check_validation()?;
+        Ok(())
+    }
+
+    /// Has frames leave points out, or none.
+    ///
+    /// # Errors
+    /// Returns an error if memory is exhausted.
+    pub fn take_detail(&mut self, detail: Detail) -> Result<()> {
+        self.uploaded.allow_detail(&self.renderer, &self.prepared.assembled, &detail)?;
+        self.frame.detail = detail;
+        Ok(())
+    }
+
+    /// Returns the points on the device.
+    pub fn cloud(&self) -> &DeviceCloud {
+        &self.uploaded.cloud
+    }
+
+    /// Returns renderer, points on the device and frame, for work that needs them at once.
+    pub fn parts(&mut self) -> (&mut Renderer, &mut DeviceCloud, &Frame) {
+        (&mut self.renderer, &mut self.uploaded.cloud, &self.frame)
+    }
+
+    /// Replaces the points on the device.
+    pub fn replace_cloud(&mut self, cloud: DeviceCloud) {
+        self.uploaded.cloud = cloud;
+    }
+
+    /// Returns all points on the host, or a sample of those that stay in files.
+    pub fn points(&self) -> &Points {
+        self.prepared.points()
+    }
+
+    /// Returns the points and facts about them.
+    pub fn assembled(&self) -> &Assembled {
+        &self.prepared.assembled
+    }
+
+    /// Returns the scene in force.
+    pub fn scene(&self) -> &Scene {
+        self.prepared.scene()
+    }
+
+    /// Reports the device, the method, and the size of the input.
+    pub fn describe(&self, messages: &dyn Messages) {
+        let info = self.device.info();
+        messages.detail(&format_args!("device {} ({})", info.name, info.driver));
+        messages.detail(&format_args!("method {}: {}", self.frame.method.name(), self.why));
+        let [width, height] = self.frame.size;
+        messages.detail(&format_args!("{} points, {width} × {height} pixels", self.uploaded.cloud.total()));
+    }
+
+    /// Says which opacity was found, and warns of settings and clouds that don't come out as requested.
+    pub fn warn(&self, messages: &dyn Messages) {
+        if let Some(share) = self.prepared.see_through() {
+            opacity::describe(share, self.found, &self.prepared, messages);
+        }
+        let (assembled, once) = (&self.prepared.assembled, self.told.to(messages));
+        let names = assembled.cloud_names();
+        let warnings =
+            notes::warnings(&names, assembled.arranged(), &self.uploaded.cloud, &self.frame, &self.why);
+        warnings.iter().for_each(|warning| once.warn(warning));
+    }
+
+    /// Renders one frame; validation messages are an error.
+    ///
+    /// # Errors
+    /// Returns an error if the frame does not fit, if it was canceled, or if the device fails.
+    pub fn render(&mut self) -> Result<Rendered> {
+        self.progress.begin(Phase::Frame);
+        let rendered = self.renderer.render(&mut self.uploaded.cloud, &self.frame)?;
+        self.device.check_validation()?;
+        Ok(rendered)
+    }
+
+    /// Says so where a picture is empty, or where nearly all of it looks opaque or empty though the points don't. Looks at the
+    /// first picture of a decision only.
+    ///
+    /// # Errors
+    /// Returns an error if a trial frame can't be rendered.
+    pub fn judge(&mut self, image: &Image, messages: &dyn Messages) -> Result<()> {
+        if let Some(empty) = notes::empty(image, self.prepared.points()) {
+            messages.warn(&empty);
+        } else if !std::mem::replace(&mut self.is_judged, true) {
+            let Self { renderer, uploaded, frame, prepared, .. } = self;
+            opacity::judge((renderer, &mut uploaded.cloud, frame), prepared, image, messages)?;
+        }
+        Ok(())
+    }
+
+    /// Brightens a frame's image if its method is to do so, and reports the frame.
+    ///
+    /// # Errors
+    /// Returns an error if a trial frame can't be rendered, or if the device fails.
+    pub fn brighten(&mut self, rendered: &mut Rendered, messages: &dyn Messages) -> Result<Option<Applied>> {
+        let Self { renderer, uploaded, frame, .. } = self;
+        let applied = brightness::apply(renderer, &mut uploaded.cloud, frame, &mut rendered.image)?;
+        self.device.check_validation()?;
+        describe_frame(rendered, messages);
+        self.prepared.described_reads().iter().for_each(|reads| messages.detail(reads));
+        self.describe_detail(messages);
+        if let Some(applied) = &applied {
+            if applied.found.is_some() {
+                messages.note(&format_args!("brightness: colors times {}", applied.factor));
+            }
+            applied.warning().iter().for_each(|warning| messages.warn(warning));
+        }
+        Ok(applied)
+    }
+
+    /// Returns how the last frame's image is written, with its metadata; `own` is added to them.
+    pub fn write_options(&self, applied: Option<&Applied>, own: Vec<(String, String)>) -> WriteOptions {
+        let Self { frame, found, prepared, uploaded, .. } = self;
+        let scene = prepared.scene();
+        let mut metadata = prepared.metadata(frame.method.name(), &self.device.info().name);
+        metadata.extend(notes::decisions(frame, &uploaded.cloud, &scene.clouds, applied, found.as_ref()));
+        let choice = self.choice.as_ref().map(Choice::json);
+        metadata.extend(choice.map(|json| ("pellucid:choice".to_owned(), json.to_string())));
+        metadata.extend(own);
+        WriteOptions {
+            background: scene.image.background,
+            color: scene.image.color_space(),
+            transparent: false,
+            metadata,
+        }
+    }
+
+    /// Reports how many points were left out of the last frame.
+    pub fn describe_detail(&self, messages: &dyn Messages) {
+        if let Some(cut) = self.uploaded.cloud.cut_in_force() {
+            let (points, all, px) = (cut.points(), self.uploaded.cloud.total(), cut.px());
+            messages.detail(&format_args!("levels of detail: {points} of {all} points, at most {px:.2} pixels apart"));
+        }
+    }
+
+    /// Returns a profile without frames.
+    pub fn profile(&self) -> Profile {
+        Profile::new(&self.device, &self.frame)
+    }
+
+    /// Begins the phase in which the rest of the work writes what was rendered.
+    pub fn begin_writing(&self) {
+        self.progress.begin(Phase::Write);
+    }
+
+    /// Adds the phases of the work so far to a profile.
+    pub fn add_phases(&self, profile: &mut Profile) {
+        profile.add_host(self.progress.spans(), &self.device.compilations());
+    }
+}
+
+/// Returns the frame of a request before its method and opacity are decided.
+fn undecided(prepared: &Prepared) -> Frame {
+    let mut frame = prepared.frame();
+    if prepared.see_through().is_some() {
+        frame.factors.opacity = UNKNOWN_OPACITY;
+    }
+    frame
+}
+
+/// Reports the counts and times of a frame.
+fn describe_frame(rendered: &Rendered, messages: &dyn Messages) {
+    let Rendered { facts, profile, .. } = rendered;
+    if facts.fragments > 0 {
+        messages.detail(&format_args!(
+            "{} fragments, the longest list {}, in {} band(s)",
+            facts.fragments, facts.max_list, facts.bands
+        ));
+    }
+    if facts.layers > 0 {
+        messages.detail(&format_args!("{} layers peeled", facts.layers));
+    }
+    if facts.samples > 0 {
+        messages.detail(&format_args!("{} samples per pixel", facts.samples));
+    }
+    messages.detail(&format_args!(
+        "frame {:.1} ms, of which {:.1} ms in passes; device memory at most {}",
+        profile.wall.as_secs_f64() * 1e3,
+        profile.gpu().as_secs_f64() * 1e3,
+        bytesize::ByteSize(facts.peak_device_bytes)
+    ));
+    let pass = |pass: &PassProfile| format!("{} {:.1} ms", pass.name, pass.gpu.as_secs_f64() * 1e3);
+    let passes: Vec<String> = profile.passes.iter().map(pass).collect();
+    messages.detail(&format_args!("passes: {}", passes.join(", ")));
+}
