@@ -166,7 +166,6 @@ impl Prepared {
         Frame {
             memory_budget: request.memory_budget,
             fragments: request.counts,
-            depths: request.depths,
             // An error is measured of every bit.
             stop: if self.wish().is_some() { Stop::Exact } else { request.stop },
             factors: request.factors,

@@ -130,7 +130,7 @@ fn refused(share: f64, reason: &str, messages: &dyn Messages) -> pellucid_engine
 
 impl SeeThrough {
     /// Returns the share that counts for a method, given if some points are classified.
-    pub(crate) fn share(self, method: MethodChoice, is_classified: bool) -> Option<f64> {
+    pub fn share(self, method: MethodChoice, is_classified: bool) -> Option<f64> {
         let has_opacity = || method.fixed().is_none_or(|method| method.family().has_opacity());
         let counts = match self.by {
             SeeThroughBy::Option => true,

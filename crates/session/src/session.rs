@@ -1,5 +1,7 @@
 //! A scene on a device: from a request to a frame, and from a frame to a picture.
 
+use std::ops::Range;
+
 use glam::Vec3;
 use pellucid_engine::Result;
 use pellucid_engine::camera::Camera;
@@ -7,7 +9,7 @@ use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::brightness::{self, Applied};
 use pellucid_engine::methods::see_through::{self, Found};
-use pellucid_engine::methods::{Frame, PassProfile, Rendered, Renderer};
+use pellucid_engine::methods::{DrawnPart, Frame, PassProfile, Rendered, Renderer, SamplePart};
 use pellucid_engine::output::WriteOptions;
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::plan;
@@ -41,9 +43,12 @@ pub struct Session {
     pub why: String,
     /// Opacity that a share of light was requested for.
     pub found: Option<Found>,
+    /// Opacity found for a larger scene that this one is a part of; then none is looked for.
+    pub opacity_of_whole: Option<Found>,
     /// Method chosen by error or time.
     pub choice: Option<Choice>,
-    uploaded: Uploaded,
+    /// The points on the device.
+    pub uploaded: Uploaded,
     /// Facts that method and opacity follow from.
     decided: Option<Decided>,
     /// `true` once a picture was judged by its opacities.
@@ -83,7 +88,8 @@ impl Session {
     pub fn upload(device: &Device, prepared: Prepared, by_windows: bool, progress: &Progress) -> Result<Self> {
         progress.begin(Phase::Upload);
         progress.set_message("uploading");
-        let renderer = Renderer::new(device)?;
+        let mut renderer = Renderer::new(device)?;
+        renderer.progress = progress.clone();
         let uploaded = Uploaded::new(&renderer, &prepared.assembled, &prepared.scene().detail, by_windows)?;
         let frame = undecided(&prepared);
         Ok(Self {
@@ -93,6 +99,7 @@ impl Session {
             frame,
             why: String::new(),
             found: None,
+            opacity_of_whole: None,
             choice: None,
             uploaded,
             decided: None,
@@ -263,7 +270,8 @@ impl Session {
     /// Returns an error if a frame can't be rendered, or if the device fails.
     pub fn find_opacity(&mut self) -> Result<()> {
         let Some(share) = self.prepared.see_through() else { return Ok(()) };
-        if let Some(found) = self.found {
+        if let Some(found) = self.opacity_of_whole {
+            self.found = Some(found);
             self.frame.factors.opacity = found.factor;
             return Ok(());
         }
@@ -291,16 +299,6 @@ impl Session {
         &self.uploaded.cloud
     }
 
-    /// Returns renderer, points on the device and frame, for work that needs them at once.
-    pub fn parts(&mut self) -> (&mut Renderer, &mut DeviceCloud, &Frame) {
-        (&mut self.renderer, &mut self.uploaded.cloud, &self.frame)
-    }
-
-    /// Replaces the points on the device.
-    pub fn replace_cloud(&mut self, cloud: DeviceCloud) {
-        self.uploaded.cloud = cloud;
-    }
-
     /// Returns all points on the host, or a sample of those that stay in files.
     pub fn points(&self) -> &Points {
         self.prepared.points()
@@ -325,11 +323,21 @@ impl Session {
         messages.detail(&format_args!("{} points, {width} × {height} pixels", self.uploaded.cloud.total()));
     }
 
-    /// Says which opacity was found, and warns of settings and clouds that don't come out as requested.
-    pub fn warn(&self, messages: &dyn Messages) {
+    /// Returns the request with its points, once the device has done its part.
+    pub fn into_prepared(self) -> Prepared {
+        self.prepared
+    }
+
+    /// Says which opacity was found, if one was looked for.
+    pub fn describe_opacity(&self, messages: &dyn Messages) {
         if let Some(share) = self.prepared.see_through() {
             opacity::describe(share, self.found, &self.prepared, messages);
         }
+    }
+
+    /// Says which opacity was found, and warns of settings and clouds that don't come out as requested.
+    pub fn warn(&self, messages: &dyn Messages) {
+        self.describe_opacity(messages);
         let (assembled, once) = (&self.prepared.assembled, self.told.to(messages));
         let names = assembled.cloud_names();
         let warnings =
@@ -343,7 +351,9 @@ impl Session {
     /// Returns an error if the frame does not fit, if it was canceled, or if the device fails.
     pub fn render(&mut self) -> Result<Rendered> {
         self.progress.begin(Phase::Frame);
-        let rendered = self.renderer.render(&mut self.uploaded.cloud, &self.frame)?;
+        // Trial frames did without median and mean depths.
+        let depths = self.frame.depths || self.prepared.request.frame.depths;
+        let rendered = self.renderer.render(&mut self.uploaded.cloud, &Frame { depths, ..self.frame })?;
         self.device.check_validation()?;
         Ok(rendered)
     }
@@ -406,6 +416,27 @@ impl Session {
             let (points, all, px) = (cut.points(), self.uploaded.cloud.total(), cut.px());
             messages.detail(&format_args!("levels of detail: {points} of {all} points, at most {px:.2} pixels apart"));
         }
+    }
+
+    /// Draws some of the samples of a frame; validation messages are an error.
+    ///
+    /// # Errors
+    /// Returns an error if the frame does not fit, if it was canceled, or if the device fails.
+    pub fn draw_part(&mut self, samples: Range<u32>) -> Result<DrawnPart> {
+        self.progress.begin(Phase::Frame);
+        let drawn = self.renderer.draw_part(&mut self.uploaded.cloud, &self.frame, samples)?;
+        self.device.check_validation()?;
+        Ok(drawn)
+    }
+
+    /// Returns the frame whose samples were drawn in parts.
+    ///
+    /// # Errors
+    /// Returns an error if parts are missing, or if the device fails.
+    pub fn resolve(&mut self, parts: &SamplePart) -> Result<Rendered> {
+        let rendered = self.renderer.resolve_parts(&self.uploaded.cloud, &self.frame, parts)?;
+        self.device.check_validation()?;
+        Ok(rendered)
     }
 
     /// Returns a profile without frames.

@@ -168,7 +168,7 @@ impl Sources {
     }
 
     /// Returns `true` if some points have other classes than 0 and 1, which LAS files give to points that nobody classified.
-    pub(crate) fn are_classified(&self) -> bool {
+    pub fn are_classified(&self) -> bool {
         let Clouds::Held(clouds) = &self.clouds else { return false };
         clouds.iter().any(|cloud| cloud.classification.iter().flatten().any(|code| *code > 1))
     }

@@ -115,12 +115,12 @@ impl App {
             .with_min_inner_size(LogicalSize::new(64, 64));
         let window = event_loop.create_window(attributes).map_err(super::no_display)?;
         let window = Arc::new(window);
-        let Opened { name, document, clouds, generated } = options.opened;
+        let Opened { name, document, sources, generated } = options.opened;
         let mut model = Model::new(name, document, options.view, options.budget_ms)?;
         if let Some((file, source)) = options.path {
             model.take_path(file, source);
         }
-        let workload = Workload { clouds, generated, tasks: Vec::new() };
+        let workload = Workload { sources, generated, tasks: Vec::new() };
         let graphics = Graphics::open(&self.opening, &window, workload, Textures::default(), &mut self.logs)?;
         model.progress = graphics.worker.progress.clone();
         let visibility = Visibility::for_window(&window);

@@ -45,7 +45,7 @@ mod worker;
 
 pub use error::{Error, Result};
 pub use loss::Lost;
-pub use sources::{Clouds, Opened};
+pub use sources::Opened;
 use std::path::PathBuf;
 
 use winit::event_loop::EventLoop;

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use super::draft::Effort;
-use super::sources::Clouds;
 use super::stage::{Pose, Stage, TakenPicture};
 use pellucid_engine::camera::path::CameraPath;
 use pellucid_engine::output::{self, WriteOptions};
 use pellucid_engine::scene::{Document, Overrides, Setting};
 use pellucid_engine::{Result, io};
+use pellucid_session::Clouds;
 
 /// The files to write.
 pub struct Saving {

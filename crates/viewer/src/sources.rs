@@ -1,37 +1,17 @@
-//! The clouds of a scene: in memory, or where they are stored.
+//! A scene that was opened: its keys, and its clouds in memory or in their files.
 
 use pellucid_engine::Result;
-use pellucid_engine::cloud::Cloud;
-use pellucid_engine::io::LasColumns;
-use pellucid_engine::progress::{Phase, Progress};
-use pellucid_engine::scene::stored::{Stores, open_stores};
+use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{Document, Named, Scene};
+use pellucid_session::{Clouds, Limits, Messages, Residence, Sources};
 
 use super::census::Census;
 
-/// The clouds of a scene, in its order.
-pub enum Clouds {
-    /// All of their points are in memory.
-    Held(Vec<Cloud>),
-    /// They stay in their files: memory is too small.
-    Stored(Stores),
-}
-
-impl Clouds {
-    /// Statistics of each.
-    pub fn census(&self) -> Vec<Census> {
-        match self {
-            Self::Held(clouds) => clouds.iter().map(Census::from_cloud).collect(),
-            Self::Stored(stores) => stores.iter().map(Census::from_store).collect(),
-        }
-    }
-
-    /// Number of points.
-    pub fn points(&self) -> u64 {
-        match self {
-            Self::Held(clouds) => clouds.iter().map(|cloud| cloud.len() as u64).sum(),
-            Self::Stored(stores) => stores.iter().map(|store| store.summary().points).sum(),
-        }
+/// Returns the statistics of each cloud.
+pub fn census(clouds: &Clouds) -> Vec<Census> {
+    match clouds {
+        Clouds::Held(clouds) => clouds.iter().map(|cloud| Census::from_cloud(cloud)).collect(),
+        Clouds::Stored(stores) => stores.iter().map(Census::from_store).collect(),
     }
 }
 
@@ -42,43 +22,28 @@ pub struct Opened {
     /// The keys of the scene.
     pub document: Document,
     /// The clouds of the scene.
-    pub clouds: Clouds,
+    pub sources: Sources,
     /// True if the clouds were generated, so that no file contains them.
     pub generated: bool,
 }
 
 impl Opened {
-    /// The scene, with its points in memory if `memory` bytes have room for them.
+    /// Opens a scene whose keys are `scene`, with its points in memory if `memory` bytes have room for them.
     ///
     /// # Errors
-    /// Files that can't be read.
-    pub fn open(named: Named, memory: u64, progress: &Progress) -> Result<Self> {
-        progress.begin(Phase::Read);
-        if named.needed_memory()?.unwrap_or(0) <= memory {
-            let pellucid_engine::scene::Opened { name, document, clouds, generated } = named.load(progress)?;
-            return Ok(Self { name, document, clouds: Clouds::Held(clouds), generated });
-        }
+    /// Returns an error if a file can't be read.
+    pub fn open(
+        named: Named,
+        scene: &Scene,
+        memory: u64,
+        messages: &dyn Messages,
+        progress: &Progress,
+    ) -> Result<Self> {
+        // The window leaves points out while it moves, and draws all at rest.
+        let limits = Limits { memory, residence: Residence::Memory };
+        let sources = Sources::open(&named.input, scene, limits, messages, progress)?;
+        let generated = named.is_generated();
         let Named { name, document, .. } = named;
-        let clouds = Clouds::Stored(open_stores(&document.scene()?, progress)?);
-        Ok(Self { name, document, clouds, generated: false })
+        Ok(Self { name, document, sources, generated })
     }
-}
-
-/// Opens those stores again that may have columns which a scene needs and which were not asked for before.
-///
-/// # Errors
-/// A store that can't be opened any more.
-pub fn complete(stores: &mut Stores, asked: &mut [LasColumns], scene: &Scene) -> Result<()> {
-    for ((settings, store), asked) in scene.clouds.iter().zip(stores).zip(asked) {
-        let all = settings.hints().las.and(*asked);
-        if all == *asked || all.lacking(&store.summary().like) == LasColumns::default() {
-            continue;
-        }
-        let only = Scene { clouds: vec![settings.clone()], ..scene.clone() };
-        if let Some(again) = open_stores(&only, &Progress::hidden())?.pop() {
-            *store = again;
-        }
-        *asked = all;
-    }
-    Ok(())
 }

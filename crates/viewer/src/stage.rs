@@ -8,8 +8,7 @@ use super::accuracy::Standing;
 use super::census::{FieldFacts, Histograms};
 use super::draft::{Cost, Costs, Draft, Effort};
 use super::navigate::Subject;
-use super::placed::{Placed, Sources};
-use super::sources::Clouds;
+use super::placed::Placed;
 use super::thinned::{self, ThinnedCloud};
 use super::worker::Setup;
 use pellucid_engine::camera::Camera;
@@ -22,6 +21,7 @@ use pellucid_engine::scene::legend::Legend;
 use pellucid_engine::scene::{self, CameraSettings, Detail, Method, MethodChoice, Scene, View};
 use pellucid_engine::supply::Cut;
 use pellucid_engine::{Result, plan};
+use pellucid_session::{Clouds, Sources};
 
 /// Points that are this near to others add nothing that is seen, in pixels.
 const FINE_PX: f32 = 1.0;
@@ -104,6 +104,8 @@ impl TakenPicture {
 pub struct Stage {
     renderer: Renderer,
     sources: Sources,
+    /// Seed of stochastic methods.
+    seed: u64,
     /// Says what is done to points before they can be rendered, and nothing once they can.
     pub progress: Progress,
     memory_budget: Option<u64>,
@@ -120,14 +122,13 @@ impl Stage {
     ///
     /// # Errors
     /// The device failed.
-    pub fn new(device: &Device, clouds: Clouds, setup: &Setup) -> Result<Self> {
-        let Setup { seed, memory_budget, host_memory } = *setup;
+    pub fn new(device: &Device, sources: Sources, setup: &Setup) -> Result<Self> {
+        let Setup { seed, memory_budget, .. } = *setup;
         let mut renderer = Renderer::new(device)?;
         renderer.progress = Progress::observed(WhileAllowed(device.clone()));
-        let (sources, progress, histograms) =
-            (Sources::new(clouds, seed, host_memory), Progress::hidden(), Histograms::default());
+        let (progress, histograms) = (Progress::hidden(), Histograms::default());
         let (placed, costs, chosen) = (None, None, None);
-        Ok(Self { renderer, sources, progress, memory_budget, placed, costs, chosen, histograms })
+        Ok(Self { renderer, sources, seed, progress, memory_budget, placed, costs, chosen, histograms })
     }
 
     /// The renderer.
@@ -147,9 +148,9 @@ impl Stage {
         }
     }
 
-    /// The clouds, when everything else goes.
-    pub fn into_clouds(self) -> Clouds {
-        self.sources.into_clouds()
+    /// Returns the clouds and columns derived from them, when everything else goes.
+    pub fn into_sources(self) -> Sources {
+        self.sources
     }
 
     /// Returns the meaning of the colors in the scene of the last picture.
@@ -175,27 +176,30 @@ impl Stage {
         if self.place(scene)?.any() {
             self.reconsider(scene);
         }
-        let (seed, memory_budget) = (self.sources.seed(), self.memory_budget);
+        let (seed, memory_budget) = (self.seed, self.memory_budget);
         let known = self.chosen.clone().filter(|(requested, method, _)| {
             *requested == scene.method && self.draft(method, effort, scene.image.size) != Draft::whole(method)
         });
         let Some(placed) = &mut self.placed else { return Err(no_points()) };
         let camera = camera(scene, pose, placed)?;
+        let mut settled = scene.clone();
+        placed.assembled.settle(&mut settled);
+        let scene = &settled;
         let stop = Stop::EightBit { transparent: false };
         // The window has drafts of its own, and draws all points at rest.
         let detail = Detail::default();
         let mut frame = Frame { memory_budget, stop, spread: true, detail, ..Frame::of_scene(scene, camera, seed) };
         let (method, why) = match known {
             Some((_, method, why)) => (method, why),
-            None => plan::choose(&mut self.renderer, &mut placed.cloud, placed.origin.points(), scene.method, &frame)?,
+            None => {
+                let Placed { assembled, uploaded, .. } = placed;
+                let points = assembled.points();
+                plan::choose(&mut self.renderer, &mut uploaded.cloud, points, scene.method, &frame)?
+            }
         };
         self.chosen = Some((scene.method, method, why.clone()));
         frame.method = method;
-        let lights = lights(&mut frame, &placed.cloud, effort);
-        if let Some(stored) = placed.stored() {
-            // Points without normals to shade by have none here.
-            frame.shading.model = stored.scene().shading.model;
-        }
+        let lights = lights(&mut frame, &placed.uploaded.cloud, effort);
         let draft = self.draft(&method, effort, scene.image.size);
         let started = Instant::now();
         // Nobody but the screen needs the colors of a moving picture, unless one at rest follows.
@@ -216,12 +220,12 @@ impl Stage {
         let standing = whole.then(|| Standing::for_method(&method, placed.points()));
         let field = method.threshold().map(|threshold| FieldFacts {
             histogram: self.histograms.for_scene(scene, &placed.points().fields),
-            parts: placed.cloud.parts(threshold),
+            parts: placed.uploaded.cloud.parts(threshold),
         });
         let all = self.sources.clouds().points();
         let held = placed.stored().is_some().then(|| {
             let points = if draft.points.is_some() { rendered.facts.points.min(all) } else { all };
-            let px = placed.cloud.cut_in_force().map_or(f64::INFINITY, Cut::px);
+            let px = placed.uploaded.cloud.cut_in_force().map_or(f64::INFINITY, Cut::px);
             let is_fine = draft.points.is_none() || draft.coarse == 1 && px <= FINE_PX.into();
             Held { points, all, is_fine: is_fine && draft.steps == Draft::whole(&method).steps }
         });
@@ -238,7 +242,7 @@ impl Stage {
         self.place(scene)?;
         let Some(placed) = &mut self.placed else { return Err(no_points()) };
         let frame = Frame { method, stop: Stop::Exact, spread: false, ensembles: None, ..*frame };
-        Ok(self.renderer.render(&mut placed.cloud, &frame)?)
+        Ok(self.renderer.render(&mut placed.uploaded.cloud, &frame)?)
     }
 
     fn costs_of(&self, method: &Method) -> Option<Costs> {
@@ -273,18 +277,18 @@ impl Stage {
             return Ok((draw_some(renderer, placed, frame, points)?, None));
         }
         // Points of ensembles are fewer on fewer pixels by themselves; shadows are those of all points.
-        let thinned = draft.coarse > 1 && !method.is_dealt() && shadows::casting(whole, &placed.cloud).is_none();
+        let thinned = draft.coarse > 1 && !method.is_dealt() && shadows::casting(whole, &placed.uploaded.cloud).is_none();
         if !thinned {
-            let mut rendered = renderer.render(&mut placed.cloud, &frame)?;
-            let brightness = brightness::apply(renderer, &mut placed.cloud, &frame, &mut rendered.image)?;
+            let mut rendered = renderer.render(&mut placed.uploaded.cloud, &frame)?;
+            let brightness = brightness::apply(renderer, &mut placed.uploaded.cloud, &frame, &mut rendered.image)?;
             return Ok((rendered, brightness));
         }
         let one_of = (draft.coarse * draft.coarse) as usize;
         if let Some(soft) = method.soft() {
-            frame.method = thinned::as_dense(method, placed.cloud.parts(soft.threshold).median_radius);
+            frame.method = thinned::as_dense(method, placed.uploaded.cloud.parts(soft.threshold).median_radius);
         }
         frame.factors.radius *= draft.coarse as f32;
-        let cloud = ThinnedCloud::reuse_or_upload(&mut placed.thinned, renderer, placed.origin.points(), one_of)?;
+        let cloud = ThinnedCloud::reuse_or_upload(&mut placed.thinned, renderer, placed.assembled.points(), one_of)?;
         Ok((renderer.render(cloud, &frame)?, None))
     }
 
@@ -296,16 +300,17 @@ impl Stage {
     }
 
     fn place_quietly(&mut self, scene: &Scene) -> Result<Changes> {
-        let Self { renderer, sources, progress, placed, .. } = self;
+        let Self { renderer, sources, seed, progress, placed, .. } = self;
+        let seed = *seed;
         sources.complete(scene, progress)?;
         if let Some(before) = placed {
-            if let Some(changes) = before.follow(renderer, sources, scene, progress)? {
+            if let Some(changes) = before.follow(renderer, sources, (scene, seed), progress)? {
                 return Ok(changes);
             }
             // The points moved. They are freed first, so that old and new never occupy memory together.
             *placed = None;
         }
-        *placed = Some(Placed::new(renderer, sources, scene, progress)?);
+        *placed = Some(Placed::new(renderer, sources, (scene, seed), progress)?);
         Ok(Changes::ALL)
     }
 
@@ -329,21 +334,21 @@ fn draw_some(renderer: &mut Renderer, placed: &mut Placed, mut frame: Frame, poi
     let has_levels = |cloud: &DeviceCloud| {
         cloud.supply().is_some_and(|supply| supply.blocks().iter().all(|block| block.branch.is_some()))
     };
-    if !has_levels(&placed.cloud) {
+    if !has_levels(&placed.uploaded.cloud) {
         let (some, all) = (placed.points().len(), placed.points().count());
         if let Some(soft) = frame.method.soft() {
-            frame.method = thinned::as_dense(frame.method, placed.cloud.parts(soft.threshold).median_radius);
+            frame.method = thinned::as_dense(frame.method, placed.uploaded.cloud.parts(soft.threshold).median_radius);
         }
         // The discs of a place together keep their area.
         frame.factors.radius *= (all as f32 / some.max(1) as f32).sqrt();
-        let cloud = ThinnedCloud::reuse_or_upload(&mut placed.thinned, renderer, placed.origin.points(), 1)?;
+        let cloud = ThinnedCloud::reuse_or_upload(&mut placed.thinned, renderer, placed.assembled.points(), 1)?;
         return Ok(renderer.render(cloud, &frame)?);
     }
     frame.detail = Detail { spacing_px: FINE_PX, max_points: Some(points) };
-    match renderer.render(&mut placed.cloud, &frame) {
+    match renderer.render(&mut placed.uploaded.cloud, &frame) {
         Err(methods::Error::Coarsest { points, .. }) => {
             frame.detail.max_points = Some(u32::try_from(points).unwrap_or(u32::MAX));
-            Ok(renderer.render(&mut placed.cloud, &frame)?)
+            Ok(renderer.render(&mut placed.uploaded.cloud, &frame)?)
         }
         rendered => Ok(rendered?),
     }

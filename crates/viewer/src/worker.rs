@@ -13,7 +13,7 @@ use super::display::{self, SceneImage, ScreenEncoder};
 use super::legend::Legends;
 use super::loss;
 use super::save::{self, Saving};
-use super::sources::{Clouds, Opened};
+use super::sources::{Opened, census};
 use super::stage::{Pose, Stage, TakenPicture};
 use pellucid_engine::camera::import::Source;
 use pellucid_engine::camera::path;
@@ -21,6 +21,7 @@ use pellucid_engine::gpu::{self, Device};
 use pellucid_engine::methods::{self, Frame};
 use pellucid_engine::scene::{self, Overrides, Scene};
 use pellucid_engine::{Error, Result};
+use pellucid_session::{Silent, Sources};
 
 mod messages;
 
@@ -74,8 +75,8 @@ impl<F: Fn()> Teller<F> {
 
 /// The worker's state that outlives a device: handed over at start, returned at the end.
 pub struct Workload {
-    /// The clouds.
-    pub clouds: Clouds,
+    /// The clouds, with columns derived from them.
+    pub sources: Sources,
     /// True if no file contains them.
     pub generated: bool,
     /// Requests that are still open, except pictures.
@@ -106,7 +107,7 @@ impl Worker {
     ) -> Result<Self> {
         let (tasks, waiting) = mpsc::channel();
         let (teller, news) = mpsc::channel();
-        let stage = Stage::new(device, workload.clouds, &setup)?;
+        let stage = Stage::new(device, workload.sources, &setup)?;
         let progress = stage.progress.clone();
         let (encoder, history) = (ScreenEncoder::new(device, blue_first)?, History::default());
         let work = Work {
@@ -263,7 +264,7 @@ impl Work {
                 }
             }
         }
-        (Workload { clouds: self.stage.into_clouds(), generated: self.generated, tasks: left }, waiting)
+        (Workload { sources: self.stage.into_sources(), generated: self.generated, tasks: left }, waiting)
     }
 
     /// Runs a task, again if it was stopped in place of the one before it; `None` if it must not start.
@@ -312,7 +313,7 @@ impl Work {
     }
 
     fn census(&self) -> News {
-        News::Clouds(self.stage.clouds().census().into())
+        News::Clouds(census(self.stage.clouds()).into())
     }
 
     fn show(&mut self, request: &Request) -> Result<News> {
@@ -396,11 +397,12 @@ impl Work {
     fn open(&mut self, files: &[PathBuf]) -> Result<News> {
         let progress = self.stage.progress.clone();
         let named = scene::name(files, &Overrides::default(), self.setup.seed)?;
-        let opened = Opened::open(named, self.setup.host_memory, &progress);
+        let scene = named.document.scene()?;
+        let opened = Opened::open(named, &scene, self.setup.host_memory, &Silent, &progress);
         progress.set_message("");
         let opened = opened?;
         let device = self.stage.renderer().device().clone();
-        self.stage = Stage::new(&device, opened.clouds, &self.setup)?;
+        self.stage = Stage::new(&device, opened.sources, &self.setup)?;
         self.stage.progress = progress;
         // A file of the same name may have other contents now.
         (self.history, self.unread, self.whole) = (History::default(), None, None);

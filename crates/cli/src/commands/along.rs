@@ -11,11 +11,11 @@ use pellucid_engine::camera::path::{self, Curve, Pose};
 use pellucid_engine::cloud::UpAxis;
 use pellucid_engine::points::Points;
 use pellucid_engine::scene::{self, Course, Scene};
+use pellucid_session::{FrameRequest, Opened, Prepared, Request};
 
 use super::console::Console;
 use super::headings::FRAMES;
 use super::input::InputArgs;
-use super::loaded::{Resolved, read};
 
 /// A camera that moves.
 #[derive(Debug, Args)]
@@ -85,13 +85,13 @@ impl Along {
 
     /// Reads the inputs, and finds the camera of each frame; there is at least one, and the scene's is the first. With
     /// `legend` the meaning of colors as well.
-    pub fn resolve(
+    pub fn prepare(
         &self,
         input: &InputArgs,
-        legend: bool,
+        (legend, frame): (bool, FrameRequest),
         console: Console,
         progress: &Bar,
-    ) -> Result<(Resolved, Vec<Camera>)> {
+    ) -> Result<(Prepared, Vec<Camera>)> {
         let size = match self {
             Self::Keys { source, .. } => source.size(),
             Self::Turn { .. } => None,
@@ -102,16 +102,16 @@ impl Along {
             cameras = found;
             Ok((cameras[0], warnings))
         };
-        let loaded = read(input, size, console, progress)?.with_legend(legend);
-        let resolved = loaded.resolve_by(find, console, progress)?;
+        let request = Request { legend, frame, ..input.request(size, progress, console)? };
+        let prepared = Opened::new(request, &console, progress)?.prepare_by(find, &console, progress)?;
         let given =
-            resolved.scene.camera.eye.filter(|_| matches!(self, Self::Turn { .. }) && !input.view.view().is_given());
+            prepared.scene().camera.eye.filter(|_| matches!(self, Self::Turn { .. }) && !input.view.view().is_given());
         if let (Some(eye), Some(first)) = (given.map(|eye| eye.to_array()), cameras.first().map(|c| c.eye.to_array()))
             && eye != first
         {
             console.detail(format_args!("the turn begins at {first:?}, since from {eye:?} it would lose points"));
         }
-        Ok((resolved, cameras))
+        Ok((prepared, cameras))
     }
 
     /// The camera of each frame, and what is to be said about them; `up` is the vertical of the clouds.

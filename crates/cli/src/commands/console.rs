@@ -3,8 +3,8 @@
 use std::fmt::Display;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 
-use pellucid_engine::scene::made::Messages;
 use pellucid_engine::{Result, output};
+use pellucid_session::Messages;
 
 use super::bar::Bar;
 

@@ -6,20 +6,20 @@ use std::path::Path;
 use bytesize::ByteSize;
 use clap::Args;
 use pellucid_engine::gpu::Device;
-use pellucid_engine::methods::{self, Renderer, deep};
+use pellucid_engine::methods::{self, Frame, Renderer, deep};
 use pellucid_engine::output::deep::{Layout, Numbers, Packing, State, Writer, Written};
 use pellucid_engine::output::{self, room};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::scene::MethodChoice;
-use pellucid_engine::{Result, methods::Frame, plan};
+use pellucid_engine::{Result, plan};
+use pellucid_session::{Prepared, Session, Uploaded};
 
 use super::bar::Bar;
 use super::console::Console;
 use super::headings::OUTPUT;
 use super::limit::usage;
-use super::loaded::Resolved;
 use super::render::{RenderArgs, is_png};
-use super::session::Session;
+use super::session;
 
 /// Samples of each pixel.
 #[derive(Debug, Args)]
@@ -105,22 +105,20 @@ pub fn check(args: &RenderArgs, output: &Path, several: bool, console: Console) 
 }
 
 /// Writes the samples of a scene.
-pub fn run(args: &RenderArgs, resolved: &Resolved, output: &Path, progress: &Bar, console: Console) -> Result<()> {
+pub fn run(args: &RenderArgs, prepared: Prepared, output: &Path, progress: &Bar, console: Console) -> Result<()> {
     let Some(state) = args.deep.state() else { return Ok(()) };
-    let frame = Frame::of_scene(&resolved.scene, resolved.camera, resolved.seed);
-    deep::check(&frame, resolved.points().splats().is_some(), state)?;
-    let mut session = Session::upload(&args.device, resolved, false, methods::Stop::Exact, progress)?;
-    session.find_opacity(resolved, progress)?;
-    session.why = match resolved.scene.method {
+    deep::check(&prepared.frame(), prepared.points().splats().is_some(), state)?;
+    let mut session = session::upload(&args.device, prepared, false, progress)?;
+    session.find_opacity()?;
+    session.why = match session.scene().method {
         MethodChoice::Auto(_) => "--deep needs lists of fragments".to_owned(),
-        method => plan::resolve(method, resolved.points()).1,
+        method => plan::resolve(method, session.points()).1,
     };
-    session.renderer.progress = (**progress).clone();
-    session.describe(console);
-    session.warn(resolved, console);
-    let layout = layout(args, state, &session, resolved);
+    session.describe(&console);
+    session.warn(&console);
+    let layout = layout(args, state, &session);
     progress.stage("counting");
-    let Session { renderer, cloud, frame, device, .. } = &mut session;
+    let Session { renderer, uploaded: Uploaded { cloud, .. }, frame, device, .. } = &mut session;
     let most = renderer.most_samples(cloud, frame, state)?;
     device.check_validation()?;
     let bytes = layout.most_bytes(most).map_err(|source| unwritten(output, source))?;
@@ -134,7 +132,7 @@ pub fn run(args: &RenderArgs, resolved: &Resolved, output: &Path, progress: &Bar
     progress.stage("rendering");
     let written = write(output, &layout, (renderer, cloud, frame, device))?;
     progress.finish_and_clear();
-    session.describe_detail(console);
+    session.describe_detail(&console);
     console.detail(format_args!(
         "{}: written, {} samples, at most {} in a pixel, {}",
         output.display(),
@@ -145,9 +143,9 @@ pub fn run(args: &RenderArgs, resolved: &Resolved, output: &Path, progress: &Bar
     Ok(())
 }
 
-fn layout(args: &RenderArgs, state: State, session: &Session, resolved: &Resolved) -> Layout {
-    let mut metadata = resolved.metadata(session.frame.method.name(), &session.device.info().name);
-    let found = session.see_through.map(|found| found.json(&resolved.scene.clouds));
+fn layout(args: &RenderArgs, state: State, session: &Session) -> Layout {
+    let mut metadata = session.prepared.metadata(session.frame.method.name(), &session.device.info().name);
+    let found = session.found.map(|found| found.json(&session.scene().clouds));
     metadata.extend(found.map(|json| ("pellucid:see-through".to_owned(), json.to_string())));
     Layout {
         size: session.frame.size,
@@ -160,7 +158,7 @@ fn layout(args: &RenderArgs, state: State, session: &Session, resolved: &Resolve
             DeepCompression::Zips => Packing::Zips,
             DeepCompression::None => Packing::Raw,
         },
-        volumes: deep::has_volumes(&session.frame.method, session.cloud.has_gaussians()),
+        volumes: deep::has_volumes(&session.frame.method, session.uploaded.cloud.has_gaussians()),
         metadata,
     }
 }

@@ -5,15 +5,17 @@ use std::path::PathBuf;
 use bytesize::ByteSize;
 use clap::Args;
 use pellucid_engine::Result;
-use pellucid_engine::cloud::Cloud;
-#[cfg(feature = "mpi")]
-use pellucid_engine::scene::MethodChoice;
-#[cfg(feature = "mpi")]
-use pellucid_engine::scene::stored::have_levels;
+use pellucid_engine::methods::see_through;
+use pellucid_engine::progress::Phase;
 use pellucid_engine::scene::{self, DEFAULT_SCENE, Family, Named, Overrides, Scene, View, ViewName};
+use pellucid_session::{Limits, Request, Residence, SeeThrough, SeeThroughBy};
 
+use super::bar::Bar;
+use super::console::Console;
 use super::filters;
 use super::headings::{APPEARANCE, DEVICE, METHOD, POINTS};
+use super::limit::usage;
+use super::prepare_store::host_memory;
 use super::presets::{self, Asked, Preset};
 use super::view_args::ViewArgs;
 
@@ -123,43 +125,9 @@ pub struct InputArgs {
     /// shows. That works for octrees (Potree, EPT, COPC), LAS, LAZ and PLY.
     #[arg(long, value_name = "SIZE", help_heading = DEVICE)]
     pub host_memory: Option<ByteSize>,
-    /// Which clouds stay in their files even if memory has room for them.
+    /// Rule by which clouds stay in their files even if memory has room for them.
     #[arg(skip)]
-    pub kept_in_files: KeptInFiles,
-}
-
-/// Clouds that stay in their files even if memory has room for them, where the picture is that of points in memory.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum KeptInFiles {
-    /// None.
-    #[default]
-    Nothing,
-    /// Octrees, of which each of several processes reads the nodes that its part of the picture shows.
-    #[cfg(feature = "mpi")]
-    Octrees,
-    /// All that are read in parts, since the points go to other processes part by part.
-    #[cfg(feature = "mpi")]
-    Everything,
-}
-
-impl KeptInFiles {
-    /// True if the clouds of a scene stay in their files.
-    ///
-    /// # Errors
-    /// A cloud that can't be opened.
-    #[cfg_attr(not(feature = "mpi"), allow(unused_variables, reason = "no other processes"))]
-    pub fn holds(self, named: &Named, scene: &Scene) -> Result<bool> {
-        match self {
-            Self::Nothing => Ok(false),
-            // `auto` may choose otherwise among points in memory.
-            #[cfg(feature = "mpi")]
-            Self::Octrees => Ok(matches!(scene.method, MethodChoice::Fixed(_))
-                && named.needed_memory()?.is_some()
-                && have_levels(scene)?),
-            #[cfg(feature = "mpi")]
-            Self::Everything => Ok(true),
-        }
-    }
+    pub residence: Residence,
 }
 
 const METHOD_HELP: &str = "Rendering method, as in abuffer; by default the cheapest exact one";
@@ -203,7 +171,7 @@ fn share(text: &str) -> Result<f64, String> {
 
 impl InputArgs {
     /// The method requested by `--method`; `None` for `auto`.
-    pub fn asked_method(&self) -> Option<&str> {
+    fn asked_method(&self) -> Option<&str> {
         self.method.as_deref().filter(|name| *name != "auto")
     }
 
@@ -301,25 +269,45 @@ impl InputArgs {
         short.iter().any(|(known, value)| *known == key && value.is_some()) || of_clouds.any(|(_, known)| known == key)
     }
 
-    /// The share of light that is to get through: that of the option, else of the preset.
-    pub fn share(&self, scene: &Scene, clouds: &[Cloud]) -> Option<f64> {
-        // LAS files always have a code for each point: 0 and 1 say that nothing was classified.
-        let is_classified = |cloud: &Cloud| cloud.classification.iter().flatten().any(|code| *code > 1);
-        self.share_of(scene, clouds.iter().any(is_classified))
+    /// Returns the request for frames of these inputs; `size` counts where `--size` is not given. Begins the phase of reading.
+    pub fn request(&self, size: Option<[u32; 2]>, progress: &Bar, console: Console) -> Result<Request> {
+        let overrides = self.overrides(size)?;
+        progress.begin(Phase::Read);
+        self.request_of(&scene::name(&self.inputs, &overrides, self.seed)?, console)
     }
 
-    /// The same of a scene some points of which are classified, or none.
-    pub fn share_of(&self, scene: &Scene, is_classified: bool) -> Option<f64> {
-        let has_opacity = scene.method.fixed().is_none_or(|method| method.family().has_opacity());
-        let without_classes = !is_classified;
+    /// Returns the request for frames of a scene.
+    pub fn request_of(&self, named: &Named, console: Console) -> Result<Request> {
+        let scene = named.document.scene()?;
+        self.preset().iter().for_each(|preset| console.note(preset.note()));
+        if let (Some(share), Some(reason)) = (self.see_through, see_through::refusal(scene.method)) {
+            return Err(usage(format!("--see-through {share}: {reason} (--help lists them)")));
+        }
+        let limits = Limits { memory: host_memory(self.host_memory)?, residence: self.residence };
+        let mut request = Request::of_scene(named.name.clone(), scene, named.input.clone(), limits, self.seed);
+        request.scene.camera.view = self.view_of(&request.scene);
+        request.see_through = self.share();
+        request.opacity_given = self.opacity.is_some() || self.surface_opacity.is_some();
+        request.choice.only = self.asked_method().map(str::to_owned);
+        Ok(request)
+    }
+
+    /// Returns the share of light that is to get through: that of the option, else of the preset.
+    fn share(&self) -> Option<SeeThrough> {
+        if let Some(share) = self.see_through {
+            return Some(SeeThrough { share, by: SeeThroughBy::Option });
+        }
         let of_preset = self.preset().and_then(|preset| preset.see_through);
-        let of_preset = of_preset.filter(|_| has_opacity && !self.gives("opacity") && !self.gives("surface_opacity"));
-        let of_preset = of_preset.filter(|see_through| without_classes || !see_through.without_classes);
-        self.see_through.or(of_preset.map(|see_through| see_through.share))
+        let of_preset = of_preset.filter(|_| !self.gives("opacity") && !self.gives("surface_opacity"))?;
+        let by = match of_preset.without_classes {
+            true => SeeThroughBy::PresetWithoutClasses,
+            false => SeeThroughBy::Preset,
+        };
+        Some(SeeThrough { share: of_preset.share, by })
     }
 
     /// The direction that was asked for by options, else by the preset where the scene's camera stands nowhere.
-    pub fn view_of(&self, scene: &Scene) -> View {
+    fn view_of(&self, scene: &Scene) -> View {
         let from_outside = self.preset().is_some_and(|preset| preset.from_outside);
         let view = self.view.view();
         if from_outside && !view.is_given() && scene.camera.eye.is_none() && scene.camera.target.is_none() {

@@ -9,9 +9,9 @@ use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::methods::Rendered;
 use pellucid_engine::profile::Profile;
 use pellucid_engine::{Result, output};
+use pellucid_session::Session;
 use serde_json::{Value, json};
 
-use super::session::Session;
 
 /// Profiles of one frame each.
 #[derive(Default)]

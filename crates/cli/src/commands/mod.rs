@@ -17,13 +17,11 @@ mod info;
 pub mod input;
 mod interrupt;
 mod limit;
-pub mod loaded;
 mod man;
 mod measured;
 #[cfg(feature = "mpi")]
 pub mod mpi;
 mod noise;
-mod opacity_notes;
 mod plan;
 mod popped;
 mod prepare;

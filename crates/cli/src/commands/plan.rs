@@ -3,15 +3,14 @@
 use std::process::ExitCode;
 
 use clap::Args;
-use pellucid_engine::methods::Stop;
 use pellucid_engine::{Result, plan};
+use pellucid_session::{FrameRequest, Prepared, Request};
 use serde_json::json;
 
 use super::DeviceArgs;
 use super::console::{Console, print, print_json};
 use super::input::InputArgs;
-use super::loaded::prepare;
-use super::session::Session;
+use super::session;
 
 #[derive(Debug, Args)]
 pub struct PlanArgs {
@@ -26,17 +25,20 @@ pub struct PlanArgs {
 
 pub fn run(args: PlanArgs, console: Console) -> Result<ExitCode> {
     let progress = console.progress();
-    let resolved = prepare(&args.input, console, &progress)?;
-    let mut session = Session::open(&args.device, &resolved, true, Stop::Exact, &progress)?;
-    session.warn(&resolved, console);
+    let memory_budget = args.device.memory_budget.map(|budget| budget.as_u64());
+    let frame = FrameRequest { memory_budget, counts: true, ..FrameRequest::default() };
+    let request = Request { frame, ..args.input.request(None, &progress, console)? };
+    let prepared = Prepared::new(request, &console, &progress)?;
+    let mut session = session::open(&args.device, prepared, &progress, console)?;
+    session.warn(&console);
     // Count lists as `profile` does, except for methods without lists.
     session.frame.fragments = !session.frame.counts_on_demand();
-    let facts = session.renderer.survey(&mut session.cloud, &session.frame)?;
+    let facts = session.renderer.survey(&mut session.uploaded.cloud, &session.frame)?;
     progress.finish_and_clear();
     let mut steps = plan::plan(&session.device, &session.frame, &facts, session.renderer.wide_atomics, &session.why);
     // The first pass takes the points, and their colors.
     if let Some(first) = steps.iter_mut().find(|step| step.on) {
-        first.reason = [std::slice::from_ref(&first.reason), &resolved.colorings].concat().join("; ");
+        first.reason = [std::slice::from_ref(&first.reason), &session.assembled().colorings].concat().join("; ");
     }
     if args.json {
         print_json(&json!(steps))?;

@@ -5,13 +5,12 @@ use std::path::PathBuf;
 use pellucid_engine::image::{Image, LinearImage};
 use pellucid_engine::methods::{Frame, Renderer, Stop};
 use pellucid_engine::{Result, output};
+use pellucid_session::Session;
 use pellucid_lab::report::popping::{self, Candidate, Follower, Popping};
 
 use super::console::Console;
 use super::limit::usage;
-use super::loaded::Resolved;
 use super::render::RenderArgs;
-use super::session::Session;
 
 /// The method's frames so far, and what renders the exact ones.
 pub struct Popped {
@@ -28,10 +27,10 @@ impl Popped {
     ///
     /// # Errors
     /// A method whose frames no other one draws exactly.
-    pub fn open(args: &RenderArgs, resolved: &Resolved, session: &Session) -> Result<Option<Self>> {
+    pub fn open(args: &RenderArgs, session: &Session) -> Result<Option<Self>> {
         let Some(path) = args.popping.clone() else { return Ok(None) };
         let method = session.frame.method;
-        let Some(exact) = popping::exact(&method, resolved.points()) else {
+        let Some(exact) = popping::exact(&method, session.points()) else {
             let name = method.name();
             let problem = format!("--popping measures transparent discs and soft spheres, not {name}");
             return Err(usage(problem));
@@ -45,12 +44,13 @@ impl Popped {
     }
 
     /// Takes a frame of the session as it was rendered.
-    pub fn add(&mut self, session: &mut Session, image: &Image, resolved: &Resolved) -> Result<()> {
+    pub fn add(&mut self, session: &mut Session, image: &Image) -> Result<()> {
         let frame = Frame { camera: session.frame.camera, ..self.frame };
-        let exact = self.renderer.render(&mut session.cloud, &frame)?;
+        let exact = self.renderer.render(&mut session.uploaded.cloud, &frame)?;
         session.device.check_validation()?;
+        let background = session.scene().image.background;
         let linear =
-            |image: &Image| -> LinearImage { output::linear(image, resolved.scene.image.background, frame.color) };
+            |image: &Image| -> LinearImage { output::linear(image, background, frame.color) };
         self.follower.add(&linear(&exact.image), &linear(image));
         self.renderer.recycle(exact.image);
         Ok(())

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use pellucid_session::describe_cloud;
 
 use super::bar::Bar;
 use bytesize::ByteSize;
@@ -10,7 +11,6 @@ use pellucid_engine::cloud::shadow_texture::ShadowTexture;
 use pellucid_engine::cloud::{Cloud, Prepared};
 use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
-use pellucid_engine::scene::made::tell_of_cloud;
 use pellucid_engine::scene::{self, CloudSettings, Overrides, Scene};
 use pellucid_engine::{Result, io, output, prepare};
 
@@ -269,7 +269,7 @@ fn run_ply(args: &PrepareArgs, input: &PathBuf, console: Console) -> Result<Exit
     let settings = scene.clouds.into_iter().next();
     let hints = settings.as_ref().map(CloudSettings::hints).unwrap_or_default();
     let cloud = io::load_with(input, hints, &progress)?;
-    tell_of_cloud(input, &cloud, &console);
+    describe_cloud(input, &cloud, &console);
     if cloud.gaussians.is_some() {
         progress.stage("writing");
         write_splats(args, input, &cloud, console)?;

@@ -8,9 +8,9 @@ use pellucid_engine::io::LEAST_MEMORY;
 use pellucid_engine::io::store::build::{NODE_POINTS, Settings};
 use pellucid_engine::io::store::{self, Octree, Store};
 use pellucid_engine::prepare::{self, Request};
-use pellucid_engine::scene::made::tell_of_store;
 use pellucid_engine::scene::{self, CloudSettings, Scene};
 use pellucid_engine::{Result, io};
+use pellucid_session::describe_store;
 
 use super::bar::Bar;
 use super::console::Console;
@@ -49,7 +49,7 @@ fn open(inputs: &[PathBuf], scene: &Scene, progress: &Bar, console: Console) -> 
         progress.reset();
         progress.set_message(format!("reading {}", path.display()));
         let store = store::open(path, settings.hints(), progress)?;
-        tell_of_store(store.summary(), &console);
+        describe_store(store.summary(), &console);
         Ok(store)
     };
     inputs.iter().zip(&scene.clouds).map(open).collect()

@@ -3,15 +3,17 @@
 use std::process::ExitCode;
 
 use clap::Args;
+use pellucid_engine::camera::Camera;
 use pellucid_engine::methods::{Rendered, Stop};
 use pellucid_engine::{Result, profile};
+use pellucid_session::{FrameRequest, Prepared, Request, Session};
 
 use super::along::PathArgs;
+use super::bar::Bar;
 use super::console::{Console, print, print_json};
 use super::input::InputArgs;
-use super::loaded::prepare;
 use super::measured::Measured;
-use super::session::Session;
+use super::session;
 use super::{DeviceArgs, MeasureArgs};
 
 #[derive(Debug, Args)]
@@ -60,20 +62,29 @@ impl Format {
     }
 }
 
+impl ProfileArgs {
+    /// Reads the inputs, and finds the camera of each frame.
+    pub fn prepare(&self, progress: &Bar, console: Console) -> Result<(Prepared, Vec<Camera>)> {
+        let memory_budget = self.device.memory_budget.map(|budget| budget.as_u64());
+        let frame =
+            FrameRequest { memory_budget, counts: true, stop: self.format.stop(), ..FrameRequest::default() };
+        if let Some(along) = self.along.course(self.frames, &self.input, console)? {
+            return along.prepare(&self.input, (false, frame), console, progress);
+        }
+        let request = Request { frame, ..self.input.request(None, progress, console)? };
+        let prepared = Prepared::new(request, &console, progress)?;
+        let cameras = vec![prepared.camera; self.frames.unwrap_or(DEFAULT_FRAMES) as usize];
+        Ok((prepared, cameras))
+    }
+}
+
 pub fn run(args: ProfileArgs, console: Console) -> Result<ExitCode> {
     args.measure.check()?;
     let progress = console.progress();
-    let (resolved, cameras) = match args.along.course(args.frames, &args.input, console)? {
-        Some(along) => along.resolve(&args.input, false, console, &progress)?,
-        None => {
-            let resolved = prepare(&args.input, console, &progress)?;
-            let cameras = vec![resolved.camera; args.frames.unwrap_or(DEFAULT_FRAMES) as usize];
-            (resolved, cameras)
-        }
-    };
-    let mut session = Session::open(&args.device, &resolved, true, args.format.stop(), &progress)?;
-    session.describe(console);
-    session.warn(&resolved, console);
+    let (prepared, cameras) = args.prepare(&progress, console)?;
+    let mut session = session::open(&args.device, prepared, &progress, console)?;
+    session.describe(&console);
+    session.warn(&console);
     // The first frame pays for pipelines and buffers.
     let first = session.render()?;
     let shadows = first.profile.passes.iter().filter(|pass| pass.name.starts_with("shadows/"));

@@ -10,8 +10,8 @@ use pellucid_engine::methods::{Rendered, Stop};
 use pellucid_engine::output::{self, WriteOptions};
 use pellucid_engine::profile::Profile;
 use pellucid_engine::scene::Error;
-use pellucid_lab::choice::{self, Choice, Figures, Row, Subject, Wish};
-use pellucid_lab::frame_notes;
+use pellucid_session::choice::Wish;
+use pellucid_session::{Clouds, FrameRequest, Opened, Prepared, Request, Session, Silent};
 
 use super::along::PathArgs;
 use super::console::Console;
@@ -20,10 +20,10 @@ use super::films::{Asked, FilmArgs, Films};
 use super::frames::{Naming, Pattern};
 use super::headings::{FRAMES, METHOD, OUTPUT};
 use super::input::InputArgs;
-use super::loaded::{Loaded, Resolved, read};
-use super::opacity_notes;
+use super::limit::usage;
 use super::sequence;
-use super::session::Session;
+use super::session;
+use super::tradeoff::IN_FILES;
 use super::{DeviceArgs, MeasureArgs};
 use crate::legend;
 
@@ -127,71 +127,14 @@ impl ChoiceArgs {
         self.max_error.is_some() || self.budget.is_some() || self.recalibrate
     }
 
-    /// The requested error or time limit, if it is meaningful for the scene's method.
-    fn wish(&self, resolved: &Resolved, console: Console) -> Option<Wish> {
+    /// Returns the requested error and time limits.
+    fn wish(&self, console: Console) -> Wish {
         let wish = Wish { max_error: self.max_error, budget_ms: self.budget };
         if self.recalibrate && !wish.is_any() {
             console.warn("--recalibrate has no effect without --max-error or --budget");
         }
-        let wish = Some(wish).filter(Wish::is_any)?;
-        match Wish::hindrance(&resolved.scene, resolved.points()) {
-            Some(reason) => {
-                console.warn(format_args!("--max-error and --budget have no effect {reason}"));
-                None
-            }
-            None => Some(wish),
-        }
+        wish
     }
-}
-
-/// Chooses method and setting by the wish, and reports the choice.
-fn choose(
-    args: &RenderArgs,
-    wish: Wish,
-    session: &mut Session,
-    resolved: &Resolved,
-    progress: &Bar,
-    console: Console,
-) -> Result<Choice> {
-    progress.stage("choosing the method");
-    let (arranged, background, only) = (&resolved.arranged, resolved.scene.image.background, args.input.asked_method());
-    let subject = Subject { arranged, frame: session.frame, background, only };
-    let choice =
-        choice::choose(&session.device, &mut session.cloud, &subject, wish, args.choice.recalibrate, progress)?;
-    progress.stage("rendering");
-    console.detail(format_args!(
-        "chosen among {} measured settings; frames rendered for it now: {}",
-        choice.known, choice.frames
-    ));
-    let (name, figures) = (choice.method.name(), choice.figures);
-    let chosen = format!("{name} {}", choice.setting);
-    console.note(format_args!(
-        "{}: RMSE {:.2e}, {:.2} ms on the device",
-        chosen.trim_end(),
-        figures.rmse,
-        figures.gpu_ms
-    ));
-    if let Some(warning) = &choice.warning {
-        console.warn(warning);
-    }
-    console.note(candidates(&choice.best));
-    session.frame.method = choice.method;
-    session.take_detail(choice.detail, resolved)?;
-    session.why = "chosen by what was measured on this scene".to_owned();
-    Ok(choice)
-}
-
-/// The best settings as a table: setting, RMSE, time, and how far apart the times of its frames are.
-fn candidates(rows: &[Row]) -> String {
-    let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0).max("setting".len());
-    let line = |row: &Row| {
-        let spread = row.spread.map_or_else(String::new, |spread| format!("{:>6.0}%", 100.0 * spread));
-        let mark = if row.busy { " (a busy machine?)" } else { "" };
-        let Figures { rmse, gpu_ms } = row.figures;
-        format!("\n  {:<width$}  {rmse:>8.1e}  {gpu_ms:>9.2}  {spread}{mark}", row.name)
-    };
-    let lines: String = rows.iter().map(line).collect();
-    format!("  {:<width$}  {:>8}  {:>9}  {:>7}{lines}", "setting", "RMSE", "ms", "spread")
 }
 
 /// The destination of pictures.
@@ -296,9 +239,33 @@ impl RenderArgs {
         self.choice.is_given()
     }
 
-    /// The accuracy at which blending may stop for an output of this name.
-    pub fn stop(&self, output: &Path) -> Stop {
-        if is_png(output) { Stop::EightBit { transparent: self.transparent } } else { Stop::Exact }
+    /// Returns the properties of frames for an output of this name.
+    pub fn frame(&self, output: &Path) -> FrameRequest {
+        let stop = match is_png(output) {
+            true => Stop::EightBit { transparent: self.transparent },
+            false => Stop::Exact,
+        };
+        FrameRequest {
+            memory_budget: self.device.memory_budget.map(|budget| budget.as_u64()),
+            counts: self.aov || self.measure.profile.is_some(),
+            depths: self.aov && !is_png(output),
+            stop,
+            ..FrameRequest::default()
+        }
+    }
+
+    /// Returns the request for one picture, or for one after another.
+    pub fn request(&self, output: &Path, progress: &Bar, console: Console) -> Result<Request> {
+        let mut request = self.input.request(None, progress, console)?;
+        request.legend = self.draws_legend(output);
+        request.frame = self.frame(output);
+        request.choice.wish = self.choice.wish(console);
+        request.choice.recalibrate = self.choice.recalibrate;
+        if self.deep.is_asked() {
+            // Samples of a deep image are all of them, and count themselves.
+            request.frame = FrameRequest { memory_budget: request.frame.memory_budget, ..FrameRequest::default() };
+        }
+        Ok(request)
     }
 }
 
@@ -327,20 +294,21 @@ pub fn run(args: RenderArgs, console: Console) -> Result<ExitCode, crate::error:
         return sequence::run(&args, &along, (pattern, films), console);
     }
     let progress = console.progress();
-    let loaded = read(&args.input, None, console, &progress)?.with_legend(args.legend && png);
+    let opened = Opened::new(args.request(&target.first(), &progress, console)?, &console, &progress)?;
     let mut profile = None;
     match &target {
         Target::One(path) => {
-            let resolved = loaded.resolve(None, console, &progress)?;
+            let prepared = opened.prepare(&console, &progress)?;
             if args.deep.is_asked() {
-                deep::run(&args, &resolved, path, &progress, console)?;
+                deep::run(&args, prepared, path, &progress, console)?;
                 return Ok(ExitCode::SUCCESS);
             }
-            legend::check(&resolved, console)?;
-            picture(&args, &resolved, path, None, &mut profile, &progress, console)?;
+            legend::check(&prepared, console)?;
+            let session = session::open(&args.device, prepared, &progress, console)?;
+            picture(&args, session, path, None, &mut profile, &progress, console)?;
         }
         Target::Steps(pattern) | Target::Frames(pattern, _) => {
-            steps(&args, loaded, pattern, &mut profile, &progress, console)?;
+            steps(&args, opened, pattern, &mut profile, &progress, console)?;
         }
     }
     if let Some(profile) = profile {
@@ -353,37 +321,48 @@ pub fn run(args: RenderArgs, console: Console) -> Result<ExitCode, crate::error:
 /// A picture of the first cloud, of the first two and so on, by the camera that shows all of them.
 fn steps(
     args: &RenderArgs,
-    loaded: Loaded,
+    opened: Opened,
     pattern: &Pattern,
     profile: &mut Option<Profile>,
     progress: &Bar,
     console: Console,
 ) -> Result<()> {
-    let count = loaded.count()?;
-    (1..=count).try_for_each(|step| output::check_target(&pattern.file(step)))?;
-    let mut whole = loaded.clone().resolve(None, console, progress)?;
-    legend::check(&whole, console)?;
-    let mut compilations = Vec::new();
-    if whole.see_through.is_some() {
-        // As with the camera, what is there already stays as it is when a cloud joins.
-        let mut session = Session::upload(&args.device, &whole, false, Stop::Exact, progress)?;
-        session.find_opacity(&whole, progress)?;
-        whole.opacity_found = session.see_through;
-        compilations = session.device.compilations();
+    if matches!(opened.sources.clouds(), Clouds::Stored(_)) {
+        return Err(usage(IN_FILES));
     }
+    let count = opened.sources.clouds().len();
+    (1..=count).try_for_each(|step| output::check_target(&pattern.file(step)))?;
+    let mut whole = opened.clone().prepare(&console, progress)?;
+    legend::check(&whole, console)?;
+    let (mut compilations, mut found) = (Vec::new(), None);
+    if whole.see_through().is_some() {
+        // As with the camera, clouds that are there already stay as they are when one joins.
+        let mut session = session::upload(&args.device, whole, false, progress)?;
+        session.find_opacity()?;
+        (found, compilations) = (session.found, session.device.compilations());
+        whole = session.into_prepared();
+    }
+    let camera = whole.camera;
     // Each picture has a progress of its own.
     let phases = progress.spans();
     progress.finish_and_clear();
-    // Messages about the scene were printed already.
-    let silent = Console::new(true, false);
+    let open = |prepared: Prepared, progress: &Bar| {
+        let mut session = session::upload(&args.device, prepared, false, progress)?;
+        session.opacity_of_whole = found;
+        session.decide(&console)?;
+        Ok::<_, pellucid_engine::Error>(session)
+    };
     for step in 1..count {
         let progress = console.progress();
         progress.stage(&format!("step {step} of {count}"));
-        let part = loaded.first(step).resolve(Some(whole.camera), silent, &progress)?;
-        let part = Resolved { opacity_found: whole.opacity_found, ..part };
-        picture(args, &part, &pattern.file(step), Some((step, count)), profile, &progress, console)?;
+        // Messages about the scene were printed already.
+        let part = opened.first(step).prepare_by(|_, _, _| Ok((camera, Vec::new())), &Silent, &progress)?;
+        let session = open(part, &progress)?;
+        picture(args, session, &pattern.file(step), Some((step, count)), profile, &progress, console)?;
     }
-    picture(args, &whole, &pattern.file(count), Some((count, count)), profile, &console.progress(), console)?;
+    let progress = console.progress();
+    let session = open(whole, &progress)?;
+    picture(args, session, &pattern.file(count), Some((count, count)), profile, &progress, console)?;
     if let Some(profile) = profile {
         profile.add_host(phases, &compilations);
     }
@@ -393,46 +372,27 @@ fn steps(
 /// Renders and writes a picture; `step` is its number and the number of all pictures, if it is one of several.
 fn picture(
     args: &RenderArgs,
-    resolved: &Resolved,
+    mut session: Session,
     output: &Path,
     step: Option<(usize, usize)>,
     profile: &mut Option<Profile>,
     progress: &Bar,
     console: Console,
 ) -> Result<()> {
-    let stop = args.stop(output);
-    let counted = args.aov || args.measure.profile.is_some();
-    let wish = args.choice.wish(resolved, console);
-    // An error was measured of every bit.
-    let stop = if wish.is_some() { Stop::Exact } else { stop };
-    let (mut session, choice) = match wish {
-        None => (Session::open(&args.device, resolved, counted, stop, progress)?, None),
-        Some(wish) => {
-            let mut session = Session::upload(&args.device, resolved, counted, stop, progress)?;
-            session.find_opacity(resolved, progress)?;
-            let choice = choose(args, wish, &mut session, resolved, progress, console)?;
-            (session, Some(choice))
-        }
-    };
-    session.renderer.progress = (**progress).clone();
     session.renderer.timed = args.measure.is_asked() || console.is_verbose();
-    session.describe(console);
+    session.describe(&console);
     // In a time series, warn only once.
     let last = step.is_none_or(|(step, count)| step == count);
     if last {
-        session.warn(resolved, console);
+        session.warn(&console);
     }
-    session.frame.depths = args.aov && !is_png(output);
     let mut rendered = session.render()?;
-    session.frame.depths = false;
     if last {
-        opacity_notes::judge(&mut session, resolved, &rendered.image, console)?;
+        session.judge(&rendered.image, &console)?;
     }
     progress.finish_and_clear();
-    let mut own: Vec<_> =
-        choice.map(|choice| ("pellucid:choice".to_owned(), choice.json().to_string())).into_iter().collect();
-    own.extend(step.map(|(step, count)| ("pellucid:step".to_owned(), format!("{step} of {count}"))));
-    finish(args, resolved, &mut session, &mut rendered, output, own, console)?;
+    let own = step.map(|(step, count)| ("pellucid:step".to_owned(), format!("{step} of {count}")));
+    finish(args, &mut session, &mut rendered, output, own.into_iter().collect(), console)?;
     let profile = profile.get_or_insert_with(|| session.profile());
     profile.add(&rendered);
     session.add_phases(profile);
@@ -443,40 +403,21 @@ fn picture(
 /// layers are as they were afterwards, if they are written or were counted for a profile.
 pub fn finish(
     args: &RenderArgs,
-    resolved: &Resolved,
     session: &mut Session,
     rendered: &mut Rendered,
     output: &Path,
     own: Vec<(String, String)>,
     console: Console,
 ) -> Result<()> {
-    let brightness = session.brighten(&mut rendered.image)?;
-    Session::describe_frame(rendered, console);
-    resolved.described_reads().iter().for_each(|reads| console.detail(reads));
-    session.describe_detail(console);
-    let mut metadata = resolved.metadata(session.frame.method.name(), &session.device.info().name);
-    if let Some(applied) = &brightness {
-        if applied.found.is_some() {
-            console.note(format_args!("brightness: colors times {}", applied.factor));
-        }
-        applied.warning().iter().for_each(|warning| console.warn(warning));
-    }
-    let Session { frame, cloud, see_through, .. } = &session;
-    let clouds = &resolved.scene.clouds;
-    metadata.extend(frame_notes::decisions(frame, cloud, clouds, brightness.as_ref(), see_through.as_ref()));
-    metadata.extend(own);
-    let options = WriteOptions {
-        background: resolved.scene.image.background,
-        color: resolved.scene.image.color_space(),
-        transparent: args.transparent,
-        metadata,
-    };
+    let brightness = session.brighten(rendered, &console)?;
+    let options =
+        WriteOptions { transparent: args.transparent, ..session.write_options(brightness.as_ref(), own) };
     // If not requested, the counts served only the profile's histogram.
     let counted = if args.aov { None } else { rendered.image.fragments.take() };
     rendered.image.layers = rendered.image.layers.take().filter(|_| args.aov);
     rendered.image.stderr = rendered.image.stderr.take().filter(|_| args.aov);
     session.begin_writing();
-    match &resolved.legend {
+    match &session.assembled().legend {
         Some(legend) => legend::write(output, &rendered.image, &options, legend, &session.frame.camera, console)?,
         None => output::write_image(output, &rendered.image, &options)?,
     }

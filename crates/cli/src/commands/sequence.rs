@@ -10,17 +10,17 @@ use pellucid_engine::camera::Camera;
 use pellucid_engine::methods::{Frame, Rendered};
 use pellucid_engine::profile::Profile;
 use pellucid_engine::{Result, identity, output};
+use pellucid_session::Session;
 
 use super::along::Along;
 use super::console::Console;
 use super::films::{Caption, Films};
 use super::frames::Pattern;
 use super::interrupt;
-use super::loaded::Resolved;
 use super::measured::{Journal, Measured};
 use super::popped::Popped;
-use super::render::{RenderArgs, finish, is_png};
-use super::session::Session;
+use super::render::{RenderArgs, finish};
+use super::session;
 use crate::legend;
 
 /// The metadata by which a frame is known to belong to a sequence.
@@ -64,22 +64,20 @@ pub fn run(
 ) -> Result<ExitCode, crate::error::Error> {
     let progress = console.progress();
     let legend = args.draws_legend(&pattern.file(0));
-    let (resolved, cameras) = along.resolve(&args.input, legend, console, &progress)?;
-    legend::check(&resolved, console)?;
-    let counts = args.aov || args.measure.profile.is_some();
-    let mut session = Session::open(&args.device, &resolved, counts, args.stop(&pattern.file(0)), &progress)?;
-    session.frame.depths = args.aov && !is_png(&pattern.file(0));
-    session.describe(console);
-    session.warn(&resolved, console);
+    let (prepared, cameras) = along.prepare(&args.input, (legend, args.frame(&pattern.file(0))), console, &progress)?;
+    legend::check(&prepared, console)?;
+    let mut session = session::open(&args.device, prepared, &progress, console)?;
+    session.describe(&console);
+    session.warn(&console);
     session.renderer.timed = args.measure.is_asked() || console.is_verbose();
-    let mut frames = Frames::named(args, cameras, pattern, &resolved, &session);
+    let mut frames = Frames::named(args, cameras, pattern, &session);
     frames.find(args.overwrite, pattern)?;
     let _folder = films.make_folder()?;
-    let mut records = Records::open(args, &frames, &resolved, &session)?;
+    let mut records = Records::open(args, &frames, &session)?;
     interrupt::defer();
     let due = if records.popped.is_some() { (0..frames.files.len()).collect() } else { frames.missing() };
     let due = Due { count: due.len(), numbers: &mut due.into_iter(), render: &mut Session::render };
-    let rendered = frames.render(args, &resolved, &mut session, &mut records, due, &progress, console)?;
+    let rendered = frames.render(args, &mut session, &mut records, due, &progress, console)?;
     progress.finish_and_clear();
     let (count, before) = (frames.files.len(), frames.there.iter().filter(|there| **there).count());
     if before > 0 {
@@ -92,7 +90,7 @@ pub fn run(
         return Ok(ExitCode::from(interrupt::STATUS));
     }
     records.finish(args, &session, count, console)?;
-    if films.is_none() || films.make(&frames.files, &caption(along, &resolved, &session), console)? {
+    if films.is_none() || films.make(&frames.files, &caption(along, &session), console)? {
         return Ok(ExitCode::SUCCESS);
     }
     console.note(format_args!("interrupted; the same command goes on with the {count} frames, which are all there"));
@@ -100,16 +98,16 @@ pub fn run(
 }
 
 /// Returns the text that a film and a page hold about their frames.
-fn caption(along: &Along, resolved: &Resolved, session: &Session) -> Caption {
-    let name = Path::new(&resolved.name).file_name().map(|name| name.to_string_lossy().into_owned());
+fn caption(along: &Along, session: &Session) -> Caption {
+    let name = Path::new(&session.prepared.request.name).file_name().map(|name| name.to_string_lossy().into_owned());
     let method = session.frame.method.name();
     Caption {
-        title: name.unwrap_or_else(|| resolved.name.clone()),
-        points: session.cloud.total(),
+        title: name.unwrap_or_else(|| session.prepared.request.name.clone()),
+        points: session.uploaded.cloud.total(),
         method,
         closed: along.is_closed(),
-        background: resolved.scene.image.background,
-        metadata: resolved.metadata(method, &session.device.info().name),
+        background: session.scene().image.background,
+        metadata: session.prepared.metadata(method, &session.device.info().name),
     }
 }
 
@@ -119,11 +117,10 @@ impl Frames {
         args: &RenderArgs,
         cameras: Vec<Camera>,
         pattern: &Pattern,
-        resolved: &Resolved,
         session: &Session,
     ) -> Self {
         let files = (0..cameras.len()).map(|number| pattern.file(number)).collect();
-        let identities = identities(args, &cameras, resolved, session);
+        let identities = identities(args, &cameras, session);
         let there = vec![false; cameras.len()];
         Self { files, cameras, identities, there }
     }
@@ -169,7 +166,6 @@ impl Frames {
     pub fn render(
         &self,
         args: &RenderArgs,
-        resolved: &Resolved,
         session: &mut Session,
         records: &mut Records,
         due: Due<'_>,
@@ -190,7 +186,7 @@ impl Frames {
                 empty.push(number);
             }
             if let Some(popped) = &mut records.popped {
-                popped.add(session, &rendered.image, resolved)?;
+                popped.add(session, &rendered.image)?;
                 if self.there[number] {
                     session.renderer.recycle(rendered.image);
                     progress.inc(1);
@@ -204,7 +200,7 @@ impl Frames {
                 (IDENTITY.to_owned(), self.identities[number].clone()),
             ];
             let console_for_frame = if done == 0 { console } else { console.without_repeats() };
-            finish(args, resolved, session, &mut rendered, &self.files[number], own, console_for_frame)?;
+            finish(args, session, &mut rendered, &self.files[number], own, console_for_frame)?;
             session.renderer.recycle(rendered.image);
             done += 1;
             progress.inc(1);
@@ -220,8 +216,8 @@ impl Frames {
 
 impl Records {
     /// Reads back the measurements of existing frames.
-    pub fn open(args: &RenderArgs, frames: &Frames, resolved: &Resolved, session: &Session) -> Result<Self> {
-        let popped = Popped::open(args, resolved, session)?;
+    pub fn open(args: &RenderArgs, frames: &Frames, session: &Session) -> Result<Self> {
+        let popped = Popped::open(args, session)?;
         let trace = args.measure.trace.as_ref().map(|_| session.profile());
         let (journal, measured) = match &args.measure.profile {
             Some(path) => {
@@ -277,16 +273,18 @@ fn is_taken(file: &Path) -> bool {
 }
 
 /// A hash, for each frame, of everything its file depends on.
-fn identities(args: &RenderArgs, cameras: &[Camera], resolved: &Resolved, session: &Session) -> Vec<String> {
-    let frame = Frame { camera: resolved.camera, ..session.frame };
+fn identities(args: &RenderArgs, cameras: &[Camera], session: &Session) -> Vec<String> {
+    let prepared = &session.prepared;
+    let depths = prepared.request.frame.depths;
+    let frame = Frame { camera: prepared.camera, depths, ..session.frame };
     let info = session.device.info();
-    let metadata = resolved.metadata(session.frame.method.name(), &info.name);
+    let metadata = prepared.metadata(session.frame.method.name(), &info.name);
     let mut written = format!("{:?} {metadata:?} {} {}", session.frame.method, args.aov, args.transparent);
-    if let Some(legend) = &resolved.legend {
+    if let Some(legend) = &prepared.assembled.legend {
         // Other values may have the same colors.
         written.push_str(&format!(" {legend:?}"));
     }
-    let whole = identity::hash(&resolved.arranged, &frame, resolved.scene.image.background, &written, info);
+    let whole = identity::hash(prepared.assembled.arranged(), &frame, prepared.scene().image.background, &written, info);
     let count = cameras.len();
     let one = |(number, camera): (usize, &Camera)| {
         // Debug output of floats is exact.

@@ -8,13 +8,13 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 use comfy_table::{CellAlignment, ColumnConstraint, Table, presets};
 use pellucid_engine::camera::Camera;
-use pellucid_engine::gpu::{Device, DeviceOptions};
-use pellucid_engine::methods::{Factors, Frame, Stop};
+use pellucid_engine::methods::{Factors, Frame};
 use pellucid_engine::points::Points;
 use pellucid_engine::scene::{Discs, Interpolated, Method, ScreenSplats, Soft, Spbr};
 use pellucid_engine::{Result, output};
 use pellucid_lab::report::popping;
 use pellucid_session::candidates::{self, Formation, Ladders, Occasion, Surfaces};
+use pellucid_session::{Clouds, FrameRequest, Opened, Prepared, Request};
 use pellucid_lab::report::tradeoff::{self, Options, Row, Shaded, ShadedStep, Skipped, Subject, Tradeoff};
 
 use super::DeviceArgs;
@@ -22,9 +22,7 @@ use super::along::{Along, PathArgs};
 use super::console::{Console, print, print_json};
 use super::input::InputArgs;
 use super::limit::usage;
-use super::loaded::{Resolved, read};
-use super::opacity_notes;
-use super::session::Session;
+use super::session;
 use super::stress::seconds;
 
 const ABOUT: &str = "\
@@ -71,6 +69,9 @@ const QUICK_REPEATS: (usize, u32) = (3, 4);
 /// Default of --time: for frames of the full run, and for all of a quick look.
 const SECONDS: f64 = 360.0;
 const QUICK_SECONDS: f64 = 55.0;
+
+/// Refusal of clouds that stay in their files.
+pub(super) const IN_FILES: &str = "this command needs all clouds in memory, but they take more than --host-memory allows";
 
 #[derive(Debug, Args)]
 #[command(after_help = ABOUT)]
@@ -123,7 +124,7 @@ fn method_names() -> PossibleValuesParser {
     let others = [Formation::Discs(Discs::default()), soft, Formation::Ensembles(Spbr::default())];
     for formation in others.into_iter().chain(opaque) {
         let occasion = Occasion { formation, opaque: true, oriented: false, max_list: u32::MAX, points: u64::MAX };
-        let (settings, _) = settings::settings(&occasion, &Ladders::QUICK);
+        let (settings, _) = candidates::settings(&occasion, &Ladders::QUICK);
         for name in settings.iter().map(|setting| setting.method.name()) {
             if !names.contains(&name) {
                 names.push(name);
@@ -143,12 +144,11 @@ impl TradeoffArgs {
     }
 
     /// Refuses a path along which nothing can be followed.
-    fn check_popping(&self, resolved: &Resolved, cameras: &[Camera]) -> Result<()> {
+    fn check_popping(&self, prepared: &Prepared, cameras: &[Camera]) -> Result<()> {
         let Some(option) = self.along.option() else { return Ok(()) };
-        let (method, points) = (resolved.scene.method.representative(), resolved.points());
-        if resolved.stored.is_some() {
-            let problem = "this command needs all clouds in memory, but they take more than --host-memory allows";
-            return Err(usage(problem.to_owned()));
+        let (method, points) = (prepared.scene().method.representative(), prepared.points());
+        if prepared.assembled.stored().is_some() {
+            return Err(usage(IN_FILES));
         }
         if popping::exact(&method, points).is_none() {
             let name = method.name();
@@ -180,54 +180,45 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
     let begin = Instant::now();
     output::check_report_folder(&args.output)?;
     let progress = console.progress();
-    let (resolved, cameras) = match args.course(console)? {
-        Some(along) => along.resolve(&args.input, false, console, &progress)?,
+    let memory_budget = args.device.memory_budget.map(|budget| budget.as_u64());
+    let frame = FrameRequest { memory_budget, ..FrameRequest::default() };
+    let (prepared, cameras) = match args.course(console)? {
+        Some(along) => along.prepare(&args.input, (false, frame), console, &progress)?,
         None => {
-            let loaded = read(&args.input, None, console, &progress)?;
-            loaded.count()?;
-            (loaded.with_radii().resolve(None, console, &progress)?, Vec::new())
+            let request = Request { frame, radii: true, ..args.input.request(None, &progress, console)? };
+            let opened = Opened::new(request, &console, &progress)?;
+            if matches!(opened.sources.clouds(), Clouds::Stored(_)) {
+                return Err(usage(IN_FILES));
+            }
+            (opened.prepare(&console, &progress)?, Vec::new())
         }
     };
-    args.check_popping(&resolved, &cameras)?;
-    let formation = settings::compared(&resolved.scene.method.representative(), resolved.points())?;
-    let factors = match resolved.see_through {
-        None => Factors::default(),
-        Some(share) => {
-            let mut session = Session::upload(&args.device, &resolved, false, Stop::Exact, &progress)?;
-            session.find_opacity(&resolved, &progress)?;
-            opacity_notes::describe(share, session.see_through, &resolved, console);
-            session.frame.factors
+    args.check_popping(&prepared, &cameras)?;
+    let formation = candidates::compared(&prepared.scene().method.representative(), prepared.points())?;
+    let (prepared, factors) = match prepared.see_through() {
+        None => (prepared, Factors::default()),
+        Some(_) => {
+            let mut session = session::upload(&args.device, prepared, false, &progress)?;
+            session.find_opacity()?;
+            session.describe_opacity(&console);
+            let factors = session.frame.factors;
+            (session.into_prepared(), factors)
         }
     };
     progress.stage("uploading");
-    let options = DeviceOptions { device: args.device.device.clone(), ..DeviceOptions::from_env() };
-    let device = Device::open(&options)?;
+    let device = session::device(&args.device)?;
     console.detail(format_args!("device {} ({})", device.info().name, device.info().driver));
-    let mut shading = resolved.scene.shading;
+    let scene = prepared.scene();
+    let mut shading = scene.shading;
     if shading.edl.edl && !matches!(formation, Formation::Surfaces(_)) {
         console.warn("eye-dome lighting is left out, because not all compared methods support it");
         shading.edl.edl = false;
     }
-    let frame = Frame {
-        camera: resolved.camera,
-        size: resolved.scene.image.size,
-        shading,
-        color: resolved.scene.image.color_space(),
-        method: resolved.scene.method.representative(),
-        detail: Default::default(),
-        memory_budget: args.device.memory_budget.map(|b| b.as_u64()),
-        fragments: false,
-        depths: false,
-        stop: Stop::Exact,
-        max_error: None,
-        spread: false,
-        ensembles: None,
-        shadows: resolved.scene.shadows.filter(|_| matches!(formation, Formation::Surfaces(_))),
-        factors,
-        seed: resolved.seed,
-    };
-    let background = resolved.scene.image.background;
-    let subject = Subject { arranged: &resolved.arranged, frame, background, scene: &resolved.name, cameras: &cameras };
+    let shadows = scene.shadows.filter(|_| matches!(formation, Formation::Surfaces(_)));
+    let frame = Frame { shading, shadows, detail: Default::default(), factors, ..prepared.frame() };
+    let background = scene.image.background;
+    let (arranged, scene) = (prepared.assembled.arranged(), prepared.request.name.as_str());
+    let subject = Subject { arranged, frame, background, scene, cameras: &cameras };
     progress.counted("tradeoff", 1);
     let report = tradeoff::run(&device, &subject, &args.options(begin), &args.output, &progress)?;
     progress.stage("writing the report");

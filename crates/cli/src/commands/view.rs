@@ -7,8 +7,7 @@ use clap::Args;
 use pellucid_engine::camera::import::Source;
 use pellucid_engine::gpu::DeviceOptions;
 use pellucid_engine::scene;
-use pellucid_engine::scene::made::{tell_of_cloud, tell_of_store};
-use pellucid_viewer::{Clouds, Display, Opened, Options};
+use pellucid_viewer::{Display, Opened, Options};
 
 use super::DeviceArgs;
 use super::console::Console;
@@ -52,37 +51,24 @@ pub fn run(args: ViewArgs, console: Console) -> Result<ExitCode, Error> {
     let progress = console.progress();
     let host_memory = host_memory(input.host_memory)?;
     let named = scene::name(&input.inputs, &input.overrides(None)?, input.seed)?;
-    let opened = Opened::open(named, host_memory, &progress)?;
+    let request = input.request_of(&named, console)?;
+    let opened = Opened::open(named, &request.scene, host_memory, &console, &progress)?;
     progress.finish_and_clear();
-    let scene = opened.document.scene().map_err(pellucid_engine::Error::from)?;
-    input.preset().iter().for_each(|preset| console.note(preset.note()));
-    let share = match &opened.clouds {
-        Clouds::Held(clouds) => input.share(&scene, clouds),
-        // Nobody has looked at their classes yet.
-        Clouds::Stored(_) => input.share_of(&scene, false),
-    };
-    if let Some(share) = share {
+    let is_classified = opened.sources.are_classified();
+    if let Some(share) = request.see_through.and_then(|share| share.share(request.scene.method, is_classified)) {
         console.note(format_args!(
             "--see-through {share} has no effect in a window: set the opacity with its slider, or use the one that \
              `pellucid render` prints"
         ));
     }
-    match &opened.clouds {
-        Clouds::Held(clouds) => {
-            for (settings, cloud) in scene.clouds.iter().zip(clouds) {
-                tell_of_cloud(&settings.path, cloud, &console);
-            }
-        }
-        Clouds::Stored(stores) => stores.iter().for_each(|store| tell_of_store(store.summary(), &console)),
-    }
     let options = Options {
         opened,
-        view: input.view_of(&scene),
+        view: request.scene.camera.view,
         seed: input.seed,
         device: DeviceOptions { device: device.device, ..DeviceOptions::from_env() },
         memory_budget: device.memory_budget.map(|budget| budget.as_u64()),
         host_memory,
-        size: if input.size.is_some() { scene.image.size } else { SIZE },
+        size: if input.size.is_some() { request.scene.image.size } else { SIZE },
         budget_ms: budget,
         path: path.zip(cameras),
     };

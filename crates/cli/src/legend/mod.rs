@@ -15,9 +15,9 @@ use pellucid_engine::image::Image;
 use pellucid_engine::output::{self, Raster, WriteOptions};
 use pellucid_engine::scene::Error;
 use pellucid_engine::scene::legend::{Legend, ScaleBar, Values};
+use pellucid_session::Prepared;
 
 use crate::commands::console::Console;
-use crate::commands::loaded::Resolved;
 use canvas::{Canvas, Ink};
 use layout::{Layout, Row};
 
@@ -56,9 +56,9 @@ impl Looks {
 ///
 /// # Errors
 /// The legend does not fit into the picture.
-pub fn check(resolved: &Resolved, console: Console) -> Result<()> {
-    let Some(legend) = &resolved.legend else { return Ok(()) };
-    match Layout::new(legend, &resolved.camera, resolved.scene.image.size) {
+pub fn check(prepared: &Prepared, console: Console) -> Result<()> {
+    let Some(legend) = &prepared.assembled.legend else { return Ok(()) };
+    match Layout::new(legend, &prepared.camera, prepared.scene().image.size) {
         Ok(Some(_)) => {}
         Ok(None) => console.note(
             "--legend draws nothing: the colors show neither values nor classes (see --color-by), and a scale bar needs an \

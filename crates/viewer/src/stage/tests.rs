@@ -21,7 +21,8 @@ const SEED: u64 = 5;
 const SETUP: Setup = Setup { seed: SEED, memory_budget: None, host_memory: u64::MAX };
 
 fn stage(device: &Device, clouds: Vec<Cloud>) -> Stage {
-    Stage::new(device, Clouds::Held(clouds), &SETUP).unwrap()
+    let clouds = Clouds::Held(clouds.into_iter().map(Into::into).collect());
+    Stage::new(device, Sources::new(clouds, u64::MAX, false), &SETUP).unwrap()
 }
 
 /// The picture of a stage and a renderer that know nothing yet, which take the place of `other`.

@@ -4,6 +4,7 @@ use pellucid_testing::with_device;
 
 use super::*;
 use crate::draft::Effort;
+use pellucid_session::{Clouds, Sources};
 use pellucid_engine::scene::{CameraSettings, Document, Setting};
 
 #[test]
@@ -69,7 +70,8 @@ fn work(device: &Device, test: impl FnOnce(&Device, &Worker, Document, &Path)) {
         ("cloud.0.radius", Setting::Number(1.5)),
     ];
     keys.into_iter().for_each(|(key, value)| document.put(key, value).unwrap());
-    let workload = Workload { clouds: Clouds::Held(opened.clouds), generated: false, tasks: Vec::new() };
+    let clouds = Clouds::Held(opened.clouds.into_iter().map(Into::into).collect());
+    let workload = Workload { sources: Sources::new(clouds, u64::MAX, true), generated: false, tasks: Vec::new() };
     let worker =
         Worker::start(device, workload, Setup { seed: 0, memory_budget: None, host_memory: u64::MAX }, false, || {})
             .unwrap();

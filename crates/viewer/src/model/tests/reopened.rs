@@ -3,10 +3,10 @@
 use pellucid_testing::with_device;
 
 use super::*;
-use crate::sources::Clouds;
 use crate::worker::{Setup, Worker, Workload};
 use pellucid_engine::gpu::Device;
 use pellucid_engine::scene::{self, Opened};
+use pellucid_session::{Clouds, Sources};
 
 /// Runs the tasks of a model until a picture is there that nothing was left out of; its pixels.
 fn settle(model: &mut Model, worker: &Worker) -> Vec<u32> {
@@ -56,7 +56,8 @@ fn reopen(device: &Device) {
     let Opened { name, document, clouds, generated } = opened;
     let mut model = Model::new(name, document, View::default(), 33.0).unwrap();
     model.set_viewport(Viewport { at: [0, 0], size: SIZE });
-    let workload = Workload { clouds: Clouds::Held(clouds), generated, tasks: Vec::new() };
+    let clouds = Clouds::Held(clouds.into_iter().map(Into::into).collect());
+    let workload = Workload { sources: Sources::new(clouds, u64::MAX, true), generated, tasks: Vec::new() };
     let worker =
         Worker::start(device, workload, Setup { seed: 7, memory_budget: None, host_memory: u64::MAX }, false, || {})
             .unwrap();

@@ -2,12 +2,14 @@
 //! and what is stopped leaves no trace.
 
 use super::*;
-use crate::sources::Opened;
+use crate::sources::{Opened, census};
 use pellucid_engine::io::ply;
 use pellucid_engine::io::store::build::Settings;
 use pellucid_engine::io::store::{self, Store};
 use pellucid_engine::methods;
 use pellucid_engine::scene::{self, procedural};
+use pellucid_session::Silent;
+use std::sync::Arc;
 
 const COUNT: usize = 90_000;
 
@@ -58,12 +60,13 @@ impl Case {
             named.document.put("image.size", Setting::Integers(vec![243, 182])).unwrap();
             named
         };
-        let Opened { clouds, document, .. } = Opened::open(named(), LITTLE.host_memory, &hidden).unwrap();
-        assert!(matches!(clouds, Clouds::Stored(_)));
-        let stage = Stage::new(device, clouds, &LITTLE).unwrap();
-        let Opened { clouds: Clouds::Held(clouds), .. } = Opened::open(named(), u64::MAX, &hidden).unwrap() else {
-            panic!("there is memory enough");
-        };
+        let scene = named().document.scene().unwrap();
+        let open = |memory| Opened::open(named(), &scene, memory, &Silent, &hidden).unwrap();
+        let Opened { sources, document, .. } = open(LITTLE.host_memory);
+        assert!(matches!(sources.clouds(), Clouds::Stored(_)));
+        let stage = Stage::new(device, sources, &LITTLE).unwrap();
+        let Clouds::Held(clouds) = open(u64::MAX).sources.into_clouds() else { panic!("there is memory enough") };
+        let clouds = clouds.into_iter().map(Arc::unwrap_or_clone).collect();
         Self { _folder: folder, document, stage, clouds }
     }
 
@@ -164,11 +167,12 @@ fn what_is_stopped_while_nodes_are_read_leaves_no_trace() {
 fn a_census_of_a_store_is_that_of_points_that_stand_for_all() {
     with_device(|device| {
         let mut case = Case::octree(device);
-        let before = case.stage.clouds().census();
+        let before = census(case.stage.clouds());
         assert_eq!((before[0].points, before[0].own_radii, before[0].classes.len()), (COUNT, true, 0));
         let scene = case.document.scene().unwrap();
         case.stage.take(&scene, Pose::Scene, Effort::Whole).unwrap();
-        let (found, expected) = (case.stage.clouds().census(), Clouds::Held(case.clouds).census());
+        let held = Clouds::Held(case.clouds.into_iter().map(Arc::new).collect());
+        let (found, expected) = (census(case.stage.clouds()), census(&held));
         // So few points stand for themselves.
         assert_eq!(found[0].classes, expected[0].classes);
         assert_eq!((found[0].auto.clone(), found[0].normals), (expected[0].auto.clone(), expected[0].normals));

@@ -8,5 +8,3 @@ mod truth;
 
 pub(super) use clouds::Clouds;
 pub(super) use truth::{Silhouette, supersampled};
-
-pub use pellucid_session::candidates::Surfaces;
