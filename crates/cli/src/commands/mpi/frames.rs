@@ -7,7 +7,6 @@ use pellucid_engine::Result;
 use pellucid_engine::methods::Rendered;
 use pellucid_engine::scene::Error;
 
-use super::args::SharingArgs;
 use super::desk::Desk;
 use super::frame;
 use super::ranks::Ranks;
@@ -20,6 +19,7 @@ use crate::commands::bar::Bar;
 use crate::commands::console::Console;
 use crate::commands::frames::Pattern;
 use crate::commands::interrupt;
+use crate::commands::mpi_args::SharingArgs;
 use crate::commands::render::RenderArgs;
 use crate::commands::sequence::{Due, Frames, Records};
 use crate::commands::session::Session;

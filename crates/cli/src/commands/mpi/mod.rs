@@ -1,6 +1,5 @@
 //! `pellucid-mpi`: one picture, or the frames of a path, by many ranks, with the bytes of one.
 
-mod args;
 mod cut;
 mod desk;
 mod frame;
@@ -27,19 +26,14 @@ use clap::Parser;
 use pellucid_engine::Result;
 use pellucid_engine::scene::Error;
 
-use self::args::{Cli, Command, SharingArgs, SpreadArgs, Wanted};
 use self::ranks::Ranks;
 use self::spread::{orders, worker};
 use self::together::together;
-use super::arguments;
+use super::DeviceArgs;
 use super::console::{Console, print_stderr};
 use super::input::KeptInFiles;
+use super::mpi_args::{Cli, Command, SharingArgs, SpreadArgs, Wanted};
 use super::render::{RenderArgs, Target};
-
-/// The command line, for its manual pages.
-pub fn command() -> clap::Command {
-    <Cli as clap::CommandFactory>::command()
-}
 
 /// Parses the command line and runs its command on all ranks.
 pub fn run() -> ExitCode {
@@ -50,7 +44,7 @@ pub fn run() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
-    let cli = match Cli::try_parse_from(arguments(std::env::args_os())) {
+    let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
             if ranks.is_first() {
@@ -103,6 +97,17 @@ fn kept_in_files(sharing: &SharingArgs, spread: SpreadArgs, is_film: bool, ranks
 fn fail(error: pellucid_engine::Error, ranks: &Ranks) -> ! {
     let error = crate::error::Error::from(error);
     ranks.fail(&crate::with_causes(&error), error.exit_status())
+}
+
+impl Command {
+    /// The device that is asked for, if points are to be spread over the ranks.
+    fn spread(&self) -> Option<&DeviceArgs> {
+        match self {
+            Self::Render { args, spread, .. } => spread.spread.then_some(&args.device),
+            Self::Profile { args, spread, .. } => spread.spread.then_some(&args.device),
+            Self::Plan { .. } => None,
+        }
+    }
 }
 
 /// A picture, or the frames of a path.

@@ -5,7 +5,6 @@ use std::process::ExitCode;
 
 use pellucid_engine::Result;
 
-use super::args::SharingArgs;
 use super::frame;
 use super::ranks::Ranks;
 use super::report::Report;
@@ -13,6 +12,7 @@ use super::setting::Setting;
 use super::stage::Stage;
 use crate::commands::console::Console;
 use crate::commands::loaded::read;
+use crate::commands::mpi_args::SharingArgs;
 use crate::commands::opacity_notes;
 use crate::commands::render::{self, RenderArgs};
 

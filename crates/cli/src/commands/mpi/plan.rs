@@ -6,13 +6,13 @@ use pellucid_engine::Result;
 use pellucid_engine::methods::Stop;
 use serde_json::json;
 
-use super::args::SharingArgs;
 use super::ranks::Ranks;
 use super::setting::Setting;
 use super::share::{Offer, time};
 use super::stage::Stage;
 use crate::commands::console::{Console, print, print_json};
 use crate::commands::loaded::prepare;
+use crate::commands::mpi_args::SharingArgs;
 use crate::commands::plan::PlanArgs;
 
 /// Prints what the ranks can share, with what it is expected to take, and what each of them would render.

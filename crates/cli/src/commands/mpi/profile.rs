@@ -4,7 +4,6 @@ use std::process::ExitCode;
 
 use pellucid_engine::{Result, profile};
 
-use super::args::SharingArgs;
 use super::frame;
 use super::ranks::Ranks;
 use super::report::Report;
@@ -13,6 +12,7 @@ use super::share::Share;
 use super::stage::Stage;
 use crate::commands::console::{Console, print, print_json};
 use crate::commands::loaded::prepare;
+use crate::commands::mpi_args::SharingArgs;
 use crate::commands::profile::{DEFAULT_FRAMES, ProfileArgs};
 
 /// Measures frames that all ranks render together.

@@ -5,9 +5,9 @@ use std::path::Path;
 use pellucid_engine::methods::Stop;
 use pellucid_engine::{Result, gpu};
 
-use super::args::{SharingArgs, Wanted};
 use super::ranks::Ranks;
 use crate::commands::DeviceArgs;
+use crate::commands::mpi_args::{SharingArgs, Wanted};
 use crate::commands::render::{RenderArgs, is_png};
 
 /// Requirements of a command on a stage.

@@ -6,9 +6,9 @@ use pellucid_engine::Result;
 use pellucid_engine::scene::Error;
 use serde::{Deserialize, Serialize};
 
-use super::args::Wanted;
 use super::cut::{Load, PIXEL, POINT};
 use super::link::Link;
+use crate::commands::mpi_args::Wanted;
 
 /// Thing that the ranks share.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

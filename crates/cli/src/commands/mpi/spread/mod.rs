@@ -21,12 +21,12 @@ use pellucid_engine::{Result, methods, passes};
 
 use self::deal::{Dealer, Spread};
 use self::orders::Order;
-use super::args::Wanted;
 use super::ranks::Ranks;
 use super::setting::{Setting, device_of};
 use crate::commands::DeviceArgs;
 use crate::commands::bar::Bar;
 use crate::commands::loaded::Resolved;
+use crate::commands::mpi_args::Wanted;
 use crate::commands::session::Session;
 
 /// Bytes of a message with points, about: with that many the next message begins.

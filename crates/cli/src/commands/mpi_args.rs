@@ -2,10 +2,9 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::commands::DeviceArgs;
-use crate::commands::plan::PlanArgs;
-use crate::commands::profile::ProfileArgs;
-use crate::commands::render::RenderArgs;
+use super::plan::PlanArgs;
+use super::profile::ProfileArgs;
+use super::render::RenderArgs;
 
 /// Render point clouds you can see through on many machines.
 ///
@@ -53,17 +52,6 @@ pub enum Command {
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
         ranks: Option<u32>,
     },
-}
-
-impl Command {
-    /// The device that is asked for, if points are to be spread over the ranks.
-    pub fn spread(&self) -> Option<&DeviceArgs> {
-        match self {
-            Self::Render { args, spread, .. } => spread.spread.then_some(&args.device),
-            Self::Profile { args, spread, .. } => spread.spread.then_some(&args.device),
-            Self::Plan { .. } => None,
-        }
-    }
 }
 
 /// How the ranks share the work.
