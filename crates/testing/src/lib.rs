@@ -39,6 +39,13 @@ pub fn updates() -> bool {
     std::env::var("PELLUCID_UPDATE").is_ok_and(|v| v == "1")
 }
 
+/// Writes a generated page into the sources of the book, the folder `PELLUCID_BOOK`, if there is one (tools/book.sh).
+pub fn add_to_book(page: &str, text: &str) {
+    if let Some(folder) = std::env::var_os("PELLUCID_BOOK") {
+        std::fs::write(std::path::Path::new(&folder).join(page), text).expect("the book's sources can be written");
+    }
+}
+
 /// True if a device is llvmpipe, for which the tests know the results to the last case.
 pub fn is_llvmpipe(device: &Device) -> bool {
     device.info().name.contains("llvmpipe")

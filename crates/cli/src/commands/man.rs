@@ -38,7 +38,7 @@ fn pages() -> Vec<Man> {
     #[cfg(not(feature = "mpi"))]
     let programs = [Cli::command()];
     #[cfg(feature = "mpi")]
-    let programs = [Cli::command(), super::mpi::command()];
+    let programs = [Cli::command(), super::command_of_ranks()];
     programs.into_iter().flat_map(pages_of).collect()
 }
 

@@ -21,6 +21,8 @@ mod man;
 mod measured;
 #[cfg(feature = "mpi")]
 pub mod mpi;
+#[cfg(any(feature = "mpi", test))]
+mod mpi_args;
 mod noise;
 mod plan;
 mod popped;
@@ -38,7 +40,6 @@ mod tradeoff;
 mod view;
 mod view_args;
 
-use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -151,31 +152,15 @@ impl MeasureArgs {
     }
 }
 
-/// The arguments, with the number of `--frames 36` joined to it (`--frames=36`): without a number `--frames` means a
-/// time series, and the next argument is an input.
-pub fn arguments(given: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
-    let mut arguments: Vec<OsString> = Vec::new();
-    let mut options = true;
-    for argument in given {
-        let text = argument.to_str().unwrap_or_default();
-        let is_number = text.starts_with(|c: char| c.is_ascii_digit()) && text.parse::<f64>().is_ok();
-        match arguments.last_mut().filter(|last| options && is_number && *last == "--frames") {
-            Some(frames) => {
-                frames.push("=");
-                frames.push(argument);
-            }
-            None => {
-                options &= argument != "--";
-                arguments.push(argument);
-            }
-        }
-    }
-    arguments
+/// The command line of `pellucid-mpi`.
+#[cfg(any(feature = "mpi", test))]
+pub fn command_of_ranks() -> clap::Command {
+    <mpi_args::Cli as clap::CommandFactory>::command()
 }
 
 /// Parses the command line and runs its command.
 pub fn run() -> Result<ExitCode, crate::error::Error> {
-    let cli = Cli::parse_from(arguments(std::env::args_os()));
+    let cli = Cli::parse();
     let console = Console::new(cli.quiet, cli.verbose);
     interrupt::watch();
     pellucid_engine::io::silence_decoder_panics();
@@ -205,25 +190,6 @@ pub fn run() -> Result<ExitCode, crate::error::Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn only_a_number_belongs_to_frames() {
-        let joined = |given: &str| arguments(given.split(' ').map(OsString::from)).join(" ".as_ref());
-        for (given, expected) in [
-            ("render --frames 36 a.ply", "render --frames=36 a.ply"),
-            ("render --frames scene.toml", "render --frames scene.toml"),
-            ("render --frames 1.5", "render --frames=1.5"),
-            ("render --frames 3d.ply", "render --frames 3d.ply"),
-            ("render --frames ./36", "render --frames ./36"),
-            ("render --frames -o 36", "render --frames -o 36"),
-            ("render --frames=36 36", "render --frames=36 36"),
-            ("render -- --frames 36", "render -- --frames 36"),
-            ("profile --frames 3", "profile --frames=3"),
-            ("render --frames", "render --frames"),
-        ] {
-            assert_eq!(joined(given), OsString::from(expected), "{given}");
-        }
-    }
 
     #[test]
     fn the_options_do_not_contradict_each_other() {

@@ -72,10 +72,9 @@ pub struct RenderArgs {
     /// Frames count from 0. Unless the output is a film, its name needs a number, as in frame_%04d.png (default: the name of the
     /// first input with _%04d.png). Existing frames of the same scene, path and settings are not rendered again.
     ///
-    /// A time series is a picture of the first cloud of the scene, one of the first two, and so on, all with the camera that
+    /// Without a number the option stands behind the inputs, or before another option. A time series is a picture of the first cloud of the scene, one of the first two, and so on, all with the camera that
     /// shows the whole scene. Pictures count from 1, as in step_%02d.png (default: the name of the first input with _%02d.png).
-    // The number comes after a space as well: `super::arguments` joins it.
-    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, value_parser = clap::value_parser!(u32).range(1..=100_000), help_heading = FRAMES)]
+    #[arg(long, value_name = "N", num_args = 0..=1, value_parser = number_of_frames, help_heading = FRAMES)]
     frames: Option<Option<u32>>,
     #[command(flatten)]
     along: PathArgs,
@@ -97,6 +96,9 @@ pub struct RenderArgs {
     pub deep: DeepArgs,
 }
 
+/// Largest number of frames.
+const MOST_FRAMES: u32 = 100_000;
+
 /// The method by what it must keep to.
 #[derive(Debug, Args)]
 struct ChoiceArgs {
@@ -116,6 +118,16 @@ struct ChoiceArgs {
     /// With --max-error or --budget: repeat measurements already known for this scene and device.
     #[arg(long, help_heading = METHOD)]
     recalibrate: bool,
+}
+
+fn number_of_frames(text: &str) -> Result<u32, String> {
+    let number: Option<u32> = text.parse().ok().filter(|number| (1..=MOST_FRAMES).contains(number));
+    number.ok_or_else(|| {
+        format!(
+            "expected a number of frames from 1 to {MOST_FRAMES}; for a time series --frames stands behind the inputs, as in \
+             `pellucid render scene.toml --frames`"
+        )
+    })
 }
 
 fn not_negative(text: &str) -> Result<f64, String> {

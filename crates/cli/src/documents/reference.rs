@@ -1,23 +1,14 @@
-//! The reference of commands, docs/command-reference.md, from clap's table of commands. The tests here fail where the page is stale,
-//! and rewrite it where `PELLUCID_UPDATE` is 1.
+//! The reference of commands, a page that only the book has (tools/book.sh), from clap's table of commands.
 
 use std::fmt::Write as _;
 
 use clap::builder::StyledStr;
 use clap::{Arg, ArgAction, Command, CommandFactory};
 
-use super::pages::root;
-use crate::commands::Cli;
-
-const PAGE: &str = "docs/command-reference.md";
-const REWRITE: &str = "PELLUCID_UPDATE=1 cargo test --locked -p pellucid-cli --lib documents::reference";
-const REWRITE_MPI: &str =
-    "PELLUCID_UPDATE=1 cargo test --locked -p pellucid-cli --features mpi --lib documents::reference";
+use crate::commands::{Cli, command_of_ranks};
 
 const INTRODUCTION: &str = "\
 # Command reference
-
-<!-- Generated: see crates/cli/src/documents/reference.rs. -->
 
 Every command and every option, in the words of `pellucid COMMAND --help`. Examples: [commands.md](commands.md). The keys that
 `--set` gives: [scene-file.md](scene-file.md).
@@ -142,19 +133,12 @@ fn sentence(text: &str) -> String {
     if text.is_empty() || text.ends_with(['.', '!', '?', ':']) { text.to_owned() } else { format!("{text}.") }
 }
 
-const BEGIN: &str = "\n<!-- pellucid-mpi: generated -->\n";
-const END: &str = "<!-- pellucid-mpi: end -->\n";
-
-/// The part about `pellucid-mpi`, which only a build with MPI knows; other builds keep the one that is there.
-#[cfg(feature = "mpi")]
-fn reference_of_ranks(_: &str) -> String {
-    let (mut program, mut ranks) = (Cli::command(), crate::commands::mpi::command());
-    program.build();
-    ranks.build();
+/// The part about `pellucid-mpi`: options that `pellucid` lacks.
+fn reference_of_ranks(program: &Command, ranks: &Command) -> String {
     let mut text = "\n# pellucid-mpi\n\nIts commands take what those of `pellucid` take, and these options as well \
                     ([many-machines.md](many-machines.md)).\n"
         .to_owned();
-    for command in shown(&ranks) {
+    for command in shown(ranks) {
         let known: Vec<_> =
             program.find_subcommand(command.get_name()).into_iter().flat_map(Command::get_arguments).collect();
         text.push_str(&section("pellucid-mpi", command, &known));
@@ -162,30 +146,18 @@ fn reference_of_ranks(_: &str) -> String {
     text
 }
 
-#[cfg(not(feature = "mpi"))]
-fn reference_of_ranks(found: &str) -> String {
-    let between = found.split_once(BEGIN).and_then(|(_, rest)| rest.split_once(END));
-    between
-        .unwrap_or_else(|| panic!("{PAGE} has no part about pellucid-mpi; this writes it: {REWRITE_MPI}"))
-        .0
-        .to_owned()
-}
-
 // A program without the window has no `view`.
 #[cfg(feature = "viewer")]
 #[test]
-fn the_reference_of_commands_is_that_of_the_program() {
-    let path = root().join(PAGE);
-    let found = std::fs::read_to_string(&path).unwrap_or_default();
-    let mut program = Cli::command();
+fn the_book_has_every_command_and_option() {
+    let (mut program, mut ranks) = (Cli::command(), command_of_ranks());
     program.build();
-    let wanted = format!("{}{BEGIN}{}{END}", reference(&program), reference_of_ranks(&found));
-    if pellucid_testing::updates() {
-        std::fs::write(&path, wanted).unwrap();
-    } else {
-        let rewrite = if cfg!(feature = "mpi") { REWRITE_MPI } else { REWRITE };
-        assert!(found == wanted, "{PAGE} is stale; this rewrites it: {rewrite}");
+    ranks.build();
+    let page = reference(&program) + &reference_of_ranks(&program, &ranks);
+    for part in ["## pellucid view\n", "`--see-through", "## pellucid-mpi plan\n", "`--spread`"] {
+        assert!(page.contains(part), "{part:?} is missing");
     }
+    pellucid_testing::add_to_book("docs/command-reference.md", &page);
 }
 
 #[test]

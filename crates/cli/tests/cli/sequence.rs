@@ -369,15 +369,16 @@ fn wrong_command_lines_and_paths_are_refused() {
 }
 
 #[test]
-fn a_file_after_frames_is_an_input() {
+fn a_time_series_needs_its_inputs_before_frames() {
     if !has_device() {
         return;
     }
     let folder = garden();
     let rest = ["--method", "points", "--size", "16x12", "-o", "s_%d.png"];
-    done(&folder, &[&["render", "--frames", "garden/scene.toml"], &rest[..]].concat());
+    let (status, _, stderr) = run(&folder, &[&["render", "--frames", "garden/scene.toml"], &rest[..]].concat());
+    assert!(status == 2 && stderr.contains("behind the inputs"), "{stderr}");
+    assert!(pictures(&folder).is_empty());
+    done(&folder, &[&["render", "garden/scene.toml", "--frames"], &rest[..]].concat());
     let steps = pictures(&folder);
     assert!(steps.len() > 1 && steps.contains_key("s_1.png") && !steps.contains_key("s_0.png"));
-    done(&folder, &[&["render", "garden/scene.toml", "--frames"], &rest[..]].concat());
-    assert!(pictures(&folder) == steps);
 }

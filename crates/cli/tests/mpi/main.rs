@@ -184,7 +184,6 @@ fn what_cannot_be_shared_is_refused() {
         (&["render", "--method", "abuffer", "--share", "ensembles", "-o", "x.png"][..], "draws no ensembles"),
         (&["render", "--share", "frames", "-o", "x.png"], "there is one frame"),
         (&["render", "--share", "tiles", "-o", "x.png"], "possible values"),
-        (&["render", "--plot", "x.svg", "-o", "x.png"], "--simulate"),
     ] {
         let output = ranks(&folder, 2, args).output().expect("mpirun");
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -258,39 +257,6 @@ fn a_plan_says_what_is_shared_and_why() {
     let text = ranks(&folder, 1, &dealt).output().expect("mpirun");
     let text = String::from_utf8_lossy(&text.stdout).into_owned();
     assert!(text.contains("ensembles  on") && text.contains("tests the points of all ensembles"), "{text}");
-}
-
-#[test]
-fn a_simulation_prints_what_is_predicted() {
-    let folder = folder();
-    let cloud = cloud(&folder);
-    let args = [
-        "profile",
-        cloud,
-        "--size",
-        "160x120",
-        "--simulate",
-        "8",
-        "--latency",
-        "1e-5",
-        "--bandwidth",
-        "1e9",
-        "--plot",
-        "s.svg",
-    ];
-    let output = ranks(&folder, 1, &args).output().expect("mpirun");
-    assert_done(&output, "simulate");
-    let rows: Vec<Vec<String>> = String::from_utf8_lossy(&output.stdout)
-        .lines()
-        .map(|line| line.split(',').map(str::to_owned).collect())
-        .collect();
-    assert_eq!(rows[0].join(","), "ranks,share,scaling,ms,work_ms,gather_ms,speedup,efficiency");
-    let strong: Vec<&Vec<String>> = rows.iter().filter(|row| row[1] == "windows" && row[2] == "strong").collect();
-    assert_eq!(strong.iter().map(|row| row[0].as_str()).collect::<Vec<_>>(), ["1", "2", "4", "8"]);
-    assert_eq!((strong[0][5].as_str(), strong[0][6].as_str()), ("0.0000", "1.000"), "one rank gathers nothing");
-    // Half of 160 × 120 pixels of 20 bytes in a billionth of a second each, and six messages.
-    assert_eq!(strong[1][5], "0.2520");
-    assert!(String::from_utf8_lossy(&read(&folder, "s.svg")).starts_with("<svg"));
 }
 
 #[test]

@@ -8,16 +8,18 @@ use pellucid_engine::methods::Rendered;
 use pellucid_engine::scene::Error;
 
 use super::desk::Desk;
+use super::frame;
 use super::ranks::Ranks;
-use super::share::{Share, SharingArgs};
-use super::stage::{Setting, Stage};
-use super::together;
-use super::{frame, simulate};
+use super::setting::Setting;
+use super::share::Share;
+use super::stage::Stage;
+use super::together::together;
 use crate::commands::along::Along;
 use crate::commands::bar::Bar;
 use crate::commands::console::Console;
 use crate::commands::frames::Pattern;
 use crate::commands::interrupt;
+use crate::commands::mpi_args::SharingArgs;
 use crate::commands::render::RenderArgs;
 use crate::commands::sequence::{Due, Frames, Records};
 use crate::commands::session::Session;
@@ -51,9 +53,6 @@ pub fn run(
         Err(status) => return Ok(status),
     };
     stage.session.renderer.timed = false;
-    if sharing.simulation.is_asked() {
-        return simulate::run(&sharing.simulation, &mut stage, cameras.len(), ranks, console);
-    }
     let mut frames = Frames::named(args, cameras, pattern, &stage.resolved, &stage.session);
     let found = if ranks.is_first() { frames.find(args.overwrite, pattern) } else { Ok(()) };
     if let Err(status) = together(ranks, found) {

@@ -5,86 +5,35 @@ mod desk;
 mod frame;
 mod frames;
 mod link;
+mod messages;
 mod picture;
 mod pixels;
 mod plan;
 mod profile;
 mod ranks;
 mod report;
+mod setting;
 mod share;
-mod simulate;
 mod spread;
 mod stage;
+mod together;
+mod turn;
 mod work;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::Parser;
 use pellucid_engine::Result;
 use pellucid_engine::scene::Error;
 
 use self::ranks::Ranks;
-use self::share::{SharingArgs, Wanted};
-use self::spread::{SpreadArgs, orders, worker};
+use self::spread::{orders, worker};
+use self::together::together;
+use super::DeviceArgs;
 use super::console::{Console, print_stderr};
 use super::input::KeptInFiles;
-use super::plan::PlanArgs;
-use super::profile::ProfileArgs;
+use super::mpi_args::{Cli, Command, SharingArgs, SpreadArgs, Wanted};
 use super::render::{RenderArgs, Target};
-use super::{DeviceArgs, arguments};
-
-/// Render point clouds you can see through on many machines.
-///
-/// Every rank that `mpirun` starts renders a part. The first rank writes the picture, with the same bytes as `pellucid`.
-#[derive(Debug, Parser)]
-#[command(name = "pellucid-mpi", version, max_term_width = 100)]
-struct Cli {
-    #[command(subcommand)]
-    command: Command,
-    /// Print no progress and no warnings.
-    #[arg(short, long, global = true, conflicts_with = "verbose", display_order = 1000)]
-    quiet: bool,
-    /// Print details: files, choices, counts and times.
-    #[arg(short, long, global = true, display_order = 1001)]
-    verbose: bool,
-}
-
-#[derive(Debug, Subcommand)]
-enum Command {
-    /// Render point clouds or a scene to a picture, or to the frames of a path.
-    Render {
-        #[command(flatten)]
-        args: RenderArgs,
-        #[command(flatten)]
-        sharing: SharingArgs,
-        #[command(flatten)]
-        spread: SpreadArgs,
-    },
-    /// Render a few frames and print the times of each pass and each rank.
-    Profile {
-        #[command(flatten)]
-        args: ProfileArgs,
-        #[command(flatten)]
-        sharing: SharingArgs,
-        #[command(flatten)]
-        spread: SpreadArgs,
-    },
-    /// Print the ways to share the work among ranks, with the expected time of each.
-    Plan {
-        #[command(flatten)]
-        args: PlanArgs,
-        #[command(flatten)]
-        sharing: SharingArgs,
-        /// Plan for N ranks instead of the running ones.
-        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-        ranks: Option<u32>,
-    },
-}
-
-/// The command line, for its manual pages.
-pub fn command() -> clap::Command {
-    <Cli as clap::CommandFactory>::command()
-}
 
 /// Parses the command line and runs its command on all ranks.
 pub fn run() -> ExitCode {
@@ -95,7 +44,7 @@ pub fn run() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
-    let cli = match Cli::try_parse_from(arguments(std::env::args_os())) {
+    let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
             if ranks.is_first() {
@@ -163,7 +112,7 @@ impl Command {
 
 /// A picture, or the frames of a path.
 fn render(args: &RenderArgs, sharing: &SharingArgs, ranks: &Ranks, console: Console) -> Result<ExitCode> {
-    let target = match together(ranks, sharing.simulation.check().and_then(|()| target(args))) {
+    let target = match together(ranks, target(args)) {
         Ok(target) => target,
         Err(status) => return Ok(status),
     };
@@ -203,29 +152,4 @@ fn target(args: &RenderArgs) -> Result<Target> {
         ),
         target => Ok(target),
     }
-}
-
-/// Returns the result of a rank once all others have theirs: an error of one is an error of all, and the first rank prints it.
-///
-/// # Errors
-/// The exit status.
-fn together<T>(ranks: &Ranks, done: Result<T>) -> std::result::Result<T, ExitCode> {
-    let (own, said) = match done {
-        Ok(own) => (Some(own), Vec::new()),
-        Err(error) => {
-            let error = crate::error::Error::from(error);
-            let text = format!("{}: {}", ranks.name(), crate::with_causes(&error));
-            (None, [vec![error.exit_status()], text.into_bytes()].concat())
-        }
-    };
-    let all = ranks.all_told(&said);
-    let Some(first) = all.iter().find(|said| !said.is_empty()) else {
-        return own.ok_or(ExitCode::FAILURE);
-    };
-    if ranks.is_first() {
-        let others = all.iter().filter(|said| !said.is_empty()).count() - 1;
-        let more = if others > 0 { format!(" (and {others} other ranks)") } else { String::new() };
-        print_stderr(format_args!("error: {}{more}", String::from_utf8_lossy(&first[1..])));
-    }
-    Err(ExitCode::from(first[0]))
 }

@@ -5,15 +5,16 @@ use std::process::ExitCode;
 
 use pellucid_engine::Result;
 
+use super::frame;
 use super::ranks::Ranks;
 use super::report::Report;
-use super::share::SharingArgs;
-use super::stage::{Setting, Stage};
-use super::{frame, simulate};
+use super::setting::Setting;
+use super::stage::Stage;
 use crate::commands::console::Console;
 use crate::commands::loaded::read;
+use crate::commands::mpi_args::SharingArgs;
 use crate::commands::opacity_notes;
-use crate::commands::render::{self, RenderArgs, is_png};
+use crate::commands::render::{self, RenderArgs};
 
 /// Renders the picture.
 ///
@@ -36,10 +37,6 @@ pub fn run(
         Ok(stage) => stage,
         Err(status) => return Ok(status),
     };
-    stage.session.renderer.timed = false;
-    if sharing.simulation.is_asked() {
-        return simulate::run(&sharing.simulation, &mut stage, 1, ranks, console);
-    }
     let is_profiled = args.measure.is_asked();
     stage.session.renderer.timed = is_profiled || console.is_verbose();
     let Some(mut shared) = frame::render(&mut stage, ranks, is_profiled)? else { return Ok(ExitCode::SUCCESS) };
@@ -54,18 +51,4 @@ pub fn run(
     console.detail(report.table());
     report.write(&args.measure)?;
     Ok(ExitCode::SUCCESS)
-}
-
-impl<'a> Setting<'a> {
-    /// Returns the inputs of a picture.
-    pub fn of(args: &'a RenderArgs, sharing: &SharingArgs, output: &Path) -> Self {
-        Self {
-            device: &args.device,
-            counted: args.aov || args.measure.is_asked(),
-            stop: args.stop(output),
-            share: sharing.share,
-            simulated: sharing.simulation.is_asked(),
-            depths: args.aov && !is_png(output),
-        }
-    }
 }

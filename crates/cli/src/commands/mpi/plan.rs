@@ -7,10 +7,12 @@ use pellucid_engine::methods::Stop;
 use serde_json::json;
 
 use super::ranks::Ranks;
-use super::share::{Offer, SharingArgs, time};
-use super::stage::{Setting, Stage};
+use super::setting::Setting;
+use super::share::{Offer, time};
+use super::stage::Stage;
 use crate::commands::console::{Console, print, print_json};
 use crate::commands::loaded::prepare;
+use crate::commands::mpi_args::SharingArgs;
 use crate::commands::plan::PlanArgs;
 
 /// Prints what the ranks can share, with what it is expected to take, and what each of them would render.
@@ -25,14 +27,8 @@ pub fn run(
     console: Console,
 ) -> Result<ExitCode> {
     let progress = console.progress();
-    let setting = Setting {
-        device: &args.device,
-        counted: false,
-        stop: Stop::Exact,
-        share: sharing.share,
-        simulated: false,
-        depths: false,
-    };
+    let setting =
+        Setting { device: &args.device, counted: false, stop: Stop::Exact, share: sharing.share, depths: false };
     let resolve = || Ok((prepare(&args.input, console, &progress)?, 1));
     let mut stage = match Stage::open(&setting, ranks, (console, &progress), resolve) {
         Ok(stage) => stage,

@@ -4,13 +4,15 @@ use std::process::ExitCode;
 
 use pellucid_engine::{Result, profile};
 
+use super::frame;
 use super::ranks::Ranks;
 use super::report::Report;
-use super::share::{Share, SharingArgs};
-use super::stage::{Setting, Stage};
-use super::{frame, simulate};
+use super::setting::Setting;
+use super::share::Share;
+use super::stage::Stage;
 use crate::commands::console::{Console, print, print_json};
 use crate::commands::loaded::prepare;
+use crate::commands::mpi_args::SharingArgs;
 use crate::commands::profile::{DEFAULT_FRAMES, ProfileArgs};
 
 /// Measures frames that all ranks render together.
@@ -22,7 +24,6 @@ pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Co
     let mut cameras = Vec::new();
     let resolve = || {
         args.measure.check()?;
-        sharing.simulation.check()?;
         let (resolved, found) = match args.along.course(args.frames, &args.input, console)? {
             Some(along) => along.resolve(&args.input, false, console, &progress)?,
             None => {
@@ -34,22 +35,12 @@ pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Co
         cameras = found;
         Ok((resolved, if args.along.option().is_some() { cameras.len() } else { 1 }))
     };
-    let setting = Setting {
-        device: &args.device,
-        counted: true,
-        stop: args.format.stop(),
-        share: sharing.share,
-        simulated: sharing.simulation.is_asked(),
-        depths: false,
-    };
+    let setting =
+        Setting { device: &args.device, counted: true, stop: args.format.stop(), share: sharing.share, depths: false };
     let mut stage = match Stage::open(&setting, ranks, (console, &progress), resolve) {
         Ok(stage) => stage,
         Err(status) => return Ok(status),
     };
-    if sharing.simulation.is_asked() {
-        let frames = if args.along.option().is_some() { cameras.len() } else { 1 };
-        return simulate::run(&sharing.simulation, &mut stage, frames, ranks, console);
-    }
     // The first frame pays for pipelines and buffers, and counts lists.
     let first = match stage.share {
         Share::Frames => frame::film(&mut stage, &vec![cameras[0]; ranks.count()], ranks, false)?,

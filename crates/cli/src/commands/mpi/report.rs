@@ -7,8 +7,8 @@ use pellucid_engine::Result;
 use pellucid_engine::profile::{self, Profile};
 use serde_json::{Value, json};
 
-use super::frame::Shared;
 use super::share::Share;
+use super::turn::Shared;
 use super::work::{Work, imbalance, ms};
 use crate::commands::MeasureArgs;
 use crate::commands::session::{Session, write_json};

@@ -2,37 +2,13 @@
 
 use std::fmt::Display;
 
-use clap::{Args, ValueEnum};
 use pellucid_engine::Result;
 use pellucid_engine::scene::Error;
 use serde::{Deserialize, Serialize};
 
 use super::cut::{Load, PIXEL, POINT};
 use super::link::Link;
-use super::simulate::SimulateArgs;
-
-/// How the ranks share the work.
-#[derive(Debug, Args)]
-pub struct SharingArgs {
-    /// Work that the ranks share; the picture has the same bytes in any case.
-    ///
-    /// `windows`: parts of the image, of about the same expected cost. `ensembles`: the ensembles of spbr, or the samples of
-    /// stochastic. `frames`: the frames of a path or turntable. `auto`: whatever a cost model expects to be fastest, as
-    /// `pellucid-mpi plan` prints it.
-    #[arg(long, value_name = "WHAT", value_enum, default_value = "auto")]
-    pub share: Wanted,
-    #[command(flatten)]
-    pub simulation: SimulateArgs,
-}
-
-/// Choice of what the ranks share.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Wanted {
-    Auto,
-    Windows,
-    Ensembles,
-    Frames,
-}
+use crate::commands::mpi_args::Wanted;
 
 /// Thing that the ranks share.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

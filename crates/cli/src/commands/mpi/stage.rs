@@ -4,19 +4,22 @@ use std::ops::Range;
 use std::process::ExitCode;
 
 use pellucid_engine::camera::Camera;
-use pellucid_engine::methods::{Frame, Stop};
+use pellucid_engine::methods::Frame;
 use pellucid_engine::passes::bands::Window;
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::{Error, MethodChoice};
-use pellucid_engine::{Result, gpu, plan};
+use pellucid_engine::{Result, plan};
 
 use super::cut::{Costs, Load};
 use super::link::Link;
+use super::messages;
 use super::ranks::Ranks;
-use super::share::{Job, Share, Wanted};
-use super::spread::{self, Spread};
+use super::setting::{Setting, device_of};
+use super::share::{Job, Share};
+use super::spread;
+use super::spread::deal::Spread;
+use super::together::together;
 use super::work::Work;
-use super::{frame, together};
 use crate::commands::DeviceArgs;
 use crate::commands::bar::Bar;
 use crate::commands::console::Console;
@@ -34,19 +37,6 @@ const REST: f64 = 0.2;
 
 /// Ranks whose longest time is at most so many times the mean keep their windows: others would have to bring other points.
 const BALANCED: f64 = 1.05;
-
-/// Requirements of a command on a stage.
-pub struct Setting<'a> {
-    pub device: &'a DeviceArgs,
-    /// True if list lengths are counted.
-    pub counted: bool,
-    pub stop: Stop,
-    pub share: Wanted,
-    /// True if the frame is measured in parts.
-    pub simulated: bool,
-    /// True if other depths are wanted beside those of first fragments.
-    pub depths: bool,
-}
 
 /// A scene on this rank's device.
 pub struct Stage {
@@ -98,9 +88,8 @@ impl Stage {
         // Points come window by window, so that each rank takes those of its own.
         let frame = Frame::of_scene(&resolved.scene, resolved.camera, resolved.seed);
         let expected = Job::of(&frame, &resolved, frames).choose(setting.share, ranks.count(), link);
-        resolved.by_windows = (ranks.count() > 1 || setting.simulated)
-            && matches!(expected, Ok(Share::Windows))
-            && resolved.shadow_texture.is_none();
+        resolved.by_windows =
+            ranks.count() > 1 && matches!(expected, Ok(Share::Windows)) && resolved.shadow_texture.is_none();
         ranks.begin("uploading");
         let mut session = together(ranks, open(setting, &mut resolved, ranks, progress))?;
         agree(&mut session, &resolved, ranks);
@@ -140,7 +129,7 @@ impl Stage {
     /// The windows of the ranks for the session's camera, and those on demand; the first rank cuts.
     pub fn windows(&mut self, ranks: &Ranks) -> Vec<Window> {
         let cut = if ranks.is_first() { self.cut(ranks.count()) } else { Vec::new() };
-        frame::told(cut, ranks)
+        messages::told(cut, ranks)
     }
 
     /// The same for any number of ranks.
@@ -194,7 +183,7 @@ impl Stage {
 
 /// Cuts samples into a range for each rank, and ranges on demand, which have a share of all together. Each but the last begins and ends
 /// at a multiple of `step`; none is empty unless there are more ranks than steps.
-pub fn parted(total: u32, step: u32, ranks: usize, more: Option<(usize, f64)>) -> Vec<Range<u32>> {
+fn parted(total: u32, step: u32, ranks: usize, more: Option<(usize, f64)>) -> Vec<Range<u32>> {
     let steps = total.div_ceil(step.max(1));
     let kept = more.map_or(steps, |(_, rest)| ((1.0 - rest) * f64::from(steps)).ceil() as u32);
     let cut = |from: u32, to: u32, parts: usize| {
@@ -207,7 +196,7 @@ pub fn parted(total: u32, step: u32, ranks: usize, more: Option<(usize, f64)>) -
 }
 
 /// How many windows each of so many ranks may get on demand, and which share of the work they have together.
-pub fn on_demand(job: &Job, ranks: usize) -> (usize, f64) {
+fn on_demand(job: &Job, ranks: usize) -> (usize, f64) {
     if ranks > 1 && job.alone() / ranks as f64 >= WORTH_DEMAND { (ON_DEMAND, REST) } else { (0, 0.0) }
 }
 
@@ -241,17 +230,6 @@ fn compare(own: &[u8], ranks: &Ranks) -> Result<()> {
         .into()),
         None => Ok(()),
     }
-}
-
-/// The device of a rank: the one that is asked for, or, where the host has several GPUs, that of the rank's number on the host.
-pub(super) fn device_of(asked: &DeviceArgs, ranks: &Ranks) -> Result<Option<String>> {
-    if asked.device.is_some() {
-        return Ok(asked.device.clone());
-    }
-    let (all, _) = gpu::devices(None)?;
-    let gpus: Vec<usize> =
-        all.iter().filter(|d| d.kind.contains("discrete") && d.lacks.is_empty()).map(|d| d.index).collect();
-    Ok(if gpus.len() > 1 { Some(gpus[ranks.local() % gpus.len()].to_string()) } else { None })
 }
 
 /// Brings the points to the device; the first rank decides the method and the opacity, too.

@@ -7,9 +7,10 @@ use pellucid_engine::scene::stored::Stored;
 use pellucid_engine::supply::Failure;
 use pellucid_engine::{Result, methods, passes};
 use rayon::prelude::*;
+use serde_json::{Value, json};
 
 use super::super::ranks::Ranks;
-use super::{Spread, orders};
+use super::orders;
 use crate::commands::bar::Bar;
 use crate::commands::loaded::Resolved;
 
@@ -18,6 +19,31 @@ const AT_ONCE: usize = 8;
 
 /// Points that are kept in one piece, about.
 const CHUNK: usize = 1 << 18;
+
+/// The points of the first rank, and what it needs to order others about.
+pub struct Spread {
+    pub portion: Portion,
+    /// Points that each rank has.
+    dealt: Vec<u64>,
+    /// Bytes of points that were sent to others before the first frame.
+    sent: u64,
+    /// Bytes that were read of nodes for it.
+    read: u64,
+}
+
+impl Spread {
+    /// How the points were dealt, for people.
+    pub fn described(&self) -> String {
+        let points: Vec<String> = self.dealt.iter().map(u64::to_string).collect();
+        let mib = self.sent as f64 / f64::from(1 << 20);
+        format!("points were spread over {} ranks: {} ({mib:.1} MiB sent)", points.len(), points.join(", "))
+    }
+
+    /// The same for programs.
+    pub fn to_json(&self) -> Value {
+        json!({"points": self.dealt, "sent": self.sent, "read": self.read})
+    }
+}
 
 /// Gives each rank the next part of the points.
 pub struct Dealer<'a> {

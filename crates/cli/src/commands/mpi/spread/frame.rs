@@ -11,10 +11,10 @@ use pellucid_engine::points::Points;
 use pellucid_engine::supply::Held;
 
 use super::super::cut::is_empty;
-use super::super::frame::{Turn, Whole};
 use super::super::pixels;
 use super::super::ranks::Ranks;
 use super::super::stage::Stage;
+use super::super::turn::{Turn, Whole};
 use super::super::work::ms;
 use super::exchange::exchanged;
 use super::orders::{self, Order};

@@ -4,7 +4,7 @@
 //! reads them. For each frame every rank sends the points that may show in another rank's window to that rank, and renders its own
 //! window from what it received.
 
-mod deal;
+pub mod deal;
 mod exchange;
 pub mod frame;
 pub mod orders;
@@ -13,64 +13,24 @@ pub mod worker;
 
 use std::sync::Arc;
 
-use clap::Args;
-use pellucid_engine::passes::portion::Portion;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::{Arranged, Supplied};
 use pellucid_engine::scene::{Error, MethodChoice};
 use pellucid_engine::supply::Held;
 use pellucid_engine::{Result, methods, passes};
-use serde_json::{Value, json};
 
-use self::deal::Dealer;
+use self::deal::{Dealer, Spread};
 use self::orders::Order;
 use super::ranks::Ranks;
-use super::share::Wanted;
-use super::stage::{Setting, device_of};
+use super::setting::{Setting, device_of};
 use crate::commands::DeviceArgs;
 use crate::commands::bar::Bar;
 use crate::commands::loaded::Resolved;
+use crate::commands::mpi_args::Wanted;
 use crate::commands::session::Session;
 
 /// Bytes of a message with points, about: with that many the next message begins.
 const PIECE: usize = 16 << 20;
-
-/// How points are held.
-#[derive(Debug, Clone, Copy, Args)]
-pub struct SpreadArgs {
-    /// Distribute the points over the memory of the ranks.
-    ///
-    /// For clouds larger than the memory of one machine, and for machines without a shared file system. Only the first rank reads
-    /// files. Each rank keeps a part of the points and receives the others that its part of the picture needs. Not available for
-    /// spbr, shadows and levels of detail.
-    #[arg(long)]
-    pub spread: bool,
-}
-
-/// The points of the first rank, and what it needs to order others about.
-pub struct Spread {
-    pub portion: Portion,
-    /// Points that each rank has.
-    dealt: Vec<u64>,
-    /// Bytes of points that were sent to others before the first frame.
-    sent: u64,
-    /// Bytes that were read of nodes for it.
-    read: u64,
-}
-
-impl Spread {
-    /// How the points were dealt, for people.
-    pub fn described(&self) -> String {
-        let points: Vec<String> = self.dealt.iter().map(u64::to_string).collect();
-        let mib = self.sent as f64 / f64::from(1 << 20);
-        format!("points were spread over {} ranks: {} ({mib:.1} MiB sent)", points.len(), points.join(", "))
-    }
-
-    /// The same for programs.
-    pub fn to_json(&self) -> Value {
-        json!({"points": self.dealt, "sent": self.sent, "read": self.read})
-    }
-}
 
 /// Opens the device of the first rank as if it was alone, decides the method, and deals the points to all ranks.
 ///

@@ -8,7 +8,7 @@ use pellucid_engine::points::Known;
 use pellucid_engine::scene::Error;
 use serde::{Deserialize, Serialize};
 
-use super::super::frame::{decoded, encoded};
+use super::super::messages::{decoded, encoded};
 use super::super::ranks::Ranks;
 
 /// A thing to do. Some have bytes with them, in a message of their own.

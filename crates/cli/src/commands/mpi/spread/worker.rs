@@ -12,9 +12,10 @@ use pellucid_engine::passes::portion::{Portion, Runs};
 use pellucid_engine::passes::project::{DeviceCloud, Parts};
 use pellucid_engine::points::{Points, Unreadable};
 
-use super::super::frame::{Turn, encoded};
+use super::super::messages::encoded;
 use super::super::ranks::Ranks;
-use super::super::stage::device_of;
+use super::super::setting::device_of;
+use super::super::turn::Turn;
 use super::super::work::Work;
 use super::frame::Own;
 use super::nowhere;
