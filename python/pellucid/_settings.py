@@ -15,8 +15,8 @@ from typing import Any, NamedTuple, TypedDict, cast
 
 from . import _pellucid
 
-# Where a key without a table is looked for, in this order: a name that several tables have goes to [method], `color` to all
-# clouds. A `size` is always the picture's, though methods have one as well.
+# Where a key without a table is looked for, in this order: a name that several tables have goes to [method], `color` to
+# all clouds. A `size` is always the picture's, though methods have one as well.
 _ORDER = ("method", "cloud.*", "image", "shading", "detail", "shadows", "camera", "clip.*")
 TABLES = ("image", "camera", "shading", "shadows", "detail", "method", "cloud", "clip")
 

@@ -1,4 +1,5 @@
-//! Images of one driver against those of another: how many pixels differ, by how much, and whether that is within the bound.
+//! Images of one driver against those of another: how many pixels differ, by how much, and whether that is within the
+//! bound.
 
 use std::fmt::Write;
 
@@ -112,8 +113,8 @@ pub fn heads(found: &[DriverImages]) -> String {
     text + "\n"
 }
 
-/// The table, and below it how many images came out how on each driver. Without `all` those that are the same to the last bit
-/// have no row.
+/// The table, and below it how many images came out how on each driver. Without `all` those that are the same to the
+/// last bit have no row.
 pub fn markdown(lines: &[Line], found: &[DriverImages], all: bool) -> String {
     let mut text =
         "| image | driver | pixels that differ | largest | RMS | bound | |\n|---|---|--:|--:|--:|--:|---|\n".to_owned();

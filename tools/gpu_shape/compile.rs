@@ -1,4 +1,5 @@
-//! Compiles recorded pipelines on RADV's null device, in a process of its own: the loader picks drivers once per process.
+//! Compiles recorded pipelines on RADV's null device, in a process of its own: the loader picks drivers once per
+//! process.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -69,8 +70,8 @@ pub struct Shape {
     /// Waves that a SIMD can hold at a time, of 16.
     pub waves: f64,
     pub code_bytes: f64,
-    /// Cycles that a wave takes, and that it keeps a SIMD busy per 64 invocations where others hide its latency. The compiler
-    /// counts a loop as 8 turns.
+    /// Cycles that a wave takes, and that it keeps a SIMD busy per 64 invocations where others hide its latency. The
+    /// compiler counts a loop as 8 turns.
     pub latency: f64,
     pub inverse_throughput: f64,
     /// From WGSL, or kept SPIR-V, to the pipeline.

@@ -32,7 +32,8 @@ pub fn run(program: &Path, arguments: &[OsString]) -> Result<Cost, String> {
     let mut child = child.map_err(|error| failed(error.to_string()))?;
     let mut bytes = 0;
     let status = loop {
-        // The system counts the most itself: what comes between two looks is not lost, but what comes after the last one.
+        // The system counts the most itself: what comes between two looks is not lost, but what comes after the last
+        // one.
         bytes = resident(child.id()).unwrap_or(bytes);
         if let Some(status) = child.try_wait().map_err(|error| failed(error.to_string()))? {
             break status;

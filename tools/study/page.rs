@@ -176,7 +176,8 @@ fn nothing_between(measured: &Measured) -> String {
     format!("nothing: {} takes {:.2} of the time of {}", name(first), first.ms() / exact.ms(), name(exact))
 }
 
-/// Of each new method the setting that comes nearest to the front: its time over that of the fastest setting which is as accurate.
+/// Of each new method the setting that comes nearest to the front: its time over that of the fastest setting which is
+/// as accurate.
 fn nearest(study: &Study) -> String {
     let mut least: BTreeMap<String, (f64, String)> = BTreeMap::new();
     for measured in &study.cases {

@@ -1,4 +1,5 @@
-//! The file of a driver: a line of JSON for the device, one for each case, and one for each setting of the case before it.
+//! The file of a driver: a line of JSON for the device, one for each case, and one for each setting of the case before
+//! it.
 
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -80,8 +81,8 @@ impl Row {
         self.3
     }
 
-    /// The method, and those of its keys that are not numbers: what the steps of a ladder share. One that leaves points out is another
-    /// than the same method with all of them.
+    /// The method, and those of its keys that are not numbers: what the steps of a ladder share. One that leaves points
+    /// out is another than the same method with all of them.
     pub fn family(&self) -> String {
         let word = |word: &str| match word.split_once('.') {
             Some(("detail", _)) => Some("detail".to_owned()),

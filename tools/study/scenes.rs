@@ -45,7 +45,8 @@ const SCENES: [Known; 9] = [
     Known { name: "narcissus", source: Source::File("splats/narcissus.sog") },
 ];
 
-/// What shines through a picture: the opacity of points leaves so much of the background behind a list of the wanted mean.
+/// What shines through a picture: the opacity of points leaves so much of the background behind a list of the wanted
+/// mean.
 const SHINING_THROUGH: f64 = 0.1;
 /// How far from the wanted mean a list may be, relative to it.
 const CLOSE: f64 = 0.05;
@@ -129,7 +130,8 @@ impl Base {
         Ok(Some(Self { name: known.name, points, places, frame, background: scene.image.background, layers }))
     }
 
-    /// Radii and opacities with which lists have the wanted mean, of fewer points if all are too many; `None` if no radius comes near it.
+    /// Radii and opacities with which lists have the wanted mean, of fewer points if all are too many; `None` if no
+    /// radius comes near it.
     pub fn fit(&self, device: &Device, target: u32) -> Result<Option<Fitted>> {
         let mut renderer = Renderer::new(device)?;
         if self.layers.is_some() {
@@ -233,7 +235,8 @@ fn scaled(points: &Points, factor: f32, opacity: Option<f32>) -> Points {
     points
 }
 
-/// The factor to try next, by (factor, mean) of those before: lists grow with the square of the radius, or as the last two say.
+/// The factor to try next, by (factor, mean) of those before: lists grow with the square of the radius, or as the last
+/// two say.
 fn next(tried: &[(f64, f64)], target: f64) -> f64 {
     let Some(&(factor, mean)) = tried.last() else { return 1.0 };
     if mean <= 0.0 {

@@ -11,9 +11,9 @@
 //! the copy rate is limited by memory. Part two lets the two ways of visiting pixels race on the same random discs. The
 //! ratio is hardware / compute: above 1 the compute shaders are faster, below 1 the rasterizer is. `auto / best` says
 //! how good the choice of `raster = "auto"` was; 1.1 is 10% slower than the better of the two, and what differs from 1
-//! although the choice was right is noise. The three runs alternate and ratios are taken round by round, so that a machine
-//! that slows down slows them all.
-//! On a CPU driver the rasterizer is software as well: its ratios say nothing about a GPU's.
+//! although the choice was right is noise. The three runs alternate and ratios are taken round by round, so that a
+//! machine that slows down slows them all. On a CPU driver the rasterizer is software as well: its ratios say nothing
+//! about a GPU's.
 
 use std::process::{Command, ExitCode};
 

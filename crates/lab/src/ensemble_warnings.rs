@@ -11,8 +11,8 @@ const COPIES: f64 = 20.0;
 /// The excess demand for points, as a factor, that is tolerated without a warning: the density isn't known any better.
 const ALMOST: f64 = 1.05;
 
-/// A sentence for each cloud that doesn't come out as asked in a frame, and one for all of those with many copies; `names` are
-/// those of the clouds.
+/// A sentence for each cloud that doesn't come out as asked in a frame, and one for all of those with many copies;
+/// `names` are those of the clouds.
 pub fn warnings(names: &[String], surfaces: &[Surface], shares: &[Share], frame: &Frame) -> Vec<String> {
     let method = &frame.method;
     let (Method::Spbr(_), Some(ensembles)) = (method, method.ensembles()) else { return Vec::new() };

@@ -104,7 +104,8 @@ impl History {
         }
     }
 
-    /// Holds all pictures of a view against the one that an exact method makes of it; false if the view is another one by now.
+    /// Holds all pictures of a view against the one that an exact method makes of it; false if the view is another one
+    /// by now.
     pub fn measure(&mut self, scene: &Arc<Scene>, pose: Pose, method: &'static str, exact: &[[f32; 3]]) -> bool {
         let same = self.is_of(scene, pose);
         if same {

@@ -151,7 +151,8 @@ pub struct FieldFacts {
     pub parts: Parts,
 }
 
-/// Everything F depends on, per cloud: K, the definition of F, caps and outliers, scale and translation (which may drop points).
+/// Everything F depends on, per cloud: K, the definition of F, caps and outliers, scale and translation (which may drop
+/// points).
 type Origins = Vec<(Option<usize>, Option<Field>, Strays, f64, DVec3)>;
 
 /// The last histogram, kept so that it is recomputed only when the points change.

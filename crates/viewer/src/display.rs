@@ -1,5 +1,5 @@
-//! Converts an image on the host to the bytes on the screen, which equal those of its PNG. Images whose colors are on the device
-//! are encoded there ([`pellucid_engine::output::encode`]).
+//! Converts an image on the host to the bytes on the screen, which equal those of its PNG. Images whose colors are on
+//! the device are encoded there ([`pellucid_engine::output::encode`]).
 
 use std::sync::Arc;
 
@@ -127,8 +127,8 @@ impl ScreenEncoder {
     }
 }
 
-/// Maps pixels of the screen to those of a coarser picture with the same camera. The centers of both coincide, and a row of the
-/// screen is `from[1] / to[1]` rows of the picture.
+/// Maps pixels of the screen to those of a coarser picture with the same camera. The centers of both coincide, and a
+/// row of the screen is `from[1] / to[1]` rows of the picture.
 #[derive(Debug, Clone, Copy)]
 struct Scaling {
     from: [usize; 2],

@@ -132,8 +132,8 @@ impl Draft {
         Self { steps: steps(method), coarse: 1, points: None }
     }
 
-    /// Like [`Self::within`], of clouds of `all` points that stay in their files. While things move, one pixel is rendered for
-    /// several of the screen if points are fewer than pixels: `size` has their columns and rows.
+    /// Like [`Self::within`], of clouds of `all` points that stay in their files. While things move, one pixel is
+    /// rendered for several of the screen if points are fewer than pixels: `size` has their columns and rows.
     pub fn of_stored(method: &Method, costs: Option<Costs>, effort: Effort, all: u64, size: [u32; 2]) -> Self {
         let Some(budget_ms) = effort.budget_ms() else { return Self::whole(method) };
         let whole = Self::whole(method);

@@ -1,4 +1,5 @@
-//! The legend over the picture: the facts that `render --legend` draws, kept as long as they are true, and drawn by egui.
+//! The legend over the picture: the facts that `render --legend` draws, kept as long as they are true, and drawn by
+//! egui.
 
 use std::sync::Arc;
 

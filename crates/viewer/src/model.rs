@@ -268,7 +268,8 @@ impl Model {
         }
     }
 
-    /// Asks for a picture with the meaning of its colors, if that is to be shown and wasn't asked for: the worker has the clouds.
+    /// Asks for a picture with the meaning of its colors, if that is to be shown and wasn't asked for: the worker has
+    /// the clouds.
     pub fn explain_colors(&mut self) {
         if self.shows.explains_colors() && !self.explained && self.picture_state != PictureState::Stale {
             self.touch();

@@ -63,8 +63,8 @@ pub fn show(ctx: &Context, model: &mut Model) {
     model.shows.help = help;
 }
 
-/// The work on points that precedes the next picture, shown if it takes long enough to be read; else how much of its clouds the
-/// picture holds, if not all.
+/// The work on points that precedes the next picture, shown if it takes long enough to be read; else how much of its
+/// clouds the picture holds, if not all.
 fn waiting(ctx: &Context, model: &Model) {
     if model.is_waiting() {
         ctx.request_repaint_after(GLANCE);

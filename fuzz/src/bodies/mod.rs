@@ -1,5 +1,5 @@
-//! One function for each reader of something that comes from outside. An input is a file's content, if need be with a first
-//! byte or line that says what else is given; nothing that is in an input may make a body panic.
+//! One function for each reader of something that comes from outside. An input is a file's content, if need be with a
+//! first byte or line that says what else is given; nothing that is in an input may make a body panic.
 
 mod cloud;
 mod pages;

@@ -1,4 +1,5 @@
-//! Checksums of E57 files. Without right ones a reader would refuse all that a fuzzer makes of a file at its first page.
+//! Checksums of E57 files. Without right ones a reader would refuse all that a fuzzer makes of a file at its first
+//! page.
 
 /// Bytes of a page, the last four of which are the checksum of the others.
 const PAGE: usize = 1024;

@@ -26,14 +26,16 @@ use super::session::Session;
 pub struct DeepArgs {
     /// EXR: write every fragment of each pixel as a deep image for compositing.
     ///
-    /// Each sample has linear R, G, B times A, A and Z, without the background. Methods: abuffer, linked-list, sorted, peel, and
-    /// soft-concentric. Ellipsoids and the shells of soft-concentric are volumes and also have ZBack. `tidy` (the default) merges
-    /// fragments at one depth and splits volumes where others begin or end; `sorted` keeps each fragment as it is.
+    /// Each sample has linear R, G, B times A, A and Z, without the background. Methods: abuffer, linked-list, sorted,
+    /// peel, and soft-concentric. Ellipsoids and the shells of soft-concentric are volumes and also have ZBack. `tidy`
+    /// (the default) merges fragments at one depth and splits volumes where others begin or end; `sorted` keeps each
+    /// fragment as it is.
     #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "tidy", help_heading = OUTPUT)]
     deep: Option<DeepState>,
     /// With --deep: type of color and A.
     ///
-    /// `float` (the default) keeps all 24 bits of precision, `half` 11 bits in half the space. Z and ZBack are always float.
+    /// `float` (the default) keeps all 24 bits of precision, `half` 11 bits in half the space. Z and ZBack are always
+    /// float.
     #[arg(long, value_name = "NUMBERS", requires = "deep", help_heading = OUTPUT)]
     deep_type: Option<DeepType>,
     /// With --deep: compression; `zips` compresses each row without loss.

@@ -49,8 +49,8 @@ impl Measured {
         slot
     }
 
-    /// The interface's profile of all frames, in their order; all but `frames` is that of the last one. `empty` is one without
-    /// frames, with the phases of this command, which count if it measured any.
+    /// The interface's profile of all frames, in their order; all but `frames` is that of the last one. `empty` is one
+    /// without frames, with the phases of this command, which count if it measured any.
     pub fn to_json(&self, empty: &Profile) -> Value {
         let frames: Vec<&Value> = self.frames.values().filter_map(|one| one.pointer("/frames/0")).collect();
         let frames = json!(frames);

@@ -1,4 +1,5 @@
-//! Recipes by name: `--preset`. A preset stands for keys of the scene file, and for `--see-through` and `--view`; all are printed.
+//! Recipes by name: `--preset`. A preset stands for keys of the scene file, and for `--see-through` and `--view`; all
+//! are printed.
 
 use pellucid_engine::Result;
 use pellucid_engine::scene::Overrides;
@@ -13,7 +14,8 @@ pub struct Preset {
     keys: &'static [(&'static str, &'static str)],
     /// Value of `--see-through` where no option gives an opacity.
     pub see_through: Option<SeeThrough>,
-    /// True if `--view iso` is taken where nothing says from where to look: from outside, whatever surrounds the middle.
+    /// True if `--view iso` is taken where nothing says from where to look: from outside, whatever surrounds the
+    /// middle.
     pub from_outside: bool,
 }
 
@@ -43,7 +45,8 @@ impl Asked {
     }
 }
 
-/// Keys that come between an option and what it asks for, each with the option's key: they are left out where that is given.
+/// Keys that come between an option and what it asks for, each with the option's key: they are left out where that is
+/// given.
 const IN_THE_WAY: [(&str, &str); 3] =
     [("cloud.*.color", "color_by"), ("cloud.*.opacity", "surface_opacity"), ("cloud.*.radius_factor", "radius")];
 

@@ -1,5 +1,5 @@
-//! The reference of commands, docs/command-reference.md, from clap's table of commands. The tests here fail where the page is stale,
-//! and rewrite it where `PELLUCID_UPDATE` is 1.
+//! The reference of commands, docs/command-reference.md, from clap's table of commands. The tests here fail where the
+//! page is stale, and rewrite it where `PELLUCID_UPDATE` is 1.
 
 use std::fmt::Write as _;
 

@@ -21,7 +21,8 @@ use crate::commands::loaded::Resolved;
 use canvas::{Canvas, Ink};
 use layout::{Layout, Row};
 
-/// Linear luminance of a background from which on the panel is light: sRGB 0.5, halfway between black and white to the eye.
+/// Linear luminance of a background from which on the panel is light: sRGB 0.5, halfway between black and white to the
+/// eye.
 const LIGHT: f32 = 0.214;
 
 /// The colors of a panel and of its text.
@@ -130,7 +131,8 @@ impl Pen<'_> {
         self.canvas.write(&self.layout.letters, at, words, self.looks.text);
     }
 
-    /// A color bar, its high end at the top, with a mark at each number, and the numbers that don't touch the one before.
+    /// A color bar, its high end at the top, with a mark at each number, and the numbers that don't touch the one
+    /// before.
     fn bar(&mut self, values: &Values, ticks: &[Tick], [x, y]: [f32; 2], height: f32) {
         let (em, width) = (self.layout.em, Layout::swatch(self.layout.em));
         let line = Layout::line(em);

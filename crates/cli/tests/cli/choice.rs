@@ -1,4 +1,5 @@
-//! `render --max-error` and `--budget`: errors are what was promised, figures are kept, pictures say how they were chosen.
+//! `render --max-error` and `--budget`: errors are what was promised, figures are kept, pictures say how they were
+//! chosen.
 
 use std::fs;
 

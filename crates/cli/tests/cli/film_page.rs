@@ -1,5 +1,5 @@
-//! `render --html`: the page in a headless browser. It turns by mouse, finger, slider and keys, loads nothing, and complains of
-//! nothing. Without a browser the tests are skipped.
+//! `render --html`: the page in a headless browser. It turns by mouse, finger, slider and keys, loads nothing, and
+//! complains of nothing. Without a browser the tests are skipped.
 
 use std::path::Path;
 

@@ -1,4 +1,5 @@
-//! `render -o turn.mp4`, `.webm`, `.gif`, `.apng`: what is in the files, how they go on after an interruption, and what is refused.
+//! `render -o turn.mp4`, `.webm`, `.gif`, `.apng`: what is in the files, how they go on after an interruption, and what
+//! is refused.
 
 use std::collections::HashSet;
 use std::fs;
@@ -138,7 +139,8 @@ fn ffmpeg_films_have_all_frames_and_their_colors() {
     fs::rename(inside(&folder, "turn.mp4"), inside(&folder, "first.mp4")).unwrap();
     done(&folder, &film(&["-o", "turn.mp4", "--fps", "12"]));
     assert!(fs::read(inside(&folder, "turn.mp4")).unwrap() == bytes);
-    // Chroma has half the size, which single pixels of the scene's few points show: its mean error is some steps of 255.
+    // Chroma has half the size, which single pixels of the scene's few points show: its mean error is some steps of
+    // 255.
     let pictures = numbered(&folder);
     for name in ["turn.mp4", "turn.webm"] {
         let frames = decoded(&inside(&folder, name), SIZE);
@@ -238,7 +240,8 @@ fn a_gif_is_near_to_the_pictures_and_its_background_rests() {
     };
     let (frames, delays, repeat) = read("turn.gif");
     assert_eq!((delays.as_slice(), repeat), (&[3, 4, 3, 3, 4, 3][..], gif::Repeat::Infinite));
-    // A step of dithering is 6 of 255 at most, and half of that in the mean; the palette is about as far off where it is not exact.
+    // A step of dithering is 6 of 255 at most, and half of that in the mean; the palette is about as far off where it
+    // is not exact.
     assert_same(&frames, &pictures, 5.0);
     // What shows the background has exactly its color in each frame.
     let background = &pictures[0][..3];

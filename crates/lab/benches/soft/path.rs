@@ -15,7 +15,8 @@ use pellucid_lab::report::plot::{Axis, Figure, Panel, Point, Series, Steps};
 use super::scenes::Subject;
 use super::{Contender, gpu_ms};
 
-/// Eye to center, over the diagonal of the scene's box, at the path's ends and in its middle: into the scene and out again.
+/// Eye to center, over the diagonal of the scene's box, at the path's ends and in its middle: into the scene and out
+/// again.
 const FAR: f64 = 0.9;
 const CLOSE: f64 = 0.15;
 /// Height of the eye above the center over its distance.

@@ -1,4 +1,5 @@
-//! Colors that stand for values, and opacities of classes: constant values, values that are not finite, far coordinates.
+//! Colors that stand for values, and opacities of classes: constant values, values that are not finite, far
+//! coordinates.
 
 use glam::{DVec3, Vec3};
 use pellucid_engine::progress::Progress;
@@ -23,7 +24,8 @@ const QUARTERS: [[f64; 3]; 3] =
 /// Color of class 2.
 const GROUND: [f64; 3] = [0.63, 0.47, 0.3];
 
-/// A decoded color is rounded to float32, and t to some units of float64, of which the decoding makes at most three times as much.
+/// A decoded color is rounded to float32, and t to some units of float64, of which the decoding makes at most three
+/// times as much.
 const BOUND: f64 = HALF_ULP + 1e-14;
 
 pub(super) fn cases() -> Vec<Case> {

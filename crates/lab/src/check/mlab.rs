@@ -1,4 +1,5 @@
-//! Multi-layer alpha blending: exact for as many layers as it keeps and one more, and for any number that comes in order.
+//! Multi-layer alpha blending: exact for as many layers as it keeps and one more, and for any number that comes in
+//! order.
 
 use glam::Vec3;
 
@@ -43,14 +44,15 @@ pub(super) fn cases() -> Vec<Case> {
     .collect()
 }
 
-/// A run merges each layer into the last node, a change of a compensated sum: 2 units of it for any number (Kahan 1965), of color and of
-/// what passes. Nodes before it have four roundings each.
+/// A run merges each layer into the last node, a change of a compensated sum: 2 units of it for any number (Kahan
+/// 1965), of color and of what passes. Nodes before it have four roundings each.
 fn bound(wanted: &[f64; 4]) -> f64 {
     let most = wanted.iter().copied().fold(0.0, f64::max);
     (8.0 + 4.0 * f64::from(NODES)) * HALF_ULP * most + MERGED
 }
 
-/// A layer that is merged has an error of a few roundings relative to itself, and all of them together have an opacity of 1 at most.
+/// A layer that is merged has an error of a few roundings relative to itself, and all of them together have an opacity
+/// of 1 at most.
 const MERGED: f64 = 8.0 * HALF_ULP;
 
 fn faint() -> Vec<Dot> {

@@ -1,7 +1,7 @@
 //! `check`: numerically hard cases on a device, each with a known answer and a bound that is derived beside it.
 //!
-//! One list serves the command and the tests. A case knows how far a naive formula would be off, too: it must be beyond the
-//! bound, or the case would notice nothing.
+//! One list serves the command and the tests. A case knows how far a naive formula would be off, too: it must be beyond
+//! the bound, or the case would notice nothing.
 
 mod approximate;
 mod cameras;

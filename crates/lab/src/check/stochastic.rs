@@ -121,8 +121,8 @@ fn exact_alpha(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding { error, bound: 20.0 * HALF_ULP, naive: Computed(apart(&[sampled], &[wanted])) })
 }
 
-/// Each mask that a fragment of opacity α may have for four samples, and its probability: 4α samples, rounded at random, of all
-/// rotations alike; two of them are neighbors with probability 11/16.
+/// Each mask that a fragment of opacity α may have for four samples, and its probability: 4α samples, rounded at
+/// random, of all rotations alike; two of them are neighbors with probability 11/16.
 fn masks(alpha: f64) -> Vec<(u32, f64)> {
     let (fewer, part) = ((4.0 * alpha).floor() as u32, (4.0 * alpha).fract());
     let masks_of = |count: u32| -> Vec<(u32, f64)> {
@@ -139,8 +139,9 @@ fn masks(alpha: f64) -> Vec<(u32, f64)> {
     weighted(fewer, 1.0 - part).chain(weighted(fewer + 1, part)).filter(|(_, share)| *share > 0.0).collect()
 }
 
-/// The variance of a pixel of four samples, whose layers have these opacities and values, from near to far: each is worth α times
-/// its value times the share of samples that hold nothing nearer. By the probabilities of all masks, not from any image.
+/// The variance of a pixel of four samples, whose layers have these opacities and values, from near to far: each is
+/// worth α times its value times the share of samples that hold nothing nearer. By the probabilities of all masks, not
+/// from any image.
 fn known_variance(layers: &[(f64, f64)]) -> f64 {
     // First and second moment of what the layers from some layer on are worth, by the samples that are still free.
     let mut moments = [[0.0, 0.0]; 16];

@@ -1,4 +1,5 @@
-//! Clouds that stay where they are stored: whatever nodes a store has, the picture has the bytes of the cloud in memory.
+//! Clouds that stay where they are stored: whatever nodes a store has, the picture has the bytes of the cloud in
+//! memory.
 
 use std::path::PathBuf;
 use std::sync::Arc;

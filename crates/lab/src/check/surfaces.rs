@@ -1,5 +1,5 @@
-//! Surfaces of points that are filtered in the image (`image-space`), and layers of them (`peel-layers`): holes, borders, and
-//! d̃ at its ends.
+//! Surfaces of points that are filtered in the image (`image-space`), and layers of them (`peel-layers`): holes,
+//! borders, and d̃ at its ends.
 
 use glam::Vec3;
 

@@ -40,8 +40,8 @@ impl Group {
     }
 }
 
-/// A Markdown table of cases that were run, by what they are about: the largest error found, measured by the last release and
-/// allowed, and the smallest of the naive formula.
+/// A Markdown table of cases that were run, by what they are about: the largest error found, measured by the last
+/// release and allowed, and the smallest of the naive formula.
 pub fn markdown(results: &[(&Case, Verdict)]) -> String {
     let mut table = "| case | methods | what is known | error | last release | bound | naive |\n\
                      |---|---|---|---|---|---|---|\n"

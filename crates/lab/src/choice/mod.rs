@@ -131,7 +131,8 @@ impl Choice {
 /// Chooses. `recalibrate`: forgets what was known of this scene. `progress` ticks only.
 ///
 /// # Errors
-/// A method of another image formation, no setting of `only`, a frame that the exact method can't render, a lost device.
+/// A method of another image formation, no setting of `only`, a frame that the exact method can't render, a lost
+/// device.
 pub fn choose(
     device: &Device,
     cloud: &mut DeviceCloud,

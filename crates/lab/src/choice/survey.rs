@@ -67,8 +67,8 @@ impl<'a> Survey<'a> {
         settings(&self.trials.occasion(), ladders).0
     }
 
-    /// The error of a setting and the median time of so many frames, at least 1, after one that pays for buffers and shaders; `None`
-    /// if the device can't render it. A frame that takes more than `most` ms is the last one.
+    /// The error of a setting and the median time of so many frames, at least 1, after one that pays for buffers and
+    /// shaders; `None` if the device can't render it. A frame that takes more than `most` ms is the last one.
     ///
     /// # Errors
     /// A lost device, a message of the validation layers.

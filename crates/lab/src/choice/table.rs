@@ -40,8 +40,8 @@ pub(super) fn best(mut rows: Vec<Row>, wish: Wish) -> Vec<Row> {
     rows
 }
 
-/// The advice where the fastest setting of a frame of that size takes `gpu_ms` instead of `most`: its time is taken to go with the
-/// pixels, or with the points.
+/// The advice where the fastest setting of a frame of that size takes `gpu_ms` instead of `most`: its time is taken to
+/// go with the pixels, or with the points.
 pub(super) fn smaller(size: [u32; 2], gpu_ms: f64, most: f64) -> Option<String> {
     let share = most / gpu_ms;
     if !(share > 0.0 && share < 1.0) {

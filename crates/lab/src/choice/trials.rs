@@ -31,8 +31,8 @@ const CLOSE: f64 = 1.4;
 /// Folder of the cache.
 const KIND: &str = "choices";
 
-/// Spread of times of a setting above which a busy machine is to be suspected: the slowest frame took half as long again as the
-/// fastest one.
+/// Spread of times of a setting above which a busy machine is to be suspected: the slowest frame took half as long
+/// again as the fastest one.
 const BUSY: f64 = 0.5;
 
 /// Measurements of one setting.
@@ -84,7 +84,8 @@ struct CachedRecords {
 }
 
 impl CachedRecords {
-    /// What is worth keeping: not what was measured on a busy machine, but for settings that were chosen: a wish keeps its choice.
+    /// What is worth keeping: not what was measured on a busy machine, but for settings that were chosen: a wish keeps
+    /// its choice.
     fn kept(&self) -> Self {
         let is_chosen = |key: &String| self.chosen.values().any(|chosen| chosen == key);
         let mut kept = self.clone();
@@ -174,8 +175,8 @@ impl<'a> Trials<'a> {
         self.known.chosen.insert(wish, setting.key());
     }
 
-    /// A setting by a median of so many frames, at least 1, whatever else is known of it; `None` if it can't be rendered.
-    /// A frame that takes more than `most` ms is the last one.
+    /// A setting by a median of so many frames, at least 1, whatever else is known of it; `None` if it can't be
+    /// rendered. A frame that takes more than `most` ms is the last one.
     pub fn measure(&mut self, setting: &Setting, frames: usize, most: Option<f64>) -> Result<Option<Measured>> {
         match self.first_frames(setting, frames, most.map(|most| most / CLOSE)) {
             Ok(Record { rmse, gpu_ms, peak_device_bytes }) => {
@@ -234,7 +235,8 @@ impl<'a> Trials<'a> {
         Ok(self.figures(setting))
     }
 
-    /// A frame that pays for buffers and shaders, then so many that are timed, up to one that is much slower than `best`.
+    /// A frame that pays for buffers and shaders, then so many that are timed, up to one that is much slower than
+    /// `best`.
     fn first_frames(&mut self, setting: &Setting, frames: usize, best: Option<f64>) -> Result<Record> {
         let first = self.render(setting.method, setting.detail)?;
         let image = linear(&first.image, self.subject.background, self.frame.color);

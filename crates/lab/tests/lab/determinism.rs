@@ -162,8 +162,8 @@ fn reordered(device: &Device, all: &[Baseline], seeds: u32, wrong: &mut Wrong) {
     }
 }
 
-/// A budget that cuts the image into windows or its fragments into bands, between one that is enough for all and one that is
-/// enough for nothing, found by bisection; each image on the way is compared.
+/// A budget that cuts the image into windows or its fragments into bands, between one that is enough for all and one
+/// that is enough for nothing, found by bisection; each image on the way is compared.
 fn budgeted(device: &Device, all: &[Baseline], wrong: &mut Wrong) {
     let mut renderer = fresh(device);
     for known in all {
@@ -295,7 +295,8 @@ fn the_ways_between_which_auto_chooses_have_the_same_bytes_but_in_long_lists() {
         };
         let (mut short, mut long) = (0, 0);
         assert_eq!((&sorted.depth, &sorted.fragments), (&abuffer.depth, &abuffer.fragments));
-        // The knot with the long lists lies in a tile of more than 2048 splats, all of whose pixels are composed in runs.
+        // The knot with the long lists lies in a tile of more than 2048 splats, all of whose pixels are composed in
+        // runs.
         let lengths: Vec<u32> = abuffer.fragments.iter().flatten().copied().collect();
         let tile = |pixel: usize| [pixel % abuffer.width as usize / 16, pixel / abuffer.width as usize / 16];
         let crowded: HashSet<_> = (0..lengths.len()).filter(|pixel| lengths[*pixel] > 256).map(tile).collect();

@@ -1,5 +1,5 @@
-//! Same input, same bytes, for clouds that stay where they are stored: every subject and the garden, in stores of small nodes and
-//! within little memory.
+//! Same input, same bytes, for clouds that stay where they are stored: every subject and the garden, in stores of small
+//! nodes and within little memory.
 
 use std::path::{Path, PathBuf};
 

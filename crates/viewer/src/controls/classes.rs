@@ -69,7 +69,8 @@ fn is_own(entry: &ClassSettings, code: u8) -> bool {
     entry.points == Selection::Class(code)
 }
 
-/// The changes that give a class of the cloud `cloud` a key: in its own entry, or in a new one where a later entry would win.
+/// The changes that give a class of the cloud `cloud` a key: in its own entry, or in a new one where a later entry
+/// would win.
 pub fn class_changes(cloud: usize, entries: &[ClassSettings], code: u8, key: ClassKey) -> Vec<Change> {
     if key == ClassKey::Visible(true) {
         return shown(cloud, entries, code);
@@ -139,8 +140,8 @@ mod tests {
         document.scene().unwrap().clouds[1].class.clone()
     }
 
-    /// Whatever stands there already, the class has what it is given, another one what it had, and the default is what the
-    /// entries of others make of it.
+    /// Whatever stands there already, the class has what it is given, another one what it had, and the default is what
+    /// the entries of others make of it.
     #[test]
     fn a_class_has_what_it_is_given() {
         let range = "[[cloud.class]]\nscalar = 'classification'\nrange = [3, 6]\n";

@@ -46,7 +46,8 @@ pub fn new_clip(kind: NewClip, bounds: Bounds) -> Clip {
     Clip { shape, invert: false }
 }
 
-/// The decimals that numbers need in an extent: a thousandth of it or less. `None` where there is no extent, or hardly any.
+/// The decimals that numbers need in an extent: a thousandth of it or less. `None` where there is no extent, or hardly
+/// any.
 pub fn decimals(extent: f64) -> Option<usize> {
     let digits = (extent > 0.0).then(|| (3.0 - extent.log10()).ceil().max(0.0))?;
     (digits <= MOST_DECIMALS).then_some(digits as usize)

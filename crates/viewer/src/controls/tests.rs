@@ -40,8 +40,8 @@ fn saved(document: &Document) -> Scene {
     Document::from_toml(&text, "s.toml".as_ref(), &Overrides::default()).unwrap().scene().unwrap()
 }
 
-/// Goes to both ends of a control and back: each is a scene that has the value and nothing else changed, saved too, and without
-/// the key everything is as before.
+/// Goes to both ends of a control and back: each is a scene that has the value and nothing else changed, saved too, and
+/// without the key everything is as before.
 fn moves(
     document: &Document,
     key: &str,

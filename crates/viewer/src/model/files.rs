@@ -134,7 +134,8 @@ impl Model {
         self.dialog.save(&format!("{}.toml", self.stem()));
     }
 
-    /// Writes the scene to a file that was chosen; a name without an end gets that of scenes, and then nothing is written over.
+    /// Writes the scene to a file that was chosen; a name without an end gets that of scenes, and then nothing is
+    /// written over.
     pub fn save_as(&mut self, file: PathBuf) {
         if file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
             return self.save_to(false, Some(file));

@@ -158,8 +158,8 @@ fn vertical_of(up: UpAxis) -> [f64; 3] {
     Vertical::from(up).up().to_array()
 }
 
-/// The changes that give clouds a part of an axis, or take it out. A prepared file's field has an axis without the scene saying
-/// so, which is then said.
+/// The changes that give clouds a part of an axis, or take it out. A prepared file's field has an axis without the
+/// scene saying so, which is then said.
 fn around(target: &str, part: &str, numbers: Option<[f64; 3]>) -> Vec<Change> {
     let field = Setting::Word("distance-to-axis".to_owned());
     let numbers = numbers.map(|numbers| Setting::Numbers(numbers.to_vec()));

@@ -91,7 +91,8 @@ fn other_kind(model: &Model, light: Light, word: &str) -> Light {
     }
 }
 
-/// Returns the reference of elevations: the axis nearest to the up direction of the scene's camera, else the clouds' vertical.
+/// Returns the reference of elevations: the axis nearest to the up direction of the scene's camera, else the clouds'
+/// vertical.
 pub fn vertical(model: &Model) -> Vertical {
     nearest_or(model.scene().camera.up, model.picture().map_or(UpAxis::Z, |picture| picture.subject.up))
 }

@@ -40,8 +40,8 @@ const PARTS: [&str; 2] = ["film.mp4", "film.webm"];
 pub struct FilmArgs {
     /// With --path or --turntable: write a page that turns the scene in any browser.
     ///
-    /// Mouse, finger, keys and a slider turn it. The page holds all frames and loads nothing else. Without -o only the page is
-    /// written.
+    /// Mouse, finger, keys and a slider turn it. The page holds all frames and loads nothing else. Without -o only the
+    /// page is written.
     #[arg(long, value_name = "PAGE.html", help_heading = FRAMES)]
     html: Option<PathBuf>,
     /// Frames per second of a film, an animation or a page; by default 25.

@@ -13,7 +13,8 @@ pub const TILE: u32 = 16;
 /// Most points that are looked at; of more, every so manieth.
 const LOOKED_AT: usize = 200_000;
 
-/// Rows of tiles that a rectangle has at least before it is cut between columns: rows of whole width travel without being copied.
+/// Rows of tiles that a rectangle has at least before it is cut between columns: rows of whole width travel without
+/// being copied.
 const ROWS: u32 = 4;
 
 /// Work, as a number of fragments that takes as long: of a point that may show, and of a pixel (`abuffer` on lavapipe).
@@ -160,8 +161,8 @@ impl Costs {
         self.of([0, 0, self.size[0], self.size[1]])
     }
 
-    /// Cuts the image into one window for each of `ranks`, and `more` each to be handed out on demand, which have together the share
-    /// `rest` of the work. Windows may be empty where there are more ranks than tiles.
+    /// Cuts the image into one window for each of `ranks`, and `more` each to be handed out on demand, which have
+    /// together the share `rest` of the work. Windows may be empty where there are more ranks than tiles.
     pub fn windows(&self, ranks: usize, more: usize, rest: f64) -> Vec<Window> {
         let leaves = self.leaves([0, 0, self.size[0], self.size[1]], ranks);
         if more == 0 {

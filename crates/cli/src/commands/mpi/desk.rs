@@ -16,8 +16,8 @@ const ANSWER: i32 = 3;
 /// There is no unit left.
 const NONE: u64 = u64::MAX;
 
-/// The desk where a rank gets its next unit. That of the first rank has those of all; a thread of its own answers the others, since
-/// the rank itself is at work.
+/// The desk where a rank gets its next unit. That of the first rank has those of all; a thread of its own answers the
+/// others, since the rank itself is at work.
 pub struct Desk {
     own: Option<usize>,
     /// Units that nobody has begun; those of the first rank count.

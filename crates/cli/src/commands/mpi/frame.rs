@@ -146,8 +146,8 @@ impl Turn<'_> {
         sum
     }
 
-    /// Brings the sums of all ranks to the first one, by a tree: in each round half of the ranks that are left hand theirs to another
-    /// one. Sums are exact, so that their order changes nothing.
+    /// Brings the sums of all ranks to the first one, by a tree: in each round half of the ranks that are left hand
+    /// theirs to another one. Sums are exact, so that their order changes nothing.
     fn sum_of_all(&self, mut own: Option<SamplePart>) -> Option<SamplePart> {
         let (rank, count) = (self.ranks.own(), self.ranks.count());
         for distance in (0..).map(|power| 1 << power).take_while(|distance| *distance < count) {

@@ -35,7 +35,8 @@ use super::{DeviceArgs, arguments};
 
 /// Render point clouds you can see through on many machines.
 ///
-/// Every rank that `mpirun` starts renders a part. The first rank writes the picture, with the same bytes as `pellucid`.
+/// Every rank that `mpirun` starts renders a part. The first rank writes the picture, with the same bytes as
+/// `pellucid`.
 #[derive(Debug, Parser)]
 #[command(name = "pellucid-mpi", version, max_term_width = 100)]
 struct Cli {
@@ -205,7 +206,8 @@ fn target(args: &RenderArgs) -> Result<Target> {
     }
 }
 
-/// Returns the result of a rank once all others have theirs: an error of one is an error of all, and the first rank prints it.
+/// Returns the result of a rank once all others have theirs: an error of one is an error of all, and the first rank
+/// prints it.
 ///
 /// # Errors
 /// The exit status.

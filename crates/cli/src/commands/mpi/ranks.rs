@@ -15,8 +15,8 @@ const PIECE: usize = 1 << 30;
 const TAG: i32 = 1;
 const HERE: i32 = 4;
 
-/// How long somebody who waits for a message sleeps before looking again, at first and at most: a wait that never sleeps takes a core from
-/// those who work.
+/// How long somebody who waits for a message sleeps before looking again, at first and at most: a wait that never
+/// sleeps takes a core from those who work.
 const NAPS: [Duration; 2] = [Duration::from_micros(10), Duration::from_millis(1)];
 
 /// Sleeps until something is there, ever longer.
@@ -140,7 +140,8 @@ impl Ranks {
         self.traffic.get()
     }
 
-    /// Returns the first rank's bytes on all ranks: along a tree, in which each rank tells those that differ from it by one bit more.
+    /// Returns the first rank's bytes on all ranks: along a tree, in which each rank tells those that differ from it by
+    /// one bit more.
     pub fn told(&self, said: Vec<u8>) -> Vec<u8> {
         let bytes = self.parent().map_or(said, |parent| {
             self.wait(parent, TAG);
@@ -181,7 +182,8 @@ impl Ranks {
         Some(std::iter::once(said.to_vec()).chain((1..self.count()).map(|rank| self.received(rank))).collect())
     }
 
-    /// Sends bytes to a rank, which has to ask for them ([`Self::received`]). Sleeps until it does: MPI would wait at work.
+    /// Sends bytes to a rank, which has to ask for them ([`Self::received`]). Sleeps until it does: MPI would wait at
+    /// work.
     pub fn send(&self, to: usize, bytes: &[u8]) {
         self.hear(to);
         self.send_now(to, bytes);
@@ -261,8 +263,8 @@ impl Ranks {
         }
     }
 
-    /// Says what went wrong and ends all ranks. Of several that fail for the same reason the first one speaks, and the others are ended
-    /// while they wait.
+    /// Says what went wrong and ends all ranks. Of several that fail for the same reason the first one speaks, and the
+    /// others are ended while they wait.
     pub fn fail(&self, message: &str, status: u8) -> ! {
         if let Some(all) = &self.all {
             all.fail(message, status);

@@ -1,4 +1,5 @@
-//! How ranks share work: windows of an image, its random samples, or frames; and which of them is expected to be fastest.
+//! How ranks share work: windows of an image, its random samples, or frames; and which of them is expected to be
+//! fastest.
 
 use std::fmt::Display;
 
@@ -16,9 +17,9 @@ use super::simulate::SimulateArgs;
 pub struct SharingArgs {
     /// Work that the ranks share; the picture has the same bytes in any case.
     ///
-    /// `windows`: parts of the image, of about the same expected cost. `ensembles`: the ensembles of spbr, or the samples of
-    /// stochastic. `frames`: the frames of a path or turntable. `auto`: whatever a cost model expects to be fastest, as
-    /// `pellucid-mpi plan` prints it.
+    /// `windows`: parts of the image, of about the same expected cost. `ensembles`: the ensembles of spbr, or the
+    /// samples of stochastic. `frames`: the frames of a path or turntable. `auto`: whatever a cost model expects to be
+    /// fastest, as `pellucid-mpi plan` prints it.
     #[arg(long, value_name = "WHAT", value_enum, default_value = "auto")]
     pub share: Wanted,
     #[command(flatten)]

@@ -24,15 +24,16 @@ use crate::commands::loaded::Resolved;
 use crate::commands::session::Session;
 use crate::legend;
 
-/// How long a rank works at least where some windows are handed out on demand, in seconds: for each, points are picked, sent to the
-/// device and projected anew, about 50 ms on a CPU.
+/// How long a rank works at least where some windows are handed out on demand, in seconds: for each, points are picked,
+/// sent to the device and projected anew, about 50 ms on a CPU.
 const WORTH_DEMAND: f64 = 5.0;
 
 /// Windows on demand for each rank, and the share of the work that they have together.
 const ON_DEMAND: usize = 3;
 const REST: f64 = 0.2;
 
-/// Ranks whose longest time is at most so many times the mean keep their windows: others would have to bring other points.
+/// Ranks whose longest time is at most so many times the mean keep their windows: others would have to bring other
+/// points.
 const BALANCED: f64 = 1.05;
 
 /// Requirements of a command on a stage.
@@ -192,8 +193,8 @@ impl Stage {
     }
 }
 
-/// Cuts samples into a range for each rank, and ranges on demand, which have a share of all together. Each but the last begins and ends
-/// at a multiple of `step`; none is empty unless there are more ranks than steps.
+/// Cuts samples into a range for each rank, and ranges on demand, which have a share of all together. Each but the last
+/// begins and ends at a multiple of `step`; none is empty unless there are more ranks than steps.
 pub fn parted(total: u32, step: u32, ranks: usize, more: Option<(usize, f64)>) -> Vec<Range<u32>> {
     let steps = total.div_ceil(step.max(1));
     let kept = more.map_or(steps, |(_, rest)| ((1.0 - rest) * f64::from(steps)).ceil() as u32);
@@ -243,7 +244,8 @@ fn compare(own: &[u8], ranks: &Ranks) -> Result<()> {
     }
 }
 
-/// The device of a rank: the one that is asked for, or, where the host has several GPUs, that of the rank's number on the host.
+/// The device of a rank: the one that is asked for, or, where the host has several GPUs, that of the rank's number on
+/// the host.
 pub(super) fn device_of(asked: &DeviceArgs, ranks: &Ranks) -> Result<Option<String>> {
     if asked.device.is_some() {
         return Ok(asked.device.clone());

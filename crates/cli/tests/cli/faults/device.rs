@@ -1,5 +1,5 @@
-//! A device that is lost or has no memory left, simulated: an error that says what helps, nothing written, and the validation
-//! layers have nothing to say about what is taken down after it.
+//! A device that is lost or has no memory left, simulated: an error that says what helps, nothing written, and the
+//! validation layers have nothing to say about what is taken down after it.
 
 use std::process::Output;
 
@@ -27,7 +27,8 @@ const TRADEOFF: [&str; 9] =
 const STRESS: [&str; 11] =
     ["stress", "-q", "-o", "new", "--quick", "--method", "sorted", "--frames", "1", "--max-fragments", "4096"];
 
-/// Runs a check on the rendering of a picture by each method, and in each way that the table of methods has to draw the same.
+/// Runs a check on the rendering of a picture by each method, and in each way that the table of methods has to draw the
+/// same.
 fn for_renders(methods: impl IntoIterator<Item = Method>, check: impl Fn(&[&str])) {
     for method in methods {
         let plain = [RENDER_EXR.args, &["--method", method.name()]].concat();

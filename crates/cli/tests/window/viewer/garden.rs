@@ -30,8 +30,8 @@ pub fn garden() -> tempfile::TempDir {
     folder
 }
 
-/// Presses F12 and waits for the files: their common name. The pointer goes to the window's corner, lest it be seen in the
-/// picture, or a control's hint.
+/// Presses F12 and waits for the files: their common name. The pointer goes to the window's corner, lest it be seen in
+/// the picture, or a control's hint.
 pub fn shoot(display: &Display, window: &mut Window) -> String {
     shoot_from(display, window, [715, 415])
 }
@@ -81,7 +81,8 @@ fn not_on_screen(display: &Display, picture: &Path, [left, top]: [usize; 2]) -> 
     image.pixels.iter().enumerate().filter(|(i, pixel)| pixel.map(byte) != shown(*i)).count()
 }
 
-/// SwiftShader, as browsers have it, shows nothing in X11's windows: that is said. Without any device there is nothing to test.
+/// SwiftShader, as browsers have it, shows nothing in X11's windows: that is said. Without any device there is nothing
+/// to test.
 fn shows_windows(display: &Display) -> bool {
     match Device::open(&DeviceOptions { validation: true, ..DeviceOptions::default() }) {
         Ok(device) if device.info().name.contains("SwiftShader") => {

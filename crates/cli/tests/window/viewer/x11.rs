@@ -47,7 +47,8 @@ impl Client {
         self.connection.flush().unwrap();
     }
 
-    /// Asks the window manager to give a window all of the screen beside what it keeps for itself, or to take that back.
+    /// Asks the window manager to give a window all of the screen beside what it keeps for itself, or to take that
+    /// back.
     pub fn maximize(&self, window: u32, maximized: bool) {
         let (across, down) = (self.atom("_NET_WM_STATE_MAXIMIZED_HORZ"), self.atom("_NET_WM_STATE_MAXIMIZED_VERT"));
         let mask = EventMask::SUBSTRUCTURE_REDIRECT | EventMask::SUBSTRUCTURE_NOTIFY;

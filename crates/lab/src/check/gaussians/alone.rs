@@ -1,6 +1,7 @@
 //! Each Gaussian by itself: pixel by pixel against what roundings of float32 leave of float64.
 //!
-//! The error is a difference of opacity or depth from float64 over the most that is derived for that pixel, so that the bound is 1.
+//! The error is a difference of opacity or depth from float64 over the most that is derived for that pixel, so that the
+//! bound is 1.
 
 use super::super::discs::roundings;
 use super::super::naive::gaussians::Seen;
@@ -29,7 +30,8 @@ pub struct Known {
 /// A Gaussian's image as far as it is known; `None` where nothing can be.
 pub struct Expected(pub Vec<Option<Known>>);
 
-/// Over the pixels of some Gaussians: the largest errors of the device and of a naive formula, as shares of what is allowed.
+/// Over the pixels of some Gaussians: the largest errors of the device and of a naive formula, as shares of what is
+/// allowed.
 #[derive(Debug, Clone, Copy)]
 pub struct Shares {
     /// Of the device.

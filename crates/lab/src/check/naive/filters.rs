@@ -1,4 +1,5 @@
-//! Filters of an image without their precautions: background at an infinite depth, sums by the weights of the inner pixels.
+//! Filters of an image without their precautions: background at an infinite depth, sums by the weights of the inner
+//! pixels.
 
 use pellucid_engine::image::Image;
 

@@ -111,8 +111,8 @@ pub fn projected(splat: &Splat, view: &View, formula: &Formula) -> Vec<Seen> {
     view.pixels().map(seen).collect()
 }
 
-/// By the kernel `ray`, with the inverse of the covariance: A = dᵀΣ⁻¹d, B = dᵀΣ⁻¹(μ − e), C = (μ − e)ᵀΣ⁻¹(μ − e), ρ² = C − B²/A at
-/// the depth B/A.
+/// By the kernel `ray`, with the inverse of the covariance: A = dᵀΣ⁻¹d, B = dᵀΣ⁻¹(μ − e), C = (μ − e)ᵀΣ⁻¹(μ − e), ρ² =
+/// C − B²/A at the depth B/A.
 pub fn along_rays(splat: &Splat, view: &View) -> Vec<Seen> {
     let lens = Lens::new(view);
     let t = lens.center(splat);

@@ -16,8 +16,9 @@ pub struct Follower {
 impl Follower {
     /// Takes the next frame and its exact image, both in linear light, and returns its figures.
     ///
-    /// With exact frames X and those of the method M, the error is E = M − X and its change D = Eᵢ − Eᵢ₋₁. The RMSE is that of D. FLIP
-    /// compares X + D with X, of the later frame: the frame as it would be if the change were its only error.
+    /// With exact frames X and those of the method M, the error is E = M − X and its change D = Eᵢ − Eᵢ₋₁. The RMSE is
+    /// that of D. FLIP compares X + D with X, of the later frame: the frame as it would be if the change were its only
+    /// error.
     ///
     /// # Panics
     /// The images differ in size, or from those before.

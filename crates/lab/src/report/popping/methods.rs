@@ -13,8 +13,8 @@ pub struct Candidate {
     pub setting: String,
 }
 
-/// The method whose frames are exact for a method of discs, Gaussians or soft spheres; `None` for others. Gaussians are ordered in each
-/// pixel whatever the method's own order is, since an order by centers is what pops.
+/// The method whose frames are exact for a method of discs, Gaussians or soft spheres; `None` for others. Gaussians are
+/// ordered in each pixel whatever the method's own order is, since an order by centers is what pops.
 pub fn exact(method: &Method, points: &Points) -> Option<Method> {
     match plan::exact(method, points)? {
         Method::ABuffer(discs) if points.gaussians.is_some() => Some(Method::ABuffer(ordered(discs, Order::Pixel))),
@@ -23,8 +23,8 @@ pub fn exact(method: &Method, points: &Points) -> Option<Method> {
     }
 }
 
-/// The methods of a scene's image formation with its settings: those named, or all that are not exact. Of Gaussians that are sorted
-/// once both orders.
+/// The methods of a scene's image formation with its settings: those named, or all that are not exact. Of Gaussians
+/// that are sorted once both orders.
 pub fn candidates(method: &Method, points: &Points, only: &[String]) -> Vec<Candidate> {
     let own = |method: Method| Candidate { method, setting: String::new() };
     let mut all = match plan::exact(method, points) {

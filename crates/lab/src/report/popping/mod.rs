@@ -1,7 +1,8 @@
 //! Popping: how much the error of a method changes from one frame of a camera path to the next.
 //!
-//! A picture that moves shows an error twice: by what is wrong in each frame, and by how that jumps. The first is the error of
-//! [`tradeoff`](super::tradeoff); an error that stays as it is looks like another scene, and is not counted here.
+//! A picture that moves shows an error twice: by what is wrong in each frame, and by how that jumps. The first is the
+//! error of [`tradeoff`](super::tradeoff); an error that stays as it is looks like another scene, and is not counted
+//! here.
 
 mod figures;
 mod files;

@@ -41,8 +41,9 @@ struct Plane {
 pub(super) struct Planes(Vec<Plane>);
 
 impl Planes {
-    /// The clouds of a frame, if each of them is a plane parallel to an orthographic image, of one color and one opacity, whose
-    /// points fill the image evenly and are enough for that opacity, and if blending runs in linear light.
+    /// The clouds of a frame, if each of them is a plane parallel to an orthographic image, of one color and one
+    /// opacity, whose points fill the image evenly and are enough for that opacity, and if blending runs in linear
+    /// light.
     pub fn from_points(arranged: &Arranged, frame: &Frame) -> Option<Self> {
         let Arranged::Dealt(dealt) = arranged else { return None };
         if !matches!(frame.camera.projection, Projection::Orthographic { .. }) || frame.color != ColorSpace::Linear {

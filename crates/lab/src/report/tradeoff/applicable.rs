@@ -24,8 +24,8 @@ struct ApplicableSettings {
     skipped: Vec<Skipped>,
 }
 
-/// All settings that apply, exact methods first, each ladder ascending; and those that don't, with the reason. Every method is
-/// among the ones or the others.
+/// All settings that apply, exact methods first, each ladder ascending; and those that don't, with the reason. Every
+/// method is among the ones or the others.
 pub fn settings(occasion: &Occasion, ladders: &Ladders) -> (Vec<Setting>, Vec<Skipped>) {
     let mut found = ApplicableSettings::default();
     match occasion.formation {
@@ -72,7 +72,8 @@ impl ApplicableSettings {
         }
     }
 
-    /// A method with every value of the key that is compared, if it has one; and with its default, if that is none of them.
+    /// A method with every value of the key that is compared, if it has one; and with its default, if that is none of
+    /// them.
     fn climb(&mut self, occasion: &Occasion, ladders: &Ladders, method: Method, rest: &str) {
         let applies = |ladder: &Ladder| ladder.only.is_empty() || ladder.only.contains(&method.name());
         let compared = method.keys().into_iter().find_map(|key| key.tried.filter(applies).map(|ladder| (key, ladder)));
@@ -116,8 +117,8 @@ impl ApplicableSettings {
         }
     }
 
-    /// Levels of detail of the methods that draw all points exactly, or of opaque points of their own size: of clouds that are large
-    /// enough for it to matter.
+    /// Levels of detail of the methods that draw all points exactly, or of opaque points of their own size: of clouds
+    /// that are large enough for it to matter.
     fn levels(&mut self, occasion: &Occasion, ladders: &Ladders) {
         let (methods, rest) = match occasion.formation {
             Formation::Discs(discs) => (vec![Method::ABuffer(discs), Method::Sorted(discs)], String::new()),

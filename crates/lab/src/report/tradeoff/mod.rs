@@ -87,7 +87,8 @@ pub struct Row {
     pub peak_device_bytes: u64,
     /// Bytes of the fragment buffer; 0 for methods without one.
     pub fragment_bytes: u64,
-    /// Against the reference; for stochastic methods the root of the mean square (rmse) or means (the others) over the seeds.
+    /// Against the reference; for stochastic methods the root of the mean square (rmse) or means (the others) over the
+    /// seeds.
     pub errors: Errors,
     /// Only for stochastic methods.
     pub repeats: Option<Repeats>,
@@ -161,13 +162,15 @@ pub struct Reference {
     pub method: String,
     /// Its file name.
     pub picture: String,
-    /// Pixels of it that were compared with the float64 reference, chosen at random; 0 of an image that is float64 itself.
+    /// Pixels of it that were compared with the float64 reference, chosen at random; 0 of an image that is float64
+    /// itself.
     pub checked_pixels: usize,
     /// The largest difference found there in R, G, B and A.
     pub largest_error: f64,
 }
 
-/// The image of planes before each other that alpha blending of their opacities gives, α₁C₁ + (1 − α₁)(α₂C₂ + …): one color.
+/// The image of planes before each other that alpha blending of their opacities gives, α₁C₁ + (1 − α₁)(α₂C₂ + …): one
+/// color.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Analytic {
     /// Opacities of the planes, the nearest first.
@@ -204,8 +207,8 @@ impl Analytic {
 pub struct Surveyed {
     /// Samples across a pixel of the reference: each pixel averages the square of this number.
     pub samples_across: u32,
-    /// Pixels inside the silhouette: all samples of the reference are covered, on the pixel and on its eight neighbors. One
-    /// pixel off the rim, since splats reach over it by a part of their radius.
+    /// Pixels inside the silhouette: all samples of the reference are covered, on the pixel and on its eight neighbors.
+    /// One pixel off the rim, since splats reach over it by a part of their radius.
     pub silhouette: u64,
     /// Each cloud that was drawn: one point of how many, and how many that are.
     pub clouds: Vec<(u32, u64)>,
@@ -256,7 +259,8 @@ pub struct Tradeoff {
     pub fragments: u64,
     /// Longest list.
     pub max_list: u32,
-    /// Runs of the command that it took, if it was interrupted: frames of all settings were timed in turns in each of them.
+    /// Runs of the command that it took, if it was interrupted: frames of all settings were timed in turns in each of
+    /// them.
     pub sittings: u32,
     /// The reference of the errors.
     pub reference: Reference,

@@ -19,8 +19,8 @@ pub enum Formation {
         /// True if the scene gives the factor λ, from which the softness was derived.
         from_lambda: bool,
     },
-    /// Points of surfaces with an opacity, dealt to ensembles. Their number is not the scene's but a setting, and nothing is
-    /// brightened.
+    /// Points of surfaces with an opacity, dealt to ensembles. Their number is not the scene's but a setting, and
+    /// nothing is brightened.
     Ensembles(Spbr),
     /// Opaque points of surfaces. Each method draws an image of its own; the surface is the reference for all.
     Surfaces(Surfaces),

@@ -1,5 +1,5 @@
-//! Clouds that stay in their files: whole pictures have the bytes of those with all points in memory, drafts hold part of the points,
-//! and what is stopped leaves no trace.
+//! Clouds that stay in their files: whole pictures have the bytes of those with all points in memory, drafts hold part
+//! of the points, and what is stopped leaves no trace.
 
 use super::*;
 use crate::sources::Opened;

@@ -30,7 +30,8 @@ pub struct Own<'a> {
     pub sample: &'a Points,
 }
 
-/// Orders the others to render the stage's frame; the windows of all, round by round. `None` where points are not spread.
+/// Orders the others to render the stage's frame; the windows of all, round by round. `None` where points are not
+/// spread.
 ///
 /// # Errors
 /// A setting that can't be told.

@@ -1,8 +1,8 @@
 //! `--spread`: each rank has a part of the points in memory, and the first one alone reads files.
 //!
-//! The first rank runs the command as if it was alone, and orders the others what to do. It deals the points to all, run by run, as it
-//! reads them. For each frame every rank sends the points that may show in another rank's window to that rank, and renders its own
-//! window from what it received.
+//! The first rank runs the command as if it was alone, and orders the others what to do. It deals the points to all,
+//! run by run, as it reads them. For each frame every rank sends the points that may show in another rank's window to
+//! that rank, and renders its own window from what it received.
 
 mod deal;
 mod exchange;
@@ -40,9 +40,9 @@ const PIECE: usize = 16 << 20;
 pub struct SpreadArgs {
     /// Distribute the points over the memory of the ranks.
     ///
-    /// For clouds larger than the memory of one machine, and for machines without a shared file system. Only the first rank reads
-    /// files. Each rank keeps a part of the points and receives the others that its part of the picture needs. Not available for
-    /// spbr, shadows and levels of detail.
+    /// For clouds larger than the memory of one machine, and for machines without a shared file system. Only the first
+    /// rank reads files. Each rank keeps a part of the points and receives the others that its part of the picture
+    /// needs. Not available for spbr, shadows and levels of detail.
     #[arg(long)]
     pub spread: bool,
 }

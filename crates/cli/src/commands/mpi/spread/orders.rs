@@ -14,8 +14,8 @@ use super::super::ranks::Ranks;
 /// A thing to do. Some have bytes with them, in a message of their own.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Order {
-    /// Open the device for such frames of a scene of which this is known, and how many points are solid and soft. The bytes are points
-    /// that stand for all.
+    /// Open the device for such frames of a scene of which this is known, and how many points are solid and soft. The
+    /// bytes are points that stand for all.
     Open { known: Known, frame: Frame, parts: Option<(f32, Parts)> },
     /// Keep the runs of points in the bytes.
     Keep,

@@ -7,11 +7,12 @@ use super::super::cut::{Costs, TILE, is_empty};
 /// Points that each rank may have of others at a time, whatever it has itself.
 const LEAST: f64 = 262_144.0;
 
-/// A rank may have so many points at a time as a part of those that it has itself: they are there several times while they are put into
-/// order, and on the device.
+/// A rank may have so many points at a time as a part of those that it has itself: they are there several times while
+/// they are put into order, and on the device.
 const PART: f64 = 0.125;
 
-/// Windows for each rank, round by round; some are empty. `all` are the scene's points, and the device has room for `room` at a time.
+/// Windows for each rank, round by round; some are empty. `all` are the scene's points, and the device has room for
+/// `room` at a time.
 pub fn rounds(costs: &Costs, ranks: usize, all: u64, room: u64) -> Vec<Vec<Window>> {
     let most = (PART * all as f64 / ranks as f64).max(LEAST).min(room as f64);
     let parts: Vec<Vec<Window>> =

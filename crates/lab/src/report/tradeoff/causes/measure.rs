@@ -148,7 +148,8 @@ impl Studio<'_> {
         }
     }
 
-    /// A frame's image, and the least device time of the two that follow it, in ms: the first one pays for shaders and buffers.
+    /// A frame's image, and the least device time of the two that follow it, in ms: the first one pays for shaders and
+    /// buffers.
     fn timed(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<(LinearImage, f64), methods::Error> {
         let rendered = self.renderer.render(cloud, frame)?;
         let image = linear(&rendered.image, self.effort.background, frame.color);

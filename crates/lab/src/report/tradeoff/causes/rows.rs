@@ -33,7 +33,8 @@ pub(in super::super) struct Change {
     pub core_alpha_min: Option<f32>,
 }
 
-/// The changes of a scene's exact image, itself first: `discs` and `order` are the scene's, `degree` is that of its harmonics.
+/// The changes of a scene's exact image, itself first: `discs` and `order` are the scene's, `degree` is that of its
+/// harmonics.
 pub(in super::super) fn changes(discs: &Discs, order: Order, degree: u32, projection: &Projection) -> Vec<Change> {
     let own = discs.gaussians;
     let of = |cause, setting: &str, meaning: &str, settings| Change {

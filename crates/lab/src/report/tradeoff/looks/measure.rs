@@ -88,8 +88,8 @@ fn linear(image: &LinearImage, index: usize) -> DVec3 {
     DVec3::from_array(image.pixels[index].map(f64::from))
 }
 
-/// What a leak of the same strength everywhere brings into the mean of the errors: the strength is fitted together with an even shift, by
-/// least squares.
+/// What a leak of the same strength everywhere brings into the mean of the errors: the strength is fitted together with
+/// an even shift, by least squares.
 fn spill<I: Iterator<Item = Pixel>>(pixels: impl Fn() -> I, mean: DVec3, count: f64) -> DVec3 {
     let middle = pixels().map(|pixel| pixel.toward).sum::<DVec3>() / count;
     let (mut both, mut squares) = (0.0, 0.0);
@@ -109,8 +109,8 @@ fn along(pixels: impl Iterator<Item = Pixel>, rest: impl Fn(&Pixel) -> DVec3) ->
     })
 }
 
-/// How much errors are like those of the pixels to the right and below, by their products over their mean squares: 1 for a plane, 0 for
-/// noise, at least 0.
+/// How much errors are like those of the pixels to the right and below, by their products over their mean squares: 1
+/// for a plane, 0 for noise, at least 0.
 fn coherence(errors: impl Iterator<Item = (usize, DVec3)>, image: &LinearImage) -> f64 {
     let (width, mut field) = (image.width as usize, vec![[f32::NAN; 3]; image.pixels.len()]);
     errors.for_each(|(index, error)| field[index] = error.as_vec3().to_array());

@@ -28,8 +28,8 @@ pub(super) struct Account<'a> {
 }
 
 impl Account<'_> {
-    /// Seconds that a setting takes, from its first frame to the last one in turns; `frame` is the predicted one. Without a
-    /// prediction it is what settings took so far on the average, and `None` before the first one.
+    /// Seconds that a setting takes, from its first frame to the last one in turns; `frame` is the predicted one.
+    /// Without a prediction it is what settings took so far on the average, and `None` before the first one.
     pub(super) fn needed(&self, frame: Option<f64>) -> Option<f64> {
         let mean = |part: fn(&Spent) -> f64| self.tried.iter().map(part).sum::<f64>() / self.tried.len() as f64;
         if self.tried.is_empty() {
@@ -62,8 +62,8 @@ pub(super) fn refusal(needed: f64, left: f64, all: f64) -> Option<String> {
     })
 }
 
-/// The order in which settings are tried where time may run out: the first of each method, then the second of each, and so
-/// on. Steps of a ladder stay in order.
+/// The order in which settings are tried where time may run out: the first of each method, then the second of each, and
+/// so on. Steps of a ladder stay in order.
 pub fn method_by_method(settings: &[Setting]) -> Vec<usize> {
     let rank = |at: &usize| {
         let is_same = |other: &&Setting| other.method.name() == settings[*at].method.name();

@@ -23,8 +23,8 @@ impl Run<'_> {
         Ok(look(&Exact { reference: &self.made.reference, covered: &self.made.covered, unordered }, image))
     }
 
-    /// The mean color of all fragments by opacity, with the exact coverage: none but opaque ones, which hide what has no order, are among the
-    /// nearest of `hybrid`. Only of discs, and if the device can draw it.
+    /// The mean color of all fragments by opacity, with the exact coverage: none but opaque ones, which hide what has
+    /// no order, are among the nearest of `hybrid`. Only of discs, and if the device can draw it.
     fn render_unordered(&mut self) -> Result<Option<LinearImage>> {
         let Formation::Discs(discs) = self.occasion.formation else { return Ok(None) };
         let method = Method::Hybrid(Hybrid { discs, k: 1, core_alpha_min: 1.0, ..Hybrid::default() });

@@ -40,8 +40,8 @@ impl Run<'_> {
         Ok(taken.into_iter().map(|at| settings[at].clone()).collect())
     }
 
-    /// The first frames of a setting, unless they are there already; false if it was skipped. `before` are the settings that
-    /// were not.
+    /// The first frames of a setting, unless they are there already; false if it was skipped. `before` are the settings
+    /// that were not.
     fn trial(&mut self, setting: &Setting, before: &[&Setting]) -> Result<bool> {
         if self.partial.content.settings.contains_key(&setting.key()) {
             return Ok(true);
