@@ -34,11 +34,11 @@ pub struct PathArgs {
     turntable: bool,
 }
 
-/// Where the cameras come from.
+/// Source of the cameras.
 pub enum Along {
     /// Key frames of a file, at so many equally spaced times, or at the keys.
     Keys { path: PathBuf, source: Source, frames: Option<usize> },
-    /// So many steps around the scene.
+    /// Number of steps of a turn around the scene.
     Turn { frames: usize },
 }
 

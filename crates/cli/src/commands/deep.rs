@@ -43,7 +43,7 @@ pub struct DeepArgs {
     deep_compression: Option<DeepCompression>,
 }
 
-/// How orderly samples are.
+/// Order of the samples in a pixel.
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
 enum DeepState {
     Tidy,
@@ -58,7 +58,7 @@ enum DeepType {
     Half,
 }
 
-/// How rows are packed.
+/// Compression of rows.
 #[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
 enum DeepCompression {
     #[default]
@@ -67,7 +67,7 @@ enum DeepCompression {
 }
 
 impl DeepArgs {
-    /// How orderly samples are to be, if some are asked for.
+    /// Returns the requested order of samples, if a deep image is asked for.
     fn state(&self) -> Option<State> {
         self.deep.map(|state| match state {
             DeepState::Tidy => State::Tidy,

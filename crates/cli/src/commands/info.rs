@@ -90,7 +90,7 @@ struct Seen {
     file: PathBuf,
     cloud: Cloud,
     facts: Facts,
-    /// Their number, if it was asked for.
+    /// Number of outliers, if it was asked for.
     outliers: Option<usize>,
 }
 

@@ -16,7 +16,7 @@ use super::session::Session;
 /// Profiles of one frame each.
 #[derive(Default)]
 pub struct Measured {
-    /// By the frame's number.
+    /// Profiles by frame number.
     frames: BTreeMap<usize, Value>,
     /// True if some were measured by this command.
     has_new: bool,
@@ -63,7 +63,7 @@ impl Measured {
         whole
     }
 
-    /// Which frames of those up to `count` are not there.
+    /// Returns the numbers below `count` of the frames that are missing.
     pub fn missing(&self, count: usize) -> Vec<usize> {
         (0..count).filter(|number| !self.frames.contains_key(number)).collect()
     }

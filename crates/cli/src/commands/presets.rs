@@ -153,7 +153,7 @@ pub fn list() -> String {
     PRESETS.iter().map(text).collect::<Vec<_>>().join("\n")
 }
 
-/// When a key is left out, as a phrase.
+/// Returns the condition under which a preset leaves a key out, as a phrase; empty if there is none.
 fn unless(key: &str) -> String {
     let rival = IN_THE_WAY.iter().find(|(known, _)| *known == key);
     rival.map(|(_, rival)| format!(", unless an option gives {rival}")).unwrap_or_default()

@@ -37,7 +37,7 @@ pub struct SceneArgs {
     store: StoreArgs,
 }
 
-/// How a landscape is written.
+/// Options for writing a landscape.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Landscapes of any size (terrain)")]
 struct StoreArgs {

@@ -8,7 +8,7 @@ use pellucid_engine::scene::{Overrides, Vertical, View, ViewName};
 
 use super::headings::CAMERA;
 
-/// From where a scene is looked at.
+/// Options for the viewpoint.
 #[derive(Debug, Args)]
 // A group of this name would be that of `view`'s own options.
 #[group(skip)]
@@ -59,7 +59,7 @@ impl ViewArgs {
     }
 }
 
-/// One of the directions that have names.
+/// Parses the name of a view direction.
 fn view_name() -> impl TypedValueParser<Value = ViewName> {
     let values = ViewName::ALL.iter().map(|(_, word, about)| PossibleValue::new(*word).help(*about));
     PossibleValuesParser::new(values).try_map(|word| ViewName::named(&word).ok_or("no such view"))

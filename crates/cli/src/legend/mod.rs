@@ -46,14 +46,14 @@ const LIGHT_PANEL: Looks = Looks {
 };
 
 impl Looks {
-    /// Those that stand out least from a background, linear RGB.
+    /// Returns the looks that stand out least from a background, linear RGB.
     fn on(background: Vec3) -> Self {
         let luminance = background.dot(Vec3::new(0.2126, 0.7152, 0.0722));
         if luminance > LIGHT { LIGHT_PANEL } else { DARK_PANEL }
     }
 }
 
-/// Before anything is rendered: says if there will be no legend since there is nothing to explain.
+/// Checks the legend before anything is rendered: says if there will be none since there is nothing to explain.
 ///
 /// # Errors
 /// The legend does not fit into the picture.

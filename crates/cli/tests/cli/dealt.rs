@@ -8,7 +8,8 @@ use serde_json::Value;
 use super::render::exr;
 use crate::{assert_refused, builtin, done, folder, has_device, inside, run};
 
-/// About 540 points over each pixel of 24 × 24, and fewer than one copy of each in 100 ensembles.
+/// Scene setting that gives about 540 points over each pixel of 24 × 24, and fewer than one copy of each in 100
+/// ensembles.
 const DENSE: &str = "points=200000";
 
 fn mean_alpha(channels: &std::collections::BTreeMap<String, Vec<f32>>) -> f64 {

@@ -110,7 +110,7 @@ fn openexr() -> Option<PathBuf> {
     None
 }
 
-/// What the script says of a deep file and a flat one: its status and its words.
+/// Runs the script on a deep file and a flat one; returns true if it succeeded, and its output.
 fn read(python: &PathBuf, folder: &TempDir, files: [&str; 2], counts: bool) -> (bool, String) {
     let script = root().join("crates/cli/tests/cli/deep/read.py");
     let mut command = Command::new(python);

@@ -15,7 +15,7 @@ const COUNT: usize = 8;
 /// A page of the garden, whose folder lies where any browser sees it.
 struct Page {
     browser: Browser,
-    /// What the canvas shows at each frame, by the slider.
+    /// Canvas contents at each frame, set by the slider.
     pictures: Vec<Value>,
 }
 

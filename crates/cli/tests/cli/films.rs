@@ -33,7 +33,7 @@ pub fn has_ffmpeg() -> bool {
     found
 }
 
-/// What ffprobe says of a film's frames.
+/// Returns the answer of ffprobe about a film's frames.
 fn probe(file: &Path, entries: &str) -> String {
     let probe = Command::new("ffprobe")
         .args([

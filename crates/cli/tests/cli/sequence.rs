@@ -71,7 +71,7 @@ pub fn said(folder: &TempDir, args: &[&str]) -> String {
     stderr
 }
 
-/// How many frames a run with -v wrote.
+/// Returns the number of frames that a run with -v wrote.
 pub fn written(said: &str) -> usize {
     said.lines().filter(|line| line.ends_with(": written")).count()
 }

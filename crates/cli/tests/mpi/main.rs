@@ -13,7 +13,7 @@ use pellucid_engine::scene::METHODS;
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// One thread for each rank: they compete for the cores.
+/// Environment of the ranks: a thread for each of them, as they compete for the cores.
 const ENVIRONMENT: [(&str, &str); 5] = [
     ("OMPI_ALLOW_RUN_AS_ROOT", "1"),
     ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"),
@@ -369,7 +369,7 @@ fn errors(output: &Output) -> Vec<String> {
     said.lines().filter(|line| line.starts_with("error:")).map(str::to_owned).collect()
 }
 
-/// What a rank says with `-v`, in this order.
+/// Messages of a rank with `-v`, in this order.
 const MOMENTS: [&str; 5] = ["joined", "reading", "uploading", "rendering", "bringing parts together"];
 
 #[test]

@@ -59,7 +59,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// By the extension, if it is that of a film.
+    /// Returns the kind that belongs to the extension, if it is that of a film.
     fn of(path: &Path) -> Option<Self> {
         Some(match extension(path)?.as_str() {
             "mp4" => Self::Mp4,

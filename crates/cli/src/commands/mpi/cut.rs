@@ -1,4 +1,4 @@
-//! Which part of an image each rank renders: rectangles of whole tiles that are expected to cost the same.
+//! Divides an image among the ranks: rectangles of whole tiles that are expected to cost the same.
 
 use glam::DVec3;
 use pellucid_engine::camera::{Camera, Projection};
@@ -34,7 +34,7 @@ pub struct Costs {
 struct Tile {
     points: f64,
     fragments: f64,
-    /// How much more it took than was expected, as far as that is known.
+    /// Measured over expected cost, as far as that is known.
     factor: f64,
 }
 
@@ -73,7 +73,7 @@ impl Costs {
         costs
     }
 
-    /// Those of an image of this size without points.
+    /// Returns the costs of an image of this size without points.
     pub fn blank(size: [u32; 2]) -> Self {
         let [columns, rows] = size.map(|side| side.div_ceil(TILE));
         Self { size, columns, tiles: vec![Tile::default(); (columns * rows) as usize] }

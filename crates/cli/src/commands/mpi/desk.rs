@@ -13,7 +13,7 @@ use super::ranks::{Ranks, patiently};
 const ASK: i32 = 2;
 const ANSWER: i32 = 3;
 
-/// There is no unit left.
+/// Answer of the work queue when no unit is left.
 const NONE: u64 = u64::MAX;
 
 /// The desk where a rank gets its next unit. That of the first rank has those of all; a thread of its own answers the

@@ -25,7 +25,7 @@ use crate::commands::session::Session;
 /// Renders the frames that are not there yet.
 ///
 /// # Errors
-/// Those of rendering, on any rank.
+/// Errors of rendering, on any rank.
 pub fn run(
     args: &RenderArgs,
     sharing: &SharingArgs,

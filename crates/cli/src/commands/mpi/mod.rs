@@ -134,7 +134,7 @@ pub fn run() -> ExitCode {
     done
 }
 
-/// Which clouds stay in their files: those that are spread, and octrees of which windows show parts.
+/// Returns which clouds stay in their files: those that are distributed, and octrees of which regions show parts.
 fn kept_in_files(sharing: &SharingArgs, spread: SpreadArgs, is_film: bool, ranks: &Ranks) -> KeptInFiles {
     let by_windows = sharing.share == Wanted::Windows || sharing.share == Wanted::Auto && !is_film;
     if spread.spread {
@@ -178,7 +178,7 @@ fn render(args: &RenderArgs, sharing: &SharingArgs, ranks: &Ranks, console: Cons
     }
 }
 
-/// Where pictures go, if ranks can share the work.
+/// Returns the destination of pictures, if ranks can share the work.
 fn target(args: &RenderArgs) -> Result<Target> {
     args.measure.check()?;
     let usage = |problem: &str| Err(Error::Usage(problem.to_owned()).into());

@@ -6,7 +6,7 @@ use pellucid_engine::passes::bands::Window;
 
 use super::ranks::Ranks;
 
-/// One kind of value of all pixels, as bytes.
+/// Values of one kind for all pixels, as bytes.
 struct Plane<'a> {
     bytes: &'a mut [u8],
     /// Bytes of a row.
@@ -80,7 +80,7 @@ pub fn copy(into: &mut Image, from: &mut Image, window: Window) {
     }
 }
 
-/// Which kinds of values an image has besides color and depth.
+/// Returns true for each optional channel that an image has: median and mean depth, fragments, layers, standard error.
 pub fn kinds(image: &Image) -> Vec<bool> {
     let Image { depth_median, depth_mean, fragments, layers, stderr, .. } = image;
     vec![depth_median.is_some(), depth_mean.is_some(), fragments.is_some(), layers.is_some(), stderr.is_some()]

@@ -15,8 +15,8 @@ const PIECE: usize = 1 << 30;
 const TAG: i32 = 1;
 const HERE: i32 = 4;
 
-/// How long somebody who waits for a message sleeps before looking again, at first and at most: a wait that never
-/// sleeps takes a core from those who work.
+/// Shortest and longest sleep between two looks for a message: a wait that never sleeps takes a core from ranks that
+/// work.
 const NAPS: [Duration; 2] = [Duration::from_micros(10), Duration::from_millis(1)];
 
 /// Sleeps until something is there, ever longer.
@@ -31,7 +31,8 @@ pub fn patiently<T>(mut look: impl FnMut() -> Option<T>) -> T {
     }
 }
 
-/// How long a rank that fails waits for those before it to say so, by its number, and at most.
+/// Delay per rank number before a failing rank speaks, so that a lower rank with the same failure can speak first; and
+/// the longest delay.
 const PATIENCE: Duration = Duration::from_millis(100);
 const LONGEST_PATIENCE: Duration = Duration::from_secs(3);
 
@@ -90,7 +91,7 @@ impl Ranks {
         Ok(Self { world, local, host, traffic: Cell::default(), tells: false, all: None, _universe: Some(universe) })
     }
 
-    /// This rank as if it was alone, for a command that the others don't follow: they do as it orders.
+    /// Returns this rank as if it was alone, for a command that the others don't follow: they do as it orders.
     pub fn leading(self) -> Self {
         let (local, host, tells) = (self.local, self.host.clone(), self.tells);
         let world = SimpleCommunicator::self_comm();
@@ -102,7 +103,7 @@ impl Ranks {
         self.all.as_deref()
     }
 
-    /// This rank, from 0.
+    /// Number of this rank, from 0.
     pub fn own(&self) -> usize {
         usize::try_from(self.world.rank()).unwrap_or(0)
     }
@@ -112,7 +113,7 @@ impl Ranks {
         usize::try_from(self.world.size()).unwrap_or(1)
     }
 
-    /// This rank's number among those of its host, from 0: on a machine with several GPUs each rank takes its own.
+    /// Number of this rank among those of its host, from 0: on a machine with several GPUs each rank takes its own.
     pub fn local(&self) -> usize {
         self.local
     }
@@ -127,7 +128,7 @@ impl Ranks {
         self.own() == 0
     }
 
-    /// This rank for people: `rank 2 of 4 (node17)`.
+    /// Name of this rank for people: `rank 2 of 4 (node17)`.
     pub fn name(&self) -> String {
         if let Some(all) = &self.all {
             return all.name();

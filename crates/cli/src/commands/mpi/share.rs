@@ -1,5 +1,5 @@
-//! How ranks share work: windows of an image, its random samples, or frames; and which of them is expected to be
-//! fastest.
+//! Ways in which ranks share work: regions of an image, its random samples, or frames; and the choice of the one that
+//! is expected to be fastest.
 
 use std::fmt::Display;
 
@@ -12,7 +12,7 @@ use super::cut::{Load, PIXEL, POINT};
 use super::link::Link;
 use super::simulate::SimulateArgs;
 
-/// How the ranks share the work.
+/// Options for sharing work among ranks.
 #[derive(Debug, Args)]
 pub struct SharingArgs {
     /// Work that the ranks share; the picture has the same bytes in any case.
@@ -87,7 +87,7 @@ pub struct Offer {
     pub share: Share,
     /// Expected seconds of all frames; `None` if the work cannot be shared in this way.
     pub seconds: Option<f64>,
-    /// Why.
+    /// Reason for the estimate, or why the work cannot be shared in this way.
     pub why: String,
 }
 

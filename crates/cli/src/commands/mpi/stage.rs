@@ -24,7 +24,7 @@ use crate::commands::loaded::Resolved;
 use crate::commands::session::Session;
 use crate::legend;
 
-/// How long a rank works at least where some windows are handed out on demand, in seconds: for each, points are picked,
+/// Least work of a rank, in seconds, for which some regions are handed out on demand: for each, points are picked,
 /// sent to the device and projected anew, about 50 ms on a CPU.
 const WORTH_DEMAND: f64 = 5.0;
 
@@ -207,7 +207,8 @@ pub fn parted(total: u32, step: u32, ranks: usize, more: Option<(usize, f64)>) -
     cut(0, kept, ranks).chain(others).map(of_steps).collect()
 }
 
-/// How many windows each of so many ranks may get on demand, and which share of the work they have together.
+/// Returns the number of regions that each of so many ranks may get on demand, and the share of the work that they have
+/// together.
 pub fn on_demand(job: &Job, ranks: usize) -> (usize, f64) {
     if ranks > 1 && job.alone() / ranks as f64 >= WORTH_DEMAND { (ON_DEMAND, REST) } else { (0, 0.0) }
 }

@@ -14,7 +14,7 @@ use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
 use x11rb::{COPY_DEPTH_FROM_PARENT, COPY_FROM_PARENT, CURRENT_TIME};
 
-/// How long the window may take to answer.
+/// Longest time that the window may take to answer.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A program on a display.
@@ -112,7 +112,7 @@ impl Client {
         [geometry.width, geometry.height]
     }
 
-    /// Where the window is on the screen.
+    /// Position of the window on the screen.
     pub fn position(&self, window: u32) -> [usize; 2] {
         let place = self.connection.translate_coordinates(window, self.root, 0, 0).unwrap().reply().unwrap();
         [place.dst_x, place.dst_y].map(|x| x.try_into().unwrap())

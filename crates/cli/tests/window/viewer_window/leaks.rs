@@ -22,7 +22,7 @@ struct Holdings {
 }
 
 impl Holdings {
-    /// At rest.
+    /// Measures the resources while the window is at rest.
     fn measure(window: &mut Window) -> Self {
         let process = Path::new("/proc").join(window.process.id().to_string());
         let device_memory = window.wait_for("device memory: ");

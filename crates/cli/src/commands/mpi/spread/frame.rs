@@ -48,7 +48,7 @@ pub fn order(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<Ve
 /// The first rank's turn: its own windows, and those of all put together.
 ///
 /// # Errors
-/// Those of rendering.
+/// Errors of rendering.
 pub fn lead(stage: &mut Stage, turn: &mut Turn<'_>, rounds: &[Vec<Window>]) -> Result<Whole> {
     let Stage { resolved, session, spread, .. } = stage;
     let Some(spread) = spread else { return Ok(None) };
@@ -69,7 +69,7 @@ impl Own<'_> {
     /// Renders this rank's windows of all rounds into one image; `None` if all are empty.
     ///
     /// # Errors
-    /// Those of rendering.
+    /// Errors of rendering.
     pub fn rounds(&mut self, turn: &mut Turn<'_>, rounds: &[Vec<Window>]) -> Result<Option<Rendered>> {
         let mut whole: Option<Rendered> = None;
         for windows in rounds {

@@ -35,7 +35,7 @@ use crate::commands::session::Session;
 /// Bytes of a message with points, about: with that many the next message begins.
 const PIECE: usize = 16 << 20;
 
-/// How points are held.
+/// Options for distributing points over ranks.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct SpreadArgs {
     /// Distribute the points over the memory of the ranks.
@@ -59,7 +59,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// How the points were dealt, for people.
+    /// Describes the distribution of points, for people.
     pub fn described(&self) -> String {
         let points: Vec<String> = self.dealt.iter().map(u64::to_string).collect();
         let mib = self.sent as f64 / f64::from(1 << 20);

@@ -32,7 +32,7 @@ struct Worker {
 /// Does what the first rank orders until that has nothing more to do.
 ///
 /// # Errors
-/// Those of the device and of rendering.
+/// Errors of the device and of rendering.
 pub fn serve(device: &DeviceArgs, ranks: &Ranks) -> Result<ExitCode> {
     let (mut worker, mut portion) = (None, Portion::default());
     loop {
