@@ -1,4 +1,4 @@
-//! How good the choice of `--max-error` and `--budget` is: against an exhaustive search.
+//! Quality of the choice for `--max-error` and `--budget`: against an exhaustive search.
 //!
 //! ```sh
 //! cargo bench --bench choice                            # the built-in scenes

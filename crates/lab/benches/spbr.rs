@@ -1,4 +1,4 @@
-//! How fast ensembles of points are drawn, against the same points in the rasterizer.
+//! Speed of drawing ensembles of points, against the same points in the rasterizer.
 //!
 //! ```sh
 //! cargo bench --bench spbr                          # 10 million points
@@ -95,7 +95,7 @@ fn run(count: usize) -> Result<()> {
     Ok(())
 }
 
-/// Both methods; the opacity of the points in [`dealt`] makes k = 1 for L = 100.
+/// Returns both methods; the opacity of the points in [`dealt`] makes k = 1 for L = 100.
 fn methods(ensembles: u32) -> [Method; 2] {
     [
         Method::SpbrSimplified(SpbrSimplified { ensembles, ..SpbrSimplified::default() }),

@@ -1,4 +1,4 @@
-//! What waiting for counts and timing of passes cost a frame.
+//! Cost of waiting for counts and of timing passes, per frame.
 //!
 //! ```sh
 //! cargo bench --bench waits                            # random discs in two sizes of image, every method

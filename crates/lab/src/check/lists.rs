@@ -24,7 +24,7 @@ pub(super) fn with_peel() -> Vec<Method> {
     Family::Discs.methods().filter(|method| method.is_exact(false)).collect()
 }
 
-/// Those that keep every fragment, and don't process all points once for each layer.
+/// Returns the exact methods that keep every fragment, and don't process all points once for each layer.
 pub(super) fn exact() -> Vec<Method> {
     with_peel().into_iter().filter(|method| method.key("layers").is_none()).collect()
 }

@@ -65,13 +65,13 @@ fn as_composed(stage: &mut Stage, method: Method, dots: &[Dot], wanted: [f64; 4]
     Ok(Finding { error: apart(&found, &wanted), bound: bound(&wanted), naive: Computed(naive) })
 }
 
-/// What comes is behind all that is there, so that the last node is a part of the exact pixel from behind.
+/// Checks fragments that arrive front to back, so that the last node is exact.
 fn from_near(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = faint();
     as_composed(stage, method, &dots, composed(&dots))
 }
 
-/// What comes is before all that is there, and the farthest nodes are merged in their order.
+/// Checks fragments that arrive back to front: the farthest nodes are merged in their order.
 fn from_far(stage: &mut Stage, method: Method) -> CaseResult {
     let mut dots = faint();
     let wanted = composed(&dots);

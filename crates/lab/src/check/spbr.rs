@@ -175,7 +175,7 @@ fn independent(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding { error: (found / wanted - 1.0).abs(), bound, naive: Computed((naive / wanted - 1.0).abs()) })
 }
 
-/// One point in the middle of each pixel.
+/// Returns a point in the middle of each pixel.
 fn grid(opacity: f32) -> Dealt {
     let points = Points {
         positions: (0..4096).map(|i| at(i % 64, i / 64, 10.0)).collect(),

@@ -84,7 +84,7 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 const LAYERS: [(Vec3, f32); 5] =
     [(Vec3::X, 0.3), (Vec3::Y, 0.45), (Vec3::Z, 0.2), (Vec3::X, 0.7), (Vec3::new(0.0, 1.0, 1.0), 0.6)];
 
-/// One pixel of layers on the host, with another rule for the random words of a layer and a stratum.
+/// Computes a pixel of layers on the host, with another rule for the random words of a layer and a stratum.
 fn on_host(layers: &[(Vec3, f32)], samples: u32, words: impl Fn(u32, u32) -> u32) -> [f32; 4] {
     let fragment = |i: usize| Fragment { z: 1.0 + i as f64, index: i as u32, alpha: layers[i].1.into() };
     let list: Vec<Fragment> = (0..layers.len()).map(fragment).collect();
@@ -180,7 +180,7 @@ fn through_on_host(samples: u32, words: impl Fn([u32; 2], u32, u32) -> u32) -> V
     (0..1024).map(pixel).collect()
 }
 
-/// One or two samples of four, equally often.
+/// Opacity that covers one or two samples of four, equally often.
 const OPACITY: f32 = 0.375;
 
 /// The largest correlation of an image with itself some pixels away, in standard errors.

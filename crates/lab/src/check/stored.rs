@@ -180,7 +180,7 @@ fn rendered(stage: &mut Stage, arranged: &Arranged, frame: &Frame) -> Result<Ima
     Ok(stage.renderer.render(&mut cloud, frame)?.image)
 }
 
-/// How many values of two images have other bits.
+/// Returns the number of values of two images that differ in their bits.
 fn differing(a: &Image, b: &Image) -> f64 {
     let bits = |image: &Image| -> Vec<u32> {
         let colors = image.rgba.iter().flatten().map(|value| value.to_bits());

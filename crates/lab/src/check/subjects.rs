@@ -37,7 +37,7 @@ pub struct Subject {
     pub frame: Frame,
 }
 
-/// Which order of the input an image follows, by the definition of its method.
+/// Order of the input that an image follows, by the definition of its method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Follows {
     /// Nothing: points and clouds may be in any order.
@@ -50,7 +50,7 @@ pub enum Follows {
 }
 
 impl Subject {
-    /// Which order of the input shows.
+    /// Returns the order of the input on which the image depends.
     pub fn follows(&self) -> Follows {
         match self.frame.method {
             Method::Unsorted(_) | Method::Mlab(_) => Follows::Points,
@@ -71,7 +71,7 @@ impl Subject {
     /// Renders it from the beginning: orders and uploads the points, too.
     ///
     /// # Errors
-    /// As of [`Renderer::render`].
+    /// Errors of [`Renderer::render`].
     pub fn render(&self, renderer: &mut Renderer) -> Result<Rendered, Error> {
         self.render_arranged(renderer, &self.arranged())
     }
@@ -79,7 +79,7 @@ impl Subject {
     /// Renders it from what [`Self::arranged`] returned.
     ///
     /// # Errors
-    /// As of [`Renderer::render`].
+    /// Errors of [`Renderer::render`].
     pub fn render_arranged(&self, renderer: &mut Renderer, arranged: &Arranged) -> Result<Rendered, Error> {
         let mut cloud = renderer.upload_arranged(arranged)?;
         renderer.render(&mut cloud, &self.frame)

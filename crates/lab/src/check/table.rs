@@ -7,7 +7,7 @@ use super::{Case, Finding, Naive, Verdict, released};
 pub struct Group {
     /// The part of the name behind the method's.
     pub case: String,
-    /// Its description.
+    /// Description of the group.
     pub about: &'static str,
     /// The methods, in the order of the cases.
     pub methods: Vec<String>,

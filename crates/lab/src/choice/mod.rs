@@ -52,7 +52,7 @@ impl Wish {
         self.max_error.is_some() || self.budget_ms.is_some()
     }
 
-    /// Where limits have no effect, and why, for a scene of these points; `None` if they have one.
+    /// Returns the reason why limits have no effect for a scene of these points; `None` if they have one.
     pub fn hindrance(scene: &Scene, points: &Points) -> Option<String> {
         let taken = plan::resolve(scene.method, points).0;
         let stays = format!("{} stays the method", taken.name());
@@ -84,7 +84,7 @@ pub struct Subject<'a> {
 /// Measurements of a setting.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
-    /// Against the exact method, on this image.
+    /// RMSE against the exact method, on this image.
     pub rmse: f64,
     /// Median device time of a frame.
     pub gpu_ms: f64,
@@ -99,7 +99,7 @@ pub struct Choice {
     pub detail: Detail,
     /// The setting as options of the command line would give it; empty for the defaults.
     pub setting: String,
-    /// Its measurements.
+    /// Measurements of the setting.
     pub figures: Figures,
     /// The wish.
     pub wish: Wish,
@@ -168,7 +168,7 @@ pub fn choose(
     Ok(Choice { method, detail, setting: text, figures, wish, warning, best, known, frames })
 }
 
-/// Why nothing could be chosen.
+/// Returns the error that says why nothing could be chosen.
 fn none(only: Option<&str>, refusal: Option<methods::Error>) -> pellucid_engine::Error {
     let unknown = || {
         scene::Error::Usage(format!(

@@ -13,9 +13,9 @@ const NO_PICTURE: f64 = 0.1;
 pub struct Row {
     /// Method and setting.
     pub name: String,
-    /// Its measurements.
+    /// Measurements of the setting.
     pub figures: Figures,
-    /// By how much its slowest frame was slower than its fastest one, relative to that; `None` for a single frame.
+    /// Difference between the slowest and the fastest frame, relative to the fastest; `None` for a single frame.
     pub spread: Option<f64>,
     /// True if the spread tells of a busy machine.
     pub busy: bool,

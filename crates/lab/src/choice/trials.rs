@@ -26,7 +26,7 @@ const FRAMES: usize = 7;
 const SLOW_FRAMES: usize = 3;
 /// Timed frames of a first look at a setting.
 const LOOKS: usize = 2;
-/// How much slower than the best so far a setting may be at first and still get a second trial.
+/// Ratio to the best time so far up to which a setting gets a second trial.
 const CLOSE: f64 = 1.4;
 /// Folder of the cache.
 const KIND: &str = "choices";
@@ -51,7 +51,8 @@ impl Record {
         Figures { rmse: self.rmse, gpu_ms }
     }
 
-    /// How far apart its times are, relative to the fastest frame; `None` for a single one.
+    /// Returns the difference between the slowest and the fastest frame, relative to the fastest; `None` for a single
+    /// one.
     fn spread(&self) -> Option<f64> {
         let most = self.gpu_ms.iter().copied().fold(0.0, f64::max);
         (self.gpu_ms.len() > 1).then(|| most / self.least() - 1.0)
@@ -84,8 +85,8 @@ struct CachedRecords {
 }
 
 impl CachedRecords {
-    /// What is worth keeping: not what was measured on a busy machine, but for settings that were chosen: a wish keeps
-    /// its choice.
+    /// Returns the records without those measured on a busy machine, except those of a chosen setting: a constraint
+    /// keeps its choice.
     fn kept(&self) -> Self {
         let is_chosen = |key: &String| self.chosen.values().any(|chosen| chosen == key);
         let mut kept = self.clone();

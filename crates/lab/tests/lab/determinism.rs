@@ -1,4 +1,5 @@
-//! Same input, same bytes, for every method: over runs, orders of the input, budgets, and ways to cut the work.
+//! Determinism: the same input gives the same bytes with every method, over runs, orders of the input, budgets, and
+//! ways to cut the work.
 //!
 //! The tests of single methods say more about each; this one goes through the list of all of them, so that none is
 //! forgotten. `cargo test --test lab determinism -- --ignored` repeats everything 20 times.
@@ -80,7 +81,7 @@ fn key(stem: &str, variant: &Variant) -> String {
     format!("{stem}: {}", pellucid_engine::key_without_numbers(variant))
 }
 
-/// Those of some variants that no stage lists, so that the tests of shaders don't go through them.
+/// Returns the variants that no stage lists, so that the tests of shaders don't go through them.
 fn unlisted(ran: &[(&'static str, Variant)]) -> Vec<String> {
     let shaders = pellucid_engine::shaders().into_iter().chain(gpu::shaders());
     let keys = |shader: gpu::shader::Shader| {
@@ -228,7 +229,7 @@ fn the_same_bytes_however_the_work_is_cut() {
     });
 }
 
-/// What a GPU prefers, on whatever device there is.
+/// Compares the work shapes that a CPU and a GPU prefer, on whatever device there is.
 #[test]
 fn the_same_bytes_whatever_shape_of_work_a_device_prefers() {
     let mut all = Vec::new();
@@ -258,7 +259,7 @@ fn streamed(device: &Device, all: &[Baseline], wrong: &mut Wrong) {
     }
 }
 
-/// Other atomics, ensembles in two stages and with few epochs, images without lists.
+/// Compares with other atomics, with ensembles in two stages and with few epochs, and images without lists.
 fn otherwise(device: &Device, all: &[Baseline], wrong: &mut Wrong) {
     type Change = fn(&mut Renderer);
     let changes: [(&str, Change); 3] = [

@@ -10,13 +10,13 @@ use pellucid_engine::scene::{Method, Wavelet};
 /// Discs of one depth, color and opacity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Layer {
-    /// From the eye.
+    /// Distance from the eye.
     pub depth: f32,
     /// Linear RGB.
     pub color: Vec3,
-    /// Of each of them.
+    /// Opacity of each disc.
     pub opacity: f32,
-    /// How many.
+    /// Number of discs.
     pub count: u32,
 }
 

@@ -95,7 +95,7 @@ pub(super) fn around_the_eye(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding { error: apart(&found[3..], &[wanted]), bound, naive })
 }
 
-/// Of a centimeter, at coordinates of a projected map.
+/// Checks two ellipsoids of a centimeter, at coordinates of a projected map.
 pub(super) fn georeferenced(stage: &mut Stage, method: Method) -> CaseResult {
     let offset = DVec3::new(4_478_000.0, 5_413_000.0, 431.0);
     let settings = GaussianSettings { kernel: Kernel::Ellipsoid, alpha_max: 1.0, ..GaussianSettings::default() };

@@ -121,7 +121,7 @@ pub(super) fn flat(stage: &mut Stage, method: Method) -> CaseResult {
     by_both(stage, method, before(5.0, 45.0), &splats, 300)
 }
 
-/// By both kernels; naively along rays.
+/// Checks both kernels; the naive formula works along rays.
 pub(super) fn by_both(stage: &mut Stage, method: Method, camera: Camera, splats: &[Splat], least: usize) -> CaseResult {
     let mut shares = Shares::NOTHING;
     for kernel in KERNELS {

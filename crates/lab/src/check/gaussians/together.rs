@@ -29,7 +29,7 @@ pub struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// Its pixels.
+    /// Pixels of the scene's float64 reference.
     pub fn pixels(&self) -> Vec<[f64; 4]> {
         let Self { view: View { camera, size, settings }, points, color } = self;
         let colors: Vec<DVec3> = shading::shade(points, camera, &Shading::NONE, *color);

@@ -1,4 +1,4 @@
-//! One sphere or one disc: densities, distances of the ray and radii at their limits.
+//! Cases of a single sphere or a single disc: densities, distances of the ray and radii at their limits.
 
 use std::f64::consts::{E, PI};
 

@@ -90,7 +90,7 @@ fn large() -> Points {
     cloud(4, &Recipe { count: 6, position, radius: [1.2, 1.8], opacity: [0.1, 0.3] })
 }
 
-/// For methods whose time grows with the longest list.
+/// Returns clouds for methods whose time grows with the longest list.
 pub(super) fn few() -> Vec<Points> {
     vec![ball(700), floor(300), knot(60), large()]
 }

@@ -1,4 +1,4 @@
-//! Which methods are followed, and against which.
+//! Choice of the methods that are followed, and of the exact method for each.
 
 use pellucid_engine::plan;
 use pellucid_engine::points::Points;
@@ -9,7 +9,7 @@ use pellucid_engine::scene::{Discs, Family, GaussianSettings, Method, Order};
 pub struct Candidate {
     /// The method to render.
     pub method: Method,
-    /// As options of the command line would give it, beside `--method`; empty for the scene's own.
+    /// Setting as options of the command line would give it, in addition to `--method`; empty for the scene's own.
     pub setting: String,
 }
 

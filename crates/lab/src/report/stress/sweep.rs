@@ -121,7 +121,7 @@ impl Place {
         Skipped { workload, side, layers, method: method.name(), reason }
     }
 
-    /// Why this cell is too much for a method, if it is.
+    /// Returns the reason why this cell is too much for a method, if it is.
     fn limit(self, settings: &Settings, sweep: &Sweep, method: Method) -> Option<String> {
         let (fragments, most) = (self.fragments(), settings.max_fragments);
         if fragments > most {

@@ -1,4 +1,4 @@
-//! Which settings apply to a scene, and why the others don't.
+//! Choice of the settings that apply to a scene, with reasons for the others.
 
 use super::Skipped;
 use super::settings::{Formation, Ladders, Occasion, Setting};
@@ -171,7 +171,7 @@ fn value_of(text: &str) -> scene::Setting {
     }
 }
 
-/// Why a setting would draw nothing else, or can't draw this.
+/// Returns the reason why a setting would draw nothing else, or can't draw this scene.
 fn pointless(occasion: &Occasion, method: &Method, also: &str) -> Option<String> {
     let longest = occasion.max_list;
     match (also, method.soft()) {
@@ -185,7 +185,7 @@ fn pointless(occasion: &Occasion, method: &Method, also: &str) -> Option<String>
     }
 }
 
-/// Why a family of methods is not compared with an image formation.
+/// Returns the reason why a family of methods is not compared with an image formation.
 fn why_not(formation: &Formation, family: Family) -> &'static str {
     match (formation, family) {
         (Formation::Ensembles(_), Family::Discs) => {

@@ -47,7 +47,7 @@ pub(super) fn draw(report: &Tradeoff) -> Result<Vec<Drawn>, output::Error> {
     drawn.map(svg).collect()
 }
 
-/// How popping is drawn.
+/// Scales of the figures of popping.
 const POPPING: Scale = Scale { label: "change of the error, RMSE", floor: RMSE_FLOOR, value: |frame| frame.rmse };
 const POPPING_FLIP: Scale = Scale { label: "change of the error, FLIP", floor: FLIP_FLOOR, value: |frame| frame.flip };
 
@@ -104,7 +104,7 @@ fn step(row: &Row) -> f64 {
     row.step.as_ref().map_or(f64::NAN, |(_, value)| *value)
 }
 
-/// Which name of the legend a method has; all methods are among the names.
+/// Returns the index of a method in the names of the legend; all methods are among them.
 fn index(names: &[String], method: &str) -> usize {
     names.iter().position(|name| name == method).unwrap_or(0)
 }

@@ -38,7 +38,7 @@ pub struct Errors {
     pub rmse: f64,
     /// Squared difference over the reference's squares (Uchida et al. 2020, Eq. 10).
     pub nmse: f64,
-    /// In decibels; infinite for equal images (`null` in JSON).
+    /// Peak signal-to-noise ratio in decibels; infinite for equal images (`null` in JSON).
     pub psnr: Option<f64>,
     /// Range [−1, 1]; 1 for equal images.
     pub ssim: f64,
@@ -69,7 +69,7 @@ pub struct Repeats {
 pub struct Row {
     /// The method's name.
     pub method: String,
-    /// Its setting as options of the command line would give it, as in `method.samples=64`; empty for the defaults.
+    /// Setting as options of the command line would give it, as in `method.samples=64`; empty for the defaults.
     pub setting: String,
     /// The ladder's key and its value, as in `("samples", 64.0)`; `None` for a method without a ladder.
     pub step: Option<(String, f64)>,
@@ -79,7 +79,7 @@ pub struct Row {
     pub stochastic: bool,
     /// Device time of all passes; frames of all settings alternate.
     pub gpu_ms: Spread,
-    /// From the first submission to the end of read-back, on the host's clock.
+    /// Time from the first submission to the end of read-back, on the host's clock.
     pub wall_ms: Spread,
     /// Frames behind the medians.
     pub frames: usize,
@@ -87,8 +87,8 @@ pub struct Row {
     pub peak_device_bytes: u64,
     /// Bytes of the fragment buffer; 0 for methods without one.
     pub fragment_bytes: u64,
-    /// Against the reference; for stochastic methods the root of the mean square (rmse) or means (the others) over the
-    /// seeds.
+    /// Errors against the reference; for stochastic methods the root of the mean square (rmse) or means (the others)
+    /// over the seeds.
     pub errors: Errors,
     /// Only for stochastic methods.
     pub repeats: Option<Repeats>,
@@ -99,7 +99,7 @@ pub struct Row {
     pub holes: Option<f64>,
     /// RMSE of those pixels alone. It measures a surface's detail, and not how far splats extend beyond its outline.
     pub rmse_inside: Option<f64>,
-    /// How the error of an approximation looks; `None` of what is exact, and of opaque points.
+    /// Parts of an approximation's error; `None` for exact images and for opaque points.
     #[serde(default)]
     pub look: Option<Look>,
     /// True if no other row is at least as fast and as accurate, and better in one of the two.
@@ -123,7 +123,7 @@ pub struct Skipped {
     pub method: String,
     /// The setting's text, as in [`Row`].
     pub setting: String,
-    /// Why.
+    /// Reason for the omission.
     pub reason: String,
     /// True if it would have taken too long; another limit of time may let it in.
     pub for_time: bool,
@@ -160,7 +160,7 @@ pub struct Finding {
 pub struct Reference {
     /// The exact method that made it, and if it did so in float64.
     pub method: String,
-    /// Its file name.
+    /// File name of the reference's picture.
     pub picture: String,
     /// Pixels of it that were compared with the float64 reference, chosen at random; 0 of an image that is float64
     /// itself.
@@ -217,11 +217,11 @@ pub struct Surveyed {
 /// Shadows of an area light, with the scene's own method.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Shaded {
-    /// Its name.
+    /// Name of the method.
     pub method: String,
     /// Samples of the light in the image that the others are compared with.
     pub reference_samples: u32,
-    /// In ascending order of samples.
+    /// Steps in ascending order of samples.
     pub steps: Vec<ShadedStep>,
 }
 
@@ -278,7 +278,7 @@ pub struct Tradeoff {
     pub rows: Vec<Row>,
     /// The skipped settings.
     pub skipped: Vec<Skipped>,
-    /// One entry for each method with at least three rows on its ladder.
+    /// Convergence of each method with at least three rows on its ladder.
     pub convergence: Vec<Convergence>,
     /// Statements of papers on the methods, with the measured values.
     pub findings: Vec<Finding>,

@@ -56,7 +56,7 @@ pub(super) struct Content {
     pub sittings: u32,
     pub reference: Option<Reference>,
     pub shaded: Option<Shaded>,
-    /// Of Gaussian splats.
+    /// Causes of the error of Gaussian splats.
     #[serde(default)]
     pub causes: Vec<Cause>,
     /// Keyed by [`super::settings::Setting::key`].
@@ -86,7 +86,7 @@ impl Partial {
         Self { folder: folder.to_owned(), content }
     }
 
-    /// After every frame, so that it doesn't wait for the disk.
+    /// Saves the results; called after every frame, so that it doesn't wait for the disk.
     pub fn save(&self) -> Result<(), output::Error> {
         let path = self.folder.join(NAME);
         let staged = Staged::write_quickly(&path, |file| {

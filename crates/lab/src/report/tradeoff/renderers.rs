@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{Error, Renderer};
 
-/// One renderer for each method if memory allows, so that no method frees another's buffers; else one for all.
+/// Renderers, a separate one for each method if memory allows, so that no method frees another's buffers; else one for
+/// all.
 pub(crate) struct Renderers {
     device: Device,
     each: bool,

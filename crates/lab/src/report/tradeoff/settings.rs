@@ -39,12 +39,12 @@ impl Formation {
     }
 }
 
-/// How many values of each key are compared.
+/// Number of values of each key that are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Detail {
     /// The settings of a report.
     Full,
-    /// For a first look and for CI.
+    /// Fewer settings, for a first look and for CI.
     Quick,
     /// The settings that a choice considers.
     Fine,
@@ -53,7 +53,7 @@ pub enum Detail {
 /// The steps of every ladder, ascending.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ladders {
-    /// Which values of the keys of methods.
+    /// Number of values of the methods' keys.
     pub detail: Detail,
     /// `size` of opaque splats.
     pub sizes: &'static [f64],
@@ -108,7 +108,7 @@ impl Ladders {
 pub struct Occasion {
     /// The image formation.
     pub formation: Formation,
-    /// For discs: true if every fragment is opaque.
+    /// True if every fragment is opaque, for discs.
     pub opaque: bool,
     /// True if splats have a depth for each pixel.
     pub oriented: bool,
@@ -145,9 +145,9 @@ pub struct Setting {
     pub series: String,
     /// The quantity that the time grows with along the series.
     pub effort: Option<f64>,
-    /// For opaque points, draw every n-th; 1 means all.
+    /// Thinning of opaque points: every n-th is drawn; 1 means all.
     pub thinning: u32,
-    /// Which points are left out by how fine they are.
+    /// Level of detail: leaves points out by how fine they are.
     pub detail: scene::Detail,
 }
 
@@ -175,7 +175,7 @@ impl Setting {
         Self::level(method, ("detail.spacing_px", spacing_px.into()), effort, detail, rest)
     }
 
-    /// At most so many points.
+    /// Returns the setting that draws at most so many points.
     pub(super) fn limited(method: Method, max_points: u32, rest: &str) -> Self {
         let detail = scene::Detail { max_points: Some(max_points), ..Default::default() };
         Self::level(method, ("detail.max_points", max_points.into()), max_points.into(), detail, rest)
@@ -240,8 +240,8 @@ pub fn formation(method: &Method, points: &Points) -> Result<Formation, scene::E
     }
 }
 
-/// Like [`formation`], but returns [`Formation::Surfaces`] for methods of opaque points, whose images differ but show
-/// the same surfaces.
+/// Returns the image formation like [`formation`], but [`Formation::Surfaces`] for methods of opaque points, whose
+/// images differ but show the same surfaces.
 ///
 /// # Errors
 /// A method of one transparent layer, or of layers of points.

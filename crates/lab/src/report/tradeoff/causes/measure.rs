@@ -26,13 +26,13 @@ use crate::report::tradeoff::{DIFFERENCE_GAIN, Skipped};
 pub(in super::super) struct Effort<'a> {
     /// The exact frame, of `abuffer`.
     pub frame: &'a Frame,
-    /// Its image.
+    /// Image of the exact frame.
     pub reference: &'a LinearImage,
     /// Linear RGB.
     pub background: Vec3,
     /// All points.
     pub arranged: &'a Arranged,
-    /// Where the pictures of differences come.
+    /// Folder for the pictures of differences.
     pub folder: &'a Path,
     /// Seconds after which no further image is begun.
     pub seconds: f64,

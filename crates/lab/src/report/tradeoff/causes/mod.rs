@@ -21,8 +21,8 @@ pub struct Cause {
     /// The change as an option of the command line would give it, as in `method.order=center`; empty for the exact
     /// image itself.
     pub setting: String,
-    /// What the changed image is compared with, in the same form, beside the scene's own settings; empty for the exact
-    /// image.
+    /// Setting that the changed image is compared with, in the same form, in addition to the scene's own settings;
+    /// empty for the exact image.
     pub against: String,
     /// Meaning of the figures, in one sentence.
     pub meaning: String,

@@ -1,5 +1,5 @@
-//! How the error of an approximation looks: which part of it is an even shift, hidden colors that come through, shapes,
-//! or noise; and where it is worst.
+//! Parts of an approximation's error: an even shift, hidden colors that come through, shapes and noise; and the place
+//! where it is worst.
 
 mod measure;
 mod page;
@@ -30,7 +30,7 @@ pub struct Look {
     pub ghost: f64,
     /// The share of the rest that does not.
     pub noise: f64,
-    /// Where it is worst.
+    /// Square in which the error is worst.
     pub worst: Worst,
 }
 
@@ -41,9 +41,9 @@ pub struct Worst {
     pub x: u32,
     /// Row of its upper side.
     pub y: u32,
-    /// Its side in pixels.
+    /// Side of the square in pixels.
     pub side: u32,
-    /// Its share of the squared error of the image.
+    /// Share of the square in the squared error of the image.
     pub share: f64,
 }
 

@@ -52,7 +52,7 @@ pub(super) fn left(end: Instant, now: Instant, all: f64) -> f64 {
     end.saturating_duration_since(now).as_secs_f64() - REPORT_SHARE * all
 }
 
-/// Why a setting that needs so many seconds is left out, if it is.
+/// Returns the reason why a setting that needs so many seconds is left out, if it is.
 pub(super) fn refusal(needed: f64, left: f64, all: f64) -> Option<String> {
     (needed > left).then(|| {
         let left = left.max(0.0);

@@ -1,4 +1,4 @@
-//! How the error of an approximation looks, against an image whose fragments have no order.
+//! Measures the parts of an approximation's error, against an image whose fragments have no order.
 
 use pellucid_engine::Result;
 use pellucid_engine::image::LinearImage;
@@ -11,7 +11,7 @@ use crate::report::tradeoff::looks::{Exact, look};
 use crate::report::tradeoff::settings::{Formation, Setting};
 
 impl Run<'_> {
-    /// How the error of a setting's image looks; `None` of exact ones and of opaque points.
+    /// Returns the parts of the error of a setting's image; `None` for exact ones and for opaque points.
     pub(super) fn look(&mut self, setting: &Setting, image: &LinearImage) -> Result<Option<Look>> {
         if setting.is_exact(&self.occasion) || self.made.covered.is_empty() {
             return Ok(None);

@@ -21,7 +21,7 @@ const MAX_SAMPLES: u64 = 1 << 25;
 /// A picture of the surfaces.
 #[derive(Debug, Clone, PartialEq)]
 pub(in super::super) struct Supersampled {
-    /// Over the background, in linear light: the means over each pixel's samples.
+    /// Image over the background, in linear light: the means over each pixel's samples.
     pub image: LinearImage,
     /// The pixels the surfaces cover.
     pub silhouette: Silhouette,
@@ -100,9 +100,9 @@ pub(in super::super) struct Silhouette {
 }
 
 impl Silhouette {
-    /// From an image with `factor` × `factor` samples per pixel: the pixels whose samples are all covered, and whose
-    /// eight neighbors in the image are, too. Splats extend over the rim of a surface by a part of their radius, so
-    /// only pixels at least one pixel inside the rim certainly show the surface.
+    /// Returns the silhouette of an image with `factor` × `factor` samples per pixel: the pixels whose samples are all
+    /// covered, and whose eight neighbors in the image are, too. Splats extend over the rim of a surface by a part of
+    /// their radius, so only pixels at least one pixel inside the rim certainly show the surface.
     fn from_image(image: &Image, factor: u32) -> Self {
         let (width, height) = ((image.width / factor) as usize, (image.height / factor) as usize);
         let (pitch, side) = (image.width as usize, factor as usize);
