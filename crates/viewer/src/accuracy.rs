@@ -26,7 +26,7 @@ pub enum Standing {
 }
 
 impl Standing {
-    /// For a method that is applied to these points.
+    /// Returns the exactness of a method that is applied to these points.
     pub fn for_method(method: &Method, points: &Points) -> Self {
         let exact = method.is_exact(plan::may_cross(method, points));
         match plan::exact(method, points) {
@@ -41,11 +41,11 @@ impl Standing {
 /// A picture of a view as its table of accuracy has it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rung {
-    /// Its description within the whole.
+    /// Description of the draft.
     pub name: String,
     /// Milliseconds that it took.
     pub ms: f64,
-    /// Its standard error in linear light, if that was found.
+    /// Standard error in linear light, if that was found.
     pub standard_error: Option<f64>,
     /// RMSE in linear light against the best available picture of the view.
     pub rmse: Option<f64>,

@@ -147,7 +147,7 @@ fn ends(values: impl ParallelIterator<Item = f64>) -> [f64; 2] {
 pub struct FieldFacts {
     /// Number of points in each of [`BINS`] equal parts of [0, 1].
     pub histogram: Arc<[u64]>,
-    /// How many points lie on each side of the threshold.
+    /// Number of points on each side of the threshold.
     pub parts: Parts,
 }
 

@@ -75,7 +75,7 @@ impl SceneImage<'_> {
         self.size != self.scene.image.size
     }
 
-    /// Its pixels over the background, as many as the scene says, row by row: values of the color space in force.
+    /// Composes pixels over the background, as many as the scene says, row by row: values of the color space in force.
     pub fn composed(&self, rgba: &[[f32; 4]]) -> Vec<[f32; 3]> {
         let image = &self.scene.image;
         let background = pellucid_engine::output::background(image.background, image.color_space());
@@ -84,7 +84,7 @@ impl SceneImage<'_> {
     }
 }
 
-/// Makes the bytes of pictures for a screen, on the device where the colors are there.
+/// Encodes pictures for display, on the GPU if the colors are resident there.
 pub struct ScreenEncoder {
     encoder: Encoder,
     display: Display,
@@ -93,7 +93,7 @@ pub struct ScreenEncoder {
 }
 
 impl ScreenEncoder {
-    /// For a screen of a device.
+    /// Makes an encoder for a screen of a device.
     ///
     /// # Errors
     /// Vulkan errors.

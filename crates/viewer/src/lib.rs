@@ -77,7 +77,7 @@ pub struct Options {
     pub path: Option<(PathBuf, Source)>,
 }
 
-/// Why there is no window.
+/// Reason why there is no window.
 #[derive(Debug, thiserror::Error)]
 #[error("can't open a window: {reason}; `pellucid render` writes a picture without one")]
 pub struct NoDisplay {

@@ -167,7 +167,8 @@ impl Navigator {
         }
     }
 
-    /// How far an orthographic eye must move back to have all of the scene in front of it; the picture doesn't change.
+    /// Returns the distance by which an orthographic eye must move back to have all of the scene in front of it; the
+    /// picture doesn't change.
     fn retreat(&self) -> f64 {
         let [.., forward] = self.axes();
         let center = (self.subject.bounds.center() - self.eye).dot(forward);

@@ -13,7 +13,7 @@ use super::census::Census;
 pub enum Clouds {
     /// All of their points are in memory.
     Held(Vec<Cloud>),
-    /// They stay in their files: memory is too small.
+    /// Clouds that stay in their files: memory is too small.
     Stored(Stores),
 }
 

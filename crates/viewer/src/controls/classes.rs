@@ -20,9 +20,9 @@ pub struct ClassLook {
 /// A key of a class.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ClassKey {
-    /// Its opacity, from 0 to 1.
+    /// Opacity of the class, from 0 to 1.
     Opacity(f64),
-    /// Its color, linear.
+    /// Color of the class, linear.
     Color([f64; 3]),
     /// `true` if its points are drawn.
     Visible(bool),

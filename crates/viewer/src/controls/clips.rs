@@ -5,7 +5,7 @@ use glam::DVec3;
 use pellucid_engine::cloud::Bounds;
 use pellucid_engine::scene::{Change, Clip, ClipShape, Setting};
 
-/// How far a new box stays inside the points, as a share of their extent, so that its faces can be seen and held.
+/// Margin of a new box inside the points, as a share of their extent, so that its faces can be seen and held.
 const INSET: f64 = 0.01;
 
 /// The most decimals that coordinates are rounded to.
@@ -134,7 +134,7 @@ mod tests {
         assert!(min.cmple(max).all(), "still a box: {min} {max}");
     }
 
-    /// Of each axis by its own extent: the others may be much longer.
+    /// Checks that the margin of each axis follows its own extent: the others may be much longer.
     #[test]
     fn flat_points_stay_inside_what_is_made_for_them() {
         let z = 0.123_456;

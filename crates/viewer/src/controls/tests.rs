@@ -10,7 +10,7 @@ fn document(method: &str) -> Document {
     Document::from_toml(&text, "s.toml".as_ref(), &Overrides::default()).unwrap()
 }
 
-/// Both ends of a control.
+/// Returns the least and the largest value of a control.
 fn ends(control: Control) -> Vec<Setting> {
     match control {
         Control::Slider(from, to) | Control::Powers(from, to) => vec![Setting::Number(from), Setting::Number(to)],

@@ -1,4 +1,4 @@
-//! Which tasks are requested and when, and which files are saved.
+//! Tests of the tasks that are requested, of their times, and of the files that are saved.
 
 use std::path::Path;
 

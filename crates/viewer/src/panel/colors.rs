@@ -80,7 +80,7 @@ fn target(ui: &mut Ui, clouds: &[CloudSettings]) -> Target {
     target
 }
 
-/// One color in place of all others.
+/// Shows the row of a single color that replaces all others.
 fn one_color(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSettings) {
     if let Some(mut entry) = controls::cloud(settings, "color", false, None, model.extent()) {
         if let Presence::Optional { without, .. } = &mut entry.presence {

@@ -166,7 +166,7 @@ fn around(target: &str, part: &str, numbers: Option<[f64; 3]>) -> Vec<Change> {
     vec![(format!("cloud.{target}.field"), Some(field)), (format!("cloud.{target}.axis.{part}"), numbers)]
 }
 
-/// From where to where a property goes.
+/// Shows the least and the largest value of a property.
 fn range(ui: &mut Ui, census: &crate::census::Census, field: &str, clouds: usize) {
     let found = census.scalars.iter().find(|(name, _)| name == field);
     if let (Some((_, [least, most])), 1) = (found, clouds) {

@@ -9,7 +9,7 @@ use crate::model::Model;
 use pellucid_engine::cloud::UpAxis;
 use pellucid_engine::scene::{Change, Light, Scene, Setting, ShadingModel, Shadows, Vertical, View, rounded};
 
-/// From where a light comes that had no direction: left of the front, half-way up.
+/// Azimuth and elevation of a light that had no direction: left of the front, half-way up.
 const FROM: [f64; 2] = [-50.0, 45.0];
 
 /// Straight from above a direction has no azimuth, so that the slider stops just before.

@@ -1,5 +1,5 @@
-//! After any sequence of settings a picture is, to the bit, the one that a fresh start makes of the scene; and what is
-//! said to stay on the device isn't uploaded again.
+//! Tests that after any sequence of settings a picture is, to the bit, the one that a fresh start makes of the scene;
+//! and that what is said to stay on the device isn't uploaded again.
 
 mod common;
 mod drafts;

@@ -14,7 +14,7 @@ use pellucid_engine::scene::{Hybrid, Method, MomentCount, Moments, Tail, Wavelet
 
 type CaseResult = Result<Finding, Trouble>;
 
-/// Near and far plane of [`super::stage::pixels`].
+/// Depths of the near and far plane of [`super::stage::pixels`].
 const RANGE: [f32; 2] = [0.5, 1e7];
 /// The relative error of a compensated sum of any length (2 units: Kahan 1965), for color and weight, their quotient
 /// (2.5 units) and two products.

@@ -37,7 +37,7 @@ pub enum Workload {
 }
 
 impl Workload {
-    /// Both workloads.
+    /// List of the workloads.
     pub const ALL: [Self; 2] = [Self::Stack, Self::Mosaic];
 
     /// The built-in scene's name.

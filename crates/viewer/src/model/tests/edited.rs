@@ -40,7 +40,7 @@ fn every_change_asks_for_a_picture() {
     assert!(model.message.as_ref().is_some_and(|(text, wrong)| *wrong && text.contains("softness")));
 }
 
-/// From every method to every other one, with the least and the largest value of all of the first one's keys.
+/// Changes from every method to every other one, with the least and the largest value of all of the first one's keys.
 #[test]
 fn every_method_can_be_chosen_from_every_other() {
     let mut model = model();
