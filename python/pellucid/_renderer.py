@@ -209,7 +209,7 @@ class Loaded:
 
     @property
     def colorings(self) -> list[str]:
-        """How each cloud is colored, and why."""
+        """The color source of each cloud, and the reason for it."""
         return self._native.colorings()
 
     @property

@@ -83,7 +83,7 @@ def test_a_tradeoff_compares_methods(renderer, tmp_path):
 
 def test_an_interrupted_tradeoff_says_so_whatever_becomes_of_its_folder(renderer, points, monkeypatch, tmp_path):
     class Interrupted:
-        """What native code has in place of a scene."""
+        """Stand-in for the native scene."""
 
         def tradeoff(self, request, extent, folder, listener):
             raise KeyboardInterrupt

@@ -168,7 +168,7 @@ def test_a_device_that_failed_is_opened_anew(renderer, points, monkeypatch, name
         raise pellucid.DeviceError("lost")
 
     class Lost:
-        """What native code has in place of a scene."""
+        """Stand-in for the native scene."""
 
         frame = profile = plan = tradeoff = lost
         method = lambda self: ("abuffer", "")  # noqa: E731

@@ -103,7 +103,7 @@ def run_first_cell(page: Page) -> None:
 
 
 def seen(canvas: Locator) -> np.ndarray:
-    """What the browser shows of it, (h, w, 3) from 0 to 1."""
+    """The canvas as the browser shows it, (h, w, 3) from 0 to 1."""
     return imread(io.BytesIO(canvas.screenshot()))[..., :3]
 
 
@@ -206,7 +206,7 @@ except pellucid.Error as error:
 
 
 def test_a_notebook_without_a_page() -> None:
-    """What pages without a kernel show: the output holds a PNG beside the widget. And what later cells do with the window."""
+    """Pages without a kernel show a PNG, which the output holds beside the widget. Later cells use the window."""
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in (CELL, LATER_CELL)])
     NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
     outputs = [output for output in notebook.cells[0].outputs if "image/png" in output.get("data", {})]

@@ -1,4 +1,4 @@
-//! How far two drivers may be apart if both keep to Vulkan's precision of operations.
+//! Bound on the difference of two drivers that both keep to Vulkan's precision of operations.
 //!
 //! All methods place and order fragments by additions, subtractions and multiplications, which every driver rounds
 //! correctly and never fuses (NoContraction), by divisions and square roots, and by comparisons. Vulkan ("Precision and

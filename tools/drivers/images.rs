@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 pub struct DriverImages {
     pub device: String,
     pub driver: String,
-    /// In the order of the subjects.
+    /// Outcomes in the order of the subjects.
     pub outcomes: Vec<Outcome>,
 }
 

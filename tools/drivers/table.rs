@@ -9,7 +9,7 @@ use pellucid_lab::check::Subject;
 use crate::bound;
 use crate::images::{DriverImages, Outcome};
 
-/// One image of a driver against the first driver's.
+/// Comparison of an image of a driver with the first driver's.
 pub struct Line {
     pub subject: String,
     /// Place of the driver among all.
@@ -23,7 +23,7 @@ pub enum Verdict {
     Failed(String),
 }
 
-/// How far two images are apart.
+/// Difference of two images.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Apart {
     pub pixels: usize,
@@ -38,7 +38,7 @@ pub struct Apart {
 }
 
 impl Apart {
-    /// Of two images of one size.
+    /// Returns the difference of two images of the same size.
     pub fn between(a: &Image, b: &Image, bound: f64) -> Self {
         let mut found = Self { pixels: a.rgba.len(), differ: 0, beyond: 0, largest: 0.0, rms: 0.0, bound };
         let mut squares = 0.0;
@@ -103,7 +103,7 @@ fn verdict(first: Option<&Outcome>, other: Option<&Outcome>) -> Verdict {
     }
 }
 
-/// Which drivers these are.
+/// Lists the drivers.
 pub fn heads(found: &[DriverImages]) -> String {
     let mut text = String::new();
     for (number, found) in found.iter().enumerate() {

@@ -25,7 +25,7 @@ pub const GPUS: [Gpu; 3] = [
     Gpu { name: "Radeon RX 7900 XTX", families: &["gfx1100", "navi31"], simds: 192.0, clock: 2.5, bandwidth: 960.0 },
 ];
 
-/// What bounds a pass.
+/// Limiting resource of a pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bound {
     Memory,

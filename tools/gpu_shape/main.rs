@@ -1,5 +1,5 @@
-//! What a GPU's compiler makes of the shaders, without a GPU: registers, scratch, occupancy, code size, and an estimate
-//! of each pass's time (docs/gpu-shape.md).
+//! Compiles the shaders for a GPU, without a GPU: registers, scratch, occupancy, code size, and an estimate of each
+//! pass's time (docs/gpu-shape.md).
 //!
 //! ```sh
 //! cargo run --release --example gpu-shape                       # a table of all pipelines on navi21
@@ -29,7 +29,7 @@ use clap::Parser;
 
 use compile::{Driver, Lanes};
 
-/// What the budget holds for, and the table shows.
+/// GPU family for which the budget holds, and which the table shows.
 const FAMILY: &str = "navi21";
 
 #[derive(Debug, Parser)]

@@ -157,7 +157,7 @@ impl Stage {
         Ok(Spread::from_values(times).median)
     }
 
-    /// How time grows with layers and with points, of the tori.
+    /// Fits lines to the times of the tori, over layers and over points.
     fn fits(&mut self, scale: f64) -> Result<String> {
         let side = SIDES[1];
         let (mut over_layers, mut over_points) = (Vec::new(), Vec::new());
@@ -179,7 +179,7 @@ impl Stage {
     }
 }
 
-/// One step of each filter that fills holes, as in the table.
+/// Returns a single step of each filter that fills holes, as in the table.
 fn local() -> Method {
     Method::ImageSpace(ImageSpace::default())
 }

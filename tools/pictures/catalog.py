@@ -128,5 +128,5 @@ def load() -> Catalog:
 
 
 def load_measured() -> dict:
-    """What was measured by picture; empty before the first run."""
+    """The measurements by picture; empty before the first run."""
     return json.loads(MEASURED.read_text()) if MEASURED.exists() else {}

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 /// Time between two looks at the process.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// What a command cost.
+/// Cost of a command.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
     /// Seconds from start to end.
@@ -21,7 +21,7 @@ pub struct Cost {
 /// Runs a program to its end.
 ///
 /// # Errors
-/// It can't be started, or fails; the system doesn't say what is resident.
+/// Returns an error if the program can't be started or fails, or if the system doesn't say how much is resident.
 pub fn run(program: &Path, arguments: &[OsString]) -> Result<Cost, String> {
     let words: Vec<_> = arguments.iter().map(|word| word.to_string_lossy()).collect();
     let command = format!("{} {}", program.display(), words.join(" "));

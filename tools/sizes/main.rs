@@ -52,7 +52,7 @@ struct Args {
 /// The command that makes a store.
 const MAKES: &str = "scene terrain";
 
-/// What commands cost at each size.
+/// Costs of a command at each size.
 struct Line {
     name: String,
     costs: Vec<(f64, Cost)>,

@@ -14,7 +14,7 @@ use rand_pcg::Pcg64;
 use super::chart::{self, Row};
 use super::stage::{Stage, gauss, plane, random};
 
-/// Of the paper: its image's side, its points, the variance of its noise if the plane's side is 1.
+/// Side of the paper's image, its points, and the variance of its noise if the plane's side is 1.
 const SIDE: f64 = 1024.0;
 const POINTS: f64 = 1e7;
 const VARIANCE: f64 = 1e-5;

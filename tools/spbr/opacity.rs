@@ -8,7 +8,7 @@ use pellucid_engine::scene::{Method, Spbr};
 use super::chart::{self, Row};
 use super::stage::{Stage, plane};
 
-/// Of the paper: sides of its image, ensembles, numbers of points.
+/// Side of the paper's image, its ensembles, its numbers of points.
 const SIDE: f64 = 512.0;
 const ENSEMBLES: u32 = 1000;
 const POINTS: [f64; 2] = [1e7, 4e7];

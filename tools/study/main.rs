@@ -1,5 +1,5 @@
-//! Which method is the fastest, by the mean length of lists and the wanted error: measures every setting of every
-//! method on a few scenes, and writes docs/which-method.md.
+//! Measures which method is the fastest, by the mean length of lists and the wanted error: every setting of every
+//! method on a few scenes. Writes docs/which-method.md.
 //!
 //! ```sh
 //! cargo run --release --example study -- -o tools/study/measured --data ../shared/data          # measures
@@ -27,7 +27,7 @@ use clap::Parser;
 use clap::builder::PossibleValuesParser;
 use pellucid_engine::output::Error;
 
-/// Where the measurements of this project are, from its root.
+/// Folder of this project's measurements, from its root.
 const MEASURED: &str = "tools/study/measured";
 
 #[derive(Debug, Parser)]

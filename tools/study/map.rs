@@ -1,4 +1,4 @@
-//! What the rows say: the fastest setting by mean list and wanted error, on each scene and over all of them.
+//! Evaluation of the rows: the fastest setting by mean list and wanted error, on each scene and over all of them.
 
 use std::collections::BTreeMap;
 

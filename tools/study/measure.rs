@@ -83,7 +83,7 @@ fn load<'a>(bases: &'a mut Vec<Option<Base>>, scene: &str, target: u32, args: &A
     Ok(bases.iter().find(|base| serves(base)).and_then(Option::as_ref))
 }
 
-/// How much of a case is measured.
+/// Limits on the measurement of a case.
 #[derive(Debug, Clone, Copy)]
 struct Part {
     frames: usize,
@@ -138,10 +138,10 @@ fn row(key: String, Measured { figures, peak_device_bytes }: Measured) -> Row {
     Row(key, rounded(figures.rmse), rounded(figures.gpu_ms), peak_device_bytes)
 }
 
-/// Which ladders have become too slow.
+/// Ladders that have become too slow.
 #[derive(Debug, Default)]
 struct Ladder {
-    /// Of the fastest exact setting so far.
+    /// Time of the fastest exact setting so far.
     exact: Option<f64>,
     over: BTreeSet<String>,
 }

@@ -19,12 +19,12 @@ use rand_pcg::Pcg64;
 
 use crate::rows::{Case, rounded};
 
-/// Where a scene comes from.
+/// Source of a scene.
 enum Source {
     BuiltIn,
     /// A built-in scene whose parameter `layers` is the length of all lists.
     Layers,
-    /// In the folder of real data.
+    /// A file in the folder of real data.
     File(&'static str),
 }
 
@@ -45,10 +45,10 @@ const SCENES: [Known; 9] = [
     Known { name: "narcissus", source: Source::File("splats/narcissus.sog") },
 ];
 
-/// What shines through a picture: the opacity of points leaves so much of the background behind a list of the wanted
-/// mean.
+/// Share of the background that shines through a picture: the opacity of points leaves this much behind a list of the
+/// wanted mean.
 const SHINING_THROUGH: f64 = 0.1;
-/// How far from the wanted mean a list may be, relative to it.
+/// Largest relative distance of a list from the wanted mean.
 const CLOSE: f64 = 0.05;
 /// The same where no radius comes closer; beyond it the case is left out.
 const FAR: f64 = 0.3;
@@ -74,7 +74,7 @@ pub struct Base {
     places: Vec<u32>,
     pub frame: Frame,
     pub background: Vec3,
-    /// Its `layers` have to be the wanted mean.
+    /// Parameter `layers`, if it has to be the wanted mean.
     layers: Option<u32>,
 }
 
@@ -176,7 +176,8 @@ impl Base {
         Ok(nearest)
     }
 
-    /// At most about so many points, at least one, and the factor on radii that keeps lists about as long.
+    /// Thins the cloud to at most about so many points, at least one; also returns the factor on radii that keeps lists
+    /// about as long.
     fn thinned(&self, most: f64) -> (Arc<Points>, f64) {
         let all = self.places.len();
         let count = (most as usize).clamp(1, all.max(1));

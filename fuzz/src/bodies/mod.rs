@@ -1,4 +1,4 @@
-//! One function for each reader of something that comes from outside. An input is a file's content, if need be with a
+//! Fuzz bodies, a function for each reader of outside data. An input is a file's content, if need be with a
 //! first byte or line that says what else is given; nothing that is in an input may make a body panic.
 
 mod cloud;
