@@ -37,7 +37,7 @@ impl Popped {
             return Err(usage(problem));
         };
         let mut frame = Frame { method: exact, stop: Stop::Exact, fragments: false, depths: false, ..session.frame };
-        // What the method's own frames lack is no error.
+        // A feature that the method's own frames lack is no error.
         frame.shading.edl.edl &= method.takes_edl();
         let followed = Candidate { method, setting: String::new() };
         let renderer = Renderer::new(&session.device)?;

@@ -80,7 +80,7 @@ pub fn write(
     console: Console,
 ) -> Result<()> {
     let mut raster = output::raster(image, options);
-    // What lies behind a transparent picture is not known.
+    // The background of a transparent picture is not known.
     let looks = if options.transparent { DARK_PANEL } else { Looks::on(options.background) };
     match Layout::new(legend, camera, raster.size) {
         Ok(Some(layout)) => draw(&layout, looks, &mut raster),

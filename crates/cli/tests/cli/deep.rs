@@ -14,7 +14,7 @@ use crate::{assert_refused, builtin, done, folder, inside, run};
 const SIZE: [&str; 2] = ["--size", "32x24"];
 
 #[test]
-fn what_does_not_go_with_samples_is_named() {
+fn settings_that_conflict_with_samples_are_named() {
     let folder = folder();
     let garden = builtin(&folder, "garden", &["points=2000"]);
     let splats = write_splats(&folder);

@@ -243,7 +243,7 @@ fn a_gif_is_near_to_the_pictures_and_its_background_rests() {
     // A step of dithering is 6 of 255 at most, and half of that in the mean; the palette is about as far off where it
     // is not exact.
     assert_same(&frames, &pictures, 5.0);
-    // What shows the background has exactly its color in each frame.
+    // Pixels of the background have exactly its color in each frame.
     let background = &pictures[0][..3];
     let mut rests = 0;
     for (frame, picture) in frames.iter().zip(&pictures) {
@@ -383,7 +383,7 @@ fn a_kill_at_any_file_leaves_no_half_film_and_no_frame_is_rendered_twice() {
 }
 
 #[test]
-fn what_ffmpeg_lacks_is_said_before_anything_is_read() {
+fn a_missing_ffmpeg_or_encoder_is_reported_before_anything_is_read() {
     let folder = crate::folder();
     // The input is missing too: the encoder is looked for first.
     let args = ["render", "no.ply", "--turntable", "--frames", "4", "-o", "turn.mp4"];
@@ -403,7 +403,7 @@ fn what_ffmpeg_lacks_is_said_before_anything_is_read() {
 }
 
 #[test]
-fn what_does_not_fit_is_refused() {
+fn options_that_do_not_fit_a_film_are_refused() {
     let folder = crate::folder();
     let refused = |args: &[&str], says: &[&str]| assert_refused(&folder, &[&["render"], args].concat(), 2, says);
     for name in ["turn.mp4", "turn.webm", "turn.gif", "turn.apng", "turn.mkv"] {

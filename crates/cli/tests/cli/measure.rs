@@ -203,7 +203,7 @@ fn assert_phases(events: &[Value], profile: &Value) {
     let micros = |phases: &[&Value]| phases.iter().map(|phase| end(phase) - begin(phase)).sum::<f64>();
     let (compile, others): (Vec<_>, Vec<_>) = phases.into_iter().partition(|phase| phase["name"] == "compile");
     let sum: f64 = profile["host"].as_array().unwrap().iter().map(|phase| 1e3 * phase["ms"].as_f64().unwrap()).sum();
-    // What made pipelines lies within other phases.
+    // Spans that made pipelines lie within other phases.
     assert!((micros(&others) - sum).abs() < 1.0, "{others:?} for {sum} µs");
     let within = |span: &Value| others.iter().any(|o| begin(o) <= begin(span) && end(span) <= end(o) + 1e-3);
     assert!(!compile.is_empty() && compile.iter().all(|span| within(span)), "{compile:?} in {others:?}");

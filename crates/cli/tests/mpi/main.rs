@@ -40,7 +40,7 @@ fn ranks(folder: &TempDir, count: usize, args: &[&str]) -> Command {
     command
 }
 
-/// The same by the program of one machine.
+/// Runs the program of one machine.
 fn alone(folder: &TempDir, args: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_pellucid"));
     with_environment(&mut command, folder);
@@ -178,7 +178,7 @@ fn frames_by_all_ranks_are_those_of_one() {
 }
 
 #[test]
-fn what_cannot_be_shared_is_refused() {
+fn ways_that_share_nothing_are_refused() {
     let folder = folder();
     for (args, wanted) in [
         (&["render", "--method", "abuffer", "--share", "ensembles", "-o", "x.png"][..], "draws no ensembles"),
@@ -353,7 +353,7 @@ fn ranks_that_see_other_files_are_noticed() {
 }
 
 #[test]
-fn what_goes_wrong_while_rendering_is_said_once() {
+fn errors_of_rendering_are_reported_once() {
     let folder = folder();
     let args = ["render", "--size", "640x480", "--method", "abuffer", "--memory-budget", "1KiB", "-o", "x.png"];
     let output = ranks(&folder, 3, &args).output().expect("mpirun");

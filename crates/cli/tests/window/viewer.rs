@@ -47,7 +47,7 @@ fn without_a_display_the_error_names_render() {
 /// A slider of a tree's leaves, then the pointer on the picture, then the window: what is seen, saved and rendered is
 /// the same.
 #[test]
-fn what_is_seen_is_what_render_makes() {
+fn the_window_shows_the_picture_that_render_makes() {
     with_display(|display| {
         let folder = garden();
         let folder = folder.path();

@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_handed_out_on_demand_has_its_share() {
+    fn regions_on_demand_have_their_share_of_the_work() {
         let costs = costs([640, 640], |_, _| 1e5);
         let windows = costs.windows(4, 2, 0.25);
         let rest: f64 = windows[4..].iter().map(|window| costs.of(*window).work).sum();
@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn what_took_longer_than_expected_is_shared_by_more() {
+    fn regions_that_took_longer_than_expected_become_smaller() {
         let mut costs = costs([640, 640], |_, _| 1e5);
         let halves = costs.windows(2, 0, 0.0);
         assert_eq!(halves[0][3], 320);

@@ -107,7 +107,7 @@ pub fn run() -> ExitCode {
     };
     ranks.tells = cli.verbose;
     ranks.begin("joined");
-    // What one has to say, all have.
+    // A message of one rank is a message of all.
     let console = Console::new(cli.quiet || !ranks.is_first(), cli.verbose && ranks.is_first());
     super::interrupt::watch();
     pellucid_engine::io::silence_decoder_panics();

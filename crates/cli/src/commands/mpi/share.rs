@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_fastest_is_chosen() {
+    fn the_fastest_way_to_share_is_chosen() {
         assert_eq!(chosen(job(), 4), Share::Windows);
         let dealt = Job { samples: Some([100, 1]), slots: 40_000_000, ..job() };
         assert_eq!(chosen(dealt, 4), Share::Samples, "no rank has to test all points");
@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_shared_is_refused() {
+    fn ways_that_share_nothing_are_refused() {
         let refused = |wanted, job: Job| job.choose(wanted, 2, LINK).unwrap_err().to_string();
         assert!(refused(Wanted::Ensembles, job()).contains("--share ensembles: the method draws no ensembles"));
         assert!(refused(Wanted::Frames, job()).contains("--share frames: there is one frame"));

@@ -118,7 +118,7 @@ impl Stage {
         Ok(Self { resolved, session, share, job, link, spread: None, costs: None, last: None })
     }
 
-    /// The same with the points spread over all ranks, as this one orders.
+    /// Makes the stage with the points distributed over all ranks, as this one orders.
     fn spread(
         setting: &Setting<'_>,
         all: &Ranks,
@@ -144,7 +144,7 @@ impl Stage {
         frame::told(cut, ranks)
     }
 
-    /// The same for any number of ranks.
+    /// Cuts the image into regions for any number of ranks.
     pub fn cut(&mut self, ranks: usize) -> Vec<Window> {
         let (more, rest) = on_demand(&self.job, ranks);
         let camera = self.session.frame.camera;

@@ -109,7 +109,7 @@ fn deep_ends(bytes: &[u8]) -> Option<usize> {
 }
 
 #[test]
-fn what_is_half_written_is_noticed() {
+fn half_written_files_are_noticed() {
     for case in cases() {
         let folder = place();
         let whole = done(folder.path(), case);
@@ -128,7 +128,7 @@ fn what_is_half_written_is_noticed() {
 }
 
 #[test]
-fn what_is_left_gone_or_changed_is_noticed() {
+fn leftover_missing_and_changed_files_are_noticed() {
     let folder = place();
     put_old(folder.path(), CASES[0]);
     let before = files(&folder.path().join("out"));

@@ -124,7 +124,7 @@ fn a_device_that_fails_at_any_time() {
 }
 
 #[test]
-fn what_one_method_had_no_memory_for_is_skipped_by_a_sweep() {
+fn a_sweep_skips_cells_that_exceed_device_memory() {
     if !has_device() {
         return;
     }
@@ -144,7 +144,7 @@ fn what_one_method_had_no_memory_for_is_skipped_by_a_sweep() {
 }
 
 #[test]
-fn what_a_comparison_had_no_memory_for_is_skipped_and_leaves_no_picture() {
+fn a_comparison_skips_settings_that_exceed_device_memory_and_leaves_no_picture() {
     if !has_device() {
         return;
     }

@@ -114,7 +114,7 @@ fn a_rendered_path_tells_how_it_pops() {
 }
 
 #[test]
-fn what_can_not_be_followed_is_refused() {
+fn popping_without_a_path_or_an_exact_method_is_refused() {
     let folder = folder();
     let scene = splats::write(&folder);
     let tradeoff = ["tradeoff", &scene, "-q", "-o", "report"];

@@ -36,7 +36,7 @@ pub fn shoot(display: &Display, window: &mut Window) -> String {
     shoot_from(display, window, [715, 415])
 }
 
-/// The same in a window of another size, with the pointer's place.
+/// Saves a picture like [`shoot`], in a window of another size, with the pointer's place.
 pub fn shoot_from(display: &Display, window: &mut Window, [x, y]: [usize; 2]) -> String {
     display.do_it(&format!("mousemove {x} {y}"));
     display.do_it("key F12");

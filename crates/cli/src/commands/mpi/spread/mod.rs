@@ -66,7 +66,7 @@ impl Spread {
         format!("points were spread over {} ranks: {} ({mib:.1} MiB sent)", points.len(), points.join(", "))
     }
 
-    /// The same for programs.
+    /// Returns the distribution of points for programs.
     pub fn to_json(&self) -> Value {
         json!({"points": self.dealt, "sent": self.sent, "read": self.read})
     }
