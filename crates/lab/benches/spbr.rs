@@ -191,7 +191,7 @@ fn points(count: usize) -> Points {
     }
 }
 
-/// The same, of a density that asks for each point once: 1 - exp(-0.1) is their opacity.
+/// Makes the points with a density that asks for each point once: 1 - exp(-0.1) is their opacity.
 fn dealt(count: usize) -> Dealt {
     let points = points(count);
     let surface = Surface { points: 0..count as u64, center: DVec3::ZERO, density: 10.0, opacity: points.opacities[0] };

@@ -89,7 +89,7 @@ fn one(name: &str, about: &'static str, run: impl Fn(&mut Stage) -> Result<Findi
     Case { name: name.to_owned(), about, run: Box::new(run) }
 }
 
-/// The same case for each of some methods.
+/// Makes a case for each of some methods.
 fn each<M: Copy + Into<Method> + 'static>(
     methods: &[M],
     name: &str,

@@ -85,19 +85,19 @@ impl Subject {
         renderer.render(&mut cloud, &self.frame)
     }
 
-    /// The same with each cloud's points in another order.
+    /// Returns the subject with each cloud's points in another order.
     #[must_use]
     pub fn shuffled(&self, seed: u32) -> Self {
         Self { clouds: self.clouds.iter().map(|cloud| clouds::shuffled(cloud, seed)).collect(), ..self.clone() }
     }
 
-    /// The same with the clouds in reverse order.
+    /// Returns the subject with the clouds in reverse order.
     #[must_use]
     pub fn clouds_reversed(&self) -> Self {
         Self { clouds: self.clouds.iter().rev().cloned().collect(), ..self.clone() }
     }
 
-    /// The same with another frame.
+    /// Returns the subject with another frame.
     #[must_use]
     pub fn with(&self, frame: Frame) -> Self {
         Self { frame, ..self.clone() }

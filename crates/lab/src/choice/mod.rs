@@ -204,7 +204,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_missed_is_said() {
+    fn missed_limits_are_reported() {
         let figures = Figures { rmse: 0.01, gpu_ms: 20.0 };
         let said =
             |max_error, budget_ms| unfulfilled(Wish { max_error, budget_ms }, figures, [40, 30]).unwrap_or_default();

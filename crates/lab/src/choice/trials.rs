@@ -22,7 +22,7 @@ use pellucid_engine::{Result, gpu, identity, metrics};
 
 /// Frames behind a median where two settings are close.
 const FRAMES: usize = 7;
-/// The same if a frame takes more than a second.
+/// Frames behind a median if a frame takes more than a second.
 const SLOW_FRAMES: usize = 3;
 /// Timed frames of a first look at a setting.
 const LOOKS: usize = 2;
@@ -361,7 +361,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_busy_machine_measured_is_not_kept() {
+    fn measurements_of_a_busy_machine_are_not_kept() {
         let record = |gpu_ms: &[f64]| Record { rmse: 0.1, gpu_ms: gpu_ms.to_vec(), peak_device_bytes: 1 };
         let records = [("calm", &[2.0, 2.5][..]), ("once", &[2.0]), ("busy", &[2.0, 3.1]), ("chosen", &[2.0, 9.0])];
         let known = CachedRecords {

@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_shown_is_escaped() {
+    fn shown_text_is_escaped() {
         let body = table(&[Column::text("name"), Column::number("n")], &[vec!["<b>&".into(), "1".into()]]);
         let page = page("a < b", &body);
         assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>"));

@@ -56,7 +56,7 @@ impl Wrong {
         }
     }
 
-    /// The same of an image that was rendered with another frame.
+    /// Renders another frame and compares its image.
     fn compare_frame(&mut self, known: &Baseline, renderer: &mut Renderer, frame: Frame, how: &str) -> Option<Facts> {
         match known.subject.with(frame).render_arranged(renderer, &known.arranged) {
             Ok(rendered) => {

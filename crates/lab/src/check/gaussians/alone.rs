@@ -75,7 +75,7 @@ impl Expected {
             pixels[at(possible.x, possible.y)] = Some(known);
         }
         for Hit { x, y, alpha, z, .. } in gaussians::footprint(camera, size, &gaussian, &view.settings, order) {
-            // What the ranges don't have is an error of theirs, and none passes it.
+            // A pixel that the ranges lack is an error of theirs, and no image passes it.
             let nothing = Known { exact: None, alpha: Range::only(f64::NAN), depth: Range::only(f64::NAN), sure: true };
             pixels[at(x, y)].get_or_insert(nothing).exact = Some((alpha, z));
         }

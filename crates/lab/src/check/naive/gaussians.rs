@@ -128,7 +128,7 @@ pub fn along_rays(splat: &Splat, view: &View) -> Vec<Seen> {
         let b = direction.dot(inverse * from);
         let alpha = opacity_of(splat, from.dot(inverse * from) - b * b / a, view, &Formula::default());
         let depth = if order == Some(Order::Pixel) { b / a } else { t.z };
-        // What is no number is no fragment.
+        // An opacity that is not a number is no fragment.
         if alpha > 0.0 { Seen { alpha, depth: Some(depth) } } else { NOTHING }
     };
     view.pixels().map(seen).collect()

@@ -371,7 +371,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_number_is_left_out_and_a_front_gets_rings() {
+    fn points_that_are_not_numbers_are_left_out_and_a_front_gets_rings() {
         let points = [Point::new(1.0, 2.0), Point::new(f64::NAN, 1.0), Point::new(4.0, f64::INFINITY)];
         let panel =
             Panel { title: String::new(), series: vec![series(0, points)], front: vec![[1.0, 2.0]], is_guided: true };

@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_number_can_not_pass_for_steady() {
+    fn errors_that_are_not_numbers_do_not_pass_for_steady() {
         let nan = [f32::NAN, 0.0, 0.0, 0.0];
         assert_eq!(curve(&[(nan, nan), (nan, nan)]).worst_rmse, 0.0);
         let found = curve(&[([0.0; 4], [0.0; 4]), ([0.0; 4], nan)]);

@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_exact_is_followed_only_if_it_is_named() {
+    fn exact_methods_are_followed_only_if_they_are_named() {
         let discs = Method::ABuffer(Discs::default());
         let approximate = ["stochastic", "hybrid", "mlab", "moments", "wavelet", "weighted", "average", "unsorted"];
         assert_eq!(names(discs, &Points::default(), &[]), approximate);

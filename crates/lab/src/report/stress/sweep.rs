@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_method_can_not_do_is_a_reason_and_a_lost_device_is_an_error() {
+    fn a_limit_of_a_method_is_a_reason_and_a_lost_device_is_an_error() {
         let reason = refusal(methods::Error::PixelOverflow { x: 3, y: 4 }).unwrap();
         assert!(reason.contains("pixel (3, 4)"), "{reason}");
         assert!(refusal(pellucid_engine::gpu::Error::Lost { during: "a test".into() }.into()).is_err());

@@ -9,7 +9,7 @@ use pellucid_engine::output;
 
 /// RMSE below is drawn at this value, since 0 has no place on a logarithmic axis: a forty-thousandth of an 8-bit step.
 pub(super) const RMSE_FLOOR: f64 = 1e-7;
-/// The same for FLIP, which grows faster than small differences do.
+/// FLIP below is drawn at this value; it grows faster than small differences do.
 pub(super) const FLIP_FLOOR: f64 = 1e-6;
 /// A power law must explain at least this much of the variance.
 pub(super) const LAW_R_SQUARED: f64 = 0.95;

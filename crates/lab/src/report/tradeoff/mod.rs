@@ -186,7 +186,8 @@ pub struct Analytic {
     /// RMSE that remains for any number of ensembles, since the number of points on a pixel is random: for one plane of
     /// color C before B it is (1 − α)·√(e^(ln²(1 − α) / m) − 1)·|C − B|.
     pub expected_floor: f64,
-    /// The same as measured: RMSE of the reference, the limit of ever more ensembles of these points.
+    /// Measured counterpart of `expected_floor`: RMSE of the reference, the limit of ever more ensembles of these
+    /// points.
     pub floor: f64,
     /// RMSE over L of the settings up to [`Analytic::dealt_once`], if at least two exist: −1/2 is expected.
     pub slope: Option<PowerLaw>,

@@ -193,7 +193,7 @@ impl Setting {
         format!("{} {}", self.method.name(), self.text).trim_end().to_owned()
     }
 
-    /// The same as the name of a file, without an extension.
+    /// Method and setting as the name of a file, without an extension.
     pub fn stem(&self) -> String {
         self.key().replace("method.", "").replace([' ', '=', '_'], "-")
     }
@@ -294,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn what_applies_depends_on_the_scene() {
+    fn settings_apply_by_the_scene() {
         assert!(!keys(&occasion(256)).contains(&"abuffer method.long_lists=in-place".to_owned()));
         assert!(keys(&occasion(257)).contains(&"abuffer method.long_lists=in-place".to_owned()));
         let is_circles = |key: &String| key.starts_with("circles");

@@ -164,7 +164,7 @@ impl Studio<'_> {
     }
 }
 
-/// The same points with harmonics up to a degree.
+/// Returns the points with harmonics up to a degree.
 fn with_degree(points: &Points, degree: u32) -> Points {
     let gaussians = points.gaussians.clone().map(|gaussians| gaussians.with_degree(degree));
     Points { gaussians, ..points.clone() }

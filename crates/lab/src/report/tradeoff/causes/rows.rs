@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_scene_does_without_is_no_cause() {
+    fn settings_that_a_scene_does_not_use_are_no_causes() {
         let own = GaussianSettings {
             alpha_min: 1e-6,
             alpha_max: 1.0,

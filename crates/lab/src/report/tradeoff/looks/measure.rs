@@ -17,7 +17,7 @@ pub(in super::super) struct Exact<'a> {
     pub reference: &'a LinearImage,
     /// True where it shows more than background.
     pub covered: &'a [bool],
-    /// The same fragments with their order lost: the mean of their colors by opacity, with the exact coverage.
+    /// Fragments of the reference with their order lost: the mean of their colors by opacity, with the exact coverage.
     pub unordered: Option<&'a LinearImage>,
 }
 

@@ -163,7 +163,7 @@ pub(in super::super) mod tests {
     }
 
     #[test]
-    fn what_is_as_claimed_holds() {
+    fn statements_hold_for_rows_as_claimed() {
         let rows = as_claimed();
         let found = check_statements(&rows);
         assert_eq!(holds(&rows), [Some(true); 3], "{found:#?}");
@@ -174,7 +174,7 @@ pub(in super::super) mod tests {
     }
 
     #[test]
-    fn what_is_not_does_not() {
+    fn statements_fail_for_rows_that_contradict_them() {
         let change = |method: &str, thinning: u32, size: f64, change: fn(&mut Row)| {
             let mut rows = as_claimed();
             let row = rows

@@ -59,7 +59,7 @@ fn samples_across(size: [u32; 2]) -> u32 {
     (2..=SAMPLES_ACROSS).rev().find(fits).unwrap_or(1)
 }
 
-/// The same splats on pixels that are smaller by this factor.
+/// Scales a method's splats to pixels that are smaller by this factor.
 fn scaled(method: Method, factor: u32) -> Method {
     let scale = |settings: BlendedSplats| {
         let max_pixel_radius = (settings.splats.max_pixel_radius * factor as f32).min(f32::MAX);
