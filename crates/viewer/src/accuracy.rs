@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_kept_has_a_bound() {
+    fn the_history_stays_within_its_bytes() {
         let scene = Document::from_clouds(["a.ply"], &Overrides::default()).unwrap().scene().unwrap();
         let (scene, mut history) = (Arc::new(scene), History::default());
         let pixels = MOST_BYTES / size_of::<[f32; 3]>() / 2;

@@ -312,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn what_all_frames_take_alike_is_told_apart() {
+    fn the_constant_cost_of_frames_is_separated() {
         // 20 ms for any frame, 1000 for the whole picture's work.
         let cost = |coarse: f64| Cost { ms: 20.0 + 1000.0 / (coarse * coarse), work: 1.0 / (coarse * coarse) };
         let mut costs = Costs::new(cost(1.0));

@@ -117,7 +117,7 @@ pub fn class_defaults(cloud: usize, entries: &[ClassSettings], code: u8) -> Vec<
     tidied(cloud, entries, changes)
 }
 
-/// The same changes, or the removal of the whole array if they take every entry out.
+/// Returns the changes, or the removal of the whole array if they take every entry out.
 fn tidied(cloud: usize, entries: &[ClassSettings], changes: Vec<Change>) -> Vec<Change> {
     let is_entry = |(key, _): &&Change| !key.ends_with(".visible");
     if !entries.is_empty() && changes.iter().filter(is_entry).count() == entries.len() {

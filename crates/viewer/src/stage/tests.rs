@@ -227,7 +227,7 @@ fn a_setting_that_a_cloud_has_nothing_for_leaves_the_others_in_force() {
 }
 
 #[test]
-fn what_was_stopped_on_its_way_to_the_device_is_made_up_for() {
+fn uploads_that_were_stopped_are_repeated() {
     with_device(|device| {
         let (clouds, mut document) = (clouds(), document());
         document.put("method.name", Setting::Word("soft-base".into())).unwrap();

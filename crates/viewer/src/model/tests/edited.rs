@@ -98,7 +98,7 @@ fn values_of_another_method_make_room() {
 }
 
 #[test]
-fn what_is_known_of_clouds_and_points_comes_with_the_news() {
+fn statistics_of_clouds_and_points_come_with_the_news() {
     let (mut model, _) = settled();
     // The wall's box is a cube of 6.
     let diagonal = 6.0 * 3f64.sqrt();

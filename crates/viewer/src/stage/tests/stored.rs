@@ -142,7 +142,7 @@ fn drafts_without_levels_show_points_that_stand_for_all() {
 }
 
 #[test]
-fn what_is_stopped_while_nodes_are_read_leaves_no_trace() {
+fn a_frame_stopped_while_nodes_are_read_leaves_no_trace() {
     with_device(|device| {
         let mut case = Case::octree(device);
         let scene = case.document.set("method.name", Setting::Word("sorted".into())).unwrap();
