@@ -52,6 +52,6 @@ if command -v python3 >/dev/null && ! python3 -c 'import numpy' 2>/dev/null; the
 fi
 if [[ ${1:-} != --lints ]]; then
     step tools/test.sh
-    # What CI demands besides was just looked at.
+    # The other demands of CI were just checked.
     CI='' tools/test.sh
 fi

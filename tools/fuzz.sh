@@ -47,7 +47,7 @@ for target in "${targets[@]}"; do
     [[ -f fuzz/dictionaries/$target.dict ]] && flags+=(-dict="fuzz/dictionaries/$target.dict")
     echo "== $target"
     found=0
-    # What a decoder library prints of its panics that become errors is no news.
+    # Decoder libraries print their panics, which become errors: that is no news.
     "target/fuzz/$host/release/$target" "$corpus" "fuzz/corpus/$target" -artifact_prefix="$artifacts/" "${flags[@]}" \
         >"$log" 2>&1 || found=1
     if [[ $found = 1 ]]; then

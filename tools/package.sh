@@ -44,7 +44,7 @@ licenses() {
     cargo about generate --locked --fail -m "$1/Cargo.toml" -c about.toml tools/about.hbs -o "$2/THIRD-PARTY-LICENSES.html"
 }
 
-# What all packages hold besides the program: licenses, manual pages, completions. The program that runs here makes
+# Contents of all packages besides the program: licenses, manual pages, completions. The program that runs here makes
 # them.
 make_stage() {
     rm -rf "$packages"
@@ -162,7 +162,7 @@ if $wheel; then make_wheel; fi
 if $crates; then
     # Into this very folder.
     cargo package --locked --no-verify -p pellucid-gpu -p pellucid-engine -p pellucid-lab -p pellucid-viewer -p pellucid-cli -p pellucid
-    # What they were packed from.
+    # Sources of the packed files.
     rm -rf "$packages"/pellucid-*/ "$packages"/tmp-*
 fi
 rm -rf "$stage"

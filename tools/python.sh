@@ -20,8 +20,8 @@ case ${1:-} in
     -h | --help) sed -n '2,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
 esac
 
-# What Debian leaves out of python3 and of a system without a desktop: environments, and libraries that Open3D and VTK
-# load.
+# Packages that Debian leaves out of python3 and of a system without a desktop: environments, and libraries of
+# Open3D and VTK.
 install_packages() {
     local libraries packages=()
     libraries=$(PATH=$PATH:/usr/sbin:/sbin ldconfig -p 2>/dev/null || true)
@@ -63,7 +63,7 @@ make_environment() {
 
 build_wheel() {
     rm -rf target/wheels
-    # What Python loads has no use for symbols; the workspace's release profile strips them as well.
+    # A library for Python has no use for symbols; the workspace's release profile strips them as well.
     # maturin finds zig by the Python that comes first.
     (cd python && PATH="$environment/bin:$PATH" maturin build --locked --out ../target/wheels "$@")
     wheel=$(ls target/wheels/pellucid-*.whl)

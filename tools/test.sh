@@ -11,10 +11,10 @@ cd "$(dirname "$0")/.."
 
 tools/setup.sh --tests
 export PELLUCID_REQUIRE_GPU="${PELLUCID_REQUIRE_GPU:-1}"
-# What is built for the first time has nothing to be incremental to.
+# A first build has nothing to be incremental to.
 if [[ ! -d target/debug/incremental ]]; then export CARGO_INCREMENTAL=0; fi
-# What has tests. With no target named, `cargo test` builds every example as well, which tools/check.sh's clippy does
-# faster.
+# Targets with tests. With no target named, `cargo test` builds every example as well, which tools/check.sh's clippy
+# does faster.
 targets=(--lib --bins --tests --example drivers --example gpu-shape --example study)
 if [[ ${CI:-} != true ]]; then
     # Arguments may name targets of their own.

@@ -58,7 +58,7 @@ class Begin:
     image: Image
     # Settings of the method that are in force.
     settings: dict[str, Any]
-    # What was found by the searches that were asked for: a factor on all opacities, and settings by their dotted keys.
+    # Results of the searches that were asked for: a factor on all opacities, and settings by their dotted keys.
     factor: float
     found: dict[str, Any]
 

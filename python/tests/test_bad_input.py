@@ -771,7 +771,7 @@ def test_an_extension_that_is_no_picture(renderer, points, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_what_failed_leaves_the_scene_as_it_was(points):
+def test_a_failed_update_leaves_the_scene_as_it_was(points):
     scene = pellucid.Scene(pellucid.Cloud(points), opacity=0.25)
     before = scene.to_toml()
     with pytest.raises(pellucid.SceneError):

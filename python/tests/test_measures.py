@@ -202,7 +202,7 @@ def test_devices_and_methods_are_listed(renderer, cli):
     assert {"abuffer", "stochastic", "spbr", "soft-base"} <= set(pellucid.methods())
 
 
-def test_what_was_measured_does_not_change(renderer, points):
+def test_measurements_are_immutable_and_hashable(renderer, points):
     profile = pellucid.profile(points, frames=1, size=SIZE)
     with pytest.raises(dataclasses.FrozenInstanceError):
         profile.points = 3

@@ -245,7 +245,7 @@ def test_a_text_has_neither_view_nor_seed(points):
     assert (again.seed, again._direction) == (0, {})
 
 
-def test_what_is_left_out_adds_up(renderer, points):
+def test_exclusions_of_points_add_up(renderer, points):
     """The docstrings of `Scene.update` and `Loaded.frame` promise it."""
     cloud = pellucid.Cloud(points, classification=np.arange(500) % 2)
     scene = pellucid.Scene(cloud, size=SIZE, method="circles")

@@ -405,7 +405,7 @@ def test_the_slider_multiplies_the_opacity_that_was_found(monkeypatch: pytest.Mo
     assert ["see_through" in settings for settings in asked] == [True] + [False] * (len(asked) - 1)
 
 
-def test_what_was_chosen_for_the_first_picture_stays() -> None:
+def test_the_choice_for_the_first_picture_stays() -> None:
     made = Made(opacity=0.3, radius=0.1, method="stochastic", max_error=0.05)
     try:
         begin = made.painter.begin

@@ -162,7 +162,7 @@ def test_the_window_follows_the_pointer(page: Page, tmp_path: Path) -> None:
     # Shift moves: what stood left of the middle stands right of it.
     drag(page, canvas, (60, 0), key="Shift")
     _, moved = wait_until_whole(page, canvas, back)
-    # What is near moves farther than what is far: the two are alike, not the same.
+    # Near points move farther than far ones: the two are alike, not the same.
     assert difference(first[:, :-60], moved[:, 60:]) < 0.5 * difference(first, moved)
 
     # The wheel comes nearer, and a double click brings the first view back.

@@ -128,7 +128,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_written_is_loaded() {
+    fn written_images_load_unchanged() {
         let folder = tempfile::tempdir().expect("a folder");
         let image = Image {
             width: 2,

@@ -1,4 +1,4 @@
-//! The same scenes by every method on several drivers, and how far their images are apart (docs/determinism.md).
+//! Renders the same scenes by every method on several drivers, and compares their images (docs/determinism.md).
 //!
 //! ```sh
 //! cargo run --release --example drivers -- \

@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn what_differs_by_hand() {
+    fn differences_are_as_by_hand() {
         let same = Apart::between(&image(0.5), &image(0.5), 1e-6);
         assert_eq!((same.differ, same.beyond, same.largest, same.rms), (0, 0, 0.0, 0.0));
         // Three pixels of 1000 by 0.25 in one of four channels: two may flip.
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_driver_lacks_is_no_pass_and_no_failure() {
+    fn a_missing_feature_is_neither_a_pass_nor_a_failure() {
         let outcome = |red| Outcome::Image(Box::new(image(red)), Met { longest: 1 });
         let lacks = || Outcome::Lacks("shuffles".into());
         let failed = || Outcome::Failed("lost".into());

@@ -118,7 +118,7 @@ mod tests {
     };
 
     #[test]
-    fn what_is_beyond_is_said() {
+    fn pipelines_beyond_the_budget_are_listed() {
         let bad = Shape { waves: 7.0, scratch_bytes: 16.0, spilled_sgprs: 2.0, code_bytes: 33.0 * 1024.0, ..GOOD };
         let found = compared(&[], &["a/b", "c/d", "c/d"], &[GOOD, bad, bad]);
         assert_eq!(

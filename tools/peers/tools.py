@@ -28,7 +28,7 @@ class Tool:
     mode: str
     # Shape of its splats, "disc" or "square".
     shape: str
-    # Whether one run of it takes minutes.
+    # True if one run of it takes minutes.
     slow: bool = False
 
     @property

@@ -62,7 +62,8 @@ fn expected_spread(alpha: f64, per_pixel: f64, q: f64) -> f64 {
     (alpha * (1.0 - alpha) / ensembles + pairs / ensembles.powi(2) * between).sqrt()
 }
 
-/// The same if each point were in that share of the ensembles at random, as in the paper: between any two of them.
+/// Returns the spread if each point were in that share of the ensembles at random, as in the paper: between any two of
+/// them.
 fn independent_spread(alpha: f64, per_pixel: f64, q: f64) -> f64 {
     let between = (1.0 - alpha).powi(2) * (per_pixel * q * q).exp_m1();
     (between + alpha * (1.0 - alpha) / f64::from(ENSEMBLES)).sqrt()

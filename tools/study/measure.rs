@@ -47,7 +47,7 @@ pub fn run(args: &Args, folder: &Path) -> Result<()> {
             println!("{scene}: left out, since its file is not in the folder of --data");
             continue;
         };
-        // What is left is shared by the cases that are left.
+        // The rest of the time is shared by the rest of the cases.
         let share = end.map(|end| end.saturating_duration_since(Instant::now()) / (cases.len() - number) as u32);
         let part =
             Part { frames: args.frames as usize, end: share.and_then(|share| Instant::now().checked_add(share)) };

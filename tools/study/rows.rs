@@ -350,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_with_a_file_is_said() {
+    fn faults_of_a_file_are_reported() {
         let folder = tempfile::tempdir().unwrap();
         let refused = |error: Error| error.to_string();
         assert!(refused(read_all(folder.path()).unwrap_err()).contains("-o measures one"));

@@ -50,7 +50,7 @@ const SCENES: [Known; 9] = [
 const SHINING_THROUGH: f64 = 0.1;
 /// Largest relative distance of a list from the wanted mean.
 const CLOSE: f64 = 0.05;
-/// The same where no radius comes closer; beyond it the case is left out.
+/// Largest relative distance where no radius comes closer; beyond it the case is left out.
 const FAR: f64 = 0.3;
 /// Pixels that a disc should cover: no disc has less than one, so that many points have no short lists.
 const DISC_PIXELS: f64 = 4.0;
@@ -272,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn what_shines_through_is_a_tenth() {
+    fn a_tenth_of_the_background_shines_through() {
         let points = Points { radii: vec![2.0], opacities: vec![0.5], ..Points::default() };
         let alpha = 1.0 - SHINING_THROUGH.powf(1.0 / 50.0);
         let found = scaled(&points, 1.5, Some(alpha as f32));

@@ -4,7 +4,7 @@
 /// Bytes of a page, the last four of which are the checksum of the others.
 const PAGE: usize = 1024;
 
-/// The same file with right checksums; what is left of its last page stays as it is.
+/// Returns the file with right checksums; what is left of its last page stays as it is.
 pub fn with_checksums(file: &[u8]) -> Vec<u8> {
     let mut mended = file.to_vec();
     for page in mended.chunks_exact_mut(PAGE) {
