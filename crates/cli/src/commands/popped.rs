@@ -56,7 +56,7 @@ impl Popped {
         Ok(())
     }
 
-    /// Writes the table and tells the figures.
+    /// Writes the table and prints the figures.
     pub fn finish(self, frames: usize, console: Console) -> Result<()> {
         let curve = self.follower.curve(&self.followed);
         let exact = popping::named(&self.frame.method);

@@ -160,7 +160,7 @@ fn unless(key: &str) -> String {
 }
 
 impl Preset {
-    /// Lays its keys over those of a file. `is_given` tells if an option gives a key of clouds.
+    /// Lays its keys over those of a file. `is_given` returns true if an option gives a key of clouds.
     pub fn apply(&self, overrides: &mut Overrides, is_given: impl Fn(&str) -> bool) -> Result<()> {
         let option = format!("--preset {}", self.name);
         for (key, value) in self.keys {

@@ -40,7 +40,7 @@ fn a_plane_has_its_opacity_and_the_same_bytes_again() {
     assert!((error - 0.05).abs() < 0.02, "{error}");
     // 9.6 MB of points through less memory than that.
     assert!(render("m.exr", &["--memory-budget", "4MiB"]) == render("b.exr", &[]), "within a budget");
-    // Another seed deals otherwise.
+    // Another seed shuffles points into other ensembles.
     assert!(render("c.exr", &["--seed", "1"]) != render("b.exr", &[]));
     // A file in another order does not.
     let cloud =

@@ -82,7 +82,7 @@ fn the_size_is_told_before_and_is_not_exceeded() {
         let each = if more.contains(&"half") { 12 } else { 20 };
         assert!(stderr.contains(&format!("(of {each} bytes each) before compression")), "{stderr}");
         let size = fs::metadata(inside(&folder, "a.exr")).unwrap().len();
-        // Beside samples the header and the tables of 24 rows.
+        // In addition to samples the header and the tables of 24 rows.
         assert!(size <= told * each + 24 * (36 + 32 * 4) + 4096, "{size} bytes, {stderr}");
         sizes.push(size);
     }

@@ -135,7 +135,7 @@ fn a_turntable_goes_around() {
         done(&folder, &small(&[&["--turntable", "--frames", "4"], &view[..], &profile].concat()));
         cameras(&folder, "turn.json")
     };
-    // An eye of the scene from which corners would be lost goes back, which is no warning but told.
+    // An eye of the scene from which corners would be lost goes back, which is no warning but a note.
     let told = said(&folder, &small(&["--turntable", "--frames", "1", "-o", "own_%d.png", "-v"]));
     assert!(told.contains("since from [12.5, -20.0, 13.5] it would lose points"), "{told}");
     fs::remove_file(inside(&folder, "own_0.png")).unwrap();

@@ -238,7 +238,7 @@ fn a_profile_has_what_each_rank_did() {
     assert_eq!(rows.count(), 3, "a row for each rank");
 }
 
-/// Pixels of a window.
+/// Pixels of a region.
 fn area(window: &Value) -> u64 {
     let [x0, y0, x1, y1] = [0, 1, 2, 3].map(|at| window[at].as_u64().unwrap());
     (x1 - x0) * (y1 - y0)

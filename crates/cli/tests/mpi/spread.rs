@@ -54,7 +54,7 @@ fn differing_in(folder: &TempDir, input: &str, more: &[&str], counts: &[usize], 
     counts.iter().copied().filter(differs).collect()
 }
 
-/// Methods that don't deal points to ensembles.
+/// Methods that don't assign points to ensembles.
 fn methods() -> impl Iterator<Item = &'static str> {
     METHODS.iter().copied().filter(|method| !method.starts_with("spbr"))
 }

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 /// Bins of a histogram.
 const BINS: usize = 16;
 
-/// The shares of values between which a histogram lies: strays would leave all others in one bin.
+/// The shares of values between which a histogram lies: outliers would leave all others in one bin.
 const ENDS: [f64; 2] = [0.01, 0.99];
 
 /// Characters for bars, from the lowest to the highest.

@@ -109,7 +109,7 @@ impl Costs {
         }
     }
 
-    /// Returns the expected cost of a window of whole tiles.
+    /// Returns the expected cost of a region of whole tiles.
     pub fn of(&self, window: Window) -> Load {
         let mut load = Load::default();
         for (at, pixels) in self.tiles_of(window) {
@@ -122,7 +122,7 @@ impl Costs {
         load
     }
 
-    /// The tiles of a window, and how many pixels of the image each has.
+    /// The tiles of a region, and how many pixels of the image each has.
     fn tiles_of(&self, [x0, y0, x1, y1]: Window) -> impl Iterator<Item = (usize, f64)> {
         let Self { columns, size: [width, height], .. } = *self;
         let side = |tile: u32, side: u32| f64::from(TILE.min(side - tile * TILE));
@@ -133,7 +133,7 @@ impl Costs {
         })
     }
 
-    /// Takes over what windows have really taken, each set of them together: in any unit of time.
+    /// Takes over what regions have really taken, each set of them together: in any unit of time.
     pub fn learn(&mut self, taken: &[(&[Window], f64)]) {
         let expected = |windows: &[Window]| windows.iter().map(|window| self.of(*window).work).sum::<f64>();
         let of_sets: Vec<f64> = taken.iter().map(|(windows, _)| expected(windows)).collect();
@@ -161,8 +161,8 @@ impl Costs {
         self.of([0, 0, self.size[0], self.size[1]])
     }
 
-    /// Cuts the image into one window for each of `ranks`, and `more` each to be handed out on demand, which have
-    /// together the share `rest` of the work. Windows may be empty where there are more ranks than tiles.
+    /// Cuts the image into one region for each of `ranks`, and `more` each to be handed out on demand, which have
+    /// together the share `rest` of the work. Regions may be empty where there are more ranks than tiles.
     pub fn windows(&self, ranks: usize, more: usize, rest: f64) -> Vec<Window> {
         let leaves = self.leaves([0, 0, self.size[0], self.size[1]], ranks);
         if more == 0 {
@@ -174,7 +174,7 @@ impl Costs {
         own.chain(others).collect()
     }
 
-    /// Cuts a window into `count` of about the same work.
+    /// Cuts a region into `count` of about the same work.
     fn leaves(&self, window: Window, count: usize) -> Vec<Window> {
         if count <= 1 {
             return vec![window];
@@ -183,7 +183,7 @@ impl Costs {
         [self.leaves(low, count / 2), self.leaves(high, count - count / 2)].concat()
     }
 
-    /// Cuts a window in two, of which the first has this share of the work, as far as tiles allow.
+    /// Cuts a region in two, of which the first has this share of the work, as far as tiles allow.
     fn parted(&self, window: Window, share: f64) -> [Window; 2] {
         let [x0, y0, x1, y1] = window;
         let [wide, high] = [(x1 - x0).div_ceil(TILE), (y1 - y0).div_ceil(TILE)];
@@ -214,7 +214,7 @@ fn slant(camera: &Camera, position: DVec3, normal: DVec3) -> f64 {
     sight.dot(normal.normalize_or_zero()).abs()
 }
 
-/// True of a window without pixels.
+/// True for a region without pixels.
 pub fn is_empty([x0, y0, x1, y1]: Window) -> bool {
     x0 >= x1 || y0 >= y1
 }

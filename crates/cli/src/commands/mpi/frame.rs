@@ -167,7 +167,7 @@ impl Turn<'_> {
         own
     }
 
-    /// Renders windows as long as there are some; the first rank puts those of all together.
+    /// Renders regions as long as there are some; the first rank puts those of all together.
     fn windows(&mut self, stage: &mut Stage) -> Result<Whole> {
         let windows = stage.windows(self.ranks);
         let session = &mut stage.session;
@@ -197,7 +197,7 @@ impl Turn<'_> {
         Ok(whole)
     }
 
-    /// Renders a window. Of an empty one there is an image, too, into which the others are put.
+    /// Renders a region. Of an empty one there is an image, too, into which the others are put.
     fn window(&mut self, session: &mut Session, window: Window) -> Result<Rendered> {
         session.renderer.region = Some(window);
         let part = session.render()?;
@@ -205,7 +205,7 @@ impl Turn<'_> {
         Ok(part)
     }
 
-    /// Sends this rank's windows to the first one; the image is not needed any more.
+    /// Sends this rank's regions to the first one; the image is not needed any more.
     pub(super) fn hand_in(&self, own: Option<Rendered>) -> Option<Image> {
         let kinds = own.as_ref().map(|own| pixels::kinds(&own.image));
         self.ranks.send(0, &encoded(&(&self.work.windows, &kinds)));
@@ -215,7 +215,7 @@ impl Turn<'_> {
         })
     }
 
-    /// Takes the windows of the other ranks.
+    /// Takes the regions of the other ranks.
     pub(super) fn put_together(&self, session: &mut Session, mut own: Rendered) -> Result<(Rendered, Duration)> {
         let (begin, waited) = (Instant::now(), self.ranks.traffic().waited);
         let size = [own.image.width, own.image.height];

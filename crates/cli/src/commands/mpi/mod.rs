@@ -152,7 +152,7 @@ fn fail(error: pellucid_engine::Error, ranks: &Ranks) -> ! {
 }
 
 impl Command {
-    /// The device that is asked for, if points are to be spread over the ranks.
+    /// The device that is asked for, if points are to be distributed over the ranks.
     fn spread(&self) -> Option<&DeviceArgs> {
         match self {
             Self::Render { args, spread, .. } => spread.spread.then_some(&args.device),

@@ -141,7 +141,7 @@ impl Ranks {
         self.traffic.get()
     }
 
-    /// Returns the first rank's bytes on all ranks: along a tree, in which each rank tells those that differ from it by
+    /// Broadcasts the first rank's bytes: along a tree, in which each rank sends them to those that differ from it by
     /// one bit more.
     pub fn told(&self, said: Vec<u8>) -> Vec<u8> {
         let bytes = self.parent().map_or(said, |parent| {
@@ -154,12 +154,12 @@ impl Ranks {
         bytes
     }
 
-    /// The rank from which this one hears what the first one says.
+    /// Parent in the tree: the rank from which this one receives the first one's bytes.
     fn parent(&self) -> Option<usize> {
         (!self.is_first()).then(|| self.own() & (self.own() - 1))
     }
 
-    /// The ranks that this one tells.
+    /// Children in the tree: the ranks to which this one sends the bytes.
     fn children(&self) -> impl DoubleEndedIterator<Item = usize> {
         let (own, count) = (self.own(), self.count());
         let bits = if own == 0 { usize::BITS } else { own.trailing_zeros() };
@@ -195,12 +195,12 @@ impl Ranks {
         self.send_exactly(to, bytes);
     }
 
-    /// Tells a rank that this one is here.
+    /// Signals a rank that this one is here.
     fn tell(&self, to: usize) {
         self.world.process_at_rank(to as i32).send_with_tag(&0u8, HERE);
     }
 
-    /// Sleeps until a rank tells that it is here.
+    /// Sleeps until a rank signals that it is here.
     fn hear(&self, from: usize) {
         self.wait(from, HERE);
         let _ = self.world.process_at_rank(from as i32).receive_with_tag::<u8>(HERE);

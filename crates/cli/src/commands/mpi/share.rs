@@ -38,7 +38,7 @@ pub enum Wanted {
 /// Thing that the ranks share.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Share {
-    /// Windows of each image.
+    /// Regions of each image.
     Windows,
     /// Ensembles or samples of each image.
     Samples,
@@ -73,7 +73,7 @@ pub struct Job {
     pub load: Load,
     /// Ensembles or samples of a frame, and how many of them a rank takes at least; `None` of methods that have none.
     pub samples: Option<[u32; 2]>,
-    /// Points that `spbr` deals to all ensembles; 0 of other methods.
+    /// Points that `spbr` assigns to all ensembles; 0 for other methods.
     pub slots: u64,
     /// Frames.
     pub frames: usize,
@@ -114,7 +114,7 @@ impl Job {
 
     fn windows(&self, ranks: usize, link: Link) -> Offer {
         let n = ranks as f64;
-        // Whoever deals points to ensembles tests all of them for each window.
+        // A rank that assigns points to ensembles tests all of them for each region.
         let indivisible = if self.slots > 0 { self.seconds(SLOT * self.slots as f64) } else { 0.0 };
         let work = indivisible + (self.alone() - indivisible) / n;
         let gather = link.seconds(n - 1.0, self.load.pixels * IMAGE_BYTES * (n - 1.0) / n);

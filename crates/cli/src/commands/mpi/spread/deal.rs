@@ -41,7 +41,7 @@ impl<'a> Dealer<'a> {
         Self { ranks, known, piece, portion: Portion::default(), dealt, waiting: Vec::new(), owner: 0, sent: 0 }
     }
 
-    /// Deals all points; returns what identifies them.
+    /// Distributes all points; returns what identifies them.
     ///
     /// # Errors
     /// Returns an error if the clouds can't be read or the work was canceled.

@@ -1,4 +1,4 @@
-//! Points from rank to rank: those that may show in another's window.
+//! Exchange of the points that may show in another rank's region.
 
 use std::convert::Infallible;
 
@@ -27,7 +27,7 @@ pub fn partners(own: usize, count: usize) -> impl Iterator<Item = usize> {
     (0..players.saturating_sub(1)).map(partner).filter(move |partner| *partner < count)
 }
 
-/// The points of all ranks, in the order of these, that may show in this rank's one of the windows; the others get
+/// The points of all ranks, in the order of these, that may show in this rank's one of the regions; the others get
 /// theirs.
 ///
 /// # Errors

@@ -19,7 +19,7 @@ pub enum Order {
     Open { known: Known, frame: Frame, parts: Option<(f32, Parts)> },
     /// Keep the runs of points in the bytes.
     Keep,
-    /// Render, round by round, the window of the rank's number. Passes may be timed, and listed one by one.
+    /// Render, round by round, the region of the rank's number. Passes may be timed, and listed one by one.
     Render { frame: Frame, rounds: Vec<Vec<Window>>, timed: bool, listed: bool },
     /// Nothing is left to do.
     Stop,

@@ -73,7 +73,7 @@ impl Worker {
         Ok(Self { renderer, cloud, sample })
     }
 
-    /// Renders this rank's windows, and sends them to the first rank.
+    /// Renders this rank's regions, and sends them to the first rank.
     fn render(
         &mut self,
         ranks: &Ranks,
