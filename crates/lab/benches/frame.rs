@@ -55,7 +55,7 @@ const BUILTINS: [Builtin; 6] = [
 const DIAMETERS: [f64; 5] = [1.0, 3.0, 5.0, 15.0, 100.0];
 /// Discs in the race, if they are small.
 const MOST_DISCS: f64 = 1e6;
-/// Fragments in the race: so many fit one binding of 128 MiB, so that every frame has one band.
+/// Fragments in the race: so many fit one binding of 128 MiB, so that every frame has one batch of fragments.
 const MOST_FRAGMENTS: f64 = 15e6;
 /// Width and height of the race's image.
 const SIDE: u32 = 1024;

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! How to read it. Three renderers take turns, frame by frame: one waits for each count and times its passes, as the
-//! first frame of a command does; one foresees its counts and times; one foresees and doesn't time. Times are medians
+//! first frame of a command does; one predicts its counts and times; one predicts and doesn't time. Times are medians
 //! of whole frames, with the image on the host; the last two columns are medians of the ratios of frames that followed
 //! one another. Below 1 the way to the right is faster. On a CPU driver a wait is a thread's sleep; on a GPU it drains
 //! the device.

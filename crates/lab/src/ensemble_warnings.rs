@@ -1,4 +1,4 @@
-//! Warnings about clouds whose points are dealt to ensembles.
+//! Warnings about clouds whose points are shuffled into ensembles.
 
 use pellucid_engine::methods::Frame;
 use pellucid_engine::methods::spbr::share::Share;
@@ -58,9 +58,9 @@ fn lost(surface: &Surface, share: &Share, size: [u32; 2]) -> Option<String> {
     }
 }
 
-/// Noise that copies add: the variance of a surface of this opacity over that of a surface whose points are dealt once.
-/// The variance has two parts: α(1 − α) from drawing a point or not, and (1 − α)²mk from the number of points on a
-/// pixel, m = −ln(1 − α), which copies don't change.
+/// Noise that copies add: the variance of a surface of this opacity over that of a surface whose points are assigned
+/// once. The variance has two parts: α(1 − α) from drawing a point or not, and (1 − α)²mk from the number of points on
+/// a pixel, m = −ln(1 − α), which copies don't change.
 fn noise(copies: f64, opacity: f32) -> f64 {
     let opacity = f64::from(opacity);
     1.0 + (1.0 - opacity) / opacity * -(-opacity).ln_1p() * copies

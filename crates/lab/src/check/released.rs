@@ -1,5 +1,5 @@
-//! Errors that the last release measured, beside the bounds: a bound that holds for every device is often a thousand
-//! times what a good one is off, and would not see it get a hundred times worse.
+//! Errors that the last release measured, in addition to the bounds: a bound that holds for every device is often a
+//! thousand times what a good one is off, and would not see it get a hundred times worse.
 
 use std::fmt;
 

@@ -26,7 +26,7 @@ type CaseResult = Result<Finding, Trouble>;
 
 /// Points of each cloud.
 const POINTS: u32 = 3000;
-/// Bytes on the device: some hundreds of points at a time, so that there are many windows.
+/// Bytes on the device: some hundreds of points at a time, so that there are many regions.
 const DEVICE: u64 = 1 << 20;
 
 pub(super) fn cases() -> Vec<Case> {
@@ -85,7 +85,7 @@ fn cloud() -> Cloud {
     }
 }
 
-/// A cloud in nodes one below the other, as they are told.
+/// A cloud in nodes one below the other, as the caller gives them.
 #[derive(Debug)]
 struct Chain {
     summary: Summary,

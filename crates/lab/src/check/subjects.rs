@@ -42,8 +42,8 @@ pub struct Subject {
 pub enum Follows {
     /// Nothing: points and clouds may be in any order.
     Nothing,
-    /// The order of the clouds, not that of the points within: the random words that shuffle and deal a cloud's points
-    /// depend on its place among the others (`spbr`, `spbr-simplified`).
+    /// The order of the clouds, not that of the points within: the random words that shuffle a cloud's points into
+    /// ensembles depend on its place among the others (`spbr`, `spbr-simplified`).
     Clouds,
     /// The order of the points, file after file, which is the order of blending (`unsorted`) or of arrival (`mlab`).
     Points,
@@ -76,7 +76,7 @@ impl Subject {
         self.render_arranged(renderer, &self.arranged())
     }
 
-    /// Renders it from what [`Self::arranged`] returned.
+    /// Renders the subject from the ordered points that [`Self::arranged`] returned.
     ///
     /// # Errors
     /// Errors of [`Renderer::render`].
@@ -312,7 +312,7 @@ fn surfaces() -> Vec<Subject> {
     ]
 }
 
-/// Points that are dealt to ensembles.
+/// Points that are shuffled into ensembles.
 fn ensembles_of_points() -> Vec<Subject> {
     let spbr = Spbr { ensembles: 30, ..Spbr::default() };
     let simplified = SpbrSimplified { ensembles: 12, ..SpbrSimplified::default() };

@@ -337,7 +337,7 @@ fn budget(stage: &mut Stage, method: Method) -> CaseResult {
     let mut cloud = stage.renderer.upload(&cloud(&scattered(size, 12_000)))?;
     let whole = frame(pixels(size), size, method);
     let free = stage.renderer.render(&mut cloud, &whole)?;
-    // Less and less, until it takes several windows; too little for any is refused.
+    // Less and less, until it takes several regions; too little for any is refused.
     let mut budget = 8u64 << 20;
     let cut = loop {
         let cut = stage.renderer.render(&mut cloud, &Frame { memory_budget: Some(budget), ..whole })?;

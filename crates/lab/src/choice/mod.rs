@@ -3,8 +3,8 @@
 //! Every setting is measured as it will be rendered: same points, camera, size and seed. Its error is the RMSE on
 //! composed linear R, G, B, in float64, against the exact method (`abuffer` or `soft-base`) or against the limit that
 //! ensembles converge to. Its time is the median device time of frames. These are the two axes of `tradeoff`'s Pareto
-//! front. Measurements are cached by scene, device and version: another wish on the same scene only measures what is
-//! missing, and the same wish measures nothing.
+//! front. Measurements are cached by scene, device and version: another constraint on the same scene only measures what
+//! is missing, and the same constraint measures nothing.
 //!
 //! **By error**: the exact methods first; then each ladder of approximations from its cheap end, until a step is
 //! accurate enough or slower than the fastest accurate one. Stochastic errors fall as samples^(−1/2), so two small
@@ -101,9 +101,9 @@ pub struct Choice {
     pub setting: String,
     /// Measurements of the setting.
     pub figures: Figures,
-    /// The wish.
+    /// The constraint.
     pub wish: Wish,
-    /// The unfulfilled part of the wish, in words.
+    /// The unfulfilled part of the constraint, in words.
     pub warning: Option<String>,
     /// The best settings of those measured, the best one first.
     pub best: Vec<Row>,
@@ -114,7 +114,7 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// The wish, the setting and its figures as one JSON object: the image's `pellucid:choice`.
+    /// The constraint, the setting and its figures as one JSON object: the image's `pellucid:choice`.
     pub fn json(&self) -> Value {
         let Self { method, setting, figures, wish, .. } = self;
         json!({

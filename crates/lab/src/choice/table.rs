@@ -17,11 +17,11 @@ pub struct Row {
     pub figures: Figures,
     /// Difference between the slowest and the fastest frame, relative to the fastest; `None` for a single frame.
     pub spread: Option<f64>,
-    /// True if the spread tells of a busy machine.
+    /// True if the spread indicates a busy machine.
     pub busy: bool,
 }
 
-/// The best rows for a wish, the best one first: those that fulfill it, then those that come nearest.
+/// The best rows for a constraint, the best one first: those that fulfill it, then those that come nearest.
 pub(super) fn best(mut rows: Vec<Row>, wish: Wish) -> Vec<Row> {
     let rank = |row: &Row| {
         let Figures { rmse, gpu_ms } = row.figures;

@@ -164,7 +164,7 @@ impl<'a> Trials<'a> {
         }
     }
 
-    /// The earlier choice for the same wish. Times differ from run to run, but the choice must not.
+    /// The earlier choice for the same constraint. Times differ from run to run, but the choice must not.
     pub fn chosen(&self, wish: &str, all: &[Setting]) -> Option<(Setting, Figures)> {
         let key = self.known.chosen.get(wish)?;
         let setting = all.iter().find(|setting| setting.key() == *key)?;

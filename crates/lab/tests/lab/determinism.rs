@@ -163,7 +163,7 @@ fn reordered(device: &Device, all: &[Baseline], seeds: u32, wrong: &mut Wrong) {
     }
 }
 
-/// A budget that cuts the image into windows or its fragments into bands, between one that is enough for all and one
+/// A budget that cuts the image into regions or its fragments into batches, between one that is enough for all and one
 /// that is enough for nothing, found by bisection; each image on the way is compared.
 fn budgeted(device: &Device, all: &[Baseline], wrong: &mut Wrong) {
     let mut renderer = fresh(device);
@@ -217,7 +217,7 @@ fn the_same_bytes_however_the_work_is_cut() {
         wrong.assert_none();
         assert_listed(device);
     });
-    // Arrays in slices, images in windows: chunks of points have at least 4096, of 20 bytes each. Where points are
+    // Arrays in slices, images in regions: chunks of points have at least 4096, of 20 bytes each. Where points are
     // streamed, as those of the crowd are above, an upload of 65 536 must.
     with_device_that_binds(Some(100_000), |device| {
         let mut wrong = Wrong::default();

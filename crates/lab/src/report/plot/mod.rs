@@ -15,7 +15,7 @@ use self::label::Space;
 use self::legend::LEGEND;
 use self::scale::Scale;
 
-/// A measured value and how far it was spread.
+/// A measured value and its spread.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
     /// Position on the horizontal axis; above 0.

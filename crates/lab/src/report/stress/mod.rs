@@ -180,7 +180,7 @@ pub struct Deviation {
     pub pixels: usize,
 }
 
-/// A pass with its time, summed over all bands.
+/// A pass with its time, summed over all batches of fragments.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Pass {
     /// Name as in `plan`.

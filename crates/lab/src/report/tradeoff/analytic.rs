@@ -70,7 +70,7 @@ impl Planes {
         (mean, (variance.max(DVec3::ZERO).element_sum() / 3.0).sqrt())
     }
 
-    /// Ensembles up to which no point of any plane is dealt twice.
+    /// Ensembles up to which no point of any plane is assigned twice.
     fn once(&self) -> f64 {
         self.0.iter().map(|plane| plane.points / points_per_pixel(plane.alpha)).fold(f64::INFINITY, f64::min)
     }
@@ -98,7 +98,7 @@ impl Planes {
     }
 }
 
-/// The slope of the error against the analytic image, as long as no point is dealt twice.
+/// The slope of the error against the analytic image, as long as no point is assigned twice.
 pub(super) fn slope(rows: &[Row], dealt_once: f64) -> Option<PowerLaw> {
     let point = |row: &Row| Some((row.step.as_ref()?.1, row.rmse_analytic?));
     let points: Vec<_> = rows.iter().filter_map(point).filter(|(ensembles, _)| *ensembles <= dealt_once).collect();

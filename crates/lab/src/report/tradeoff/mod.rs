@@ -179,7 +179,7 @@ pub struct Analytic {
     pub points_per_pixel: Vec<f64>,
     /// Linear R, G, B, over the background.
     pub color: [f64; 3],
-    /// Ensembles up to which no point is dealt twice: the least m / −ln(1 − α).
+    /// Ensembles up to which no point is assigned twice: the least m / −ln(1 − α).
     pub dealt_once: f64,
     /// RMSE of a single ensemble, as expected: σ₁.
     pub expected_of_one: f64,
@@ -194,8 +194,8 @@ pub struct Analytic {
 }
 
 impl Analytic {
-    /// The expected RMSE for this many ensembles: √(σ₁²/L) while no point is dealt twice. Beyond that the points' own
-    /// error is added, which any two ensembles share unless they belong to the same pass through the points. For
+    /// The expected RMSE for this many ensembles: √(σ₁²/L) while no point is assigned twice. Beyond that the points'
+    /// own error is added, which any two ensembles share unless they belong to the same pass through the points. For
     /// several planes whose passes differ, this slightly overestimates the error.
     pub fn expected(&self, ensembles: f64) -> f64 {
         let shared = (1.0 - self.dealt_once / ensembles).max(0.0);

@@ -19,7 +19,7 @@ pub enum Formation {
         /// True if the scene gives the factor λ, from which the softness was derived.
         from_lambda: bool,
     },
-    /// Points of surfaces with an opacity, dealt to ensembles. Their number is not the scene's but a setting, and
+    /// Points of surfaces with an opacity, shuffled into ensembles. Their number is not the scene's but a setting, and
     /// nothing is brightened.
     Ensembles(Spbr),
     /// Opaque points of surfaces. Each method draws an image of its own; the surface is the reference for all.
@@ -137,7 +137,7 @@ impl Occasion {
 pub struct Setting {
     /// The method to render.
     pub method: Method,
-    /// Written as options of the command line, beside `--method`; empty for the defaults.
+    /// Written as options of the command line, in addition to `--method`; empty for the defaults.
     pub text: String,
     /// The key that varies, and its value.
     pub step: Option<(&'static str, f64)>,

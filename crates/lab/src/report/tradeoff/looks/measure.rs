@@ -10,7 +10,7 @@ const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 /// Two images that are nearer to each other show no direction, but how they were rounded.
 const LEAST_DISTANCE: f64 = 1e-5;
 
-/// The images by which errors are told apart, all of one size.
+/// The images by which errors are distinguished, all of one size.
 #[derive(Clone, Copy)]
 pub(in super::super) struct Exact<'a> {
     /// The reference.

@@ -35,7 +35,7 @@ impl Account<'_> {
         if self.tried.is_empty() {
             return None;
         }
-        // Two frames, as of every setting, and what it takes beside them.
+        // Two frames, as of every setting, and its other time.
         let beside = mean(|spent| (spent.whole - 2.0 * spent.frame).max(0.0));
         let frame = frame.unwrap_or_else(|| mean(|spent| spent.frame));
         Some(beside + 2.0 * frame + self.in_turns(frame))
@@ -88,7 +88,7 @@ mod tests {
     fn the_time_of_a_setting_is_told_from_those_before() {
         let tried = [Spent { frame: 1.0, whole: 5.0 }, Spent { frame: 0.5, whole: 2.0 }];
         let account = Account { tried: &tried, alone: 2.0, rounds: 3 };
-        // 3 s and 1 s beside the frames. Then two frames, and three in turns with one before them.
+        // 3 s and 1 s in addition to the frames. Then two frames, and three in turns with one before them.
         assert_eq!(account.needed(Some(0.25)), Some(2.0 + 0.5 + 1.0));
         assert_eq!(account.needed(Some(2.5)), Some(2.0 + 5.0), "not in turns");
         assert_eq!(account.needed(None), Some(2.0 + 6.0 * 0.75));
