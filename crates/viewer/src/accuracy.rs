@@ -67,7 +67,7 @@ pub struct Accuracy {
     pub rungs: Vec<Rung>,
     /// The reference, if any.
     pub against: Option<Reference>,
-    /// The standing of the last picture, if it is a whole one.
+    /// The exactness class of the last picture, if it is a whole one.
     pub standing: Option<Standing>,
 }
 

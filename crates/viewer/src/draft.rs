@@ -186,8 +186,8 @@ impl Draft {
         of_steps / f64::from(of_pixels)
     }
 
-    /// The method with this number of samples or layers. Ensembles stay those of the L into which the points are dealt;
-    /// fewer of them are drawn.
+    /// The method with this number of samples or layers. Ensembles stay those of the L into which the points are
+    /// shuffled; fewer of them are drawn.
     pub fn method(&self, whole: Method) -> Method {
         match (refined(&whole), self.steps) {
             (Some((key, _)), Some(steps)) if !whole.is_dealt() => {

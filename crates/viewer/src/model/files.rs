@@ -15,7 +15,7 @@ pub struct Saved {
     pub files: Vec<PathBuf>,
     /// The command that makes a film of them, if there is a path among them.
     pub command: Option<String>,
-    /// The message that told so.
+    /// The message about the saved files.
     message: String,
 }
 
