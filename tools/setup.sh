@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Installs what pellucid needs beside Rust: a Vulkan loader, a Vulkan driver, a C compiler; with --tests the validation
-# layers, a browser, ffmpeg, jq and a display without a screen with a window manager as well; in CI (CI=true) also a
-# Wayland compositor, which takes 95 MB, and OpenEXR for Python, which comes from PyPI and goes to target/openexr. On
-# Debian and Ubuntu missing packages are installed with apt, elsewhere they are named. Does nothing, at once, where
-# nothing is missing. With --mpi also Open MPI, unless there is an MPI already, and libclang, to build pellucid-mpi
-# (docs/many-machines.md).
+# Installs what pellucid needs in addition to Rust: a Vulkan loader, a Vulkan driver, a C compiler; with --tests the
+# validation layers, a browser, ffmpeg, jq and a display without a screen with a window manager as well; in CI (CI=true)
+# also a Wayland compositor, which takes 95 MB, and OpenEXR for Python, which comes from PyPI and goes to
+# target/openexr. On Debian and Ubuntu missing packages are installed with apt, elsewhere they are named. Does nothing,
+# at once, where nothing is missing. With --mpi also Open MPI, unless there is an MPI already, and libclang, to build
+# pellucid-mpi (docs/many-machines.md).
 set -euo pipefail
 
 usage="usage: tools/setup.sh [--tests] [--mpi]"

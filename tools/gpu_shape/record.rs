@@ -9,7 +9,7 @@ use pellucid_engine::{NUMBERS, key_without_numbers, plan};
 use pellucid_lab::check::{self, Lack, Subject};
 use serde::{Deserialize, Serialize};
 
-/// A pipeline, as one process tells another of it.
+/// A pipeline, in the form in which one process sends it to another.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Recorded {
     /// The label under which it ran first, as in `abuffer/resolve-8`.

@@ -82,8 +82,8 @@ fn nmse(standard: &Image, target: &Image) -> f64 {
 const TRIALS: usize = 50_000;
 
 /// Expected NMSE of a pixel away from the plane's rim, by chance alone, without a geometry: a Poisson number of white
-/// points, of those that were moved away, and of red ones that came, half of them before the plane. Each image deals
-/// its points to ensembles anew.
+/// points, of those that were moved away, and of red ones that came, half of them before the plane. Each image shuffles
+/// its points into ensembles anew.
 fn expected(per_pixel: f64, ensembles: usize, random: &mut Pcg64) -> f64 {
     let (mut error, mut whole) = (0.0, 0.0);
     for _ in 0..TRIALS {

@@ -51,8 +51,8 @@ pub fn measure(stage: &mut Stage, scale: f64, folder: &Path) -> Result<()> {
 }
 
 /// Standard deviation of a pixel over the number of its points (Poisson) and the ensembles they are in, as they are
-/// dealt here: the ensembles of a pass have no point in common, those of two passes as many as chance brings. Of large
-/// clouds a pass has a part of the points alone, which adds some.
+/// shuffled here: the ensembles of a pass have no point in common, those of two passes as many as chance brings. Of
+/// large clouds a pass has a part of the points alone, which adds some.
 fn expected_spread(alpha: f64, per_pixel: f64, q: f64) -> f64 {
     let ensembles = f64::from(ENSEMBLES);
     let of_pass = (1.0 / q).floor().clamp(1.0, ensembles);

@@ -65,7 +65,7 @@ pub fn run(args: &Args, folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The cases that are missing: the first mean of all scenes, then the second, so that any part of them tells of every
+/// The cases that are missing: the first mean of all scenes, then the second, so that any part of them covers every
 /// scene.
 fn cases(args: &Args, log: &Log) -> Vec<(&'static str, u32)> {
     let is_asked = |name: &&str| args.only.is_empty() || args.only.iter().any(|only| only == name);
