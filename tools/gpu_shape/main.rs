@@ -3,9 +3,9 @@
 //!
 //! ```sh
 //! cargo run --release --example gpu-shape                       # a table of all pipelines on navi21
-//! cargo run --release --example gpu-shape -- --check # fails if a pipeline is beyond tools/gpu_shape/budget.txt cargo
-//! run --release --example gpu-shape -- --page docs/gpu-shape.md cargo run --release --example gpu-shape -- --driver
-//! radeon_icd.json,mesa25/usr/lib/x86_64-linux-gnu
+//! cargo run --release --example gpu-shape -- --check            # fails beyond tools/gpu_shape/budget.txt
+//! cargo run --release --example gpu-shape -- --page docs/gpu-shape.md
+//! cargo run --release --example gpu-shape -- --driver radeon_icd.json,mesa25/usr/lib/x86_64-linux-gnu
 //! ```
 //!
 //! Every pipeline that the small scenes of all methods and `pellucid check` create on the device that the environment
