@@ -53,7 +53,7 @@ pub struct Load {
     pub fragments: f64,
     /// Pixels.
     pub pixels: f64,
-    /// All of it, as a number of fragments that takes as long.
+    /// Total work, as a number of fragments that takes as long.
     pub work: f64,
 }
 
@@ -156,7 +156,7 @@ impl Costs {
         }
     }
 
-    /// All of it.
+    /// Returns the expected cost of the whole image.
     pub fn whole(&self) -> Load {
         self.of([0, 0, self.size[0], self.size[1]])
     }

@@ -44,7 +44,7 @@ pub struct Ranks {
     traffic: Cell<Traffic>,
     /// True if each rank says what it begins with.
     pub tells: bool,
-    /// All ranks, of one that is seen as if it was alone.
+    /// Communicator of all ranks, if this one is seen as if it was alone.
     all: Option<Box<Self>>,
     // Last: dropping it ends MPI.
     _universe: Option<Universe>,
@@ -98,7 +98,7 @@ impl Ranks {
         Self { world, local, host, traffic: Cell::default(), tells, all: Some(Box::new(self)), _universe: None }
     }
 
-    /// All ranks, of one that leads others.
+    /// Returns all ranks, if this one leads others.
     pub fn led(&self) -> Option<&Self> {
         self.all.as_deref()
     }

@@ -51,7 +51,7 @@ fn rank(work: &Work) -> Value {
 }
 
 impl Report {
-    /// No frames yet.
+    /// Returns a report without frames.
     pub fn new(session: &Session, share: Share) -> Self {
         Self { profile: session.profile(), share, frames: Vec::new(), spread: None }
     }

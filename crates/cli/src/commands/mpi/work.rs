@@ -50,7 +50,7 @@ pub struct Pass {
 }
 
 impl Work {
-    /// Nothing done yet.
+    /// Returns a record of a rank that has done nothing yet.
     pub fn of(ranks: &Ranks) -> Self {
         Self { rank: ranks.own(), host: ranks.host().to_owned(), ..Self::default() }
     }

@@ -35,7 +35,7 @@ pub struct Dealer<'a> {
 }
 
 impl<'a> Dealer<'a> {
-    /// Nobody has any.
+    /// Starts the distribution: no rank has points yet.
     pub fn new(ranks: &'a Ranks, known: &'a Known, piece: usize) -> Self {
         let dealt = vec![0; ranks.count()];
         Self { ranks, known, piece, portion: Portion::default(), dealt, waiting: Vec::new(), owner: 0, sent: 0 }

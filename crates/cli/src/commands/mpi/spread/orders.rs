@@ -21,7 +21,7 @@ pub enum Order {
     Keep,
     /// Render, round by round, the region of the rank's number. Passes may be timed, and listed one by one.
     Render { frame: Frame, rounds: Vec<Vec<Window>>, timed: bool, listed: bool },
-    /// Nothing is left to do.
+    /// Stop: nothing is left to do.
     Stop,
 }
 
