@@ -63,7 +63,7 @@ pub fn measure(device: &Device, subject: &Subject, count: usize, folder: &Path) 
     super::write(folder, "path-fragments.svg", &svg(&fragments)?)
 }
 
-/// Once around the center of the scene's box, closest halfway.
+/// Returns a camera on a turn around the center of the scene's box, closest halfway.
 fn camera(subject: &Subject, step: usize, count: usize) -> Camera {
     let bounds = subject.points.bounds().expect("assembled scenes have points");
     let (given, share) = (subject.frame.camera, step as f64 / count as f64);

@@ -59,7 +59,7 @@ impl Subject {
         }
     }
 
-    /// All points as the method wants them.
+    /// Returns the points in the order that the method needs.
     pub fn arranged(&self) -> Arranged {
         if self.frame.method.is_dealt() {
             let hidden = Progress::hidden();
@@ -104,7 +104,7 @@ impl Subject {
     }
 }
 
-/// All of them: at least one for each method that a scene file can name.
+/// Returns the subjects: at least one for each method that a scene file can name.
 pub fn subjects() -> Vec<Subject> {
     let mut all = [discs(), gaussians(), opaque(), soft(), surfaces(), ensembles_of_points()].concat();
     let known = |all: &[Subject], method: &Method| all.iter().any(|subject| subject.choice.name() == method.name());

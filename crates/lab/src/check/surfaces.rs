@@ -14,7 +14,7 @@ use pellucid_engine::scene::{ImageSpace, MAX_POINT_LAYERS, Method, PeelLayers};
 
 type CaseResult = Result<Finding, Trouble>;
 
-/// No filter.
+/// Settings without any filter.
 const PLAIN: ImageSpace = ImageSpace {
     fill: 0,
     occlusion: 0,

@@ -87,7 +87,7 @@ fn naive(found: &[Finding]) -> String {
     least.map(number).into_iter().chain(parts).collect::<Vec<_>>().join("; ")
 }
 
-/// Two digits; whole numbers are counts.
+/// Formats a number with two digits; whole numbers are counts.
 fn number(value: f64) -> String {
     match value {
         v if !v.is_finite() => "∞".to_owned(),

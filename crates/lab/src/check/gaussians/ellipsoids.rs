@@ -32,7 +32,7 @@ fn depth_of(opacity: f32) -> f64 {
 
 const FAINT: u32 = 100_000;
 
-/// All overlap most of the others.
+/// Checks many faint ellipsoids, each of which overlaps most of the others.
 pub(super) fn faint(stage: &mut Stage, method: Method) -> CaseResult {
     let opacity = 1e-5f32;
     let splats: Vec<Splat> = (0..FAINT).map(|i| ball(2e5 + f64::from(i), 1e5, opacity, Vec3::ONE)).collect();

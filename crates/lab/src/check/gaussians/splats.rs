@@ -102,7 +102,7 @@ impl View {
         Frame { color: ColorSpace::Encoded, ..stage::frame(self.camera, self.size, method) }
     }
 
-    /// All pixels, row by row.
+    /// Returns the pixels, row by row.
     pub fn pixels(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
         let [width, height] = self.size;
         (0..height).flat_map(move |y| (0..width).map(move |x| [x, y]))

@@ -149,7 +149,7 @@ impl Cell {
     }
 }
 
-/// Some measurements of one thing.
+/// Summary of some measurements of one value.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     /// The least.

@@ -90,7 +90,7 @@ pub struct Row {
     /// Errors against the reference; for stochastic methods the root of the mean square (rmse) or means (the others)
     /// over the seeds.
     pub errors: Errors,
-    /// Only for stochastic methods.
+    /// Noise and bias over several seeds, only for stochastic methods.
     pub repeats: Option<Repeats>,
     /// RMSE against the analytic image ([`Tradeoff::analytic`]), if it exists: root of the mean square over the seeds.
     pub rmse_analytic: Option<f64>,
@@ -265,15 +265,15 @@ pub struct Tradeoff {
     pub sittings: u32,
     /// The reference of the errors.
     pub reference: Reference,
-    /// Only for ensembles of planes that fill the image.
+    /// Expected errors, only for ensembles of planes that fill the image.
     pub analytic: Option<Analytic>,
-    /// Only for opaque points.
+    /// Facts about the surfaces, only for opaque points.
     pub surveyed: Option<Surveyed>,
-    /// Only for opaque points lit by an area light.
+    /// Errors of shadows, only for opaque points lit by an area light.
     pub shaded: Option<Shaded>,
-    /// Only for Gaussian splats: what each of their approximations costs by itself, the exact image first.
+    /// Errors of each approximation of Gaussian splats by itself, the exact image first; empty for other points.
     pub causes: Vec<Cause>,
-    /// Only along a camera path: how the error changes from frame to frame.
+    /// Change of the error from frame to frame, only along a camera path.
     pub popping: Option<Popping>,
     /// The measured settings, in the order of the ladder.
     pub rows: Vec<Row>,

@@ -40,14 +40,14 @@ pub(super) struct Timed {
     pub passes: Vec<(String, f64)>,
 }
 
-/// All of one setting.
+/// Results of a setting.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Measured {
     pub trial: Trial,
     pub frames: Vec<Timed>,
 }
 
-/// All of one scene, as the file holds it.
+/// Results of a scene, as the file holds them.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Content {
     /// Identifies the scene, the device and the program, see [`pellucid_engine::identity`].

@@ -22,7 +22,7 @@ const MAX_PIXELS: u64 = 24 << 20;
 /// The pictures of all rows, as data URIs.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Pictures {
-    /// Every different one once.
+    /// Data URIs of the pictures, every different one once.
     pub uris: Vec<String>,
     /// The reference's index in `uris`.
     pub reference: usize,

@@ -5,7 +5,7 @@ use crate::report::tradeoff::Skipped;
 use crate::report::tradeoff::settings::{Ladders, Setting};
 use pellucid_engine::scene::{ImageSpace, Method, Relief, SplatShape};
 
-/// All of them, cloud after cloud; and the methods of opaque points that are left out.
+/// Returns the settings, cloud after cloud; and the methods of opaque points that are left out.
 pub(in super::super) fn settings(surfaces: &Surfaces, ladders: &Ladders) -> (Vec<Setting>, Vec<Skipped>) {
     let settings = ladders.thinning.iter().flat_map(|thinning| of_cloud(surfaces, ladders, *thinning)).collect();
     (settings, skipped(surfaces))
