@@ -19,7 +19,7 @@ pub enum Standing {
     Exact,
     /// A mean of samples or ensembles; the standard error estimates its error.
     Sampled,
-    /// Something else than what this method would show.
+    /// Approximation of the image that this exact method draws.
     Approximation(Method),
     /// The method's own image, which no other method draws.
     Own,

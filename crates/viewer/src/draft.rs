@@ -31,7 +31,7 @@ pub enum Effort {
     Moving(f64),
     /// Effort for scenes at rest: as much as fits these milliseconds, and more lights for shadows than before.
     Refining(f64),
-    /// Nothing is left out.
+    /// Effort for a picture that leaves nothing out.
     Whole,
 }
 

@@ -11,7 +11,7 @@ use super::census::Census;
 
 /// The clouds of a scene, in its order.
 pub enum Clouds {
-    /// All of their points are in memory.
+    /// Clouds with all of their points in memory.
     Held(Vec<Cloud>),
     /// Clouds that stay in their files: memory is too small.
     Stored(Stores),

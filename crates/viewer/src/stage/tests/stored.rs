@@ -11,7 +11,7 @@ use pellucid_engine::scene::{self, procedural};
 
 const COUNT: usize = 90_000;
 
-/// Less than the cloud takes.
+/// Setup with less memory than the cloud takes.
 const LITTLE: Setup = Setup { memory_budget: Some(8 << 20), host_memory: 2 << 20, ..SETUP };
 
 /// A landscape with radii and normals, and with trees.
