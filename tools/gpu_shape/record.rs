@@ -90,7 +90,7 @@ fn open() -> Result<Device, String> {
     Device::open(&options).map_err(|e| e.to_string())
 }
 
-/// Each once, in order of their labels.
+/// Returns each pipeline once, in order of the labels.
 pub fn distinct(mut all: Vec<Recorded>) -> Vec<Recorded> {
     all.sort_by(|a, b| a.label.cmp(&b.label));
     let mut found: Vec<Recorded> = Vec::new();

@@ -13,7 +13,7 @@ use pellucid_engine::{Result, io};
 use crate::table::COLUMNS;
 
 pub const TORI: &str = "tori";
-/// All of them, in the order of the table.
+/// Data sets, in the order of the table.
 pub const NAMES: [&str; 4] = ["dragon", TORI, "neghip", "hydrogen"];
 
 /// Points of what is generated, in the paper.

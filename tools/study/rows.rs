@@ -128,7 +128,7 @@ pub struct Measured {
     pub done: bool,
 }
 
-/// All of a driver.
+/// Measurements of a driver.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
     pub device: Device,

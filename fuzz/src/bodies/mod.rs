@@ -26,7 +26,7 @@ pub use splats::splats;
 pub use store::{copc, ept, octree};
 pub use volume::volume;
 
-/// All of them by name, which is that of the target and of its corpus.
+/// Bodies by name, which is that of the target and of its corpus.
 pub const TARGETS: [(&str, Body); 17] = [
     ("ply", ply),
     ("splats", splats),

@@ -8,7 +8,7 @@ use pellucid_engine::io::{Error, LasColumns};
 use super::cloud::check;
 use super::with_file;
 
-/// All that is read only where it is asked for.
+/// Columns that are read only where they are asked for.
 const ASKED: LasColumns = LasColumns { returns: true, source: true, gps_time: true };
 
 /// COPC files by their hierarchy, and as the LAZ files that they are.
