@@ -61,7 +61,7 @@ pub enum Lack {
 }
 
 impl Lack {
-    /// Lacks in the order in which counts name them.
+    /// Kinds of lack, in the order in which counts name them.
     pub const ALL: [Self; 4] = [Self::Subgroups, Self::Rasterizer, Self::Memory, Self::Limits];
 
     /// The missing feature if that is why something was refused; `None` for an error of any other kind.
