@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# A short turntable by every method, by the release build under synchronization validation. Frames whose passes nobody times
-# have barriers only where one pass needs another's results, and the checks of a debug build between passes bring barriers of
-# their own: only a release build shows a barrier that is missing.
+# A short turntable by every method, by the release build under synchronization validation. Frames whose passes nobody
+# times have barriers only where one pass needs another's results, and the checks of a debug build between passes bring
+# barriers of their own: only a release build shows a barrier that is missing.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

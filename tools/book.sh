@@ -22,7 +22,8 @@ case ${1:-} in
     *) echo "error: unknown argument '$1'; usage: tools/book.sh" >&2; exit 2 ;;
 esac
 
-# mdBook: one in the PATH of this version will do. A debug build compiles in half of the time, and builds this book in a second.
+# mdBook: one in the PATH of this version will do. A debug build compiles in half of the time, and builds this book in a
+# second.
 mdbook=$(command -v mdbook || true)
 if [[ -z $mdbook || $("$mdbook" --version) != *"v$mdbook_version" ]]; then
     mdbook=$tools/bin/mdbook

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Everything that must hold before a change goes in: format, lints, docs, typos, licenses, tests, in that order. With --lints
-# all but the tests, as CI runs it from tools/test.sh.
+# Everything that must hold before a change goes in: format, lints, docs, typos, licenses, tests, in that order. With
+# --lints all but the tests, as CI runs it from tools/test.sh.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -11,8 +11,8 @@ esac
 
 step() { echo "== $*"; }
 
-# Debian packages none of the first three; the fourth would be packaged for a Python of its own. CI does without them, and whoever
-# makes a release has them.
+# Debian packages none of the first three; the fourth would be packaged for a Python of its own. CI does without them,
+# and whoever makes a release has them.
 ci_lacks=" typos cargo-deny ruff numpy "
 
 # Says that a tool is missing, and what to do. In CI an error, unless the tool is one of those above.
@@ -52,6 +52,6 @@ if command -v python3 >/dev/null && ! python3 -c 'import numpy' 2>/dev/null; the
 fi
 if [[ ${1:-} != --lints ]]; then
     step tools/test.sh
-    # What CI demands besides was just looked at.
+    # The other demands of CI were just checked.
     CI='' tools/test.sh
 fi

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Fuzzes what pellucid reads: tools/fuzz.sh [SECONDS] [TARGET…], by default 600 seconds each of all targets, one after another.
-# Prints a table and fails if there is a finding, whose input is then in fuzz/artifacts. New inputs are kept in
+# Fuzzes what pellucid reads: tools/fuzz.sh [SECONDS] [TARGET…], by default 600 seconds each of all targets, one after
+# another. Prints a table and fails if there is a finding, whose input is then in fuzz/artifacts. New inputs are kept in
 # target/fuzz/corpus, from which the next run goes on. CONTRIBUTING.md says what to do with a finding.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -27,8 +27,8 @@ for target in "${targets[@]}"; do
     fi
 done
 
-# All unsafe code is in crates/gpu, which no target reaches: a sanitizer, which takes nightly Rust, would find little and halve
-# the speed. Debug assertions are on: sums that overflow are findings.
+# All unsafe code is in crates/gpu, which no target reaches: a sanitizer, which takes nightly Rust, would find little
+# and halve the speed. Debug assertions are on: sums that overflow are findings.
 cargo fuzz build --sanitizer none --target-dir target/fuzz
 host=$(rustc -vV | sed -n 's/^host: //p')
 
@@ -47,7 +47,7 @@ for target in "${targets[@]}"; do
     [[ -f fuzz/dictionaries/$target.dict ]] && flags+=(-dict="fuzz/dictionaries/$target.dict")
     echo "== $target"
     found=0
-    # What a decoder library prints of its panics that become errors is no news.
+    # Decoder libraries print their panics, which become errors: that is no news.
     "target/fuzz/$host/release/$target" "$corpus" "fuzz/corpus/$target" -artifact_prefix="$artifacts/" "${flags[@]}" \
         >"$log" 2>&1 || found=1
     if [[ $found = 1 ]]; then

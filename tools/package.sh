@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
-# Makes the files of a release for this platform in target/package: an archive, and on Linux a Debian package and the Python wheel,
-# with SHA256SUMS. Needs cargo-about, and on Linux cargo-deb:
+# Makes the files of a release for this platform in target/package: an archive, and on Linux a Debian package and the
+# Python wheel, with SHA256SUMS. Needs cargo-about, and on Linux cargo-deb:
 #   cargo install --locked cargo-deb; cargo install --locked --features cli cargo-about
 #
 #   tools/package.sh                 builds and packs everything
 #   tools/package.sh --no-wheel      without the wheel; --no-deb without the Debian package
 #   tools/package.sh --crates        packs the .crate files as well, unverified
 #   tools/package.sh --binary FILE   packs this binary instead of building one; with --target TRIPLE it is that target's
-#   tools/package.sh --try ROOT      installs what is in target/package into ROOT, the folder of a bare Debian, and renders there;
+#   tools/package.sh --try ROOT      installs what is in target/package into ROOT, the folder of a bare Debian, and
+#                                    renders there;
 #                                    with --scan FILE this scan, and with --no-wheel without Python
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -29,7 +30,7 @@ while (($# > 0)); do
         --target) target=$2; shift ;;
         --try) root=$2; shift ;;
         --scan) scan=$2; shift ;;
-        -h | --help) sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 0 ;;
+        -h | --help) sed -n '2,12s/^# \{0,1\}//p' "$0"; exit 0 ;;
         *) fail "unknown argument '$1'; tools/package.sh --help lists them" ;;
     esac
     shift
@@ -43,7 +44,8 @@ licenses() {
     cargo about generate --locked --fail -m "$1/Cargo.toml" -c about.toml tools/about.hbs -o "$2/THIRD-PARTY-LICENSES.html"
 }
 
-# What all packages hold besides the program: licenses, manual pages, completions. The program that runs here makes them.
+# Contents of all packages besides the program: licenses, manual pages, completions. The program that runs here makes
+# them.
 make_stage() {
     rm -rf "$packages"
     mkdir -p "$stage/completions"
@@ -101,7 +103,8 @@ make_wheel() {
     cp target/wheels/*.whl "$packages"
 }
 
-# A bare Debian, as of `debootstrap --variant=minbase bookworm ROOT`: each package by its own installer, and a picture by each.
+# A bare Debian, as of `debootstrap --variant=minbase bookworm ROOT`: each package by its own installer, and a picture
+# by each.
 try_in() {
     [[ $(id -u) == 0 && -x $1/usr/bin/apt-get ]] || fail "--try wants root and a folder with a Debian in it, found neither apt nor root in '$1'"
     local within=(chroot "$1" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive SCAN="${scan##*/}" WHEEL=$wheel)
@@ -159,7 +162,7 @@ if $wheel; then make_wheel; fi
 if $crates; then
     # Into this very folder.
     cargo package --locked --no-verify -p pellucid-gpu -p pellucid-engine -p pellucid-lab -p pellucid-viewer -p pellucid-cli -p pellucid
-    # What they were packed from.
+    # Sources of the packed files.
     rm -rf "$packages"/pellucid-*/ "$packages"/tmp-*
 fi
 rm -rf "$stage"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Builds the Python package, installs it into target/python, an environment with everything that its tests want, and runs the
-# tests, mypy, stubtest and ruff. Arguments go to pytest. The wheel is in target/wheels; it is installed into an environment with
-# nothing else as well, where README's lines must run.
+# Builds the Python package, installs it into target/python, an environment with everything that its tests want, and
+# runs the tests, mypy, stubtest and ruff. Arguments go to pytest. The wheel is in target/wheels; it is installed into
+# an environment with nothing else as well, where README's lines must run.
 #
 #   tools/python.sh --install    builds and installs, and tests nothing
 #   tools/python.sh --wheel      builds the wheel for all Linux distributions (manylinux), and checks its size
@@ -20,7 +20,8 @@ case ${1:-} in
     -h | --help) sed -n '2,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
 esac
 
-# What Debian leaves out of python3 and of a system without a desktop: environments, and libraries that Open3D and VTK load.
+# Packages that Debian leaves out of python3 and of a system without a desktop: environments, and libraries of
+# Open3D and VTK.
 install_packages() {
     local libraries packages=()
     libraries=$(PATH=$PATH:/usr/sbin:/sbin ldconfig -p 2>/dev/null || true)
@@ -62,7 +63,7 @@ make_environment() {
 
 build_wheel() {
     rm -rf target/wheels
-    # What Python loads has no use for symbols; the workspace's release profile strips them as well.
+    # A library for Python has no use for symbols; the workspace's release profile strips them as well.
     # maturin finds zig by the Python that comes first.
     (cd python && PATH="$environment/bin:$PATH" maturin build --locked --out ../target/wheels "$@")
     wheel=$(ls target/wheels/pellucid-*.whl)

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Installs what pellucid needs beside Rust: a Vulkan loader, a Vulkan driver, a C compiler; with --tests the validation
-# layers, a browser, ffmpeg, jq and a display without a screen with a window manager as well; in CI (CI=true) also a Wayland
-# compositor, which takes 95 MB, and OpenEXR for Python, which comes from PyPI and goes to target/openexr. On Debian and Ubuntu missing packages are installed with apt, elsewhere they are named. Does
-# nothing, at once, where nothing is missing. With --mpi also Open MPI, unless there is an MPI already, and libclang, to build
+# Installs what pellucid needs in addition to Rust: a Vulkan loader, a Vulkan driver, a C compiler; with --tests the
+# validation layers, a browser, ffmpeg, jq and a display without a screen with a window manager as well; in CI (CI=true)
+# also a Wayland compositor, which takes 95 MB, and OpenEXR for Python, which comes from PyPI and goes to
+# target/openexr. On Debian and Ubuntu missing packages are installed with apt, elsewhere they are named. Does nothing,
+# at once, where nothing is missing. With --mpi also Open MPI, unless there is an MPI already, and libclang, to build
 # pellucid-mpi (docs/many-machines.md).
 set -euo pipefail
 
@@ -41,7 +42,7 @@ has_compiler() { command -v cc >/dev/null; }
 
 has_loader() { [[ $libraries == *libvulkan.so.1* ]]; }
 
-# Whether the library that a driver's manifest names is there; a manifest alone drives nothing.
+# Checks that the library that a driver's manifest names is there; a manifest alone drives nothing.
 driver_library_exists() {
     local library
     library=$(sed -nE 's/.*"library_path"[[:space:]]*:[[:space:]]*"([^"]+)".*/\1/p' "$1")
@@ -89,7 +90,7 @@ has_browser() {
     [[ -n ${CHROME:-} ]] || command -v google-chrome || command -v chromium || command -v chromium-browser
 } >/dev/null
 
-# What the window library loads when `view` runs on X11; Wayland's are part of its desktops.
+# Libraries that the window library loads when `view` runs on X11; Wayland's are part of its desktops.
 has_x11() {
     local library
     for library in libX11.so.6 libX11-xcb.so.1 libXcursor.so.1 libXi.so.6 libxkbcommon-x11.so.0; do
@@ -97,7 +98,7 @@ has_x11() {
     done
 }
 
-# Whether tests can read deep EXR files by OpenEXR's own library.
+# Checks that tests can read deep EXR files by OpenEXR's own library.
 openexr=$(dirname "$0")/../target/openexr
 has_openexr() { [[ -x $openexr/bin/python ]] && "$openexr/bin/python" -c "import OpenEXR, numpy" 2>/dev/null; }
 

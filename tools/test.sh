@@ -1,18 +1,20 @@
 #!/usr/bin/env bash
-# Runs every test; arguments go to `cargo test`. A machine without a Vulkan device fails: set PELLUCID_REQUIRE_GPU=0 to run the
-# others there. What is skipped is printed, as `skipped: <test>: <reason>`.
+# Runs every test; arguments go to `cargo test`. A machine without a Vulkan device fails: set PELLUCID_REQUIRE_GPU=0 to
+# run the others there. What is skipped is printed, as `skipped: <test>: <reason>`.
 #
-# With CI=true all that CI demands: tools/check.sh's lints, `pellucid check`, the book (tools/book.sh), the Python package (tools/python.sh), pellucid-mpi (tools/mpi.sh), the barriers of
-# the release build (tools/barriers.sh) and the budget of registers on a GPU (docs/gpu-shape.md) before the tests, the long tests in a short form
-# among them, and no skip but for the reasons that are named below.
+# With CI=true all that CI demands: tools/check.sh's lints, `pellucid check`, the book (tools/book.sh), the Python
+# package (tools/python.sh), pellucid-mpi (tools/mpi.sh), the barriers of the release build (tools/barriers.sh) and the
+# budget of registers on a GPU (docs/gpu-shape.md) before the tests, the long tests in a short form among them, and no
+# skip but for the reasons that are named below.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 tools/setup.sh --tests
 export PELLUCID_REQUIRE_GPU="${PELLUCID_REQUIRE_GPU:-1}"
-# What is built for the first time has nothing to be incremental to.
+# A first build has nothing to be incremental to.
 if [[ ! -d target/debug/incremental ]]; then export CARGO_INCREMENTAL=0; fi
-# What has tests. With no target named, `cargo test` builds every example as well, which tools/check.sh's clippy does faster.
+# Targets with tests. With no target named, `cargo test` builds every example as well, which tools/check.sh's clippy
+# does faster.
 targets=(--lib --bins --tests --example drivers --example gpu-shape --example study)
 if [[ ${CI:-} != true ]]; then
     # Arguments may name targets of their own.

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 # More points than an index tells apart would be refused later, after they were copied.
 _MOST_POINTS = 2**32 - 1
-# What helps those who mean one color.
+# Hint for callers who mean one color.
 _ONE_COLOR = "one color for all points is a setting of render and Scene: color"
 
 

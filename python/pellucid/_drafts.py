@@ -13,7 +13,8 @@ _COARSE = (1, 2, 3, 4, 6, 8)
 # Samples of a frame of unknown cost, and the least of any frame: below it, larger pixels show more.
 _FEWEST = 4
 
-# Where points stay, a picture may take so many times of what all pictures take alike: a coarser one would hardly be faster.
+# Where points stay, a picture may take so many times of what all pictures take alike: a coarser one would hardly be
+# faster.
 _ALIKE = 1.5
 
 # Share of all work from which a picture at rest is the whole one.

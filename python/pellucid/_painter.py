@@ -58,7 +58,7 @@ class Begin:
     image: Image
     # Settings of the method that are in force.
     settings: dict[str, Any]
-    # What was found by the searches that were asked for: a factor on all opacities, and settings by their dotted keys.
+    # Results of the searches that were asked for: a factor on all opacities, and settings by their dotted keys.
     factor: float
     found: dict[str, Any]
 
@@ -281,7 +281,7 @@ class Painter:
         if whole:
             self._whole_ms = ms
         elif points is not None and ms > self._whole_ms:
-            # Points that can't be left out without being arranged anew, as Gaussian splats.
+            # Points that can't be left out without being ordered anew, as Gaussian splats.
             self._thins, self._costs = False, _drafts.Costs()
         self._costs.add(ms, draft.work(request.samples))
         self._deliver(Picture(pixels, draft, whole, ms, image.method, image.stderr))

@@ -12,7 +12,7 @@ Listener = Callable[[str, int, "int | None"], None]
 
 
 class _Bars:
-    """One bar at a time, and a new bar for each stage."""
+    """A single bar at a time, and a new bar for each stage."""
 
     def __init__(self, make: Callable[..., Any]) -> None:
         self.make = make

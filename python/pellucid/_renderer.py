@@ -209,7 +209,7 @@ class Loaded:
 
     @property
     def colorings(self) -> list[str]:
-        """How each cloud is colored, and why."""
+        """The color source of each cloud, and the reason for it."""
         return self._native.colorings()
 
     @property
@@ -249,7 +249,7 @@ def _load(
     progress: Progress = None,
     with_radii: bool = False,
 ) -> Loaded:
-    """Load a scene on a device. Limits that were given beside its keys also hold for its frames."""
+    """Load a scene on a device. Limits that were given in addition to its keys also hold for its frames."""
     loaded = Loaded.__new__(Loaded)
     loaded._scene, loaded._limits, loaded._seed = scene, found.limits, scene.seed if seed is None else seed
     if found.direction:

@@ -197,7 +197,7 @@ class Scene:
             if not os.fspath(path):
                 raise ValueError("paths: expected a path of a scene file or a cloud, found an empty text")
         scene = cls._of(_pellucid.Scene.of_files([os.fspath(path) for path in paths], 0))
-        # What is missing should be told here.
+        # Missing files are reported here.
         missing = [path for path in paths if not os.path.exists(path)]
         if missing:
             raise ReadError(f"{os.fspath(missing[0])}: no such file")

@@ -15,12 +15,12 @@ from typing import Any, NamedTuple, TypedDict, cast
 
 from . import _pellucid
 
-# Where a key without a table is looked for, in this order: a name that several tables have goes to [method], `color` to all
-# clouds. A `size` is always the picture's, though methods have one as well.
+# Where a key without a table is looked for, in this order: a name that several tables have goes to [method], `color` to
+# all clouds. A `size` is always the picture's, though methods have one as well.
 _ORDER = ("method", "cloud.*", "image", "shading", "detail", "shadows", "camera", "clip.*")
 TABLES = ("image", "camera", "shading", "shadows", "detail", "method", "cloud", "clip")
 
-# What the command line has as options, and no scene file as a key.
+# Options of the command line that are no keys of a scene file.
 _DIRECTIONS = ("view", "azimuth", "elevation")
 _LIMITS = ("see_through", "max_error", "budget_ms", "memory_budget", "host_memory")
 _SHORT = ("class_opacity", "classes", "without", "slices")
@@ -34,7 +34,7 @@ _OF_CALLS = {
     "seed": "this is an argument of render, Renderer.load and Loaded.frame; a scene has it as scene.seed",
 }
 
-# What other programs call them.
+# Names of settings in other programs.
 _ALIASES = {
     "alpha": "opacity",
     "background_color": "background",

@@ -23,7 +23,7 @@ _RADIUS = ("radius",)
 _CLASSIFICATION = ("classification", "scalar_classification", "class", "scalar_class", "label", "scalar_label")
 _INTENSITY = ("intensity", "scalar_intensity")
 
-# What makes a table one of Gaussian splats, as the reader of PLY files tells it.
+# Columns that make a table one of Gaussian splats, as in the reader of PLY files.
 _SPLAT = ("f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "rot_0", "rot_1", "rot_2", "rot_3")
 
 _PLY_TYPES = {"i1": "char", "u1": "uchar", "i2": "short", "u2": "ushort", "i4": "int", "u4": "uint", "f4": "float", "f8": "double"}

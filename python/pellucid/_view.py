@@ -14,7 +14,7 @@ def shown(
     points: Any, *, size: Size | None, device: str | int | None, frame_ms: float, arguments: dict[str, Any], frame: dict[str, Any]
 ) -> Any:
     """Return what `pellucid.view` returns. `arguments` are those of `Renderer.load`, `frame` those of `Loaded.frame`."""
-    # What is wrong with these a window would find out by its first `picture()`.
+    # Wrong arguments are reported here; a window would find them by its first `picture()`.
     ask(Asked([], {}, {}), **frame)
     if _is_notebook():
         try:

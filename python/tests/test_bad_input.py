@@ -771,7 +771,7 @@ def test_an_extension_that_is_no_picture(renderer, points, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_what_failed_leaves_the_scene_as_it_was(points):
+def test_a_failed_update_leaves_the_scene_as_it_was(points):
     scene = pellucid.Scene(pellucid.Cloud(points), opacity=0.25)
     before = scene.to_toml()
     with pytest.raises(pellucid.SceneError):
@@ -791,7 +791,7 @@ def test_what_failed_leaves_the_scene_as_it_was(points):
 
 
 def test_bytes_may_be_in_another_order_or_place():
-    """Of arrays of files: big-endian, unaligned, with steps."""
+    """Arrays of files are big-endian, unaligned, or have steps."""
     single = POINTS.astype(np.float32)
     shorts = np.arange(60, dtype=np.uint16).reshape(20, 3)
     codes = np.arange(20)

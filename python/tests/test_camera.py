@@ -64,7 +64,7 @@ def test_a_camera_of_nerfstudio_is_that_of_opencv_turned(renderer):
         ({"w": 0.5}, "size"),
     ],
 )
-def test_what_a_scene_has_no_camera_for_is_refused(change, message):
+def test_cameras_that_a_scene_can_not_express_are_refused(change, message):
     fine = {"fl_x": 130.0, "fl_y": 130.0, "cx": 80.0, "cy": 60.0, "w": 160, "h": 120}
     Camera.from_nerfstudio(np.eye(4), **{**fine, "cx": 80.5})
     with pytest.raises(ValueError, match=message):

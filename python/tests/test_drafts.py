@@ -32,7 +32,7 @@ def test_exact_methods_get_coarser(ms: float, coarse: int) -> None:
     assert moving(costs((ms, 1)), 33, None) == Draft(None, coarse)
 
 
-def test_what_all_frames_take_alike_is_told_apart() -> None:
+def test_the_constant_cost_of_frames_is_separated() -> None:
     # 20 ms for any frame, 1000 for the whole picture's work.
     both = costs(*((20 + 1000 / coarse**2, 1 / coarse**2) for coarse in (1, 6, 8, 3, 8)))
     share = both.share(33)

@@ -261,7 +261,7 @@ def test_pandas_splats() -> None:
     assert_same_picture(frame, path)
 
 
-def test_what_is_read_as_a_file_takes_no_columns() -> None:
+def test_objects_read_as_files_take_no_columns() -> None:
     path = DATA / "splats/soup.ply"
     ply = plyfile.PlyData.read(path)
     objects = {

@@ -83,7 +83,7 @@ def test_a_tradeoff_compares_methods(renderer, tmp_path):
 
 def test_an_interrupted_tradeoff_says_so_whatever_becomes_of_its_folder(renderer, points, monkeypatch, tmp_path):
     class Interrupted:
-        """What native code has in place of a scene."""
+        """Stand-in for the native scene."""
 
         def tradeoff(self, request, extent, folder, listener):
             raise KeyboardInterrupt
@@ -202,7 +202,7 @@ def test_devices_and_methods_are_listed(renderer, cli):
     assert {"abuffer", "stochastic", "spbr", "soft-base"} <= set(pellucid.methods())
 
 
-def test_what_was_measured_does_not_change(renderer, points):
+def test_measurements_are_immutable_and_hashable(renderer, points):
     profile = pellucid.profile(points, frames=1, size=SIZE)
     with pytest.raises(dataclasses.FrozenInstanceError):
         profile.points = 3

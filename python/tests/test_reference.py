@@ -24,7 +24,7 @@ def test_every_public_name_is_explained(reference: ModuleType) -> None:
     assert reference.undocumented() == []
 
 
-def test_what_is_not_explained_is_found(
+def test_members_without_an_explanation_are_found(
     reference: ModuleType, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     class Plain:

@@ -41,7 +41,7 @@ def test_three_layers_let_through_what_they_should(renderer):
     np.testing.assert_allclose(image.mean_depth, weights @ [6.0, 7.0, 8.0] / weights.sum(), rtol=1e-6)
 
 
-def test_what_was_not_asked_for_is_not_there(renderer):
+def test_channels_that_were_not_requested_are_none(renderer):
     image = layers()
     assert image.fragments is None
     assert image.median_depth is None
@@ -168,7 +168,7 @@ def test_a_device_that_failed_is_opened_anew(renderer, points, monkeypatch, name
         raise pellucid.DeviceError("lost")
 
     class Lost:
-        """What native code has in place of a scene."""
+        """Stand-in for the native scene."""
 
         frame = profile = plan = tradeoff = lost
         method = lambda self: ("abuffer", "")  # noqa: E731

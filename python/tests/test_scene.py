@@ -136,7 +136,7 @@ def test_clips_are_a_tuple(scene):
 
 
 def test_shadows_are_switched_on(renderer, scene):
-    """As by an empty table in a file."""
+    """An empty table in a file switches them on, too."""
     for on in ({}, True):
         assert pellucid.Scene(scene.clouds, shadows=on).given()["shadows"] == {}
         other = scene.copy()
@@ -245,8 +245,8 @@ def test_a_text_has_neither_view_nor_seed(points):
     assert (again.seed, again._direction) == (0, {})
 
 
-def test_what_is_left_out_adds_up(renderer, points):
-    """As the docstrings of `Scene.update` and `Loaded.frame` say."""
+def test_exclusions_of_points_add_up(renderer, points):
+    """The docstrings of `Scene.update` and `Loaded.frame` promise it."""
     cloud = pellucid.Cloud(points, classification=np.arange(500) % 2)
     scene = pellucid.Scene(cloud, size=SIZE, method="circles")
     whole = pellucid.render(scene).rgba
@@ -266,7 +266,7 @@ def test_what_is_left_out_adds_up(renderer, points):
 
 
 def test_a_size_is_the_picture_s(renderer, points):
-    """As in `render`, though methods have a size as well: a factor on radii."""
+    """`render` does so, too, though methods have a size as well: a factor on radii."""
     cloud = pellucid.Cloud(points)
     scene = pellucid.Scene(cloud, size=(48, 36), method="squares")
     assert scene.given()["image"] == {"size": [48, 36]}

@@ -252,7 +252,7 @@ def test_without_a_driver_the_error_says_what_to_install():
 
 
 def test_importing_brings_numpy_alone():
-    """Which takes less than 50 ms; benches/speed.py measures it."""
+    """The import takes less than 50 ms; benches/speed.py measures it."""
     done = run(
         """
         import sys

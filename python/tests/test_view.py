@@ -55,7 +55,7 @@ def test_arguments_are_those_of_render() -> None:
 
 
 def test_a_notebook_without_widgets_is_told_what_to_install(tmp_path: Path) -> None:
-    """In a process of its own, where jupyter_rfb can't be imported and a shell pretends to have a kernel."""
+    """Runs in a process of its own, where jupyter_rfb can't be imported and a shell pretends to have a kernel."""
     code = """
 import sys, types, warnings
 import numpy as np
@@ -121,7 +121,7 @@ def test_the_whole_picture_is_that_of_render(made: Made) -> None:
 
 
 def test_only_the_latest_request_is_finished(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Or a few others, too, if the system lets this thread wait between two of them."""
+    """A few others may be finished, too, if the system lets this thread wait between two of them."""
     followed: list[Request] = []
     follow = Painter._follow
 
@@ -225,7 +225,7 @@ def in_a_thread(work: object) -> tuple[threading.Thread, list[object]]:
 
 
 def test_closing_lets_nobody_wait(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of two pictures that are wanted the first is in work when the window is closed, and the other isn't begun."""
+    """The first of two requested pictures is in work when the window is closed, and the other isn't begun."""
     begun = threading.Event()
     frame = pellucid.Loaded.frame
 
@@ -303,7 +303,7 @@ def test_closing_stops_loading() -> None:
 
 
 def window(**arguments: object) -> object:
-    """What `view` makes in a notebook, here in a loop without one."""
+    """Makes the window that `view` makes in a notebook, here in a loop without one."""
     from pellucid._window import Window
 
     frame = {"fragments": True, "depths": False, "accuracy": "exact"}
@@ -377,7 +377,7 @@ def test_a_camera_of_the_window_is_whole() -> None:
 
 
 def test_the_slider_multiplies_the_opacity_that_was_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Which is looked for once."""
+    """The opacity is looked for once."""
     pytest.importorskip("jupyter_rfb")
     asked: list[dict[str, object]] = []
     frame = pellucid.Loaded.frame
@@ -405,7 +405,7 @@ def test_the_slider_multiplies_the_opacity_that_was_found(monkeypatch: pytest.Mo
     assert ["see_through" in settings for settings in asked] == [True] + [False] * (len(asked) - 1)
 
 
-def test_what_was_chosen_for_the_first_picture_stays() -> None:
+def test_the_choice_for_the_first_picture_stays() -> None:
     made = Made(opacity=0.3, radius=0.1, method="stochastic", max_error=0.05)
     try:
         begin = made.painter.begin

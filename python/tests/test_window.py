@@ -103,7 +103,7 @@ def run_first_cell(page: Page) -> None:
 
 
 def seen(canvas: Locator) -> np.ndarray:
-    """What the browser shows of it, (h, w, 3) from 0 to 1."""
+    """The canvas as the browser shows it, (h, w, 3) from 0 to 1."""
     return imread(io.BytesIO(canvas.screenshot()))[..., :3]
 
 
@@ -162,7 +162,7 @@ def test_the_window_follows_the_pointer(page: Page, tmp_path: Path) -> None:
     # Shift moves: what stood left of the middle stands right of it.
     drag(page, canvas, (60, 0), key="Shift")
     _, moved = wait_until_whole(page, canvas, back)
-    # What is near moves farther than what is far: the two are alike, not the same.
+    # Near points move farther than far ones: the two are alike, not the same.
     assert difference(first[:, :-60], moved[:, 60:]) < 0.5 * difference(first, moved)
 
     # The wheel comes nearer, and a double click brings the first view back.
@@ -206,7 +206,7 @@ except pellucid.Error as error:
 
 
 def test_a_notebook_without_a_page() -> None:
-    """What pages without a kernel show: the output holds a PNG beside the widget. And what later cells do with the window."""
+    """Pages without a kernel show a PNG, which the output holds beside the widget. Later cells use the window."""
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in (CELL, LATER_CELL)])
     NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
     outputs = [output for output in notebook.cells[0].outputs if "image/png" in output.get("data", {})]

@@ -37,7 +37,7 @@ def every(records: bytes, size: int, step: int) -> tuple[bytes, int]:
 
 
 def cut_ply(text: bytes, size: int, step: int) -> bytes:
-    """Of a binary PLY file that holds vertices alone."""
+    """Cuts a binary PLY file that holds vertices alone."""
     header, body = text.split(b"end_header\n", 1)
     before, rest = header.split(b"element vertex ", 1)
     _, after = rest.split(b"\n", 1)
@@ -46,7 +46,7 @@ def cut_ply(text: bytes, size: int, step: int) -> bytes:
 
 
 def cut_pcd(text: bytes, size: int, step: int) -> bytes:
-    """Of a binary PCD file of one row."""
+    """Cuts a binary PCD file of one row."""
     header, body = text.split(b"DATA binary\n", 1)
     kept, count = every(body, size, step)
     lines = [b"%s %d" % (line.split()[0], count) if line.startswith((b"WIDTH", b"POINTS")) else line
@@ -55,7 +55,7 @@ def cut_pcd(text: bytes, size: int, step: int) -> bytes:
 
 
 def cut_las(text: bytes, step: int) -> bytes:
-    """Of a LAS file up to 1.3; bounds and counts by return stay those of the whole."""
+    """Cuts a LAS file up to 1.3; bounds and counts by return stay those of the whole."""
     start, = struct.unpack_from("<I", text, 96)
     size, count = struct.unpack_from("<HI", text, 105)
     kept, left = every(text[start : start + size * count], size, step)

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 pub struct DriverImages {
     pub device: String,
     pub driver: String,
-    /// In the order of the subjects.
+    /// Outcomes in the order of the subjects.
     pub outcomes: Vec<Outcome>,
 }
 
@@ -128,7 +128,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_written_is_loaded() {
+    fn written_images_load_unchanged() {
         let folder = tempfile::tempdir().expect("a folder");
         let image = Image {
             width: 2,

@@ -1,16 +1,17 @@
-//! The same scenes by every method on several drivers, and how far their images are apart (docs/determinism.md).
+//! Renders the same scenes by every method on several drivers, and compares their images (docs/determinism.md).
 //!
 //! ```sh
 //! cargo run --release --example drivers -- \
 //!     --driver "Mesa 25=lvp25.json,mesa25/usr/lib/x86_64-linux-gnu" --driver "SwiftShader=vk_swiftshader_icd.json"
 //! ```
 //!
-//! `NAME=MANIFEST` is a driver's manifest (JSON), behind a comma the folder of libraries that it needs, if any. The loader picks
-//! drivers once per process: each one renders in a process of its own, with `VK_DRIVER_FILES` and `LD_LIBRARY_PATH` set. The
-//! images of the driver that the environment gives are what the others are compared with; `--first NAME=MANIFEST` says another.
+//! `NAME=MANIFEST` is a driver's manifest (JSON), behind a comma the folder of libraries that it needs, if any. The
+//! loader picks drivers once per process: each one renders in a process of its own, with `VK_DRIVER_FILES` and
+//! `LD_LIBRARY_PATH` set. The images of the driver that the environment gives are what the others are compared with;
+//! `--first NAME=MANIFEST` says another.
 //!
-//! The exit status is 1 if any image is beyond its bound, 2 if a driver could not render at all. What a driver lacks is not
-//! applicable, and is no pass.
+//! The exit status is 1 if any image is beyond its bound, 2 if a driver could not render at all. What a driver lacks is
+//! not applicable, and is no pass.
 
 mod bound;
 mod images;

@@ -1,4 +1,5 @@
-//! Images of one driver against those of another: how many pixels differ, by how much, and whether that is within the bound.
+//! Images of one driver against those of another: how many pixels differ, by how much, and whether that is within the
+//! bound.
 
 use std::fmt::Write;
 
@@ -8,7 +9,7 @@ use pellucid_lab::check::Subject;
 use crate::bound;
 use crate::images::{DriverImages, Outcome};
 
-/// One image of a driver against the first driver's.
+/// Comparison of an image of a driver with the first driver's.
 pub struct Line {
     pub subject: String,
     /// Place of the driver among all.
@@ -22,7 +23,7 @@ pub enum Verdict {
     Failed(String),
 }
 
-/// How far two images are apart.
+/// Difference of two images.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Apart {
     pub pixels: usize,
@@ -37,7 +38,7 @@ pub struct Apart {
 }
 
 impl Apart {
-    /// Of two images of one size.
+    /// Returns the difference of two images of the same size.
     pub fn between(a: &Image, b: &Image, bound: f64) -> Self {
         let mut found = Self { pixels: a.rgba.len(), differ: 0, beyond: 0, largest: 0.0, rms: 0.0, bound };
         let mut squares = 0.0;
@@ -102,7 +103,7 @@ fn verdict(first: Option<&Outcome>, other: Option<&Outcome>) -> Verdict {
     }
 }
 
-/// Which drivers these are.
+/// Lists the drivers.
 pub fn heads(found: &[DriverImages]) -> String {
     let mut text = String::new();
     for (number, found) in found.iter().enumerate() {
@@ -112,8 +113,8 @@ pub fn heads(found: &[DriverImages]) -> String {
     text + "\n"
 }
 
-/// The table, and below it how many images came out how on each driver. Without `all` those that are the same to the last bit
-/// have no row.
+/// The table, and below it how many images came out how on each driver. Without `all` those that are the same to the
+/// last bit have no row.
 pub fn markdown(lines: &[Line], found: &[DriverImages], all: bool) -> String {
     let mut text =
         "| image | driver | pixels that differ | largest | RMS | bound | |\n|---|---|--:|--:|--:|--:|---|\n".to_owned();
@@ -185,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn what_differs_by_hand() {
+    fn differences_are_as_by_hand() {
         let same = Apart::between(&image(0.5), &image(0.5), 1e-6);
         assert_eq!((same.differ, same.beyond, same.largest, same.rms), (0, 0, 0.0, 0.0));
         // Three pixels of 1000 by 0.25 in one of four channels: two may flip.
@@ -202,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_driver_lacks_is_no_pass_and_no_failure() {
+    fn a_missing_feature_is_neither_a_pass_nor_a_failure() {
         let outcome = |red| Outcome::Image(Box::new(image(red)), Met { longest: 1 });
         let lacks = || Outcome::Lacks("shuffles".into());
         let failed = || Outcome::Failed("lost".into());

@@ -1,4 +1,4 @@
-//! What every pipeline may take of a GPU, and the named ones that may take more (tools/gpu_shape/budget.txt).
+//! Budget of a GPU's resources for every pipeline, and the exceptions by name (tools/gpu_shape/budget.txt).
 
 use crate::compile::Shape;
 use crate::record::Recorded;
@@ -8,10 +8,10 @@ const LEAST_WAVES: f64 = 8.0;
 /// Bytes of code: what RDNA's instruction caches hold.
 const MOST_CODE: f64 = 32.0 * 1024.0;
 
-/// What is allowed beyond that.
+/// Exceptions from the budget.
 const EXCEPTIONS: &str = include_str!("budget.txt");
 
-/// What a pass may take beyond the budget.
+/// Resources that a pass may take beyond the budget.
 #[derive(Debug, Clone, PartialEq)]
 struct Exception<'a> {
     label: &'a str,
@@ -22,7 +22,7 @@ struct Exception<'a> {
 }
 
 impl Exception<'_> {
-    /// What a pass without an exception may take.
+    /// Budget of a pass without an exception.
     const NONE: Exception<'static> =
         Exception { label: "", least_waves: LEAST_WAVES, most_scratch: 0.0, most_spilled: 0.0, most_code: MOST_CODE };
 }
@@ -118,7 +118,7 @@ mod tests {
     };
 
     #[test]
-    fn what_is_beyond_is_said() {
+    fn pipelines_beyond_the_budget_are_listed() {
         let bad = Shape { waves: 7.0, scratch_bytes: 16.0, spilled_sgprs: 2.0, code_bytes: 33.0 * 1024.0, ..GOOD };
         let found = compared(&[], &["a/b", "c/d", "c/d"], &[GOOD, bad, bad]);
         assert_eq!(

@@ -1,4 +1,5 @@
-//! Compiles recorded pipelines on RADV's null device, in a process of its own: the loader picks drivers once per process.
+//! Compiles recorded pipelines on RADV's null device, in a process of its own: the loader picks drivers once per
+//! process.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -9,11 +10,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::record::{self, Recorded};
 
-/// Where distributions put RADV: Mesa renamed the file with version 24.
+/// Paths of RADV's manifest in distributions: Mesa renamed the file with version 24.
 const MANIFESTS: [&str; 2] =
     ["/usr/share/vulkan/icd.d/radeon_icd.json", "/usr/share/vulkan/icd.d/radeon_icd.x86_64.json"];
 
-/// Which RADV.
+/// Installation of RADV.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Driver {
     manifest: PathBuf,
@@ -42,7 +43,7 @@ pub enum Lanes {
     SixtyFour,
 }
 
-/// What became of some pipelines, in their order.
+/// Results of compiling some pipelines, in their order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Shapes {
     /// Name and version of device and driver.
@@ -53,7 +54,7 @@ pub struct Shapes {
 /// Waves that a SIMD can hold, whatever they need. Mesa 22.3 states more.
 const MOST_WAVES: f64 = 16.0;
 
-/// What became of a pipeline. Of several stages the worst of each.
+/// Result of compiling a pipeline; for several stages the worst of each value.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Shape {
     pub lanes: u32,
@@ -69,15 +70,15 @@ pub struct Shape {
     /// Waves that a SIMD can hold at a time, of 16.
     pub waves: f64,
     pub code_bytes: f64,
-    /// Cycles that a wave takes, and that it keeps a SIMD busy per 64 invocations where others hide its latency. The compiler
-    /// counts a loop as 8 turns.
+    /// Cycles that a wave takes, and that it keeps a SIMD busy per 64 invocations where others hide its latency. The
+    /// compiler counts a loop as 8 turns.
     pub latency: f64,
     pub inverse_throughput: f64,
-    /// From WGSL, or kept SPIR-V, to the pipeline.
+    /// Time from WGSL, or kept SPIR-V, to the pipeline.
     pub compile_ms: f64,
 }
 
-/// What `family` would make of the pipelines.
+/// Compiles the pipelines for `family`.
 pub fn on(driver: &Driver, family: &str, lanes: Lanes, recorded: &[Recorded]) -> Result<Shapes, String> {
     let failed = |what: String| format!("{family}: {what}");
     if !driver.manifest.is_file() {

@@ -1,5 +1,5 @@
-//! Roofline estimates: the time of a pass on a GPU that is not there, from the bytes it must move, the compiler's count of cycles,
-//! and the latency of one wave.
+//! Roofline estimates: the time of a pass on a GPU that is not there, from the bytes it must move, the compiler's count
+//! of cycles, and the latency of one wave.
 
 use pellucid_engine::methods::PassProfile;
 
@@ -25,7 +25,7 @@ pub const GPUS: [Gpu; 3] = [
     Gpu { name: "Radeon RX 7900 XTX", families: &["gfx1100", "navi31"], simds: 192.0, clock: 2.5, bandwidth: 960.0 },
 ];
 
-/// What bounds a pass.
+/// Limiting resource of a pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bound {
     Memory,
@@ -44,7 +44,8 @@ pub struct Estimate {
 /// Invocations of a workgroup of one subgroup where the pass was recorded, and on the GPU.
 pub type Lanes = [f64; 2];
 
-/// The largest of the three times. `lanes` for passes whose workgroup is one subgroup: they keep their number of workgroups.
+/// The largest of the three times. `lanes` for passes whose workgroup is one subgroup: they keep their number of
+/// workgroups.
 pub fn estimate(gpu: &Gpu, pass: &PassProfile, shape: &Shape, lanes: Option<Lanes>) -> Option<Estimate> {
     let invocations = pass.invocations? as f64 * lanes.map_or(1.0, |[here, there]| there / here);
     let cycles = 1e3 * gpu.clock;

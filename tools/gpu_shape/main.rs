@@ -1,16 +1,17 @@
-//! What a GPU's compiler makes of the shaders, without a GPU: registers, scratch, occupancy, code size, and an estimate of each
+//! Compiles the shaders for a GPU, without a GPU: registers, scratch, occupancy, code size, and an estimate of each
 //! pass's time (docs/gpu-shape.md).
 //!
 //! ```sh
 //! cargo run --release --example gpu-shape                       # a table of all pipelines on navi21
-//! cargo run --release --example gpu-shape -- --check            # fails if a pipeline is beyond tools/gpu_shape/budget.txt
+//! cargo run --release --example gpu-shape -- --check            # fails beyond tools/gpu_shape/budget.txt
 //! cargo run --release --example gpu-shape -- --page docs/gpu-shape.md
 //! cargo run --release --example gpu-shape -- --driver radeon_icd.json,mesa25/usr/lib/x86_64-linux-gnu
 //! ```
 //!
-//! Every pipeline that the small scenes of all methods and `pellucid check` create on the device that the environment gives is
-//! recorded, with work shaped as a GPU prefers it; for a page those of the built-in scene as well. Mesa's RADV compiles them again for a GPU that is not there: with `RADV_FORCE_FAMILY` it makes a
-//! null device, which runs nothing but has the whole compiler (ACO). Debian's `mesa-vulkan-drivers` has RADV.
+//! Every pipeline that the small scenes of all methods and `pellucid check` create on the device that the environment
+//! gives is recorded, with work shaped as a GPU prefers it; for a page those of the built-in scene as well. Mesa's RADV
+//! compiles them again for a GPU that is not there: with `RADV_FORCE_FAMILY` it makes a null device, which runs nothing
+//! but has the whole compiler (ACO). Debian's `mesa-vulkan-drivers` has RADV.
 //!
 //! The exit status is 1 if `--check` finds anything, 2 if a pipeline could not be recorded or compiled.
 
@@ -28,7 +29,7 @@ use clap::Parser;
 
 use compile::{Driver, Lanes};
 
-/// What the budget holds for, and the table shows.
+/// GPU family for which the budget holds, and which the table shows.
 const FAMILY: &str = "navi21";
 
 #[derive(Debug, Parser)]

@@ -1,4 +1,5 @@
-//! The page docs/gpu-shape.md: pipelines on a GPU's compiler, and the estimated time of each pass of the built-in scene.
+//! The page docs/gpu-shape.md: pipelines on a GPU's compiler, and the estimated time of each pass of the built-in
+//! scene.
 
 use std::fmt::Write;
 

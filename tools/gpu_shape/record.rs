@@ -9,7 +9,7 @@ use pellucid_engine::{NUMBERS, key_without_numbers, plan};
 use pellucid_lab::check::{self, Lack, Subject};
 use serde::{Deserialize, Serialize};
 
-/// A pipeline, as one process tells another of it.
+/// A pipeline, in the form in which one process sends it to another.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Recorded {
     /// The label under which it ran first, as in `abuffer/resolve-8`.
@@ -22,7 +22,7 @@ pub struct Recorded {
     pub subgroup: Option<u32>,
     /// Values that a frame decided, by override.
     numbers: Vec<(String, f64)>,
-    /// What a draw has for outputs: its place among all that there can be.
+    /// Index of a draw's outputs among all that there can be.
     outputs: Option<usize>,
 }
 
@@ -90,7 +90,7 @@ fn open() -> Result<Device, String> {
     Device::open(&options).map_err(|e| e.to_string())
 }
 
-/// Each once, in order of their labels.
+/// Returns each pipeline once, in order of the labels.
 pub fn distinct(mut all: Vec<Recorded>) -> Vec<Recorded> {
     all.sort_by(|a, b| a.label.cmp(&b.label));
     let mut found: Vec<Recorded> = Vec::new();
@@ -102,7 +102,7 @@ pub fn distinct(mut all: Vec<Recorded>) -> Vec<Recorded> {
     found
 }
 
-/// Those that a device has.
+/// Lists the pipelines that a device has made.
 fn of_device(device: &Device) -> Result<Vec<Recorded>, String> {
     let shaders = shaders();
     device.made().iter().map(|made| recorded(&shaders, made)).collect()
@@ -138,7 +138,7 @@ fn sized(shader: &Shader, subgroup: Option<u32>) -> Vec<&Variant> {
 }
 
 impl Recorded {
-    /// Its pass, the variant for subgroups of `lanes` where it has a say in them, and its outputs.
+    /// Returns the pass, the variant for subgroups of `lanes` where it has a say in them, and its outputs.
     pub fn rebuilt<'a>(&self, shaders: &'a [Shader], lanes: u32) -> (&'a Shader, Variant, Option<Outputs>) {
         let shader = &shaders[self.pass];
         let mut variant = sized(shader, self.subgroup.map(|_| lanes))[self.variant].clone();

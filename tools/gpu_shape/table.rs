@@ -12,7 +12,7 @@ pub struct Line {
     pub worst: Shape,
 }
 
-/// One line for each label, the fewest waves first, then the most scratch and registers.
+/// Returns a line for each label, the fewest waves first, then the most scratch and registers.
 pub fn by_label(recorded: &[Recorded], shapes: &[Shape]) -> Vec<Line> {
     let mut lines: Vec<Line> = Vec::new();
     for (recorded, shape) in recorded.iter().zip(shapes) {

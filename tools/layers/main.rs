@@ -1,14 +1,14 @@
-//! The frame rates of Dobrev et al. (2010), Table 3, and what they say of them: local illumination, layers of surfaces, and
-//! shadows of an area light, as times over that of local illumination.
+//! The frame rates of Dobrev et al. (2010), Table 3, and what they say of them: local illumination, layers of surfaces,
+//! and shadows of an area light, as times over that of local illumination.
 //!
 //! ```sh
 //! cargo run --release --example layers-experiments                    # a twentieth of the points of generated clouds
 //! cargo run --release --example layers-experiments -- --scale 1       # all of them: 4 GB of memory
 //! ```
 //!
-//! The output is Markdown. The paper's figures are ratios of its frame rates: 68 per second with local illumination and 23
-//! with three layers are 2.96. Real data (the dragon, the volumes) are looked for in `PELLUCID_TEST_DATA`, else beside the
-//! project; what is missing is left out with a note.
+//! The output is Markdown. The paper's figures are ratios of its frame rates: 68 per second with local illumination and
+//! 23 with three layers are 2.96. Real data (the dragon, the volumes) are looked for in `PELLUCID_TEST_DATA`, else
+//! beside the project; what is missing is left out with a note.
 
 mod scenes;
 mod table;
@@ -157,7 +157,7 @@ impl Stage {
         Ok(Spread::from_values(times).median)
     }
 
-    /// How time grows with layers and with points, of the tori.
+    /// Fits lines to the times of the tori, over layers and over points.
     fn fits(&mut self, scale: f64) -> Result<String> {
         let side = SIDES[1];
         let (mut over_layers, mut over_points) = (Vec::new(), Vec::new());
@@ -179,7 +179,7 @@ impl Stage {
     }
 }
 
-/// One step of each filter that fills holes, as in the table.
+/// Returns a single step of each filter that fills holes, as in the table.
 fn local() -> Method {
     Method::ImageSpace(ImageSpace::default())
 }

@@ -13,7 +13,7 @@ use pellucid_engine::{Result, io};
 use crate::table::COLUMNS;
 
 pub const TORI: &str = "tori";
-/// All of them, in the order of the table.
+/// Data sets, in the order of the table.
 pub const NAMES: [&str; 4] = ["dragon", TORI, "neghip", "hydrogen"];
 
 /// Points of what is generated, in the paper.
@@ -90,7 +90,7 @@ fn generated(name: &'static str, made: &Generated, paper: [[f64; COLUMNS]; 2]) -
     subject(name, &scene, clouds, paper)
 }
 
-/// With Phong shading and a light from above that casts shadows, if it is asked for some.
+/// Makes a subject with Phong shading and a light from above that casts shadows, if it is asked for some.
 fn subject(name: &'static str, scene: &Scene, clouds: Vec<Cloud>, paper: [[f64; COLUMNS]; 2]) -> Result<Subject> {
     let up = scene::up_axis(&clouds);
     let points = scene::assemble(scene, clouds, false, &Progress::hidden())?;

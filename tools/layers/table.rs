@@ -5,11 +5,11 @@ use std::fmt::Write;
 /// Measurements of a cloud at a size: local illumination, 3 and 6 layers, shadows of 1, 5 and 10 samples.
 pub const COLUMNS: usize = 6;
 
-/// One line of the table.
+/// Row of the table.
 pub struct Line {
     pub name: &'static str,
     pub points: usize,
-    /// Of the image, in pixels.
+    /// Side of the image in pixels.
     pub side: u32,
     /// Median device times in ms, in the order of the columns.
     pub ms: Vec<f64>,
@@ -44,7 +44,7 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Through at least two points with different x.
+    /// Fits a line through at least two points with different x.
     pub fn through(points: &[(f64, f64)]) -> Self {
         let n = points.len() as f64;
         let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
@@ -56,7 +56,7 @@ impl Fit {
         Self { slope, at_zero: y - slope * x, r_squared }
     }
 
-    /// As a sentence that says whether it is a line.
+    /// Formats the fit as a sentence that says whether it is a line.
     pub fn told(&self, over: &str, each: &str, claim: &str) -> String {
         let Self { slope, at_zero, r_squared } = self;
         let holds = if *r_squared >= LINEAR { "yes" } else { "no" };

@@ -74,7 +74,7 @@ def project(positions, view, frame, dtype=np.float64):
 
 
 def world_per_pixel(view, depth):
-    """How many world units a pixel spans at each depth (n,)."""
+    """The world units that a pixel spans at each depth (n,)."""
     if view.height:
         return np.full(len(depth), view.height / view.height_px)
     return depth * 2 * math.tan(math.radians(view.fov_y) / 2) / view.height_px

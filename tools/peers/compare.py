@@ -59,7 +59,7 @@ def calibrate():
 
 
 def measure(options, scene, tool, repeat):
-    """One measurement, in the form that `report` takes."""
+    """A measurement, in the form that `report` takes."""
     line = {"scene": scene, "tool": tool.label, "repeat": repeat, "cal_ms": calibrate()}
     # Images do not depend on the repeat.
     job = Job(options.output, scene, options.frames, with_image=repeat == 0)

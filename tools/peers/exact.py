@@ -71,7 +71,7 @@ def encode_srgb(linear):
 
 
 def error(image, exact):
-    """How far an image (height, width, 3 or 4; uint8, or float 0 to 1) is from the exact one.
+    """The difference of an image (height, width, 3 or 4; uint8, or float 0 to 1) from the exact one.
 
     Over the pixels that either covers: `rmse` in units of 0 to 1, and the share of pixels with a channel that is off by
     more than 1/255.

@@ -62,7 +62,7 @@ def fragment_ns(measurements, facts, scene, tool):
 
 
 def per_fragment_growth(measurements, facts, scene):
-    """How much longer the A-buffer takes per fragment than at 32 layers, or None."""
+    """The A-buffer's time per fragment over that at 32 layers, or None."""
     if not scene.startswith("S2") or "S2_32" not in facts:
         return None
     here, there = (fragment_ns(measurements, facts, name, "pellucid abuffer") for name in (scene, "S2_32"))
@@ -85,7 +85,7 @@ def markdown(header, rows):
 
 
 def time_row(measurements, facts, scene, tool):
-    """One row of the table of times."""
+    """A row of the table of times."""
     rows = of(measurements, scene, tool)
     cells = [scene, tool]
     if not rows:
@@ -108,7 +108,7 @@ def times_table(measurements, facts):
 
 
 def reasons(measurements):
-    """Why rows are missing, each reason once."""
+    """The reasons why rows are missing, each once."""
     found = dict.fromkeys(f"- {m['tool']} is missing: {m['missing']}" for m in measurements if "missing" in m)
     return "\n".join(found) or "Nothing is missing."
 

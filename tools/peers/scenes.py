@@ -26,7 +26,7 @@ class Scene:
 
     @property
     def opaque(self):
-        """Whether only the nearest point of each pixel shows."""
+        """True if only the nearest point of each pixel shows."""
         return self.size_px == 1
 
 
@@ -98,7 +98,7 @@ SCENES = {
 
 
 def make(name):
-    """One of `SCENES`."""
+    """Makes a scene of `SCENES`."""
     points, view, size_px = SCENES[name]
     positions, colors = points()
     return Scene(name, positions, colors, view, size_px)

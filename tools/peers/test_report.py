@@ -45,7 +45,7 @@ class Ratios(unittest.TestCase):
         self.assertEqual(frame_ms(DRIFT, "S2_32", "pellucid sorted"), 50)
         self.assertAlmostEqual(ratio(DRIFT, "S2_32", "pellucid sorted", "native"), 50 / 11)
 
-    def test_what_was_not_measured_has_no_ratio(self):
+    def test_rows_without_a_measurement_have_no_ratio(self):
         self.assertIsNone(ratio(DRIFT, "S2_512", "pellucid sorted", "painter sorted"))
         self.assertIsNone(ratio(DRIFT, "S2_512", "pellucid sorted", "native"))
         self.assertIsNone(ratio(DRIFT, "S2_32", "pellucid points", "native"))
@@ -66,7 +66,7 @@ class Tables(unittest.TestCase):
         row = times_table(DRIFT, FACTS).splitlines()[2]
         self.assertEqual(row, "| S2_32 | pellucid sorted | 50 | 40–300 | 5 | 50 | 1.2e-07 | 1.2500% | 100–102 |")
 
-    def test_what_is_missing_is_listed(self):
+    def test_missing_rows_are_listed(self):
         absent = {"scene": "S2_32", "tool": "vtk sorted", "repeat": 0, "cal_ms": 1, "missing": "no module"}
         row = times_table([*DRIFT, absent], FACTS).splitlines()[-1]
         self.assertEqual(row, "| S2_32 | vtk sorted | missing |" + " – |" * 6)

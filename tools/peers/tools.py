@@ -22,24 +22,24 @@ class Missing(Exception):
 
 @dataclass(frozen=True)
 class Tool:
-    """One row of a scene: a tool in one of its modes."""
+    """A row of a scene: a tool in one of its modes."""
 
     name: str
     mode: str
     # Shape of its splats, "disc" or "square".
     shape: str
-    # Whether one run of it takes minutes.
+    # True if one run of it takes minutes.
     slow: bool = False
 
     @property
     def label(self):
-        """As in the tables."""
+        """The tool's name in the tables."""
         return f"{self.name} {self.mode}"
 
 
 @dataclass(frozen=True)
 class Job:
-    """What a tool is to draw: a scene in a folder of scenes, so many frames, and whether frame 0 is kept."""
+    """The task of a tool: a scene in a folder of scenes, so many frames, and whether frame 0 is kept."""
 
     folder: str
     scene: str

@@ -40,7 +40,7 @@ def depth_sorted(data, camera):
 
 
 def actor(scene, mode, camera):
-    """What draws the points."""
+    """Makes the actor that draws the points."""
     mapper, result = vtk.vtkPolyDataMapper(), vtk.vtkActor()
     data = point_data(scene)
     if mode == "sorted":

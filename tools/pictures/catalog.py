@@ -9,7 +9,7 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 IMAGES = DOCS / "images" / "gallery"
 SCENES = DOCS / "scenes"
-# What the last run of each picture measured.
+# Measurements of the last run of each picture.
 MEASURED = IMAGES / "measured.json"
 # Largest files, in bytes.
 MAX_PICTURE = 160_000
@@ -128,5 +128,5 @@ def load() -> Catalog:
 
 
 def load_measured() -> dict:
-    """What was measured by picture; empty before the first run."""
+    """The measurements by picture; empty before the first run."""
     return json.loads(MEASURED.read_text()) if MEASURED.exists() else {}

@@ -62,7 +62,7 @@ def sha256(path: Path) -> str:
 
 
 def missing_files(catalog: Catalog, data: Path, paths: set[str]) -> set[str]:
-    """Which of the files are not there. Another file than the catalog's is an error."""
+    """The files that are missing. Another file than the catalog's is an error."""
     missing = set()
     for path in sorted(paths):
         if not (data / path).exists():
@@ -87,7 +87,7 @@ def find_program() -> Path:
 
 
 def execute(program: Path, words: list[str], folder: Path) -> str:
-    """What the program says; its failure is ours."""
+    """Runs the program and returns its output; its failure is ours."""
     done = subprocess.run([program, *words], cwd=folder, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise CatalogError(f"pellucid {shlex.join(words)}: status {done.returncode}\n{done.stderr}")
@@ -133,7 +133,7 @@ def shrink_to_palette(picture: Path, out: Path, most: int) -> None:
 
 
 def assemble(picture: Picture, work: Path, errors: dict[str, str]) -> Path:
-    """One picture of the panels, each above its label."""
+    """Joins the panels to a picture, each above its label."""
     parts = []
     for panel in picture.panels:
         parts += ["-label", panel.label.format(rmse=errors.get(panel.file, "")), panel.file]

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 /// Time between two looks at the process.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// What a command cost.
+/// Cost of a command.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
     /// Seconds from start to end.
@@ -21,7 +21,7 @@ pub struct Cost {
 /// Runs a program to its end.
 ///
 /// # Errors
-/// It can't be started, or fails; the system doesn't say what is resident.
+/// Returns an error if the program can't be started or fails, or if the system doesn't say how much is resident.
 pub fn run(program: &Path, arguments: &[OsString]) -> Result<Cost, String> {
     let words: Vec<_> = arguments.iter().map(|word| word.to_string_lossy()).collect();
     let command = format!("{} {}", program.display(), words.join(" "));
@@ -32,7 +32,8 @@ pub fn run(program: &Path, arguments: &[OsString]) -> Result<Cost, String> {
     let mut child = child.map_err(|error| failed(error.to_string()))?;
     let mut bytes = 0;
     let status = loop {
-        // The system counts the most itself: what comes between two looks is not lost, but what comes after the last one.
+        // The system counts the most itself: what comes between two looks is not lost, but what comes after the last
+        // one.
         bytes = resident(child.id()).unwrap_or(bytes);
         if let Some(status) = child.try_wait().map_err(|error| failed(error.to_string()))? {
             break status;

@@ -11,13 +11,13 @@ use super::child::Cost;
 /// Width and height in pixels.
 const SIZE: [u32; 2] = [520, 340];
 
-/// What is shown of a cost.
+/// Value of a cost that is shown.
 type Value = fn(&Cost) -> f64;
 
 /// Writes `time.svg` and `memory.svg`.
 ///
 /// # Errors
-/// They can't be drawn or written.
+/// Returns an error if the figures can't be drawn or written.
 pub fn write(folder: &Path, lines: &[Line]) -> Result<(), String> {
     std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     for (name, label, value) in [

@@ -1,13 +1,14 @@
-//! Time and memory over the number of points: stores of the built-in landscape of up to a billion points, made and rendered within the
-//! same little memory (docs/large-clouds.md).
+//! Time and memory over the number of points: stores of the built-in landscape of up to a billion points, made and
+//! rendered within the same little memory (docs/large-clouds.md).
 //!
 //! ```sh
 //! cargo build --release && cargo run --release --example sizes -- --folder /tmp/sizes
 //! ```
 //!
 //! A billion points take 23 GB of disk. Commands run in processes of their own, one after the other: time is theirs
-//! from start to end, memory the most that they had resident, with what a driver without a GPU takes of it for the device. Standard output
-//! is Markdown; `time.svg` and `memory.svg` go to `--output`. Stores are kept for the next run unless `--remove` is given.
+//! from start to end, memory the most that they had resident, with what a driver without a GPU takes of it for the
+//! device. Standard output is Markdown; `time.svg` and `memory.svg` go to `--output`. Stores are kept for the next run
+//! unless `--remove` is given.
 
 mod child;
 mod figure;
@@ -51,7 +52,7 @@ struct Args {
 /// The command that makes a store.
 const MAKES: &str = "scene terrain";
 
-/// What commands cost at each size.
+/// Costs of a command at each size.
 struct Line {
     name: String,
     costs: Vec<(f64, Cost)>,

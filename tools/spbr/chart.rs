@@ -10,7 +10,7 @@ use pellucid_lab::report::plot::{Axis, Figure, PANEL, Panel, Point, Series, Step
 pub struct Row {
     pub x: f64,
     pub found: f64,
-    /// Half of the bar around it.
+    /// Half of the length of the error bar.
     pub spread: f64,
     pub expected: f64,
 }

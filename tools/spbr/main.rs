@@ -7,7 +7,8 @@
 //!
 //! Figures, as SVG for people and as CSV for programs:
 //!
-//! - `opacity` (Tanaka, Fig. 5): mean and spread of the pixels of a white plane of opacity α, for two numbers of points.
+//! - `opacity` (Tanaka, Fig. 5): mean and spread of the pixels of a white plane of opacity α, for two numbers of
+//!   points.
 //! - `noise` (Uchida, Fig. 6): NMSE of a plane with a tenth of its points moved and red, against the plane without
 //!   noise, over the number of ensembles.
 //! - `outliers` (Uchida, Fig. 10): share of the ensembles in which a pixel that only stray points hit is hit.

@@ -1,5 +1,5 @@
-//! Uchida et al. 2020, Fig. 6: a tenth of the points of a white plane is moved and red; how far is its image from that of the
-//! plane without noise?
+//! Uchida et al. 2020, Fig. 6: a tenth of the points of a white plane is moved and red; how far is its image from that
+//! of the plane without noise?
 
 use std::path::Path;
 
@@ -14,13 +14,14 @@ use rand_pcg::Pcg64;
 use super::chart::{self, Row};
 use super::stage::{Stage, gauss, plane, random};
 
-/// Of the paper: its image's side, its points, the variance of its noise if the plane's side is 1.
+/// Side of the paper's image, its points, and the variance of its noise if the plane's side is 1.
 const SIDE: f64 = 1024.0;
 const POINTS: f64 = 1e7;
 const VARIANCE: f64 = 1e-5;
 /// The share of points that is moved.
 const MOVED: f64 = 0.1;
-/// Sides of the plane in pixels: what the paper's variance of 10 pixels² means, and what its NMSE of 0.247 at L = 1 means.
+/// Sides of the plane in pixels: what the paper's variance of 10 pixels² means, and what its NMSE of 0.247 at L = 1
+/// means.
 const PLANES: [f64; 2] = [1000.0, 847.0];
 
 const ENSEMBLES: [u32; 15] = [1, 2, 3, 4, 5, 7, 10, 15, 20, 30, 50, 75, 100, 125, 150];
@@ -81,8 +82,8 @@ fn nmse(standard: &Image, target: &Image) -> f64 {
 const TRIALS: usize = 50_000;
 
 /// Expected NMSE of a pixel away from the plane's rim, by chance alone, without a geometry: a Poisson number of white
-/// points, of those that were moved away, and of red ones that came, half of them before the plane. Each image deals its
-/// points to ensembles anew.
+/// points, of those that were moved away, and of red ones that came, half of them before the plane. Each image shuffles
+/// its points into ensembles anew.
 fn expected(per_pixel: f64, ensembles: usize, random: &mut Pcg64) -> f64 {
     let (mut error, mut whole) = (0.0, 0.0);
     for _ in 0..TRIALS {

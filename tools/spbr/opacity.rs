@@ -8,7 +8,7 @@ use pellucid_engine::scene::{Method, Spbr};
 use super::chart::{self, Row};
 use super::stage::{Stage, plane};
 
-/// Of the paper: sides of its image, ensembles, numbers of points.
+/// Side of the paper's image, its ensembles, its numbers of points.
 const SIDE: f64 = 512.0;
 const ENSEMBLES: u32 = 1000;
 const POINTS: [f64; 2] = [1e7, 4e7];
@@ -50,9 +50,9 @@ pub fn measure(stage: &mut Stage, scale: f64, folder: &Path) -> Result<()> {
     super::write(folder, "opacity.csv", &chart::csv(header, &table))
 }
 
-/// Standard deviation of a pixel over the number of its points (Poisson) and the ensembles they are in, as they are dealt here:
-/// the ensembles of a pass have no point in common, those of two passes as many as chance brings. Of large
-/// clouds a pass has a part of the points alone, which adds some.
+/// Standard deviation of a pixel over the number of its points (Poisson) and the ensembles they are in, as they are
+/// shuffled here: the ensembles of a pass have no point in common, those of two passes as many as chance brings. Of
+/// large clouds a pass has a part of the points alone, which adds some.
 fn expected_spread(alpha: f64, per_pixel: f64, q: f64) -> f64 {
     let ensembles = f64::from(ENSEMBLES);
     let of_pass = (1.0 / q).floor().clamp(1.0, ensembles);
@@ -62,7 +62,8 @@ fn expected_spread(alpha: f64, per_pixel: f64, q: f64) -> f64 {
     (alpha * (1.0 - alpha) / ensembles + pairs / ensembles.powi(2) * between).sqrt()
 }
 
-/// The same if each point were in that share of the ensembles at random, as in the paper: between any two of them.
+/// Returns the spread if each point were in that share of the ensembles at random, as in the paper: between any two of
+/// them.
 fn independent_spread(alpha: f64, per_pixel: f64, q: f64) -> f64 {
     let between = (1.0 - alpha).powi(2) * (per_pixel * q * q).exp_m1();
     (between + alpha * (1.0 - alpha) / f64::from(ENSEMBLES)).sqrt()

@@ -17,7 +17,7 @@ use rand_pcg::Pcg64;
 pub struct Stage {
     device: Device,
     renderer: Renderer,
-    /// Of clouds and ensembles.
+    /// Seed of clouds and ensembles.
     pub seed: u64,
 }
 

@@ -11,7 +11,7 @@ const CELL: [usize; 2] = [86, 29];
 /// Left of the cells stand the errors, above them title and means.
 const LEFT: usize = 46;
 const TOP: usize = 46;
-/// Between two panels.
+/// Gap between two panels, in pixels.
 const GAP: usize = 22;
 /// Panels beside one another.
 const COLUMNS: usize = 2;

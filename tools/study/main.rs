@@ -1,5 +1,5 @@
-//! Which method is the fastest, by the mean length of lists and the wanted error: measures every setting of every method on a few
-//! scenes, and writes docs/which-method.md.
+//! Measures which method is the fastest, by the mean length of lists and the wanted error: every setting of every
+//! method on a few scenes. Writes docs/which-method.md.
 //!
 //! ```sh
 //! cargo run --release --example study -- -o tools/study/measured --data ../shared/data          # measures
@@ -7,9 +7,9 @@
 //! cargo run --release --example study -- -o DIR --only tori --means 5,50 --budget-minutes 4     # a part of it
 //! ```
 //!
-//! Each driver has a file of lines in the folder, to which a line is added for every setting. What is there isn't measured again: a
-//! run that was ended goes on where it was. `VK_DRIVER_FILES` picks the driver. Without `--data`, or where a file is missing, the scenes
-//! of real data are left out with a note. A page needs no device.
+//! Each driver has a file of lines in the folder, to which a line is added for every setting. What is there isn't
+//! measured again: a run that was ended goes on where it was. `VK_DRIVER_FILES` picks the driver. Without `--data`, or
+//! where a file is missing, the scenes of real data are left out with a note. A page needs no device.
 
 mod figure;
 mod map;
@@ -27,7 +27,7 @@ use clap::Parser;
 use clap::builder::PossibleValuesParser;
 use pellucid_engine::output::Error;
 
-/// Where the measurements of this project are, from its root.
+/// Folder of this project's measurements, from its root.
 const MEASURED: &str = "tools/study/measured";
 
 #[derive(Debug, Parser)]
@@ -53,7 +53,8 @@ struct Args {
     /// The folder of real data: scenes of files are left out without it.
     #[arg(long, value_name = "FOLDER")]
     data: Option<PathBuf>,
-    /// Writes the page, and its figures to images/which-method beside it, from all files of DIR, or of tools/study/measured.
+    /// Writes the page, and its figures to images/which-method beside it, from all files of DIR, or of
+    /// tools/study/measured.
     #[arg(long, value_name = "FILE")]
     page: Option<PathBuf>,
 }

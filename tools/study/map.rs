@@ -1,4 +1,4 @@
-//! What the rows say: the fastest setting by mean list and wanted error, on each scene and over all of them.
+//! Evaluation of the rows: the fastest setting by mean list and wanted error, on each scene and over all of them.
 
 use std::collections::BTreeMap;
 
@@ -71,8 +71,8 @@ pub struct Verdict {
     pub fits: usize,
 }
 
-/// Methods by their regret, the best one first: those that are accurate enough on more than half of the scenes. Where one isn't, it
-/// costs as much as the exact image, which one would have to take instead.
+/// Methods by their regret, the best one first: those that are accurate enough on more than half of the scenes. Where
+/// one isn't, it costs as much as the exact image, which one would have to take instead.
 pub fn verdicts(cases: &[&Measured], most: f64) -> Vec<Verdict> {
     let mut found: BTreeMap<String, Vec<Option<&Row>>> = BTreeMap::new();
     let known: Vec<_> =

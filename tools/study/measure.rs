@@ -47,7 +47,7 @@ pub fn run(args: &Args, folder: &Path) -> Result<()> {
             println!("{scene}: left out, since its file is not in the folder of --data");
             continue;
         };
-        // What is left is shared by the cases that are left.
+        // The rest of the time is shared by the rest of the cases.
         let share = end.map(|end| end.saturating_duration_since(Instant::now()) / (cases.len() - number) as u32);
         let part =
             Part { frames: args.frames as usize, end: share.and_then(|share| Instant::now().checked_add(share)) };
@@ -65,7 +65,8 @@ pub fn run(args: &Args, folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The cases that are missing: the first mean of all scenes, then the second, so that any part of them tells of every scene.
+/// The cases that are missing: the first mean of all scenes, then the second, so that any part of them covers every
+/// scene.
 fn cases(args: &Args, log: &Log) -> Vec<(&'static str, u32)> {
     let is_asked = |name: &&str| args.only.is_empty() || args.only.iter().any(|only| only == name);
     let names: Vec<&str> = scenes::names().into_iter().filter(is_asked).collect();
@@ -82,7 +83,7 @@ fn load<'a>(bases: &'a mut Vec<Option<Base>>, scene: &str, target: u32, args: &A
     Ok(bases.iter().find(|base| serves(base)).and_then(Option::as_ref))
 }
 
-/// How much of a case is measured.
+/// Limits on the measurement of a case.
 #[derive(Debug, Clone, Copy)]
 struct Part {
     frames: usize,
@@ -137,10 +138,10 @@ fn row(key: String, Measured { figures, peak_device_bytes }: Measured) -> Row {
     Row(key, rounded(figures.rmse), rounded(figures.gpu_ms), peak_device_bytes)
 }
 
-/// Which ladders have become too slow.
+/// Ladders that have become too slow.
 #[derive(Debug, Default)]
 struct Ladder {
-    /// Of the fastest exact setting so far.
+    /// Time of the fastest exact setting so far.
     exact: Option<f64>,
     over: BTreeSet<String>,
 }

@@ -165,7 +165,7 @@ fn between_table(study: &Study) -> String {
     text
 }
 
-/// Why no approximation is between the two: the exact image takes no longer.
+/// Returns the reason why no approximation is between the two: the exact image takes no longer.
 fn nothing_between(measured: &Measured) -> String {
     let (Some(exact), Some(first)) = (fastest(measured, EXACT), front(measured).into_iter().next()) else {
         return "the exact image was not measured".to_owned();
@@ -176,7 +176,8 @@ fn nothing_between(measured: &Measured) -> String {
     format!("nothing: {} takes {:.2} of the time of {}", name(first), first.ms() / exact.ms(), name(exact))
 }
 
-/// Of each new method the setting that comes nearest to the front: its time over that of the fastest setting which is as accurate.
+/// Lists, for each new method, the setting that comes nearest to the front: its time over that of the fastest setting
+/// which is as accurate.
 fn nearest(study: &Study) -> String {
     let mut least: BTreeMap<String, (f64, String)> = BTreeMap::new();
     for measured in &study.cases {

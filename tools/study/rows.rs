@@ -1,4 +1,5 @@
-//! The file of a driver: a line of JSON for the device, one for each case, and one for each setting of the case before it.
+//! The file of a driver: a line of JSON for the device, one for each case, and one for each setting of the case before
+//! it.
 
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -80,8 +81,8 @@ impl Row {
         self.3
     }
 
-    /// The method, and those of its keys that are not numbers: what the steps of a ladder share. One that leaves points out is another
-    /// than the same method with all of them.
+    /// The method, and those of its keys that are not numbers: what the steps of a ladder share. One that leaves points
+    /// out is another than the same method with all of them.
     pub fn family(&self) -> String {
         let word = |word: &str| match word.split_once('.') {
             Some(("detail", _)) => Some("detail".to_owned()),
@@ -127,7 +128,7 @@ pub struct Measured {
     pub done: bool,
 }
 
-/// All of a driver.
+/// Measurements of a driver.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
     pub device: Device,
@@ -349,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_with_a_file_is_said() {
+    fn faults_of_a_file_are_reported() {
         let folder = tempfile::tempdir().unwrap();
         let refused = |error: Error| error.to_string();
         assert!(refused(read_all(folder.path()).unwrap_err()).contains("-o measures one"));

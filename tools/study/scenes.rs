@@ -19,12 +19,12 @@ use rand_pcg::Pcg64;
 
 use crate::rows::{Case, rounded};
 
-/// Where a scene comes from.
+/// Source of a scene.
 enum Source {
     BuiltIn,
     /// A built-in scene whose parameter `layers` is the length of all lists.
     Layers,
-    /// In the folder of real data.
+    /// A file in the folder of real data.
     File(&'static str),
 }
 
@@ -45,11 +45,12 @@ const SCENES: [Known; 9] = [
     Known { name: "narcissus", source: Source::File("splats/narcissus.sog") },
 ];
 
-/// What shines through a picture: the opacity of points leaves so much of the background behind a list of the wanted mean.
+/// Share of the background that shines through a picture: the opacity of points leaves this much behind a list of the
+/// wanted mean.
 const SHINING_THROUGH: f64 = 0.1;
-/// How far from the wanted mean a list may be, relative to it.
+/// Largest relative distance of a list from the wanted mean.
 const CLOSE: f64 = 0.05;
-/// The same where no radius comes closer; beyond it the case is left out.
+/// Largest relative distance where no radius comes closer; beyond it the case is left out.
 const FAR: f64 = 0.3;
 /// Pixels that a disc should cover: no disc has less than one, so that many points have no short lists.
 const DISC_PIXELS: f64 = 4.0;
@@ -73,7 +74,7 @@ pub struct Base {
     places: Vec<u32>,
     pub frame: Frame,
     pub background: Vec3,
-    /// Its `layers` have to be the wanted mean.
+    /// Parameter `layers`, if it has to be the wanted mean.
     layers: Option<u32>,
 }
 
@@ -129,7 +130,8 @@ impl Base {
         Ok(Some(Self { name: known.name, points, places, frame, background: scene.image.background, layers }))
     }
 
-    /// Radii and opacities with which lists have the wanted mean, of fewer points if all are too many; `None` if no radius comes near it.
+    /// Radii and opacities with which lists have the wanted mean, of fewer points if all are too many; `None` if no
+    /// radius comes near it.
     pub fn fit(&self, device: &Device, target: u32) -> Result<Option<Fitted>> {
         let mut renderer = Renderer::new(device)?;
         if self.layers.is_some() {
@@ -174,7 +176,8 @@ impl Base {
         Ok(nearest)
     }
 
-    /// At most about so many points, at least one, and the factor on radii that keeps lists about as long.
+    /// Thins the cloud to at most about so many points, at least one; also returns the factor on radii that keeps lists
+    /// about as long.
     fn thinned(&self, most: f64) -> (Arc<Points>, f64) {
         let all = self.places.len();
         let count = (most as usize).clamp(1, all.max(1));
@@ -233,7 +236,8 @@ fn scaled(points: &Points, factor: f32, opacity: Option<f32>) -> Points {
     points
 }
 
-/// The factor to try next, by (factor, mean) of those before: lists grow with the square of the radius, or as the last two say.
+/// The factor to try next, by (factor, mean) of those before: lists grow with the square of the radius, or as the last
+/// two say.
 fn next(tried: &[(f64, f64)], target: f64) -> f64 {
     let Some(&(factor, mean)) = tried.last() else { return 1.0 };
     if mean <= 0.0 {
@@ -268,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn what_shines_through_is_a_tenth() {
+    fn a_tenth_of_the_background_shines_through() {
         let points = Points { radii: vec![2.0], opacities: vec![0.5], ..Points::default() };
         let alpha = 1.0 - SHINING_THROUGH.powf(1.0 / 50.0);
         let found = scaled(&points, 1.5, Some(alpha as f32));

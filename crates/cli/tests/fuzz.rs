@@ -1,5 +1,5 @@
-//! The fuzz targets over their corpora, without a fuzzer: every input is read or refused, in little memory. CONTRIBUTING.md
-//! says how to fuzz.
+//! The fuzz targets over their corpora, without a fuzzer: every input is read or refused, in little memory.
+//! CONTRIBUTING.md says how to fuzz.
 
 #[path = "../../../fuzz/src/bodies/mod.rs"]
 mod bodies;

@@ -1,15 +1,15 @@
-//! How good the choice of `--max-error` and `--budget` is: against an exhaustive search.
+//! Quality of the choice for `--max-error` and `--budget`: against an exhaustive search.
 //!
 //! ```sh
 //! cargo bench --bench choice                            # the built-in scenes
 //! PELLUCID_BENCH_SECONDS=60 cargo bench --bench choice  # seconds of frames of a search, 240 without it
 //! ```
 //!
-//! How to read it. On each scene `tradeoff` first measures every setting, all of them in turns. Then each line is a wish,
-//! what was chosen for it, and the best by the search's table. `ratio` is the time of the chosen setting over that of the
-//! fastest one allowed (by error), or its RMSE over the least one allowed (by time), both by that one table: 1 is the best
-//! there is. `error / E` is the RMSE of the chosen setting over the wish, as it was measured for the choice. What the choice
-//! knew of the scene before is forgotten for the first line of each scene.
+//! How to read it. On each scene `tradeoff` first measures every setting, all of them in turns. Then each line is a
+//! constraint, the choice for it, and the best by the search's table. `ratio` is the time of the chosen setting over
+//! that of the fastest one allowed (by error), or its RMSE over the least one allowed (by time), both by that one
+//! table: 1 is the best there is. `error / E` is the RMSE of the chosen setting over the constraint, as it was measured
+//! for the choice. What the choice knew of the scene before is forgotten for the first line of each scene.
 
 use std::process::ExitCode;
 use std::time::Instant;

@@ -11,9 +11,9 @@
 //! the copy rate is limited by memory. Part two lets the two ways of visiting pixels race on the same random discs. The
 //! ratio is hardware / compute: above 1 the compute shaders are faster, below 1 the rasterizer is. `auto / best` says
 //! how good the choice of `raster = "auto"` was; 1.1 is 10% slower than the better of the two, and what differs from 1
-//! although the choice was right is noise. The three runs alternate and ratios are taken round by round, so that a machine
-//! that slows down slows them all.
-//! On a CPU driver the rasterizer is software as well: its ratios say nothing about a GPU's.
+//! although the choice was right is noise. The three runs alternate and ratios are taken round by round, so that a
+//! machine that slows down slows them all. On a CPU driver the rasterizer is software as well: its ratios say nothing
+//! about a GPU's.
 
 use std::process::{Command, ExitCode};
 
@@ -55,7 +55,7 @@ const BUILTINS: [Builtin; 6] = [
 const DIAMETERS: [f64; 5] = [1.0, 3.0, 5.0, 15.0, 100.0];
 /// Discs in the race, if they are small.
 const MOST_DISCS: f64 = 1e6;
-/// Fragments in the race: so many fit one binding of 128 MiB, so that every frame has one band.
+/// Fragments in the race: so many fit one binding of 128 MiB, so that every frame has one batch of fragments.
 const MOST_FRAGMENTS: f64 = 15e6;
 /// Width and height of the race's image.
 const SIDE: u32 = 1024;

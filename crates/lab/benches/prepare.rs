@@ -1,7 +1,8 @@
-//! Time for radii, for radii, normals and field together, and for the canonical order, on random points on a sphere (scans are surfaces, not volumes).
+//! Time for radii, for radii, normals and field together, and for the canonical order, on random points on a sphere
+//! (scans are surfaces, not volumes).
 //!
-//! `PELLUCID_BENCH_POINTS=3000000 cargo bench --bench prepare` sets their number. Radii should take time in proportion to
-//! n·log n; ten times the points taking much more than thirteen times as long means the tree has stopped working.
+//! `PELLUCID_BENCH_POINTS=3000000 cargo bench --bench prepare` sets their number. Radii should take time in proportion
+//! to n·log n; ten times the points taking much more than thirteen times as long means the tree has stopped working.
 
 use std::hint::black_box;
 

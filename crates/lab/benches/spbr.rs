@@ -1,4 +1,4 @@
-//! How fast ensembles of points are drawn, against the same points in the rasterizer.
+//! Speed of drawing ensembles of points, against the same points in the rasterizer.
 //!
 //! ```sh
 //! cargo bench --bench spbr                          # 10 million points
@@ -95,7 +95,7 @@ fn run(count: usize) -> Result<()> {
     Ok(())
 }
 
-/// Both methods; the opacity of the points in [`dealt`] makes k = 1 for L = 100.
+/// Returns both methods; the opacity of the points in [`dealt`] makes k = 1 for L = 100.
 fn methods(ensembles: u32) -> [Method; 2] {
     [
         Method::SpbrSimplified(SpbrSimplified { ensembles, ..SpbrSimplified::default() }),
@@ -191,7 +191,7 @@ fn points(count: usize) -> Points {
     }
 }
 
-/// The same, of a density that asks for each point once: 1 - exp(-0.1) is their opacity.
+/// Makes the points with a density that asks for each point once: 1 - exp(-0.1) is their opacity.
 fn dealt(count: usize) -> Dealt {
     let points = points(count);
     let surface = Surface { points: 0..count as u64, center: DVec3::ZERO, density: 10.0, opacity: points.opacities[0] };

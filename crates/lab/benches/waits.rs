@@ -1,14 +1,15 @@
-//! What waiting for counts and timing of passes cost a frame.
+//! Cost of waiting for counts and of timing passes, per frame.
 //!
 //! ```sh
 //! cargo bench --bench waits                            # random discs in two sizes of image, every method
 //! PELLUCID_BENCH_FRAMES=100 cargo bench --bench waits  # frames behind every median, 30 without it
 //! ```
 //!
-//! How to read it. Three renderers take turns, frame by frame: one waits for each count and times its passes, as the first frame
-//! of a command does; one foresees its counts and times; one foresees and doesn't time. Times are medians of whole frames, with
-//! the image on the host; the last two columns are medians of the ratios of frames that followed one another. Below 1 the way to
-//! the right is faster. On a CPU driver a wait is a thread's sleep; on a GPU it drains the device.
+//! How to read it. Three renderers take turns, frame by frame: one waits for each count and times its passes, as the
+//! first frame of a command does; one predicts its counts and times; one predicts and doesn't time. Times are medians
+//! of whole frames, with the image on the host; the last two columns are medians of the ratios of frames that followed
+//! one another. Below 1 the way to the right is faster. On a CPU driver a wait is a thread's sleep; on a GPU it drains
+//! the device.
 
 use std::process::ExitCode;
 use std::time::Instant;

@@ -17,7 +17,7 @@ use crate::work;
 #[pyclass(frozen, module = "pellucid._pellucid")]
 pub struct Cloud(pub Arc<Columns>);
 
-/// Columns given beside the points.
+/// Columns given in addition to the points.
 #[derive(FromPyObject)]
 pub struct Given<'py> {
     #[pyo3(item)]

@@ -10,9 +10,9 @@ pub enum Failure {
     Engine(Box<Error>),
     /// An argument that makes no sense.
     Value(String),
-    /// Something that can't be done here.
+    /// Request that can't be done here.
     Refused(String),
-    /// Nobody waits for the work any more.
+    /// Canceled work: nobody waits for it any more.
     Cancelled,
 }
 

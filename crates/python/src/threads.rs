@@ -8,7 +8,7 @@ use std::{io, thread};
 /// Stack size in bytes: that of the main thread of a program, which translates shaders elsewhere.
 const STACK: usize = 8 << 20;
 
-/// Work. The closure that it returns is called once its thread is free again, and tells the caller that waits.
+/// Work. The closure that it returns is called once its thread is free again, and wakes the caller that waits.
 type Job = Box<dyn FnOnce() -> Box<dyn FnOnce()> + Send>;
 
 /// Threads that have nothing to do.
@@ -37,7 +37,7 @@ fn new() -> io::Result<Sender<Job>> {
     thread::Builder::new().name(name).stack_size(STACK).spawn(move || {
         for job in jobs {
             let tell = job();
-            // First, so that whoever is told finds it free.
+            // First, so that the woken caller finds it free.
             rest(own.clone());
             tell();
         }

@@ -57,7 +57,7 @@ pub fn run<T: Send + 'static>(
     let result = wait_for(py, &receiver, &talk, listener)?;
     talk.hand_over(py)?;
     if let (Some(listener), Ok(_)) = (listener, &result) {
-        // What came since the last glance.
+        // Messages since the last glance.
         talk.tell(listener)?;
     }
     result.map_err(|failure| failure.raise(py))

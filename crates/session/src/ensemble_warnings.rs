@@ -1,4 +1,4 @@
-//! Warnings about clouds whose points are dealt to ensembles.
+//! Warnings about clouds whose points are shuffled into ensembles.
 
 use pellucid_engine::methods::Frame;
 use pellucid_engine::methods::spbr::share::Share;
@@ -11,8 +11,8 @@ const COPIES: f64 = 20.0;
 /// The excess demand for points, as a factor, that is tolerated without a warning: the density isn't known any better.
 const ALMOST: f64 = 1.05;
 
-/// A sentence for each cloud that doesn't come out as asked in a frame, and one for all of those with many copies; `names` are
-/// those of the clouds.
+/// A sentence for each cloud that doesn't come out as asked in a frame, and one for all of those with many copies;
+/// `names` are those of the clouds.
 pub fn warnings(names: &[String], surfaces: &[Surface], shares: &[Share], frame: &Frame) -> Vec<String> {
     let method = &frame.method;
     let (Method::Spbr(_), Some(ensembles)) = (method, method.ensembles()) else { return Vec::new() };
@@ -58,9 +58,9 @@ fn lost(surface: &Surface, share: &Share, size: [u32; 2]) -> Option<String> {
     }
 }
 
-/// Noise that copies add: the variance of a surface of this opacity over that of a surface whose points are dealt once.
-/// The variance has two parts: α(1 − α) from drawing a point or not, and (1 − α)²mk from the number of points on a
-/// pixel, m = −ln(1 − α), which copies don't change.
+/// Noise that copies add: the variance of a surface of this opacity over that of a surface whose points are assigned
+/// once. The variance has two parts: α(1 − α) from drawing a point or not, and (1 − α)²mk from the number of points on
+/// a pixel, m = −ln(1 − α), which copies don't change.
 fn noise(copies: f64, opacity: f32) -> f64 {
     let opacity = f64::from(opacity);
     1.0 + (1.0 - opacity) / opacity * -(-opacity).ln_1p() * copies

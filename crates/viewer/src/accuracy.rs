@@ -19,14 +19,14 @@ pub enum Standing {
     Exact,
     /// A mean of samples or ensembles; the standard error estimates its error.
     Sampled,
-    /// Something else than what this method would show.
+    /// Approximation of the image that this exact method draws.
     Approximation(Method),
     /// The method's own image, which no other method draws.
     Own,
 }
 
 impl Standing {
-    /// For a method that is applied to these points.
+    /// Returns the exactness of a method that is applied to these points.
     pub fn for_method(method: &Method, points: &Points) -> Self {
         let exact = method.is_exact(plan::may_cross(method, points));
         match plan::exact(method, points) {
@@ -41,11 +41,11 @@ impl Standing {
 /// A picture of a view as its table of accuracy has it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rung {
-    /// Its description within the whole.
+    /// Description of the draft.
     pub name: String,
     /// Milliseconds that it took.
     pub ms: f64,
-    /// Its standard error in linear light, if that was found.
+    /// Standard error in linear light, if that was found.
     pub standard_error: Option<f64>,
     /// RMSE in linear light against the best available picture of the view.
     pub rmse: Option<f64>,
@@ -67,7 +67,7 @@ pub struct Accuracy {
     pub rungs: Vec<Rung>,
     /// The reference, if any.
     pub against: Option<Reference>,
-    /// The standing of the last picture, if it is a whole one.
+    /// The exactness class of the last picture, if it is a whole one.
     pub standing: Option<Standing>,
 }
 
@@ -104,7 +104,8 @@ impl History {
         }
     }
 
-    /// Holds all pictures of a view against the one that an exact method makes of it; false if the view is another one by now.
+    /// Holds all pictures of a view against the one that an exact method makes of it; false if the view is another one
+    /// by now.
     pub fn measure(&mut self, scene: &Arc<Scene>, pose: Pose, method: &'static str, exact: &[[f32; 3]]) -> bool {
         let same = self.is_of(scene, pose);
         if same {
@@ -206,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_kept_has_a_bound() {
+    fn the_history_stays_within_its_bytes() {
         let scene = Document::from_clouds(["a.ply"], &Overrides::default()).unwrap().scene().unwrap();
         let (scene, mut history) = (Arc::new(scene), History::default());
         let pixels = MOST_BYTES / size_of::<[f32; 3]>() / 2;

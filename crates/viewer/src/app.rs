@@ -25,20 +25,20 @@ use crate::Result;
 use pellucid_engine::gpu::ValidationLog;
 use pellucid_engine::gpu::window::{Drawing, Picture, Shown, Textures};
 
-/// How long files that are dropped one after the other may take to count as one drop.
+/// Longest time between files that are dropped one after the other and count as one drop.
 const DROP: Duration = Duration::from_millis(100);
 
-/// How long to wait before a window that could not be drawn to is tried again.
+/// Delay before a window that could not be drawn to is tried again.
 const RETRY: Duration = Duration::from_millis(50);
 
-/// The same, if memory was lacking.
+/// Delay before the next try if memory was lacking.
 const RETRY_MEMORY: Duration = Duration::from_secs(1);
 
-/// How often to check whether a minimized window has been restored.
+/// Interval at which a minimized window is checked for being restored.
 const LOOK: Duration = Duration::from_millis(250);
 
-/// How long the screen may stay unchanged while a picture is being rendered. Drawing the window takes the device's only
-/// queue away from the picture and, on a CPU, the same cores.
+/// Longest time for which the screen may stay unchanged while a picture is being rendered. Drawing the window takes the
+/// device's only queue away from the picture and, on a CPU, the same cores.
 const UNCHANGED: Duration = Duration::from_millis(50);
 
 /// The worker has news.
@@ -56,11 +56,11 @@ struct Running {
     window: Arc<Window>,
     dropped: Vec<PathBuf>,
     dropped_at: Instant,
-    /// When the screen was last drawn.
+    /// Time at which the screen was last drawn.
     drawn_at: Instant,
     /// Texture changes egui must upload before it is drawn again.
     textures: TexturesDelta,
-    /// When to draw again at the latest.
+    /// Time at which to draw again at the latest.
     again_at: Option<Instant>,
     visibility: Visibility,
     /// True if another window covers this one.
@@ -79,9 +79,9 @@ pub struct App {
     opening: Opening,
     say: Box<dyn Fn(&str)>,
     running: Option<Running>,
-    /// One log per device that was opened.
+    /// Logs of the devices that were opened.
     logs: Vec<ValidationLog>,
-    /// Why the application ended.
+    /// Reason why the application ended.
     outcome: Result<()>,
 }
 
@@ -356,7 +356,8 @@ impl Running {
         self.status_log.tell_hidden(say, hidden);
     }
 
-    /// Until when the screen may stay unchanged because a picture in progress would replace the current one.
+    /// Returns the time until which the screen may stay unchanged because a picture in progress would replace the
+    /// current one.
     fn unchanged_until(&self) -> Option<Instant> {
         let seen = self.shown == self.model.picture().map(|picture| picture.serial);
         let until = self.drawn_at + UNCHANGED;

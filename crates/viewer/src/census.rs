@@ -147,11 +147,12 @@ fn ends(values: impl ParallelIterator<Item = f64>) -> [f64; 2] {
 pub struct FieldFacts {
     /// Number of points in each of [`BINS`] equal parts of [0, 1].
     pub histogram: Arc<[u64]>,
-    /// How many points lie on each side of the threshold.
+    /// Number of points on each side of the threshold.
     pub parts: Parts,
 }
 
-/// Everything F depends on, per cloud: K, the definition of F, caps and outliers, scale and translation (which may drop points).
+/// Everything F depends on, per cloud: K, the definition of F, caps and outliers, scale and translation (which may drop
+/// points).
 type Origins = Vec<(Option<usize>, Option<Field>, Strays, f64, DVec3)>;
 
 /// The last histogram, kept so that it is recomputed only when the points change.

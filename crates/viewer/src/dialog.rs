@@ -13,7 +13,7 @@ use pellucid_engine::io;
 pub enum Chosen {
     /// Files to open: at least one.
     Files(Vec<PathBuf>),
-    /// Where to save the scene.
+    /// Path to which the scene is saved.
     Scene(PathBuf),
 }
 

@@ -1,5 +1,5 @@
-//! Converts an image on the host to the bytes on the screen, which equal those of its PNG. Images whose colors are on the device
-//! are encoded there ([`pellucid_engine::output::encode`]).
+//! Converts an image on the host to the bytes on the screen, which equal those of its PNG. Images whose colors are on
+//! the device are encoded there ([`pellucid_engine::output::encode`]).
 
 use std::sync::Arc;
 
@@ -75,7 +75,7 @@ impl SceneImage<'_> {
         self.size != self.scene.image.size
     }
 
-    /// Its pixels over the background, as many as the scene says, row by row: values of the color space in force.
+    /// Composes pixels over the background, as many as the scene says, row by row: values of the color space in force.
     pub fn composed(&self, rgba: &[[f32; 4]]) -> Vec<[f32; 3]> {
         let image = &self.scene.image;
         let background = pellucid_engine::output::background(image.background, image.color_space());
@@ -84,7 +84,7 @@ impl SceneImage<'_> {
     }
 }
 
-/// Makes the bytes of pictures for a screen, on the device where the colors are there.
+/// Encodes pictures for display, on the GPU if the colors are resident there.
 pub struct ScreenEncoder {
     encoder: Encoder,
     display: Display,
@@ -93,7 +93,7 @@ pub struct ScreenEncoder {
 }
 
 impl ScreenEncoder {
-    /// For a screen of a device.
+    /// Makes an encoder for a screen of a device.
     ///
     /// # Errors
     /// Vulkan errors.
@@ -127,8 +127,8 @@ impl ScreenEncoder {
     }
 }
 
-/// Maps pixels of the screen to those of a coarser picture with the same camera. The centers of both coincide, and a row of the
-/// screen is `from[1] / to[1]` rows of the picture.
+/// Maps pixels of the screen to those of a coarser picture with the same camera. The centers of both coincide, and a
+/// row of the screen is `from[1] / to[1]` rows of the picture.
 #[derive(Debug, Clone, Copy)]
 struct Scaling {
     from: [usize; 2],

@@ -27,11 +27,11 @@ const FEWEST_POINTS: u32 = 1 << 15;
 /// The effort that a picture is worth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Effort {
-    /// For moving scenes: as much as fits these milliseconds.
+    /// Effort for moving scenes: as much as fits these milliseconds.
     Moving(f64),
-    /// For scenes at rest: as much as fits these milliseconds, and more lights for shadows than before.
+    /// Effort for scenes at rest: as much as fits these milliseconds, and more lights for shadows than before.
     Refining(f64),
-    /// Nothing is left out.
+    /// Effort for a picture that leaves nothing out.
     Whole,
 }
 
@@ -74,7 +74,7 @@ pub struct Costs {
 }
 
 impl Costs {
-    /// From the first frame.
+    /// Starts the estimate with the first frame.
     pub fn new(first: Cost) -> Self {
         Self { last: first, other: None }
     }
@@ -85,7 +85,8 @@ impl Costs {
         Self { last: cost, other }
     }
 
-    /// The same in shares of a picture that has `now` samples, ensembles or layers when it is whole, and not `before`.
+    /// Converts works to shares of a picture that has `now` samples, ensembles or layers when it is whole, and not
+    /// `before`.
     pub fn rescaled(mut self, before: Option<u32>, now: Option<u32>) -> Self {
         if let (Some(before), Some(now)) = (before, now) {
             let factor = f64::from(before) / f64::from(now.max(1));
@@ -132,8 +133,9 @@ impl Draft {
         Self { steps: steps(method), coarse: 1, points: None }
     }
 
-    /// Like [`Self::within`], of clouds of `all` points that stay in their files. While things move, one pixel is rendered for
-    /// several of the screen if points are fewer than pixels: `size` has their columns and rows.
+    /// Returns a draft like [`Self::within`], for clouds of `all` points that stay in their files. While things move,
+    /// one pixel is rendered for several of the screen if points are fewer than pixels: `size` has their columns and
+    /// rows.
     pub fn of_stored(method: &Method, costs: Option<Costs>, effort: Effort, all: u64, size: [u32; 2]) -> Self {
         let Some(budget_ms) = effort.budget_ms() else { return Self::whole(method) };
         let whole = Self::whole(method);
@@ -174,7 +176,7 @@ impl Draft {
         Self { steps: Some(fewest), coarse, points: None }
     }
 
-    /// Its share of the whole picture's work, with all of its points.
+    /// Share of the whole picture's work, with all of its points.
     pub fn work(&self, method: &Method) -> f64 {
         let of_steps = match (self.steps, steps(method)) {
             (Some(taken), Some(most)) => f64::from(taken) / f64::from(most.max(1)),
@@ -184,8 +186,8 @@ impl Draft {
         of_steps / f64::from(of_pixels)
     }
 
-    /// The method with this number of samples or layers. Ensembles stay those of the L into which the points are dealt;
-    /// fewer of them are drawn.
+    /// The method with this number of samples or layers. Ensembles stay those of the L into which the points are
+    /// shuffled; fewer of them are drawn.
     pub fn method(&self, whole: Method) -> Method {
         match (refined(&whole), self.steps) {
             (Some((key, _)), Some(steps)) if !whole.is_dealt() => {
@@ -205,7 +207,7 @@ impl Draft {
         size.map(|side| side.div_ceil(self.coarse))
     }
 
-    /// Its name among others of the method: `16 samples`, `4 × 4 pixels as one`.
+    /// Name of the draft among others of the method: `16 samples`, `4 × 4 pixels as one`.
     pub fn name(&self, method: &Method) -> String {
         let key = refined(method).map_or("", |(key, _)| key);
         let steps = self.steps.map(|steps| format!("{steps} {key}"));
@@ -310,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn what_all_frames_take_alike_is_told_apart() {
+    fn the_constant_cost_of_frames_is_separated() {
         // 20 ms for any frame, 1000 for the whole picture's work.
         let cost = |coarse: f64| Cost { ms: 20.0 + 1000.0 / (coarse * coarse), work: 1.0 / (coarse * coarse) };
         let mut costs = Costs::new(cost(1.0));

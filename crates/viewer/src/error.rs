@@ -2,7 +2,7 @@
 
 use super::{Lost, NoDisplay};
 
-/// Any error of the window.
+/// All errors of the window.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

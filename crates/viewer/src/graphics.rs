@@ -11,7 +11,7 @@ use pellucid_engine::Result;
 use pellucid_engine::gpu::window::{Screen, Textures};
 use pellucid_engine::gpu::{Device, DeviceOptions, ValidationLog};
 
-/// How a device is opened, each time.
+/// Settings with which a device is opened, each time.
 pub struct Opening {
     pub options: DeviceOptions,
     pub setup: Setup,

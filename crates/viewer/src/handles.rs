@@ -76,7 +76,7 @@ impl View {
         short_number(x, self.extent[axis])
     }
 
-    /// Where a pixel of the picture is in the window.
+    /// Returns the position of a pixel of the picture in the window.
     fn at(&self, pixel: DVec2) -> Pos2 {
         self.corner + vec2(pixel.x as f32, pixel.y as f32) / self.scale
     }
@@ -87,7 +87,7 @@ impl View {
         DVec2::new(at.x.into(), at.y.into())
     }
 
-    /// Where a place of the world is in the picture, in pixels, if it is before the eye.
+    /// Projects a point of the world to a pixel of the picture, if it is before the eye.
     fn project(&self, place: DVec3) -> Option<DVec2> {
         let (pixel, depth) = self.camera.project(place, self.size);
         (depth >= self.near()).then_some(pixel)
@@ -106,13 +106,13 @@ impl View {
         Some([self.at(self.project(a)?), self.at(self.project(b)?)])
     }
 
-    /// How the picture of a place moves with it along an axis, in pixels per world unit.
+    /// Returns the motion of a point's pixel when the point moves along an axis, in pixels per world unit.
     fn motion(&self, place: DVec3, axis: DVec3) -> Option<DVec2> {
         let step = 1e-5 * self.diagonal;
         Some((self.project(place + step * axis)? - self.project(place - step * axis)?) / (2.0 * step))
     }
 
-    /// How far along an axis a place must go for its picture to be as near to a pixel as possible.
+    /// Returns the shift along an axis after which the point's pixel is as near to a given pixel as possible.
     fn shift(&self, place: DVec3, axis: DVec3, pixel: DVec2) -> f64 {
         let mut shift = 0.0;
         for _ in 0..STEPS {

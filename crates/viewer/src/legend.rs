@@ -1,4 +1,5 @@
-//! The legend over the picture: the facts that `render --legend` draws, kept as long as they are true, and drawn by egui.
+//! The legend over the picture: the facts that `render --legend` draws, kept as long as they are true, and drawn by
+//! egui.
 
 use std::sync::Arc;
 
@@ -52,7 +53,7 @@ impl Legends {
     /// The legend of a scene: as it is known, or as it is found.
     ///
     /// # Errors
-    /// It can't be found.
+    /// The legend can't be found.
     pub fn of_scene(&mut self, scene: &Scene, find: impl FnOnce() -> Result<Legend>) -> Result<Arc<Legend>> {
         let origin = origin(scene);
         match &self.0 {

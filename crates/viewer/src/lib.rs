@@ -1,16 +1,17 @@
 //! The window of `pellucid view`: live pictures of the scene that `render` renders.
 //!
 //! - `navigate`: the camera and its movements; `pointer`: the actions of pointer and keys.
-//! - `model`: the scene being edited ([`Document`](pellucid_engine::scene::Document)), the last picture, and when the next one is
-//!   due.
+//! - `model`: the scene being edited ([`Document`](pellucid_engine::scene::Document)), the last picture, and when the
+//!   next one is due.
 //! - `route`: key frames and the motion through them; `dialog`: chooses files to open or to save to.
-//! - `worker`, a thread, owns a `stage`: the clouds in memory or in stores (`sources`), the points on the device (`placed`) and the renderer that `render` uses, too. `draft`
-//!   decides what is left out while things move: samples, pixels and points (`thinned`). `accuracy` measures the error of
-//!   drafts and approximations, `times` keeps frame times, `save` writes scene and picture, `display` converts pixels to bytes.
+//! - `worker`, a thread, owns a `stage`: the clouds in memory or in stores (`sources`), the points on the device
+//!   (`placed`) and the renderer that `render` uses, too. `draft` decides what is left out while things move: samples,
+//!   pixels and points (`thinned`). `accuracy` measures the error of drafts and approximations, `times` keeps frame
+//!   times, `save` writes scene and picture, `display` converts pixels to bytes.
 //! - `graphics`: the worker and the screen of one device; `loss`: decides if a lost device is opened again.
 //! - `visibility`: detects a minimized window; `status_log`: the lines that `-v` prints.
-//! - `app` owns the window: passes events to egui, draws `ui` (`panel` with its `controls`, `overlay`, `legend`, `handles` of clip boxes) and hands the picture to
-//!   the [`Screen`](pellucid_engine::gpu::window::Screen).
+//! - `app` owns the window: passes events to egui, draws `ui` (`panel` with its `controls`, `overlay`, `legend`,
+//!   `handles` of clip boxes) and hands the picture to the [`Screen`](pellucid_engine::gpu::window::Screen).
 
 mod accuracy;
 mod app;
@@ -76,7 +77,7 @@ pub struct Options {
     pub path: Option<(PathBuf, Source)>,
 }
 
-/// Why there is no window.
+/// Reason why there is no window.
 #[derive(Debug, thiserror::Error)]
 #[error("can't open a window: {reason}; `pellucid render` writes a picture without one")]
 pub struct NoDisplay {

@@ -8,7 +8,7 @@ use pellucid_engine::gpu;
 /// A device that lasts for no longer than this is not opened another time.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Why the window was closed.
+/// Reasons why the window was closed.
 #[derive(Debug, thiserror::Error)]
 pub enum Lost {
     /// Opening it again was no help.
@@ -32,7 +32,7 @@ pub enum Lost {
         device: String,
         /// The operation that was running.
         during: String,
-        /// Why it could not be opened.
+        /// Reason why the device could not be opened.
         why: String,
     },
     /// The renderer has a defect.
@@ -52,10 +52,10 @@ pub fn during(error: &Error) -> Option<&str> {
     }
 }
 
-/// When the device was last lost.
+/// Record of the last loss of the device.
 #[derive(Debug, Default)]
 pub struct Losses {
-    /// When it was there again, and the picture that was on the screen before.
+    /// Time at which the device was there again, and the picture that was on the screen before.
     last: Option<(Instant, Option<u64>)>,
 }
 

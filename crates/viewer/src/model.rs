@@ -26,7 +26,7 @@ use pellucid_engine::scene::{Document, Scene, Setting, View};
 mod due;
 mod edit;
 
-/// How long nothing may move before a complete picture is due.
+/// Time for which nothing may move before a complete picture is due.
 const REST: Duration = Duration::from_millis(150);
 
 /// Pixels around the pointer in which a depth is looked for.
@@ -41,7 +41,7 @@ pub struct Viewport {
     pub size: [u32; 2],
 }
 
-/// How much of the times of the passes lies over the picture.
+/// Amount of pass times that is shown over the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Passes {
     /// A line with their sum.
@@ -88,7 +88,7 @@ impl Shows {
     }
 }
 
-/// How far the shown picture is from the one that is wanted.
+/// State of the shown picture, compared with the requested one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum PictureState {
     /// The shown picture is complete and current.
@@ -127,7 +127,7 @@ pub struct Model {
     pub message: Option<(String, bool)>,
     /// The files that were saved last, until they are dismissed.
     pub saved: Option<Saved>,
-    /// Why the last picture failed; cleared by the next picture.
+    /// Reason why the last picture failed; cleared by the next picture.
     failed: Option<String>,
     /// The path of key frames.
     pub route: Route,
@@ -239,7 +239,7 @@ impl Model {
         self.everything = everything;
     }
 
-    /// How much of clouds that stay in their files the picture holds, unless it holds all.
+    /// Describes the resident part of clouds that stay in their files, unless the picture holds all.
     pub fn held_line(&self) -> Option<String> {
         let held = self.picture.as_ref()?.held.filter(|held| held.points < held.all)?;
         let [points, all] = [held.points, held.all].map(abbreviated);
@@ -268,7 +268,8 @@ impl Model {
         }
     }
 
-    /// Asks for a picture with the meaning of its colors, if that is to be shown and wasn't asked for: the worker has the clouds.
+    /// Asks for a picture with the meaning of its colors, if that is to be shown and wasn't asked for: the worker has
+    /// the clouds.
     pub fn explain_colors(&mut self) {
         if self.shows.explains_colors() && !self.explained && self.picture_state != PictureState::Stale {
             self.touch();
@@ -399,7 +400,7 @@ impl Model {
         self.message = Some((why, true));
     }
 
-    /// Another scene.
+    /// Replaces the scene.
     fn replace(&mut self, name: String, document: Document) -> Result<(), Error> {
         self.take_answer();
         // Files that were asked for after these are still on their way.

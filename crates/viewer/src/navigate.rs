@@ -34,8 +34,8 @@ impl Turntable {
         Self { vertical: vertical.up(), front: vertical.front(), side: vertical.right() }
     }
 
-    /// The vertical of the files if the camera is level with it, else +Z (+Y for files whose vertical is +Z) if it is with that,
-    /// else the image's own.
+    /// The vertical of the files if the camera is level with it, else +Z (+Y for files whose vertical is +Z) if it is
+    /// with that, else the image's own.
     fn level_with(camera: &Camera, up: UpAxis) -> Self {
         let other = if up == UpAxis::Z { UpAxis::Y } else { UpAxis::Z };
         let level =
@@ -167,7 +167,8 @@ impl Navigator {
         }
     }
 
-    /// How far an orthographic eye must move back to have all of the scene in front of it; the picture doesn't change.
+    /// Returns the distance by which an orthographic eye must move back to have all of the scene in front of it; the
+    /// picture doesn't change.
     fn retreat(&self) -> f64 {
         let [.., forward] = self.axes();
         let center = (self.subject.bounds.center() - self.eye).dot(forward);
@@ -189,8 +190,8 @@ impl Navigator {
         }
     }
 
-    /// Turns by a drag of the pointer, in pixels to the right and down: half a turn over the image's height. The pivot stays
-    /// where it is in the picture.
+    /// Turns by a drag of the pointer, in pixels to the right and down: half a turn over the image's height. The pivot
+    /// stays where it is in the picture.
     pub fn orbit(&mut self, drag: DVec2, image_height: f64) {
         let [right, up, forward] = self.axes();
         let arm = self.pivot - self.eye;

@@ -13,7 +13,7 @@ use super::worker::Picture;
 
 const BLUE: Color32 = Color32::from_rgb(110, 170, 255);
 
-/// How often a waiting window checks the progress of the points.
+/// Interval at which a waiting window checks the progress of the points.
 const GLANCE: Duration = Duration::from_millis(250);
 
 /// Keyboard and pointer actions.
@@ -63,8 +63,8 @@ pub fn show(ctx: &Context, model: &mut Model) {
     model.shows.help = help;
 }
 
-/// The work on points that precedes the next picture, shown if it takes long enough to be read; else how much of its clouds the
-/// picture holds, if not all.
+/// The work on points that precedes the next picture, shown if it takes long enough to be read; else how much of its
+/// clouds the picture holds, if not all.
 fn waiting(ctx: &Context, model: &Model) {
     if model.is_waiting() {
         ctx.request_repaint_after(GLANCE);
@@ -198,7 +198,7 @@ fn accuracy(ui: &mut Ui, picture: &Picture) {
     });
 }
 
-/// One sentence on the current picture.
+/// Returns a sentence on the current picture.
 fn now(picture: &Picture) -> String {
     let Accuracy { rungs, against, standing } = &picture.accuracy;
     let last = rungs.last();

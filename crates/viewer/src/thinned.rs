@@ -16,7 +16,7 @@ impl ThinnedCloud {
     /// Uploads every `one_of`-th point, or reuses `kept` if it holds that subset; any other subset is freed first.
     ///
     /// # Errors
-    /// Out of memory.
+    /// Returns an error if device memory is lacking.
     pub fn reuse_or_upload<'a>(
         kept: &'a mut Option<Self>,
         renderer: &Renderer,

@@ -29,7 +29,7 @@ pub struct Medians {
     pub wall_ms: f64,
     /// Milliseconds of each pass, in the order of the last frame.
     pub passes: Vec<(&'static str, f64)>,
-    /// How many frames.
+    /// Number of frames behind the medians.
     pub frames: usize,
 }
 

@@ -1,5 +1,5 @@
-//! One function for each reader of something that comes from outside. An input is a file's content, if need be with a first
-//! byte or line that says what else is given; nothing that is in an input may make a body panic.
+//! Fuzz bodies, a function for each reader of outside data. An input is a file's content, if need be with a
+//! first byte or line that says what else is given; nothing that is in an input may make a body panic.
 
 mod cloud;
 mod pages;
@@ -26,7 +26,7 @@ pub use splats::splats;
 pub use store::{copc, ept, octree};
 pub use volume::volume;
 
-/// All of them by name, which is that of the target and of its corpus.
+/// Bodies by name, which is that of the target and of its corpus.
 pub const TARGETS: [(&str, Body); 17] = [
     ("ply", ply),
     ("splats", splats),

@@ -1,9 +1,10 @@
-//! Checksums of E57 files. Without right ones a reader would refuse all that a fuzzer makes of a file at its first page.
+//! Checksums of E57 files. Without right ones a reader would refuse all that a fuzzer makes of a file at its first
+//! page.
 
 /// Bytes of a page, the last four of which are the checksum of the others.
 const PAGE: usize = 1024;
 
-/// The same file with right checksums; what is left of its last page stays as it is.
+/// Returns the file with right checksums; what is left of its last page stays as it is.
 pub fn with_checksums(file: &[u8]) -> Vec<u8> {
     let mut mended = file.to_vec();
     for page in mended.chunks_exact_mut(PAGE) {

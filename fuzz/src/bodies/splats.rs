@@ -6,8 +6,8 @@ use super::with_file;
 /// Endings of files.
 const ENDINGS: [&str; 6] = ["splat", "ksplat", "spz", "sog", "glb", "gltf"];
 
-/// All formats but PLY. The first byte tells the file's ending; 6 is the `meta.json` of a folder, whose pictures are one: what is behind
-/// the first line.
+/// All formats but PLY. The first byte chooses the file's ending; 6 is the `meta.json` of a folder, whose pictures are
+/// one: what is behind the first line.
 pub fn splats(input: &[u8]) {
     let Some((&first, content)) = input.split_first() else { return };
     match ENDINGS.get(usize::from(first)) {

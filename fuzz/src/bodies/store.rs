@@ -8,7 +8,7 @@ use pellucid_engine::io::{Error, LasColumns};
 use super::cloud::check;
 use super::with_file;
 
-/// All that is read only where it is asked for.
+/// Columns that are read only where they are asked for.
 const ASKED: LasColumns = LasColumns { returns: true, source: true, gps_time: true };
 
 /// COPC files by their hierarchy, and as the LAZ files that they are.
@@ -30,8 +30,9 @@ pub fn ply_pieces(path: &Path) {
     read(path, PlyPieces::open(path));
 }
 
-/// Octrees of Potree: behind a line of metadata.json and a line of four numbers, the bytes of hierarchy.bin, of nodes.bin (none if it
-/// has 0) and of octree.bin, and how many of the latter are gone once the folder is open. What is left is survey.bin.
+/// Octrees of Potree: behind a line of metadata.json and a line of four numbers, the bytes of hierarchy.bin, of
+/// nodes.bin (none if it has 0) and of octree.bin, and how many of the latter are gone once the folder is open. What is
+/// left is survey.bin.
 pub fn octree(input: &[u8]) {
     let mut parts = input.splitn(3, |byte| *byte == b'\n');
     let mut part = || parts.next().unwrap_or_default();
@@ -67,8 +68,8 @@ pub fn octree(input: &[u8]) {
     read(folder.path(), octree);
 }
 
-/// EPT folders: behind a line of the description, one of the root's hierarchy and one of that of node 1-0-0-0, the rest is the root's
-/// tile, in any of the formats.
+/// EPT folders: behind a line of the description, one of the root's hierarchy and one of that of node 1-0-0-0, the rest
+/// is the root's tile, in any of the formats.
 pub fn ept(input: &[u8]) {
     let mut parts = input.splitn(4, |byte| *byte == b'\n');
     let mut part = || parts.next().unwrap_or_default();

@@ -5,7 +5,8 @@ use pellucid_engine::scene::procedural::iso::build_iso;
 
 use super::with_file;
 
-/// A volume. The first line is the file's name without its ending, then options: what `--dims`, `--type` and `--values` say.
+/// A volume. The first line is the file's name without its ending, then options: what `--dims`, `--type` and `--values`
+/// say.
 pub fn volume(input: &[u8]) {
     let Some(end) = input.iter().position(|byte| *byte == b'\n') else { return };
     let (Ok(line), content) = (str::from_utf8(&input[..end]), &input[end + 1..]) else { return };

@@ -66,7 +66,7 @@ def raw(soup):
 
 
 def ksplat(soup, mode):
-    """One section, whose buckets hold 16 splats; the last is partial."""
+    """A single section, whose buckets hold 16 splats; the last is partial."""
     capacity, block, limit = 16, 8.0, 1.0
     buckets = [soup[i : i + capacity] for i in range(0, len(soup), capacity)]
     full, last = len(soup) // capacity, len(soup) % capacity
@@ -124,7 +124,7 @@ def spz(soup, version):
 
 
 def gltf(soup, logarithms=False):
-    """Within its text; a quarter turn of the node takes y to z."""
+    """glTF with the data within its text; a quarter turn of the node takes y to z."""
     q = "KHR_gaussian_splatting:"
     columns = [("POSITION", 3, [s["center"] for s in soup])]
     columns.append((q + "ROTATION", 4, [s["turn"][1:] + s["turn"][:1] for s in soup]))

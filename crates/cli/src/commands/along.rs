@@ -22,9 +22,9 @@ use super::input::InputArgs;
 pub struct PathArgs {
     /// Move the camera along the key frames of a file.
     ///
-    /// A JSON file of keys with eye, target and more (docs/camera-paths.md), a transforms.json of nerfstudio, or the folder of a
-    /// COLMAP model (text or binary). With --frames N the camera is interpolated between the keys; otherwise every key is one
-    /// frame.
+    /// A JSON file of keys with eye, target and more (docs/camera-paths.md), a transforms.json of nerfstudio, or the
+    /// folder of a COLMAP model (text or binary). With --frames N the camera is interpolated between the keys;
+    /// otherwise every key is one frame.
     #[arg(long, value_name = "PATH", conflicts_with = "turntable", help_heading = FRAMES)]
     path: Option<PathBuf>,
     /// Turn the camera once around the scene, in --frames N steps.
@@ -34,11 +34,11 @@ pub struct PathArgs {
     turntable: bool,
 }
 
-/// Where the cameras come from.
+/// Source of the cameras.
 pub enum Along {
     /// Key frames of a file, at so many equally spaced times, or at the keys.
     Keys { path: PathBuf, source: Source, frames: Option<usize> },
-    /// So many steps around the scene.
+    /// Number of steps of a turn around the scene.
     Turn { frames: usize },
 }
 

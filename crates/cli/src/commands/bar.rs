@@ -9,7 +9,7 @@ use pellucid_engine::progress::{Observer, Progress};
 /// Work that is done within this time shows no progress bar.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// How often a stage of unknown length signals that it is alive.
+/// Interval at which a stage of unknown length signals that it is alive.
 const TICK: Duration = Duration::from_millis(200);
 
 /// A progress bar, and the progress that it shows.

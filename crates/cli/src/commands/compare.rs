@@ -30,15 +30,15 @@ pub struct CompareArgs {
     output: Option<PathBuf>,
     /// Print JSON.
     ///
-    /// Pictures: {rmse, nmse, psnr, ssim, flip, max: {value, x, y}, above_1_255}; infinite values are null, as the psnr of equal
-    /// pictures. Profiles: {frame, passes}, each {name, a_ms, b_ms, ratio, interval: [low, high], share, verdict}; unknown values
-    /// are null.
+    /// Pictures: {rmse, nmse, psnr, ssim, flip, max: {value, x, y}, above_1_255}; infinite values are null, as the psnr
+    /// of equal pictures. Profiles: {frame, passes}, each {name, a_ms, b_ms, ratio, interval: [low, high], share,
+    /// verdict}; unknown values are null.
     #[arg(long)]
     json: bool,
     /// Exit with status 1 if the metric is above the value; repeatable.
     ///
-    /// Metrics of pictures: rmse, nmse, psnr, ssim, flip, max, above_1_255. Of profiles: the ratio B/A of a pass by its name,
-    /// or of `frame`.
+    /// Metrics of pictures: rmse, nmse, psnr, ssim, flip, max, above_1_255. Of profiles: the ratio B/A of a pass by its
+    /// name, or of `frame`.
     #[arg(long, value_name = "METRIC=VALUE")]
     fail_above: Vec<String>,
     /// Exit with status 1 if the metric is below the value; repeatable.
@@ -48,10 +48,11 @@ pub struct CompareArgs {
     fail_below: Vec<String>,
     /// Profiles: exit with status 1 if B is slower by RATIO beyond the noise; repeatable.
     ///
-    /// RATIO applies to the frame and to each pass of at least 1% of it, PASS=RATIO to one pass, however short. A time counts as
-    /// slower if the whole interval of B/A is above RATIO. The interval lies between opposite ends of the medians' 95% confidence
-    /// intervals by order statistics. With 5 frames, the smallest number that is enough, its lower end is the fastest frame of B
-    /// over the slowest of A. To include the noise between runs, alternate runs of A and B and merge the frames of each.
+    /// RATIO applies to the frame and to each pass of at least 1% of it, PASS=RATIO to one pass, however short. A time
+    /// counts as slower if the whole interval of B/A is above RATIO. The interval lies between opposite ends of the
+    /// medians' 95% confidence intervals by order statistics. With 5 frames, the smallest number that is enough, its
+    /// lower end is the fastest frame of B over the slowest of A. To include the noise between runs, alternate runs of
+    /// A and B and merge the frames of each.
     #[arg(long, value_name = "[PASS=]RATIO")]
     fail_slower: Vec<String>,
 }

@@ -147,7 +147,7 @@ fn rows(a: &Profile, b: &Profile) -> Vec<Row> {
     std::iter::once(frame).chain(passes).collect()
 }
 
-/// One time per frame for each pass name; a pass that runs several times in a frame (bands) counts as a sum.
+/// Returns a time per frame for each pass name; a pass that runs several times in a frame (bands) counts as a sum.
 fn pass_times(profile: &Profile) -> HashMap<&str, Vec<f64>> {
     let mut times: HashMap<&str, Vec<f64>> = HashMap::new();
     for frame in &profile.frames {

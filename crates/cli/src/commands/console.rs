@@ -20,7 +20,7 @@ impl Console {
         Self { quiet, verbose }
     }
 
-    /// For output that repeats an earlier one: only details.
+    /// Returns a console for output that repeats an earlier one: only details.
     pub fn without_repeats(self) -> Self {
         Self { quiet: true, ..self }
     }
@@ -71,7 +71,7 @@ impl Messages for Console {
     }
 }
 
-/// One line on standard error; without a standard error the line is lost.
+/// Prints a line on standard error; without a standard error the line is lost.
 pub fn print_stderr(line: impl Display) {
     let _ = writeln!(io::stderr(), "{line}");
 }
@@ -85,7 +85,7 @@ pub fn print(text: &str) -> Result<()> {
     }
 }
 
-/// One JSON document on standard output.
+/// Prints a JSON document on standard output.
 pub fn print_json(value: &serde_json::Value) -> Result<()> {
     print(&format!("{value:#}\n"))
 }

@@ -26,14 +26,16 @@ use super::session;
 pub struct DeepArgs {
     /// EXR: write every fragment of each pixel as a deep image for compositing.
     ///
-    /// Each sample has linear R, G, B times A, A and Z, without the background. Methods: abuffer, linked-list, sorted, peel, and
-    /// soft-concentric. Ellipsoids and the shells of soft-concentric are volumes and also have ZBack. `tidy` (the default) merges
-    /// fragments at one depth and splits volumes where others begin or end; `sorted` keeps each fragment as it is.
+    /// Each sample has linear R, G, B times A, A and Z, without the background. Methods: abuffer, linked-list, sorted,
+    /// peel, and soft-concentric. Ellipsoids and the shells of soft-concentric are volumes and also have ZBack. `tidy`
+    /// (the default) merges fragments at one depth and splits volumes where others begin or end; `sorted` keeps each
+    /// fragment as it is.
     #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "tidy", help_heading = OUTPUT)]
     deep: Option<DeepState>,
     /// With --deep: type of color and A.
     ///
-    /// `float` (the default) keeps all 24 bits of precision, `half` 11 bits in half the space. Z and ZBack are always float.
+    /// `float` (the default) keeps all 24 bits of precision, `half` 11 bits in half the space. Z and ZBack are always
+    /// float.
     #[arg(long, value_name = "NUMBERS", requires = "deep", help_heading = OUTPUT)]
     deep_type: Option<DeepType>,
     /// With --deep: compression; `zips` compresses each row without loss.
@@ -41,7 +43,7 @@ pub struct DeepArgs {
     deep_compression: Option<DeepCompression>,
 }
 
-/// How orderly samples are.
+/// Order of the samples in a pixel.
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
 enum DeepState {
     Tidy,
@@ -56,7 +58,7 @@ enum DeepType {
     Half,
 }
 
-/// How rows are packed.
+/// Compression of rows.
 #[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
 enum DeepCompression {
     #[default]
@@ -65,7 +67,7 @@ enum DeepCompression {
 }
 
 impl DeepArgs {
-    /// How orderly samples are to be, if some are asked for.
+    /// Returns the requested order of samples, if a deep image is asked for.
     fn state(&self) -> Option<State> {
         self.deep.map(|state| match state {
             DeepState::Tidy => State::Tidy,

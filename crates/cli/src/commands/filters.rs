@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_list_lacks_comes_in_runs() {
+    fn classes_missing_from_a_list_come_in_runs() {
         assert_eq!(others(&[6, 2]), [[0, 1], [3, 5], [7, 255]]);
         assert_eq!(others(&[0, 255]), [[1, 254]]);
         assert_eq!(others(&(0..=255).collect::<Vec<_>>()), [[0u8; 2]; 0]);

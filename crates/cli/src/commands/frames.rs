@@ -40,7 +40,8 @@ pub struct Pattern {
 }
 
 impl Pattern {
-    /// Reads `step_%02d.png` as printf does: `%d`, `%3d` or `%03d`, once, in the name of the file; `%%` is a percent sign.
+    /// Reads `step_%02d.png` as printf does: `%d`, `%3d` or `%03d`, once, in the name of the file; `%%` is a percent
+    /// sign.
     ///
     /// # Errors
     /// A name without a number or with several, or with any other `%`; `%3d` in names of frames.

@@ -23,16 +23,16 @@ use super::console::{Console, print, print_json};
 use super::limit::usage;
 use facts::Facts;
 
-/// Prints the points, bounds and attributes of files, the points of each class, histograms of height and intensity between their
-/// percentiles 1 and 99, and a command line that suits the file. Two figures are estimated from the neighbors of up to 2048 points,
-/// with a search tree over all points: the spacing (the median distance to the nearest point), and the mean number of splats on a
-/// covered pixel of the automatic view. No device is needed.
+/// Prints the points, bounds and attributes of files, the points of each class, histograms of height and intensity
+/// between their percentiles 1 and 99, and a command line that suits the file. Two figures are estimated from the
+/// neighbors of up to 2048 points, with a search tree over all points: the spacing (the median distance to the nearest
+/// point), and the mean number of splats on a covered pixel of the automatic view. No device is needed.
 #[derive(Debug, Args)]
 pub struct InfoArgs {
     /// Point clouds, Gaussian splats, or pictures that become clouds.
     ///
-    /// Point clouds: PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV, TXT. Gaussian splats: PLY, SPLAT, SPZ, SOG, KSPLAT, glTF.
-    /// Pictures: PNG, JPEG, TIFF.
+    /// Point clouds: PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV, TXT. Gaussian splats: PLY, SPLAT, SPZ, SOG,
+    /// KSPLAT, glTF. Pictures: PNG, JPEG, TIFF.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Columns of text files, as in x,y,z,-,r,g,b; `pellucid render --help` lists the names.
@@ -40,19 +40,20 @@ pub struct InfoArgs {
     columns: Option<String>,
     /// Count outliers, points far away from all others.
     ///
-    /// They are the points that `outliers` of a [[cloud]] selects with the default outlier_k and outlier_factor. The count needs
-    /// the neighbors of every point.
+    /// They are the points that `outliers` of a [[cloud]] selects with the default outlier_k and outlier_factor. The
+    /// count needs the neighbors of every point.
     #[arg(long)]
     outliers: bool,
     /// Print JSON.
     ///
-    /// {points, non_finite, bounds: {min, max}, attributes, classes, ranges, spacing, layers, histograms, command}. `points` counts
-    /// all points in the file, `classes` maps a code to its number of points, `ranges` a scalar to [min, max]. `histograms` is
-    /// {height, intensity}, each null or {min, max, counts}.
+    /// {points, non_finite, bounds: {min, max}, attributes, classes, ranges, spacing, layers, histograms, command}.
+    /// `points` counts all points in the file, `classes` maps a code to its number of points, `ranges` a scalar to
+    /// [min, max]. `histograms` is {height, intensity}, each null or {min, max, counts}.
     ///
-    /// Gaussian splats also have `gaussians: {count, degree, filter, extents: {min, median, max}}`. --outliers adds their number as
-    /// `outliers`. A prepared cloud has `prepared: {neighbors, radius_cap, estimated_radii, field, quantiles}`, with `shadows` if they
-    /// are stored; `quantiles` maps a share of the points to the largest field value among them.
+    /// Gaussian splats also have `gaussians: {count, degree, filter, extents: {min, median, max}}`. --outliers adds
+    /// their number as `outliers`. A prepared cloud has `prepared: {neighbors, radius_cap, estimated_radii, field,
+    /// quantiles}`, with `shadows` if they are stored; `quantiles` maps a share of the points to the largest field
+    /// value among them.
     ///
     /// Several files become an array, each with `file`.
     #[arg(long)]
@@ -89,7 +90,7 @@ struct Seen {
     file: PathBuf,
     cloud: Cloud,
     facts: Facts,
-    /// Their number, if it was asked for.
+    /// Number of outliers, if it was asked for.
     outliers: Option<usize>,
 }
 

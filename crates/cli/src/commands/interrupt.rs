@@ -15,8 +15,8 @@ static DEFERRED: AtomicBool = AtomicBool::new(false);
 /// True once that SIGINT has arrived.
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// From now on the first SIGINT only makes [`asked`] true; a second one ends the program. On systems without signals an
-/// interruption ends it at once.
+/// Defers interruptions: the first SIGINT only makes [`asked`] true; a second one ends the program. On systems without
+/// signals an interruption ends it at once.
 pub fn defer() {
     DEFERRED.store(true, Ordering::Relaxed);
 }
@@ -33,7 +33,7 @@ fn helper() -> MutexGuard<'static, Option<Child>> {
     HELPER.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Another program that ends with this value, and when a signal ends this program. There is one at a time.
+/// Child process that ends with this value, and when a signal ends this program. There is one at a time.
 pub struct Helper(());
 
 impl Helper {
@@ -43,10 +43,10 @@ impl Helper {
         Self(())
     }
 
-    /// How it ended, if it has.
+    /// Returns the exit status of the child process, if it has ended.
     ///
     /// # Errors
-    /// Those of the system.
+    /// Errors of the system.
     pub fn try_wait(&self) -> io::Result<Option<ExitStatus>> {
         helper().as_mut().map_or_else(|| Err(io::ErrorKind::NotFound.into()), Child::try_wait)
     }
@@ -87,7 +87,7 @@ mod signals {
 
     use super::{ASKED, DEFERRED, helper};
 
-    /// From now on SIGINT, SIGTERM and SIGHUP remove unfinished files before they end the program. A signal that was
+    /// Makes SIGINT, SIGTERM and SIGHUP remove unfinished files before they end the program. A signal that was
     /// ignored from the start, as under `nohup` or for background jobs of a shell, stays ignored.
     pub fn watch() {
         // A file that grows over `ulimit -f` is then an error like that of a full disk, and not the end of the program.

@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 /// Profiles of one frame each.
 #[derive(Default)]
 pub struct Measured {
-    /// By the frame's number.
+    /// Profiles by frame number.
     frames: BTreeMap<usize, Value>,
     /// True if some were measured by this command.
     has_new: bool,
@@ -49,8 +49,8 @@ impl Measured {
         slot
     }
 
-    /// The interface's profile of all frames, in their order; all but `frames` is that of the last one. `empty` is one without
-    /// frames, with the phases of this command, which count if it measured any.
+    /// The interface's profile of all frames, in their order; all but `frames` is that of the last one. `empty` is one
+    /// without frames, with the phases of this command, which count if it measured any.
     pub fn to_json(&self, empty: &Profile) -> Value {
         let frames: Vec<&Value> = self.frames.values().filter_map(|one| one.pointer("/frames/0")).collect();
         let frames = json!(frames);
@@ -63,7 +63,7 @@ impl Measured {
         whole
     }
 
-    /// Which frames of those up to `count` are not there.
+    /// Returns the numbers below `count` of the frames that are missing.
     pub fn missing(&self, count: usize) -> Vec<usize> {
         (0..count).filter(|number| !self.frames.contains_key(number)).collect()
     }

@@ -26,7 +26,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// From the interval of the ratio B/A.
+    /// Returns the verdict for an interval of the ratio B/A.
     pub fn from_interval([low, high]: [f64; 2]) -> Self {
         if low > 1.0 {
             Self::Slower

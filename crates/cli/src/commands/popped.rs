@@ -36,7 +36,7 @@ impl Popped {
             return Err(usage(problem));
         };
         let mut frame = Frame { method: exact, stop: Stop::Exact, fragments: false, depths: false, ..session.frame };
-        // What the method's own frames lack is no error.
+        // A feature that the method's own frames lack is no error.
         frame.shading.edl.edl &= method.takes_edl();
         let followed = Candidate { method, setting: String::new() };
         let renderer = Renderer::new(&session.device)?;
@@ -56,7 +56,7 @@ impl Popped {
         Ok(())
     }
 
-    /// Writes the table and tells the figures.
+    /// Writes the table and prints the figures.
     pub fn finish(self, frames: usize, console: Console) -> Result<()> {
         let curve = self.follower.curve(&self.followed);
         let exact = popping::named(&self.frame.method);

@@ -19,19 +19,21 @@ use super::console::Console;
 use super::limit::usage;
 use super::prepare_store;
 
-/// The soft methods (soft-base, soft-concentric, soft-express, one-layer) tell solid points from soft ones by a field F in
-/// [0, 1]. This computes it and the radii once and writes them with the cloud; render, plan and all others then use what
-/// is stored, with the same bytes as result, as long as the points are the same (a hash tells) and the settings, if they
-/// name a field or a number of neighbors at all, name these. Takes about 4·K + 170 bytes of memory for each point.
+/// The soft methods (soft-base, soft-concentric, soft-express, one-layer) tell solid points from soft ones by a field F
+/// in [0, 1]. This computes it and the radii once and writes them with the cloud; render, plan and all others then use
+/// what is stored, with the same bytes as result, as long as the points are the same (a hash tells) and the settings,
+/// if they name a field or a number of neighbors at all, name these. Takes about 4·K + 170 bytes of memory for each
+/// point.
 ///
-/// An OUT that ends in `/`, has no extension or is a folder becomes a store: an octree of Potree 2.0, which its viewer opens. It may
-/// be made of several clouds and be of any size: memory stays within --host-memory, and a run that was cut short goes on where it was.
+/// An OUT that ends in `/`, has no extension or is a folder becomes a store: an octree of Potree 2.0, which its viewer
+/// opens. It may be made of several clouds and be of any size: memory stays within --host-memory, and a run that was
+/// cut short goes on where it was.
 ///
-/// With --light or --light-position it also finds, on the device, which share of the light reaches each point, and stores it. A
-/// scene of this one cloud with [shadows] of the same settings then casts none anew.
+/// With --light or --light-position it also finds, on the device, which share of the light reaches each point, and
+/// stores it. A scene of this one cloud with [shadows] of the same settings then casts none anew.
 ///
-/// Gaussian splats of any format become a PLY file of them as other programs read it, or a store with every number as it was. Nothing is
-/// computed of them.
+/// Gaussian splats of any format become a PLY file of them as other programs read it, or a store with every number as
+/// it was. Nothing is computed of them.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("any_light").args(["light", "light_position"])))]
 pub struct PrepareArgs {
@@ -40,9 +42,9 @@ pub struct PrepareArgs {
     inputs: Vec<PathBuf>,
     /// Output: a PLY file, or a folder for an octree.
     ///
-    /// A binary PLY (.ply) holds all columns of the cloud, `radius` and `field`; it may replace the input. A name without
-    /// an extension, or one that ends in /, is the folder of a store, an octree of Potree 2.0 for clouds larger than memory.
-    /// docs/prepared-clouds.md describes both.
+    /// A binary PLY (.ply) holds all columns of the cloud, `radius` and `field`; it may replace the input. A name
+    /// without an extension, or one that ends in /, is the folder of a store, an octree of Potree 2.0 for clouds larger
+    /// than memory. docs/prepared-clouds.md describes both.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Main memory to use for a store, as in 4GiB; by default half of the free memory.
@@ -66,8 +68,8 @@ pub struct PrepareArgs {
     radius_cap: Option<String>,
     /// Field of soft transparency, as in classification.
     ///
-    /// One of uncertainty (how little the neighborhood resembles a surface), classification, intensity, distance-to-axis, or the
-    /// name of a scalar in the file. Default: that of a prepared input, else uncertainty.
+    /// One of uncertainty (how little the neighborhood resembles a surface), classification, intensity,
+    /// distance-to-axis, or the name of a scalar in the file. Default: that of a prepared input, else uncertainty.
     #[arg(long, value_name = "NAME")]
     field: Option<String>,
     /// With --field classification: soft classes, as in 3,4,5.
@@ -81,7 +83,8 @@ pub struct PrepareArgs {
     axis_direction: Option<String>,
     /// Store normals, estimated from the neighbors where the file has none.
     ///
-    /// They change the picture: solid points are then oriented and shaded. Otherwise estimated normals are only used for the field.
+    /// They change the picture: solid points are then oriented and shaded. Otherwise estimated normals are only used
+    /// for the field.
     #[arg(long)]
     normals: bool,
     /// Store the shadows of a light that shines in this direction.

@@ -34,7 +34,7 @@ pub fn host_memory(asked: Option<ByteSize>) -> Result<u64> {
     }
 }
 
-/// How the store is made.
+/// Returns the settings for building a store.
 pub fn settings(host_memory: Option<ByteSize>, node_points: Option<u32>) -> Result<Settings> {
     let node_points = node_points.map_or(Ok(NODE_POINTS), |points| match usize::try_from(points) {
         Ok(points) if points >= 100 => Ok(points),

@@ -1,4 +1,5 @@
-//! Recipes by name: `--preset`. A preset stands for keys of the scene file, and for `--see-through` and `--view`; all are printed.
+//! Recipes by name: `--preset`. A preset stands for keys of the scene file, and for `--see-through` and `--view`; all
+//! are printed.
 
 use pellucid_engine::Result;
 use pellucid_engine::scene::Overrides;
@@ -13,7 +14,8 @@ pub struct Preset {
     keys: &'static [(&'static str, &'static str)],
     /// Value of `--see-through` where no option gives an opacity.
     pub see_through: Option<SeeThrough>,
-    /// True if `--view iso` is taken where nothing says from where to look: from outside, whatever surrounds the middle.
+    /// True if `--view iso` is taken where nothing says from where to look: from outside, whatever surrounds the
+    /// middle.
     pub from_outside: bool,
 }
 
@@ -43,7 +45,8 @@ impl Asked {
     }
 }
 
-/// Keys that come between an option and what it asks for, each with the option's key: they are left out where that is given.
+/// Keys that come between an option and what it asks for, each with the option's key: they are left out where that is
+/// given.
 const IN_THE_WAY: [(&str, &str); 3] =
     [("cloud.*.color", "color_by"), ("cloud.*.opacity", "surface_opacity"), ("cloud.*.radius_factor", "radius")];
 
@@ -150,14 +153,14 @@ pub fn list() -> String {
     PRESETS.iter().map(text).collect::<Vec<_>>().join("\n")
 }
 
-/// When a key is left out, as a phrase.
+/// Returns the condition under which a preset leaves a key out, as a phrase; empty if there is none.
 fn unless(key: &str) -> String {
     let rival = IN_THE_WAY.iter().find(|(known, _)| *known == key);
     rival.map(|(_, rival)| format!(", unless an option gives {rival}")).unwrap_or_default()
 }
 
 impl Preset {
-    /// Lays its keys over those of a file. `is_given` tells if an option gives a key of clouds.
+    /// Lays its keys over those of a file. `is_given` returns true if an option gives a key of clouds.
     pub fn apply(&self, overrides: &mut Overrides, is_given: impl Fn(&str) -> bool) -> Result<()> {
         let option = format!("--preset {}", self.name);
         for (key, value) in self.keys {

@@ -33,8 +33,8 @@ pub struct ProfileArgs {
     pub along: PathArgs,
     /// Accuracy of the frames, that of an EXR or that of a PNG.
     ///
-    /// For an EXR every fragment that changes a bit is blended. For a PNG the methods sorted and abuffer stop when no 8-bit value
-    /// would change by more than a quarter of a step. Other methods take the same time for both.
+    /// For an EXR every fragment that changes a bit is blended. For a PNG the methods sorted and abuffer stop when no
+    /// 8-bit value would change by more than a quarter of a step. Other methods take the same time for both.
     #[arg(long = "for", value_name = "FORMAT", default_value = "exr")]
     pub format: Format,
     /// Print JSON instead of the table, as --profile writes it.

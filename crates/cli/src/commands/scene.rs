@@ -37,13 +37,14 @@ pub struct SceneArgs {
     store: StoreArgs,
 }
 
-/// How a landscape is written.
+/// Options for writing a landscape.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Landscapes of any size (terrain)")]
 struct StoreArgs {
     /// Write a store, an octree of Potree 2.0, instead of a PLY file.
     ///
-    /// Scenes of more than 10000000 points are always written as a store. An interrupted run continues where it stopped.
+    /// Scenes of more than 10000000 points are always written as a store. An interrupted run continues where it
+    /// stopped.
     #[arg(long)]
     store: bool,
     /// Main memory to use for the store, as in 4GiB; by default half of the free memory.
@@ -82,8 +83,9 @@ impl StoreArgs {
 struct VolumeArgs {
     /// Volume: a raw file, as in hydrogen_64x64x64_float32.raw.
     ///
-    /// It has little-endian numbers without a header, x fastest. The name gives size and type, or else --dims and --type do.
-    /// Default: a hydrogen orbital, the density of the electron in the state 3d (m = 0) relative to its maximum.
+    /// It has little-endian numbers without a header, x fastest. The name gives size and type, or else --dims and
+    /// --type do. Default: a hydrogen orbital, the density of the electron in the state 3d (m = 0) relative to its
+    /// maximum.
     #[arg(long, value_name = "FILE")]
     volume: Option<PathBuf>,
     /// Size of the volume along x, y and z; overrides the file's name.

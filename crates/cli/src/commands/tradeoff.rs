@@ -83,8 +83,9 @@ pub struct TradeoffArgs {
     output: PathBuf,
     /// Measure fewer settings, for a first look or for CI.
     ///
-    /// Three numbers of samples, two of k and two of layers, 3 frames, 4 seeds. --time then limits the whole run. One setting of
-    /// each method is measured first, then a second one, and so on; settings that don't fit are listed with the reason.
+    /// Three numbers of samples, two of k and two of layers, 3 frames, 4 seeds. --time then limits the whole run. One
+    /// setting of each method is measured first, then a second one, and so on; settings that don't fit are listed with
+    /// the reason.
     #[arg(long)]
     quick: bool,
     /// Compare only this method; repeatable. By default all methods.
@@ -94,17 +95,18 @@ pub struct TradeoffArgs {
     only: Vec<String>,
     /// Time for rendering in seconds; by default 360, with --quick 55 for the whole run.
     ///
-    /// Slow settings get fewer frames and seeds. A setting whose frame takes more than a 60th of this time is measured once. A
-    /// setting is skipped if its frame is predicted to take more than an 8th of this time, or more than the rest of it; the
-    /// prediction comes from cheaper settings of the same method.
+    /// Slow settings get fewer frames and seeds. A setting whose frame takes more than a 60th of this time is measured
+    /// once. A setting is skipped if its frame is predicted to take more than an 8th of this time, or more than the
+    /// rest of it; the prediction comes from cheaper settings of the same method.
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     time: Option<f64>,
     #[command(flatten)]
     along: PathArgs,
     /// Number of frames for --path or --turntable.
     ///
-    /// The report then also has the popping of the approximate methods, or of those given by --only: how their errors change from
-    /// frame to frame. That takes one frame per method and camera in addition to --time. The rest of the report is about the first frame.
+    /// The report then also has the popping of the approximate methods, or of those given by --only: how their errors
+    /// change from frame to frame. That takes one frame per method and camera in addition to --time. The rest of the
+    /// report is about the first frame.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), help_heading = super::headings::FRAMES)]
     frames: Option<u32>,
     #[command(flatten)]

@@ -18,9 +18,10 @@ use crate::error::Error;
 /// Default size of the window, in columns and rows.
 const SIZE: [u32; 2] = [1280, 720];
 
-/// Drag to turn, right-drag to move, scroll to come nearer to what is under the pointer, double-click to turn about it, fly with
-/// W, A, S, D, Q and E; F1 shows all keys. F12 saves the picture and a scene file from which `render` makes the same picture, byte for
-/// byte. K makes the camera a key of a path, which Space plays and --path of `render` takes. Files dropped onto the window are opened. --size is that of the window.
+/// Drag to turn, right-drag to move, scroll to come nearer to what is under the pointer, double-click to turn about it,
+/// fly with W, A, S, D, Q and E; F1 shows all keys. F12 saves the picture and a scene file from which `render` makes
+/// the same picture, byte for byte. K makes the camera a key of a path, which Space plays and --path of `render` takes.
+/// Files dropped onto the window are opened. --size is that of the window.
 #[derive(Debug, Args)]
 pub struct ViewArgs {
     #[command(flatten)]
@@ -34,7 +35,8 @@ pub struct ViewArgs {
     path: Option<PathBuf>,
     /// Target time of a frame during motion, in milliseconds.
     ///
-    /// Drafts leave out samples, pixels and points to stay within this time. At rest the picture is refined until it is complete.
+    /// Drafts leave out samples, pixels and points to stay within this time. At rest the picture is refined until it is
+    /// complete.
     #[arg(long, value_name = "MS", default_value_t = 33.0, value_parser = positive)]
     budget: f64,
 }

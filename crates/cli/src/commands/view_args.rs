@@ -8,21 +8,21 @@ use pellucid_engine::scene::{Overrides, Vertical, View, ViewName};
 
 use super::headings::CAMERA;
 
-/// From where a scene is looked at.
+/// Options for the viewpoint.
 #[derive(Debug, Args)]
 // A group of this name would be that of `view`'s own options.
 #[group(skip)]
 pub struct ViewArgs {
     /// Show the whole scene from a named side or point of the compass.
     ///
-    /// --view, --azimuth and --elevation replace the camera's eye and target. Without them the camera stands above, to the
-    /// right of the front, or 90 degrees farther around if the scene is clearly broader from there.
+    /// --view, --azimuth and --elevation replace the camera's eye and target. Without them the camera stands above, to
+    /// the right of the front, or 90 degrees farther around if the scene is clearly broader from there.
     #[arg(long, value_name = "NAME", value_parser = view_name(), help_heading = CAMERA)]
     view: Option<ViewName>,
     /// Direction of the camera around the vertical, in degrees, or as in SW.
     ///
-    /// 0 looks from the front (−Y in surveys, +Z in models), 90 from +X. Points of the compass: N is +Y in surveys and −Z in
-    /// models, E is +X.
+    /// 0 looks from the front (−Y in surveys, +Z in models), 90 from +X. Points of the compass: N is +Y in surveys and
+    /// −Z in models, E is +X.
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = azimuth, help_heading = CAMERA)]
     azimuth: Option<f64>,
     /// Height of the camera above the horizon in degrees, from −90 to 90.
@@ -30,8 +30,8 @@ pub struct ViewArgs {
     elevation: Option<f64>,
     /// Axis that points up in the image, as in y or -z.
     ///
-    /// Default: camera.up of the scene file; else Z. PLY files have Y up, except those in survey coordinates and those whose
-    /// shape shows that Z is up. PLY and PCD files of a depth camera have −Y up.
+    /// Default: camera.up of the scene file; else Z. PLY files have Y up, except those in survey coordinates and those
+    /// whose shape shows that Z is up. PLY and PCD files of a depth camera have −Y up.
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true, value_parser = axis, help_heading = CAMERA)]
     up: Option<Vertical>,
     /// Use an orthographic camera.
@@ -59,7 +59,7 @@ impl ViewArgs {
     }
 }
 
-/// One of the directions that have names.
+/// Parses the name of a view direction.
 fn view_name() -> impl TypedValueParser<Value = ViewName> {
     let values = ViewName::ALL.iter().map(|(_, word, about)| PossibleValue::new(*word).help(*about));
     PossibleValuesParser::new(values).try_map(|word| ViewName::named(&word).ok_or("no such view"))

@@ -1,5 +1,5 @@
-//! Every `pellucid` line of the pages is parsed by the program's own parser, and every scene by its own reader, so that no page
-//! shows an option or a key that doesn't exist.
+//! Every `pellucid` line of the pages is parsed by the program's own parser, and every scene by its own reader, so that
+//! no page shows an option or a key that doesn't exist.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -67,7 +67,8 @@ fn whole_lines(block: &Block) -> Vec<(usize, String)> {
     whole
 }
 
-/// Parses every command `program` of the blocks. Returns the number of those that are valid, and the parser's complaints.
+/// Parses every command `program` of the blocks. Returns the number of those that are valid, and the parser's
+/// complaints.
 fn parse_all(blocks: &[Block], program: &str, parser: &clap::Command) -> (usize, Vec<String>) {
     let (mut taken, mut complaints) = (0, Vec::new());
     for block in blocks {
@@ -149,7 +150,8 @@ fn commands_are_found_where_they_stand_in_a_line() {
     assert_eq!(ranks.unwrap(), [["render", "a.ply", "-o", "a.png"]]);
 }
 
-/// Reads each scene of the blocks, and returns the reader's complaints. One without a cloud is a part of a scene and gets one.
+/// Reads each scene of the blocks, and returns the reader's complaints. One without a cloud is a part of a scene and
+/// gets one.
 fn read_all(blocks: &[Block]) -> (usize, Vec<String>) {
     let (mut taken, mut complaints) = (0, Vec::new());
     for block in blocks {

@@ -1,4 +1,4 @@
-//! Where the parts of a legend stand in a picture.
+//! Layout of a legend in a picture.
 
 use pellucid_engine::camera::Camera;
 use pellucid_engine::color::ticks::Tick;
@@ -58,7 +58,7 @@ impl Layout<'_> {
         (1.35 * em).round()
     }
 
-    /// From the panel's edge to its content, and from the picture's edge to the panel.
+    /// Distance from the panel's edge to its content, and from the picture's edge to the panel.
     pub fn padding(em: f32) -> f32 {
         (0.6 * em).round()
     }
@@ -68,7 +68,7 @@ impl Layout<'_> {
         (1.1 * em).round()
     }
 
-    /// From a color to its words.
+    /// Distance from a color to its words.
     pub fn aside(em: f32) -> f32 {
         (0.6 * em).round()
     }
@@ -78,7 +78,7 @@ impl<'a> Layout<'a> {
     /// The legend for a picture of so many columns and rows; `None` if there is nothing to show.
     ///
     /// # Errors
-    /// It does not fit: a sentence that says why.
+    /// Returns a sentence that says why the legend does not fit.
     pub fn new(legend: &'a Legend, camera: &Camera, size: [u32; 2]) -> Result<Option<Self>, String> {
         let scale_bar = ScaleBar::of(camera, size);
         if legend.is_empty() && scale_bar.is_none() {

@@ -21,7 +21,8 @@ use crate::commands::console::Console;
 use canvas::{Canvas, Ink};
 use layout::{Layout, Row};
 
-/// Linear luminance of a background from which on the panel is light: sRGB 0.5, halfway between black and white to the eye.
+/// Linear luminance of a background from which on the panel is light: sRGB 0.5, halfway between black and white to the
+/// eye.
 const LIGHT: f32 = 0.214;
 
 /// The colors of a panel and of its text.
@@ -45,14 +46,14 @@ const LIGHT_PANEL: Looks = Looks {
 };
 
 impl Looks {
-    /// Those that stand out least from a background, linear RGB.
+    /// Returns the looks that stand out least from a background, linear RGB.
     fn on(background: Vec3) -> Self {
         let luminance = background.dot(Vec3::new(0.2126, 0.7152, 0.0722));
         if luminance > LIGHT { LIGHT_PANEL } else { DARK_PANEL }
     }
 }
 
-/// Before anything is rendered: says if there will be no legend since there is nothing to explain.
+/// Checks the legend before anything is rendered: says if there will be none since there is nothing to explain.
 ///
 /// # Errors
 /// The legend does not fit into the picture.
@@ -79,7 +80,7 @@ pub fn write(
     console: Console,
 ) -> Result<()> {
     let mut raster = output::raster(image, options);
-    // What lies behind a transparent picture is not known.
+    // The background of a transparent picture is not known.
     let looks = if options.transparent { DARK_PANEL } else { Looks::on(options.background) };
     match Layout::new(legend, camera, raster.size) {
         Ok(Some(layout)) => draw(&layout, looks, &mut raster),
@@ -130,7 +131,8 @@ impl Pen<'_> {
         self.canvas.write(&self.layout.letters, at, words, self.looks.text);
     }
 
-    /// A color bar, its high end at the top, with a mark at each number, and the numbers that don't touch the one before.
+    /// A color bar, its high end at the top, with a mark at each number, and the numbers that don't touch the one
+    /// before.
     fn bar(&mut self, values: &Values, ticks: &[Tick], [x, y]: [f32; 2], height: f32) {
         let (em, width) = (self.layout.em, Layout::swatch(self.layout.em));
         let line = Layout::line(em);

@@ -1,4 +1,5 @@
-//! `spbr-simplified` and `spbr` with `brighten`: p is printed, kept in the metadata, and what the picture was multiplied by.
+//! `spbr-simplified` and `spbr` with `brighten`: p is printed, kept in the metadata, and what the picture was
+//! multiplied by.
 
 use serde_json::Value;
 

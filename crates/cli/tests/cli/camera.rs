@@ -1,4 +1,5 @@
-//! Options of the camera: the vertical, the compass, orthographic pictures, the camera that is found; and what is noted of it.
+//! Options of the camera: the vertical, the compass, orthographic pictures, the camera that is found; and what is noted
+//! of it.
 
 use std::fmt::Write as _;
 use std::fs;

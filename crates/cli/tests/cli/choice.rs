@@ -1,4 +1,5 @@
-//! `render --max-error` and `--budget`: errors are what was promised, figures are kept, pictures say how they were chosen.
+//! `render --max-error` and `--budget`: errors are what was promised, figures are kept, pictures say how they were
+//! chosen.
 
 use std::fs;
 
@@ -92,7 +93,7 @@ fn the_error_is_kept_to() {
 }
 
 #[test]
-fn what_was_measured_is_kept_until_it_is_measured_again() {
+fn measurements_are_kept_until_they_are_repeated() {
     if !has_device() {
         return;
     }

@@ -76,7 +76,7 @@ fn beyond_a_limit_and_only_there_it_fails() {
 }
 
 #[test]
-fn what_can_not_be_compared_is_refused() {
+fn incomparable_files_are_refused() {
     let folder = folder();
     write_picture(&folder.path().join("a.png"), 2, 0.0);
     write_picture(&folder.path().join("wide.png"), 3, 0.0);

@@ -8,7 +8,8 @@ use serde_json::Value;
 use super::render::exr;
 use crate::{assert_refused, builtin, done, folder, has_device, inside, run};
 
-/// About 540 points over each pixel of 24 × 24, and fewer than one copy of each in 100 ensembles.
+/// Scene setting that gives about 540 points over each pixel of 24 × 24, and fewer than one copy of each in 100
+/// ensembles.
 const DENSE: &str = "points=200000";
 
 fn mean_alpha(channels: &std::collections::BTreeMap<String, Vec<f32>>) -> f64 {
@@ -39,7 +40,7 @@ fn a_plane_has_its_opacity_and_the_same_bytes_again() {
     assert!((error - 0.05).abs() < 0.02, "{error}");
     // 9.6 MB of points through less memory than that.
     assert!(render("m.exr", &["--memory-budget", "4MiB"]) == render("b.exr", &[]), "within a budget");
-    // Another seed deals otherwise.
+    // Another seed shuffles points into other ensembles.
     assert!(render("c.exr", &["--seed", "1"]) != render("b.exr", &[]));
     // A file in another order does not.
     let cloud =

@@ -14,7 +14,7 @@ use crate::{assert_refused, builtin, done, folder, inside, run};
 const SIZE: [&str; 2] = ["--size", "32x24"];
 
 #[test]
-fn what_does_not_go_with_samples_is_named() {
+fn settings_that_conflict_with_samples_are_named() {
     let folder = folder();
     let garden = builtin(&folder, "garden", &["points=2000"]);
     let splats = write_splats(&folder);
@@ -82,7 +82,7 @@ fn the_size_is_told_before_and_is_not_exceeded() {
         let each = if more.contains(&"half") { 12 } else { 20 };
         assert!(stderr.contains(&format!("(of {each} bytes each) before compression")), "{stderr}");
         let size = fs::metadata(inside(&folder, "a.exr")).unwrap().len();
-        // Beside samples the header and the tables of 24 rows.
+        // In addition to samples the header and the tables of 24 rows.
         assert!(size <= told * each + 24 * (36 + 32 * 4) + 4096, "{size} bytes, {stderr}");
         sizes.push(size);
     }
@@ -110,7 +110,7 @@ fn openexr() -> Option<PathBuf> {
     None
 }
 
-/// What the script says of a deep file and a flat one: its status and its words.
+/// Runs the script on a deep file and a flat one; returns true if it succeeded, and its output.
 fn read(python: &PathBuf, folder: &TempDir, files: [&str; 2], counts: bool) -> (bool, String) {
     let script = root().join("crates/cli/tests/cli/deep/read.py");
     let mut command = Command::new(python);

@@ -65,7 +65,7 @@ fn pictures_do_with_fewer_points_and_say_so() {
 }
 
 #[test]
-fn what_leaves_nothing_out_or_too_much_is_said() {
+fn detail_that_leaves_out_nothing_or_too_much_is_reported() {
     let folder = folder();
     write_cloud(&inside(&folder, "a.ply"));
     let refuse = |options: &[&str], parts: &[&str]| {

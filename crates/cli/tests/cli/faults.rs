@@ -148,7 +148,7 @@ fn command(folder: &Path, args: &[&str]) -> Command {
     command
 }
 
-/// Which device tests are to run on, for commands that take one.
+/// Returns the option for the device that tests are to run on, for commands that take one.
 fn device_args(args: &[&str]) -> Vec<String> {
     let takes = ["render", "profile", "tradeoff", "stress", "check"].iter().any(|name| args.first() == Some(name));
     let device = std::env::var("PELLUCID_TEST_DEVICE").ok().filter(|_| takes);

@@ -1,5 +1,5 @@
-//! `render --html`: the page in a headless browser. It turns by mouse, finger, slider and keys, loads nothing, and complains of
-//! nothing. Without a browser the tests are skipped.
+//! `render --html`: the page in a headless browser. It turns by mouse, finger, slider and keys, loads nothing, and
+//! complains of nothing. Without a browser the tests are skipped.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ const COUNT: usize = 8;
 /// A page of the garden, whose folder lies where any browser sees it.
 struct Page {
     browser: Browser,
-    /// What the canvas shows at each frame, by the slider.
+    /// Canvas contents at each frame, set by the slider.
     pictures: Vec<Value>,
 }
 

@@ -1,4 +1,5 @@
-//! `render -o turn.mp4`, `.webm`, `.gif`, `.apng`: what is in the files, how they go on after an interruption, and what is refused.
+//! `render -o turn.mp4`, `.webm`, `.gif`, `.apng`: what is in the files, how they go on after an interruption, and what
+//! is refused.
 
 use std::collections::HashSet;
 use std::fs;
@@ -32,7 +33,7 @@ pub fn has_ffmpeg() -> bool {
     found
 }
 
-/// What ffprobe says of a film's frames.
+/// Returns the answer of ffprobe about a film's frames.
 fn probe(file: &Path, entries: &str) -> String {
     let probe = Command::new("ffprobe")
         .args([
@@ -138,7 +139,8 @@ fn ffmpeg_films_have_all_frames_and_their_colors() {
     fs::rename(inside(&folder, "turn.mp4"), inside(&folder, "first.mp4")).unwrap();
     done(&folder, &film(&["-o", "turn.mp4", "--fps", "12"]));
     assert!(fs::read(inside(&folder, "turn.mp4")).unwrap() == bytes);
-    // Chroma has half the size, which single pixels of the scene's few points show: its mean error is some steps of 255.
+    // Chroma has half the size, which single pixels of the scene's few points show: its mean error is some steps of
+    // 255.
     let pictures = numbered(&folder);
     for name in ["turn.mp4", "turn.webm"] {
         let frames = decoded(&inside(&folder, name), SIZE);
@@ -238,9 +240,10 @@ fn a_gif_is_near_to_the_pictures_and_its_background_rests() {
     };
     let (frames, delays, repeat) = read("turn.gif");
     assert_eq!((delays.as_slice(), repeat), (&[3, 4, 3, 3, 4, 3][..], gif::Repeat::Infinite));
-    // A step of dithering is 6 of 255 at most, and half of that in the mean; the palette is about as far off where it is not exact.
+    // A step of dithering is 6 of 255 at most, and half of that in the mean; the palette is about as far off where it
+    // is not exact.
     assert_same(&frames, &pictures, 5.0);
-    // What shows the background has exactly its color in each frame.
+    // Pixels of the background have exactly its color in each frame.
     let background = &pictures[0][..3];
     let mut rests = 0;
     for (frame, picture) in frames.iter().zip(&pictures) {
@@ -380,7 +383,7 @@ fn a_kill_at_any_file_leaves_no_half_film_and_no_frame_is_rendered_twice() {
 }
 
 #[test]
-fn what_ffmpeg_lacks_is_said_before_anything_is_read() {
+fn a_missing_ffmpeg_or_encoder_is_reported_before_anything_is_read() {
     let folder = crate::folder();
     // The input is missing too: the encoder is looked for first.
     let args = ["render", "no.ply", "--turntable", "--frames", "4", "-o", "turn.mp4"];
@@ -400,7 +403,7 @@ fn what_ffmpeg_lacks_is_said_before_anything_is_read() {
 }
 
 #[test]
-fn what_does_not_fit_is_refused() {
+fn options_that_do_not_fit_a_film_are_refused() {
     let folder = crate::folder();
     let refused = |args: &[&str], says: &[&str]| assert_refused(&folder, &[&["render"], args].concat(), 2, says);
     for name in ["turn.mp4", "turn.webm", "turn.gif", "turn.apng", "turn.mkv"] {

@@ -73,7 +73,7 @@ fn the_plan_says_which_colors_and_why() {
 }
 
 #[test]
-fn what_options_can_t_mean_is_refused() {
+fn options_without_a_meaning_are_refused() {
     let folder = folder();
     scan(&folder);
     for (options, status, parts) in [

@@ -1,4 +1,4 @@
-//! What packages hold besides the program: completions, manual pages, licenses, one version.
+//! Contents of packages besides the program: completions, manual pages, licenses, one version.
 
 use std::fs;
 use std::process::Command;

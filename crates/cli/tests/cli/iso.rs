@@ -25,8 +25,8 @@ fn a_volume_becomes_a_scene_that_can_be_planned() {
     let load = |name: &str| io::load(&inside(&folder, name), &pellucid_engine::progress::Progress::hidden()).unwrap();
     let [outer, inner] = ["a/surface-1.ply", "a/surface-2.ply"].map(load);
     assert!(outer.len() + inner.len() == 500 && outer.len() > inner.len());
-    // From −1 to 1 over eight cells. Between the numbers the interpolant of each square is too large by up to ¼: the surface lies
-    // where the squared distance is up to ¾ below the value.
+    // From −1 to 1 over eight cells. Between the numbers the interpolant of each square is too large by up to ¼: the
+    // surface lies where the squared distance is up to ¾ below the value.
     for (cloud, value) in [(outer, 10.5), (inner, 4.5)] {
         let squares = cloud.positions.iter().map(|p| 16.0 * p.length_squared());
         assert!(squares.into_iter().all(|square| (value - 0.7501..value + 1e-4).contains(&square)));

@@ -39,7 +39,7 @@ fn a_legend_covers_one_corner_and_nothing_else() {
 }
 
 #[test]
-fn what_has_no_legend_says_so() {
+fn pictures_without_a_legend_say_so() {
     if !has_device() {
         return;
     }

@@ -51,7 +51,8 @@ fn approximations_say_how_their_errors_look() {
     let look = |method: &str, setting: &str| {
         &rows.iter().find(|row| row["method"] == method && row["setting"] == setting).unwrap()["look"]
     };
-    // What is averaged behind the first fragment is the image without order, but for that one; samples are taken anew in each pixel.
+    // Averaging behind the first fragment gives the image without order, but for that one; samples are taken anew in
+    // each pixel.
     assert!(number(look("hybrid", "method.k=1"), "leak") > 0.5, "{}", look("hybrid", "method.k=1"));
     // Few samples show color that is off as a whole, too.
     assert!(number(look("stochastic", "method.samples=64"), "noise") > 0.8, "{rows:?}");

@@ -203,7 +203,7 @@ fn assert_phases(events: &[Value], profile: &Value) {
     let micros = |phases: &[&Value]| phases.iter().map(|phase| end(phase) - begin(phase)).sum::<f64>();
     let (compile, others): (Vec<_>, Vec<_>) = phases.into_iter().partition(|phase| phase["name"] == "compile");
     let sum: f64 = profile["host"].as_array().unwrap().iter().map(|phase| 1e3 * phase["ms"].as_f64().unwrap()).sum();
-    // What made pipelines lies within other phases.
+    // Spans that made pipelines lie within other phases.
     assert!((micros(&others) - sum).abs() < 1.0, "{others:?} for {sum} µs");
     let within = |span: &Value| others.iter().any(|o| begin(o) <= begin(span) && end(span) <= end(o) + 1e-3);
     assert!(!compile.is_empty() && compile.iter().all(|span| within(span)), "{compile:?} in {others:?}");
@@ -381,13 +381,13 @@ fn the_plan_is_what_runs() {
     let sampled = ["--method", "stochastic", "--set", "method.samples=20"];
     let sampled = assert_planned(&folder, &[&[&tori, "--size", "40x30"], &sampled[..]].concat());
     assert!(has(&sampled, "stochastic/gather") && !has(&sampled, "sorted/blend"), "{sampled:?}");
-    // Sums of one run and of more, several windows, large splats that need no lists of tiles, and a deep stack.
+    // Sums of one run and of more, several regions, large splats that need no lists of tiles, and a deep stack.
     for args in [["row.ply", "--size", "7x9"], [&tori, "--memory-budget", "400KiB"], [&stack, "--size", "8x8"]] {
         for opacity in ["0.5", "1"] {
             assert_planned(&folder, &[&args[..], &["--opacity", opacity, "--method", "sorted"]].concat());
         }
     }
-    // Spheres alone, before solid points, without any; one kernel and several, long lists, windows.
+    // Spheres alone, before solid points, without any; one kernel and several, long lists, regions.
     let axis = "cloud.0.field=distance-to-axis";
     for (method, threshold) in
         [("soft-base", "0"), ("soft-base", "0.4"), ("soft-concentric", "0.4"), ("soft-base", "1")]
@@ -412,14 +412,14 @@ fn the_plan_is_what_runs() {
             assert!(has(&planned, &stage) && !has(&planned, "sorted/blend"), "{planned:?}");
         }
     }
-    // Opaque splats in three passes: of one window and of several, large and small.
+    // Opaque splats in three passes: of one region and of several, large and small.
     for method in ["hqs", "splats"] {
         for args in [["row.ply", "--size", "7x9"], [&tori, "--memory-budget", "400KiB"], [&tori, "--size", "40x30"]] {
             let planned = assert_planned(&folder, &[&["-q"], &args[..], &["--method", method]].concat());
             assert!(has(&planned, "splats/normalize") && !has(&planned, "opaque/nearest"), "{planned:?}");
         }
     }
-    // Soft discs before solid points: with many of either, with few, and in several windows.
+    // Soft discs before solid points: with many of either, with few, and in several regions.
     for args in [["--size", "40x30"], ["--memory-budget", "800KiB"]] {
         for (threshold, seen) in [("0", true), ("0.5", true), ("1", false)] {
             let threshold = format!("method.threshold={threshold}");
@@ -477,7 +477,7 @@ fn sorted_splats_are_profiled_for_the_output_they_are_for() {
     for format in ["png", "exr"] {
         let args = ["profile", &stack, "--json", "--frames", "2", "--for", format];
         let profile = parsed(&done(&folder, &[&args[..], &sorted].concat()));
-        // The lists are counted once, beside the frames that are measured.
+        // The lists are counted once, in addition to the frames that are measured.
         assert_profile(&profile, 2, 1200);
         assert_eq!(profile["scene"]["max_list"], 300);
         let passes = profile["frames"][0]["passes"].as_array().unwrap();

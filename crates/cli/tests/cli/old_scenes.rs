@@ -8,8 +8,8 @@ use crate::{builtin, done, folder, has_device, inside};
 const NAMED: [&str; 4] =
     ["shading.model=\"none\"", "cloud.*.color_by=\"rgb\"", "cloud.*.radius_cap=0", "cloud.*.outliers=\"keep\""];
 
-/// A scene, its parameter, a method, and the hash of its pixels in commit f3c18b4, before any of these keys existed but the first;
-/// those of random methods from when random words began to follow from the places of points.
+/// A scene, its parameter, a method, and the hash of its pixels in commit f3c18b4, before any of these keys existed but
+/// the first; those of random methods from when random words began to follow from the places of points.
 const PICTURES: [(&str, &str, &str, &str); 10] = [
     ("garden", "points=20000", "abuffer", "adc3965191b06eae"),
     ("garden", "points=20000", "sorted", "d2faeb0d5f061309"),

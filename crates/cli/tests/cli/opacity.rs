@@ -72,7 +72,7 @@ fn empty_and_opaque_pictures_are_told() {
 }
 
 #[test]
-fn what_has_no_opacity_is_refused() {
+fn see_through_is_refused_for_methods_without_opacity() {
     let folder = folder();
     let scene = builtin(&folder, "tori", &["points=300"]);
     for method in ["circles", "points", "soft-base"] {

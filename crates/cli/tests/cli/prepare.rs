@@ -341,7 +341,7 @@ fn comments_that_lie_and_changed_points_are_noticed() {
 }
 
 #[test]
-fn what_can_not_be_prepared_is_one_error() {
+fn inputs_that_can_not_be_prepared_give_one_error() {
     let folder = folder();
     write_source(&folder, "a.ply", "uchar");
     fs::write(inside(&folder, "s.toml"), "[[cloud]]\npath = \"a.ply\"\n").unwrap();

@@ -54,7 +54,7 @@ fn scans_become_stores() {
 }
 
 #[test]
-fn what_can_not_be_a_store_is_said() {
+fn inputs_and_options_that_make_no_store_are_refused() {
     let folder = scan();
     write_cloud(&inside(&folder, "b.ply"));
     fs::create_dir(inside(&folder, "full")).unwrap();
@@ -145,7 +145,7 @@ fn a_run_that_ends_anywhere_goes_on() {
 }
 
 #[test]
-fn what_is_left_of_other_arguments_or_inputs_is_not_used() {
+fn leftovers_of_other_arguments_or_inputs_are_not_used() {
     let folder = scan();
     let other = root().join("tests/data/formats/las_extrabytes.las");
     let kill = |output: &str| {

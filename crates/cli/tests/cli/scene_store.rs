@@ -55,7 +55,7 @@ fn landscapes_become_stores_if_that_is_asked_for() {
 }
 
 #[test]
-fn what_has_no_store_is_said() {
+fn scenes_and_options_without_a_store_are_refused() {
     let folder = folder();
     fs::create_dir_all(inside(&folder, "full/terrain")).unwrap();
     fs::write(inside(&folder, "full/terrain/mine"), "").unwrap();

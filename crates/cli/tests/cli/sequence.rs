@@ -40,8 +40,8 @@ fn cameras(folder: &TempDir, profile: &str) -> Vec<Value> {
     json(folder, profile)["frames"].as_array().unwrap().iter().map(|frame| frame["camera"].clone()).collect()
 }
 
-/// The largest difference of two numbers at the same place of two JSON values, relative where they are above 1; infinite
-/// where the values have other places.
+/// The largest difference of two numbers at the same place of two JSON values, relative where they are above 1;
+/// infinite where the values have other places.
 fn apart(a: &Value, b: &Value) -> f64 {
     let both: Vec<(&Value, &Value)> = match (a, b) {
         (Value::Number(a), Value::Number(b)) => {
@@ -71,7 +71,7 @@ pub fn said(folder: &TempDir, args: &[&str]) -> String {
     stderr
 }
 
-/// How many frames a run with -v wrote.
+/// Returns the number of frames that a run with -v wrote.
 pub fn written(said: &str) -> usize {
     said.lines().filter(|line| line.ends_with(": written")).count()
 }
@@ -135,15 +135,15 @@ fn a_turntable_goes_around() {
         done(&folder, &small(&[&["--turntable", "--frames", "4"], &view[..], &profile].concat()));
         cameras(&folder, "turn.json")
     };
-    // An eye of the scene from which corners would be lost goes back, which is no warning but told.
+    // An eye of the scene from which corners would be lost goes back, which is no warning but a note.
     let told = said(&folder, &small(&["--turntable", "--frames", "1", "-o", "own_%d.png", "-v"]));
     assert!(told.contains("since from [12.5, -20.0, 13.5] it would lose points"), "{told}");
     fs::remove_file(inside(&folder, "own_0.png")).unwrap();
     let (from_10, from_100) = (turn("10", "a_%d.png"), turn("100", "b_%d.png"));
     let read = |name: String| pellucid_engine::output::read_image(&inside(&folder, &name)).unwrap();
     for i in 0..4 {
-        // A quarter is 90° of azimuth: the same cameras apart from rounding. Their pictures are not compared, since a rounding
-        // may move a disc's edge over a pixel.
+        // A quarter is 90° of azimuth: the same cameras apart from rounding. Their pictures are not compared, since a
+        // rounding may move a disc's edge over a pixel.
         let next = (i + 1) % 4;
         let (same, other) = (apart(&from_10[next], &from_100[i]), apart(&from_10[i], &from_100[i]));
         assert!(same < 1e-12 && other > 0.1, "frame {i}: {same} apart, the next frame {other}");

@@ -1,4 +1,5 @@
-//! Shadows from the command line: stored with a cloud by `prepare`, the same picture as cast anew, and what is said of them.
+//! Shadows from the command line: stored with a cloud by `prepare`, the same picture as cast anew, and what is said of
+//! them.
 
 use std::fs;
 use std::path::Path;

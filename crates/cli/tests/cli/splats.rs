@@ -98,7 +98,7 @@ fn image_of(path: &std::path::Path) -> Vec<u8> {
 }
 
 #[test]
-fn what_splats_are_not_made_into() {
+fn splats_are_refused_in_mixed_stores_and_with_shadows() {
     let folder = folder();
     let soup = splats("soup.sog");
     std::fs::write(inside(&folder, "points.xyz"), "0 0 0\n1 2 3\n").unwrap();

@@ -53,7 +53,7 @@ fn assert_cell(cell: &Value) {
     assert!((number(cell, "mfragments_per_s") / rate - 1.0).abs() < 1e-12);
     // A fragment takes 8 bytes, the image 20 for each pixel.
     assert!(number(cell, "bytes_per_fragment") > 8.0, "{cell}");
-    // Peeling has windows, but no bands.
+    // Peeling has regions, but no batches of fragments.
     assert_eq!(number(cell, "bands") >= 1.0, cell["method"] != "peel", "{cell}");
     assert!(cell["passes"].as_array().unwrap().iter().any(|pass| pass["name"] == "project/splats"), "{cell}");
     // Of each layer the product with T, the sum and T itself are rounded; all of them are at most 1.

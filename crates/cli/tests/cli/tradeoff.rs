@@ -310,7 +310,8 @@ fn opaque_points_against_the_surfaces_they_stand_for() {
     let [holes, rmse] = [|row: &Value| number(row, "holes"), |row: &Value| number(&row["errors"], "rmse")];
     for method in ["squares", "circles", "paraboloid", "cone", "hqs", "splats"] {
         let [none, one] = [0.0, 1.0].map(|size| row(method, size, 16));
-        // 750 points don't cover some thousand pixels; with radii of their own they do, except for the pixels that chance leaves open.
+        // 750 points don't cover some thousand pixels; with radii of their own they do, except for the pixels that
+        // chance leaves open.
         assert!(holes(none) > 0.3 && holes(one) < 0.03, "{method}: {none} {one}");
         assert!(rmse(one) < rmse(none), "{method}: {none} {one}");
         assert!(holes(row(method, 1.0, 1)) < 0.001, "{method}");

@@ -13,7 +13,7 @@ use pellucid_engine::scene::METHODS;
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// One thread for each rank: they compete for the cores.
+/// Environment of the ranks: a thread for each of them, as they compete for the cores.
 const ENVIRONMENT: [(&str, &str); 5] = [
     ("OMPI_ALLOW_RUN_AS_ROOT", "1"),
     ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"),
@@ -40,7 +40,7 @@ fn ranks(folder: &TempDir, count: usize, args: &[&str]) -> Command {
     command
 }
 
-/// The same by the program of one machine.
+/// Runs the program of one machine.
 fn alone(folder: &TempDir, args: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_pellucid"));
     with_environment(&mut command, folder);
@@ -178,7 +178,7 @@ fn frames_by_all_ranks_are_those_of_one() {
 }
 
 #[test]
-fn what_cannot_be_shared_is_refused() {
+fn ways_that_share_nothing_are_refused() {
     let folder = folder();
     for (args, wanted) in [
         (&["render", "--method", "abuffer", "--share", "ensembles", "-o", "x.png"][..], "draws no ensembles"),
@@ -237,7 +237,7 @@ fn a_profile_has_what_each_rank_did() {
     assert_eq!(rows.count(), 3, "a row for each rank");
 }
 
-/// Pixels of a window.
+/// Pixels of a region.
 fn area(window: &Value) -> u64 {
     let [x0, y0, x1, y1] = [0, 1, 2, 3].map(|at| window[at].as_u64().unwrap());
     (x1 - x0) * (y1 - y0)
@@ -319,7 +319,7 @@ fn ranks_that_see_other_files_are_noticed() {
 }
 
 #[test]
-fn what_goes_wrong_while_rendering_is_said_once() {
+fn errors_of_rendering_are_reported_once() {
     let folder = folder();
     let args = ["render", "--size", "640x480", "--method", "abuffer", "--memory-budget", "1KiB", "-o", "x.png"];
     let output = ranks(&folder, 3, &args).output().expect("mpirun");
@@ -335,7 +335,7 @@ fn errors(output: &Output) -> Vec<String> {
     said.lines().filter(|line| line.starts_with("error:")).map(str::to_owned).collect()
 }
 
-/// What a rank says with `-v`, in this order.
+/// Messages of a rank with `-v`, in this order.
 const MOMENTS: [&str; 5] = ["joined", "reading", "uploading", "rendering", "bringing parts together"];
 
 #[test]

@@ -39,7 +39,7 @@ fn differing(folder: &TempDir, input: &str, more: &[&str], counts: &[usize]) -> 
     differing_in(folder, input, more, counts, &["--spread"])
 }
 
-/// The same with options for ranks.
+/// Renders like [`differing`], with options for ranks.
 fn differing_in(folder: &TempDir, input: &str, more: &[&str], counts: &[usize], of_ranks: &[&str]) -> Vec<usize> {
     assert_done(&alone(folder, &refs(&render(input, "one.exr", more))), &format!("{more:?}"));
     let one = read(folder, "one.exr");
@@ -54,7 +54,7 @@ fn differing_in(folder: &TempDir, input: &str, more: &[&str], counts: &[usize], 
     counts.iter().copied().filter(differs).collect()
 }
 
-/// Methods that don't deal points to ensembles.
+/// Methods that don't assign points to ensembles.
 fn methods() -> impl Iterator<Item = &'static str> {
     METHODS.iter().copied().filter(|method| !method.starts_with("spbr"))
 }
@@ -78,7 +78,7 @@ fn stores_are_read_by_one_rank_block_by_block() {
     let store = store(&folder);
     let unlit = ["--set", "shading.model=none"];
     let differ: Vec<_> = methods()
-        // What `auto` is among points that stay in their files, it is not where all are in memory.
+        // `auto` chooses another method for points that stay in their files than for points in memory.
         .filter(|method| *method != "auto")
         .map(|method| {
             (method, differing(&folder, store, &[&["--method", method, "--opacity", "0.3"], &unlit[..]].concat(), &[3]))
@@ -216,7 +216,7 @@ fn a_profile_tells_what_ranks_sent() {
 }
 
 #[test]
-fn what_needs_all_points_is_refused() {
+fn settings_that_need_all_points_are_refused() {
     let folder = folder();
     let cloud = cloud(&folder);
     for (more, wanted) in [

@@ -1,5 +1,5 @@
-//! The window of `pellucid view` on a display without a screen, with a real pointer and real keys. Without Xvfb and xdotool these
-//! tests are skipped with a note, or fail if `PELLUCID_REQUIRE_GPU` is 1.
+//! The window of `pellucid view` on a display without a screen, with a real pointer and real keys. Without Xvfb and
+//! xdotool these tests are skipped with a note, or fail if `PELLUCID_REQUIRE_GPU` is 1.
 
 pub mod display;
 pub mod garden;
@@ -44,9 +44,10 @@ fn without_a_display_the_error_names_render() {
     }
 }
 
-/// A slider of a tree's leaves, then the pointer on the picture, then the window: what is seen, saved and rendered is the same.
+/// A slider of a tree's leaves, then the pointer on the picture, then the window: what is seen, saved and rendered is
+/// the same.
 #[test]
-fn what_is_seen_is_what_render_makes() {
+fn the_window_shows_the_picture_that_render_makes() {
     with_display(|display| {
         let folder = garden();
         let folder = folder.path();

@@ -1,5 +1,5 @@
-//! Key frames that are made in the window of `pellucid view`, on a display without a screen: what is saved there is what `render
-//! --path` makes frames of.
+//! Key frames that are made in the window of `pellucid view`, on a display without a screen: what is saved there is
+//! what `render --path` makes frames of.
 
 use std::path::Path;
 use std::time::Duration;
@@ -50,8 +50,8 @@ fn pixels(bytes: &[u8]) -> Vec<[u32; 3]> {
     read_image(&file).unwrap().pixels.iter().map(|pixel| pixel.map(f32::to_bits)).collect()
 }
 
-/// Three places to which drags lead are keys; the film of the file that is saved begins and ends with the pictures that were
-/// saved there, and has the one between them in its middle.
+/// Three places to which drags lead are keys; the film of the file that is saved begins and ends with the pictures that
+/// were saved there, and has the one between them in its middle.
 #[test]
 fn a_path_from_the_window_is_the_path_of_render() {
     with_display(record);

@@ -1,4 +1,5 @@
-//! The experiments of the paper on soft transparency (Seemann et al. 2018, Section 5), and what a frame after a change costs.
+//! The experiments of the paper on soft transparency (Seemann et al. 2018, Section 5), and what a frame after a change
+//! costs.
 //!
 //! ```sh
 //! cargo bench --bench soft                                        # the built-in scenes, into target/soft
@@ -8,16 +9,16 @@
 //!
 //! It writes Markdown or SVG for people and CSV for programs:
 //!
-//! - `table` (Table 1): time of a frame of `splats` of all points (SP), of `one-layer` (OLT) and of `soft-express` (ST), beside
-//!   the paper's.
+//! - `table` (Table 1): time of a frame of `splats` of all points (SP), of `one-layer` (OLT) and of `soft-express`
+//!   (ST), beside the paper's.
 //! - `path-time` and `path-fragments` (Fig. 8): a path around and into the first scene, by SP and the three models.
-//! - `second` : frames of the first scene with another threshold, softness, modulation, radius or view, after the cloud was
-//!   uploaded once, and the bytes that each of them uploads.
+//! - `second` : frames of the first scene with another threshold, softness, modulation, radius or view, after the cloud
+//!   was uploaded once, and the bytes that each of them uploads.
 //!
-//! How to read it. Every time is the device time of a frame (`second`: the time on the host's clock, so that nothing hides);
-//! medians of frames that take turns, so that a machine that slows down slows all. Compare ratios, not times, and run it on a
-//! machine that does nothing else. A scene file's soft method keeps its settings; where none is given, the median of the field
-//! is the threshold, so that half of the points are soft.
+//! How to read it. Every time is the device time of a frame (`second`: the time on the host's clock, so that nothing
+//! hides); medians of frames that take turns, so that a machine that slows down slows all. Compare ratios, not times,
+//! and run it on a machine that does nothing else. A scene file's soft method keeps its settings; where none is given,
+//! the median of the field is the threshold, so that half of the points are soft.
 
 mod path;
 mod scenes;

@@ -15,7 +15,8 @@ use pellucid_lab::report::plot::{Axis, Figure, Panel, Point, Series, Steps};
 use super::scenes::Subject;
 use super::{Contender, gpu_ms};
 
-/// Eye to center, over the diagonal of the scene's box, at the path's ends and in its middle: into the scene and out again.
+/// Eye to center, over the diagonal of the scene's box, at the path's ends and in its middle: into the scene and out
+/// again.
 const FAR: f64 = 0.9;
 const CLOSE: f64 = 0.15;
 /// Height of the eye above the center over its distance.
@@ -62,7 +63,7 @@ pub fn measure(device: &Device, subject: &Subject, count: usize, folder: &Path) 
     super::write(folder, "path-fragments.svg", &svg(&fragments)?)
 }
 
-/// Once around the center of the scene's box, closest halfway.
+/// Returns a camera on a turn around the center of the scene's box, closest halfway.
 fn camera(subject: &Subject, step: usize, count: usize) -> Camera {
     let bounds = subject.points.bounds().expect("assembled scenes have points");
     let (given, share) = (subject.frame.camera, step as f64 / count as f64);

@@ -25,7 +25,7 @@ const SIZE: (&str, &str) = ("image.size", "[640, 480]");
 pub struct Subject {
     pub name: String,
     pub points: Points,
-    /// Of method `soft-express`.
+    /// Frame of method `soft-express`.
     pub frame: Frame,
     pub soft: Soft,
 }
@@ -92,7 +92,7 @@ fn from_path(path: &Path) -> Result<Subject> {
     Subject::new(name, &scene, clouds)
 }
 
-/// Of a soft method, so that fields are found.
+/// Overrides that choose a soft method, so that fields are found.
 fn overrides(keys: &[(&str, &str)]) -> Result<Overrides> {
     let mut overrides = Overrides::default();
     overrides.set("bench", "method.name", "soft-express")?;

@@ -89,7 +89,7 @@ struct Timed {
     bytes: u64,
 }
 
-/// From the call to the picture, with all that the host does for it.
+/// Measures the time from the call to the picture, with all that the host does for it.
 fn timed(device: &Device, contender: &mut Contender, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Timed> {
     let (before, start) = (device.uploaded_bytes(), Instant::now());
     let rendered = contender.render(cloud, frame)?;

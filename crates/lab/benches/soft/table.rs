@@ -35,7 +35,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// How many times the time of SP.
+    /// Times of OLT and ST over the time of SP.
     fn ratios(&self) -> [f64; 2] {
         [self.ms[1] / self.ms[0], self.ms[2] / self.ms[0]]
     }

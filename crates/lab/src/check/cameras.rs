@@ -18,7 +18,8 @@ type CaseResult = Result<Finding, Trouble>;
 pub(super) fn cases() -> Vec<Case> {
     let discs = Discs::default();
     let oriented = [Method::ABuffer(Discs { shape: DiscShape::Oriented, ..discs })];
-    // The others go the way of one of these: averages that of `stochastic`, squares and cones that of circles and paraboloids.
+    // The others go the way of one of these: averages that of `stochastic`, squares and cones that of circles and
+    // paraboloids.
     let like = |method: &Method| {
         let averages = Family::Discs == method.family() && !method.is_exact(false) && !method.is_sampled();
         averages || matches!(method, Method::Squares(_) | Method::Cone(_))

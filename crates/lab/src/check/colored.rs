@@ -1,4 +1,5 @@
-//! Colors that stand for values, and opacities of classes: constant values, values that are not finite, far coordinates.
+//! Colors that stand for values, and opacities of classes: constant values, values that are not finite, far
+//! coordinates.
 
 use glam::{DVec3, Vec3};
 use pellucid_engine::progress::Progress;
@@ -17,13 +18,14 @@ type CaseResult = Result<Finding, Trouble>;
 /// The first and the last entry of viridis, in sRGB.
 const FIRST: [f64; 3] = [0.267_004, 0.004_874, 0.329_415];
 const LAST: [f64; 3] = [0.993_248, 0.906_157, 0.143_936];
-/// Between the entries 63 and 64, 127 and 128, 191 and 192 of that table, of 0 to 255.
+/// Colors of viridis between the entries 63 and 64, 127 and 128, 191 and 192 of 0 to 255.
 const QUARTERS: [[f64; 3]; 3] =
     [[0.23022275, 0.32129725, 0.545488], [0.1281485, 0.565107, 0.5508925], [0.36285925, 0.786695, 0.386589]];
 /// Color of class 2.
 const GROUND: [f64; 3] = [0.63, 0.47, 0.3];
 
-/// A decoded color is rounded to float32, and t to some units of float64, of which the decoding makes at most three times as much.
+/// A decoded color is rounded to float32, and t to some units of float64, of which the decoding makes at most three
+/// times as much.
 const BOUND: f64 = HALF_ULP + 1e-14;
 
 pub(super) fn cases() -> Vec<Case> {

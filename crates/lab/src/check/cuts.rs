@@ -1,4 +1,5 @@
-//! Memory: images that are cut into windows and bands by a budget, and fragments beyond what one binding can hold.
+//! Memory: images that a budget cuts into regions and batches of fragments, and fragments beyond what one binding can
+//! hold.
 
 use glam::{DVec3, Vec3};
 
@@ -17,7 +18,7 @@ type CaseResult = Result<Finding, Trouble>;
 pub(super) fn cases() -> Vec<Case> {
     let oriented = Discs { shape: DiscShape::Oriented, ..Discs::default() };
     let soft = Soft { density: Density::Softness(0.05), shells: Shells::Fixed(2), ..Soft::default() };
-    // The runs of `sorted` follow its windows, and opaque splats that are not blended have nothing to cut.
+    // The runs of `sorted` follow its regions, and opaque splats that are not blended have nothing to cut.
     let blended = |method: &Method| method.key("blend_depth").is_some();
     let discs = with_samples(8, except(|method| matches!(method, Method::Sorted(_)), of_families(&[Family::Discs])));
     let discs = discs.into_iter().map(|method| if method.is_exact(true) { tilted(method) } else { method });

@@ -65,8 +65,8 @@ fn lengths() -> Vec<Case> {
     [1, 32, 33, 255, 256, 257, 512, 513, 1025].map(case).into()
 }
 
-/// Roundings that a pixel of n layers meets on its way at most: the layers of a run are composed one by one, and then the runs;
-/// each takes two products and two sums. A list's runs have up to 256 layers, a tile's up to 2048.
+/// Roundings that a pixel of n layers meets on its way at most: the layers of a run are composed one by one, and then
+/// the runs; each takes two products and two sums. A list's runs have up to 256 layers, a tile's up to 2048.
 pub(super) fn roundings(method: &Method, n: usize) -> f64 {
     let lists = matches!(method, Method::ABuffer(_) | Method::LinkedList(_));
     let run = n.min(if lists { 256 } else { 2048 });
@@ -207,7 +207,8 @@ fn no_radius(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     let image = stage.image(&dots, pixels([4, 1]), [4, 1], method)?;
     let wanted = [(-2f64).exp(); 4];
     let error = image.rgba.iter().map(|pixel| apart(pixel, &wanted)).fold(0.0, f64::max);
-    // ρ counts as 1, products with 1 are exact, and the shaders' own exponential is within one unit (shared/elementary.wgsl).
+    // ρ counts as 1, products with 1 are exact, and the shaders' own exponential is within one unit
+    // (shared/elementary.wgsl).
     let naive = (0..).zip(&radii).map(|(x, radius)| gaussian(beside(x).x as f32, *radius));
     let naive = apart(&naive.collect::<Vec<f32>>(), &wanted);
     Ok(Finding { error, bound: 2.0 * HALF_ULP * wanted[0], naive: Computed(naive) })

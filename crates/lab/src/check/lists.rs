@@ -7,13 +7,13 @@ pub(super) fn of_families(families: &[Family]) -> Vec<Method> {
     families.iter().flat_map(|family| family.methods()).collect()
 }
 
-/// The same without those that go the way of another one of them.
+/// Removes the methods that work like another one of them.
 pub(super) fn except(like: fn(&Method) -> bool, mut methods: Vec<Method>) -> Vec<Method> {
     methods.retain(|method| !like(method));
     methods
 }
 
-/// The same with this many samples per pixel, where methods take samples.
+/// Sets the number of samples per pixel, where methods take samples.
 pub(super) fn with_samples(samples: u32, methods: Vec<Method>) -> Vec<Method> {
     let with = |method: Method| method.with("samples", Setting::Integer(samples)).unwrap_or(method);
     methods.into_iter().map(with).collect()
@@ -24,7 +24,7 @@ pub(super) fn with_peel() -> Vec<Method> {
     Family::Discs.methods().filter(|method| method.is_exact(false)).collect()
 }
 
-/// Those that keep every fragment, and don't process all points once for each layer.
+/// Returns the exact methods that keep every fragment, and don't process all points once for each layer.
 pub(super) fn exact() -> Vec<Method> {
     with_peel().into_iter().filter(|method| method.key("layers").is_none()).collect()
 }

@@ -1,4 +1,5 @@
-//! Multi-layer alpha blending: exact for as many layers as it keeps and one more, and for any number that comes in order.
+//! Multi-layer alpha blending: exact for as many layers as it keeps and one more, and for any number that comes in
+//! order.
 
 use glam::Vec3;
 
@@ -43,14 +44,15 @@ pub(super) fn cases() -> Vec<Case> {
     .collect()
 }
 
-/// A run merges each layer into the last node, a change of a compensated sum: 2 units of it for any number (Kahan 1965), of color and of
-/// what passes. Nodes before it have four roundings each.
+/// A run merges each layer into the last node, a change of a compensated sum: 2 units of it for any number (Kahan
+/// 1965), of color and of what passes. Nodes before it have four roundings each.
 fn bound(wanted: &[f64; 4]) -> f64 {
     let most = wanted.iter().copied().fold(0.0, f64::max);
     (8.0 + 4.0 * f64::from(NODES)) * HALF_ULP * most + MERGED
 }
 
-/// A layer that is merged has an error of a few roundings relative to itself, and all of them together have an opacity of 1 at most.
+/// A layer that is merged has an error of a few roundings relative to itself, and all of them together have an opacity
+/// of 1 at most.
 const MERGED: f64 = 8.0 * HALF_ULP;
 
 fn faint() -> Vec<Dot> {
@@ -63,13 +65,13 @@ fn as_composed(stage: &mut Stage, method: Method, dots: &[Dot], wanted: [f64; 4]
     Ok(Finding { error: apart(&found, &wanted), bound: bound(&wanted), naive: Computed(naive) })
 }
 
-/// What comes is behind all that is there, so that the last node is a part of the exact pixel from behind.
+/// Checks fragments that arrive front to back, so that the last node is exact.
 fn from_near(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = faint();
     as_composed(stage, method, &dots, composed(&dots))
 }
 
-/// What comes is before all that is there, and the farthest nodes are merged in their order.
+/// Checks fragments that arrive back to front: the farthest nodes are merged in their order.
 fn from_far(stage: &mut Stage, method: Method) -> CaseResult {
     let mut dots = faint();
     let wanted = composed(&dots);

@@ -1,7 +1,7 @@
 //! `check`: numerically hard cases on a device, each with a known answer and a bound that is derived beside it.
 //!
-//! One list serves the command and the tests. A case knows how far a naive formula would be off, too: it must be beyond the
-//! bound, or the case would notice nothing.
+//! One list serves the command and the tests. A case knows how far a naive formula would be off, too: it must be beyond
+//! the bound, or the case would notice nothing.
 
 mod approximate;
 mod cameras;
@@ -89,7 +89,7 @@ fn one(name: &str, about: &'static str, run: impl Fn(&mut Stage) -> Result<Findi
     Case { name: name.to_owned(), about, run: Box::new(run) }
 }
 
-/// The same case for each of some methods.
+/// Makes a case for each of some methods.
 fn each<M: Copy + Into<Method> + 'static>(
     methods: &[M],
     name: &str,

@@ -106,7 +106,7 @@ fn scaled(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     Ok(Finding { error, bound: 0.0, naive: Computed(lost as f64) })
 }
 
-/// With another d̃, for methods that have one.
+/// Returns the method with another d̃, if it has one.
 fn with_distance(method: Method, distance: f32) -> Method {
     let apart = |filters| ImageSpace { min_layer_distance: Some(distance), ..filters };
     match method {

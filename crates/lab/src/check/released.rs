@@ -1,5 +1,5 @@
-//! Errors that the last release measured, beside the bounds: a bound that holds for every device is often a thousand times
-//! what a good one is off, and would not see it get a hundred times worse.
+//! Errors that the last release measured, in addition to the bounds: a bound that holds for every device is often a
+//! thousand times what a good one is off, and would not see it get a hundred times worse.
 
 use std::fmt;
 
@@ -22,7 +22,8 @@ fn lines() -> impl Iterator<Item = (&'static str, f64)> {
     })
 }
 
-/// The error of a case, in its own unit, that the last release measured on llvmpipe; `None` for one that it didn't have.
+/// The error of a case, in its own unit, that the last release measured on llvmpipe; `None` for one that it didn't
+/// have.
 pub fn released(name: &str) -> Option<f64> {
     lines().find(|(known, _)| *known == name).map(|(_, error)| error)
 }

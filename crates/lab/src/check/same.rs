@@ -9,7 +9,8 @@ use pellucid_engine::image::Image;
 pub struct Difference {
     /// Column and row; `None` if the images are not of one size, or one lacks what the other has.
     pub pixel: Option<[u32; 2]>,
-    /// `R`, `G`, `B`, `A`, `Z`, `depth.median`, `depth.mean`, `fragments`, `layers`, `stderr.R` and so on, as in an EXR.
+    /// `R`, `G`, `B`, `A`, `Z`, `depth.median`, `depth.mean`, `fragments`, `layers`, `stderr.R` and so on, as in an
+    /// EXR.
     pub channel: &'static str,
     /// The bits in the two.
     pub bits: [u32; 2],
@@ -52,7 +53,8 @@ fn channels(image: &Image) -> Vec<(&'static str, Vec<u32>)> {
     all
 }
 
-/// Compares all that two images hold bit by bit: color, depths, list lengths, layers, standard errors. `None`: they are the same.
+/// Compares all that two images hold bit by bit: color, depths, list lengths, layers, standard errors. `None`: they are
+/// the same.
 pub fn difference(a: &Image, b: &Image) -> Option<Difference> {
     let (first, second) = (channels(a), channels(b));
     let pairs = || first.iter().zip(&second);

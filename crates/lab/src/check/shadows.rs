@@ -1,4 +1,5 @@
-//! Shadow textures: the share of light that reaches each point, for lights at all angles, among the points, and of an area.
+//! Shadow textures: the share of light that reaches each point, for lights at all angles, among the points, and of an
+//! area.
 
 use std::collections::HashSet;
 use std::f64::consts::PI;

@@ -61,7 +61,7 @@ pub(super) fn cases() -> Vec<Case> {
     .collect()
 }
 
-/// One point for each 64 pixels of a line of 16384, slightly before a border of pixels.
+/// Checks a point for each 64 pixels of a line of 16384, slightly before a border of pixels.
 fn line(stage: &mut Stage, method: Method, size: [u32; 2], place: fn(f64) -> DVec3) -> CaseResult {
     let along = |i: u32| f64::from(64 * i + 63) - 2f64.powi(-14);
     let dot = |i: u32| Dot { position: place(along(i)) - DVec3::Z * 8.0, ..Dot::default() };

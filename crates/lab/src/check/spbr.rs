@@ -72,7 +72,7 @@ fn plane(seed: u64, density: f64, degrees: f64, depth: f64, opacity: f32) -> (Po
     (points, count as f64 / area)
 }
 
-/// Planes of known densities, as if they were dealt: their points are in random order already.
+/// Planes of known densities, as if they were shuffled: their points are in random order already.
 fn dealt(planes: Vec<(Points, f64)>) -> Dealt {
     let (mut points, mut surfaces) = (Points::default(), Vec::new());
     for (plane, density) in planes {
@@ -102,7 +102,7 @@ fn variance(values: &[f64]) -> f64 {
     values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (values.len() as f64 - 1.0)
 }
 
-/// The variance of A of a pixel whose points are dealt k times to [`ENSEMBLES`] images.
+/// The variance of A of a pixel whose points are assigned k times to [`ENSEMBLES`] images.
 ///
 /// An image leaves a pixel free with probability 1 − α, so that its A is one of two values, with variance α (1 − α).
 /// For k ≤ 1 no two images share a point, and their mean is binomial. A point that is in k of L images is in neither of
@@ -121,7 +121,7 @@ fn known_variance(alpha: f64, k: f64) -> f64 {
     (alpha * (1.0 - alpha) + (count - 1.0) * covariance) / count
 }
 
-/// The mean of A against what it should be, for points that are dealt k times; `naive` is what it would be instead.
+/// The mean of A against what it should be, for points that are assigned k times; `naive` is what it would be instead.
 fn mean_alpha(found: &[f64], wanted: f64, k: f64, naive: f64) -> Finding {
     let bound = ERRORS * (known_variance(wanted, k) / PIXELS).sqrt();
     Finding { error: (mean(found) - wanted).abs(), bound, naive: Computed((naive - wanted).abs()) }
@@ -136,7 +136,7 @@ fn white_plane(stage: &mut Stage, k: f64) -> CaseResult {
     let list = dealt(vec![plane(10 + k as u64, density(0.5, k), 0.0, 10.0, 0.5)]);
     let found = alphas(stage, &list, Method::Spbr(Spbr { ensembles: ENSEMBLES, ..Spbr::default() }))?;
     let naive = if k > 1.0 {
-        // Copies dealt to any ensemble, perhaps twice to one: T becomes T^(1 - (k - 1) / 2L).
+        // Copies assigned to any ensemble, perhaps twice to one: T becomes T^(1 - (k - 1) / 2L).
         1.0 - 0.5f64.powf(1.0 - (k - 1.0) / (2.0 * f64::from(ENSEMBLES)))
     } else {
         // Eq. 1 over segments of 7 pixels: n = ln(1 - α) / ln(1 - 1/7), over 7 pixels.
@@ -175,7 +175,7 @@ fn independent(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding { error: (found / wanted - 1.0).abs(), bound, naive: Computed((naive / wanted - 1.0).abs()) })
 }
 
-/// One point in the middle of each pixel.
+/// Returns a point in the middle of each pixel.
 fn grid(opacity: f32) -> Dealt {
     let points = Points {
         positions: (0..4096).map(|i| at(i % 64, i / 64, 10.0)).collect(),

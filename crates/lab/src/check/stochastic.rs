@@ -84,7 +84,7 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 const LAYERS: [(Vec3, f32); 5] =
     [(Vec3::X, 0.3), (Vec3::Y, 0.45), (Vec3::Z, 0.2), (Vec3::X, 0.7), (Vec3::new(0.0, 1.0, 1.0), 0.6)];
 
-/// One pixel of layers on the host, with another rule for the random words of a layer and a stratum.
+/// Computes a pixel of layers on the host, with another rule for the random words of a layer and a stratum.
 fn on_host(layers: &[(Vec3, f32)], samples: u32, words: impl Fn(u32, u32) -> u32) -> [f32; 4] {
     let fragment = |i: usize| Fragment { z: 1.0 + i as f64, index: i as u32, alpha: layers[i].1.into() };
     let list: Vec<Fragment> = (0..layers.len()).map(fragment).collect();
@@ -121,8 +121,8 @@ fn exact_alpha(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding { error, bound: 20.0 * HALF_ULP, naive: Computed(apart(&[sampled], &[wanted])) })
 }
 
-/// Each mask that a fragment of opacity α may have for four samples, and its probability: 4α samples, rounded at random, of all
-/// rotations alike; two of them are neighbors with probability 11/16.
+/// Each mask that a fragment of opacity α may have for four samples, and its probability: 4α samples, rounded at
+/// random, of all rotations alike; two of them are neighbors with probability 11/16.
 fn masks(alpha: f64) -> Vec<(u32, f64)> {
     let (fewer, part) = ((4.0 * alpha).floor() as u32, (4.0 * alpha).fract());
     let masks_of = |count: u32| -> Vec<(u32, f64)> {
@@ -139,8 +139,9 @@ fn masks(alpha: f64) -> Vec<(u32, f64)> {
     weighted(fewer, 1.0 - part).chain(weighted(fewer + 1, part)).filter(|(_, share)| *share > 0.0).collect()
 }
 
-/// The variance of a pixel of four samples, whose layers have these opacities and values, from near to far: each is worth α times
-/// its value times the share of samples that hold nothing nearer. By the probabilities of all masks, not from any image.
+/// The variance of a pixel of four samples, whose layers have these opacities and values, from near to far: each is
+/// worth α times its value times the share of samples that hold nothing nearer. By the probabilities of all masks, not
+/// from any image.
 fn known_variance(layers: &[(f64, f64)]) -> f64 {
     // First and second moment of what the layers from some layer on are worth, by the samples that are still free.
     let mut moments = [[0.0, 0.0]; 16];
@@ -179,7 +180,7 @@ fn through_on_host(samples: u32, words: impl Fn([u32; 2], u32, u32) -> u32) -> V
     (0..1024).map(pixel).collect()
 }
 
-/// One or two samples of four, equally often.
+/// Opacity that covers one or two samples of four, equally often.
 const OPACITY: f32 = 0.375;
 
 /// The largest correlation of an image with itself some pixels away, in standard errors.

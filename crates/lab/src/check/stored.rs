@@ -1,4 +1,5 @@
-//! Clouds that stay where they are stored: whatever nodes a store has, the picture has the bytes of the cloud in memory.
+//! Clouds that stay where they are stored: whatever nodes a store has, the picture has the bytes of the cloud in
+//! memory.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -25,7 +26,7 @@ type CaseResult = Result<Finding, Trouble>;
 
 /// Points of each cloud.
 const POINTS: u32 = 3000;
-/// Bytes on the device: some hundreds of points at a time, so that there are many windows.
+/// Bytes on the device: some hundreds of points at a time, so that there are many regions.
 const DEVICE: u64 = 1 << 20;
 
 pub(super) fn cases() -> Vec<Case> {
@@ -84,7 +85,7 @@ fn cloud() -> Cloud {
     }
 }
 
-/// A cloud in nodes one below the other, as they are told.
+/// A cloud in nodes one below the other, as the caller gives them.
 #[derive(Debug)]
 struct Chain {
     summary: Summary,
@@ -179,7 +180,7 @@ fn rendered(stage: &mut Stage, arranged: &Arranged, frame: &Frame) -> Result<Ima
     Ok(stage.renderer.render(&mut cloud, frame)?.image)
 }
 
-/// How many values of two images have other bits.
+/// Returns the number of values of two images that differ in their bits.
 fn differing(a: &Image, b: &Image) -> f64 {
     let bits = |image: &Image| -> Vec<u32> {
         let colors = image.rgba.iter().flatten().map(|value| value.to_bits());

@@ -37,20 +37,20 @@ pub struct Subject {
     pub frame: Frame,
 }
 
-/// Which order of the input an image follows, by the definition of its method.
+/// Order of the input that an image follows, by the definition of its method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Follows {
     /// Nothing: points and clouds may be in any order.
     Nothing,
-    /// The order of the clouds, not that of the points within: the random words that shuffle and deal a cloud's points
-    /// depend on its place among the others (`spbr`, `spbr-simplified`).
+    /// The order of the clouds, not that of the points within: the random words that shuffle a cloud's points into
+    /// ensembles depend on its place among the others (`spbr`, `spbr-simplified`).
     Clouds,
     /// The order of the points, file after file, which is the order of blending (`unsorted`) or of arrival (`mlab`).
     Points,
 }
 
 impl Subject {
-    /// Which order of the input shows.
+    /// Returns the order of the input on which the image depends.
     pub fn follows(&self) -> Follows {
         match self.frame.method {
             Method::Unsorted(_) | Method::Mlab(_) => Follows::Points,
@@ -59,7 +59,7 @@ impl Subject {
         }
     }
 
-    /// All points as the method wants them.
+    /// Returns the points in the order that the method needs.
     pub fn arranged(&self) -> Arranged {
         if self.frame.method.is_dealt() {
             let hidden = Progress::hidden();
@@ -71,40 +71,40 @@ impl Subject {
     /// Renders it from the beginning: orders and uploads the points, too.
     ///
     /// # Errors
-    /// As of [`Renderer::render`].
+    /// Errors of [`Renderer::render`].
     pub fn render(&self, renderer: &mut Renderer) -> Result<Rendered, Error> {
         self.render_arranged(renderer, &self.arranged())
     }
 
-    /// Renders it from what [`Self::arranged`] returned.
+    /// Renders the subject from the ordered points that [`Self::arranged`] returned.
     ///
     /// # Errors
-    /// As of [`Renderer::render`].
+    /// Errors of [`Renderer::render`].
     pub fn render_arranged(&self, renderer: &mut Renderer, arranged: &Arranged) -> Result<Rendered, Error> {
         let mut cloud = renderer.upload_arranged(arranged)?;
         renderer.render(&mut cloud, &self.frame)
     }
 
-    /// The same with each cloud's points in another order.
+    /// Returns the subject with each cloud's points in another order.
     #[must_use]
     pub fn shuffled(&self, seed: u32) -> Self {
         Self { clouds: self.clouds.iter().map(|cloud| clouds::shuffled(cloud, seed)).collect(), ..self.clone() }
     }
 
-    /// The same with the clouds in reverse order.
+    /// Returns the subject with the clouds in reverse order.
     #[must_use]
     pub fn clouds_reversed(&self) -> Self {
         Self { clouds: self.clouds.iter().rev().cloned().collect(), ..self.clone() }
     }
 
-    /// The same with another frame.
+    /// Returns the subject with another frame.
     #[must_use]
     pub fn with(&self, frame: Frame) -> Self {
         Self { frame, ..self.clone() }
     }
 }
 
-/// All of them: at least one for each method that a scene file can name.
+/// Returns the subjects: at least one for each method that a scene file can name.
 pub fn subjects() -> Vec<Subject> {
     let mut all = [discs(), gaussians(), opaque(), soft(), surfaces(), ensembles_of_points()].concat();
     let known = |all: &[Subject], method: &Method| all.iter().any(|subject| subject.choice.name() == method.name());
@@ -312,7 +312,7 @@ fn surfaces() -> Vec<Subject> {
     ]
 }
 
-/// Points that are dealt to ensembles.
+/// Points that are shuffled into ensembles.
 fn ensembles_of_points() -> Vec<Subject> {
     let spbr = Spbr { ensembles: 30, ..Spbr::default() };
     let simplified = SpbrSimplified { ensembles: 12, ..SpbrSimplified::default() };

@@ -7,7 +7,7 @@ use super::{Case, Finding, Naive, Verdict, released};
 pub struct Group {
     /// The part of the name behind the method's.
     pub case: String,
-    /// Its description.
+    /// Description of the group.
     pub about: &'static str,
     /// The methods, in the order of the cases.
     pub methods: Vec<String>,
@@ -40,8 +40,8 @@ impl Group {
     }
 }
 
-/// A Markdown table of cases that were run, by what they are about: the largest error found, measured by the last release and
-/// allowed, and the smallest of the naive formula.
+/// A Markdown table of cases that were run, by what they are about: the largest error found, measured by the last
+/// release and allowed, and the smallest of the naive formula.
 pub fn markdown(results: &[(&Case, Verdict)]) -> String {
     let mut table = "| case | methods | what is known | error | last release | bound | naive |\n\
                      |---|---|---|---|---|---|---|\n"
@@ -87,7 +87,7 @@ fn naive(found: &[Finding]) -> String {
     least.map(number).into_iter().chain(parts).collect::<Vec<_>>().join("; ")
 }
 
-/// Two digits; whole numbers are counts.
+/// Formats a number with two digits; whole numbers are counts.
 fn number(value: f64) -> String {
     match value {
         v if !v.is_finite() => "∞".to_owned(),

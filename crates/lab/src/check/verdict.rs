@@ -61,7 +61,7 @@ pub enum Lack {
 }
 
 impl Lack {
-    /// All of them, in the order in which counts name them.
+    /// Kinds of lack, in the order in which counts name them.
     pub const ALL: [Self; 4] = [Self::Subgroups, Self::Rasterizer, Self::Memory, Self::Limits];
 
     /// The missing feature if that is why something was refused; `None` for an error of any other kind.
@@ -88,12 +88,12 @@ impl Lack {
     }
 }
 
-/// Why a case has no finding.
+/// Reasons why a case has no finding.
 #[derive(Debug)]
 pub(super) enum Trouble {
     /// The device lacks something; the text names it in full.
     Lacks(Lack, String),
-    /// It could not be rendered.
+    /// The case could not be rendered.
     Failed(Error),
 }
 
@@ -127,11 +127,11 @@ impl From<scene::Error> for Trouble {
 /// The verdict on a case.
 #[derive(Debug)]
 pub enum Verdict {
-    /// It was run.
+    /// The case was run.
     Found(Finding),
     /// The device lacks something that it needs; the text names it.
     NotApplicable(Lack, String),
-    /// It could not be rendered.
+    /// The case could not be rendered.
     Failed(Error),
 }
 

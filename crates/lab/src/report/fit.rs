@@ -60,7 +60,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_slope_gets_none() {
+    fn points_without_a_slope_get_none() {
         for points in [&[][..], &[(2.0, 1.0)], &[(3.0, 1.0), (3.0, 3.0), (3.0, 2.0)]] {
             assert_eq!(power_law(points), None, "{points:?}");
         }

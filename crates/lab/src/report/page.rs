@@ -42,7 +42,7 @@ const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 
 /// A column of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// Its head.
+    /// Head of the column.
     pub title: String,
     /// True if it contains words, which are aligned left, rather than numbers.
     pub is_text: bool,
@@ -133,7 +133,7 @@ impl Cell {
 /// A row of a table that can be sorted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
-    /// One cell per column.
+    /// Cells of the row, as many as there are columns.
     pub cells: Vec<Cell>,
     /// True if it is highlighted.
     pub is_marked: bool,
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_shown_is_escaped() {
+    fn shown_text_is_escaped() {
         let body = table(&[Column::text("name"), Column::number("n")], &[vec!["<b>&".into(), "1".into()]]);
         let page = page("a < b", &body);
         assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>"));

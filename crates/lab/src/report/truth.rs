@@ -1,4 +1,5 @@
-//! Exact images as the float64 reference has them: some pixels of discs, all of soft spheres and of what ensembles tend to.
+//! Exact images as the float64 reference has them: some pixels of discs, all of soft spheres and of what ensembles tend
+//! to.
 
 use rand::{SeedableRng, seq};
 use rand_pcg::Pcg64;

@@ -1,5 +1,6 @@
-//! The list of hard cases: each passes on the device and notices the naive formula. On llvmpipe, where its results are known,
-//! none may be missing, none get much worse than in the last release, and docs/numerics.md must hold what comes out.
+//! The list of hard cases: each passes on the device and notices the naive formula. On llvmpipe, where its results are
+//! known, none may be missing, none get much worse than in the last release, and docs/numerics.md must hold what comes
+//! out.
 
 use pellucid_engine::methods::{self, Renderer};
 use pellucid_engine::scene::Method;

@@ -1,4 +1,5 @@
-//! Same input, same bytes, for every method: over runs, orders of the input, budgets, and ways to cut the work.
+//! Determinism: the same input gives the same bytes with every method, over runs, orders of the input, budgets, and
+//! ways to cut the work.
 //!
 //! The tests of single methods say more about each; this one goes through the list of all of them, so that none is
 //! forgotten. `cargo test --test lab determinism -- --ignored` repeats everything 20 times.
@@ -55,7 +56,7 @@ impl Wrong {
         }
     }
 
-    /// The same of an image that was rendered with another frame.
+    /// Renders another frame and compares its image.
     fn compare_frame(&mut self, known: &Baseline, renderer: &mut Renderer, frame: Frame, how: &str) -> Option<Facts> {
         match known.subject.with(frame).render_arranged(renderer, &known.arranged) {
             Ok(rendered) => {
@@ -80,7 +81,7 @@ fn key(stem: &str, variant: &Variant) -> String {
     format!("{stem}: {}", pellucid_engine::key_without_numbers(variant))
 }
 
-/// Those of some variants that no stage lists, so that the tests of shaders don't go through them.
+/// Returns the variants that no stage lists, so that the tests of shaders don't go through them.
 fn unlisted(ran: &[(&'static str, Variant)]) -> Vec<String> {
     let shaders = pellucid_engine::shaders().into_iter().chain(gpu::shaders());
     let keys = |shader: gpu::shader::Shader| {
@@ -162,8 +163,8 @@ fn reordered(device: &Device, all: &[Baseline], seeds: u32, wrong: &mut Wrong) {
     }
 }
 
-/// A budget that cuts the image into windows or its fragments into bands, between one that is enough for all and one that is
-/// enough for nothing, found by bisection; each image on the way is compared.
+/// A budget that cuts the image into regions or its fragments into batches, between one that is enough for all and one
+/// that is enough for nothing, found by bisection; each image on the way is compared.
 fn budgeted(device: &Device, all: &[Baseline], wrong: &mut Wrong) {
     let mut renderer = fresh(device);
     for known in all {
@@ -216,7 +217,7 @@ fn the_same_bytes_however_the_work_is_cut() {
         wrong.assert_none();
         assert_listed(device);
     });
-    // Arrays in slices, images in windows: chunks of points have at least 4096, of 20 bytes each. Where points are
+    // Arrays in slices, images in regions: chunks of points have at least 4096, of 20 bytes each. Where points are
     // streamed, as those of the crowd are above, an upload of 65 536 must.
     with_device_that_binds(Some(100_000), |device| {
         let mut wrong = Wrong::default();
@@ -228,7 +229,7 @@ fn the_same_bytes_however_the_work_is_cut() {
     });
 }
 
-/// What a GPU prefers, on whatever device there is.
+/// Compares the work shapes that a CPU and a GPU prefer, on whatever device there is.
 #[test]
 fn the_same_bytes_whatever_shape_of_work_a_device_prefers() {
     let mut all = Vec::new();
@@ -258,7 +259,7 @@ fn streamed(device: &Device, all: &[Baseline], wrong: &mut Wrong) {
     }
 }
 
-/// Other atomics, ensembles in two stages and with few epochs, images without lists.
+/// Compares with other atomics, with ensembles in two stages and with few epochs, and images without lists.
 fn otherwise(device: &Device, all: &[Baseline], wrong: &mut Wrong) {
     type Change = fn(&mut Renderer);
     let changes: [(&str, Change); 3] = [
@@ -295,7 +296,8 @@ fn the_ways_between_which_auto_chooses_have_the_same_bytes_but_in_long_lists() {
         };
         let (mut short, mut long) = (0, 0);
         assert_eq!((&sorted.depth, &sorted.fragments), (&abuffer.depth, &abuffer.fragments));
-        // The knot with the long lists lies in a tile of more than 2048 splats, all of whose pixels are composed in runs.
+        // The knot with the long lists lies in a tile of more than 2048 splats, all of whose pixels are composed in
+        // runs.
         let lengths: Vec<u32> = abuffer.fragments.iter().flatten().copied().collect();
         let tile = |pixel: usize| [pixel % abuffer.width as usize / 16, pixel / abuffer.width as usize / 16];
         let crowded: HashSet<_> = (0..lengths.len()).filter(|pixel| lengths[*pixel] > 256).map(tile).collect();

@@ -10,8 +10,8 @@ use pellucid_engine::scene::{Discs, Method};
 use pellucid_testing::{frame, perspective, scene, soup, with_device};
 use serde_json::json;
 
-/// Two frames of two passes; the second one ran twice in the first frame. Pipelines were made before the first frame and within
-/// the second.
+/// Two frames of two passes; the second one ran twice in the first frame. Pipelines were made before the first frame
+/// and within the second.
 fn by_hand() -> Profile {
     let (ms, origin) = (Duration::from_millis, Instant::now());
     let span = |phase, begin, length| Span { phase, begin: origin + ms(begin), length: ms(length) };

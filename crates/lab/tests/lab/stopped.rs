@@ -1,5 +1,5 @@
-//! A frame that is stopped, at whichever submission, leaves nothing behind: the next one of the same renderer and cloud is as if
-//! it had not been.
+//! A frame that is stopped, at whichever submission, leaves nothing behind: the next one of the same renderer and cloud
+//! is as if it had not been.
 
 use pellucid_engine::gpu::{self, Device};
 use pellucid_engine::methods::{Error, Renderer};

@@ -1,5 +1,5 @@
-//! Same input, same bytes, for clouds that stay where they are stored: every subject and the garden, in stores of small nodes and
-//! within little memory.
+//! Determinism of clouds that stay where they are stored: every subject and the garden give the same bytes, in stores
+//! of small nodes and within little memory.
 
 use std::path::{Path, PathBuf};
 
@@ -53,7 +53,7 @@ impl Both {
         Self { whole, stored, scene }
     }
 
-    /// How the images are apart, if they are; the number of windows.
+    /// Returns the difference between the images, if there is one, and the number of regions.
     fn compare(&self, device: &Device, frame: &Frame) -> Result<(Option<String>, u64), Error> {
         let expected = rendered(device, &self.whole, frame)?;
         let found = rendered(device, &self.stored, &Frame { memory_budget: Some(DEVICE), ..*frame })?;

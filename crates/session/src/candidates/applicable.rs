@@ -1,4 +1,4 @@
-//! Which settings apply to a scene, and why the others don't.
+//! Choice of the settings that apply to a scene, with reasons for the others.
 
 use super::{Formation, Ladders, Occasion, Setting, Skipped, ladder};
 use pellucid_engine::methods::abuffer::LOCAL_LENGTH;
@@ -22,8 +22,8 @@ struct ApplicableSettings {
     skipped: Vec<Skipped>,
 }
 
-/// All settings that apply, exact methods first, each ladder ascending; and those that don't, with the reason. Every method is
-/// among the ones or the others.
+/// All settings that apply, exact methods first, each ladder ascending; and those that don't, with the reason. Every
+/// method is among the ones or the others.
 pub fn settings(occasion: &Occasion, ladders: &Ladders) -> (Vec<Setting>, Vec<Skipped>) {
     let mut found = ApplicableSettings::default();
     match occasion.formation {
@@ -70,7 +70,8 @@ impl ApplicableSettings {
         }
     }
 
-    /// A method with every value of the key that is compared, if it has one; and with its default, if that is none of them.
+    /// A method with every value of the key that is compared, if it has one; and with its default, if that is none of
+    /// them.
     fn climb(&mut self, occasion: &Occasion, ladders: &Ladders, method: Method, rest: &str) {
         let applies = |ladder: &Ladder| ladder.only.is_empty() || ladder.only.contains(&method.name());
         let compared = method.keys().into_iter().find_map(|key| key.tried.filter(applies).map(|ladder| (key, ladder)));
@@ -114,8 +115,8 @@ impl ApplicableSettings {
         }
     }
 
-    /// Levels of detail of the methods that draw all points exactly, or of opaque points of their own size: of clouds that are large
-    /// enough for it to matter.
+    /// Levels of detail of the methods that draw all points exactly, or of opaque points of their own size: of clouds
+    /// that are large enough for it to matter.
     fn levels(&mut self, occasion: &Occasion, ladders: &Ladders) {
         let (methods, rest) = match occasion.formation {
             Formation::Discs(discs) => (vec![Method::ABuffer(discs), Method::Sorted(discs)], String::new()),
@@ -168,7 +169,7 @@ fn value_of(text: &str) -> scene::Setting {
     }
 }
 
-/// Why a setting would draw nothing else, or can't draw this.
+/// Returns the reason why a setting would draw nothing else, or can't draw this scene.
 fn pointless(occasion: &Occasion, method: &Method, also: &str) -> Option<String> {
     let longest = occasion.max_list;
     match (also, method.soft()) {
@@ -182,7 +183,7 @@ fn pointless(occasion: &Occasion, method: &Method, also: &str) -> Option<String>
     }
 }
 
-/// Why a family of methods is not compared with an image formation.
+/// Returns the reason why a family of methods is not compared with an image formation.
 fn why_not(formation: &Formation, family: Family) -> &'static str {
     match (formation, family) {
         (Formation::Ensembles(_), Family::Discs) => {

@@ -25,8 +25,8 @@ pub enum Formation {
         /// True if the scene gives the factor λ, from which the softness was derived.
         from_lambda: bool,
     },
-    /// Points of surfaces with an opacity, dealt to ensembles. Their number is not the scene's but a setting, and nothing is
-    /// brightened.
+    /// Points of surfaces with an opacity, shuffled into ensembles. Their number is not the scene's but a setting, and
+    /// nothing is brightened.
     Ensembles(Spbr),
     /// Opaque points of surfaces. Each method draws an image of its own; the surface is the reference for all.
     Surfaces(Surfaces),
@@ -45,12 +45,12 @@ impl Formation {
     }
 }
 
-/// How many values of each key are compared.
+/// Number of values of each key that are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Detail {
     /// The settings of a report.
     Full,
-    /// For a first look and for CI.
+    /// Fewer settings, for a first look and for CI.
     Quick,
     /// The settings that a choice considers.
     Fine,
@@ -59,7 +59,7 @@ pub enum Detail {
 /// The steps of every ladder, ascending.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ladders {
-    /// Which values of the keys of methods.
+    /// Number of values of the methods' keys.
     pub detail: Detail,
     /// `size` of opaque splats.
     pub sizes: &'static [f64],
@@ -114,7 +114,7 @@ impl Ladders {
 pub struct Occasion {
     /// The image formation.
     pub formation: Formation,
-    /// For discs: true if every fragment is opaque.
+    /// True if every fragment is opaque, for discs.
     pub opaque: bool,
     /// True if splats have a depth for each pixel.
     pub oriented: bool,
@@ -156,7 +156,7 @@ pub struct Skipped {
 pub struct Setting {
     /// The method to render.
     pub method: Method,
-    /// Written as options of the command line, beside `--method`; empty for the defaults.
+    /// Written as options of the command line, in addition to `--method`; empty for the defaults.
     pub text: String,
     /// The key that varies, and its value.
     pub step: Option<(&'static str, f64)>,
@@ -164,9 +164,9 @@ pub struct Setting {
     pub series: String,
     /// The quantity that the time grows with along the series.
     pub effort: Option<f64>,
-    /// For opaque points, draw every n-th; 1 means all.
+    /// Thinning of opaque points: every n-th is drawn; 1 means all.
     pub thinning: u32,
-    /// Which points are left out by how fine they are.
+    /// Level of detail: leaves points out by how fine they are.
     pub detail: scene::Detail,
 }
 
@@ -194,7 +194,7 @@ impl Setting {
         Self::level(method, ("detail.spacing_px", spacing_px.into()), effort, detail, rest)
     }
 
-    /// At most so many points.
+    /// Returns the setting that draws at most so many points.
     pub(super) fn limited(method: Method, max_points: u32, rest: &str) -> Self {
         let detail = scene::Detail { max_points: Some(max_points), ..Default::default() };
         Self::level(method, ("detail.max_points", max_points.into()), max_points.into(), detail, rest)
@@ -212,7 +212,7 @@ impl Setting {
         format!("{} {}", self.method.name(), self.text).trim_end().to_owned()
     }
 
-    /// The same as the name of a file, without an extension.
+    /// Method and setting as the name of a file, without an extension.
     pub fn stem(&self) -> String {
         self.key().replace("method.", "").replace([' ', '=', '_'], "-")
     }
@@ -259,8 +259,8 @@ pub fn formation(method: &Method, points: &Points) -> Result<Formation, scene::E
     }
 }
 
-/// Like [`formation`], but returns [`Formation::Surfaces`] for methods of opaque points, whose images differ but show
-/// the same surfaces.
+/// Returns the image formation like [`formation`], but [`Formation::Surfaces`] for methods of opaque points, whose
+/// images differ but show the same surfaces.
 ///
 /// # Errors
 /// A method of one transparent layer, or of layers of points.
@@ -313,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn what_applies_depends_on_the_scene() {
+    fn settings_apply_by_the_scene() {
         assert!(!keys(&occasion(256)).contains(&"abuffer method.long_lists=in-place".to_owned()));
         assert!(keys(&occasion(257)).contains(&"abuffer method.long_lists=in-place".to_owned()));
         let is_circles = |key: &String| key.starts_with("circles");

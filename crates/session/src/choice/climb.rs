@@ -1,4 +1,4 @@
-//! Which settings are tried, and in which order.
+//! Search over settings: the ones that are tried, and their order.
 
 use super::trials::Trials;
 use super::{EXACT, Figures};
@@ -154,7 +154,7 @@ fn jump(trials: &mut Trials<'_>, ladder: &[&Setting], best: &mut Best) -> Result
     Ok(())
 }
 
-/// From an accurate step down, as long as the cheaper ones are too.
+/// Descends from an accurate step, as long as the cheaper ones are accurate too.
 fn descend(trials: &mut Trials<'_>, below: &[&Setting], best: &mut Best) -> Result<()> {
     for setting in below.iter().rev() {
         match trials.look(setting, best.ms)? {

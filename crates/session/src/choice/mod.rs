@@ -3,8 +3,8 @@
 //! Every setting is measured as it will be rendered: same points, camera, size and seed. Its error is the RMSE on
 //! composed linear R, G, B, in float64, against the exact method (`abuffer` or `soft-base`) or against the limit that
 //! ensembles converge to. Its time is the median device time of frames. These are the two axes of `tradeoff`'s Pareto
-//! front. Measurements are cached by scene, device and version: another wish on the same scene only measures what is
-//! missing, and the same wish measures nothing.
+//! front. Measurements are cached by scene, device and version: another constraint on the same scene only measures what
+//! is missing, and the same constraint measures nothing.
 //!
 //! **By error**: the exact methods first; then each ladder of approximations from its cheap end, until a step is
 //! accurate enough or slower than the fastest accurate one. Stochastic errors fall as samples^(−1/2), so two small
@@ -58,7 +58,7 @@ impl Wish {
         self.max_error.is_some() || self.budget_ms.is_some()
     }
 
-    /// Where limits have no effect, and why, for a scene of these points; `None` if they have one.
+    /// Returns the reason why limits have no effect for a scene of these points; `None` if they have one.
     pub fn hindrance(scene: &Scene, points: &Points) -> Option<String> {
         let taken = plan::resolve(scene.method, points).0;
         let stays = format!("{} stays the method", taken.name());
@@ -90,7 +90,7 @@ pub struct Subject<'a> {
 /// Measurements of a setting.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
-    /// Against the exact method, on this image.
+    /// RMSE against the exact method, on this image.
     pub rmse: f64,
     /// Median device time of a frame.
     pub gpu_ms: f64,
@@ -105,11 +105,11 @@ pub struct Choice {
     pub detail: Detail,
     /// The setting as options of the command line would give it; empty for the defaults.
     pub setting: String,
-    /// Its measurements.
+    /// Measurements of the setting.
     pub figures: Figures,
-    /// The wish.
+    /// The constraint.
     pub wish: Wish,
-    /// The unfulfilled part of the wish, in words.
+    /// The unfulfilled part of the constraint, in words.
     pub warning: Option<String>,
     /// The best settings of those measured, the best one first.
     pub best: Vec<Row>,
@@ -152,7 +152,8 @@ impl Choice {
 /// Chooses. `recalibrate`: forgets what was known of this scene. `progress` ticks only.
 ///
 /// # Errors
-/// A method of another image formation, no setting of `only`, a frame that the exact method can't render, a lost device.
+/// A method of another image formation, no setting of `only`, a frame that the exact method can't render, a lost
+/// device.
 pub fn choose(
     device: &Device,
     cloud: &mut DeviceCloud,
@@ -188,7 +189,7 @@ pub fn choose(
     Ok(Choice { method, detail, setting: text, figures, wish, warning, best, known, frames })
 }
 
-/// Why nothing could be chosen.
+/// Returns the error that says why nothing could be chosen.
 fn none(only: Option<&str>, refusal: Option<methods::Error>) -> pellucid_engine::Error {
     let unknown = || {
         scene::Error::Usage(format!(
@@ -224,7 +225,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_missed_is_said() {
+    fn missed_limits_are_reported() {
         let figures = Figures { rmse: 0.01, gpu_ms: 20.0 };
         let said =
             |max_error, budget_ms| unfulfilled(Wish { max_error, budget_ms }, figures, [40, 30]).unwrap_or_default();

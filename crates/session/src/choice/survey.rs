@@ -22,7 +22,7 @@ pub struct Lists {
 }
 
 impl Lists {
-    /// Those of a frame.
+    /// Returns the statistics of a frame's fragment lists.
     pub fn of(rendered: &Rendered) -> Self {
         let covered = rendered.image.rgba.iter().filter(|[_, _, _, alpha]| *alpha > 0.0).count() as u64;
         Self { fragments: rendered.facts.fragments, covered, longest: rendered.facts.max_list }
@@ -52,7 +52,7 @@ impl<'a> Survey<'a> {
     /// Renders the image of the exact method.
     ///
     /// # Errors
-    /// Those of [`super::choose`].
+    /// Errors of [`super::choose`].
     pub fn open(
         device: &'a Device,
         cloud: &'a mut DeviceCloud,
@@ -67,8 +67,8 @@ impl<'a> Survey<'a> {
         settings(&self.trials.occasion(), ladders).0
     }
 
-    /// The error of a setting and the median time of so many frames, at least 1, after one that pays for buffers and shaders; `None`
-    /// if the device can't render it. A frame that takes more than `most` ms is the last one.
+    /// The error of a setting and the median time of so many frames, at least 1, after one that pays for buffers and
+    /// shaders; `None` if the device can't render it. A frame that takes more than `most` ms is the last one.
     ///
     /// # Errors
     /// A lost device, a message of the validation layers.

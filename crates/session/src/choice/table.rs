@@ -13,15 +13,15 @@ const NO_PICTURE: f64 = 0.1;
 pub struct Row {
     /// Method and setting.
     pub name: String,
-    /// Its measurements.
+    /// Measurements of the setting.
     pub figures: Figures,
-    /// By how much its slowest frame was slower than its fastest one, relative to that; `None` for a single frame.
+    /// Difference between the slowest and the fastest frame, relative to the fastest; `None` for a single frame.
     pub spread: Option<f64>,
-    /// True if the spread tells of a busy machine.
+    /// True if the spread indicates a busy machine.
     pub busy: bool,
 }
 
-/// The best rows for a wish, the best one first: those that fulfill it, then those that come nearest.
+/// The best rows for a constraint, the best one first: those that fulfill it, then those that come nearest.
 pub(super) fn best(mut rows: Vec<Row>, wish: Wish) -> Vec<Row> {
     let rank = |row: &Row| {
         let Figures { rmse, gpu_ms } = row.figures;
@@ -40,8 +40,8 @@ pub(super) fn best(mut rows: Vec<Row>, wish: Wish) -> Vec<Row> {
     rows
 }
 
-/// The advice where the fastest setting of a frame of that size takes `gpu_ms` instead of `most`: its time is taken to go with the
-/// pixels, or with the points.
+/// The advice where the fastest setting of a frame of that size takes `gpu_ms` instead of `most`: its time is taken to
+/// go with the pixels, or with the points.
 pub(super) fn smaller(size: [u32; 2], gpu_ms: f64, most: f64) -> Option<String> {
     let share = most / gpu_ms;
     if !(share > 0.0 && share < 1.0) {

@@ -22,17 +22,17 @@ use pellucid_engine::{Result, gpu, identity, metrics};
 
 /// Frames behind a median where two settings are close.
 const FRAMES: usize = 7;
-/// The same if a frame takes more than a second.
+/// Frames behind a median if a frame takes more than a second.
 const SLOW_FRAMES: usize = 3;
 /// Timed frames of a first look at a setting.
 const LOOKS: usize = 2;
-/// How much slower than the best so far a setting may be at first and still get a second trial.
+/// Ratio to the best time so far up to which a setting gets a second trial.
 const CLOSE: f64 = 1.4;
 /// Folder of the cache.
 const KIND: &str = "choices";
 
-/// Spread of times of a setting above which a busy machine is to be suspected: the slowest frame took half as long again as the
-/// fastest one.
+/// Spread of times of a setting above which a busy machine is to be suspected: the slowest frame took half as long
+/// again as the fastest one.
 const BUSY: f64 = 0.5;
 
 /// Measurements of one setting.
@@ -51,7 +51,8 @@ impl Record {
         Figures { rmse: self.rmse, gpu_ms }
     }
 
-    /// How far apart its times are, relative to the fastest frame; `None` for a single one.
+    /// Returns the difference between the slowest and the fastest frame, relative to the fastest; `None` for a single
+    /// one.
     fn spread(&self) -> Option<f64> {
         let most = self.gpu_ms.iter().copied().fold(0.0, f64::max);
         (self.gpu_ms.len() > 1).then(|| most / self.least() - 1.0)
@@ -84,7 +85,8 @@ struct CachedRecords {
 }
 
 impl CachedRecords {
-    /// What is worth keeping: not what was measured on a busy machine, but for settings that were chosen: a wish keeps its choice.
+    /// Returns the records without those measured on a busy machine, except those of a chosen setting: a constraint
+    /// keeps its choice.
     fn kept(&self) -> Self {
         let is_chosen = |key: &String| self.chosen.values().any(|chosen| chosen == key);
         let mut kept = self.clone();
@@ -162,7 +164,7 @@ impl<'a> Trials<'a> {
         }
     }
 
-    /// The earlier choice for the same wish. Times differ from run to run, but the choice must not.
+    /// The earlier choice for the same constraint. Times differ from run to run, but the choice must not.
     pub fn chosen(&self, wish: &str, all: &[Setting]) -> Option<(Setting, Figures)> {
         let key = self.known.chosen.get(wish)?;
         let setting = all.iter().find(|setting| setting.key() == *key)?;
@@ -174,8 +176,8 @@ impl<'a> Trials<'a> {
         self.known.chosen.insert(wish, setting.key());
     }
 
-    /// A setting by a median of so many frames, at least 1, whatever else is known of it; `None` if it can't be rendered.
-    /// A frame that takes more than `most` ms is the last one.
+    /// A setting by a median of so many frames, at least 1, whatever else is known of it; `None` if it can't be
+    /// rendered. A frame that takes more than `most` ms is the last one.
     pub fn measure(&mut self, setting: &Setting, frames: usize, most: Option<f64>) -> Result<Option<Measured>> {
         match self.first_frames(setting, frames, most.map(|most| most / CLOSE)) {
             Ok(Record { rmse, gpu_ms, peak_device_bytes }) => {
@@ -234,7 +236,8 @@ impl<'a> Trials<'a> {
         Ok(self.figures(setting))
     }
 
-    /// A frame that pays for buffers and shaders, then so many that are timed, up to one that is much slower than `best`.
+    /// A frame that pays for buffers and shaders, then so many that are timed, up to one that is much slower than
+    /// `best`.
     fn first_frames(&mut self, setting: &Setting, frames: usize, best: Option<f64>) -> Result<Record> {
         let first = self.render(setting.method, setting.detail)?;
         let image = linear(&first.image, self.subject.background, self.frame.color);
@@ -358,7 +361,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_busy_machine_measured_is_not_kept() {
+    fn measurements_of_a_busy_machine_are_not_kept() {
         let record = |gpu_ms: &[f64]| Record { rmse: 0.1, gpu_ms: gpu_ms.to_vec(), peak_device_bytes: 1 };
         let records = [("calm", &[2.0, 2.5][..]), ("once", &[2.0]), ("busy", &[2.0, 3.1]), ("chosen", &[2.0, 9.0])];
         let known = CachedRecords {

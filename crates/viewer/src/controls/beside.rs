@@ -43,8 +43,8 @@ pub fn method_changes(method: &Method, key: &str, value: Option<Setting>) -> Vec
     out.into_iter().chain([(format!("method.{key}"), value)]).collect()
 }
 
-/// The changes that give the scene another light. The radius of a light is an angle or a length, so that it goes if the light
-/// becomes another kind.
+/// The changes that give the scene another light. The radius of a light is an angle or a length, so that it goes if the
+/// light becomes another kind.
 pub fn light_changes(before: Light, light: Light) -> Vec<Change> {
     let (key, value) = match light {
         Light::Headlight => ("shading.light", Setting::Word("headlight".to_owned())),

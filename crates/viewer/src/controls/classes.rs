@@ -20,9 +20,9 @@ pub struct ClassLook {
 /// A key of a class.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ClassKey {
-    /// Its opacity, from 0 to 1.
+    /// Opacity of the class, from 0 to 1.
     Opacity(f64),
-    /// Its color, linear.
+    /// Color of the class, linear.
     Color([f64; 3]),
     /// `true` if its points are drawn.
     Visible(bool),
@@ -69,7 +69,8 @@ fn is_own(entry: &ClassSettings, code: u8) -> bool {
     entry.points == Selection::Class(code)
 }
 
-/// The changes that give a class of the cloud `cloud` a key: in its own entry, or in a new one where a later entry would win.
+/// The changes that give a class of the cloud `cloud` a key: in its own entry, or in a new one where a later entry
+/// would win.
 pub fn class_changes(cloud: usize, entries: &[ClassSettings], code: u8, key: ClassKey) -> Vec<Change> {
     if key == ClassKey::Visible(true) {
         return shown(cloud, entries, code);
@@ -116,7 +117,7 @@ pub fn class_defaults(cloud: usize, entries: &[ClassSettings], code: u8) -> Vec<
     tidied(cloud, entries, changes)
 }
 
-/// The same changes, or the removal of the whole array if they take every entry out.
+/// Returns the changes, or the removal of the whole array if they take every entry out.
 fn tidied(cloud: usize, entries: &[ClassSettings], changes: Vec<Change>) -> Vec<Change> {
     let is_entry = |(key, _): &&Change| !key.ends_with(".visible");
     if !entries.is_empty() && changes.iter().filter(is_entry).count() == entries.len() {
@@ -139,8 +140,8 @@ mod tests {
         document.scene().unwrap().clouds[1].class.clone()
     }
 
-    /// Whatever stands there already, the class has what it is given, another one what it had, and the default is what the
-    /// entries of others make of it.
+    /// Whatever stands there already, the class has what it is given, another one what it had, and the default is what
+    /// the entries of others make of it.
     #[test]
     fn a_class_has_what_it_is_given() {
         let range = "[[cloud.class]]\nscalar = 'classification'\nrange = [3, 6]\n";

@@ -5,7 +5,7 @@ use glam::DVec3;
 use pellucid_engine::cloud::Bounds;
 use pellucid_engine::scene::{Change, Clip, ClipShape, Setting};
 
-/// How far a new box stays inside the points, as a share of their extent, so that its faces can be seen and held.
+/// Margin of a new box inside the points, as a share of their extent, so that its faces can be seen and held.
 const INSET: f64 = 0.01;
 
 /// The most decimals that coordinates are rounded to.
@@ -46,7 +46,8 @@ pub fn new_clip(kind: NewClip, bounds: Bounds) -> Clip {
     Clip { shape, invert: false }
 }
 
-/// The decimals that numbers need in an extent: a thousandth of it or less. `None` where there is no extent, or hardly any.
+/// The decimals that numbers need in an extent: a thousandth of it or less. `None` where there is no extent, or hardly
+/// any.
 pub fn decimals(extent: f64) -> Option<usize> {
     let digits = (extent > 0.0).then(|| (3.0 - extent.log10()).ceil().max(0.0))?;
     (digits <= MOST_DECIMALS).then_some(digits as usize)
@@ -133,7 +134,7 @@ mod tests {
         assert!(min.cmple(max).all(), "still a box: {min} {max}");
     }
 
-    /// Of each axis by its own extent: the others may be much longer.
+    /// Checks that the margin of each axis follows its own extent: the others may be much longer.
     #[test]
     fn flat_points_stay_inside_what_is_made_for_them() {
         let z = 0.123_456;

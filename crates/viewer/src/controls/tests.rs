@@ -10,7 +10,7 @@ fn document(method: &str) -> Document {
     Document::from_toml(&text, "s.toml".as_ref(), &Overrides::default()).unwrap()
 }
 
-/// Both ends of a control.
+/// Returns the least and the largest value of a control.
 fn ends(control: Control) -> Vec<Setting> {
     match control {
         Control::Slider(from, to) | Control::Powers(from, to) => vec![Setting::Number(from), Setting::Number(to)],
@@ -40,8 +40,8 @@ fn saved(document: &Document) -> Scene {
     Document::from_toml(&text, "s.toml".as_ref(), &Overrides::default()).unwrap().scene().unwrap()
 }
 
-/// Goes to both ends of a control and back: each is a scene that has the value and nothing else changed, saved too, and without
-/// the key everything is as before.
+/// Goes to both ends of a control and back: each is a scene that has the value and nothing else changed, saved too, and
+/// without the key everything is as before.
 fn moves(
     document: &Document,
     key: &str,

@@ -10,7 +10,7 @@ use crate::draft::Effort;
 use crate::worker::{Request, Task};
 use pellucid_engine::scene::Scene;
 
-/// At rest, how many times longer each picture may take than the one before it: all drafts together take a third of the
+/// Factor between the time of a picture at rest and that of the one before it: all drafts together take a third of the
 /// last one's time.
 const REFINING: f64 = 4.0;
 
@@ -20,7 +20,7 @@ const FIRST_AT_REST_MS: f64 = 250.0;
 /// Pictures at rest after which nothing is left out any more.
 pub(super) const MOST_REFINED: u32 = 6;
 
-/// How long nothing may move before the picture is compared with the exact one.
+/// Time for which nothing may move before the picture is compared with the exact one.
 pub(super) const STILL: Duration = Duration::from_millis(500);
 
 impl Model {
@@ -70,7 +70,7 @@ impl Model {
         (approximates && self.measured != Some(picture.serial)).then_some(picture.serial)
     }
 
-    /// When to look again, if nothing happens before.
+    /// Returns the time at which to look again, if nothing happens before.
     pub fn due_at(&self, now: Instant) -> Option<Instant> {
         let still_at = self.unmeasured().map(|_| self.changed_at + STILL);
         [Some(self.rest_at()), still_at].into_iter().flatten().find(|at| *at > now)

@@ -11,11 +11,11 @@ use pellucid_engine::scene::Document;
 /// Files that were saved.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Saved {
-    /// Their whole paths, the scene first.
+    /// Absolute paths of the files, the scene first.
     pub files: Vec<PathBuf>,
     /// The command that makes a film of them, if there is a path among them.
     pub command: Option<String>,
-    /// The message that told so.
+    /// The message about the saved files.
     message: String,
 }
 
@@ -84,7 +84,7 @@ impl Model {
         self.save_to(picture, None);
     }
 
-    /// Like [`Model::save`], to a file of this name.
+    /// Saves like [`Model::save`], to a file of this name.
     pub fn save_to(&mut self, picture: bool, to: Option<PathBuf>) {
         if self.navigator.is_none() || self.viewport.size.contains(&0) {
             self.message = Some(("no picture yet to save".to_owned(), false));
@@ -134,7 +134,8 @@ impl Model {
         self.dialog.save(&format!("{}.toml", self.stem()));
     }
 
-    /// Writes the scene to a file that was chosen; a name without an end gets that of scenes, and then nothing is written over.
+    /// Writes the scene to a file that was chosen; a name without an end gets that of scenes, and then nothing is
+    /// written over.
     pub fn save_as(&mut self, file: PathBuf) {
         if file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
             return self.save_to(false, Some(file));

@@ -10,9 +10,9 @@ use pellucid_engine::camera::import::Source;
 use pellucid_engine::camera::path::{Defaults, Key, Problem, Turntable};
 use pellucid_engine::scene::{CameraSettings, DEFAULT_FOV_Y, camera_at, path_defaults};
 
-/// Keys of a turntable, θ = 22.5° apart. About what is in the middle of the picture the curve through them is a circle; about
-/// another point it leaves that by at most 1 − cos(θ/2) − sin θ·sin(θ/2)/4 = 6·10⁻⁴ of its radius, half way between two keys
-/// of a Catmull-Rom spline.
+/// Keys of a turntable, θ = 22.5° apart. About what is in the middle of the picture the curve through them is a circle;
+/// about another point it leaves that by at most 1 − cos(θ/2) − sin θ·sin(θ/2)/4 = 6·10⁻⁴ of its radius, half way
+/// between two keys of a Catmull-Rom spline.
 const TURN: usize = 16;
 
 /// Seconds that a turntable takes from key to key.

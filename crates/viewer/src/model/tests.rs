@@ -1,4 +1,4 @@
-//! Which tasks are requested and when, and which files are saved.
+//! Tests of the tasks that are requested, of their times, and of the files that are saved.
 
 use std::path::Path;
 
@@ -166,7 +166,7 @@ fn whatever_a_draft_costs_the_whole_picture_comes() {
 }
 
 #[test]
-fn what_was_stopped_is_asked_for_again() {
+fn a_stopped_picture_is_requested_again() {
     let (mut model, _) = settled();
     model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
     let now = Instant::now();
@@ -208,7 +208,7 @@ fn approximations_at_rest_are_held_against_the_exact_picture_once() {
 }
 
 #[test]
-fn what_fails_is_said_and_not_tried_again() {
+fn a_failure_is_reported_and_not_tried_again() {
     let (mut model, _) = settled();
     model.set("cloud.0.opacity", Setting::Number(2.0));
     let (text, wrong) = model.message.clone().unwrap();
@@ -297,7 +297,7 @@ fn other_files_take_the_place_of_the_scene() {
 }
 
 #[test]
-fn what_keeps_a_picture_waiting_is_told_while_it_does() {
+fn the_progress_line_shows_the_stage_that_a_picture_waits_for() {
     let (mut model, now) = settled();
     model.progress.set_message("finding neighbors");
     assert_eq!(model.progress_line(), None, "nothing is asked for");

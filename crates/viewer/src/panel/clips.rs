@@ -106,7 +106,7 @@ fn number(ui: &mut Ui, model: &Model, axis: usize, x: &mut f64, range: std::ops:
     response
 }
 
-/// What becomes of a coordinate. Only what a hand does is rounded, and no typed number.
+/// Rounds a coordinate if it was dragged; a typed number stays as it is.
 fn kept(before: f64, now: f64, dragged: bool, extent: f64) -> f64 {
     if dragged && now != before { short_number(now, extent) } else { now }
 }

@@ -48,7 +48,7 @@ pub fn are_blended(scene: &Scene) -> bool {
     method.discs().is_some() || method.is_dealt() || matches!(method, Method::PeelLayers(_))
 }
 
-/// Every cloud: its opacity if `faint`, and its name, which unfolds it.
+/// Lists the clouds: opacity if `faint`, and name, which unfolds the cloud.
 fn list(ui: &mut Ui, model: &mut Model, faint: bool) {
     let (clouds, census) = (model.scene().clouds.clone(), model.census());
     for (i, settings) in clouds.iter().enumerate() {

@@ -80,7 +80,7 @@ fn target(ui: &mut Ui, clouds: &[CloudSettings]) -> Target {
     target
 }
 
-/// One color in place of all others.
+/// Shows the row of a single color that replaces all others.
 fn one_color(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSettings) {
     if let Some(mut entry) = controls::cloud(settings, "color", false, None, model.extent()) {
         if let Presence::Optional { without, .. } = &mut entry.presence {
@@ -190,8 +190,8 @@ fn range(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSetting
     }
 }
 
-/// The ends of a range with one of them elsewhere. A dragged one is as short as their distance allows and stays on its side of
-/// the other one; a typed one is taken as it is.
+/// The ends of a range with one of them elsewhere. A dragged one is as short as their distance allows and stays on its
+/// side of the other one; a typed one is taken as it is.
 fn with_end(ends: [f64; 2], end: usize, x: f64, dragged: bool) -> [f64; 2] {
     let [low, high] = ends;
     let apart = |x: &f64| if end == 0 { *x < high } else { *x > low };

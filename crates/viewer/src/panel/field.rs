@@ -158,15 +158,15 @@ fn vertical_of(up: UpAxis) -> [f64; 3] {
     Vertical::from(up).up().to_array()
 }
 
-/// The changes that give clouds a part of an axis, or take it out. A prepared file's field has an axis without the scene saying
-/// so, which is then said.
+/// The changes that give clouds a part of an axis, or take it out. A prepared file's field has an axis without the
+/// scene saying so, which is then said.
 fn around(target: &str, part: &str, numbers: Option<[f64; 3]>) -> Vec<Change> {
     let field = Setting::Word("distance-to-axis".to_owned());
     let numbers = numbers.map(|numbers| Setting::Numbers(numbers.to_vec()));
     vec![(format!("cloud.{target}.field"), Some(field)), (format!("cloud.{target}.axis.{part}"), numbers)]
 }
 
-/// From where to where a property goes.
+/// Shows the least and the largest value of a property.
 fn range(ui: &mut Ui, census: &crate::census::Census, field: &str, clouds: usize) {
     let found = census.scalars.iter().find(|(name, _)| name == field);
     if let (Some((_, [least, most])), 1) = (found, clouds) {

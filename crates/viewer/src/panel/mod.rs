@@ -1,4 +1,5 @@
-//! The panel beside the picture: the method and its settings, the field, clouds with their classes and colors, clips, shading, shadows, camera, files.
+//! The panel beside the picture: the method and its settings, the field, clouds with their classes and colors, clips,
+//! shading, shadows, camera, files.
 
 mod camera;
 mod classes;
@@ -44,7 +45,8 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     ui.spacing_mut().slider_width = SLIDER;
     ui.add_space(4.0);
     ui.add(Label::new(RichText::new(&model.name).heading()).truncate()).on_hover_text(&model.name);
-    // In a part of their own, so that controls below keep their identity, and a drag goes on, when messages come and go.
+    // In a part of their own, so that controls below keep their identity, and a drag goes on, when messages come and
+    // go.
     ui.scope(|ui| {
         message(ui, model);
         saved(ui, model);

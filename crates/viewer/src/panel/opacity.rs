@@ -1,4 +1,4 @@
-//! How faint the clouds are: one slider for all, one for each.
+//! Opacity of the clouds: one slider for all, one for each.
 
 use egui::Ui;
 
@@ -22,7 +22,7 @@ pub fn one(ui: &mut Ui, model: &mut Model, i: usize, cloud: &CloudSettings, labe
     row(ui, model, &format!("cloud.{i}.{key}"), label, entry)
 }
 
-/// One slider for all clouds, each by its own key; while they differ it shows their mean.
+/// Shows a slider for all clouds, each by its own key; while they differ it shows their mean.
 pub fn all(ui: &mut Ui, model: &mut Model, clouds: &[CloudSettings]) {
     let Some((key, mut entry)) = clouds.first().and_then(|first| entry(first, model)) else { return };
     let values: Vec<f32> = clouds.iter().map(|cloud| controls::opacity(cloud).1).collect();

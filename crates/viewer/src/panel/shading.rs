@@ -9,7 +9,7 @@ use crate::model::Model;
 use pellucid_engine::cloud::UpAxis;
 use pellucid_engine::scene::{Change, Light, Scene, Setting, ShadingModel, Shadows, Vertical, View, rounded};
 
-/// From where a light comes that had no direction: left of the front, half-way up.
+/// Azimuth and elevation of a light that had no direction: left of the front, half-way up.
 const FROM: [f64; 2] = [-50.0, 45.0];
 
 /// Straight from above a direction has no azimuth, so that the slider stops just before.
@@ -91,7 +91,8 @@ fn other_kind(model: &Model, light: Light, word: &str) -> Light {
     }
 }
 
-/// Returns the reference of elevations: the axis nearest to the up direction of the scene's camera, else the clouds' vertical.
+/// Returns the reference of elevations: the axis nearest to the up direction of the scene's camera, else the clouds'
+/// vertical.
 pub fn vertical(model: &Model) -> Vertical {
     nearest_or(model.scene().camera.up, model.picture().map_or(UpAxis::Z, |picture| picture.subject.up))
 }

@@ -58,7 +58,7 @@ fn keys_come_behind_the_selected_one_and_go_where_they_are_moved() {
 }
 
 #[test]
-fn what_makes_no_path_changes_nothing() {
+fn keys_that_make_no_path_change_nothing() {
     let mut route = four();
     let before = route.path([64, 48]);
     let flat = Key { fov_y: None, height: Some(3.0), ..key(5.0) };
@@ -152,7 +152,7 @@ fn a_loop_goes_on_and_changes_stop_it() {
 }
 
 #[test]
-fn what_is_saved_is_what_is_loaded() {
+fn a_saved_path_loads_unchanged() {
     let mut route = four();
     route.set_closed(true, &defaults()).unwrap();
     route.set_timed(true, &defaults()).unwrap();

@@ -1,5 +1,5 @@
-//! After any sequence of settings a picture is, to the bit, the one that a fresh start makes of the scene; and what is said to
-//! stay on the device isn't uploaded again.
+//! Tests that after any sequence of settings a picture is, to the bit, the one that a fresh start makes of the scene;
+//! and that what is said to stay on the device isn't uploaded again.
 
 mod common;
 mod drafts;
@@ -109,7 +109,8 @@ fn only_columns_that_changed_are_uploaded() {
         let mut stage = stage(device, vec![cloud(1, 60)]);
         let n = 60;
         let vector = 16 * n;
-        // The upload of all points except for the normals' light terms: four vectors and F; at first also ids, which never change.
+        // The upload of all points except for the normals' light terms: four vectors and F; at first also ids, which
+        // never change.
         let all = 4 * vector + 4 * n;
         let height = words("cloud.0.field", "height");
         let steps = [
@@ -162,8 +163,8 @@ fn dealt_points_stay_dealt_when_colors_and_opacities_change() {
     });
 }
 
-/// A cloud with shadows that no light casts: they must be those of the file for the light that they are stored for, and cast for
-/// others.
+/// A cloud with shadows that no light casts: they must be those of the file for the light that they are stored for, and
+/// cast for others.
 #[test]
 fn stored_shadows_are_there_for_their_light_only() {
     with_device(|device| {
@@ -227,7 +228,7 @@ fn a_setting_that_a_cloud_has_nothing_for_leaves_the_others_in_force() {
 }
 
 #[test]
-fn what_was_stopped_on_its_way_to_the_device_is_made_up_for() {
+fn uploads_that_were_stopped_are_repeated() {
     with_device(|device| {
         let (clouds, mut document) = (clouds(), document());
         document.put("method.name", Setting::Word("soft-base".into())).unwrap();

@@ -60,7 +60,7 @@ pub struct Picture {
     pub subject: Subject,
     /// Columns and rows.
     pub size: [u32; 2],
-    /// Its bytes, as the screen takes them; `None` once the device is lost.
+    /// Bytes of the picture in the layout of the screen; `None` once the device is lost.
     pub pixels: Option<Arc<Buffer<u32>>>,
     /// Depth of each pixel, infinite where the pixel is empty.
     pub depths: Vec<f32>,
@@ -68,21 +68,21 @@ pub struct Picture {
     pub whole: bool,
     /// Description of the draft.
     pub draft: String,
-    /// How accurate the pictures of this view are.
+    /// Accuracy of the pictures of this view.
     pub accuracy: Accuracy,
     /// The method that was used.
     pub method: &'static str,
-    /// Its times.
+    /// Times of the frame.
     pub profile: FrameProfile,
-    /// Its counts.
+    /// Counts of the frame.
     pub facts: Facts,
-    /// Its passes and their reasons.
+    /// Passes of the frame and their reasons.
     pub plan: Vec<Step>,
     /// The distribution of F over the points, if the method uses it.
     pub field: Option<FieldFacts>,
     /// The meaning of its colors, if that was asked for.
     pub legend: Option<Arc<Legend>>,
-    /// How much of clouds that stay in their files it holds.
+    /// Resident part of clouds that stay in their files.
     pub held: Option<Held>,
 }
 
@@ -90,7 +90,7 @@ pub struct Picture {
 pub enum News {
     /// A picture is finished.
     Picture(Box<Picture>),
-    /// Other files are open: their name and scene document.
+    /// Name and scene document of other files that were opened.
     Opened(String, Box<Document>),
     /// Statistics of the clouds, in the scene's order.
     Clouds(Arc<[Census]>),

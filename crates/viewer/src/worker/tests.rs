@@ -8,7 +8,7 @@ use pellucid_session::{Clouds, Sources};
 use pellucid_engine::scene::{CameraSettings, Document, Setting};
 
 #[test]
-fn what_holds_no_cameras_is_told_what_could() {
+fn files_without_cameras_are_refused_with_the_formats_that_have_them() {
     let folder = tempfile::tempdir().unwrap();
     let failed = |name: &str, text: &str| {
         let file = folder.path().join(name);
@@ -99,7 +99,7 @@ fn whole(document: &Document, pose: Pose, serial: u64) -> Task {
 
 /// A stop request may be late and hit the next task.
 #[test]
-fn what_is_to_be_written_is_written_whenever_something_is_stopped() {
+fn files_are_written_whenever_rendering_is_stopped() {
     working(|device, worker, document, folder| {
         let to = Some(folder.join("kept.toml"));
         worker.ask(Task::Save(Box::new(Saving { document, stem: String::new(), picture: true, path: None, to })));
@@ -174,7 +174,7 @@ fn a_moving_picture_is_measured_once_a_better_one_is_there() {
     });
 }
 
-/// The same names and the same view, but different points.
+/// Opens files with the same names and view, but different points.
 #[test]
 fn files_that_are_opened_again_have_no_accuracy_yet() {
     working(|_, worker, document, folder| {

@@ -21,10 +21,10 @@ const THREADS: &str = "4";
 /// Lines of ffmpeg's that an error repeats.
 const LINES: usize = 5;
 
-/// How often the end of ffmpeg is looked for.
+/// Interval at which the program checks whether ffmpeg has ended.
 const PAUSE: Duration = Duration::from_millis(10);
 
-/// Why a film was not encoded.
+/// Reasons why a film was not encoded.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The program is not there.
@@ -71,7 +71,7 @@ fn coding(kind: Kind) -> Option<(&'static str, &'static str, &'static [&'static 
 /// Looks for the program and for its encoder.
 ///
 /// # Errors
-/// One of them is missing.
+/// The program or its encoder is missing.
 pub fn check(film: &Path, kind: Kind) -> Result<(), Error> {
     let Some((encoder, others, _)) = coding(kind) else { return Ok(()) };
     let (film, program) = (film.to_owned(), program());
@@ -88,10 +88,10 @@ pub fn check(film: &Path, kind: Kind) -> Result<(), Error> {
 
 /// A film to encode.
 pub struct Encoding<'a> {
-    /// Its name, for messages.
+    /// File name of the film, for messages.
     pub film: &'a Path,
     pub kind: Kind,
-    /// Where ffmpeg writes it.
+    /// Temporary file that ffmpeg writes.
     pub part: &'a Path,
     pub fps: u32,
     pub title: &'a str,

@@ -55,7 +55,7 @@ fn delay(number: usize, fps: u32) -> u16 {
     (end(number + 1) - end(number)) as u16
 }
 
-/// Left, top, right and bottom of what differs, at least one pixel.
+/// Returns left, top, right and bottom of the pixels that differ, at least one pixel.
 fn changed(before: &[u8], after: &[u8], width: usize) -> [usize; 4] {
     let mut found = [width, usize::MAX, 0, 0];
     for (number, (old, new)) in before.chunks_exact(width).zip(after.chunks_exact(width)).enumerate() {

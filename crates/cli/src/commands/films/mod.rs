@@ -40,8 +40,8 @@ const PARTS: [&str; 2] = ["film.mp4", "film.webm"];
 pub struct FilmArgs {
     /// With --path or --turntable: write a page that turns the scene in any browser.
     ///
-    /// Mouse, finger, keys and a slider turn it. The page holds all frames and loads nothing else. Without -o only the page is
-    /// written.
+    /// Mouse, finger, keys and a slider turn it. The page holds all frames and loads nothing else. Without -o only the
+    /// page is written.
     #[arg(long, value_name = "PAGE.html", help_heading = FRAMES)]
     html: Option<PathBuf>,
     /// Frames per second of a film, an animation or a page; by default 25.
@@ -59,7 +59,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// By the extension, if it is that of a film.
+    /// Returns the kind that belongs to the extension, if it is that of a film.
     fn of(path: &Path) -> Option<Self> {
         Some(match extension(path)?.as_str() {
             "mp4" => Self::Mp4,

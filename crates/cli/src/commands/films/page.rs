@@ -28,7 +28,7 @@ const LIGHT: f32 = 0.214;
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
-/// Where the frames stand in the page. No text has it, since its brackets would be escaped.
+/// Placeholder of the frames in the page. No text has it, since its brackets would be escaped.
 const FRAMES: &str = "<!--frames-->";
 
 /// Text about the frames.
@@ -41,7 +41,7 @@ pub struct Caption {
     pub closed: bool,
     /// Linear RGB.
     pub background: Vec3,
-    /// As in a single picture.
+    /// Metadata as in a single picture.
     pub metadata: Vec<(String, String)>,
 }
 

@@ -24,7 +24,7 @@ fn bayer(x: usize, y: usize) -> i32 {
 }
 
 pub struct Palette {
-    /// At least two, at most 256.
+    /// Colors of the palette: at least 2, at most 256.
     colors: Vec<[u8; 3]>,
     /// True if every color of the frames is among them.
     is_exact: bool,
@@ -119,13 +119,13 @@ impl Palette {
     }
 }
 
-/// How different two colors look, by the shares of the channels in luminance.
+/// Returns a distance between two colors, weighted by the shares of the channels in luminance.
 fn apart(a: [u8; 3], b: [u8; 3]) -> i32 {
     let square = |channel: usize| (i32::from(a[channel]) - i32::from(b[channel])).pow(2);
     2 * square(0) + 4 * square(1) + square(2)
 }
 
-/// At most 255 colors for these pixels (R, G, B, A).
+/// Chooses at most 255 colors for these pixels (R, G, B, A).
 fn chosen(pixels: &[u8]) -> Vec<[u8; 3]> {
     if pixels.is_empty() {
         return Vec::new();

@@ -23,7 +23,7 @@ pub struct Facts {
     pub classes: Classes,
     /// The smallest and the largest finite value of each scalar.
     ranges: Vec<(String, [f32; 2])>,
-    /// Along the file's vertical.
+    /// Heights along the file's vertical.
     height: Option<Histogram>,
     intensity: Option<Histogram>,
     overview: Overview,

@@ -13,7 +13,7 @@ fn extents(splats: &Gaussians) -> [f32; 3] {
     [0, all.len() / 2, all.len().saturating_sub(1)].map(|at| all.get(at).copied().unwrap_or_default())
 }
 
-/// As JSON: {count, degree, filter, extents: {min, median, max}}.
+/// Returns the facts of splats as JSON: {count, degree, filter, extents: {min, median, max}}.
 pub fn json(splats: &Gaussians, filter: Option<Filter>) -> Value {
     let [min, median, max] = extents(splats);
     json!({

@@ -6,13 +6,13 @@ use serde_json::{Value, json};
 /// Bins of a histogram.
 const BINS: usize = 16;
 
-/// The shares of values between which a histogram lies: strays would leave all others in one bin.
+/// The shares of values between which a histogram lies: outliers would leave all others in one bin.
 const ENDS: [f64; 2] = [0.01, 0.99];
 
-/// From the lowest to the highest bar.
+/// Characters for bars, from the lowest to the highest.
 const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
 
-/// How often values lie in equal bins between their percentiles 1 and 99; the few outside are not counted.
+/// Number of values in equal bins between percentiles 1 and 99; the few values outside are not counted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Histogram {
     /// Percentile 1.
@@ -24,7 +24,7 @@ pub struct Histogram {
 }
 
 impl Histogram {
-    /// Of the finite values; `None` if there are none.
+    /// Returns the histogram of the finite values; `None` if there are none.
     pub fn of(values: Vec<f64>) -> Option<Self> {
         let [min, max] = percentiles(values.clone(), ENDS)?;
         let mut counts = [0; BINS];
@@ -38,7 +38,7 @@ impl Histogram {
         json!({ "min": self.min, "max": self.max, "counts": self.counts })
     }
 
-    /// As in `20.1 ▂▄▇█▇▅▃▂▁▁ 38.2`; a bin without values is blank.
+    /// Formats the histogram like `20.1 ▂▄▇█▇▅▃▂▁▁ 38.2`; a bin without values is blank.
     pub fn text(&self) -> String {
         let most = self.counts.into_iter().max().unwrap_or_default();
         let bar = |count: &usize| match (count * BARS.len()).div_ceil(most.max(1)) {

@@ -1,4 +1,4 @@
-//! Which part of an image each rank renders: rectangles of whole tiles that are expected to cost the same.
+//! Divides an image among the ranks: rectangles of whole tiles that are expected to cost the same.
 
 use glam::DVec3;
 use pellucid_engine::camera::{Camera, Projection};
@@ -13,7 +13,8 @@ pub const TILE: u32 = 16;
 /// Most points that are looked at; of more, every so manieth.
 const LOOKED_AT: usize = 200_000;
 
-/// Rows of tiles that a rectangle has at least before it is cut between columns: rows of whole width travel without being copied.
+/// Rows of tiles that a rectangle has at least before it is cut between columns: rows of whole width travel without
+/// being copied.
 const ROWS: u32 = 4;
 
 /// Work, as a number of fragments that takes as long: of a point that may show, and of a pixel (`abuffer` on lavapipe).
@@ -33,7 +34,7 @@ pub struct Costs {
 struct Tile {
     points: f64,
     fragments: f64,
-    /// How much more it took than was expected, as far as that is known.
+    /// Measured over expected cost, as far as that is known.
     factor: f64,
 }
 
@@ -52,7 +53,7 @@ pub struct Load {
     pub fragments: f64,
     /// Pixels.
     pub pixels: f64,
-    /// All of it, as a number of fragments that takes as long.
+    /// Total work, as a number of fragments that takes as long.
     pub work: f64,
 }
 
@@ -72,7 +73,7 @@ impl Costs {
         costs
     }
 
-    /// Those of an image of this size without points.
+    /// Returns the costs of an image of this size without points.
     pub fn blank(size: [u32; 2]) -> Self {
         let [columns, rows] = size.map(|side| side.div_ceil(TILE));
         Self { size, columns, tiles: vec![Tile::default(); (columns * rows) as usize] }
@@ -108,7 +109,7 @@ impl Costs {
         }
     }
 
-    /// Returns the expected cost of a window of whole tiles.
+    /// Returns the expected cost of a region of whole tiles.
     pub fn of(&self, window: Window) -> Load {
         let mut load = Load::default();
         for (at, pixels) in self.tiles_of(window) {
@@ -121,7 +122,7 @@ impl Costs {
         load
     }
 
-    /// The tiles of a window, and how many pixels of the image each has.
+    /// The tiles of a region, and how many pixels of the image each has.
     fn tiles_of(&self, [x0, y0, x1, y1]: Window) -> impl Iterator<Item = (usize, f64)> {
         let Self { columns, size: [width, height], .. } = *self;
         let side = |tile: u32, side: u32| f64::from(TILE.min(side - tile * TILE));
@@ -132,7 +133,7 @@ impl Costs {
         })
     }
 
-    /// Takes over what windows have really taken, each set of them together: in any unit of time.
+    /// Takes over what regions have really taken, each set of them together: in any unit of time.
     pub fn learn(&mut self, taken: &[(&[Window], f64)]) {
         let expected = |windows: &[Window]| windows.iter().map(|window| self.of(*window).work).sum::<f64>();
         let of_sets: Vec<f64> = taken.iter().map(|(windows, _)| expected(windows)).collect();
@@ -155,13 +156,13 @@ impl Costs {
         }
     }
 
-    /// All of it.
+    /// Returns the expected cost of the whole image.
     pub fn whole(&self) -> Load {
         self.of([0, 0, self.size[0], self.size[1]])
     }
 
-    /// Cuts the image into one window for each of `ranks`, and `more` each to be handed out on demand, which have together the share
-    /// `rest` of the work. Windows may be empty where there are more ranks than tiles.
+    /// Cuts the image into one region for each of `ranks`, and `more` each to be handed out on demand, which have
+    /// together the share `rest` of the work. Regions may be empty where there are more ranks than tiles.
     pub fn windows(&self, ranks: usize, more: usize, rest: f64) -> Vec<Window> {
         let leaves = self.leaves([0, 0, self.size[0], self.size[1]], ranks);
         if more == 0 {
@@ -173,7 +174,7 @@ impl Costs {
         own.chain(others).collect()
     }
 
-    /// Cuts a window into `count` of about the same work.
+    /// Cuts a region into `count` of about the same work.
     fn leaves(&self, window: Window, count: usize) -> Vec<Window> {
         if count <= 1 {
             return vec![window];
@@ -182,7 +183,7 @@ impl Costs {
         [self.leaves(low, count / 2), self.leaves(high, count - count / 2)].concat()
     }
 
-    /// Cuts a window in two, of which the first has this share of the work, as far as tiles allow.
+    /// Cuts a region in two, of which the first has this share of the work, as far as tiles allow.
     fn parted(&self, window: Window, share: f64) -> [Window; 2] {
         let [x0, y0, x1, y1] = window;
         let [wide, high] = [(x1 - x0).div_ceil(TILE), (y1 - y0).div_ceil(TILE)];
@@ -213,7 +214,7 @@ fn slant(camera: &Camera, position: DVec3, normal: DVec3) -> f64 {
     sight.dot(normal.normalize_or_zero()).abs()
 }
 
-/// True of a window without pixels.
+/// True for a region without pixels.
 pub fn is_empty([x0, y0, x1, y1]: Window) -> bool {
     x0 >= x1 || y0 >= y1
 }
@@ -272,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_handed_out_on_demand_has_its_share() {
+    fn regions_on_demand_have_their_share_of_the_work() {
         let costs = costs([640, 640], |_, _| 1e5);
         let windows = costs.windows(4, 2, 0.25);
         let rest: f64 = windows[4..].iter().map(|window| costs.of(*window).work).sum();
@@ -280,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn what_took_longer_than_expected_is_shared_by_more() {
+    fn regions_that_took_longer_than_expected_become_smaller() {
         let mut costs = costs([640, 640], |_, _| 1e5);
         let halves = costs.windows(2, 0, 0.0);
         assert_eq!(halves[0][3], 320);

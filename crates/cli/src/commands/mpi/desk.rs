@@ -13,11 +13,11 @@ use super::ranks::{Ranks, patiently};
 const ASK: i32 = 2;
 const ANSWER: i32 = 3;
 
-/// There is no unit left.
+/// Answer of the work queue when no unit is left.
 const NONE: u64 = u64::MAX;
 
-/// The desk where a rank gets its next unit. That of the first rank has those of all; a thread of its own answers the others, since
-/// the rank itself is at work.
+/// Work queue from which a rank gets its next unit. The first rank holds the units of all; a thread of its own answers
+/// the others, since the rank itself is at work.
 pub struct Desk {
     own: Option<usize>,
     /// Units that nobody has begun; those of the first rank count.
@@ -29,7 +29,7 @@ pub struct Desk {
 }
 
 impl Desk {
-    /// Opens a desk with so many units, the same on all ranks.
+    /// Opens a work queue with so many units, the same on all ranks.
     pub fn open(ranks: &Ranks, units: usize) -> Self {
         let (own, count) = (ranks.own(), ranks.count());
         let left = Arc::new(Mutex::new(count.min(units)..units));
@@ -74,7 +74,7 @@ fn take(left: &Mutex<Range<usize>>) -> Option<usize> {
     left.lock().unwrap_or_else(PoisonError::into_inner).next()
 }
 
-/// Answers until so many ranks have been told that nothing is left.
+/// Answers until so many ranks know that nothing is left.
 fn answer(left: &Mutex<Range<usize>>, mut others: usize) {
     let world = SimpleCommunicator::world();
     while others > 0 {

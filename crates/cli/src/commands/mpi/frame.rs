@@ -1,4 +1,4 @@
-//! One frame by all ranks.
+//! Renders a frame with all ranks.
 
 use std::time::{Duration, Instant};
 
@@ -17,7 +17,7 @@ use super::work::{Work, imbalance, ms};
 /// Renders a frame with all ranks; the first one gets it.
 ///
 /// # Errors
-/// Those of rendering.
+/// Errors of rendering.
 pub fn render(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<Shared>> {
     let (rounds, ranks) = (spread::frame::order(stage, ranks, listed)?, ranks.led().unwrap_or(ranks));
     ranks.meet();
@@ -45,7 +45,7 @@ pub fn render(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<S
 /// Renders the frames of cameras, each by one rank, which keeps it; the first one gets its last one, and what all did.
 ///
 /// # Errors
-/// Those of rendering.
+/// Errors of rendering.
 pub fn film(stage: &mut Stage, cameras: &[Camera], ranks: &Ranks, listed: bool) -> Result<Option<Shared>> {
     ranks.meet();
     let mut turn = Turn { begin: Instant::now(), work: Work::of(ranks), listed, ranks };

@@ -27,7 +27,7 @@ use crate::commands::session::Session;
 /// Renders the frames that are not there yet.
 ///
 /// # Errors
-/// Those of rendering, on any rank.
+/// Errors of rendering, on any rank.
 pub fn run(
     args: &RenderArgs,
     sharing: &SharingArgs,
@@ -74,7 +74,7 @@ pub fn run(
     Ok(if before + rendered < count { ExitCode::from(interrupt::STATUS) } else { ExitCode::SUCCESS })
 }
 
-/// Each rank renders and writes frames as long as there are some; their number.
+/// Renders and writes, on each rank, frames as long as there are some; returns their number.
 fn each_its_own(
     args: &RenderArgs,
     frames: &Frames,
@@ -96,7 +96,7 @@ fn each_its_own(
     Ok(rendered)
 }
 
-/// All ranks render each frame, which the first one writes; their number there.
+/// Renders each frame with all ranks, and writes it on the first one; returns the number of frames there.
 fn each_by_all(
     args: &RenderArgs,
     frames: &Frames,

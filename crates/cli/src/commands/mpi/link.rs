@@ -33,7 +33,7 @@ impl Link {
         messages * self.latency + bytes / self.bandwidth
     }
 
-    /// Measures messages between the first two ranks and tells all; `None` of one rank.
+    /// Measures messages between the first two ranks and sends the result to all; `None` for a single rank.
     pub fn measured(ranks: &Ranks) -> Option<Self> {
         if ranks.count() < 2 {
             return None;

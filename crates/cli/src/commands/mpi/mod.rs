@@ -55,7 +55,7 @@ pub fn run() -> ExitCode {
     };
     ranks.tells = cli.verbose;
     ranks.begin("joined");
-    // What one has to say, all have.
+    // A message of one rank is a message of all.
     let console = Console::new(cli.quiet || !ranks.is_first(), cli.verbose && ranks.is_first());
     super::interrupt::watch();
     pellucid_engine::io::silence_decoder_panics();
@@ -82,7 +82,7 @@ pub fn run() -> ExitCode {
     done
 }
 
-/// Which clouds stay in their files: those that are spread, and octrees of which windows show parts.
+/// Returns which clouds stay in their files: those that are distributed, and octrees of which regions show parts.
 fn kept_in_files(sharing: &SharingArgs, spread: SpreadArgs, is_film: bool, ranks: &Ranks) -> KeptInFiles {
     let by_windows = sharing.share == Wanted::Windows || sharing.share == Wanted::Auto && !is_film;
     if spread.spread {
@@ -100,7 +100,7 @@ fn fail(error: pellucid_engine::Error, ranks: &Ranks) -> ! {
 }
 
 impl Command {
-    /// The device that is asked for, if points are to be spread over the ranks.
+    /// The device that is asked for, if points are to be distributed over the ranks.
     fn spread(&self) -> Option<&DeviceArgs> {
         match self {
             Self::Render { args, spread, .. } => spread.spread.then_some(&args.device),
@@ -126,7 +126,7 @@ fn render(args: &RenderArgs, sharing: &SharingArgs, ranks: &Ranks, console: Cons
     }
 }
 
-/// Where pictures go, if ranks can share the work.
+/// Returns the destination of pictures, if ranks can share the work.
 fn target(args: &RenderArgs) -> Result<Target> {
     args.measure.check()?;
     let usage = |problem: &str| Err(Error::Usage(problem.to_owned()).into());

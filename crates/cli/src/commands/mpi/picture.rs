@@ -1,4 +1,4 @@
-//! One picture by all ranks.
+//! Renders a picture with all ranks.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -19,7 +19,7 @@ use crate::commands::render::{self, RenderArgs};
 /// Renders the picture.
 ///
 /// # Errors
-/// Those of rendering, on any rank.
+/// Errors of rendering, on any rank.
 pub fn run(
     args: &RenderArgs,
     sharing: &SharingArgs,

@@ -6,7 +6,7 @@ use pellucid_engine::passes::bands::Window;
 
 use super::ranks::Ranks;
 
-/// One kind of value of all pixels, as bytes.
+/// Values of one kind for all pixels, as bytes.
 struct Plane<'a> {
     bytes: &'a mut [u8],
     /// Bytes of a row.
@@ -16,13 +16,13 @@ struct Plane<'a> {
 }
 
 impl Plane<'_> {
-    /// The bytes of a window's row.
+    /// The bytes of a region's row.
     fn row(&mut self, [x0, _, x1, _]: Window, y: u32) -> &mut [u8] {
         let start = y as usize * self.row;
         &mut self.bytes[start + x0 as usize * self.pixel..start + x1 as usize * self.pixel]
     }
 
-    /// The bytes of a window, if they are one piece.
+    /// The bytes of a region, if they are one piece.
     fn whole(&mut self, [x0, y0, x1, y1]: Window) -> Option<&mut [u8]> {
         let is_wide = x0 == 0 && x1 as usize * self.pixel == self.row;
         is_wide.then(|| &mut self.bytes[y0 as usize * self.row..y1 as usize * self.row])
@@ -63,24 +63,24 @@ fn planes(image: &mut Image) -> Vec<Plane<'_>> {
     all
 }
 
-/// Sends the pixels of a window to the first rank.
+/// Sends the pixels of a region to the first rank.
 pub fn send(image: &mut Image, window: Window, ranks: &Ranks) {
     planes(image).iter_mut().for_each(|plane| plane.send(window, ranks));
 }
 
-/// Takes the pixels of a window that a rank sends, whose image has the same kinds of values.
+/// Takes the pixels of a region that a rank sends, whose image has the same kinds of values.
 pub fn receive(image: &mut Image, window: Window, from: usize, ranks: &Ranks) {
     planes(image).iter_mut().for_each(|plane| plane.receive(window, from, ranks));
 }
 
-/// Copies the pixels of a window into an image of the same size and kinds of values.
+/// Copies the pixels of a region into an image of the same size and kinds of values.
 pub fn copy(into: &mut Image, from: &mut Image, window: Window) {
     for (into, from) in planes(into).iter_mut().zip(&mut planes(from)) {
         (window[1]..window[3]).for_each(|y| into.row(window, y).copy_from_slice(from.row(window, y)));
     }
 }
 
-/// Which kinds of values an image has besides color and depth.
+/// Returns true for each optional channel that an image has: median and mean depth, fragments, layers, standard error.
 pub fn kinds(image: &Image) -> Vec<bool> {
     let Image { depth_median, depth_mean, fragments, layers, stderr, .. } = image;
     vec![depth_median.is_some(), depth_mean.is_some(), fragments.is_some(), layers.is_some(), stderr.is_some()]

@@ -18,7 +18,7 @@ use crate::commands::plan::PlanArgs;
 /// Prints what the ranks can share, with what it is expected to take, and what each of them would render.
 ///
 /// # Errors
-/// Those of reading the scene.
+/// Errors of reading the scene.
 pub fn run(
     args: &PlanArgs,
     sharing: &SharingArgs,

@@ -18,7 +18,7 @@ use crate::commands::profile::{DEFAULT_FRAMES, ProfileArgs};
 /// Measures frames that all ranks render together.
 ///
 /// # Errors
-/// Those of rendering, on any rank.
+/// Errors of rendering, on any rank.
 pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Console) -> Result<ExitCode> {
     let progress = console.progress();
     let mut cameras = Vec::new();

@@ -15,8 +15,8 @@ const PIECE: usize = 1 << 30;
 const TAG: i32 = 1;
 const HERE: i32 = 4;
 
-/// How long somebody who waits for a message sleeps before looking again, at first and at most: a wait that never sleeps takes a core from
-/// those who work.
+/// Shortest and longest sleep between two looks for a message: a wait that never sleeps takes a core from ranks that
+/// work.
 const NAPS: [Duration; 2] = [Duration::from_micros(10), Duration::from_millis(1)];
 
 /// Sleeps until something is there, ever longer.
@@ -31,7 +31,8 @@ pub fn patiently<T>(mut look: impl FnMut() -> Option<T>) -> T {
     }
 }
 
-/// How long a rank that fails waits for those before it to say so, by its number, and at most.
+/// Delay per rank number before a failing rank speaks, so that a lower rank with the same failure can speak first; and
+/// the longest delay.
 const PATIENCE: Duration = Duration::from_millis(100);
 const LONGEST_PATIENCE: Duration = Duration::from_secs(3);
 
@@ -43,7 +44,7 @@ pub struct Ranks {
     traffic: Cell<Traffic>,
     /// True if each rank says what it begins with.
     pub tells: bool,
-    /// All ranks, of one that is seen as if it was alone.
+    /// Communicator of all ranks, if this one is seen as if it was alone.
     all: Option<Box<Self>>,
     // Last: dropping it ends MPI.
     _universe: Option<Universe>,
@@ -90,19 +91,19 @@ impl Ranks {
         Ok(Self { world, local, host, traffic: Cell::default(), tells: false, all: None, _universe: Some(universe) })
     }
 
-    /// This rank as if it was alone, for a command that the others don't follow: they do as it orders.
+    /// Returns this rank as if it was alone, for a command that the others don't follow: they do as it orders.
     pub fn leading(self) -> Self {
         let (local, host, tells) = (self.local, self.host.clone(), self.tells);
         let world = SimpleCommunicator::self_comm();
         Self { world, local, host, traffic: Cell::default(), tells, all: Some(Box::new(self)), _universe: None }
     }
 
-    /// All ranks, of one that leads others.
+    /// Returns all ranks, if this one leads others.
     pub fn led(&self) -> Option<&Self> {
         self.all.as_deref()
     }
 
-    /// This rank, from 0.
+    /// Number of this rank, from 0.
     pub fn own(&self) -> usize {
         usize::try_from(self.world.rank()).unwrap_or(0)
     }
@@ -112,7 +113,7 @@ impl Ranks {
         usize::try_from(self.world.size()).unwrap_or(1)
     }
 
-    /// This rank's number among those of its host, from 0: on a machine with several GPUs each rank takes its own.
+    /// Number of this rank among those of its host, from 0: on a machine with several GPUs each rank takes its own.
     pub fn local(&self) -> usize {
         self.local
     }
@@ -127,7 +128,7 @@ impl Ranks {
         self.own() == 0
     }
 
-    /// This rank for people: `rank 2 of 4 (node17)`.
+    /// Name of this rank for people: `rank 2 of 4 (node17)`.
     pub fn name(&self) -> String {
         if let Some(all) = &self.all {
             return all.name();
@@ -140,7 +141,8 @@ impl Ranks {
         self.traffic.get()
     }
 
-    /// Returns the first rank's bytes on all ranks: along a tree, in which each rank tells those that differ from it by one bit more.
+    /// Broadcasts the first rank's bytes: along a tree, in which each rank sends them to those that differ from it by
+    /// one bit more.
     pub fn told(&self, said: Vec<u8>) -> Vec<u8> {
         let bytes = self.parent().map_or(said, |parent| {
             self.wait(parent, TAG);
@@ -152,12 +154,12 @@ impl Ranks {
         bytes
     }
 
-    /// The rank from which this one hears what the first one says.
+    /// Parent in the tree: the rank from which this one receives the first one's bytes.
     fn parent(&self) -> Option<usize> {
         (!self.is_first()).then(|| self.own() & (self.own() - 1))
     }
 
-    /// The ranks that this one tells.
+    /// Children in the tree: the ranks to which this one sends the bytes.
     fn children(&self) -> impl DoubleEndedIterator<Item = usize> {
         let (own, count) = (self.own(), self.count());
         let bits = if own == 0 { usize::BITS } else { own.trailing_zeros() };
@@ -181,7 +183,8 @@ impl Ranks {
         Some(std::iter::once(said.to_vec()).chain((1..self.count()).map(|rank| self.received(rank))).collect())
     }
 
-    /// Sends bytes to a rank, which has to ask for them ([`Self::received`]). Sleeps until it does: MPI would wait at work.
+    /// Sends bytes to a rank, which has to ask for them ([`Self::received`]). Sleeps until it does: MPI would wait at
+    /// work.
     pub fn send(&self, to: usize, bytes: &[u8]) {
         self.hear(to);
         self.send_now(to, bytes);
@@ -192,12 +195,12 @@ impl Ranks {
         self.send_exactly(to, bytes);
     }
 
-    /// Tells a rank that this one is here.
+    /// Signals a rank that this one is here.
     fn tell(&self, to: usize) {
         self.world.process_at_rank(to as i32).send_with_tag(&0u8, HERE);
     }
 
-    /// Sleeps until a rank tells that it is here.
+    /// Sleeps until a rank signals that it is here.
     fn hear(&self, from: usize) {
         self.wait(from, HERE);
         let _ = self.world.process_at_rank(from as i32).receive_with_tag::<u8>(HERE);
@@ -261,8 +264,8 @@ impl Ranks {
         }
     }
 
-    /// Says what went wrong and ends all ranks. Of several that fail for the same reason the first one speaks, and the others are ended
-    /// while they wait.
+    /// Says what went wrong and ends all ranks. Of several that fail for the same reason the first one speaks, and the
+    /// others are ended while they wait.
     pub fn fail(&self, message: &str, status: u8) -> ! {
         if let Some(all) = &self.all {
             all.fail(message, status);

@@ -15,11 +15,11 @@ use crate::commands::session::{Session, write_json};
 
 /// Measurements of frames.
 pub struct Report {
-    /// That of the first rank, in the form of `pellucid`.
+    /// Profile of the first rank, in the form of `pellucid`.
     pub profile: Profile,
     share: Share,
     frames: Vec<Measured>,
-    /// How points were spread over the ranks, if they are.
+    /// Distribution of points over the ranks, if they are distributed.
     pub spread: Option<Value>,
 }
 
@@ -51,7 +51,7 @@ fn rank(work: &Work) -> Value {
 }
 
 impl Report {
-    /// No frames yet.
+    /// Returns a report without frames.
     pub fn new(session: &Session, share: Share) -> Self {
         Self { profile: session.profile(), share, frames: Vec::new(), spread: None }
     }
@@ -63,7 +63,7 @@ impl Report {
         self.frames.push(Measured { work: work.clone(), wall: *wall, gather: *gather });
     }
 
-    /// How long frames took, in a line.
+    /// Formats the times of frames in a line.
     pub fn times(&self) -> String {
         let walls: Vec<f64> = self.frames.iter().map(|frame| ms(frame.wall)).collect();
         let made: usize = self.frames.iter().flat_map(|frame| &frame.work).map(|work| work.frames.len()).sum();

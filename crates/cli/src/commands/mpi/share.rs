@@ -1,4 +1,5 @@
-//! How ranks share work: windows of an image, its random samples, or frames; and which of them is expected to be fastest.
+//! Ways in which ranks share work: regions of an image, its random samples, or frames; and the choice of the one that
+//! is expected to be fastest.
 
 use std::fmt::Display;
 
@@ -13,7 +14,7 @@ use crate::commands::mpi_args::Wanted;
 /// Thing that the ranks share.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Share {
-    /// Windows of each image.
+    /// Regions of each image.
     Windows,
     /// Ensembles or samples of each image.
     Samples,
@@ -48,7 +49,7 @@ pub struct Job {
     pub load: Load,
     /// Ensembles or samples of a frame, and how many of them a rank takes at least; `None` of methods that have none.
     pub samples: Option<[u32; 2]>,
-    /// Points that `spbr` deals to all ensembles; 0 of other methods.
+    /// Points that `spbr` assigns to all ensembles; 0 for other methods.
     pub slots: u64,
     /// Frames.
     pub frames: usize,
@@ -62,7 +63,7 @@ pub struct Offer {
     pub share: Share,
     /// Expected seconds of all frames; `None` if the work cannot be shared in this way.
     pub seconds: Option<f64>,
-    /// Why.
+    /// Reason for the estimate, or why the work cannot be shared in this way.
     pub why: String,
 }
 
@@ -89,7 +90,7 @@ impl Job {
 
     fn windows(&self, ranks: usize, link: Link) -> Offer {
         let n = ranks as f64;
-        // Whoever deals points to ensembles tests all of them for each window.
+        // A rank that assigns points to ensembles tests all of them for each region.
         let indivisible = if self.slots > 0 { self.seconds(SLOT * self.slots as f64) } else { 0.0 };
         let work = indivisible + (self.alone() - indivisible) / n;
         let gather = link.seconds(n - 1.0, self.load.pixels * IMAGE_BYTES * (n - 1.0) / n);
@@ -180,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_fastest_is_chosen() {
+    fn the_fastest_way_to_share_is_chosen() {
         assert_eq!(chosen(job(), 4), Share::Windows);
         let dealt = Job { samples: Some([100, 1]), slots: 40_000_000, ..job() };
         assert_eq!(chosen(dealt, 4), Share::Samples, "no rank has to test all points");
@@ -191,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_shared_is_refused() {
+    fn ways_that_share_nothing_are_refused() {
         let refused = |wanted, job: Job| job.choose(wanted, 2, LINK).unwrap_err().to_string();
         assert!(refused(Wanted::Ensembles, job()).contains("--share ensembles: the method draws no ensembles"));
         assert!(refused(Wanted::Frames, job()).contains("--share frames: there is one frame"));

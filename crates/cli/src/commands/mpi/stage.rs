@@ -27,15 +27,16 @@ use crate::commands::loaded::Resolved;
 use crate::commands::session::Session;
 use crate::legend;
 
-/// How long a rank works at least where some windows are handed out on demand, in seconds: for each, points are picked, sent to the
-/// device and projected anew, about 50 ms on a CPU.
+/// Least work of a rank, in seconds, for which some regions are handed out on demand: for each, points are picked,
+/// sent to the device and projected anew, about 50 ms on a CPU.
 const WORTH_DEMAND: f64 = 5.0;
 
-/// Windows on demand for each rank, and the share of the work that they have together.
+/// Regions on demand for each rank, and the share of the work that they have together.
 const ON_DEMAND: usize = 3;
 const REST: f64 = 0.2;
 
-/// Ranks whose longest time is at most so many times the mean keep their windows: others would have to bring other points.
+/// Ranks whose longest time is at most so many times the mean keep their regions: others would have to bring other
+/// points.
 const BALANCED: f64 = 1.05;
 
 /// A scene on this rank's device.
@@ -46,11 +47,11 @@ pub struct Stage {
     /// Work that can be shared.
     pub job: Job,
     pub link: Link,
-    /// The points of this rank, if they are spread over all.
+    /// The points of this rank, if they are distributed over all.
     pub spread: Option<Spread>,
     /// The last camera, with the costs of its tiles.
     costs: Option<(Camera, Costs)>,
-    /// The last frame: its camera and its windows, and if its ranks took much the same time.
+    /// The last frame: its camera and its regions, and if its ranks took much the same time.
     last: Option<Last>,
 }
 
@@ -58,12 +59,12 @@ pub struct Stage {
 struct Last {
     camera: Camera,
     windows: Vec<Window>,
-    /// True if the next one of this camera is to have the same windows.
+    /// True if the next one of this camera is to have the same regions.
     is_balanced: bool,
 }
 
 impl Stage {
-    /// Brings what `resolve` reads to the device; it also tells how many frames there are to render.
+    /// Brings what `resolve` reads to the device; it also returns how many frames there are to render.
     ///
     /// # Errors
     /// The exit status, once the first rank has said what went wrong.
@@ -85,7 +86,7 @@ impl Stage {
         let (mut resolved, frames) = together(ranks, checked())?;
         together(ranks, compare(&identity(&resolved), ranks))?;
         let link = Link::measured(ranks).unwrap_or_default();
-        // Points come window by window, so that each rank takes those of its own.
+        // Points come region by region, so that each rank takes those of its own.
         let frame = Frame::of_scene(&resolved.scene, resolved.camera, resolved.seed);
         let expected = Job::of(&frame, &resolved, frames).choose(setting.share, ranks.count(), link);
         resolved.by_windows =
@@ -106,7 +107,7 @@ impl Stage {
         Ok(Self { resolved, session, share, job, link, spread: None, costs: None, last: None })
     }
 
-    /// The same with the points spread over all ranks, as this one orders.
+    /// Makes the stage with the points distributed over all ranks, as this one orders.
     fn spread(
         setting: &Setting<'_>,
         all: &Ranks,
@@ -126,13 +127,13 @@ impl Stage {
         self.resolved.stored.as_ref().map_or(0, |stored| stored.bytes_read()[0])
     }
 
-    /// The windows of the ranks for the session's camera, and those on demand; the first rank cuts.
+    /// The regions of the ranks for the session's camera, and those on demand; the first rank cuts.
     pub fn windows(&mut self, ranks: &Ranks) -> Vec<Window> {
         let cut = if ranks.is_first() { self.cut(ranks.count()) } else { Vec::new() };
         messages::told(cut, ranks)
     }
 
-    /// The same for any number of ranks.
+    /// Cuts the image into regions for any number of ranks.
     pub fn cut(&mut self, ranks: usize) -> Vec<Window> {
         let (more, rest) = on_demand(&self.job, ranks);
         let camera = self.session.frame.camera;
@@ -155,7 +156,7 @@ impl Stage {
     pub fn learn(&mut self, work: &[Work], imbalance: f64) {
         let camera = self.session.frame.camera;
         let windows = work.iter().flat_map(|work| work.windows.clone()).collect();
-        // Who gets other windows of the same view brings other points, which takes time once.
+        // Who gets other regions of the same view brings other points, which takes time once.
         let is_new = self.last.as_ref().is_none_or(|last| last.camera == camera && last.windows != windows);
         let is_balanced = is_new || imbalance < BALANCED;
         self.last = Some(Last { camera, windows, is_balanced });

@@ -13,9 +13,9 @@ use super::ranks::{Ranks, Traffic};
 pub struct Work {
     /// The rank.
     pub rank: usize,
-    /// Its host.
+    /// Host of the rank.
     pub host: String,
-    /// Its windows of the image, in the order in which it rendered them.
+    /// Regions of the image, in the order in which the rank rendered them.
     pub windows: Vec<Window>,
     /// Ranges of ensembles or samples that it drew.
     pub samples: Vec<[u32; 2]>,
@@ -50,7 +50,7 @@ pub struct Pass {
 }
 
 impl Work {
-    /// Nothing done yet.
+    /// Returns a record of a rank that has done nothing yet.
     pub fn of(ranks: &Ranks) -> Self {
         Self { rank: ranks.own(), host: ranks.host().to_owned(), ..Self::default() }
     }

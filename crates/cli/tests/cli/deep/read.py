@@ -18,8 +18,8 @@ import OpenEXR
 ROUNDING = 2.0**-24
 
 
-# Name, type and size of the attribute that says how orderly samples are. OpenEXR's library knows the type, its Python module (3.5.3) refuses
-# files that have it.
+# Name, type and size of the attribute that says how orderly samples are. OpenEXR's library knows the type, its Python
+# module (3.5.3) refuses files that have it.
 STATE = b"deepImageState\0deepImageState\0\1\0\0\0"
 
 
@@ -73,7 +73,8 @@ def check(deep, flat, counts):
             if counts and len(rows) != flat["fragments.Y"][y, x]:
                 raise ValueError(f"pixel ({x}, {y}): {len(rows)} samples, {flat['fragments.Y'][y, x]} fragments")
             wanted = np.array([flat[name][y, x] for name in "RGBA"], dtype=np.float64)
-            # Three roundings for each fragment in A and in a color, where an error of A counts once more; and those of the samples.
+            # Three roundings for each fragment in A and in a color, where an error of A counts once more; and those of
+            # the samples.
             allowed = 8.0 * (len(rows) + 2.0) * ROUNDING
             share = np.abs(flattened(rows) - wanted).max() / allowed
             if not share <= 1.0:

@@ -7,8 +7,8 @@ use tempfile::TempDir;
 
 use super::{command, has_device, place, text};
 
-/// Budgets that a method tries: nothing, and what lists or tiles make something of. Ensembles work within any, but copy their
-/// points so often that it takes minutes.
+/// Budgets that a method tries: nothing, and what lists or tiles make something of. Ensembles work within any, but copy
+/// their points so often that it takes minutes.
 fn budgets(method: &Method) -> &'static [&'static str] {
     match method.family() {
         Family::Discs => &["1", "2KB", "40KB"],

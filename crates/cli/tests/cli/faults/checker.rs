@@ -14,14 +14,14 @@ pub fn is_temporary(path: &Path) -> bool {
     name.starts_with(".pellucid-") && name.ends_with(".tmp")
 }
 
-/// How much may have happened.
+/// Changes that a failed command may leave.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Allowed {
     /// Nothing.
     Nothing,
-    /// Any file may be new, if it is whole.
+    /// New files, if they are whole.
     NewOrOld,
-    /// That, and temporary files may be left.
+    /// New files, if they are whole, and temporary files.
     Leftovers,
 }
 
@@ -87,8 +87,9 @@ fn is_deep(bytes: &[u8]) -> bool {
     bytes.get(4..8).is_some_and(|version| version[1] & 8 != 0)
 }
 
-/// Where the last row of a deep EXR ends, by the table of its rows, all of which must be in it. The header is a list of name, type, length
-/// and value, up to an empty name; a row is its number, three lengths, and as many bytes as the first two say.
+/// Returns the offset at which the last row of a deep EXR ends, by the table of its rows, all of which must be in it.
+/// The header is a list of name, type, length and value, up to an empty name; a row is its number, three lengths, and
+/// as many bytes as the first two say.
 fn deep_ends(bytes: &[u8]) -> Option<usize> {
     let number = |at: usize| Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?) as usize);
     let long = |at: usize| usize::try_from(u64::from_le_bytes(bytes.get(at..at + 8)?.try_into().ok()?)).ok();
@@ -108,7 +109,7 @@ fn deep_ends(bytes: &[u8]) -> Option<usize> {
 }
 
 #[test]
-fn what_is_half_written_is_noticed() {
+fn half_written_files_are_noticed() {
     for case in cases() {
         let folder = place();
         let whole = done(folder.path(), case);
@@ -127,7 +128,7 @@ fn what_is_half_written_is_noticed() {
 }
 
 #[test]
-fn what_is_left_gone_or_changed_is_noticed() {
+fn leftover_missing_and_changed_files_are_noticed() {
     let folder = place();
     put_old(folder.path(), CASES[0]);
     let before = files(&folder.path().join("out"));

@@ -1,5 +1,5 @@
-//! A device that is lost or has no memory left, simulated: an error that says what helps, nothing written, and the validation
-//! layers have nothing to say about what is taken down after it.
+//! A device that is lost or has no memory left, simulated: an error that says what helps, nothing written, and the
+//! validation layers have nothing to say about what is taken down after it.
 
 use std::process::Output;
 
@@ -27,7 +27,8 @@ const TRADEOFF: [&str; 9] =
 const STRESS: [&str; 11] =
     ["stress", "-q", "-o", "new", "--quick", "--method", "sorted", "--frames", "1", "--max-fragments", "4096"];
 
-/// Runs a check on the rendering of a picture by each method, and in each way that the table of methods has to draw the same.
+/// Runs a check on the rendering of a picture by each method, and in each way that the table of methods has to draw the
+/// same.
 fn for_renders(methods: impl IntoIterator<Item = Method>, check: impl Fn(&[&str])) {
     for method in methods {
         let plain = [RENDER_EXR.args, &["--method", method.name()]].concat();
@@ -123,7 +124,7 @@ fn a_device_that_fails_at_any_time() {
 }
 
 #[test]
-fn what_one_method_had_no_memory_for_is_skipped_by_a_sweep() {
+fn a_sweep_skips_cells_that_exceed_device_memory() {
     if !has_device() {
         return;
     }
@@ -143,7 +144,7 @@ fn what_one_method_had_no_memory_for_is_skipped_by_a_sweep() {
 }
 
 #[test]
-fn what_a_comparison_had_no_memory_for_is_skipped_and_leaves_no_picture() {
+fn a_comparison_skips_settings_that_exceed_device_memory_and_leaves_no_picture() {
     if !has_device() {
         return;
     }

@@ -113,8 +113,8 @@ fn files_over_the_limit_on_their_size_are_an_error() {
     }
 }
 
-/// Runs a case in a file system of 64 KiB, mounted where nobody else sees it, of which only so many KiB are free. Standard
-/// error, the exit status, and what is in it then. `None` where that is not allowed.
+/// Runs a case in a file system of 64 KiB, mounted where nobody else sees it, of which only so many KiB are free.
+/// Standard error, the exit status, and what is in it then. `None` where that is not allowed.
 fn mounted(case: Case, free: usize, options: &str) -> Option<(i32, String, String)> {
     let folder = place();
     let run = command(folder.path(), case.args);

@@ -34,7 +34,7 @@ fn kill(case: Case, point: &str) -> usize {
     kill_if_passed(case, point).unwrap_or_else(|| panic!("{:?}: {point} was never passed", case.args))
 }
 
-/// As [`kill`]; nothing where the command was done before it passed the point.
+/// Calls [`kill`]; returns nothing where the command was done before it passed the point.
 fn kill_if_passed(case: Case, point: &str) -> Option<usize> {
     let folder = place();
     put_old(folder.path(), case);

@@ -82,7 +82,7 @@ fn errors_of_gaussians_by_cause() {
 }
 
 #[test]
-fn what_a_projection_does_not_change_is_no_error() {
+fn settings_that_a_projection_makes_equal_have_no_error() {
     if !has_device() {
         return;
     }

@@ -58,7 +58,8 @@ fn centers_pop_and_exact_methods_do_not() {
     assert!(page.contains("<h2>Popping</h2>") && page.contains("does not pop"));
 }
 
-/// What fades with depth and what keeps a few layers are followed like the others, each with its defaults.
+/// Methods that fade with depth and methods that keep a few layers are followed like the others, each with its
+/// defaults.
 #[test]
 fn approximations_are_followed_along_a_path_of_discs() {
     if !has_device() {
@@ -113,7 +114,7 @@ fn a_rendered_path_tells_how_it_pops() {
 }
 
 #[test]
-fn what_can_not_be_followed_is_refused() {
+fn popping_without_a_path_or_an_exact_method_is_refused() {
     let folder = folder();
     let scene = splats::write(&folder);
     let tradeoff = ["tradeoff", &scene, "-q", "-o", "report"];

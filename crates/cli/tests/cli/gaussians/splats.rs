@@ -13,7 +13,8 @@ const PROPERTIES: [&str; 23] = [
     "rot_2", "rot_3",
 ];
 
-/// Writes `splats.ply`: thin Gaussians of several colors that cross in the middle, each in another direction, nearly opaque.
+/// Writes `splats.ply`: thin Gaussians of several colors that cross in the middle, each in another direction, nearly
+/// opaque.
 pub fn write(folder: &TempDir) -> String {
     let names = PROPERTIES.map(|name| format!("property float {name}\n")).concat();
     let mut bytes = format!("ply\nformat binary_little_endian 1.0\nelement vertex 8\n{names}end_header\n").into_bytes();

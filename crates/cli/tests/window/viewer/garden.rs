@@ -30,13 +30,13 @@ pub fn garden() -> tempfile::TempDir {
     folder
 }
 
-/// Presses F12 and waits for the files: their common name. The pointer goes to the window's corner, lest it be seen in the
-/// picture, or a control's hint.
+/// Presses F12 and waits for the files: their common name. The pointer goes to the window's corner, lest it be seen in
+/// the picture, or a control's hint.
 pub fn shoot(display: &Display, window: &mut Window) -> String {
     shoot_from(display, window, [715, 415])
 }
 
-/// The same in a window of another size, with the pointer's place.
+/// Saves a picture like [`shoot`], in a window of another size, with the pointer's place.
 pub fn shoot_from(display: &Display, window: &mut Window, [x, y]: [usize; 2]) -> String {
     display.do_it(&format!("mousemove {x} {y}"));
     display.do_it("key F12");
@@ -81,7 +81,8 @@ fn not_on_screen(display: &Display, picture: &Path, [left, top]: [usize; 2]) -> 
     image.pixels.iter().enumerate().filter(|(i, pixel)| pixel.map(byte) != shown(*i)).count()
 }
 
-/// SwiftShader, as browsers have it, shows nothing in X11's windows: that is said. Without any device there is nothing to test.
+/// SwiftShader, as browsers have it, shows nothing in X11's windows: that is said. Without any device there is nothing
+/// to test.
 fn shows_windows(display: &Display) -> bool {
     match Device::open(&DeviceOptions { validation: true, ..DeviceOptions::default() }) {
         Ok(device) if device.info().name.contains("SwiftShader") => {

@@ -114,7 +114,8 @@ fn a_field_that_is_taken_back_is_the_default_again() {
         let mut desk = Desk::open(display, folder.path(), text);
         desk.click("cloud.0.field default");
         assert_eq!(desk.saved().clouds[0].field, None);
-        // The cloud's name unfolds it, however slowly it is clicked: frames may take long between pressing and letting go.
+        // The cloud's name unfolds it, however slowly it is clicked: frames may take long between pressing and letting
+        // go.
         let [left, top, width, height] = desk.window.control("cloud.0");
         display.do_it(&format!("mousemove {} {}", left + width / 2, top + height / 2));
         display.do_it("mousedown 1");

@@ -26,7 +26,7 @@ impl Window {
         Self::open_with(folder, &[("DISPLAY", display)], arguments)
     }
 
-    /// The same, with further variables of the environment; `DISPLAY` is one of them.
+    /// Opens the viewer with further variables of the environment; `DISPLAY` is one of them.
     pub fn open_with(folder: &Path, variables: &[(&str, &str)], arguments: &[&str]) -> Self {
         let variables = variables.iter().copied();
         let mut process = command(folder).envs(variables).arg("-v").args(arguments).spawn().unwrap();

@@ -14,7 +14,7 @@ use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
 use x11rb::{COPY_DEPTH_FROM_PARENT, COPY_FROM_PARENT, CURRENT_TIME};
 
-/// How long the window may take to answer.
+/// Longest time that the window may take to answer.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A program on a display.
@@ -47,7 +47,8 @@ impl Client {
         self.connection.flush().unwrap();
     }
 
-    /// Asks the window manager to give a window all of the screen beside what it keeps for itself, or to take that back.
+    /// Asks the window manager to give a window all of the screen beside what it keeps for itself, or to take that
+    /// back.
     pub fn maximize(&self, window: u32, maximized: bool) {
         let (across, down) = (self.atom("_NET_WM_STATE_MAXIMIZED_HORZ"), self.atom("_NET_WM_STATE_MAXIMIZED_VERT"));
         let mask = EventMask::SUBSTRUCTURE_REDIRECT | EventMask::SUBSTRUCTURE_NOTIFY;
@@ -111,7 +112,7 @@ impl Client {
         [geometry.width, geometry.height]
     }
 
-    /// Where the window is on the screen.
+    /// Position of the window on the screen.
     pub fn position(&self, window: u32) -> [usize; 2] {
         let place = self.connection.translate_coordinates(window, self.root, 0, 0).unwrap().reply().unwrap();
         [place.dst_x, place.dst_y].map(|x| x.try_into().unwrap())

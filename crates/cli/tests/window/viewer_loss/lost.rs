@@ -43,7 +43,8 @@ fn assert_ends(display: &Display, window: Window) -> String {
     said
 }
 
-/// In the first upload, in the middle of the first frame, in a frame of the window, and later, when something is saved.
+/// Loses the device in the first upload, in the middle of the first frame, in a frame of the window, and later, when
+/// something is saved.
 #[test]
 fn a_lost_device_is_opened_again_and_everything_goes_on() {
     with_display(|display| {

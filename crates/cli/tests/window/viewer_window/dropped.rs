@@ -24,7 +24,7 @@ fn assert_shows(folder: &Path, saved: &str, files: &[&str]) {
 }
 
 #[test]
-fn what_is_dropped_is_opened() {
+fn dropped_files_are_opened() {
     with_display(|display| {
         let folder = garden();
         let folder = folder.path();

@@ -22,7 +22,7 @@ struct Holdings {
 }
 
 impl Holdings {
-    /// At rest.
+    /// Measures the resources while the window is at rest.
     fn measure(window: &mut Window) -> Self {
         let process = Path::new("/proc").join(window.process.id().to_string());
         let device_memory = window.wait_for("device memory: ");
@@ -66,7 +66,8 @@ fn resizing_hiding_and_opening_leave_nothing_behind() {
         let folder = folder.path();
         let made = command(folder).args(["scene", "tori", "--set", "points=600", "-o", "."]).output().unwrap();
         assert!(made.status.success(), "{made:?}");
-        // glibc's allocator keeps what it once had, the more the larger what was freed: told so, it gives pictures back at once.
+        // glibc's allocator keeps what it once had, the more the larger what was freed: told so, it gives pictures back
+        // at once.
         let variables = [
             ("DISPLAY", display.name.as_str()),
             ("MALLOC_MMAP_THRESHOLD_", "65536"),

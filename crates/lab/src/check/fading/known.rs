@@ -10,13 +10,13 @@ use pellucid_engine::scene::{Method, Wavelet};
 /// Discs of one depth, color and opacity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Layer {
-    /// From the eye.
+    /// Distance from the eye.
     pub depth: f32,
     /// Linear RGB.
     pub color: Vec3,
-    /// Of each of them.
+    /// Opacity of each disc.
     pub opacity: f32,
-    /// How many.
+    /// Number of discs.
     pub count: u32,
 }
 
@@ -60,15 +60,16 @@ pub fn known(layers: &[Layer], range: [f32; 2], method: &Method) -> [f64; 4] {
     pixel(layers, &depths, range.map(f64::from), method)
 }
 
-/// The most that float32 may change a component of the pixel: each depth is off by what a logarithm of a ratio is, equal ones alike, and the
-/// reference says what that does to the pixel. Everything behind it is in sums of two floats, compensated or a few roundings.
+/// The most that float32 may change a component of the pixel: each depth is off by what a logarithm of a ratio is,
+/// equal ones alike, and the reference says what that does to the pixel. Everything behind it is in sums of two floats,
+/// compensated or a few roundings.
 pub fn bound(layers: &[Layer], range: [f32; 2], method: &Method) -> f64 {
     let range = range.map(f64::from);
     let depths: Vec<f64> = layers.iter().map(|layer| layer.depth.into()).collect();
     let whole = pixel(layers, &depths, range, method);
     let nearest = depths.iter().copied().fold(f64::INFINITY, f64::min);
-    // A difference, a quotient, a sum, the logarithm of 2 units and its correction: six roundings, relative to the logarithm. Wavelets take the
-    // ratio of two such, times the number of cells.
+    // A difference, a quotient, a sum, the logarithm of 2 units and its correction: six roundings, relative to the
+    // logarithm. Wavelets take the ratio of two such, times the number of cells.
     let moved = |z: f64, sign: f64| match method {
         Method::Moments(_) => z * (range[1] / range[0]).powf(sign * 7.0 * HALF_ULP),
         _ => nearest * (z / nearest).powf(1.0 + sign * 14.0 * HALF_ULP),
@@ -88,8 +89,8 @@ pub fn bound(layers: &[Layer], range: [f32; 2], method: &Method) -> f64 {
     }
     let of_one = |layer: &Layer| f64::from(layer.count) * optical_depth(layer.opacity.into());
     let total: f64 = layers.iter().map(of_one).sum();
-    // Shares of the optical depth have some twenty roundings, and are times it in an exponent. A mean of colors up to 1 changes by at most twice
-    // the relative error of its weights; ten roundings are those of sums, products and A.
+    // Shares of the optical depth have some twenty roundings, and are times it in an exponent. A mean of colors up to 1
+    // changes by at most twice the relative error of its weights; ten roundings are those of sums, products and A.
     2.0 * of_depths + 2.0 * whole[3] * (total * 20.0 + 10.0) * HALF_ULP
 }
 

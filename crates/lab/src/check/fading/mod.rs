@@ -14,10 +14,10 @@ use pellucid_engine::scene::{Hybrid, Method, MomentCount, Moments, Tail, Wavelet
 
 type CaseResult = Result<Finding, Trouble>;
 
-/// Near and far of [`super::stage::pixels`].
+/// Depths of the near and far plane of [`super::stage::pixels`].
 const RANGE: [f32; 2] = [0.5, 1e7];
-/// The relative error of a compensated sum of any length (2 units: Kahan 1965), for color and weight, their quotient (2.5 units) and two
-/// products.
+/// The relative error of a compensated sum of any length (2 units: Kahan 1965), for color and weight, their quotient
+/// (2.5 units) and two products.
 const COMPENSATED: f64 = 18.0 * HALF_ULP;
 const COLORS: [Vec3; 5] = [
     Vec3::new(0.9, 0.1, 0.2),
@@ -33,8 +33,9 @@ pub(super) fn cases() -> Vec<Case> {
     by_moments.chain(by_wavelets).chain(other_wavelets()).chain(MomentCount::ALL.map(behind_a_front)).collect()
 }
 
-/// The cases of a number of moments. Published code in float32 is right about a few discs with the published bias, which was chosen for
-/// it. It is wrong where there are many, and where a bias below the roundings of float32 leaves moments singular.
+/// The cases of a number of moments. Published code in float32 is right about a few discs with the published bias,
+/// which was chosen for it. It is wrong where there are many, and where a bias below the roundings of float32 leaves
+/// moments singular.
 fn with_moments(moments: MomentCount) -> Vec<Case> {
     let settings = Moments { moments, ..Moments::default() };
     let sharp = Moments { bias: Some(LEAST_BIAS), ..settings };
@@ -128,7 +129,7 @@ fn layers(depths: &[f32], opacity: f32) -> Vec<Layer> {
     depths.iter().enumerate().map(layer).collect()
 }
 
-/// So many of each.
+/// Returns the layers with `count` discs in each.
 fn many(count: u32, layers: Vec<Layer>) -> Vec<Layer> {
     layers.into_iter().map(|layer| Layer { count, ..layer }).collect()
 }
@@ -180,8 +181,8 @@ fn against_float64(stage: &mut Stage, method: Method, layers: &[Layer]) -> CaseR
 /// The least bias of the scale of settings.
 const LEAST_BIAS: f32 = 1e-8;
 
-/// With half as many discs as moments and one more, their distribution is the only one that has these moments and one of its points where
-/// light is asked for, so that before it is what lies there.
+/// Checks half as many discs as moments and one more: their distribution is the only one that has these moments and a
+/// point at the depth where light is asked for, so that the light before this depth is exact.
 fn few_discs(stage: &mut Stage, settings: Moments) -> CaseResult {
     let depths = [7.0, 7.07, 900.0, 3e4, 1e6];
     let layers = layers(&depths[..=settings.moments.get() as usize / 2], 0.4);
@@ -189,7 +190,7 @@ fn few_discs(stage: &mut Stage, settings: Moments) -> CaseResult {
     found(stage, method, &dots, composed(&dots), bound(&layers, RANGE, &method))
 }
 
-/// At the edges of cells wavelets know the optical depth before each.
+/// Checks discs at the edges of cells, where wavelets know the optical depth before each.
 fn faint_edges(stage: &mut Stage, method: Method, rank: u32) -> CaseResult {
     let edges = 2u32 << rank;
     // To the far edge 2^16.
@@ -207,7 +208,7 @@ fn one_ulp(stage: &mut Stage, method: Method) -> CaseResult {
     found(stage, method, &dots, composed(&dots), 20.0 * HALF_ULP)
 }
 
-/// What is in front of a tail shows as it is, and takes the rest of the light from it.
+/// Checks a fragment before a tail: it shows unchanged, and the tail takes the rest of the light.
 fn faint_tail(stage: &mut Stage, moments: MomentCount) -> CaseResult {
     let (front, tail) = (Layer { depth: 0.75, color: COLORS[0], opacity: 0.5, count: 1 }, faint_spread());
     let alone = Method::Moments(Moments { moments, ..Moments::default() });

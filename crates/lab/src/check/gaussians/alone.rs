@@ -1,6 +1,7 @@
 //! Each Gaussian by itself: pixel by pixel against what roundings of float32 leave of float64.
 //!
-//! The error is a difference of opacity or depth from float64 over the most that is derived for that pixel, so that the bound is 1.
+//! The error is a difference of opacity or depth from float64 over the most that is derived for that pixel, so that the
+//! bound is 1.
 
 use super::super::discs::roundings;
 use super::super::naive::gaussians::Seen;
@@ -29,17 +30,18 @@ pub struct Known {
 /// A Gaussian's image as far as it is known; `None` where nothing can be.
 pub struct Expected(pub Vec<Option<Known>>);
 
-/// Over the pixels of some Gaussians: the largest errors of the device and of a naive formula, as shares of what is allowed.
+/// Largest errors of the device and of a naive formula over the pixels of some Gaussians, as shares of the allowed
+/// error.
 #[derive(Debug, Clone, Copy)]
 pub struct Shares {
-    /// Of the device.
+    /// Error of the device.
     pub found: f64,
-    /// Of the formula.
+    /// Error of the formula.
     pub naive: f64,
 }
 
 impl Shares {
-    /// Of no pixel.
+    /// Shares of no pixel.
     pub const NOTHING: Self = Self { found: 0.0, naive: 0.0 };
 
     /// The larger ones.
@@ -47,19 +49,19 @@ impl Shares {
         Self { found: self.found.max(other.found), naive: self.naive.max(other.naive) }
     }
 
-    /// Of both together: the larger error, and that of the formula which is off by less.
+    /// Combines two naive formulas: the larger error of the device, and the smaller one of the formulas.
     pub fn and(self, other: Self) -> Self {
         Self { found: self.found.max(other.found), naive: self.naive.min(other.naive) }
     }
 
-    /// As a case has them.
+    /// Returns the shares as the finding of a case.
     pub fn finding(self) -> Finding {
         Finding { error: self.found, bound: 1.0, naive: Computed(self.naive) }
     }
 }
 
 impl Expected {
-    /// From the reference.
+    /// Computes the expected image with the float64 reference.
     fn new(view: &View, splat: &Splat, method: &Method) -> Option<Self> {
         let gaussian = gaussians::gaussian(&cloud(std::slice::from_ref(splat)), 0)?;
         let order = view.settings.order.unwrap_or(Order::Pixel);
@@ -73,7 +75,7 @@ impl Expected {
             pixels[at(possible.x, possible.y)] = Some(known);
         }
         for Hit { x, y, alpha, z, .. } in gaussians::footprint(camera, size, &gaussian, &view.settings, order) {
-            // What the ranges don't have is an error of theirs, and none passes it.
+            // A pixel that the ranges lack is an error of theirs, and no image passes it.
             let nothing = Known { exact: None, alpha: Range::only(f64::NAN), depth: Range::only(f64::NAN), sure: true };
             pixels[at(x, y)].get_or_insert(nothing).exact = Some((alpha, z));
         }
@@ -153,7 +155,7 @@ pub fn alone(
     compared(stage, method, view, splats, least, expected, naive)
 }
 
-/// Like [`alone`], with other knowledge.
+/// Renders Gaussians one by one as [`alone`] does, with expectations of the caller.
 pub fn compared(
     stage: &mut Stage,
     method: Method,

@@ -17,12 +17,12 @@ use pellucid_engine::scene::{ColorSpace, GaussianSettings, Method};
 /// The most that a basis function of a degree has if no term of it is negative: 35 z⁴ − 30 z² + 3 has 68 of its factor.
 const LOUDEST: [f64; 4] = [0.49, 0.64, 0.84, 7.2];
 
-/// Roundings in such a term. A direction has 20 in each component: 2 for the difference, 4 for the square of the length, 9 for its root
-/// and 5 for the quotient, as Vulkan allows them. Four directions, 8 products, 24 sums.
+/// Roundings in such a term. A direction has 20 in each component: 2 for the difference, 4 for the square of the
+/// length, 9 for its root and 5 for the quotient, as Vulkan allows them. Four directions, 8 products, 24 sums.
 const TERM: f64 = 112.0;
 
-/// Renders splats one by one, and compares colors over their opacities with those of a camera in float64. `off` is the most that a
-/// color is off by, and `naive` what another formula makes of it.
+/// Renders splats one by one, and compares colors over their opacities with those of a camera in float64. `off` is the
+/// most that a color is off by, and `naive` what another formula makes of it.
 fn compared(
     stage: &mut Stage,
     method: Method,

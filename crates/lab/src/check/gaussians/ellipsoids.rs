@@ -10,8 +10,8 @@ use super::CaseResult;
 use super::splats::{Splat, View, cloud};
 use pellucid_engine::scene::{GaussianSettings, Kernel, Method};
 
-/// Roundings in an optical depth over itself: of the axes and of the frame of a Gaussian that is turned by nothing, some 12; of the density,
-/// its logarithm included, 8; of the chord and of the exponential, 8.
+/// Roundings in an optical depth over itself: of the axes and of the frame of a Gaussian that is turned by nothing,
+/// some 12; of the density, its logarithm included, 8; of the chord and of the exponential, 8.
 const DEPTH: f64 = 28.0;
 
 /// The only pixel, whose ray goes through all centers.
@@ -32,7 +32,7 @@ fn depth_of(opacity: f32) -> f64 {
 
 const FAINT: u32 = 100_000;
 
-/// All overlap most of the others.
+/// Checks many faint ellipsoids, each of which overlaps most of the others.
 pub(super) fn faint(stage: &mut Stage, method: Method) -> CaseResult {
     let opacity = 1e-5f32;
     let splats: Vec<Splat> = (0..FAINT).map(|i| ball(2e5 + f64::from(i), 1e5, opacity, Vec3::ONE)).collect();
@@ -67,7 +67,8 @@ pub(super) fn thin(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding { error: apart(&found, &wanted), bound, naive })
 }
 
-/// A plate a hundred million times as dense as the ball that it is in: what is behind it in the ball has the ball's density alone.
+/// A plate a hundred million times as dense as the ball that it is in: what is behind it in the ball has the ball's
+/// density alone.
 pub(super) fn dense_within(stage: &mut Stage, method: Method) -> CaseResult {
     let thickness = 1e-5f32;
     let plate = Splat { extents: Vec3::new(2.0, 2.0, thickness), ..ball(1000.0, 1.0, 0.5, Vec3::X) };
@@ -94,7 +95,7 @@ pub(super) fn around_the_eye(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding { error: apart(&found[3..], &[wanted]), bound, naive })
 }
 
-/// Of a centimeter, at coordinates of a projected map.
+/// Checks two ellipsoids of a centimeter, at coordinates of a projected map.
 pub(super) fn georeferenced(stage: &mut Stage, method: Method) -> CaseResult {
     let offset = DVec3::new(4_478_000.0, 5_413_000.0, 431.0);
     let settings = GaussianSettings { kernel: Kernel::Ellipsoid, alpha_max: 1.0, ..GaussianSettings::default() };
@@ -107,7 +108,8 @@ pub(super) fn georeferenced(stage: &mut Stage, method: Method) -> CaseResult {
     let wanted = [0.5 + 0.5 * 0.75 * 0.5, 0.5 * 0.75 * 0.5 + 0.125 * 0.5, 0.0, 0.9375];
     // In float32 the offset in x is a multiple of half a meter, and the ray passes beside both.
     let naive = Computed(apart(&[0.0; 4], &wanted));
-    // Places are off by 2^-24 of depths of 5, the ends of chords twice: over a chord of 0.02, that has the optical depth ln 4.
+    // Places are off by 2^-24 of depths of 5, the ends of chords twice: over a chord of 0.02, that has the optical
+    // depth ln 4.
     let moved = 4.0 * HALF_ULP * 5.02 / 0.02 * depth_of(0.75);
     let bound = 4.0 * (DEPTH * HALF_ULP / std::f64::consts::E + moved);
     Ok(Finding { error: apart(&found, &wanted), bound, naive })

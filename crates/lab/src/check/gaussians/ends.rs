@@ -17,7 +17,7 @@ use pellucid_engine::scene::{GaussianSettings, Method};
 
 const SIZE: [u32; 2] = [64, 48];
 
-/// By both kernels; naively as an ellipse of three standard deviations.
+/// Checks both kernels; the naive formula ends an ellipse at three standard deviations.
 fn beyond_three(
     stage: &mut Stage,
     method: Method,

@@ -65,7 +65,7 @@ fn shapes() -> Vec<Case> {
     .collect()
 }
 
-/// Where a Gaussian ends, and what its opacity is there.
+/// Returns the cases about the extent of a Gaussian, and its opacity at the end.
 fn ends() -> Vec<Case> {
     let methods = with_peel();
     let every = [methods.clone(), approximations()].concat();

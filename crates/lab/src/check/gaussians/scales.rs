@@ -13,14 +13,15 @@ use pellucid_engine::scene::{GaussianSettings, Kernel, Method};
 
 const SIZE: [u32; 2] = [64, 48];
 
-/// Around the origin, within a view from a distance of 10.
+/// Returns splats around the origin, within a view from a distance of 10.
 fn scene() -> Vec<Splat> {
     let mut splats = some(5, Vec3::new(0.5, 0.2, 0.8), 1.0);
     splats.extend(some(1, Vec3::new(4.0, 3.0, 2.0), 1.0));
     splats
 }
 
-/// In other units. The determinant of a covariance is a product of six lengths: too small or too large for float32.
+/// Checks the scene in other units. The determinant of a covariance is a product of six lengths: too small or too large
+/// for float32.
 fn in_units(stage: &mut Stage, method: Method, unit: f64) -> CaseResult {
     let splats: Vec<Splat> = scene().iter().map(|splat| splat.scaled(unit)).collect();
     by_both(stage, method, before(10.0 * unit, 45.0), &splats, 500)

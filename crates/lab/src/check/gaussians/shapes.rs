@@ -55,13 +55,13 @@ pub(super) fn needles(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(compared(stage, method, &view, &splats, 500, expected, naive)?.finding())
 }
 
-/// A needle along its first axis, thinner than a pixel. Its opacity follows from the distance w from that axis on the screen, over a
-/// variance v that is that of the dilation nearly alone.
+/// A needle along its first axis, thinner than a pixel. Its opacity follows from the distance w from that axis on the
+/// screen, over a variance v that is that of the dilation nearly alone.
 ///
-/// With u for a rounding: the axis has components that are off by 40 u of its length (an entry of a turned quaternion and its
-/// products), and by 8 u where rows are made orthogonal (Higham, "Accuracy and Stability of Numerical Algorithms", Section 19.3). At
-/// d pixels from the center w is off by √2 · 48 u d, and d itself by one rounding of a pixel and eight of its products. What 8 u of
-/// the length L adds across the needle, its variance gains.
+/// With u for a rounding: the axis has components that are off by 40 u of its length (an entry of a turned quaternion
+/// and its products), and by 8 u where rows are made orthogonal (Higham, "Accuracy and Stability of Numerical
+/// Algorithms", Section 19.3). At d pixels from the center w is off by √2 · 48 u d, and d itself by one rounding of a
+/// pixel and eight of its products. What 8 u of the length L adds across the needle, its variance gains.
 fn along_an_axis(view: &View, splat: &Splat, method: &Method) -> Option<Expected> {
     let gaussian = gaussian(&cloud(std::slice::from_ref(splat)), 0)?;
     let placed = Placed::new(&view.camera, view.size, &gaussian)?;
@@ -121,7 +121,7 @@ pub(super) fn flat(stage: &mut Stage, method: Method) -> CaseResult {
     by_both(stage, method, before(5.0, 45.0), &splats, 300)
 }
 
-/// By both kernels; naively along rays.
+/// Checks both kernels; the naive formula works along rays.
 pub(super) fn by_both(stage: &mut Stage, method: Method, camera: Camera, splats: &[Splat], least: usize) -> CaseResult {
     let mut shares = Shares::NOTHING;
     for kernel in KERNELS {

@@ -41,7 +41,7 @@ impl Default for Splat {
 }
 
 impl Splat {
-    /// Its axes as columns, each as long as the standard deviation, in float32.
+    /// Axes of the splat as columns, each as long as the standard deviation, in float32.
     pub fn axes(&self) -> Mat3 {
         Mat3::from_quat(self.rotation) * Mat3::from_diagonal(self.extents)
     }
@@ -77,14 +77,14 @@ pub fn cloud(splats: &[Splat]) -> Points {
     order::canonical(unordered(splats))
 }
 
-/// How splats are looked at.
+/// View of splats.
 #[derive(Debug, Clone, Copy)]
 pub struct View {
     /// The camera.
     pub camera: Camera,
     /// Columns and rows.
     pub size: [u32; 2],
-    /// How Gaussians are drawn, the order included.
+    /// Settings for drawing Gaussians, the order included.
     pub settings: GaussianSettings,
 }
 
@@ -102,7 +102,7 @@ impl View {
         Frame { color: ColorSpace::Encoded, ..stage::frame(self.camera, self.size, method) }
     }
 
-    /// All pixels, row by row.
+    /// Returns the pixels, row by row.
     pub fn pixels(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
         let [width, height] = self.size;
         (0..height).flat_map(move |y| (0..width).map(move |x| [x, y]))

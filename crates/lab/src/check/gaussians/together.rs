@@ -1,6 +1,7 @@
 //! Several Gaussians and discs in a pixel, where roundings decide neither coverage nor order.
 //!
-//! The error is a difference of color or opacity from float64 over the most that is derived for that pixel, so that the bound is 1.
+//! The error is a difference of color or opacity from float64 over the most that is derived for that pixel, so that the
+//! bound is 1.
 
 use glam::DVec3;
 
@@ -16,7 +17,8 @@ use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Method, Order, Shadin
 
 use super::alone::Shares;
 
-/// Roundings in a color: a base of 0 or 1 and its curve, whose power multiplies two roundings and those of its logarithm.
+/// Roundings in a color: a base of 0 or 1 and its curve, whose power multiplies two roundings and those of its
+/// logarithm.
 const COLOR: f64 = 16.0;
 
 /// A scene in float64.
@@ -27,7 +29,7 @@ pub struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// Its pixels.
+    /// Pixels of the scene's float64 reference.
     pub fn pixels(&self) -> Vec<[f64; 4]> {
         let Self { view: View { camera, size, settings }, points, color } = self;
         let colors: Vec<DVec3> = shading::shade(points, camera, &Shading::NONE, *color);
@@ -35,7 +37,8 @@ impl Scene<'_> {
         abuffer::render(camera, *size, points, &colors, &discs).rgba
     }
 
-    /// The fragments that each pixel may have: what they are ordered by, their opacity, and whether they are there for sure.
+    /// The fragments that each pixel may have: what they are ordered by, their opacity, and whether they are there for
+    /// sure.
     fn fragments(&self) -> Vec<Vec<(Range, Range, bool)>> {
         let View { camera, size, settings } = &self.view;
         let order = settings.order.unwrap_or(Order::Pixel);
@@ -72,7 +75,8 @@ impl Scene<'_> {
         self.fragments().into_iter().map(bound).collect()
     }
 
-    /// Renders it and compares what is clear, of which there must be two thirds of the image; `naive` are the pixels of another formula.
+    /// Renders it and compares what is clear, of which there must be two thirds of the image; `naive` are the pixels of
+    /// another formula.
     pub fn compare(&self, stage: &mut Stage, method: Method, naive: &[[f64; 4]]) -> Result<Shares, Trouble> {
         let frame = pellucid_engine::methods::Frame { color: self.color, ..self.view.frame(method) };
         let image = stage.render(self.points, &frame)?.image;

@@ -1,4 +1,5 @@
-//! Filters of an image without their precautions: background at an infinite depth, sums by the weights of the inner pixels.
+//! Filters of an image without their precautions: background at an infinite depth, sums by the weights of the inner
+//! pixels.
 
 use pellucid_engine::image::Image;
 
@@ -16,7 +17,7 @@ pub struct Filtered {
 const BACKGROUND: ([f32; 4], f32) = ([0.0; 4], f32::INFINITY);
 
 impl Filtered {
-    /// From an image that no filter has seen.
+    /// Takes an image to which no filter was applied.
     pub fn new(image: &Image) -> Self {
         Self { size: [image.width, image.height], rgba: image.rgba.clone(), depth: image.depth.clone() }
     }

@@ -9,15 +9,15 @@ use pellucid_engine::scene::Order;
 /// A Gaussian in a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seen {
-    /// Its opacity; 0 if it has no fragment there.
+    /// Opacity in the pixel; 0 if the Gaussian has no fragment there.
     pub alpha: f32,
-    /// Its depth, if that is known.
+    /// Depth in the pixel, if that is known.
     pub depth: Option<f32>,
 }
 
 const NOTHING: Seen = Seen { alpha: 0.0, depth: Some(f32::INFINITY) };
 
-/// What formulas have that follow Kerbl et al., and other ones have otherwise.
+/// Parameters in which published implementations differ; the defaults follow Kerbl et al.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Formula {
     /// A center that is as near as that is not drawn.
@@ -38,7 +38,7 @@ impl Default for Formula {
 
 /// A camera in float32.
 struct Lens {
-    /// From world axes to right, up and away.
+    /// Rotation from world axes to right, up and away.
     turn: Mat3,
     eye: Vec3,
     focal: f32,
@@ -79,7 +79,8 @@ fn opacity_of(splat: &Splat, rho2: f32, view: &View, formula: &Formula) -> f32 {
     if ends { 0.0 } else { alpha }
 }
 
-/// By the kernel `ewa`, with a determinant that is a difference of products. Depths are the center's, or not known.
+/// Evaluates the kernel `ewa`, with a determinant that is a difference of products. Depths are the center's, or not
+/// known.
 pub fn projected(splat: &Splat, view: &View, formula: &Formula) -> Vec<Seen> {
     let lens = Lens::new(view);
     let t = lens.center(splat);
@@ -111,8 +112,8 @@ pub fn projected(splat: &Splat, view: &View, formula: &Formula) -> Vec<Seen> {
     view.pixels().map(seen).collect()
 }
 
-/// By the kernel `ray`, with the inverse of the covariance: A = dᵀΣ⁻¹d, B = dᵀΣ⁻¹(μ − e), C = (μ − e)ᵀΣ⁻¹(μ − e), ρ² = C − B²/A at
-/// the depth B/A.
+/// Evaluates the kernel `ray`, with the inverse of the covariance: A = dᵀΣ⁻¹d, B = dᵀΣ⁻¹(μ − e), C = (μ − e)ᵀΣ⁻¹(μ −
+/// e), ρ² = C − B²/A at the depth B/A.
 pub fn along_rays(splat: &Splat, view: &View) -> Vec<Seen> {
     let lens = Lens::new(view);
     let t = lens.center(splat);
@@ -127,7 +128,7 @@ pub fn along_rays(splat: &Splat, view: &View) -> Vec<Seen> {
         let b = direction.dot(inverse * from);
         let alpha = opacity_of(splat, from.dot(inverse * from) - b * b / a, view, &Formula::default());
         let depth = if order == Some(Order::Pixel) { b / a } else { t.z };
-        // What is no number is no fragment.
+        // An opacity that is not a number is no fragment.
         if alpha > 0.0 { Seen { alpha, depth: Some(depth) } } else { NOTHING }
     };
     view.pixels().map(seen).collect()

@@ -17,7 +17,8 @@ fn merged(front: &Node, back: &Node) -> Node {
     Node { depth: front.depth, color, through }
 }
 
-/// A pixel of dots in the order in which they come; `nodes` are kept of it at any time. Transmittances are products of 1 − α.
+/// A pixel of dots in the order in which they come; `nodes` are kept of it at any time. Transmittances are products of
+/// 1 − α.
 pub fn mlab(dots: &[Dot], nodes: usize) -> [f32; 4] {
     let mut kept: Vec<Node> = Vec::new();
     for dot in dots {

@@ -17,12 +17,12 @@ pub use mlab::mlab;
 pub use points::{blended, covers, gaussian, half, is_between, pixel, weighted};
 pub use soft::{Soft, disc};
 
-/// Over with the product of 1 − α.
+/// Composes fragments with "over", as the product of 1 − α.
 pub fn over(dots: &[Dot]) -> [f32; 4] {
     over_until(dots, 0.0)
 }
 
-/// Like [`over`], until less than a share of the light passes.
+/// Composes fragments like [`over`], until less than a share of the light passes.
 pub fn over_until(dots: &[Dot], least: f32) -> [f32; 4] {
     let (mut color, mut rest) = (Vec3::ZERO, 1f32);
     for dot in dots {

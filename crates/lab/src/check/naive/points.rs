@@ -32,7 +32,8 @@ pub fn is_between(z: f32, near: f32, far: f32) -> bool {
     place > 0.0 && place < 1.0
 }
 
-/// The mean color of opaque dots, up to `depth` behind the nearest, itself excluded, and `tolerance` (relative to its depth) more.
+/// The mean color of opaque dots, up to `depth` behind the nearest, itself excluded, and `tolerance` (relative to its
+/// depth) more.
 pub fn blended(dots: &[Dot], depth: f32, tolerance: f32) -> [f32; 4] {
     let z = |dot: &Dot| -dot.position.z as f32;
     let nearest = super::nearest(dots);
@@ -41,8 +42,8 @@ pub fn blended(dots: &[Dot], depth: f32, tolerance: f32) -> [f32; 4] {
     (sum / count).extend(1.0).to_array()
 }
 
-/// The mean color of weighted blending with the weights 3000 (1 − d)³ α, d from 0 at near to 1 at far; `store` rounds sums to the
-/// format of the buffer that keeps them.
+/// The mean color of weighted blending with the weights 3000 (1 − d)³ α, d from 0 at near to 1 at far; `store` rounds
+/// sums to the format of the buffer that keeps them.
 pub fn weighted(dots: &[Dot], [near, far]: [f32; 2], store: fn(f32) -> f32) -> [f32; 3] {
     let (mut color, mut weights) = (Vec3::ZERO, 0f32);
     for dot in dots {

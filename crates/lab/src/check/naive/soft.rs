@@ -21,7 +21,7 @@ pub struct Soft {
 }
 
 impl Soft {
-    /// With a sufficiently long array, and no limits.
+    /// Returns the method with a sufficiently long array, and no limits.
     pub fn new(lambda: f32) -> Self {
         Self { lambda, limits: [f32::NEG_INFINITY, f32::INFINITY], most_open: usize::MAX }
     }

@@ -1,4 +1,4 @@
-//! One sphere or one disc: densities, distances of the ray and radii at their limits.
+//! Cases of a single sphere or a single disc: densities, distances of the ray and radii at their limits.
 
 use std::f64::consts::{E, PI};
 
@@ -156,7 +156,8 @@ pub(super) fn shells_add_up(stage: &mut Stage, method: SoftMethod) -> CaseResult
     }
     // Eq. 17 as printed counts the innermost shell alone: for two shells 3/4 of the sum.
     let naive = apart(&[opacity(0.75 * 0.25 * 2.0 * 2.0) as f32], &wanted);
-    // Lengths of 64 segments come from depths around 10, relative to where they are counted from: a unit of 2 for each end.
+    // Lengths of 64 segments come from depths around 10, relative to where they are counted from: a unit of 2 for each
+    // end.
     let lengths = 0.25 * 128.0 * 2.0 * HALF_ULP;
     Ok(Finding { error, bound: bound(64, 0.25, 2.0) + lengths, naive: Computed(naive) })
 }

@@ -90,7 +90,7 @@ fn large() -> Points {
     cloud(4, &Recipe { count: 6, position, radius: [1.2, 1.8], opacity: [0.1, 0.3] })
 }
 
-/// For methods whose time grows with the longest list.
+/// Returns clouds for methods whose time grows with the longest list.
 pub(super) fn few() -> Vec<Points> {
     vec![ball(700), floor(300), knot(60), large()]
 }
@@ -100,7 +100,7 @@ pub(super) fn many() -> Vec<Points> {
     vec![ball(1500), floor(500), knot(2300), large()]
 }
 
-/// The same points as Gaussians: needles and plates among them, with harmonics of degree 2.
+/// Makes Gaussians of points: needles and plates among them, with harmonics of degree 2.
 fn gaussians(number: u32, points: Points) -> Points {
     const DEGREE: u32 = 2;
     let count = points.len() as u32;
@@ -164,7 +164,7 @@ pub(super) fn crowd() -> Vec<Points> {
     vec![ball(70_000), floor(900)]
 }
 
-/// The same points in another order, that of their words for the seed.
+/// Returns the points in another order, that of their words for the seed.
 pub(super) fn shuffled(points: &Points, seed: u32) -> Points {
     let mut order: Vec<(u32, usize)> =
         (0..points.len()).map(|i| (threefry2x32([i as u32, seed], [5, 5])[0], i)).collect();

@@ -6,7 +6,7 @@ const HEIGHT: i32 = 14;
 const CHARACTER: i32 = 6;
 /// Half of a marker's side in pixels, with a little air.
 const MARKER: i32 = 6;
-/// The same for a ring.
+/// Half of a ring's side in pixels, with a little air.
 const RING: i32 = 9;
 
 /// Left, top, right and bottom in pixels.

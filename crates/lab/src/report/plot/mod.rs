@@ -15,12 +15,12 @@ use self::label::Space;
 use self::legend::LEGEND;
 use self::scale::Scale;
 
-/// A measured value and how far it was spread.
+/// A measured value and its spread.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
-    /// On the horizontal axis; above 0.
+    /// Position on the horizontal axis; above 0.
     pub x: f64,
-    /// On the vertical axis.
+    /// Position on the vertical axis.
     pub y: f64,
     /// Least and greatest x, drawn as a bar; both equal `x` to draw no bar.
     pub range_x: [f64; 2],
@@ -44,9 +44,9 @@ impl Point {
 /// A line through points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// Which name of the figure's legend it has: decides color and marker.
+    /// Index of the series' name in the figure's legend: decides color and marker.
     pub name: usize,
-    /// In ascending x.
+    /// Points in ascending x.
     pub points: Vec<Point>,
     /// Text beside the series' marker in a corner of the panel; empty for no note.
     pub note: String,
@@ -57,7 +57,7 @@ pub struct Series {
 pub struct Panel {
     /// Stands above it.
     pub title: String,
-    /// Its lines.
+    /// Lines of the panel.
     pub series: Vec<Series>,
     /// The Pareto front in ascending x: points (x, y) that no other dominates, each marked with a ring. The line
     /// through them falls in steps and separates dominated points from the unreached region. Empty for no front.
@@ -91,7 +91,7 @@ pub enum Steps {
 /// A straight line below the last point of a panel's first series, for the eye to compare slopes with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guide {
-    /// Its name in the legend.
+    /// Name in the legend.
     pub name: &'static str,
     /// The exponent of its growth in x.
     pub exponent: f64,
@@ -241,7 +241,7 @@ impl Figure {
         Ok(())
     }
 
-    /// Both axes, over the points of all panels.
+    /// Returns the scales of both axes, over the points of all panels.
     fn scales(&self) -> (Scale, Scale) {
         let points = || self.panels.iter().flat_map(|p| &p.series).flat_map(|s| &s.points).filter(|p| p.is_finite());
         let x = Scale::new(self.x, points().flat_map(|p| [p.x, p.range_x[0], p.range_x[1]]));
@@ -371,7 +371,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_number_is_left_out_and_a_front_gets_rings() {
+    fn points_that_are_not_numbers_are_left_out_and_a_front_gets_rings() {
         let points = [Point::new(1.0, 2.0), Point::new(f64::NAN, 1.0), Point::new(4.0, f64::INFINITY)];
         let panel =
             Panel { title: String::new(), series: vec![series(0, points)], front: vec![[1.0, 2.0]], is_guided: true };

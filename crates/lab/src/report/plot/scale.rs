@@ -15,15 +15,15 @@ pub(super) struct Scale {
     pub(super) range: Range<f64>,
     /// Labeled ticks.
     ticks: Vec<f64>,
-    /// Without one.
+    /// Ticks without a label.
     minor: Vec<f64>,
     /// True if values below the floor are drawn at the floor.
     is_floored: bool,
 }
 
 impl Scale {
-    /// From the round number (a power of the base; of 10 also twice and five times one) below all values to the one
-    /// above, and over one power at least.
+    /// Returns a scale from the round number (a power of the base; for base 10 also twice and five times one) below all
+    /// values to the one above, and over one power at least.
     pub(super) fn new(axis: Axis, values: impl Iterator<Item = f64>) -> Self {
         let binary = match axis.steps {
             Steps::Even => return Self::even(values),
@@ -59,7 +59,7 @@ impl Scale {
         Self { base, is_even: false, floor, range: start - margin..end + margin, ticks, minor, is_floored }
     }
 
-    /// From 0, or the least value, to the greatest, in at most ten round steps.
+    /// Returns a scale from 0, or the least value, to the greatest, in at most ten round steps.
     fn even(values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = values.filter(|v| v.is_finite()).fold((0f64, 0f64), |(l, h), v| (l.min(v), h.max(v)));
         let span = if high > low { high - low } else { 1.0 };

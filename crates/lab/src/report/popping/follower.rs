@@ -16,8 +16,9 @@ pub struct Follower {
 impl Follower {
     /// Takes the next frame and its exact image, both in linear light, and returns its figures.
     ///
-    /// With exact frames X and those of the method M, the error is E = M − X and its change D = Eᵢ − Eᵢ₋₁. The RMSE is that of D. FLIP
-    /// compares X + D with X, of the later frame: the frame as it would be if the change were its only error.
+    /// With exact frames X and those of the method M, the error is E = M − X and its change D = Eᵢ − Eᵢ₋₁. The RMSE is
+    /// that of D. FLIP compares X + D with X, of the later frame: the frame as it would be if the change were its only
+    /// error.
     ///
     /// # Panics
     /// The images differ in size, or from those before.
@@ -128,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_number_can_not_pass_for_steady() {
+    fn errors_that_are_not_numbers_do_not_pass_for_steady() {
         let nan = [f32::NAN, 0.0, 0.0, 0.0];
         assert_eq!(curve(&[(nan, nan), (nan, nan)]).worst_rmse, 0.0);
         let found = curve(&[([0.0; 4], [0.0; 4]), ([0.0; 4], nan)]);

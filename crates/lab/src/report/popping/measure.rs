@@ -27,11 +27,12 @@ pub struct Film<'a> {
     pub cameras: &'a [Camera],
 }
 
-/// Follows the methods along the path. Each frame has the same seed, as in `render`. `progress` counts frames of all methods.
+/// Follows the methods along the path. Each frame has the same seed, as in `render`. `progress` counts frames of all
+/// methods.
 ///
 /// # Errors
-/// The exact method can't render a frame, a lost device, a message of the validation layers. A method that can't render one is
-/// left out.
+/// The exact method can't render a frame, a lost device, a message of the validation layers. A method that can't render
+/// one is left out.
 pub fn measure(device: &Device, film: &Film<'_>, candidates: &[Candidate], progress: &Progress) -> Result<Popping> {
     progress.set_length(((1 + candidates.len()) * film.cameras.len()) as u64);
     let mut first = Renderer::new(device)?;

@@ -1,4 +1,4 @@
-//! Which methods are followed, and against which.
+//! Choice of the methods that are followed, and of the exact method for each.
 
 use pellucid_engine::plan;
 use pellucid_engine::points::Points;
@@ -9,12 +9,12 @@ use pellucid_engine::scene::{Discs, Family, GaussianSettings, Method, Order};
 pub struct Candidate {
     /// The method to render.
     pub method: Method,
-    /// As options of the command line would give it, beside `--method`; empty for the scene's own.
+    /// Setting as options of the command line would give it, in addition to `--method`; empty for the scene's own.
     pub setting: String,
 }
 
-/// The method whose frames are exact for a method of discs, Gaussians or soft spheres; `None` for others. Gaussians are ordered in each
-/// pixel whatever the method's own order is, since an order by centers is what pops.
+/// The method whose frames are exact for a method of discs, Gaussians or soft spheres; `None` for others. Gaussians are
+/// ordered in each pixel whatever the method's own order is, since an order by centers is what pops.
 pub fn exact(method: &Method, points: &Points) -> Option<Method> {
     match plan::exact(method, points)? {
         Method::ABuffer(discs) if points.gaussians.is_some() => Some(Method::ABuffer(ordered(discs, Order::Pixel))),
@@ -23,8 +23,8 @@ pub fn exact(method: &Method, points: &Points) -> Option<Method> {
     }
 }
 
-/// The methods of a scene's image formation with its settings: those named, or all that are not exact. Of Gaussians that are sorted
-/// once both orders.
+/// The methods of a scene's image formation with its settings: those named, or all that are not exact. Of Gaussians
+/// that are sorted once both orders.
 pub fn candidates(method: &Method, points: &Points, only: &[String]) -> Vec<Candidate> {
     let own = |method: Method| Candidate { method, setting: String::new() };
     let mut all = match plan::exact(method, points) {
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_exact_is_followed_only_if_it_is_named() {
+    fn exact_methods_are_followed_only_if_they_are_named() {
         let discs = Method::ABuffer(Discs::default());
         let approximate = ["stochastic", "hybrid", "mlab", "moments", "wavelet", "weighted", "average", "unsorted"];
         assert_eq!(names(discs, &Points::default(), &[]), approximate);

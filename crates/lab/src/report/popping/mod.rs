@@ -1,7 +1,8 @@
 //! Popping: how much the error of a method changes from one frame of a camera path to the next.
 //!
-//! A picture that moves shows an error twice: by what is wrong in each frame, and by how that jumps. The first is the error of
-//! [`tradeoff`](super::tradeoff); an error that stays as it is looks like another scene, and is not counted here.
+//! A picture that moves shows an error twice: by what is wrong in each frame, and by how that jumps. The first is the
+//! error of [`tradeoff`](super::tradeoff); an error that stays as it is looks like another scene, and is not counted
+//! here.
 
 mod figures;
 mod files;
@@ -22,10 +23,10 @@ pub use text::popping_table;
 pub(super) use figures::{Scale, over_frames};
 pub(super) use page::{caption, section};
 
-/// One frame of a method.
+/// Error of a method in a single frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FrameError {
-    /// From 0.
+    /// Number of the frame, from 0.
     pub frame: u32,
     /// RMSE of the frame against the exact one.
     pub error: f64,
@@ -38,11 +39,11 @@ pub struct FrameError {
 /// The frames of a method, and the figures over all of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
-    /// Its name.
+    /// Name of the method.
     pub method: String,
-    /// Its setting as options of the command line would give it; empty for the scene's own.
+    /// Setting of the method as options of the command line would give it; empty for the scene's own.
     pub setting: String,
-    /// In their order.
+    /// Errors of the frames, in the order of the path.
     pub frames: Vec<FrameError>,
     /// Mean of the errors.
     pub mean_error: f64,
@@ -98,7 +99,7 @@ impl FrameError {
 pub struct Refused {
     /// Method and setting, as one would say it.
     pub method: String,
-    /// Why.
+    /// Reason for the omission.
     pub reason: String,
 }
 

@@ -26,18 +26,18 @@ use pellucid_engine::scene::Method;
 pub use files::{Report, write};
 pub use sweep::run;
 
-/// Which scene gives the layers.
+/// Built-in scene that gives the layers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Workload {
-    /// One disc per layer, each over the whole image.
+    /// Each layer is a disc over the whole image.
     Stack,
     /// Each layer is tiled by discs of 3 × 3 pixels.
     Mosaic,
 }
 
 impl Workload {
-    /// Both.
+    /// List of the workloads.
     pub const ALL: [Self; 2] = [Self::Stack, Self::Mosaic];
 
     /// The built-in scene's name.
@@ -66,7 +66,7 @@ pub struct Settings {
     pub max_seconds: f64,
     /// Seed of the scenes and of the pixels that are compared with the reference.
     pub seed: u64,
-    /// Same as [`pellucid_engine::methods::Frame::memory_budget`].
+    /// Device memory in bytes, see [`pellucid_engine::methods::Frame::memory_budget`].
     pub memory_budget: Option<u64>,
 }
 
@@ -123,7 +123,7 @@ pub struct Cell {
     pub method: &'static str,
     /// Device time of all passes.
     pub gpu_ms: Spread,
-    /// From the first submission to the end of read-back, on the host's clock.
+    /// Time from the first submission to the end of read-back, on the host's clock.
     pub wall_ms: Spread,
     /// Largest number of device bytes at any time of a frame, cloud and image included.
     pub peak_device_bytes: u64,
@@ -131,7 +131,7 @@ pub struct Cell {
     pub fragment_bytes: u64,
     /// Bands that the image was cut into.
     pub bands: u64,
-    /// Against the reference in float64.
+    /// Error against the reference in float64.
     pub error: Deviation,
     /// Each pass in the order of its first run.
     pub passes: Vec<Pass>,
@@ -149,7 +149,7 @@ impl Cell {
     }
 }
 
-/// Some measurements of one thing.
+/// Summary of some measurements of one value.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     /// The least.
@@ -180,7 +180,7 @@ pub struct Deviation {
     pub pixels: usize,
 }
 
-/// One pass, summed over all bands.
+/// A pass with its time, summed over all batches of fragments.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Pass {
     /// Name as in `plan`.
@@ -200,7 +200,7 @@ pub struct Skipped {
     pub layers: u32,
     /// The method's name.
     pub method: &'static str,
-    /// Why.
+    /// Reason for the omission.
     pub reason: String,
 }
 
@@ -223,7 +223,7 @@ pub struct Slope {
 /// All that a run found.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sweep {
-    /// In the order of measurement.
+    /// Measured cells, in the order of measurement.
     pub cells: Vec<Cell>,
     /// The others.
     pub skipped: Vec<Skipped>,

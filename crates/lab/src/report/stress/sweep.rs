@@ -121,7 +121,7 @@ impl Place {
         Skipped { workload, side, layers, method: method.name(), reason }
     }
 
-    /// Why this cell is too much for a method, if it is.
+    /// Returns the reason why this cell is too much for a method, if it is.
     fn limit(self, settings: &Settings, sweep: &Sweep, method: Method) -> Option<String> {
         let (fragments, most) = (self.fragments(), settings.max_fragments);
         if fragments > most {
@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_method_can_not_do_is_a_reason_and_a_lost_device_is_an_error() {
+    fn a_limit_of_a_method_is_a_reason_and_a_lost_device_is_an_error() {
         let reason = refusal(methods::Error::PixelOverflow { x: 3, y: 4 }).unwrap();
         assert!(reason.contains("pixel (3, 4)"), "{reason}");
         assert!(refusal(pellucid_engine::gpu::Error::Lost { during: "a test".into() }.into()).is_err());

@@ -41,8 +41,9 @@ struct Plane {
 pub(super) struct Planes(Vec<Plane>);
 
 impl Planes {
-    /// The clouds of a frame, if each of them is a plane parallel to an orthographic image, of one color and one opacity, whose
-    /// points fill the image evenly and are enough for that opacity, and if blending runs in linear light.
+    /// The clouds of a frame, if each of them is a plane parallel to an orthographic image, of one color and one
+    /// opacity, whose points fill the image evenly and are enough for that opacity, and if blending runs in linear
+    /// light.
     pub fn from_points(arranged: &Arranged, frame: &Frame) -> Option<Self> {
         let Arranged::Dealt(dealt) = arranged else { return None };
         if !matches!(frame.camera.projection, Projection::Orthographic { .. }) || frame.color != ColorSpace::Linear {
@@ -69,7 +70,7 @@ impl Planes {
         (mean, (variance.max(DVec3::ZERO).element_sum() / 3.0).sqrt())
     }
 
-    /// Ensembles up to which no point of any plane is dealt twice.
+    /// Ensembles up to which no point of any plane is assigned twice.
     fn once(&self) -> f64 {
         self.0.iter().map(|plane| plane.points / points_per_pixel(plane.alpha)).fold(f64::INFINITY, f64::min)
     }
@@ -97,7 +98,7 @@ impl Planes {
     }
 }
 
-/// The slope of the error against the analytic image, as long as no point is dealt twice.
+/// The slope of the error against the analytic image, as long as no point is assigned twice.
 pub(super) fn slope(rows: &[Row], dealt_once: f64) -> Option<PowerLaw> {
     let point = |row: &Row| Some((row.step.as_ref()?.1, row.rmse_analytic?));
     let points: Vec<_> = rows.iter().filter_map(point).filter(|(ensembles, _)| *ensembles <= dealt_once).collect();

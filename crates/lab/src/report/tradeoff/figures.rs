@@ -9,7 +9,7 @@ use pellucid_engine::output;
 
 /// RMSE below is drawn at this value, since 0 has no place on a logarithmic axis: a forty-thousandth of an 8-bit step.
 pub(super) const RMSE_FLOOR: f64 = 1e-7;
-/// The same for FLIP, which grows faster than small differences do.
+/// FLIP below is drawn at this value; it grows faster than small differences do.
 pub(super) const FLIP_FLOOR: f64 = 1e-6;
 /// A power law must explain at least this much of the variance.
 pub(super) const LAW_R_SQUARED: f64 = 0.95;
@@ -47,7 +47,7 @@ pub(super) fn draw(report: &Tradeoff) -> Result<Vec<Drawn>, output::Error> {
     drawn.map(svg).collect()
 }
 
-/// How popping is drawn.
+/// Scales of the figures of popping.
 const POPPING: Scale = Scale { label: "change of the error, RMSE", floor: RMSE_FLOOR, value: |frame| frame.rmse };
 const POPPING_FLIP: Scale = Scale { label: "change of the error, FLIP", floor: FLIP_FLOOR, value: |frame| frame.flip };
 
@@ -104,7 +104,7 @@ fn step(row: &Row) -> f64 {
     row.step.as_ref().map_or(f64::NAN, |(_, value)| *value)
 }
 
-/// Which name of the legend a method has; all methods are among the names.
+/// Returns the index of a method in the names of the legend; all methods are among them.
 fn index(names: &[String], method: &str) -> usize {
     names.iter().position(|name| name == method).unwrap_or(0)
 }

@@ -125,8 +125,8 @@ fn csv(report: &Tradeoff, file: impl Write) -> io::Result<()> {
     writer.flush()
 }
 
-/// Writes `tradeoff.csv`, for Gaussian splats `causes.csv`, along a path `popping.csv`, `tradeoff.json`, the figures and, last, `report.html` into the folder of the pictures. No
-/// file gets its final name before all are complete.
+/// Writes `tradeoff.csv`, for Gaussian splats `causes.csv`, along a path `popping.csv`, `tradeoff.json`, the figures
+/// and, last, `report.html` into the folder of the pictures. No file gets its final name before all are complete.
 ///
 /// # Errors
 /// A picture of the report is missing or damaged, or writing fails.

@@ -9,7 +9,7 @@ const EXPRESS_GAIN: f64 = 10.0;
 /// Opacity and color of 8 bits: the least step that shows.
 const STEP: f64 = 1.0 / 255.0;
 
-/// One finding for each statement whose rows were all measured.
+/// Returns a finding for each statement whose rows were all measured.
 pub(super) fn check_statements(rows: &[Row], analytic: Option<&Analytic>) -> Vec<Finding> {
     let row = |method: &str, own: &str| rows.iter().find(|row| row.method == method && own_part(&row.setting) == own);
     let base = row("soft-base", "");

@@ -36,7 +36,7 @@ pub struct Errors {
     pub rmse: f64,
     /// Squared difference over the reference's squares (Uchida et al. 2020, Eq. 10).
     pub nmse: f64,
-    /// In decibels; infinite for equal images (`null` in JSON).
+    /// Peak signal-to-noise ratio in decibels; infinite for equal images (`null` in JSON).
     pub psnr: Option<f64>,
     /// Range [−1, 1]; 1 for equal images.
     pub ssim: f64,
@@ -67,7 +67,7 @@ pub struct Repeats {
 pub struct Row {
     /// The method's name.
     pub method: String,
-    /// Its setting as options of the command line would give it, as in `method.samples=64`; empty for the defaults.
+    /// Setting as options of the command line would give it, as in `method.samples=64`; empty for the defaults.
     pub setting: String,
     /// The ladder's key and its value, as in `("samples", 64.0)`; `None` for a method without a ladder.
     pub step: Option<(String, f64)>,
@@ -77,7 +77,7 @@ pub struct Row {
     pub stochastic: bool,
     /// Device time of all passes; frames of all settings alternate.
     pub gpu_ms: Spread,
-    /// From the first submission to the end of read-back, on the host's clock.
+    /// Time from the first submission to the end of read-back, on the host's clock.
     pub wall_ms: Spread,
     /// Frames behind the medians.
     pub frames: usize,
@@ -85,9 +85,10 @@ pub struct Row {
     pub peak_device_bytes: u64,
     /// Bytes of the fragment buffer; 0 for methods without one.
     pub fragment_bytes: u64,
-    /// Against the reference; for stochastic methods the root of the mean square (rmse) or means (the others) over the seeds.
+    /// Errors against the reference; for stochastic methods the root of the mean square (rmse) or means (the others)
+    /// over the seeds.
     pub errors: Errors,
-    /// Only for stochastic methods.
+    /// Noise and bias over several seeds, only for stochastic methods.
     pub repeats: Option<Repeats>,
     /// RMSE against the analytic image ([`Tradeoff::analytic`]), if it exists: root of the mean square over the seeds.
     pub rmse_analytic: Option<f64>,
@@ -96,7 +97,7 @@ pub struct Row {
     pub holes: Option<f64>,
     /// RMSE of those pixels alone. It measures a surface's detail, and not how far splats extend beyond its outline.
     pub rmse_inside: Option<f64>,
-    /// How the error of an approximation looks; `None` of what is exact, and of opaque points.
+    /// Parts of an approximation's error; `None` for exact images and for opaque points.
     #[serde(default)]
     pub look: Option<Look>,
     /// True if no other row is at least as fast and as accurate, and better in one of the two.
@@ -144,15 +145,17 @@ pub struct Finding {
 pub struct Reference {
     /// The exact method that made it, and if it did so in float64.
     pub method: String,
-    /// Its file name.
+    /// File name of the reference's picture.
     pub picture: String,
-    /// Pixels of it that were compared with the float64 reference, chosen at random; 0 of an image that is float64 itself.
+    /// Pixels of it that were compared with the float64 reference, chosen at random; 0 of an image that is float64
+    /// itself.
     pub checked_pixels: usize,
     /// The largest difference found there in R, G, B and A.
     pub largest_error: f64,
 }
 
-/// The image of planes before each other that alpha blending of their opacities gives, α₁C₁ + (1 − α₁)(α₂C₂ + …): one color.
+/// The image of planes before each other that alpha blending of their opacities gives, α₁C₁ + (1 − α₁)(α₂C₂ + …): one
+/// color.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Analytic {
     /// Opacities of the planes, the nearest first.
@@ -161,22 +164,23 @@ pub struct Analytic {
     pub points_per_pixel: Vec<f64>,
     /// Linear R, G, B, over the background.
     pub color: [f64; 3],
-    /// Ensembles up to which no point is dealt twice: the least m / −ln(1 − α).
+    /// Ensembles up to which no point is assigned twice: the least m / −ln(1 − α).
     pub dealt_once: f64,
     /// RMSE of a single ensemble, as expected: σ₁.
     pub expected_of_one: f64,
     /// RMSE that remains for any number of ensembles, since the number of points on a pixel is random: for one plane of
     /// color C before B it is (1 − α)·√(e^(ln²(1 − α) / m) − 1)·|C − B|.
     pub expected_floor: f64,
-    /// The same as measured: RMSE of the reference, the limit of ever more ensembles of these points.
+    /// Measured counterpart of `expected_floor`: RMSE of the reference, the limit of ever more ensembles of these
+    /// points.
     pub floor: f64,
     /// RMSE over L of the settings up to [`Analytic::dealt_once`], if at least two exist: −1/2 is expected.
     pub slope: Option<PowerLaw>,
 }
 
 impl Analytic {
-    /// The expected RMSE for this many ensembles: √(σ₁²/L) while no point is dealt twice. Beyond that the points' own
-    /// error is added, which any two ensembles share unless they belong to the same pass through the points. For
+    /// The expected RMSE for this many ensembles: √(σ₁²/L) while no point is assigned twice. Beyond that the points'
+    /// own error is added, which any two ensembles share unless they belong to the same pass through the points. For
     /// several planes whose passes differ, this slightly overestimates the error.
     pub fn expected(&self, ensembles: f64) -> f64 {
         let shared = (1.0 - self.dealt_once / ensembles).max(0.0);
@@ -189,8 +193,8 @@ impl Analytic {
 pub struct Surveyed {
     /// Samples across a pixel of the reference: each pixel averages the square of this number.
     pub samples_across: u32,
-    /// Pixels inside the silhouette: all samples of the reference are covered, on the pixel and on its eight neighbors. One
-    /// pixel off the rim, since splats reach over it by a part of their radius.
+    /// Pixels inside the silhouette: all samples of the reference are covered, on the pixel and on its eight neighbors.
+    /// One pixel off the rim, since splats reach over it by a part of their radius.
     pub silhouette: u64,
     /// Each cloud that was drawn: one point of how many, and how many that are.
     pub clouds: Vec<(u32, u64)>,
@@ -199,11 +203,11 @@ pub struct Surveyed {
 /// Shadows of an area light, with the scene's own method.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Shaded {
-    /// Its name.
+    /// Name of the method.
     pub method: String,
     /// Samples of the light in the image that the others are compared with.
     pub reference_samples: u32,
-    /// In ascending order of samples.
+    /// Steps in ascending order of samples.
     pub steps: Vec<ShadedStep>,
 }
 
@@ -241,25 +245,26 @@ pub struct Tradeoff {
     pub fragments: u64,
     /// Longest list.
     pub max_list: u32,
-    /// Runs of the command that it took, if it was interrupted: frames of all settings were timed in turns in each of them.
+    /// Runs of the command that it took, if it was interrupted: frames of all settings were timed in turns in each of
+    /// them.
     pub sittings: u32,
     /// The reference of the errors.
     pub reference: Reference,
-    /// Only for ensembles of planes that fill the image.
+    /// Expected errors, only for ensembles of planes that fill the image.
     pub analytic: Option<Analytic>,
-    /// Only for opaque points.
+    /// Facts about the surfaces, only for opaque points.
     pub surveyed: Option<Surveyed>,
-    /// Only for opaque points lit by an area light.
+    /// Errors of shadows, only for opaque points lit by an area light.
     pub shaded: Option<Shaded>,
-    /// Only for Gaussian splats: what each of their approximations costs by itself, the exact image first.
+    /// Errors of each approximation of Gaussian splats by itself, the exact image first; empty for other points.
     pub causes: Vec<Cause>,
-    /// Only along a camera path: how the error changes from frame to frame.
+    /// Change of the error from frame to frame, only along a camera path.
     pub popping: Option<Popping>,
     /// The measured settings, in the order of the ladder.
     pub rows: Vec<Row>,
     /// The skipped settings.
     pub skipped: Vec<Skipped>,
-    /// One entry for each method with at least three rows on its ladder.
+    /// Convergence of each method with at least three rows on its ladder.
     pub convergence: Vec<Convergence>,
     /// Statements of papers on the methods, with the measured values.
     pub findings: Vec<Finding>,

@@ -40,14 +40,14 @@ pub(super) struct Timed {
     pub passes: Vec<(String, f64)>,
 }
 
-/// All of one setting.
+/// Results of a setting.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Measured {
     pub trial: Trial,
     pub frames: Vec<Timed>,
 }
 
-/// All of one scene, as the file holds it.
+/// Results of a scene, as the file holds them.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Content {
     /// Identifies the scene, the device and the program, see [`pellucid_engine::identity`].
@@ -56,7 +56,7 @@ pub(super) struct Content {
     pub sittings: u32,
     pub reference: Option<Reference>,
     pub shaded: Option<Shaded>,
-    /// Of Gaussian splats.
+    /// Causes of the error of Gaussian splats.
     #[serde(default)]
     pub causes: Vec<Cause>,
     /// Keyed by [`pellucid_session::candidates::Setting::key`].
@@ -86,7 +86,7 @@ impl Partial {
         Self { folder: folder.to_owned(), content }
     }
 
-    /// After every frame, so that it doesn't wait for the disk.
+    /// Saves the results; called after every frame, so that it doesn't wait for the disk.
     pub fn save(&self) -> Result<(), output::Error> {
         let path = self.folder.join(NAME);
         let staged = Staged::write_quickly(&path, |file| {

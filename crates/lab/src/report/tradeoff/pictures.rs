@@ -22,11 +22,11 @@ const MAX_PIXELS: u64 = 24 << 20;
 /// The pictures of all rows, as data URIs.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Pictures {
-    /// Every different one once.
+    /// Data URIs of the pictures, every different one once.
     pub uris: Vec<String>,
     /// The reference's index in `uris`.
     pub reference: usize,
-    /// For each row, the indices of its picture and of its difference picture.
+    /// Indices of the picture and of the difference picture of each row.
     pub rows: Vec<[usize; 2]>,
     /// Width and height of the pictures as they are embedded.
     pub size: [u32; 2],
@@ -34,7 +34,7 @@ pub(super) struct Pictures {
     pub factor: u32,
 }
 
-/// How to reduce a block of pixels to one.
+/// Rule that reduces a block of pixels to one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Reduce {
     /// The mean of linear light, which looks like the picture seen from farther away.
@@ -119,7 +119,7 @@ impl Picture {
         Ok(Self { width, height, pixels })
     }
 
-    /// As a PNG.
+    /// Encodes the picture as a PNG.
     fn encoded(&self) -> std::io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
@@ -142,7 +142,8 @@ impl Picture {
         Self { width: columns.len() as u32, height: rows.len() as u32, pixels }
     }
 
-    /// One pixel for each block of `factor` × `factor`; blocks at the right and lower end are cut off with the picture.
+    /// Returns a pixel for each block of `factor` × `factor`; blocks at the right and lower end are cut off with the
+    /// picture.
     fn reduced(&self, factor: u32, how: Reduce) -> Self {
         let linear: Vec<f32> = (0..=255u8).map(|byte| decode_srgb(f32::from(byte) / 255.0)).collect();
         let block = |x: u32, y: u32| -> [u8; 3] {

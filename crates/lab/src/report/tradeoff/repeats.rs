@@ -5,7 +5,7 @@ use super::{Errors, Repeats};
 /// Images of one stochastic setting, as differences from the reference.
 pub(super) struct Seeds {
     count: u32,
-    /// One value per channel and pixel.
+    /// Mean difference of each channel and pixel.
     mean: Vec<f64>,
     /// Squared differences from the mean, over all channels.
     squares: f64,

@@ -40,7 +40,7 @@ fn every_change_asks_for_a_picture() {
     assert!(model.message.as_ref().is_some_and(|(text, wrong)| *wrong && text.contains("softness")));
 }
 
-/// From every method to every other one, with the least and the largest value of all of the first one's keys.
+/// Changes from every method to every other one, with the least and the largest value of all of the first one's keys.
 #[test]
 fn every_method_can_be_chosen_from_every_other() {
     let mut model = model();
@@ -98,7 +98,7 @@ fn values_of_another_method_make_room() {
 }
 
 #[test]
-fn what_is_known_of_clouds_and_points_comes_with_the_news() {
+fn statistics_of_clouds_and_points_come_with_the_news() {
     let (mut model, _) = settled();
     // The wall's box is a cube of 6.
     let diagonal = 6.0 * 3f64.sqrt();

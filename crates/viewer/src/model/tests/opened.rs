@@ -1,4 +1,5 @@
-//! Several files that are opened at once, or one that cannot be shown; what was saved, and what is asked for with a picture.
+//! Several files that are opened at once, or one that cannot be shown; what was saved, and what is asked for with a
+//! picture.
 
 use super::*;
 

@@ -66,8 +66,8 @@ fn drafts_lie_where_the_whole_picture_does() {
         // The least share of the work, and the drafts it yields.
         let of_pixels =
             [(0.25, "2 × 2 pixels as one", 2), (0.12, "3 × 3 pixels as one", 3), (0.07, "4 × 4 pixels as one", 4)];
-        // Discs that face the camera at one depth cover what is farther, in a garden seen from above by up to their radius above
-        // them: larger ones more of it.
+        // Discs that face the camera at one depth cover what is farther, in a garden seen from above by up to their
+        // radius above them: larger ones more of it.
         let of_screen_aligned = [of_pixels[0], of_pixels[1]];
         let of_samples = [(0.5, "16 samples", 1), (0.032, "4 samples, 2 × 2 pixels as one", 2)];
         let of_ensembles = [(0.5, "20 ensembles", 1), (0.026, "4 ensembles, 2 × 2 pixels as one", 2)];

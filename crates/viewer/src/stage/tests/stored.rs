@@ -1,5 +1,5 @@
-//! Clouds that stay in their files: whole pictures have the bytes of those with all points in memory, drafts hold part of the points,
-//! and what is stopped leaves no trace.
+//! Clouds that stay in their files: whole pictures have the bytes of those with all points in memory, drafts hold part
+//! of the points, and what is stopped leaves no trace.
 
 use super::*;
 use crate::sources::{Opened, census};
@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 const COUNT: usize = 90_000;
 
-/// Less than the cloud takes.
+/// Setup with less memory than the cloud takes.
 const LITTLE: Setup = Setup { memory_budget: Some(8 << 20), host_memory: 2 << 20, ..SETUP };
 
 /// A landscape with radii and normals, and with trees.
@@ -145,7 +145,7 @@ fn drafts_without_levels_show_points_that_stand_for_all() {
 }
 
 #[test]
-fn what_is_stopped_while_nodes_are_read_leaves_no_trace() {
+fn a_frame_stopped_while_nodes_are_read_leaves_no_trace() {
     with_device(|device| {
         let mut case = Case::octree(device);
         let scene = case.document.set("method.name", Setting::Word("sorted".into())).unwrap();

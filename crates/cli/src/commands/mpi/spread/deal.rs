@@ -61,16 +61,16 @@ pub struct Dealer<'a> {
 }
 
 impl<'a> Dealer<'a> {
-    /// Nobody has any.
+    /// Starts the distribution: no rank has points yet.
     pub fn new(ranks: &'a Ranks, known: &'a Known, piece: usize) -> Self {
         let dealt = vec![0; ranks.count()];
         Self { ranks, known, piece, portion: Portion::default(), dealt, waiting: Vec::new(), owner: 0, sent: 0 }
     }
 
-    /// Deals all points; returns what identifies them.
+    /// Distributes all points; returns what identifies them.
     ///
     /// # Errors
-    /// They can't be read, or it was cancelled.
+    /// Returns an error if the clouds can't be read or the work was canceled.
     pub fn deal(&mut self, resolved: &Resolved, progress: &Bar) -> Result<String> {
         progress.counted("dealing points", self.known.count());
         let identity = match (&resolved.stored, &resolved.arranged) {
@@ -131,7 +131,7 @@ impl<'a> Dealer<'a> {
         }
     }
 
-    /// Whose a point is, with so many before it that were not dealt yet.
+    /// Returns the rank that owns the point with so many points before it that were not sent yet.
     fn owner_of(&self, before: usize) -> usize {
         let (before, ranks) = (self.dealt.iter().sum::<u64>() + before as u64, self.ranks.count());
         let owner = u128::from(before) * ranks as u128 / u128::from(self.known.count().max(1));

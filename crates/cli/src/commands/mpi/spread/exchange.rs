@@ -1,4 +1,4 @@
-//! Points from rank to rank: those that may show in another's window.
+//! Exchange of the points that may show in another rank's region.
 
 use std::convert::Infallible;
 
@@ -10,8 +10,8 @@ use pellucid_engine::points::{Points, Unreadable};
 use super::super::cut::is_empty;
 use super::super::ranks::Ranks;
 
-/// The partners of a rank, one after the other, so that all ranks meet all others in pairs at the same time: the players of a round-robin
-/// tournament.
+/// The partners of a rank, one after the other, so that all ranks meet all others in pairs at the same time: the
+/// players of a round-robin tournament.
 pub fn partners(own: usize, count: usize) -> impl Iterator<Item = usize> {
     // Of an odd number one has nobody at each step.
     let players = count + count % 2;
@@ -27,7 +27,8 @@ pub fn partners(own: usize, count: usize) -> impl Iterator<Item = usize> {
     (0..players.saturating_sub(1)).map(partner).filter(move |partner| *partner < count)
 }
 
-/// The points of all ranks, in the order of these, that may show in this rank's one of the windows; the others get theirs.
+/// The points of all ranks, in the order of these, that may show in this rank's one of the regions; the others get
+/// theirs.
 ///
 /// # Errors
 /// A rank sent something else than points.

@@ -1,4 +1,4 @@
-//! A frame of points that are spread over all ranks.
+//! A frame of points that are distributed over all ranks.
 
 use std::sync::Arc;
 
@@ -30,10 +30,11 @@ pub struct Own<'a> {
     pub sample: &'a Points,
 }
 
-/// Orders the others to render the stage's frame; the windows of all, round by round. `None` where points are not spread.
+/// Orders the others to render the stage's frame; the regions of all, round by round. `None` where points are not
+/// distributed.
 ///
 /// # Errors
-/// A setting that can't be told.
+/// A setting that can't be sent.
 pub fn order(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<Vec<Vec<Window>>>> {
     let Some(all) = ranks.led() else { return Ok(None) };
     let (frame, timed) = (stage.session.frame, stage.session.renderer.timed);
@@ -44,10 +45,10 @@ pub fn order(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<Ve
     Ok(Some(rounds))
 }
 
-/// The first rank's turn: its own windows, and those of all put together.
+/// The first rank's turn: its own regions, and those of all put together.
 ///
 /// # Errors
-/// Those of rendering.
+/// Errors of rendering.
 pub fn lead(stage: &mut Stage, turn: &mut Turn<'_>, rounds: &[Vec<Window>]) -> Result<Whole> {
     let Stage { resolved, session, spread, .. } = stage;
     let Some(spread) = spread else { return Ok(None) };
@@ -65,10 +66,10 @@ pub fn lead(stage: &mut Stage, turn: &mut Turn<'_>, rounds: &[Vec<Window>]) -> R
 }
 
 impl Own<'_> {
-    /// Renders this rank's windows of all rounds into one image; `None` if all are empty.
+    /// Renders this rank's regions of all rounds into one image; `None` if all are empty.
     ///
     /// # Errors
-    /// Those of rendering.
+    /// Errors of rendering.
     pub fn rounds(&mut self, turn: &mut Turn<'_>, rounds: &[Vec<Window>]) -> Result<Option<Rendered>> {
         let mut whole: Option<Rendered> = None;
         for windows in rounds {
@@ -102,7 +103,7 @@ impl Own<'_> {
         self.cloud.supply_by(Arc::new(Held::new(Arc::new(joined(parts, &bounds)))));
     }
 
-    /// Renders a window. Of an empty one there is an image, too.
+    /// Renders a region. Of an empty one there is an image, too.
     pub fn window(&mut self, turn: &mut Turn<'_>, window: Window) -> Result<Rendered> {
         self.renderer.region = Some(window);
         let part = self.renderer.render(self.cloud, self.frame)?;

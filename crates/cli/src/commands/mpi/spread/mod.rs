@@ -1,8 +1,8 @@
 //! `--spread`: each rank has a part of the points in memory, and the first one alone reads files.
 //!
-//! The first rank runs the command as if it was alone, and orders the others what to do. It deals the points to all, run by run, as it
-//! reads them. For each frame every rank sends the points that may show in another rank's window to that rank, and renders its own
-//! window from what it received.
+//! The first rank runs the command as if it was alone, and orders the others what to do. It distributes the points,
+//! run by run, as it reads them. For each frame every rank sends the points that may show in another rank's region to
+//! that rank, and renders its own region from what it received.
 
 pub mod deal;
 mod exchange;
@@ -35,7 +35,7 @@ const PIECE: usize = 16 << 20;
 /// Opens the device of the first rank as if it was alone, decides the method, and deals the points to all ranks.
 ///
 /// # Errors
-/// Settings that can't be spread; those of reading points and of the device.
+/// Settings that don't work with distributed points; errors of reading points and of the device.
 pub fn open(setting: &Setting<'_>, resolved: &mut Resolved, all: &Ranks, progress: &Bar) -> Result<(Session, Spread)> {
     refuse(setting, resolved)?;
     // Method and opacity are those of a rank alone, which has all points at once.
@@ -115,7 +115,7 @@ fn packed(points: &Points) -> Vec<u8> {
     bytes
 }
 
-/// A supply for windows in which no point shows: one of the scene, which shows in none of them.
+/// Streams a single point of the scene, for regions in which no point shows.
 fn nowhere(sample: &Points) -> Held {
     let first: Vec<u32> = (0..sample.len().min(1) as u32).collect();
     Held::new(Arc::new(Points { unseen: Arc::default(), whole: None, ..sample.subset(&first, 1.0) }))

@@ -14,14 +14,14 @@ use super::super::ranks::Ranks;
 /// A thing to do. Some have bytes with them, in a message of their own.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Order {
-    /// Open the device for such frames of a scene of which this is known, and how many points are solid and soft. The bytes are points
-    /// that stand for all.
+    /// Open the device for such frames of a scene of which this is known, and how many points are solid and soft. The
+    /// bytes are points that stand for all.
     Open { known: Known, frame: Frame, parts: Option<(f32, Parts)> },
     /// Keep the runs of points in the bytes.
     Keep,
-    /// Render, round by round, the window of the rank's number. Passes may be timed, and listed one by one.
+    /// Render, round by round, the region of the rank's number. Passes may be timed, and listed one by one.
     Render { frame: Frame, rounds: Vec<Vec<Window>>, timed: bool, listed: bool },
-    /// Nothing is left to do.
+    /// Stop: nothing is left to do.
     Stop,
 }
 

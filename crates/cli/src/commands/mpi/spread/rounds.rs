@@ -1,4 +1,4 @@
-//! The windows of all ranks, in rounds in which few points are sent at a time.
+//! The regions of all ranks, in rounds in which few points are sent at a time.
 
 use pellucid_engine::passes::bands::Window;
 
@@ -7,11 +7,12 @@ use super::super::cut::{Costs, TILE, is_empty};
 /// Points that each rank may have of others at a time, whatever it has itself.
 const LEAST: f64 = 262_144.0;
 
-/// A rank may have so many points at a time as a part of those that it has itself: they are there several times while they are put into
-/// order, and on the device.
+/// A rank may have so many points at a time as a part of those that it has itself: they are there several times while
+/// they are put into order, and on the device.
 const PART: f64 = 0.125;
 
-/// Windows for each rank, round by round; some are empty. `all` are the scene's points, and the device has room for `room` at a time.
+/// Regions for each rank, round by round; some are empty. `all` are the scene's points, and the device has room for
+/// `room` at a time.
 pub fn rounds(costs: &Costs, ranks: usize, all: u64, room: u64) -> Vec<Vec<Window>> {
     let most = (PART * all as f64 / ranks as f64).max(LEAST).min(room as f64);
     let parts: Vec<Vec<Window>> =
@@ -21,7 +22,7 @@ pub fn rounds(costs: &Costs, ranks: usize, all: u64, room: u64) -> Vec<Vec<Windo
     (0..count).map(round).collect()
 }
 
-/// A window in parts in which no more points are expected, as far as tiles allow.
+/// A region in parts in which no more points are expected, as far as tiles allow.
 fn divided(costs: &Costs, window: Window, most: f64) -> Vec<Window> {
     if is_empty(window) {
         return Vec::new();
@@ -35,7 +36,7 @@ fn divided(costs: &Costs, window: Window, most: f64) -> Vec<Window> {
     }
 }
 
-/// The halves of a window of whole tiles; `None` of one tile.
+/// The halves of a region of whole tiles; `None` of one tile.
 fn halves([x0, y0, x1, y1]: Window) -> Option<[Window; 2]> {
     let [wide, high] = [(x1 - x0).div_ceil(TILE), (y1 - y0).div_ceil(TILE)];
     if wide <= 1 && high <= 1 {

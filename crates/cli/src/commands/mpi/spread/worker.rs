@@ -33,7 +33,7 @@ struct Worker {
 /// Does what the first rank orders until that has nothing more to do.
 ///
 /// # Errors
-/// Those of the device and of rendering.
+/// Errors of the device and of rendering.
 pub fn serve(device: &DeviceArgs, ranks: &Ranks) -> Result<ExitCode> {
     let (mut worker, mut portion) = (None, Portion::default());
     loop {
@@ -74,7 +74,7 @@ impl Worker {
         Ok(Self { renderer, cloud, sample })
     }
 
-    /// Renders this rank's windows, and sends them to the first rank.
+    /// Renders this rank's regions, and sends them to the first rank.
     fn render(
         &mut self,
         ranks: &Ranks,

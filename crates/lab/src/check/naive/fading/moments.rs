@@ -145,7 +145,8 @@ mod tests {
         assert!(is_close(&roots(&[0.0, 6.0, -5.0, -2.0, 1.0]), &[-2.0, 0.0, 1.0, 3.0]));
     }
 
-    /// Where nothing is near singular, the formulas are right: it is their roundings that cases are about.
+    /// Compares with float64 where nothing is near singular: there the formulas are right, and cases are about their
+    /// roundings.
     #[test]
     fn smooth_distributions_are_as_in_float64() {
         use pellucid_engine::reference::abuffer::Fragment;

@@ -71,7 +71,8 @@ mod tests {
     use super::*;
     use crate::check::stage::{apart, composed, dot};
 
-    /// At the edges of cells that lie far apart, the formulas are exact: it is their roundings that cases are about.
+    /// Compares at the edges of cells that lie far apart: there the formulas are exact, and cases are about their
+    /// roundings.
     #[test]
     fn edges_of_cells_are_exact() {
         for rank in 1..=3 {

@@ -26,13 +26,13 @@ use crate::report::tradeoff::{DIFFERENCE_GAIN, Skipped};
 pub(in super::super) struct Effort<'a> {
     /// The exact frame, of `abuffer`.
     pub frame: &'a Frame,
-    /// Its image.
+    /// Image of the exact frame.
     pub reference: &'a LinearImage,
     /// Linear RGB.
     pub background: Vec3,
     /// All points.
     pub arranged: &'a Arranged,
-    /// Where the pictures of differences come.
+    /// Folder for the pictures of differences.
     pub folder: &'a Path,
     /// Seconds after which no further image is begun.
     pub seconds: f64,
@@ -148,7 +148,8 @@ impl Studio<'_> {
         }
     }
 
-    /// A frame's image, and the least device time of the two that follow it, in ms: the first one pays for shaders and buffers.
+    /// A frame's image, and the least device time of the two that follow it, in ms: the first one pays for shaders and
+    /// buffers.
     fn timed(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<(LinearImage, f64), methods::Error> {
         let rendered = self.renderer.render(cloud, frame)?;
         let image = linear(&rendered.image, self.effort.background, frame.color);
@@ -163,7 +164,7 @@ impl Studio<'_> {
     }
 }
 
-/// The same points with harmonics up to a degree.
+/// Returns the points with harmonics up to a degree.
 fn with_degree(points: &Points, degree: u32) -> Points {
     let gaussians = points.gaussians.clone().map(|gaussians| gaussians.with_degree(degree));
     Points { gaussians, ..points.clone() }

@@ -1,5 +1,5 @@
-//! Cost of each approximation of Gaussian splats by itself: images with one thing changed, against the exact image of the scene's
-//! own kernel and order.
+//! Cost of each approximation of Gaussian splats by itself: images with one thing changed, against the exact image of
+//! the scene's own kernel and order.
 
 mod measure;
 mod rows;
@@ -18,9 +18,11 @@ pub use text::causes_table;
 pub struct Cause {
     /// Cause of the difference, in a few words.
     pub cause: String,
-    /// The change as an option of the command line would give it, as in `method.order=center`; empty for the exact image itself.
+    /// The change as an option of the command line would give it, as in `method.order=center`; empty for the exact
+    /// image itself.
     pub setting: String,
-    /// What the changed image is compared with, in the same form, beside the scene's own settings; empty for the exact image.
+    /// Setting that the changed image is compared with, in the same form, in addition to the scene's own settings;
+    /// empty for the exact image.
     pub against: String,
     /// Meaning of the figures, in one sentence.
     pub meaning: String,

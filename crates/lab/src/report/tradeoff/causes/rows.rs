@@ -1,9 +1,9 @@
-//! Which changes are measured on a scene.
+//! Table of the changes that are measured on a scene.
 
 use pellucid_engine::camera::Projection;
 use pellucid_engine::scene::{Discs, GaussianSettings, Kernel, Order};
 
-/// So little that what is left out below it can't be seen.
+/// Least opacity that leaves nothing visible out.
 const FAINTEST: f32 = 1e-6;
 
 /// The share of the light at which lists end in the original (Kerbl et al. 2023).
@@ -12,7 +12,7 @@ const EARLY_END: f32 = 1e-4;
 /// The least opacity of a fragment in the exact core of HTGS (Hahlbohm et al. 2025).
 const CORE_ALPHA_MIN: f32 = 0.05;
 
-/// One thing that is changed.
+/// A change of the settings.
 #[derive(Debug, Clone, PartialEq)]
 pub(in super::super) struct Change {
     /// See [`Cause::cause`](super::Cause::cause).
@@ -25,15 +25,16 @@ pub(in super::super) struct Change {
     pub meaning: String,
     /// The changed settings.
     pub settings: GaussianSettings,
-    /// Those of the image that it is compared with, if that is not the scene's.
+    /// Settings of the image that it is compared with, if they are not the scene's.
     pub base: Option<GaussianSettings>,
     /// Harmonics up to this degree alone.
     pub degree: Option<u32>,
-    /// By `hybrid` with a core of fragments of at least this opacity, in place of `abuffer`.
+    /// Least opacity of a fragment in the core, to render with `hybrid` in place of `abuffer`.
     pub core_alpha_min: Option<f32>,
 }
 
-/// The changes of a scene's exact image, itself first: `discs` and `order` are the scene's, `degree` is that of its harmonics.
+/// The changes of a scene's exact image, itself first: `discs` and `order` are the scene's, `degree` is that of its
+/// harmonics.
 pub(in super::super) fn changes(discs: &Discs, order: Order, degree: u32, projection: &Projection) -> Vec<Change> {
     let own = discs.gaussians;
     let of = |cause, setting: &str, meaning: &str, settings| Change {
@@ -257,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_scene_does_without_is_no_cause() {
+    fn settings_that_a_scene_does_not_use_are_no_causes() {
         let own = GaussianSettings {
             alpha_min: 1e-6,
             alpha_max: 1.0,

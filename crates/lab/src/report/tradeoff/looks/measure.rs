@@ -10,28 +10,28 @@ const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 /// Two images that are nearer to each other show no direction, but how they were rounded.
 const LEAST_DISTANCE: f64 = 1e-5;
 
-/// The images by which errors are told apart, all of one size.
+/// The images by which errors are distinguished, all of one size.
 #[derive(Clone, Copy)]
 pub(in super::super) struct Exact<'a> {
     /// The reference.
     pub reference: &'a LinearImage,
     /// True where it shows more than background.
     pub covered: &'a [bool],
-    /// The same fragments with their order lost: the mean of their colors by opacity, with the exact coverage.
+    /// Fragments of the reference with their order lost: the mean of their colors by opacity, with the exact coverage.
     pub unordered: Option<&'a LinearImage>,
 }
 
 /// A covered pixel.
 #[derive(Clone, Copy)]
 struct Pixel {
-    /// Its number in the image.
+    /// Number of the pixel in the image.
     index: usize,
     error: DVec3,
-    /// From the reference to the image without order.
+    /// Vector from the reference to the image without order.
     toward: DVec3,
 }
 
-/// How the error of an image looks; `None` if no pixel is covered.
+/// Returns the parts of an image's error; `None` if no pixel is covered.
 pub(in super::super) fn look(exact: &Exact<'_>, image: &LinearImage) -> Option<Look> {
     let pixels = || exact.pixels(image);
     let count = pixels().count() as f64;
@@ -88,8 +88,7 @@ fn linear(image: &LinearImage, index: usize) -> DVec3 {
     DVec3::from_array(image.pixels[index].map(f64::from))
 }
 
-/// What a leak of the same strength everywhere brings into the mean of the errors: the strength is fitted together with an even shift, by
-/// least squares.
+/// Returns the mean error explained by a uniform leak; leak and offset are fitted by least squares.
 fn spill<I: Iterator<Item = Pixel>>(pixels: impl Fn() -> I, mean: DVec3, count: f64) -> DVec3 {
     let middle = pixels().map(|pixel| pixel.toward).sum::<DVec3>() / count;
     let (mut both, mut squares) = (0.0, 0.0);
@@ -109,8 +108,8 @@ fn along(pixels: impl Iterator<Item = Pixel>, rest: impl Fn(&Pixel) -> DVec3) ->
     })
 }
 
-/// How much errors are like those of the pixels to the right and below, by their products over their mean squares: 1 for a plane, 0 for
-/// noise, at least 0.
+/// Returns the correlation of errors with those of the pixels to the right and below, as products over mean squares: 1
+/// for a plane, 0 for noise, at least 0.
 fn coherence(errors: impl Iterator<Item = (usize, DVec3)>, image: &LinearImage) -> f64 {
     let (width, mut field) = (image.width as usize, vec![[f32::NAN; 3]; image.pixels.len()]);
     errors.for_each(|(index, error)| field[index] = error.as_vec3().to_array());

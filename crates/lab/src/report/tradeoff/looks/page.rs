@@ -1,4 +1,4 @@
-//! How errors look, on the page of a comparison.
+//! Section about the parts of errors, on the page of a comparison.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ use crate::report::tradeoff::page::{error, percent};
 /// Pixels of the page across one of a crop.
 const SCALE: u32 = 4;
 
-/// For each approximation that is shown, the reference, its picture and their difference around the worst place, as data URIs.
+/// Reference, picture and difference around the worst place, for each approximation that is shown, as data URIs.
 #[derive(Debug, Clone, PartialEq)]
 pub(in super::super) struct Crops(Vec<[String; 3]>);
 

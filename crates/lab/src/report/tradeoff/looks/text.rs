@@ -1,4 +1,4 @@
-//! How an error looks, in two sentences.
+//! Description of an error in two sentences.
 
 use super::super::Row;
 use super::super::figures::short;
@@ -17,7 +17,7 @@ pub(super) fn name(row: &Row) -> String {
     format!("{} {}", row.method, short(&row.setting)).trim_end().to_owned()
 }
 
-/// How large the error is and to which side; and what it consists of.
+/// Returns a sentence about the size and the sign of the error, and a sentence about its parts.
 pub(super) fn sentences(row: &Row, look: &Look) -> [String; 2] {
     let rmse = error(row.errors.rmse);
     let size = if row.errors.max < LEAST_SHOWN {

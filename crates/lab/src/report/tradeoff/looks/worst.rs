@@ -4,7 +4,7 @@ use pellucid_engine::image::LinearImage;
 
 use super::Worst;
 
-/// Its side; less where the image is smaller.
+/// Side of the square in pixels; less where the image is smaller.
 const SIDE: u32 = 64;
 /// Steps across a square by which it is moved.
 const STEPS: u32 = 4;

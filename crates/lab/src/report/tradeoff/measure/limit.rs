@@ -28,14 +28,14 @@ pub(super) struct Account<'a> {
 }
 
 impl Account<'_> {
-    /// Seconds that a setting takes, from its first frame to the last one in turns; `frame` is the predicted one. Without a
-    /// prediction it is what settings took so far on the average, and `None` before the first one.
+    /// Seconds that a setting takes, from its first frame to the last one in turns; `frame` is the predicted one.
+    /// Without a prediction it is what settings took so far on the average, and `None` before the first one.
     pub(super) fn needed(&self, frame: Option<f64>) -> Option<f64> {
         let mean = |part: fn(&Spent) -> f64| self.tried.iter().map(part).sum::<f64>() / self.tried.len() as f64;
         if self.tried.is_empty() {
             return None;
         }
-        // Two frames, as of every setting, and what it takes beside them.
+        // Two frames, as of every setting, and its other time.
         let beside = mean(|spent| (spent.whole - 2.0 * spent.frame).max(0.0));
         let frame = frame.unwrap_or_else(|| mean(|spent| spent.frame));
         Some(beside + 2.0 * frame + self.in_turns(frame))
@@ -52,7 +52,7 @@ pub(super) fn left(end: Instant, now: Instant, all: f64) -> f64 {
     end.saturating_duration_since(now).as_secs_f64() - REPORT_SHARE * all
 }
 
-/// Why a setting that needs so many seconds is left out, if it is.
+/// Returns the reason why a setting that needs so many seconds is left out, if it is.
 pub(super) fn refusal(needed: f64, left: f64, all: f64) -> Option<String> {
     (needed > left).then(|| {
         let left = left.max(0.0);
@@ -62,8 +62,8 @@ pub(super) fn refusal(needed: f64, left: f64, all: f64) -> Option<String> {
     })
 }
 
-/// The order in which settings are tried where time may run out: the first of each method, then the second of each, and so
-/// on. Steps of a ladder stay in order.
+/// The order in which settings are tried where time may run out: the first of each method, then the second of each, and
+/// so on. Steps of a ladder stay in order.
 pub fn method_by_method(settings: &[Setting]) -> Vec<usize> {
     let rank = |at: &usize| {
         let is_same = |other: &&Setting| other.method.name() == settings[*at].method.name();
@@ -88,7 +88,7 @@ mod tests {
     fn the_time_of_a_setting_is_told_from_those_before() {
         let tried = [Spent { frame: 1.0, whole: 5.0 }, Spent { frame: 0.5, whole: 2.0 }];
         let account = Account { tried: &tried, alone: 2.0, rounds: 3 };
-        // 3 s and 1 s beside the frames. Then two frames, and three in turns with one before them.
+        // 3 s and 1 s in addition to the frames. Then two frames, and three in turns with one before them.
         assert_eq!(account.needed(Some(0.25)), Some(2.0 + 0.5 + 1.0));
         assert_eq!(account.needed(Some(2.5)), Some(2.0 + 5.0), "not in turns");
         assert_eq!(account.needed(None), Some(2.0 + 6.0 * 0.75));

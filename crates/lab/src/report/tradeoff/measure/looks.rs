@@ -1,4 +1,4 @@
-//! How the error of an approximation looks, against an image whose fragments have no order.
+//! Measures the parts of an approximation's error, against an image whose fragments have no order.
 
 use pellucid_engine::Result;
 use pellucid_engine::image::LinearImage;
@@ -11,7 +11,7 @@ use crate::report::tradeoff::looks::{Exact, look};
 use pellucid_session::candidates::{Formation, Setting};
 
 impl Run<'_> {
-    /// How the error of a setting's image looks; `None` of exact ones and of opaque points.
+    /// Returns the parts of the error of a setting's image; `None` for exact ones and for opaque points.
     pub(super) fn look(&mut self, setting: &Setting, image: &LinearImage) -> Result<Option<Look>> {
         if setting.is_exact(&self.occasion) || self.made.covered.is_empty() {
             return Ok(None);
@@ -23,8 +23,8 @@ impl Run<'_> {
         Ok(look(&Exact { reference: &self.made.reference, covered: &self.made.covered, unordered }, image))
     }
 
-    /// The mean color of all fragments by opacity, with the exact coverage: none but opaque ones, which hide what has no order, are among the
-    /// nearest of `hybrid`. Only of discs, and if the device can draw it.
+    /// The mean color of all fragments by opacity, with the exact coverage: none but opaque ones, which hide what has
+    /// no order, are among the nearest of `hybrid`. Only of discs, and if the device can draw it.
     fn render_unordered(&mut self) -> Result<Option<LinearImage>> {
         let Formation::Discs(discs) = self.occasion.formation else { return Ok(None) };
         let method = Method::Hybrid(Hybrid { discs, k: 1, core_alpha_min: 1.0, ..Hybrid::default() });

@@ -59,8 +59,9 @@ pub struct Options {
     /// Approximate limit on the total rendering time, in seconds. A setting is skipped if one frame is predicted to
     /// take more than a [`FRAME_SHARE`]th of it, or if no time is left.
     pub seconds: f64,
-    /// When all of it should be over, the report included; then `seconds` are those of the whole comparison. Settings that
-    /// don't fit, by what was measured so far, are skipped; the first one is not. `None` limits the rendering time alone.
+    /// Time at which all of it should be over, the report included; then `seconds` are those of the whole comparison.
+    /// Settings that don't fit, by what was measured so far, are skipped; the first one is not. `None` limits the
+    /// rendering time alone.
     pub end: Option<Instant>,
     /// Frames behind a median, if time permits, at least 1.
     pub rounds: usize,
@@ -178,8 +179,8 @@ impl Run<'_> {
         linear(image, self.subject.background, self.frame.color)
     }
 
-    /// Writes the reference's picture. One of the device that others are to equal is checked against the float64 reference,
-    /// once.
+    /// Writes the reference's picture. One of the device that others are to equal is checked against the float64
+    /// reference, once.
     fn keep_reference(&mut self) -> Result<()> {
         let picture = "reference.png".to_owned();
         self.write_picture(&picture, &self.made.reference.pixels)?;
@@ -230,7 +231,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// How errors change along the path, if there is one.
+    /// Measures the change of errors along the path, if there is one.
     fn follow(&mut self) -> Result<Option<Popping>> {
         let Subject { arranged, background, cameras, .. } = *self.subject;
         let own = self.subject.frame.method;

@@ -21,7 +21,7 @@ pub(super) struct Made {
     pub(super) method: String,
     /// The facts of the exact method's frame.
     pub(super) facts: Facts,
-    /// For opaque points.
+    /// Silhouette of the surfaces, for opaque points.
     pub(super) silhouette: Option<Silhouette>,
     pub(super) samples_across: u32,
     /// Pixels on which something is drawn, of methods that are compared with an exact one.

@@ -73,8 +73,8 @@ impl Run<'_> {
     }
 
     /// The number of timed frames per setting: one per round, but fewer for the slowest settings, so that all fit the
-    /// time, and one for those that are timed alone. Without an end it depends only on the trials, so that an interrupted run
-    /// arrives at the same numbers.
+    /// time, and one for those that are timed alone. Without an end it depends only on the trials, so that an
+    /// interrupted run arrives at the same numbers.
     fn wanted(&self, settings: &[Setting]) -> BTreeMap<String, usize> {
         let seconds = |setting: &Setting| self.partial.content.settings[&setting.key()].trial.seconds;
         let most = self.options.seconds / ALONE_SHARE;

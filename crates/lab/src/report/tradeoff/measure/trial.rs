@@ -40,8 +40,8 @@ impl Run<'_> {
         Ok(taken.into_iter().map(|at| settings[at].clone()).collect())
     }
 
-    /// The first frames of a setting, unless they are there already; false if it was skipped. `before` are the settings that
-    /// were not.
+    /// The first frames of a setting, unless they are there already; false if it was skipped. `before` are the settings
+    /// that were not.
     fn trial(&mut self, setting: &Setting, before: &[&Setting]) -> Result<bool> {
         if self.partial.content.settings.contains_key(&setting.key()) {
             return Ok(true);
@@ -67,7 +67,7 @@ impl Run<'_> {
         }
     }
 
-    /// Why a setting would take too long, by those before.
+    /// Returns the reason why a setting would take too long, by those before, if it would.
     fn too_slow(&self, setting: &Setting, before: &[&Setting]) -> Option<String> {
         let frame = self.predicted(setting, before);
         frame.and_then(|seconds| self.slow_frame(seconds, before)).or_else(|| self.late(frame, before))
@@ -88,7 +88,8 @@ impl Run<'_> {
         Some(&self.partial.content.settings.get(&setting.key())?.trial)
     }
 
-    /// Why a setting does not fit the time that is left for everything; `frame` are the predicted seconds of a frame.
+    /// Returns the reason why a setting does not fit the time that is left for everything; `frame` are the predicted
+    /// seconds of a frame.
     fn late(&self, frame: Option<f64>, before: &[&Setting]) -> Option<String> {
         let left = self.left()?;
         let Options { seconds, rounds, .. } = *self.options;
@@ -102,7 +103,7 @@ impl Run<'_> {
         Some(limit::left(self.options.end?, Instant::now(), self.options.seconds))
     }
 
-    /// Why a frame of so many seconds takes too long.
+    /// Returns the reason why a frame of so many seconds takes too long, if it does.
     fn slow_frame(&self, seconds: f64, before: &[&Setting]) -> Option<String> {
         let all = self.options.seconds;
         let about = format!("a frame would take about {seconds:.1} s by the settings before; of {all} s in all");
@@ -174,7 +175,8 @@ impl Run<'_> {
         Ok(Measured { trial, frames })
     }
 
-    /// Like [`Run::render`], but deals points to other ensembles: their choice is as random as the samples.
+    /// Renders like [`Run::render`], but shuffles points into other ensembles: their choice is as random as the
+    /// samples.
     fn render_anew(
         &mut self,
         renderer: &mut Renderer,

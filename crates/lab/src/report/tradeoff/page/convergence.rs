@@ -1,4 +1,4 @@
-//! How errors fall with samples, and what of them is bias.
+//! Section about errors that fall with samples, and their bias.
 
 use maud::{Markup, html};
 

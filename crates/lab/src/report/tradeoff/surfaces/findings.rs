@@ -7,7 +7,7 @@ const COVERED: f64 = 1e-3;
 /// Slowest last.
 const ORDER: [&str; 4] = ["squares", "circles", "paraboloid", "hqs"];
 
-/// One finding for each statement whose rows were all measured.
+/// Returns a finding for each statement whose rows were all measured.
 pub(in super::super) fn check_statements(rows: &[Row]) -> Vec<Finding> {
     [cost(rows), covering(rows), quality(rows)].into_iter().flatten().collect()
 }
@@ -30,7 +30,7 @@ fn sizes(rows: &[Row], thinning: u32, methods: &[&str], least: f64) -> Vec<f64> 
     sizes
 }
 
-/// At which sizes from 1 on something is so and at which it isn't.
+/// Lists the sizes at which a statement holds and those at which it doesn't.
 fn told(so: &[f64], not_so: &[f64]) -> String {
     let list = |sizes: &[f64]| sizes.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
     match (so, not_so) {
@@ -163,7 +163,7 @@ pub(in super::super) mod tests {
     }
 
     #[test]
-    fn what_is_as_claimed_holds() {
+    fn statements_hold_for_rows_as_claimed() {
         let rows = as_claimed();
         let found = check_statements(&rows);
         assert_eq!(holds(&rows), [Some(true); 3], "{found:#?}");
@@ -174,7 +174,7 @@ pub(in super::super) mod tests {
     }
 
     #[test]
-    fn what_is_not_does_not() {
+    fn statements_fail_for_rows_that_contradict_them() {
         let change = |method: &str, thinning: u32, size: f64, change: fn(&mut Row)| {
             let mut rows = as_claimed();
             let row = rows

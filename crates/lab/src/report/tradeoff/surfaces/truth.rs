@@ -21,7 +21,7 @@ const MAX_SAMPLES: u64 = 1 << 25;
 /// A picture of the surfaces.
 #[derive(Debug, Clone, PartialEq)]
 pub(in super::super) struct Supersampled {
-    /// Over the background, in linear light: the means over each pixel's samples.
+    /// Image over the background, in linear light: the means over each pixel's samples.
     pub image: LinearImage,
     /// The pixels the surfaces cover.
     pub silhouette: Silhouette,
@@ -59,7 +59,7 @@ fn samples_across(size: [u32; 2]) -> u32 {
     (2..=SAMPLES_ACROSS).rev().find(fits).unwrap_or(1)
 }
 
-/// The same splats on pixels that are smaller by this factor.
+/// Scales a method's splats to pixels that are smaller by this factor.
 fn scaled(method: Method, factor: u32) -> Method {
     let scale = |settings: BlendedSplats| {
         let max_pixel_radius = (settings.splats.max_pixel_radius * factor as f32).min(f32::MAX);
@@ -100,9 +100,9 @@ pub(in super::super) struct Silhouette {
 }
 
 impl Silhouette {
-    /// From an image with `factor` × `factor` samples per pixel: the pixels whose samples are all covered, and whose
-    /// eight neighbors in the image are, too. Splats extend over the rim of a surface by a part of their radius, so
-    /// only pixels at least one pixel inside the rim certainly show the surface.
+    /// Returns the silhouette of an image with `factor` × `factor` samples per pixel: the pixels whose samples are all
+    /// covered, and whose eight neighbors in the image are, too. Splats extend over the rim of a surface by a part of
+    /// their radius, so only pixels at least one pixel inside the rim certainly show the surface.
     fn from_image(image: &Image, factor: u32) -> Self {
         let (width, height) = ((image.width / factor) as usize, (image.height / factor) as usize);
         let (pitch, side) = (image.width as usize, factor as usize);
