@@ -419,7 +419,6 @@ def ask(
         "opacity_factor": _number("opacity_factor", opacity_factor),
         "radius_factor": _number("radius_factor", radius_factor),
         "seed": _seed(seed),
-        "folder": None,
         **{name: found.limits.get(name) for name in _LIMITS},
     }
 

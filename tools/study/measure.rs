@@ -8,9 +8,9 @@ use pellucid_engine::gpu::{self, DeviceOptions};
 use pellucid_engine::methods::Renderer;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::{Error, Result};
-use pellucid_session::choice::{EXACT, Measured, Subject, Survey};
 use pellucid_lab::report::tradeoff::method_by_method;
 use pellucid_session::candidates::{Ladders, Setting};
+use pellucid_session::choice::{EXACT, Measured, Subject, Survey};
 
 use crate::Args;
 use crate::rows::{Device, Log, Row, rounded};

@@ -20,9 +20,9 @@ use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{self, Overrides, Scene, procedural};
-use pellucid_session::choice::{self, Choice, Wish};
-use pellucid_session::candidates::Ladders;
 use pellucid_lab::report::tradeoff::{self, Options, Row, Subject, Tradeoff};
+use pellucid_session::candidates::Ladders;
+use pellucid_session::choice::{self, Choice, Wish};
 
 /// Name, keys of the scene file. Half of the pixels of the scenes' own images in each direction.
 const SCENES: [(&str, &[(&str, &str)]); 4] = [

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pellucid_engine::cloud::{Cloud as Columns, UpAxis};
 use pellucid_engine::io;
-use pellucid_engine::scene::made;
+use pellucid_session::describe_cloud;
 use pyo3::prelude::*;
 
 use crate::arrays::{self, ColorRows, Colors, FloatRows, Floats};
@@ -55,7 +55,7 @@ impl Cloud {
     fn read(py: Python<'_>, path: PathBuf, listener: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let columns = work::run(py, listener, move |talk| {
             let columns = io::load(&path, &talk.progress)?;
-            made::tell_of_cloud(&path, &columns, talk);
+            describe_cloud(&path, &columns, talk);
             Ok(columns)
         })?;
         Ok(Self(Arc::new(columns)))

@@ -17,7 +17,6 @@ mod measures;
 mod picture;
 mod request;
 mod scene;
-mod session;
 mod stress;
 mod talk;
 mod threads;

@@ -4,10 +4,11 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use numpy::PyArray1;
-use pellucid_engine::methods::brightness;
-use pellucid_engine::output;
-use pellucid_engine::profile::Profile;
-use pellucid_lab::frame_notes;
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::see_through;
+use pellucid_engine::output::WriteOptions;
+use pellucid_engine::scene::Scene as Parsed;
+use pellucid_session::{Prepared, Request, Session};
 use pyo3::prelude::*;
 
 use crate::arrays;
@@ -16,15 +17,58 @@ use crate::failure::Failure;
 use crate::fork::Kept;
 use crate::measures::{self, Extent};
 use crate::picture::{self, CameraNumbers, Moved, Picture};
-use crate::request::Ask;
-use crate::scene::Scene;
-use crate::session::Session;
+use crate::request::{self, Ask, Changes};
+use crate::scene::{Scene, State};
 use crate::talk::Talk;
 use crate::work;
 
+/// Session with the scene that its requests change.
+pub struct Work {
+    pub session: Session,
+    state: State,
+    /// `true` if points have radii whatever the method.
+    radii: bool,
+    /// Tables and keys that were changed last, and the keys then.
+    parsed: Option<((Vec<String>, Changes), Parsed)>,
+}
+
+impl Work {
+    /// Makes everything ready for the frame that is asked for.
+    pub fn prepare(&mut self, ask: &Ask, talk: &Talk) -> Result<(), Failure> {
+        ask.check()?;
+        let request = request(&self.state, &mut self.parsed, ask)?;
+        let request = Request { radii: self.radii, ..request };
+        if self.session.update(request, talk, &talk.progress)? {
+            self.session.warn(talk);
+        }
+        Ok(())
+    }
+}
+
+/// Returns the request of a call. Keys are parsed again only if other ones change than in the call before.
+fn request(
+    state: &State,
+    parsed: &mut Option<((Vec<String>, Changes), Parsed)>,
+    ask: &Ask,
+) -> Result<Request, Failure> {
+    let by = (ask.drop.clone(), ask.changes.clone());
+    let scene = match parsed {
+        Some((last, scene)) if *last == by => scene.clone(),
+        _ => {
+            let scene = request::lay_over(&mut state.document.clone(), &ask.drop, &ask.changes)?;
+            *parsed = Some((by, scene.clone()));
+            scene
+        }
+    };
+    if let (Some(share), Some(reason)) = (ask.see_through, see_through::refusal(scene.method)) {
+        return Err(Failure::Value(format!("see_through={share}: {reason}")));
+    }
+    ask.request(state, scene)
+}
+
 /// Scene on a device; one frame at a time.
 #[pyclass(frozen, module = "pellucid._pellucid")]
-pub struct Loaded(Mutex<Kept<Arc<Mutex<Session>>>>);
+pub struct Loaded(Mutex<Kept<Arc<Mutex<Work>>>>);
 
 #[pymethods]
 impl Loaded {
@@ -43,7 +87,12 @@ impl Loaded {
         let state = scene.state().clone();
         let session = work::run(py, listener, move |talk| {
             ask.check()?;
-            Session::open(device, state, &ask, with_radii, talk)
+            let mut parsed = None;
+            let request = Request { radii: with_radii, ..request(&state, &mut parsed, &ask)? };
+            let prepared = Prepared::new(request, talk, &talk.progress)?;
+            talk.go_on()?;
+            let session = Session::upload(&device, prepared, false, &talk.progress)?;
+            Ok(Work { session, state, radii: with_radii, parsed })
         })?;
         Ok(Self(Mutex::new(Kept::new("scene", Arc::new(Mutex::new(session))))))
     }
@@ -56,10 +105,9 @@ impl Loaded {
         ask: Ask,
         listener: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<(Picture, Moved<'py>)> {
-        let (picture, image) = self.with(py, listener, move |session, talk| {
-            ask.check()?;
-            session.prepare(&ask, talk)?;
-            render(session, &ask, talk)
+        let (picture, image) = self.with(py, listener, move |work, talk| {
+            work.prepare(&ask, talk)?;
+            render(&mut work.session, talk)
         })?;
         Ok((picture, picture::moved(py, image)))
     }
@@ -67,20 +115,18 @@ impl Loaded {
     /// Measure frames and return the JSON of `pellucid profile`.
     #[pyo3(signature = (ask, frames, listener=None))]
     fn profile(&self, py: Python<'_>, ask: Ask, frames: u32, listener: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
-        self.with(py, listener, move |session, talk| {
-            ask.check()?;
-            session.prepare(&ask.with_fragments(), talk)?;
-            measures::profile(session, frames, talk)
+        self.with(py, listener, move |work, talk| {
+            work.prepare(&ask.with_fragments(), talk)?;
+            measures::profile(&mut work.session, frames, talk)
         })
     }
 
     /// Return the passes of a frame as the JSON of `pellucid plan`.
     #[pyo3(signature = (ask, listener=None))]
     fn plan(&self, py: Python<'_>, ask: Ask, listener: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
-        self.with(py, listener, move |session, talk| {
-            ask.check()?;
-            session.prepare(&ask.with_fragments(), talk)?;
-            measures::plan(session)
+        self.with(py, listener, move |work, talk| {
+            work.prepare(&ask.with_fragments(), talk)?;
+            measures::plan(&mut work.session)
         })
     }
 
@@ -94,39 +140,36 @@ impl Loaded {
         folder: PathBuf,
         listener: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
-        self.with(py, listener, move |session, talk| {
-            ask.check()?;
-            measures::tradeoff(session, &ask, &extent, &folder, talk)
-        })
+        self.with(py, listener, move |work, talk| measures::tradeoff(work, &ask, &extent, &folder, talk))
     }
 
     /// Return the camera of the last frame, or of the scene; see [`Picture`].
     fn camera(&self, py: Python<'_>) -> PyResult<CameraNumbers> {
-        self.with(py, None, |session, _| Ok(picture::numbers(&session.frame.camera, distance(session))))
+        self.with(py, None, |work, _| Ok(picture::numbers(&work.session.frame.camera, distance(&work.session))))
     }
 
     fn size(&self, py: Python<'_>) -> PyResult<[u32; 2]> {
-        self.with(py, None, |session, _| Ok(session.frame.size))
+        self.with(py, None, |work, _| Ok(work.session.frame.size))
     }
 
     /// Return the method of the last frame, and why; before the first frame, the method that `auto` stands for.
     fn method(&self, py: Python<'_>) -> PyResult<(&'static str, String)> {
-        self.with(py, None, |session, _| Ok((session.frame.method.name(), session.why.clone())))
+        self.with(py, None, |work, _| Ok((work.session.frame.method.name(), work.session.why.clone())))
     }
 
     /// Return how clouds are colored, and why.
     fn colorings(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        self.with(py, None, |session, _| Ok(session.made.colorings.clone()))
+        self.with(py, None, |work, _| Ok(work.session.assembled().colorings.clone()))
     }
 
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
-        let bounds = self.with(py, None, |session, _| Ok(session.bounds))?;
+        let bounds = self.with(py, None, |work, _| Ok(work.session.prepared.bounds))?;
         Ok(bounds.map(|bounds| arrays::flat(py, vec![bounds.min.to_array(), bounds.max.to_array()])))
     }
 
     /// Return the number of points.
     fn count(&self, py: Python<'_>) -> PyResult<u64> {
-        self.with(py, None, |session, _| Ok(session.cloud.total()))
+        self.with(py, None, |work, _| Ok(work.session.uploaded.cloud.total()))
     }
 
     /// Free the device memory, once a frame that is still in work has ended, without waiting for that.
@@ -141,13 +184,13 @@ impl Loaded {
         &self,
         py: Python<'_>,
         listener: Option<&Bound<'_, PyAny>>,
-        work: impl FnOnce(&mut Session, &Talk) -> Result<T, Failure> + Send + 'static,
+        task: impl FnOnce(&mut Work, &Talk) -> Result<T, Failure> + Send + 'static,
     ) -> PyResult<T> {
         let session = self.0.lock().unwrap_or_else(PoisonError::into_inner).get().cloned();
         let session = session.map_err(|failure| failure.raise(py))?;
         work::run(py, listener, move |talk| {
             let mut session = session.lock().unwrap_or_else(PoisonError::into_inner);
-            work(&mut session, talk)
+            task(&mut session, talk)
         })
     }
 }
@@ -155,41 +198,26 @@ impl Loaded {
 /// Returns the distance from the eye to the middle of the scene along the view.
 fn distance(session: &Session) -> f64 {
     let camera = &session.frame.camera;
-    session.bounds.map_or(1.0, |bounds| (bounds.center() - camera.eye).dot(camera.forward))
+    session.prepared.bounds.map_or(1.0, |bounds| (bounds.center() - camera.eye).dot(camera.forward))
 }
 
 /// Renders the frame that the session is ready for.
-fn render(session: &mut Session, ask: &Ask, talk: &Talk) -> Result<(Picture, pellucid_engine::image::Image), Failure> {
-    session.frame.depths = ask.depths;
-    let rendered = session.renderer.render(&mut session.cloud, &session.frame);
-    session.frame.depths = false;
-    let mut rendered = rendered?;
-    session.device.check_validation()?;
-    let empty = frame_notes::empty(&rendered.image, session.made.points());
-    empty.into_iter().for_each(|message| talk.warn(message));
-    let Session { renderer, cloud, frame, .. } = session;
-    let brightness = brightness::apply(renderer, cloud, frame, &mut rendered.image)?;
-    session.device.check_validation()?;
-    let mut profile = Profile::new(&session.device, &session.frame);
+fn render(session: &mut Session, talk: &Talk) -> Result<(Picture, Image), Failure> {
+    let mut rendered = session.render()?;
+    session.judge(&rendered.image, talk)?;
+    let brightness = session.brighten(&mut rendered, talk)?;
+    let mut profile = session.profile();
     profile.add(&rendered);
-    let method = session.frame.method.name();
-    let device = &session.device.info().name;
-    let mut metadata = output::tags(&session.state.name, method, &session.scene.settings, device, session.frame.seed);
-    brightness.iter().filter_map(|applied| applied.warning()).for_each(|warning| talk.warn(warning));
-    let Session { frame, cloud, found, .. } = &session;
-    let clouds = &session.scene.clouds;
-    metadata.extend(frame_notes::decisions(frame, cloud, clouds, brightness.as_ref(), found.as_ref()));
-    let choice = session.choice.as_ref().map(|choice| choice.json());
-    metadata.extend(choice.map(|json| ("pellucid:choice".to_owned(), json.to_string())));
+    let WriteOptions { background, color, metadata, .. } = session.write_options(brightness.as_ref(), Vec::new());
     let picture = Picture {
         size: session.frame.size,
-        background: session.scene.image.background,
-        color: session.scene.image.color_space(),
+        background,
+        color,
         metadata,
         profile,
         camera: session.frame.camera,
         distance: distance(session),
-        method,
+        method: session.frame.method.name(),
         reason: session.why.clone(),
         stderr: rendered.image.standard_error(),
     };

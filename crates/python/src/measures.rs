@@ -6,20 +6,21 @@ use std::time::{Duration, Instant};
 use pellucid_engine::methods::{Frame, Stop};
 use pellucid_engine::profile::{self, Profile};
 use pellucid_engine::{output, plan};
-use pellucid_session::candidates::{self, Formation, Ladders};
 use pellucid_lab::report::tradeoff::{self, Options, Subject};
+use pellucid_session::Session;
+use pellucid_session::candidates::{self, Formation, Ladders};
 use pyo3::prelude::*;
 use serde_json::json;
 
 use crate::failure::Failure;
+use crate::loaded::Work;
 use crate::request::Ask;
-use crate::session::Session;
 use crate::talk::Talk;
 
 /// Renders a first frame, which pays for pipelines and buffers, then those that count.
 pub fn profile(session: &mut Session, frames: u32, talk: &Talk) -> Result<String, Failure> {
     let render = |session: &mut Session| {
-        let rendered = session.renderer.render(&mut session.cloud, &session.frame)?;
+        let rendered = session.renderer.render(&mut session.uploaded.cloud, &session.frame)?;
         session.device.check_validation()?;
         Ok::<_, Failure>(rendered)
     };
@@ -54,10 +55,10 @@ pub fn profile(session: &mut Session, frames: u32, talk: &Talk) -> Result<String
 pub fn plan(session: &mut Session) -> Result<String, Failure> {
     // Count lists as `profile` does, except for methods without lists.
     let frame = Frame { fragments: !session.frame.counts_on_demand(), ..session.frame };
-    let facts = session.renderer.survey(&mut session.cloud, &frame)?;
+    let facts = session.renderer.survey(&mut session.uploaded.cloud, &frame)?;
     let mut steps = plan::plan(&session.device, &frame, &facts, session.renderer.wide_atomics, &session.why);
     if let Some(first) = steps.iter_mut().find(|step| step.on) {
-        first.reason = [std::slice::from_ref(&first.reason), &session.made.colorings].concat().join("; ");
+        first.reason = [std::slice::from_ref(&first.reason), &session.assembled().colorings].concat().join("; ");
     }
     Ok(json!(steps).to_string())
 }
@@ -88,28 +89,24 @@ impl Extent {
 }
 
 /// Compares the methods that draw a scene.
-pub fn tradeoff(
-    session: &mut Session,
-    ask: &Ask,
-    extent: &Extent,
-    folder: &Path,
-    talk: &Talk,
-) -> Result<String, Failure> {
+pub fn tradeoff(work: &mut Work, ask: &Ask, extent: &Extent, folder: &Path, talk: &Talk) -> Result<String, Failure> {
     let begin = Instant::now();
-    if session.made.stored.is_some() {
+    if work.session.assembled().stored().is_some() {
         let problem = "tradeoff: all clouds are needed in memory; these stay in their files, since they would take more than host_memory \
                        allows, or since [detail] is to leave points out";
         return Err(Failure::Value(problem.to_owned()));
     }
-    session.prepare(ask, talk)?;
-    let method = session.scene.method.representative();
-    let formation = settings::compared(&method, session.made.points())?;
-    let mut shading = session.scene.shading;
+    work.prepare(ask, talk)?;
+    let session = &work.session;
+    let scene = session.scene();
+    let method = scene.method.representative();
+    let formation = candidates::compared(&method, session.points())?;
+    let mut shading = scene.shading;
     if shading.edl.edl && !matches!(formation, Formation::Surfaces(_)) {
         talk.warn("eye-dome lighting is left out, because not all compared methods support it");
         shading.edl.edl = false;
     }
-    let shadows = session.scene.shadows.filter(|_| matches!(formation, Formation::Surfaces(_)));
+    let shadows = scene.shadows.filter(|_| matches!(formation, Formation::Surfaces(_)));
     let frame = Frame {
         shading,
         method,
@@ -119,9 +116,14 @@ pub fn tradeoff(
         shadows,
         ..session.frame
     };
-    let background = session.scene.image.background;
-    let subject =
-        Subject { arranged: &session.made.arranged, frame, background, scene: &session.state.name, cameras: &[] };
+    let background = scene.image.background;
+    let subject = Subject {
+        arranged: session.assembled().arranged(),
+        frame,
+        background,
+        scene: &session.prepared.request.name,
+        cameras: &[],
+    };
     output::check_report_folder(folder)?;
     let report = tradeoff::run(&session.device, &subject, &extent.options(begin), folder, &talk.progress)?;
     talk.stage("writing the report");

@@ -1,13 +1,14 @@
 //! Request of a caller beside the points.
 
-use std::path::PathBuf;
-
+use pellucid_engine::io;
 use pellucid_engine::methods::{Factors, Stop};
-use pellucid_engine::scene::{Document, Overrides, Scene, View, ViewName};
+use pellucid_engine::scene::{Document, Method, Overrides, Scene, View, ViewName};
 use pellucid_session::choice::Wish;
+use pellucid_session::{ChoiceRequest, FrameRequest, Limits, Request, Residence, SeeThrough, SeeThroughBy};
 use pyo3::prelude::*;
 
 use crate::failure::Failure;
+use crate::scene::State;
 
 /// Changes of keys, like the options of the command line: the option as errors name it, the dotted key, the value as
 /// TOML, and `true` if it is appended to an array.
@@ -64,21 +65,21 @@ pub struct Ask {
     pub changes: Changes,
     /// `false` if a camera was given in place of the view that frames the scene.
     #[pyo3(item)]
-    pub framed: bool,
+    framed: bool,
     #[pyo3(item)]
-    pub fragments: bool,
+    fragments: bool,
     #[pyo3(item)]
-    pub depths: bool,
+    depths: bool,
     #[pyo3(item)]
     eight_bit: bool,
     #[pyo3(item)]
-    pub memory_budget: Option<u64>,
+    memory_budget: Option<u64>,
     #[pyo3(item)]
     opacity_factor: f32,
     #[pyo3(item)]
     radius_factor: f32,
     #[pyo3(item)]
-    pub seed: Option<u64>,
+    seed: Option<u64>,
     /// Share of light that is to get through the median covered pixel, from 0 to 1.
     #[pyo3(item)]
     pub see_through: Option<f64>,
@@ -88,10 +89,7 @@ pub struct Ask {
     budget_ms: Option<f64>,
     /// Host memory for points, in bytes; beyond it they stay in their files.
     #[pyo3(item)]
-    pub host_memory: Option<u64>,
-    /// Folder of temporary files.
-    #[pyo3(item)]
-    pub folder: Option<PathBuf>,
+    host_memory: Option<u64>,
 }
 
 impl Ask {
@@ -100,18 +98,46 @@ impl Ask {
         Self { fragments: true, ..self }
     }
 
-    /// Returns the accuracy at which blending may stop.
-    pub fn stop(&self) -> Stop {
-        if self.eight_bit { Stop::EightBit { transparent: false } } else { Stop::Exact }
+    /// Returns the request for frames of a scene, whose keys with these changes are `parsed`.
+    ///
+    /// # Errors
+    /// Returns an error if there is less memory for points than a reader needs.
+    pub fn request(&self, state: &State, parsed: Scene) -> Result<Request, Failure> {
+        let limits = Limits { memory: self.host_memory()?, residence: Residence::Levels };
+        let seed = self.seed.unwrap_or(state.seed);
+        let mut request = Request::of_scene(state.name.clone(), parsed, state.input.clone(), limits, seed);
+        if self.framed {
+            request.scene.camera.view = state.view;
+        }
+        request.see_through = self.see_through.map(|share| SeeThrough { share, by: SeeThroughBy::Option });
+        request.opacity_given =
+            self.changes.iter().any(|(option, ..)| ["opacity", "surface_opacity"].contains(&option.as_str()));
+        request.choice = ChoiceRequest {
+            wish: Wish { max_error: self.max_error, budget_ms: self.budget_ms },
+            only: request.scene.method.fixed().map(|method| Method::name(method).to_owned()),
+            recalibrate: false,
+        };
+        request.frame = FrameRequest {
+            memory_budget: self.memory_budget,
+            counts: self.fragments,
+            depths: self.depths,
+            stop: if self.eight_bit { Stop::EightBit { transparent: false } } else { Stop::Exact },
+            factors: Factors { radius: self.radius_factor, opacity: self.opacity_factor },
+            max_error: None,
+        };
+        Ok(request)
     }
 
-    pub fn factors(&self) -> Factors {
-        Factors { radius: self.radius_factor, opacity: self.opacity_factor }
-    }
-
-    pub fn wish(&self) -> Option<Wish> {
-        let wish = Wish { max_error: self.max_error, budget_ms: self.budget_ms };
-        wish.is_any().then_some(wish)
+    /// Returns the host memory that points may take, in bytes.
+    fn host_memory(&self) -> Result<u64, Failure> {
+        let least = io::LEAST_MEMORY;
+        match self.host_memory {
+            Some(bytes) if bytes < least => {
+                Err(Failure::Value(format!("host_memory: expected at least {least} bytes, found {bytes}")))
+            }
+            Some(bytes) => Ok(bytes),
+            None => Ok(io::memory_for_points()),
+        }
     }
 
     /// # Errors

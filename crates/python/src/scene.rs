@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use pellucid_engine::cloud::Cloud as Columns;
-use pellucid_engine::scene::{self as engine, Document, Key, Named, Overrides, View, made};
+use pellucid_engine::scene::{self as engine, Document, Input, Key, Named, Overrides, View};
+use pellucid_session::describe_cloud;
 use pyo3::prelude::*;
 
 use crate::cloud::Cloud;
@@ -20,47 +21,33 @@ pub struct Scene(Mutex<State>);
 /// Contents of a scene. Clones share the clouds.
 #[derive(Clone)]
 pub struct State {
-    pub document: Document,
     /// Name of the inputs.
     pub name: String,
-    pub clouds: Clouds,
+    pub document: Document,
+    /// Place of the clouds: arrays of the caller, or files that are not read yet.
+    pub input: Input,
     pub view: View,
     pub seed: u64,
 }
 
-#[derive(Clone)]
-pub enum Clouds {
-    Held(Vec<Arc<Columns>>),
-    /// Files that are not read yet; the document is that of the state.
-    Files(Named),
-}
-
 impl State {
-    fn new(name: String, document: Document, clouds: Clouds, seed: u64) -> Self {
-        Self { document, name, clouds, view: View::default(), seed }
-    }
-
-    /// Returns the inputs with the keys as they are now.
-    fn named(&self, named: &Named) -> Named {
-        let mut named = named.clone();
-        named.document = self.document.clone();
-        named
+    fn new(named: Named, seed: u64) -> Self {
+        let Named { name, document, input } = named;
+        Self { name, document, input, view: View::default(), seed }
     }
 
     /// Reads clouds that are still in files.
-    fn read(&mut self, talk: &Talk) -> Result<&[Arc<Columns>], Failure> {
-        if let Clouds::Files(named) = &self.clouds {
-            let scene = self.document.scene()?;
-            let opened = self.named(named).load(&talk.progress)?;
-            for (settings, cloud) in scene.clouds.iter().zip(&opened.clouds) {
-                made::tell_of_cloud(&settings.path, cloud, talk);
-            }
-            self.clouds = Clouds::Held(opened.clouds.into_iter().map(Arc::new).collect());
+    fn read(&mut self, talk: &Talk) -> Result<Vec<Arc<Columns>>, Failure> {
+        if let Input::Clouds(clouds) = &self.input {
+            return Ok(clouds.to_vec());
         }
-        match &self.clouds {
-            Clouds::Held(clouds) => Ok(clouds),
-            Clouds::Files(_) => Ok(&[]),
+        let scene = self.document.scene()?;
+        let clouds = self.input.load(&scene, &talk.progress)?;
+        for (settings, cloud) in scene.clouds.iter().zip(&clouds) {
+            describe_cloud(&settings.path, cloud, talk);
         }
+        self.input = Input::Clouds(clouds.as_slice().into());
+        Ok(clouds)
     }
 }
 
@@ -73,8 +60,8 @@ impl Scene {
     #[staticmethod]
     fn of_clouds(py: Python<'_>, clouds: Vec<PyRef<'_, Cloud>>, names: Vec<String>) -> PyResult<Self> {
         let document = Document::from_clouds(&names, &Overrides::default()).map_err(|error| raised(py, error))?;
-        let clouds = Clouds::Held(clouds.iter().map(|cloud| Arc::clone(&cloud.0)).collect());
-        Ok(Self(Mutex::new(State::new(names.join(" "), document, clouds, 0))))
+        let input = Input::Clouds(clouds.iter().map(|cloud| Arc::clone(&cloud.0)).collect());
+        Ok(Self(Mutex::new(State::new(Named { name: names.join(" "), document, input }, 0))))
     }
 
     /// Return the scene of a scene file or of clouds; without paths, the built-in scene by `seed`.
@@ -84,7 +71,7 @@ impl Scene {
             fork::enter()?;
             let named = engine::name(&paths, &Overrides::default(), seed)?;
             named.document.scene()?;
-            Ok(State::new(named.name.clone(), named.document.clone(), Clouds::Files(named), seed))
+            Ok(State::new(named, seed))
         };
         Ok(Self(Mutex::new(py.detach(read).map_err(|failure: Failure| failure.raise(py))?)))
     }
@@ -96,8 +83,7 @@ impl Scene {
         let document = Document::from_toml(text, &origin, &Overrides::default()).map_err(|error| raised(py, error))?;
         document.scene().map_err(|error| raised(py, error))?;
         let name = origin.display().to_string();
-        let clouds = Clouds::Files(Named::of_files(name.clone(), document.clone()));
-        Ok(Self(Mutex::new(State::new(name, document, clouds, 0))))
+        Ok(Self(Mutex::new(State::new(Named::of_files(name, document), 0))))
     }
 
     /// Return another scene with the same clouds.
@@ -184,10 +170,10 @@ impl Scene {
     fn clouds(&self, py: Python<'_>, listener: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<Cloud>> {
         let mut state = self.state().clone();
         let (state, clouds) = work::run(py, listener, move |talk| {
-            let clouds = state.read(talk)?.to_vec();
+            let clouds = state.read(talk)?;
             Ok((state, clouds))
         })?;
-        self.state().clouds = state.clouds;
+        self.state().input = state.input;
         Ok(clouds.into_iter().map(Cloud).collect())
     }
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use pellucid_engine::progress::{Observer, Progress};
-use pellucid_engine::scene::made::Messages;
+use pellucid_session::Messages;
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 
@@ -123,5 +123,17 @@ impl Messages for Talk {
 
     fn note(&self, note: &dyn Display) {
         Talk::note(self, note.to_string());
+    }
+
+    /// Returns the argument for an option of the command line.
+    fn name(&self, option: &str) -> String {
+        match option {
+            "budget" => "budget_ms".to_owned(),
+            _ => option.replace('-', "_"),
+        }
+    }
+
+    fn option(&self, option: &str, value: &dyn Display) -> String {
+        format!("{}={value}", self.name(option))
     }
 }

@@ -87,12 +87,7 @@ fn assemble(
 }
 
 /// Finds the camera of a scene, and says what is to be known of it.
-fn find_camera(
-    scene: &Scene,
-    points: &Points,
-    up: UpAxis,
-    messages: &dyn Messages,
-) -> Result<(Camera, Vec<String>)> {
+fn find_camera(scene: &Scene, points: &Points, up: UpAxis, messages: &dyn Messages) -> Result<(Camera, Vec<String>)> {
     scene::camera_notes(scene, points, up).iter().for_each(|note| messages.note(note));
     Ok(scene::camera(scene, points, up)?)
 }
@@ -126,12 +121,7 @@ impl Prepared {
     }
 
     /// Makes points again for another request of the same clouds, which stayed in memory.
-    pub(crate) fn make_again(
-        &mut self,
-        request: Request,
-        messages: &dyn Messages,
-        progress: &Progress,
-    ) -> Result<()> {
+    pub(crate) fn make_again(&mut self, request: Request, messages: &dyn Messages, progress: &Progress) -> Result<()> {
         let find = |scene: &Scene, points: &Points, up: UpAxis| find_camera(scene, points, up, messages);
         let (assembled, camera) = assemble(&request, &mut self.sources, find, messages, progress)?;
         self.bounds = assembled.points().bounds();

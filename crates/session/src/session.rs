@@ -111,10 +111,11 @@ impl Session {
 
     /// Makes everything ready for the frame of another request of the same clouds: makes again only what depends on keys that
     /// changed ([`Recipe`](pellucid_engine::scene::Recipe)).
+    /// Returns `true` if method and opacity were decided anew.
     ///
     /// # Errors
-    /// Returns the errors of [`Opened::prepare`] and [`Self::open`]. The next request is then decided anew.
-    pub fn update(&mut self, request: Request, messages: &dyn Messages, progress: &Progress) -> Result<()> {
+    /// Returns the errors of [`Opened::prepare`](crate::Opened::prepare) and [`Self::open`]. The next request is then decided anew.
+    pub fn update(&mut self, request: Request, messages: &dyn Messages, progress: &Progress) -> Result<bool> {
         request.check(messages)?;
         self.renderer.progress = progress.clone();
         self.progress = progress.clone();
@@ -183,11 +184,12 @@ impl Session {
     /// # Errors
     /// Returns an error if a frame can't be rendered, or if the device fails.
     pub fn decide(&mut self, messages: &dyn Messages) -> Result<()> {
-        self.decide_after(None, messages)
+        self.decide_after(None, messages)?;
+        Ok(())
     }
 
     /// Decides method and opacity, unless nothing changed of what the last ones followed from.
-    fn decide_after(&mut self, last: Option<Decided>, messages: &dyn Messages) -> Result<()> {
+    fn decide_after(&mut self, last: Option<Decided>, messages: &dyn Messages) -> Result<bool> {
         let wish = self.wish(messages);
         let frame = undecided(&self.prepared);
         let Scene { method, image, .. } = self.prepared.scene();
@@ -199,7 +201,8 @@ impl Session {
             wish,
             only: self.prepared.request.choice.only.clone(),
         };
-        if last.as_ref() != Some(&asked) {
+        let is_new = last.as_ref() != Some(&asked);
+        if is_new {
             self.frame = frame;
             (self.found, self.choice, self.is_judged) = (None, None, false);
             // On a device that was not met before, `auto` measures it first.
@@ -225,7 +228,7 @@ impl Session {
         }
         self.progress.set_message("rendering");
         self.decided = Some(asked);
-        Ok(())
+        Ok(is_new)
     }
 
     /// Returns the limits by which the method is chosen, and says so where they have no effect.
@@ -340,8 +343,7 @@ impl Session {
         self.describe_opacity(messages);
         let (assembled, once) = (&self.prepared.assembled, self.told.to(messages));
         let names = assembled.cloud_names();
-        let warnings =
-            notes::warnings(&names, assembled.arranged(), &self.uploaded.cloud, &self.frame, &self.why);
+        let warnings = notes::warnings(&names, assembled.arranged(), &self.uploaded.cloud, &self.frame, &self.why);
         warnings.iter().for_each(|warning| once.warn(warning));
     }
 

@@ -277,7 +277,8 @@ impl Stage {
             return Ok((draw_some(renderer, placed, frame, points)?, None));
         }
         // Points of ensembles are fewer on fewer pixels by themselves; shadows are those of all points.
-        let thinned = draft.coarse > 1 && !method.is_dealt() && shadows::casting(whole, &placed.uploaded.cloud).is_none();
+        let thinned =
+            draft.coarse > 1 && !method.is_dealt() && shadows::casting(whole, &placed.uploaded.cloud).is_none();
         if !thinned {
             let mut rendered = renderer.render(&mut placed.uploaded.cloud, &frame)?;
             let brightness = brightness::apply(renderer, &mut placed.uploaded.cloud, &frame, &mut rendered.image)?;

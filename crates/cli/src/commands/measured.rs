@@ -12,7 +12,6 @@ use pellucid_engine::{Result, output};
 use pellucid_session::Session;
 use serde_json::{Value, json};
 
-
 /// Profiles of one frame each.
 #[derive(Default)]
 pub struct Measured {

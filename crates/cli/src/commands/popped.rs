@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use pellucid_engine::image::{Image, LinearImage};
 use pellucid_engine::methods::{Frame, Renderer, Stop};
 use pellucid_engine::{Result, output};
-use pellucid_session::Session;
 use pellucid_lab::report::popping::{self, Candidate, Follower, Popping};
+use pellucid_session::Session;
 
 use super::console::Console;
 use super::limit::usage;
@@ -49,8 +49,7 @@ impl Popped {
         let exact = self.renderer.render(&mut session.uploaded.cloud, &frame)?;
         session.device.check_validation()?;
         let background = session.scene().image.background;
-        let linear =
-            |image: &Image| -> LinearImage { output::linear(image, background, frame.color) };
+        let linear = |image: &Image| -> LinearImage { output::linear(image, background, frame.color) };
         self.follower.add(&linear(&exact.image), &linear(image));
         self.renderer.recycle(exact.image);
         Ok(())

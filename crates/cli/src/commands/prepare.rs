@@ -1,8 +1,8 @@
 //! `pellucid prepare`.
 
+use pellucid_session::describe_cloud;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use pellucid_session::describe_cloud;
 
 use super::bar::Bar;
 use bytesize::ByteSize;

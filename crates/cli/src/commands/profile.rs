@@ -66,8 +66,7 @@ impl ProfileArgs {
     /// Reads the inputs, and finds the camera of each frame.
     pub fn prepare(&self, progress: &Bar, console: Console) -> Result<(Prepared, Vec<Camera>)> {
         let memory_budget = self.device.memory_budget.map(|budget| budget.as_u64());
-        let frame =
-            FrameRequest { memory_budget, counts: true, stop: self.format.stop(), ..FrameRequest::default() };
+        let frame = FrameRequest { memory_budget, counts: true, stop: self.format.stop(), ..FrameRequest::default() };
         if let Some(along) = self.along.course(self.frames, &self.input, console)? {
             return along.prepare(&self.input, (false, frame), console, progress);
         }

@@ -422,8 +422,7 @@ pub fn finish(
     console: Console,
 ) -> Result<()> {
     let brightness = session.brighten(rendered, &console)?;
-    let options =
-        WriteOptions { transparent: args.transparent, ..session.write_options(brightness.as_ref(), own) };
+    let options = WriteOptions { transparent: args.transparent, ..session.write_options(brightness.as_ref(), own) };
     // If not requested, the counts served only the profile's histogram.
     let counted = if args.aov { None } else { rendered.image.fragments.take() };
     rendered.image.layers = rendered.image.layers.take().filter(|_| args.aov);

@@ -113,12 +113,7 @@ fn caption(along: &Along, session: &Session) -> Caption {
 
 impl Frames {
     /// The frames of cameras, of which none is known to exist.
-    pub fn named(
-        args: &RenderArgs,
-        cameras: Vec<Camera>,
-        pattern: &Pattern,
-        session: &Session,
-    ) -> Self {
+    pub fn named(args: &RenderArgs, cameras: Vec<Camera>, pattern: &Pattern, session: &Session) -> Self {
         let files = (0..cameras.len()).map(|number| pattern.file(number)).collect();
         let identities = identities(args, &cameras, session);
         let there = vec![false; cameras.len()];
@@ -284,7 +279,8 @@ fn identities(args: &RenderArgs, cameras: &[Camera], session: &Session) -> Vec<S
         // Other values may have the same colors.
         written.push_str(&format!(" {legend:?}"));
     }
-    let whole = identity::hash(prepared.assembled.arranged(), &frame, prepared.scene().image.background, &written, info);
+    let whole =
+        identity::hash(prepared.assembled.arranged(), &frame, prepared.scene().image.background, &written, info);
     let count = cameras.len();
     let one = |(number, camera): (usize, &Camera)| {
         // Debug output of floats is exact.

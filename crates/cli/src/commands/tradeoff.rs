@@ -13,9 +13,9 @@ use pellucid_engine::points::Points;
 use pellucid_engine::scene::{Discs, Interpolated, Method, ScreenSplats, Soft, Spbr};
 use pellucid_engine::{Result, output};
 use pellucid_lab::report::popping;
+use pellucid_lab::report::tradeoff::{self, Options, Row, Shaded, ShadedStep, Skipped, Subject, Tradeoff};
 use pellucid_session::candidates::{self, Formation, Ladders, Occasion, Surfaces};
 use pellucid_session::{Clouds, FrameRequest, Opened, Prepared, Request};
-use pellucid_lab::report::tradeoff::{self, Options, Row, Shaded, ShadedStep, Skipped, Subject, Tradeoff};
 
 use super::DeviceArgs;
 use super::along::{Along, PathArgs};
@@ -71,7 +71,8 @@ const SECONDS: f64 = 360.0;
 const QUICK_SECONDS: f64 = 55.0;
 
 /// Refusal of clouds that stay in their files.
-pub(super) const IN_FILES: &str = "this command needs all clouds in memory, but they take more than --host-memory allows";
+pub(super) const IN_FILES: &str =
+    "this command needs all clouds in memory, but they take more than --host-memory allows";
 
 #[derive(Debug, Args)]
 #[command(after_help = ABOUT)]

@@ -50,9 +50,7 @@ impl Input {
     pub fn load(&self, scene: &Scene, progress: &Progress) -> crate::Result<Vec<Arc<Cloud>>> {
         match self {
             Self::Files => Ok(load_clouds(scene, progress)?.into_iter().map(Arc::new).collect()),
-            Self::Generated(generated) => {
-                Ok(take_generated(scene, generated)?.into_iter().map(Arc::new).collect())
-            }
+            Self::Generated(generated) => Ok(take_generated(scene, generated)?.into_iter().map(Arc::new).collect()),
             Self::Clouds(clouds) => Ok(clouds.to_vec()),
         }
     }
@@ -134,7 +132,11 @@ pub fn name(inputs: &[PathBuf], overrides: &Overrides, seed: u64) -> crate::Resu
         [] => {
             let generated = procedural::build(DEFAULT_SCENE, &[], seed).map_err(Error::from)?;
             let document = Document::from_toml(&generated.scene_toml, Path::new(DEFAULT_SCENE), overrides)?;
-            return Ok(Named { name: DEFAULT_SCENE.to_owned(), document, input: Input::Generated(Arc::new(generated)) });
+            return Ok(Named {
+                name: DEFAULT_SCENE.to_owned(),
+                document,
+                input: Input::Generated(Arc::new(generated)),
+            });
         }
         [path] if is_scene(path) => Document::read(path, overrides)?,
         inputs if inputs.iter().any(is_scene) => {

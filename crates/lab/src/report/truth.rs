@@ -12,8 +12,8 @@ use pellucid_engine::points::Points;
 use pellucid_engine::reference::abuffer::{Composite, composite, lists_at};
 use pellucid_engine::reference::shading::shade;
 use pellucid_engine::reference::soft::{Behind, Model, Scene};
-use pellucid_session::choice::image_of;
 use pellucid_engine::scene::{Density, Method, Soft};
+use pellucid_session::choice::image_of;
 
 /// Pixels that are compared with the reference; of a smaller image all.
 const SAMPLE: usize = 256;

@@ -26,6 +26,7 @@ use serde_json::{Value, json};
 use crate::messages::Messages;
 
 use crate::candidates::{Ladders, Setting, formation, settings};
+pub use limit::{ensembles, image_of};
 use pellucid_engine::Result;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{self, Frame};
@@ -34,7 +35,6 @@ use pellucid_engine::plan;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::{self, Detail, Method, Scene};
-pub use limit::{ensembles, image_of};
 pub use renderers::Renderers;
 pub use survey::{Lists, Measured, Survey};
 pub use table::Row;

@@ -5,12 +5,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use pellucid_engine::progress::Progress;
 use serde::{Deserialize, Serialize};
 
+use super::limit;
+use super::renderers::Renderers;
 use super::survey::Measured;
 use super::table::Row;
 use super::{Figures, Subject};
-use super::renderers::Renderers;
 use crate::candidates::{Formation, Occasion, Setting, formation};
-use super::limit;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::LinearImage;
 use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop};

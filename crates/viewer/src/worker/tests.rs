@@ -4,8 +4,8 @@ use pellucid_testing::with_device;
 
 use super::*;
 use crate::draft::Effort;
-use pellucid_session::{Clouds, Sources};
 use pellucid_engine::scene::{CameraSettings, Document, Setting};
+use pellucid_session::{Clouds, Sources};
 
 #[test]
 fn files_without_cameras_are_refused_with_the_formats_that_have_them() {

@@ -1,6 +1,5 @@
 //! The frames of a path: whole frames by each rank, or each frame by all.
 
-use std::path::Path;
 use std::process::ExitCode;
 
 use pellucid_engine::Result;
@@ -22,7 +21,7 @@ use crate::commands::interrupt;
 use crate::commands::mpi_args::SharingArgs;
 use crate::commands::render::RenderArgs;
 use crate::commands::sequence::{Due, Frames, Records};
-use crate::commands::session::Session;
+use pellucid_session::Session;
 
 /// Renders the frames that are not there yet.
 ///
@@ -42,18 +41,19 @@ pub fn run(
     let progress = console.progress();
     let mut cameras = Vec::new();
     let output = pattern.file(0);
-    let resolve = || {
-        let (resolved, found) = along.resolve(&args.input, args.draws_legend(&output), console, &progress)?;
+    let prepare = || {
+        let wanted = (args.draws_legend(&output), args.frame(&output));
+        let (prepared, found) = along.prepare(&args.input, wanted, console, &progress)?;
         cameras = found;
-        Ok((resolved, cameras.len()))
+        Ok((prepared, cameras.len()))
     };
-    let setting = Setting::of(args, sharing, Path::new(&output));
-    let mut stage = match Stage::open(&setting, ranks, (console, &progress), resolve) {
+    let setting = Setting { device: &args.device, share: sharing.share };
+    let mut stage = match Stage::open(&setting, ranks, (console, &progress), prepare) {
         Ok(stage) => stage,
         Err(status) => return Ok(status),
     };
     stage.session.renderer.timed = false;
-    let mut frames = Frames::named(args, cameras, pattern, &stage.resolved, &stage.session);
+    let mut frames = Frames::named(args, cameras, pattern, &stage.session);
     let found = if ranks.is_first() { frames.find(args.overwrite, pattern) } else { Ok(()) };
     if let Err(status) = together(ranks, found) {
         return Ok(status);
@@ -84,12 +84,12 @@ fn each_its_own(
     console: Console,
 ) -> Result<usize> {
     let missing = frames.missing();
-    let Stage { resolved, session, .. } = stage;
-    let mut records = Records::open(args, frames, resolved, session)?;
+    let session = &mut stage.session;
+    let mut records = Records::open(args, frames, session)?;
     let mut desk = Desk::open(ranks, missing.len());
     let mut numbers = desk.by_ref().map(|unit| missing[unit]);
     let due = Due { numbers: &mut numbers, count: missing.len(), render: &mut Session::render };
-    let rendered = frames.render(args, resolved, session, &mut records, due, progress, console)?;
+    let rendered = frames.render(args, session, &mut records, due, progress, console)?;
     // Whoever was interrupted leaves the rest to nobody.
     desk.by_ref().for_each(drop);
     desk.close();
@@ -117,11 +117,11 @@ fn each_by_all(
         let mut whole = Some(shared.rendered);
         let mut render =
             |session: &mut Session| -> Result<Rendered> { whole.take().map_or_else(|| session.render(), Ok) };
-        let Stage { resolved, session, .. } = &mut *stage;
-        let mut records = Records::open(args, frames, resolved, session)?;
+        let session = &mut stage.session;
+        let mut records = Records::open(args, frames, session)?;
         let due = Due { numbers: &mut std::iter::once(number), count: 1, render: &mut render };
         let console = if rendered == 0 { console } else { console.without_repeats() };
-        rendered += frames.render(args, resolved, session, &mut records, due, progress, console)?;
+        rendered += frames.render(args, session, &mut records, due, progress, console)?;
     }
     Ok(rendered)
 }

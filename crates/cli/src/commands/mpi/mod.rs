@@ -31,9 +31,9 @@ use self::spread::{orders, worker};
 use self::together::together;
 use super::DeviceArgs;
 use super::console::{Console, print_stderr};
-use super::input::KeptInFiles;
 use super::mpi_args::{Cli, Command, SharingArgs, SpreadArgs, Wanted};
 use super::render::{RenderArgs, Target};
+use pellucid_session::Residence;
 
 /// Parses the command line and runs its command on all ranks.
 pub fn run() -> ExitCode {
@@ -66,11 +66,11 @@ pub fn run() -> ExitCode {
     let ranks = if spread.is_some() { ranks.leading() } else { ranks };
     let done = match cli.command {
         Command::Render { mut args, sharing, spread } => {
-            args.input.kept_in_files = kept_in_files(&sharing, spread, args.is_film(), &ranks);
+            args.input.residence = residence(&sharing, spread, args.is_film(), &ranks);
             render(&args, &sharing, &ranks, console)
         }
         Command::Profile { mut args, sharing, spread } => {
-            args.input.kept_in_files = kept_in_files(&sharing, spread, args.along.option().is_some(), &ranks);
+            args.input.residence = residence(&sharing, spread, args.along.option().is_some(), &ranks);
             profile::run(&args, &sharing, &ranks, console)
         }
         Command::Plan { args, sharing, ranks: count } => {
@@ -83,14 +83,14 @@ pub fn run() -> ExitCode {
 }
 
 /// Returns which clouds stay in their files: those that are distributed, and octrees of which regions show parts.
-fn kept_in_files(sharing: &SharingArgs, spread: SpreadArgs, is_film: bool, ranks: &Ranks) -> KeptInFiles {
+fn residence(sharing: &SharingArgs, spread: SpreadArgs, is_film: bool, ranks: &Ranks) -> Residence {
     let by_windows = sharing.share == Wanted::Windows || sharing.share == Wanted::Auto && !is_film;
     if spread.spread {
-        KeptInFiles::Everything
+        Residence::Parts
     } else if by_windows && ranks.count() > 1 {
-        KeptInFiles::Octrees
+        Residence::Octrees
     } else {
-        KeptInFiles::Nothing
+        Residence::Levels
     }
 }
 

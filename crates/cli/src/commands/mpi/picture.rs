@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use pellucid_engine::Result;
+use pellucid_session::Prepared;
 
 use super::frame;
 use super::ranks::Ranks;
@@ -11,9 +12,7 @@ use super::report::Report;
 use super::setting::Setting;
 use super::stage::Stage;
 use crate::commands::console::Console;
-use crate::commands::loaded::read;
 use crate::commands::mpi_args::SharingArgs;
-use crate::commands::opacity_notes;
 use crate::commands::render::{self, RenderArgs};
 
 /// Renders the picture.
@@ -28,23 +27,24 @@ pub fn run(
     console: Console,
 ) -> Result<ExitCode> {
     let progress = console.progress();
-    let resolve = || {
-        let loaded = read(&args.input, None, console, &progress)?.with_legend(args.draws_legend(output));
-        Ok((loaded.resolve(None, console, &progress)?, 1))
+    let prepare = || {
+        let mut request = args.request(output, &progress, console)?;
+        request.frame.counts |= args.measure.is_asked();
+        Ok((Prepared::new(request, &console, &progress)?, 1))
     };
-    let setting = Setting::of(args, sharing, output);
-    let mut stage = match Stage::open(&setting, ranks, (console, &progress), resolve) {
+    let setting = Setting { device: &args.device, share: sharing.share };
+    let mut stage = match Stage::open(&setting, ranks, (console, &progress), prepare) {
         Ok(stage) => stage,
         Err(status) => return Ok(status),
     };
     let is_profiled = args.measure.is_asked();
     stage.session.renderer.timed = is_profiled || console.is_verbose();
     let Some(mut shared) = frame::render(&mut stage, ranks, is_profiled)? else { return Ok(ExitCode::SUCCESS) };
-    let Stage { resolved, mut session, share, .. } = stage;
+    let Stage { mut session, share, .. } = stage;
     session.frame.depths = false;
-    opacity_notes::judge(&mut session, &resolved, &shared.rendered.image, console)?;
+    session.judge(&shared.rendered.image, &console)?;
     progress.finish_and_clear();
-    render::finish(args, &resolved, &mut session, &mut shared.rendered, output, Vec::new(), console)?;
+    render::finish(args, &mut session, &mut shared.rendered, output, Vec::new(), console)?;
     let mut report = Report::new(&session, share);
     report.add(&shared);
     session.add_phases(&mut report.profile);

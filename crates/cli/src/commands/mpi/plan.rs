@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use pellucid_engine::Result;
-use pellucid_engine::methods::Stop;
+use pellucid_session::Prepared;
 use serde_json::json;
 
 use super::ranks::Ranks;
@@ -11,7 +11,6 @@ use super::setting::Setting;
 use super::share::{Offer, time};
 use super::stage::Stage;
 use crate::commands::console::{Console, print, print_json};
-use crate::commands::loaded::prepare;
 use crate::commands::mpi_args::SharingArgs;
 use crate::commands::plan::PlanArgs;
 
@@ -27,10 +26,12 @@ pub fn run(
     console: Console,
 ) -> Result<ExitCode> {
     let progress = console.progress();
-    let setting =
-        Setting { device: &args.device, counted: false, stop: Stop::Exact, share: sharing.share, depths: false };
-    let resolve = || Ok((prepare(&args.input, console, &progress)?, 1));
-    let mut stage = match Stage::open(&setting, ranks, (console, &progress), resolve) {
+    let setting = Setting { device: &args.device, share: sharing.share };
+    let prepare = || {
+        let request = args.input.request(None, &progress, console)?;
+        Ok((Prepared::new(request, &console, &progress)?, 1))
+    };
+    let mut stage = match Stage::open(&setting, ranks, (console, &progress), prepare) {
         Ok(stage) => stage,
         Err(status) => return Ok(status),
     };

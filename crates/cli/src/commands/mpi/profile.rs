@@ -11,9 +11,8 @@ use super::setting::Setting;
 use super::share::Share;
 use super::stage::Stage;
 use crate::commands::console::{Console, print, print_json};
-use crate::commands::loaded::prepare;
 use crate::commands::mpi_args::SharingArgs;
-use crate::commands::profile::{DEFAULT_FRAMES, ProfileArgs};
+use crate::commands::profile::ProfileArgs;
 
 /// Measures frames that all ranks render together.
 ///
@@ -22,22 +21,14 @@ use crate::commands::profile::{DEFAULT_FRAMES, ProfileArgs};
 pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Console) -> Result<ExitCode> {
     let progress = console.progress();
     let mut cameras = Vec::new();
-    let resolve = || {
+    let prepare = || {
         args.measure.check()?;
-        let (resolved, found) = match args.along.course(args.frames, &args.input, console)? {
-            Some(along) => along.resolve(&args.input, false, console, &progress)?,
-            None => {
-                let resolved = prepare(&args.input, console, &progress)?;
-                let cameras = vec![resolved.camera; args.frames.unwrap_or(DEFAULT_FRAMES) as usize];
-                (resolved, cameras)
-            }
-        };
+        let (prepared, found) = args.prepare(&progress, console)?;
         cameras = found;
-        Ok((resolved, if args.along.option().is_some() { cameras.len() } else { 1 }))
+        Ok((prepared, if args.along.option().is_some() { cameras.len() } else { 1 }))
     };
-    let setting =
-        Setting { device: &args.device, counted: true, stop: args.format.stop(), share: sharing.share, depths: false };
-    let mut stage = match Stage::open(&setting, ranks, (console, &progress), resolve) {
+    let setting = Setting { device: &args.device, share: sharing.share };
+    let mut stage = match Stage::open(&setting, ranks, (console, &progress), prepare) {
         Ok(stage) => stage,
         Err(status) => return Ok(status),
     };

@@ -11,7 +11,8 @@ use super::share::Share;
 use super::turn::Shared;
 use super::work::{Work, imbalance, ms};
 use crate::commands::MeasureArgs;
-use crate::commands::session::{Session, write_json};
+use crate::commands::session::write_json;
+use pellucid_session::Session;
 
 /// Measurements of frames.
 pub struct Report {

@@ -3,12 +3,13 @@
 use std::ops::Range;
 use std::process::ExitCode;
 
+use pellucid_engine::Result;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::methods::Frame;
 use pellucid_engine::passes::bands::Window;
 use pellucid_engine::prepare::Arranged;
-use pellucid_engine::scene::{Error, MethodChoice};
-use pellucid_engine::{Result, plan};
+use pellucid_engine::scene::{Error, Method, MethodChoice};
+use pellucid_session::{Prepared, Session};
 
 use super::cut::{Costs, Load};
 use super::link::Link;
@@ -23,8 +24,7 @@ use super::work::Work;
 use crate::commands::DeviceArgs;
 use crate::commands::bar::Bar;
 use crate::commands::console::Console;
-use crate::commands::loaded::Resolved;
-use crate::commands::session::Session;
+use crate::commands::session;
 use crate::legend;
 
 /// Least work of a rank, in seconds, for which some regions are handed out on demand: for each, points are picked,
@@ -41,7 +41,6 @@ const BALANCED: f64 = 1.05;
 
 /// A scene on this rank's device.
 pub struct Stage {
-    pub resolved: Resolved,
     pub session: Session,
     pub share: Share,
     /// Work that can be shared.
@@ -64,7 +63,7 @@ struct Last {
 }
 
 impl Stage {
-    /// Brings what `resolve` reads to the device; it also returns how many frames there are to render.
+    /// Brings what `prepare` reads to the device; it also returns how many frames there are to render.
     ///
     /// # Errors
     /// The exit status, once the first rank has said what went wrong.
@@ -72,39 +71,38 @@ impl Stage {
         setting: &Setting<'_>,
         ranks: &Ranks,
         (console, progress): (Console, &Bar),
-        resolve: impl FnOnce() -> Result<(Resolved, usize)>,
+        prepare: impl FnOnce() -> Result<(Prepared, usize)>,
     ) -> std::result::Result<Self, ExitCode> {
         let checked = || {
-            let (resolved, frames) = resolve()?;
-            legend::check(&resolved, console)?;
-            Ok((resolved, frames))
+            let (prepared, frames) = prepare()?;
+            legend::check(&prepared, console)?;
+            Ok((prepared, frames))
         };
         ranks.begin("reading");
         if let Some(all) = ranks.led() {
             return together(ranks, checked().and_then(|found| Self::spread(setting, all, (console, progress), found)));
         }
-        let (mut resolved, frames) = together(ranks, checked())?;
-        together(ranks, compare(&identity(&resolved), ranks))?;
+        let (prepared, frames) = together(ranks, checked())?;
+        together(ranks, compare(&identity(&prepared), ranks))?;
         let link = Link::measured(ranks).unwrap_or_default();
         // Points come region by region, so that each rank takes those of its own.
-        let frame = Frame::of_scene(&resolved.scene, resolved.camera, resolved.seed);
-        let expected = Job::of(&frame, &resolved, frames).choose(setting.share, ranks.count(), link);
-        resolved.by_windows =
-            ranks.count() > 1 && matches!(expected, Ok(Share::Windows)) && resolved.shadow_texture.is_none();
+        let expected = Job::of(&prepared.frame(), &prepared, frames).choose(setting.share, ranks.count(), link);
+        let by_windows =
+            ranks.count() > 1 && matches!(expected, Ok(Share::Windows)) && prepared.assembled.shadow_texture.is_none();
         ranks.begin("uploading");
-        let mut session = together(ranks, open(setting, &mut resolved, ranks, progress))?;
-        agree(&mut session, &resolved, ranks);
-        session.frame.depths = setting.depths;
-        let job = together(ranks, job(&mut session, &resolved, frames))?;
+        let mut session = together(ranks, open(setting, prepared, by_windows, ranks, (console, progress)))?;
+        agree(&mut session, ranks);
+        session.frame.depths = session.prepared.request.frame.depths;
+        let job = together(ranks, job(&mut session, frames))?;
         let share = together(ranks, job.choose(setting.share, ranks.count(), link))?;
         if ranks.is_first() {
-            session.describe(console);
-            session.warn(&resolved, console);
+            session.describe(&console);
+            session.warn(&console);
             if ranks.count() > 1 {
                 console.detail(format_args!("{} ranks share {share}", ranks.count()));
             }
         }
-        Ok(Self { resolved, session, share, job, link, spread: None, costs: None, last: None })
+        Ok(Self { session, share, job, link, spread: None, costs: None, last: None })
     }
 
     /// Makes the stage with the points distributed over all ranks, as this one orders.
@@ -112,19 +110,19 @@ impl Stage {
         setting: &Setting<'_>,
         all: &Ranks,
         (console, progress): (Console, &Bar),
-        (mut resolved, frames): (Resolved, usize),
+        (prepared, frames): (Prepared, usize),
     ) -> Result<Self> {
-        let (session, spread) = spread::open(setting, &mut resolved, all, progress)?;
-        session.describe(console);
-        session.warn(&resolved, console);
+        let (session, spread) = spread::open(setting, prepared, all, (console, progress))?;
+        session.describe(&console);
+        session.warn(&console);
         console.detail(spread.described());
-        let (share, job) = (Share::Windows, Job::of(&session.frame, &resolved, frames));
-        Ok(Self { resolved, session, share, job, link: Link::default(), spread: Some(spread), costs: None, last: None })
+        let (share, job) = (Share::Windows, Job::of(&session.frame, &session.prepared, frames));
+        Ok(Self { session, share, job, link: Link::default(), spread: Some(spread), costs: None, last: None })
     }
 
     /// Bytes that this rank has read of nodes.
     pub fn bytes_read(&self) -> u64 {
-        self.resolved.stored.as_ref().map_or(0, |stored| stored.bytes_read()[0])
+        self.session.assembled().stored().map_or(0, |stored| stored.bytes_read()[0])
     }
 
     /// The regions of the ranks for the session's camera, and those on demand; the first rank cuts.
@@ -171,7 +169,7 @@ impl Stage {
 
     /// Returns the expected cost of the tiles of the session's frame.
     pub fn costs(&mut self) -> &Costs {
-        let (frame, points) = (&self.session.frame, self.resolved.points());
+        let (frame, points) = (&self.session.frame, self.session.points());
         let old = self.costs.take_if(|(camera, _)| *camera != frame.camera);
         let make = || {
             let mut costs = Costs::expected(frame, points);
@@ -202,14 +200,14 @@ fn on_demand(job: &Job, ranks: usize) -> (usize, f64) {
 }
 
 /// Returns a hash of the facts that must be the same on all ranks.
-fn identity(resolved: &Resolved) -> [u8; 32] {
-    let Resolved { scene, camera, seed, .. } = resolved;
-    let points = resolved.points();
+fn identity(prepared: &Prepared) -> [u8; 32] {
+    let (points, Prepared { camera, request, .. }) = (prepared.points(), prepared);
     let stored = points.whole.as_ref().map(|whole| &whole.identity);
     let written = format!(
-        "{} {} {camera:?} {seed} {} {:?} {stored:?}",
+        "{} {} {camera:?} {} {} {:?} {stored:?}",
         env!("CARGO_PKG_VERSION"),
-        scene.settings,
+        prepared.scene().settings,
+        request.seed,
         points.positions.len(),
         points.bounds()
     );
@@ -234,51 +232,57 @@ fn compare(own: &[u8], ranks: &Ranks) -> Result<()> {
 }
 
 /// Brings the points to the device; the first rank decides the method and the opacity, too.
-fn open(setting: &Setting<'_>, resolved: &mut Resolved, ranks: &Ranks, progress: &Bar) -> Result<Session> {
+fn open(
+    setting: &Setting<'_>,
+    prepared: Prepared,
+    by_windows: bool,
+    ranks: &Ranks,
+    (console, progress): (Console, &Bar),
+) -> Result<Session> {
     let device = DeviceArgs { device: device_of(setting.device, ranks)?, memory_budget: setting.device.memory_budget };
-    let Setting { counted, stop, .. } = *setting;
-    if !ranks.is_first() {
-        return Session::upload(&device, resolved, counted, stop, progress);
-    }
-    if !matches!(resolved.scene.method, MethodChoice::Auto(..)) && resolved.see_through.is_none() {
-        return Session::open(&device, resolved, counted, stop, progress);
-    }
     // Method and opacity are those of a rank alone, which has all points at once.
-    let by_windows = std::mem::take(&mut resolved.by_windows);
-    let mut session = Session::open(&device, resolved, counted, stop, progress)?;
-    resolved.by_windows = by_windows;
-    if by_windows && let Arranged::Canonical(points) = &resolved.arranged {
-        session.cloud = session.renderer.supply_held(points)?;
+    let follows = matches!(prepared.scene().method, MethodChoice::Auto(..)) || prepared.see_through().is_some();
+    let is_first = ranks.is_first();
+    let mut session = session::upload(&device, prepared, by_windows && !(is_first && follows), progress)?;
+    if is_first {
+        session.decide(&console)?;
+        if by_windows
+            && follows
+            && let Arranged::Canonical(points) = session.assembled().arranged()
+        {
+            session.uploaded.cloud = session.renderer.supply_held(points)?;
+        }
     }
     Ok(session)
 }
 
+/// Method and opacity, as the first rank has decided.
+#[derive(serde::Serialize, serde::Deserialize)]
+struct Decision {
+    method: Method,
+    opacity: f32,
+}
+
 /// Takes over what the first rank has decided.
-fn agree(session: &mut Session, resolved: &Resolved, ranks: &Ranks) {
-    let own = [session.frame.method.name().as_bytes(), &session.frame.factors.opacity.to_le_bytes()].concat();
-    let said = ranks.told(own);
-    let (name, factor) = said.split_at(said.len().saturating_sub(4));
-    if let Ok(factor) = factor.try_into() {
-        session.frame.factors.opacity = f32::from_le_bytes(factor);
-    }
-    let choice = resolved.scene.method;
-    let methods = [plan::resolve(choice, resolved.points()).0, choice.representative()];
-    if let Some(method) = methods.into_iter().find(|method| method.name().as_bytes() == name) {
-        session.frame.method = method;
-    }
+fn agree(session: &mut Session, ranks: &Ranks) {
+    let own = Decision { method: session.frame.method, opacity: session.frame.factors.opacity };
+    let Decision { method, opacity } = messages::told(own, ranks);
+    session.frame.method = method;
+    session.frame.factors.opacity = opacity;
 }
 
 /// Returns the work that can be shared, including facts that only a device knows.
-fn job(session: &mut Session, resolved: &Resolved, frames: usize) -> Result<Job> {
-    let Session { renderer, cloud, frame, device, .. } = session;
-    let slots = if frame.method.is_dealt() { renderer.survey(cloud, frame)?.slots } else { 0 };
-    Ok(Job { slots, is_gpu: device.info().prefers.shared_work, ..Job::of(frame, resolved, frames) })
+fn job(session: &mut Session, frames: usize) -> Result<Job> {
+    let Session { renderer, uploaded, frame, device, .. } = &mut *session;
+    let slots = if frame.method.is_dealt() { renderer.survey(&mut uploaded.cloud, frame)?.slots } else { 0 };
+    let is_gpu = device.info().prefers.shared_work;
+    Ok(Job { slots, is_gpu, ..Job::of(&session.frame, &session.prepared, frames) })
 }
 
 impl Job {
     /// Returns the work that can be shared, as far as it is known without a device.
-    fn of(frame: &Frame, resolved: &Resolved, frames: usize) -> Self {
-        let load: Load = Costs::expected(frame, resolved.points()).whole();
+    fn of(frame: &Frame, prepared: &Prepared, frames: usize) -> Self {
+        let load: Load = Costs::expected(frame, prepared.points()).whole();
         let samples = frame.sample_steps().map(|steps| [steps.total, steps.step]);
         Self { load, samples, slots: 0, frames, is_gpu: false }
     }

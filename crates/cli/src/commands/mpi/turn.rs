@@ -6,6 +6,7 @@ use pellucid_engine::Result;
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Rendered, SamplePart};
 use pellucid_engine::passes::bands::Window;
+use pellucid_session::Session;
 
 use super::cut::is_empty;
 use super::desk::Desk;
@@ -14,7 +15,6 @@ use super::pixels;
 use super::ranks::Ranks;
 use super::stage::Stage;
 use super::work::{Work, joined, ms};
-use crate::commands::session::Session;
 
 /// A frame, on the first rank.
 pub struct Shared {
@@ -174,8 +174,8 @@ impl Turn<'_> {
             windows.iter().for_each(|window| pixels::receive(&mut own.image, *window, rank, self.ranks));
         }
         if session.frame.shading.edl.edl {
-            let Session { renderer, cloud, frame, .. } = session;
-            renderer.apply_edl(cloud, frame, &mut own.image)?;
+            let Session { renderer, uploaded, frame, .. } = session;
+            renderer.apply_edl(&mut uploaded.cloud, frame, &mut own.image)?;
         }
         Ok((own, begin.elapsed().saturating_sub(self.ranks.traffic().waited - waited)))
     }

@@ -277,7 +277,8 @@ fn views<'a>(
 /// Those of [`Tracked::new`].
 pub fn legend(scene: &Scene, clouds: &[impl Borrow<Cloud>], derived: &[DerivedColumns]) -> Result<Legend, Error> {
     let (mut legend, clips) = (Legend::default(), Clips::load(&scene.clips)?);
-    for (index, (cloud, derived)) in clouds.iter().map(Borrow::borrow).zip(derived).take(scene.clouds.len()).enumerate() {
+    for (index, (cloud, derived)) in clouds.iter().map(Borrow::borrow).zip(derived).take(scene.clouds.len()).enumerate()
+    {
         let dropped = scene.clouds[index].strays.rule(Outliers::Drop).and_then(|rule| derived.dropped(rule));
         legend.add(&Coloring::of(scene, index, cloud), &clips, derived.fields(), dropped)?;
     }

@@ -2,11 +2,11 @@
 
 use super::figures::short;
 use super::partial::Measured;
-use pellucid_session::candidates::Setting;
 use super::{Convergence, Row};
 use crate::report::fit::power_law;
 use crate::report::stress::Spread;
 use pellucid_engine::profile::median;
+use pellucid_session::candidates::Setting;
 
 /// A row without its place on the front.
 pub(super) fn row(setting: &Setting, measured: &Measured) -> Row {
@@ -103,8 +103,8 @@ mod tests {
     use super::*;
     use crate::report::tradeoff::Errors;
     use crate::report::tradeoff::partial::{Timed, Trial};
-    use pellucid_session::candidates::{Formation, Ladders, Occasion, settings};
     use pellucid_engine::scene::Discs;
+    use pellucid_session::candidates::{Formation, Ladders, Occasion, settings};
 
     fn measured(times: &[f64], rmse: f64) -> Measured {
         let errors = Errors { rmse, nmse: 0.0, psnr: None, ssim: 1.0, flip: 0.0, max: 0.0, above_1_255: 0.0 };

@@ -6,13 +6,13 @@ use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::stored::Stored;
 use pellucid_engine::supply::Failure;
 use pellucid_engine::{Result, methods, passes};
+use pellucid_session::Assembled;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::super::ranks::Ranks;
 use super::orders;
 use crate::commands::bar::Bar;
-use crate::commands::loaded::Resolved;
 
 /// Blocks that are read at once, at most.
 const AT_ONCE: usize = 8;
@@ -71,9 +71,9 @@ impl<'a> Dealer<'a> {
     ///
     /// # Errors
     /// Returns an error if the clouds can't be read or the work was canceled.
-    pub fn deal(&mut self, resolved: &Resolved, progress: &Bar) -> Result<String> {
+    pub fn deal(&mut self, assembled: &Assembled, progress: &Bar) -> Result<String> {
         progress.counted("dealing points", self.known.count());
-        let identity = match (&resolved.stored, &resolved.arranged) {
+        let identity = match (assembled.stored(), assembled.arranged()) {
             (Some(stored), _) => {
                 self.deal_stored(stored, progress)?;
                 String::new()

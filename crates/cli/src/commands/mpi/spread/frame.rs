@@ -38,8 +38,8 @@ pub struct Own<'a> {
 pub fn order(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<Vec<Vec<Window>>>> {
     let Some(all) = ranks.led() else { return Ok(None) };
     let (frame, timed) = (stage.session.frame, stage.session.renderer.timed);
-    let room = stage.session.renderer.room(&stage.session.cloud, &frame);
-    let points = stage.session.cloud.total();
+    let room = stage.session.renderer.room(&stage.session.uploaded.cloud, &frame);
+    let points = stage.session.uploaded.cloud.total();
     let rounds = rounds::rounds(stage.costs(), all.count(), points, room);
     orders::send_to_others(all, &Order::Render { frame, rounds: rounds.clone(), timed, listed }, None)?;
     Ok(Some(rounds))
@@ -50,14 +50,14 @@ pub fn order(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<Ve
 /// # Errors
 /// Errors of rendering.
 pub fn lead(stage: &mut Stage, turn: &mut Turn<'_>, rounds: &[Vec<Window>]) -> Result<Whole> {
-    let Stage { resolved, session, spread, .. } = stage;
+    let Stage { session, spread, .. } = stage;
     let Some(spread) = spread else { return Ok(None) };
     let mut own = Own {
         renderer: &mut session.renderer,
-        cloud: &mut session.cloud,
+        cloud: &mut session.uploaded.cloud,
         frame: &session.frame,
         portion: &spread.portion,
-        sample: resolved.points(),
+        sample: session.prepared.points(),
     };
     let rendered = own.rounds(turn, rounds)?.map_or_else(|| own.window(turn, [0; 4]), Ok)?;
     let whole = turn.put_together(session, rendered)?;

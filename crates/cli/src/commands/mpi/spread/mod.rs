@@ -18,6 +18,7 @@ use pellucid_engine::prepare::{Arranged, Supplied};
 use pellucid_engine::scene::{Error, MethodChoice};
 use pellucid_engine::supply::Held;
 use pellucid_engine::{Result, methods, passes};
+use pellucid_session::{Prepared, Session};
 
 use self::deal::{Dealer, Spread};
 use self::orders::Order;
@@ -25,9 +26,9 @@ use super::ranks::Ranks;
 use super::setting::{Setting, device_of};
 use crate::commands::DeviceArgs;
 use crate::commands::bar::Bar;
-use crate::commands::loaded::Resolved;
+use crate::commands::console::Console;
 use crate::commands::mpi_args::Wanted;
-use crate::commands::session::Session;
+use crate::commands::session;
 
 /// Bytes of a message with points, about: with that many the next message begins.
 const PIECE: usize = 16 << 20;
@@ -36,55 +37,61 @@ const PIECE: usize = 16 << 20;
 ///
 /// # Errors
 /// Settings that don't work with distributed points; errors of reading points and of the device.
-pub fn open(setting: &Setting<'_>, resolved: &mut Resolved, all: &Ranks, progress: &Bar) -> Result<(Session, Spread)> {
-    refuse(setting, resolved)?;
+pub fn open(
+    setting: &Setting<'_>,
+    prepared: Prepared,
+    all: &Ranks,
+    (console, progress): (Console, &Bar),
+) -> Result<(Session, Spread)> {
+    refuse(setting, &prepared)?;
     // Method and opacity are those of a rank alone, which has all points at once.
-    resolved.by_windows = matches!(resolved.scene.method, MethodChoice::Fixed(_)) && resolved.see_through.is_none();
+    let by_windows = matches!(prepared.scene().method, MethodChoice::Fixed(_)) && prepared.see_through().is_none();
     let device = DeviceArgs { device: device_of(setting.device, all)?, memory_budget: setting.device.memory_budget };
-    let mut session = Session::open(&device, resolved, setting.counted, setting.stop, progress)?;
-    session.frame.depths = setting.depths;
+    let mut session = session::upload(&device, prepared, by_windows, progress)?;
+    session.decide(&console)?;
+    session.frame.depths = session.prepared.request.frame.depths;
     let parts = session.frame.method.threshold().map(|threshold| {
-        session.cloud.find_parts(threshold, progress)?;
-        Ok((threshold, session.cloud.parts(threshold)))
+        session.uploaded.cloud.find_parts(threshold, progress)?;
+        Ok((threshold, session.uploaded.cloud.parts(threshold)))
     });
     let parts = parts.transpose().map_err(|error: passes::Error| methods::Error::from(error))?;
     progress.stage("dealing points to ranks");
-    let points = resolved.points();
+    let points = session.points();
     let known = points.known().ok_or_else(|| Error::Usage("--spread: the scene has no points".to_owned()))?;
-    let sample = sample(resolved)?;
+    let sample = sample(&session.prepared)?;
     orders::send_to_others(
         all,
         &Order::Open { known: known.clone(), frame: session.frame, parts },
         Some(&packed(&sample)),
     )?;
     let mut dealer = Dealer::new(all, &known, PIECE);
-    let identity = dealer.deal(resolved, progress)?;
-    let read = resolved.stored.as_ref().map_or(0, |stored| stored.bytes_read()[0]);
+    let identity = dealer.deal(session.assembled(), progress)?;
+    let read = session.assembled().stored().map_or(0, |stored| stored.bytes_read()[0]);
     let spread = dealer.finish(read);
     // The points themselves are not needed here any more.
     let sample = Arc::new(sample.standing_for(&known, identity));
     let nowhere = nowhere(&sample);
-    session.cloud = session.renderer.supply(&sample, &(Arc::new(nowhere) as Arc<_>))?;
+    session.uploaded.cloud = session.renderer.supply(&sample, &(Arc::new(nowhere) as Arc<_>))?;
     if let Some((threshold, parts)) = parts {
-        session.cloud.know_parts(threshold, parts);
+        session.uploaded.cloud.know_parts(threshold, parts);
     }
-    match &resolved.stored {
+    match session.assembled().stored() {
         Some(stored) => stored.forget(),
         None => {
             let supply = Arc::new(Held::new(Arc::default()));
-            resolved.arranged = Arranged::Supplied(Supplied { supply, sample, dealt: None });
+            session.prepared.assembled.replace(Arranged::Supplied(Supplied { supply, sample, dealt: None }));
         }
     }
     Ok((session, spread))
 }
 
 /// Refuses what needs all points in one place.
-fn refuse(setting: &Setting<'_>, resolved: &Resolved) -> Result<()> {
-    let scene = &resolved.scene;
+fn refuse(setting: &Setting<'_>, prepared: &Prepared) -> Result<()> {
+    let scene = prepared.scene();
     let problem = match setting.share {
         Wanted::Ensembles | Wanted::Frames => Some("each rank has points for its windows alone: --share windows"),
         _ if scene.method.is_dealt() => Some("the method deals all points to ensembles, which each rank has to see"),
-        _ if scene.shadows.is_some() || resolved.shadow_texture.is_some() => {
+        _ if scene.shadows.is_some() || prepared.assembled.shadow_texture.is_some() => {
             Some("shadows fall from points of other ranks")
         }
         _ if !scene.detail.is_whole() => {
@@ -96,10 +103,10 @@ fn refuse(setting: &Setting<'_>, resolved: &Resolved) -> Result<()> {
 }
 
 /// Points that stand for all, at least one.
-fn sample(resolved: &Resolved) -> Result<Points> {
-    let sample = resolved.points().sampled_points();
-    let Some(stored) = resolved.stored.as_ref().filter(|_| sample.is_empty()) else { return Ok(sample) };
-    let origin = resolved.points().anchor().origin;
+fn sample(prepared: &Prepared) -> Result<Points> {
+    let sample = prepared.points().sampled_points();
+    let Some(stored) = prepared.assembled.stored().filter(|_| sample.is_empty()) else { return Ok(sample) };
+    let origin = prepared.points().anchor().origin;
     for block in 0..stored.blocks().len() {
         let points = stored.block(block).map_err(deal::failed)?;
         if !points.is_empty() {

@@ -27,12 +27,12 @@ use self::reference::Made;
 use super::analytic::{self, Planes};
 use super::causes::{self, Effort as CausesEffort};
 use super::partial::Partial;
-use pellucid_session::candidates::{Formation, Ladders, Occasion, Setting, compared, settings};
 use super::surfaces::shadows::{self, Effort};
 use super::surfaces::{self, Clouds};
 use super::{Analytic, Reference, Row, Shaded, Skipped, Surveyed, Tradeoff, findings, summary};
 use crate::report::popping::{self, Film, Popping};
 use crate::report::truth::Truth;
+use pellucid_session::candidates::{Formation, Ladders, Occasion, Setting, compared, settings};
 
 /// The scene to measure.
 #[derive(Debug, Clone, Copy)]

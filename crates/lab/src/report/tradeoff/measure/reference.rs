@@ -7,9 +7,9 @@ use pellucid_engine::methods::{Facts, Frame, Rendered, Renderer};
 use pellucid_engine::output::linear;
 
 use super::Subject;
-use pellucid_session::candidates::Formation;
 use crate::report::tradeoff::surfaces::{Clouds, Silhouette, supersampled};
 use crate::report::truth::soft_spheres;
+use pellucid_session::candidates::Formation;
 use pellucid_session::choice;
 
 /// The reference that images are compared with.

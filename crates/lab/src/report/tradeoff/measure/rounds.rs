@@ -7,9 +7,9 @@ use pellucid_engine::methods::{FrameProfile, Renderer};
 
 use super::{ALONE_SHARE, Run};
 use crate::report::tradeoff::partial::Timed;
-use pellucid_session::choice::Renderers;
-use pellucid_session::candidates::Setting;
 use crate::report::tradeoff::summary;
+use pellucid_session::candidates::Setting;
+use pellucid_session::choice::Renderers;
 
 /// Part of the time for frames that are timed in turns.
 const ROUNDS_SHARE: f64 = 0.35;

@@ -12,8 +12,8 @@ use super::limit::{self, Account, Spent};
 use super::{ALONE_SHARE, FRAME_SHARE, Options, Run};
 use crate::report::tradeoff::partial::{Measured, Timed, Trial};
 use crate::report::tradeoff::repeats::Seeds;
-use pellucid_session::candidates::Setting;
 use crate::report::tradeoff::{DIFFERENCE_GAIN, Errors, analytic};
+use pellucid_session::candidates::Setting;
 
 /// The images of a stochastic setting take at most 1/`SEEDS_SHARE` of the time, beyond the two that it needs.
 const SEEDS_SHARE: f64 = 80.0;
