@@ -10,6 +10,7 @@ mod compiled;
 mod context;
 mod device;
 mod error;
+#[doc(hidden)]
 pub mod fault;
 mod foresee;
 mod guard;
