@@ -106,8 +106,8 @@ impl<T: GpuType> Buffer<T> {
     }
 
     /// Returns `true` if it belongs to this device.
-    #[cfg(feature = "window")]
-    pub(super) fn is_of(&self, context: &Arc<Context>) -> bool {
+    #[doc(hidden)]
+    pub fn is_of(&self, context: &Arc<Context>) -> bool {
         Arc::ptr_eq(&self.context, context)
     }
 

@@ -28,7 +28,6 @@ pub struct Commands {
 
 pub struct Context {
     pub device: ash::Device,
-    #[cfg(feature = "window")]
     pub physical: vk::PhysicalDevice,
     pub queue_family: u32,
     pub queue: vk::Queue,
@@ -107,7 +106,6 @@ impl Context {
         let conditional = info.conditional.then(|| ext::conditional_rendering::Device::new(&instance.raw, &device));
         Ok(Self {
             device,
-            #[cfg(feature = "window")]
             physical,
             queue_family: family,
             queue,
@@ -290,7 +288,6 @@ fn create_device(
         .subgroup_size_control(info.subgroup.is_some())
         .compute_full_subgroups(info.subgroup.is_some());
     let mut extensions = Vec::new();
-    #[cfg(feature = "window")]
     extensions.extend(instance.surface.is_some().then_some(khr::swapchain::NAME.as_ptr()));
     extensions.extend(robustness.second.is_some().then_some(ext::robustness2::NAME.as_ptr()));
     extensions.extend(statistics.then_some(khr::pipeline_executable_properties::NAME.as_ptr()));

@@ -11,7 +11,7 @@ const REWRITE: &str = "PELLUCID_UPDATE=1 cargo test -p pellucid-engine --lib sce
 const INTRODUCTION: &str = "\
 # The scene file
 
-<!-- Generated: see crates/engine/src/scene/reference.rs. -->
+<!-- Generated: see crates/scene/src/reference.rs. -->
 
 A scene is a TOML file. Only `[[cloud]]` with its `path` must be there:
 

@@ -6,8 +6,7 @@ use ash::{khr, vk};
 
 use super::panel::{Drawing, Painter, Textures};
 use super::swapchain::{self, RANGE, Swapchain, failed};
-use crate::context::lock;
-use crate::{Buffer, Context, Device, Error};
+use pellucid_gpu::{Buffer, Context, Device, Error, lock};
 
 /// Bytes to show, and where: sRGB-encoded, row by row, in the order that [`Screen::blue_first`] says.
 pub struct Picture<'a> {
@@ -43,13 +42,13 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// Returns the screen of a device that was opened with [`Device::open_for`], with the textures of an earlier
+    /// Returns the screen of a device that was opened with [`open`](crate::open), with the textures of an earlier
     /// screen, if any.
     ///
     /// # Errors
     /// [`Error::NoSurface`] if the window accepts no 8-bit pictures, and Vulkan errors.
     pub fn new(device: &Device, textures: Textures) -> Result<Self, Error> {
-        let context = device.0.clone();
+        let context = device.context().clone();
         let format = swapchain::format(&context)?;
         let loader = khr::swapchain::Device::new(&context.instance.raw, &context.device);
         let mut screen = Self {
@@ -268,7 +267,8 @@ impl Screen {
         // SAFETY: the command buffer is complete, the fence unsignalled; a semaphore of an image is waited for by its
         // presentation before the image is acquired again.
         let submitted = unsafe {
-            crate::fault::vulkan("show").and_then(|()| device.queue_submit2(self.context.queue, &[submit], self.fence))
+            pellucid_gpu::fault::vulkan("show")
+                .and_then(|()| device.queue_submit2(self.context.queue, &[submit], self.fence))
         };
         drop(guard);
         submitted.map_err(failed("vkQueueSubmit2"))?;

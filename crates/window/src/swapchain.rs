@@ -2,7 +2,7 @@
 
 use ash::{khr, vk};
 
-use crate::{Context, Error};
+use pellucid_gpu::{Context, Error};
 
 /// Returns the format of all swapchains of a surface: 8 bits, sRGB-encoded, shown without conversion.
 pub fn format(context: &Context) -> Result<vk::SurfaceFormatKHR, Error> {

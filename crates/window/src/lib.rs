@@ -1,6 +1,6 @@
 //! A window's images: a picture copied into them, and egui's drawing on top.
 //!
-//! A [`Screen`] belongs to one thread, while another one may render. The queue is shared under the submission lock;
+//! [`open`] opens a device for a window. A [`Screen`] belongs to one thread, while another one may render. The queue is shared under the submission lock;
 //! everything else belongs to the screen.
 
 mod panel;
@@ -10,5 +10,4 @@ mod swapchain;
 
 pub use panel::{Drawing, Textures};
 pub use screen::{Picture, Screen, Shown};
-pub(super) use surface::extensions;
-pub use surface::{Handle, Handles, Surface};
+pub use surface::{Handle, Handles, open};

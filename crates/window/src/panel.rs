@@ -7,7 +7,7 @@ use egui::epaint::ImageDelta;
 use egui::{ClippedPrimitive, ColorImage, ImageData, TextureId, TextureOptions, TexturesDelta};
 use egui_ash_renderer::{DynamicRendering, Options, Renderer, RendererError};
 
-use crate::{Context, Error};
+use pellucid_gpu::{Context, Error};
 
 /// The drawing to show, from [`egui::FullOutput`].
 pub struct Drawing {
