@@ -27,8 +27,8 @@ for target in "${targets[@]}"; do
     fi
 done
 
-# All unsafe code is in crates/gpu, which no target reaches: a sanitizer, which takes nightly Rust, would find little
-# and halve the speed. Debug assertions are on: sums that overflow are findings.
+# All unsafe code is in crates/gpu and crates/window, which no target reaches: a sanitizer, which takes nightly Rust,
+# would find little and halve the speed. Debug assertions are on: sums that overflow are findings.
 cargo fuzz build --sanitizer none --target-dir target/fuzz
 host=$(rustc -vV | sed -n 's/^host: //p')
 

@@ -161,7 +161,8 @@ if $deb && [[ $target == *linux* ]]; then make_deb; fi
 if $wheel; then make_wheel; fi
 if $crates; then
     # Into this very folder.
-    cargo package --locked --no-verify -p pellucid-gpu -p pellucid-engine -p pellucid-lab -p pellucid-viewer -p pellucid-cli -p pellucid
+    cargo package --locked --no-verify -p pellucid-fault -p pellucid-core -p pellucid-io -p pellucid-scene \
+        -p pellucid-reference -p pellucid-gpu -p pellucid-window -p pellucid-engine -p pellucid-session -p pellucid-lab -p pellucid-viewer -p pellucid-cli -p pellucid
     # Sources of the packed files.
     rm -rf "$packages"/pellucid-*/ "$packages"/tmp-*
 fi

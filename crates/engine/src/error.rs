@@ -27,6 +27,15 @@ pub enum Error {
 /// A result with the crate's [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
+impl From<crate::scene::OpenError> for Error {
+    fn from(error: crate::scene::OpenError) -> Self {
+        match error {
+            crate::scene::OpenError::Load(e) => Self::Load(e),
+            crate::scene::OpenError::Scene(e) => Self::Scene(e),
+        }
+    }
+}
+
 impl Error {
     /// Exit status: 1 the work could not be done, 2 the command line or scene file is wrong.
     pub fn exit_status(&self) -> u8 {

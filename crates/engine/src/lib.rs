@@ -72,37 +72,26 @@
 //! # }
 //! ```
 
-pub mod atomic;
-pub mod camera;
-pub mod cloud;
-pub mod color;
+pub mod choices;
 pub mod error;
 pub mod identity;
-pub mod image;
-pub mod io;
-pub mod light;
 pub mod methods;
-pub mod metrics;
-mod morton;
-pub mod output;
 pub mod passes;
 #[cfg(test)]
 mod passes_page;
 pub mod plan;
-pub mod points;
-pub mod prepare;
 pub mod profile;
-pub mod progress;
-pub mod random;
-pub mod reference;
-pub mod scene;
 mod shaders;
-pub mod supply;
-mod words;
 
 pub use error::{Error, Result};
+pub use pellucid_core::{atomic, camera, cloud, color, image, light, metrics, points, progress, random};
 pub use pellucid_gpu as gpu;
-pub use pellucid_gpu::{choices, gpu_struct, group};
+pub use pellucid_gpu::{gpu_struct, group};
+pub use pellucid_io as io;
+pub use pellucid_io::output;
+pub use pellucid_reference as reference;
+pub use pellucid_scene as scene;
+pub use pellucid_scene::{prepare, supply};
 pub use shaders::{NUMBERS, SHADERS, key_without_numbers, shaders};
 
 /// Declares a pass whose shader is one of [`SHADERS`]; see [`gpu::pass!`].

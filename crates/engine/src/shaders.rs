@@ -4,11 +4,11 @@ use include_dir::include_dir;
 
 use crate::gpu::Variant;
 use crate::gpu::shader::{Shader, Sources};
+use crate::methods::encode;
 use crate::methods::{
     abuffer, approximate, edl, ellipsoids, fading, image_space, linked_list, one_layer, opaque, peel, peel_layers,
     points, shadows, soft, sorted, spbr, splats, stochastic,
 };
-use crate::output::encode;
 use crate::passes::{bin, compose, project, radix, scan, tiles};
 
 /// The WGSL files under shaders/, and the constants that stand in Rust alone.

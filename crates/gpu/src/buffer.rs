@@ -106,8 +106,8 @@ impl<T: GpuType> Buffer<T> {
     }
 
     /// Returns `true` if it belongs to this device.
-    #[cfg(feature = "window")]
-    pub(super) fn is_of(&self, context: &Arc<Context>) -> bool {
+    #[doc(hidden)]
+    pub fn is_of(&self, context: &Arc<Context>) -> bool {
         Arc::ptr_eq(&self.context, context)
     }
 
@@ -224,8 +224,10 @@ impl<T> Drop for Buffer<T> {
 /// A range of a buffer without its type.
 #[derive(Debug, Clone, Copy)]
 pub struct RawSlice {
-    pub(super) buffer: vk::Buffer,
-    pub(super) offset: u64,
+    #[doc(hidden)]
+    pub buffer: vk::Buffer,
+    #[doc(hidden)]
+    pub offset: u64,
     pub(super) bytes: u64,
     /// Bytes of the buffer's content.
     pub(super) room: u64,

@@ -31,7 +31,7 @@ pub fn store(kind: &str, key: &str, blob: &[u8]) {
         let mut file = tempfile::Builder::new().prefix(".pellucid-").suffix(".tmp").tempfile_in(&folder).ok()?;
         file.write_all(blake3::hash(blob).as_bytes()).ok()?;
         file.write_all(blob).ok()?;
-        crate::fault::file("cache/rename").ok()?;
+        pellucid_fault::file("cache/rename").ok()?;
         file.persist(folder.join(key)).ok()?;
         Some(())
     };

@@ -26,20 +26,29 @@ pub struct Commands {
     pub buffer: vk::CommandBuffer,
 }
 
+/// The Vulkan device with its queue, its memory and its pipelines.
 pub struct Context {
+    /// Functions of the device.
     pub device: ash::Device,
-    #[cfg(feature = "window")]
+    /// Device as the instance names it.
     pub physical: vk::PhysicalDevice,
+    /// Family of the queue.
     pub queue_family: u32,
+    /// Queue that takes all submissions.
     pub queue: vk::Queue,
+    /// Facts about the device.
     pub info: DeviceInfo,
+    /// Limits of the device.
     pub limits: Limits,
+    /// Names and labels, with validation or a profiler.
     pub debug: Option<ext::debug_utils::Device>,
     /// There if the device can leave out commands.
     pub conditional: Option<ext::conditional_rendering::Device>,
+    /// Pipelines of earlier runs.
     pub pipeline_cache: vk::PipelineCache,
     /// There if the driver keeps what it finds out about pipelines.
     pub executables: Option<khr::pipeline_executable_properties::Device>,
+    /// Instance that the device belongs to.
     pub instance: Instance,
     /// Held for every submission: a queue must not be used from two threads at once.
     pub submission: Mutex<()>,
@@ -63,11 +72,16 @@ pub struct Context {
     cache_key: String,
 }
 
+/// Locks a mutex, also after a panic of another thread.
 pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Context {
+    /// Creates the device of an instance.
+    ///
+    /// # Errors
+    /// Vulkan errors.
     pub fn new(
         instance: Instance,
         physical: vk::PhysicalDevice,
@@ -107,7 +121,6 @@ impl Context {
         let conditional = info.conditional.then(|| ext::conditional_rendering::Device::new(&instance.raw, &device));
         Ok(Self {
             device,
-            #[cfg(feature = "window")]
             physical,
             queue_family: family,
             queue,
@@ -152,24 +165,29 @@ impl Context {
         Some(result)
     }
 
+    /// Returns the bytes of device memory that are allocated.
     pub fn in_use(&self) -> u64 {
         lock(&self.allocator).as_ref().map_or(0, Allocator::capacity)
     }
 
+    /// Returns the largest number of bytes of device memory that were allocated.
     pub fn peak_bytes(&self) -> u64 {
         self.peak.load(Ordering::Relaxed)
     }
 
+    /// Sets the peak to the bytes that are allocated now, and returns them.
     pub fn reset_peak(&self) -> u64 {
         let now = self.in_use();
         self.peak.store(now, Ordering::Relaxed);
         now
     }
 
+    /// Takes note of an allocation.
     pub fn note_allocation(&self, key: (vk::ObjectType, u64), name: &str, bytes: u64) {
         lock(&self.live).insert(key, (name.to_owned(), bytes));
     }
 
+    /// Takes note that an allocation is gone.
     pub fn forget_allocation(&self, key: (vk::ObjectType, u64)) {
         lock(&self.live).remove(&key);
     }
@@ -179,6 +197,7 @@ impl Context {
         lock(&self.live).get(&key).map_or_else(String::new, |(name, _)| name.clone())
     }
 
+    /// Returns names and sizes of all allocations, by name.
     pub fn live_allocations(&self) -> Vec<(String, u64)> {
         let mut list: Vec<_> = lock(&self.live).values().cloned().collect();
         list.sort();
@@ -290,7 +309,6 @@ fn create_device(
         .subgroup_size_control(info.subgroup.is_some())
         .compute_full_subgroups(info.subgroup.is_some());
     let mut extensions = Vec::new();
-    #[cfg(feature = "window")]
     extensions.extend(instance.surface.is_some().then_some(khr::swapchain::NAME.as_ptr()));
     extensions.extend(robustness.second.is_some().then_some(ext::robustness2::NAME.as_ptr()));
     extensions.extend(statistics.then_some(khr::pipeline_executable_properties::NAME.as_ptr()));

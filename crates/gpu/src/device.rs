@@ -1,6 +1,6 @@
 //! Selection of the device, its required features, and its limits.
 
-use std::ffi::CStr;
+use std::ffi::{CStr, c_char};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -9,6 +9,7 @@ use ash::{ext, vk};
 use super::context::Context;
 use super::image::{self, Attachment, Format};
 use super::instance::{Instance, Messages};
+use super::surface::Surface;
 use super::{Buffer, Compilation, Error, GpuType, Made, Memory, Preferences, Recorder};
 
 /// Options for opening a device.
@@ -198,7 +199,6 @@ fn describe(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> 
     }
     match queue_family(instance, physical) {
         None => lacks.push("a queue for compute and graphics with timestamps".to_owned()),
-        #[cfg(feature = "window")]
         Some(family) if instance.surface.as_ref().is_some_and(|s| !s.takes_from(&instance.raw, physical, family)) => {
             lacks.push("a way to show pictures in this window".to_owned());
         }
@@ -281,14 +281,25 @@ impl Device {
         Self::open_on(Instance::new(options.validation, options.gpu_assisted)?, options)
     }
 
-    /// Opens the device that `options` names, or the best one of those that can show pictures in a window.
-    /// [`Screen`](super::window::Screen) shows them.
+    /// Opens the device that `options` names, or the best one of those that can present to a surface, which needs these
+    /// extensions of the instance.
     ///
     /// # Errors
-    /// As of [`Self::open`], and [`Error::NoSurface`] if no driver can present to windows of this kind.
-    #[cfg(feature = "window")]
-    pub fn open_for(options: &DeviceOptions, window: super::window::Handle) -> Result<Self, Error> {
-        Self::open_on(Instance::for_window(options.validation, options.gpu_assisted, window)?, options)
+    /// Those of [`Self::open`] and of `surface`, and [`Error::NoSurface`] if no driver knows the extensions.
+    #[doc(hidden)]
+    pub fn open_for(
+        options: &DeviceOptions,
+        extensions: &[*const c_char],
+        surface: impl FnOnce(&ash::Entry, &ash::Instance) -> Result<Surface, Error>,
+    ) -> Result<Self, Error> {
+        let instance = Instance::for_surface(options.validation, options.gpu_assisted, extensions, surface)?;
+        Self::open_on(instance, options)
+    }
+
+    /// Returns everything that it is made of.
+    #[doc(hidden)]
+    pub fn context(&self) -> &Arc<Context> {
+        &self.0
     }
 
     fn open_on(instance: Instance, options: &DeviceOptions) -> Result<Self, Error> {

@@ -165,7 +165,8 @@ impl Error {
     }
 
     /// For `map_err`: an error that names the failed call.
-    pub(crate) fn call(call: &'static str) -> impl FnOnce(vk::Result) -> Self {
+    #[doc(hidden)]
+    pub fn call(call: &'static str) -> impl FnOnce(vk::Result) -> Self {
         move |result| match result {
             vk::Result::ERROR_DEVICE_LOST => Self::Lost { during: call.to_owned() },
             result => Self::Vulkan { call, result },

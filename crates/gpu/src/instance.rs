@@ -43,8 +43,7 @@ pub struct Instance {
     /// `true` if VK_EXT_debug_utils is enabled, which labels and names need.
     pub debug_utils: bool,
     /// The surface that shows frames, if a window exists.
-    #[cfg(feature = "window")]
-    pub surface: Option<super::window::Surface>,
+    pub surface: Option<super::surface::Surface>,
     messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
     entry: ash::Entry,
 }
@@ -56,12 +55,15 @@ impl Instance {
         Self::with_extensions(validation, gpu_assisted, &[])
     }
 
-    /// Like [`Instance::new`], with the surface of a window.
-    #[cfg(feature = "window")]
-    pub fn for_window(validation: bool, gpu_assisted: bool, window: super::window::Handle) -> Result<Self, Error> {
-        let wanted = super::window::extensions(&window)?;
+    /// Like [`Instance::new`], with a surface that needs the extensions `wanted`.
+    pub fn for_surface(
+        validation: bool,
+        gpu_assisted: bool,
+        wanted: &[*const c_char],
+        surface: impl FnOnce(&ash::Entry, &ash::Instance) -> Result<super::surface::Surface, Error>,
+    ) -> Result<Self, Error> {
         let mut instance = Self::with_extensions(validation, gpu_assisted, wanted)?;
-        instance.surface = Some(super::window::Surface::new(&instance.entry, &instance.raw, window)?);
+        instance.surface = Some(surface(&instance.entry, &instance.raw)?);
         Ok(instance)
     }
 
@@ -114,15 +116,7 @@ impl Instance {
             result => Error::Vulkan { call: "vkCreateInstance", result },
         })?;
 
-        let mut instance = Self {
-            raw,
-            messages: Arc::default(),
-            debug_utils,
-            #[cfg(feature = "window")]
-            surface: None,
-            messenger: None,
-            entry,
-        };
+        let mut instance = Self { raw, messages: Arc::default(), debug_utils, surface: None, messenger: None, entry };
         if validation {
             instance.listen()?;
         }
@@ -155,7 +149,6 @@ impl Drop for Instance {
         }
         // SAFETY: the device keeps an Arc of this instance, so nothing made from it is left.
         unsafe {
-            #[cfg(feature = "window")]
             if let Some(surface) = self.surface.take() {
                 surface.destroy();
             }

@@ -10,6 +10,7 @@ mod compiled;
 mod context;
 mod device;
 mod error;
+#[doc(hidden)]
 pub mod fault;
 mod foresee;
 mod guard;
@@ -24,8 +25,7 @@ mod preferences;
 mod recorder;
 pub mod shader;
 mod spirv;
-#[cfg(feature = "window")]
-pub mod window;
+mod surface;
 
 pub use agree::{Agree, Expected};
 pub use buffer::{Buffer, Memory, RawSlice, Slice};
@@ -44,7 +44,11 @@ pub use preferences::Preferences;
 pub use recorder::{Dispatch, Draw, PassTime, Recorder, Run, Submitted, Targets, Vertices};
 pub use shader::Variant;
 
-pub(crate) use context::Context;
+// For the crate that shows pictures in windows.
+#[doc(hidden)]
+pub use context::{Context, lock};
+#[doc(hidden)]
+pub use surface::Surface;
 
 /// The WGSL files of the device layer's own passes.
 pub static SHADERS: shader::Sources = shader::Sources {

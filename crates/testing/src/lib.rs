@@ -1,138 +1,25 @@
-//! Shared parts of the tests: devices with validation, small clouds, comparison with the float64 reference, real clouds.
+//! Shared parts of the tests: devices with validation, frames, browsers, and all of [`pellucid_testing_host`].
 
 pub mod browser;
 pub mod signals;
-pub mod skip;
-
-pub mod gaussians;
 
 mod devices;
-mod places;
 mod rendering;
 
-use glam::{DVec3, Vec3};
-use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::camera::Camera;
 use pellucid_engine::gpu::Device;
-use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Factors, Frame, Stop};
-use pellucid_engine::points::Points;
-use pellucid_engine::prepare::order;
-use pellucid_engine::reference::range::PictureRange;
-use pellucid_engine::reference::{self, Picture};
-use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Falloff, Light, Method, Raster, Shading};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64;
+use pellucid_engine::scene::{ColorSpace, Method, Shading};
 
 pub use devices::{
     alone, has_device, with_device, with_device_that_binds, with_device_that_prefers, with_new_device, with_only_device,
 };
-pub use places::{Clouds, clouds, root, whole_clouds};
+pub use pellucid_testing_host::*;
 pub use rendering::{render, rendered, rendered_by_both_atomics};
-
-/// How much a long test does: `short` where `PELLUCID_SHORT_SWEEPS` is 1, as in CI, which runs all of them.
-pub fn long_or<T>(long: T, short: T) -> T {
-    if std::env::var("PELLUCID_SHORT_SWEEPS").is_ok_and(|v| v == "1") { short } else { long }
-}
-
-/// True if tests rewrite generated documents and tables instead of comparing them: where `PELLUCID_UPDATE` is 1.
-pub fn updates() -> bool {
-    std::env::var("PELLUCID_UPDATE").is_ok_and(|v| v == "1")
-}
-
-/// Writes a generated page into the sources of the book, the folder `PELLUCID_BOOK`, if there is one (tools/book.sh).
-pub fn add_to_book(page: &str, text: &str) {
-    if let Some(folder) = std::env::var_os("PELLUCID_BOOK") {
-        std::fs::write(std::path::Path::new(&folder).join(page), text).expect("the book's sources can be written");
-    }
-}
 
 /// True if a device is llvmpipe, for which the tests know the results to the last case.
 pub fn is_llvmpipe(device: &Device) -> bool {
     device.info().name.contains("llvmpipe")
-}
-
-/// A generator with a fixed seed.
-pub fn random(seed: u64) -> Pcg64 {
-    Pcg64::seed_from_u64(seed)
-}
-
-/// One test point.
-#[derive(Debug, Clone, Copy)]
-pub struct P {
-    pub position: DVec3,
-    pub color: Vec3,
-    pub opacity: f32,
-    pub radius: f32,
-    pub normal: Vec3,
-}
-
-/// A list of points as a scene, in canonical order; normals only if any point has one.
-pub fn scene(points: &[P]) -> Points {
-    let normals: Vec<Vec3> = points.iter().map(|p| p.normal).collect();
-    order::canonical(Points {
-        positions: points.iter().map(|p| p.position).collect(),
-        colors: points.iter().map(|p| p.color).collect(),
-        opacities: points.iter().map(|p| p.opacity).collect(),
-        radii: points.iter().map(|p| p.radius).collect(),
-        normals: normals.iter().any(|n| *n != Vec3::ZERO).then_some(normals),
-        ..Points::default()
-    })
-}
-
-/// Random points in a cube of side 2 around the origin.
-pub fn soup(
-    seed: u64,
-    count: usize,
-    radius: std::ops::Range<f32>,
-    opacity: std::ops::Range<f32>,
-    normals: bool,
-) -> Vec<P> {
-    let mut r = random(seed);
-    let mut unit = || DVec3::new(r.random_range(-1.0..1.0), r.random_range(-1.0..1.0), r.random_range(-1.0..1.0));
-    let places: Vec<(DVec3, DVec3)> = (0..count).map(|_| (unit(), unit())).collect();
-    places
-        .into_iter()
-        .map(|(position, normal)| P {
-            position: position.as_vec3().as_dvec3(),
-            color: Vec3::new(r.random(), r.random(), r.random()),
-            opacity: r.random_range(opacity.clone()),
-            radius: r.random_range(radius.clone()),
-            normal: if normals { normal.normalize().as_vec3() } else { Vec3::ZERO },
-        })
-        .collect()
-}
-
-/// A perspective camera that sees the cube of side 2.
-pub fn perspective() -> Camera {
-    let fov_y = 45f64.to_radians();
-    Camera::look_at(DVec3::new(1.0, 1.5, 4.0), DVec3::ZERO, DVec3::Y, Projection::Perspective { fov_y }, 0.1, 100.0)
-        .expect("a valid camera")
-}
-
-/// An orthographic camera that sees the cube of side 2 along its diagonal.
-pub fn orthographic() -> Camera {
-    Camera::look_at(
-        DVec3::new(2.0, 1.5, 4.0),
-        DVec3::ZERO,
-        DVec3::Y,
-        Projection::Orthographic { height: 3.5 },
-        0.1,
-        100.0,
-    )
-    .expect("a valid camera")
-}
-
-/// A camera that looks down −Z onto pixels of one world unit: x and y are columns and rows from the image's corner.
-pub fn pixel_camera(size: [u32; 2]) -> Camera {
-    let center = DVec3::new(f64::from(size[0]) / 2.0, -f64::from(size[1]) / 2.0, 0.0);
-    let height = f64::from(size[1]);
-    Camera::look_at(center, center - DVec3::Z, DVec3::Y, Projection::Orthographic { height }, 0.5, 1e7)
-        .expect("a valid camera")
-}
-
-/// A point in pixel coordinates for [`pixel_camera`], at a depth.
-pub fn at_pixel(x: f64, y: f64, depth: f64) -> DVec3 {
-    DVec3::new(x, -y, -depth)
 }
 
 /// A frame without shading or budget, in linear color.
@@ -155,127 +42,4 @@ pub fn frame(camera: Camera, size: [u32; 2], method: Method) -> Frame {
         shadows: None,
         factors: Factors::default(),
     }
-}
-
-pub const SHAPES: [DiscShape; 2] = [DiscShape::Flat, DiscShape::Oriented];
-pub const FALLOFFS: [Falloff; 2] = [Falloff::Flat, Falloff::Gaussian];
-pub const RASTERS: [Raster; 2] = [Raster::Compute, Raster::Hardware];
-
-/// All combinations of shape, falloff and raster.
-pub fn all_discs() -> impl Iterator<Item = Discs> {
-    SHAPES.into_iter().flat_map(|shape| {
-        FALLOFFS
-            .into_iter()
-            .flat_map(move |falloff| RASTERS.map(|raster| Discs { shape, falloff, raster, ..Discs::default() }))
-    })
-}
-
-/// Colors of points, without shading.
-pub fn colors(points: &Points) -> Vec<DVec3> {
-    points.colors.iter().map(|c| c.as_dvec3()).collect()
-}
-
-/// The exact image of transparent discs without shading, in float64.
-pub fn exact(points: &Points, camera: &Camera, size: [u32; 2], discs: &Discs) -> Picture {
-    reference::abuffer::render(camera, size, points, &colors(points), discs)
-}
-
-/// Keeps the points whose every coverage decision is clear in float32 too: 0.02 pixels from any rim, pixel border or depth limit.
-pub fn safe(points: &[P], camera: &Camera, size: [u32; 2], shape: DiscShape) -> Vec<P> {
-    let all = scene_in_order(points);
-    let clear =
-        |i: usize| reference::coverage::margin_px(camera, size, &reference::abuffer::splat(&all, i, shape)) > 0.02;
-    (0..points.len()).filter(|i| clear(*i)).map(|i| points[i]).collect()
-}
-
-/// The points in the order given, for looking at them one by one.
-fn scene_in_order(points: &[P]) -> Points {
-    Points {
-        positions: points.iter().map(|p| p.position).collect(),
-        colors: points.iter().map(|p| p.color).collect(),
-        opacities: points.iter().map(|p| p.opacity).collect(),
-        radii: points.iter().map(|p| p.radius).collect(),
-        normals: Some(points.iter().map(|p| p.normal).collect()),
-        ..Points::default()
-    }
-}
-
-/// Largest difference in R, G, B, A, and the share of pixels that differ by more than `limit`.
-pub fn difference(image: &Image, reference: &Picture, limit: f64) -> (f64, f64) {
-    assert_eq!(image.rgba.len(), reference.rgba.len());
-    let mut largest = 0f64;
-    let mut over = 0usize;
-    for (a, b) in image.rgba.iter().zip(&reference.rgba) {
-        let d = a.iter().zip(b).map(|(a, b)| (f64::from(*a) - b).abs()).fold(0.0, f64::max);
-        // A NaN in the image must not pass as no difference.
-        let d = if a.iter().any(|v| v.is_nan()) { f64::INFINITY } else { d };
-        largest = largest.max(d);
-        over += usize::from(d > limit);
-    }
-    (largest, over as f64 / image.rgba.len() as f64)
-}
-
-/// The bytes of an image, for comparisons to the bit.
-pub fn bits(image: &Image) -> Vec<u32> {
-    image.rgba.iter().flatten().chain(&image.depth).map(|v| v.to_bits()).collect()
-}
-
-/// The points that `keep` picks by their index, in their order.
-pub fn picked(points: &Points, keep: impl Fn(usize) -> bool) -> Points {
-    let kept: Vec<usize> = (0..points.len()).filter(|i| keep(*i)).collect();
-    Points {
-        positions: kept.iter().map(|i| points.positions[*i]).collect(),
-        colors: kept.iter().map(|i| points.colors[*i]).collect(),
-        opacities: kept.iter().map(|i| points.opacities[*i]).collect(),
-        radii: kept.iter().map(|i| points.radii[*i]).collect(),
-        normals: points.normals.as_ref().map(|normals| kept.iter().map(|i| normals[*i]).collect()),
-        ..Points::default()
-    }
-}
-
-/// Those of some points of which float32 too can say which pixel they are on, whether they look at the viewer, and on which
-/// side of them the light is. In canonical order.
-pub fn clear_points(points: &[P], camera: &Camera, size: [u32; 2], shading: &Shading) -> Points {
-    clear_of(&scene(points), camera, size, shading)
-}
-
-/// As [`clear_points`], of points in canonical order.
-pub fn clear_of(all: &Points, camera: &Camera, size: [u32; 2], shading: &Shading) -> Points {
-    picked(all, |i| {
-        let normal = all.normals.as_ref().map_or(DVec3::ZERO, |normals| normals[i].as_dvec3());
-        let to_light = match shading.light {
-            Light::Direction(travels) => -travels.normalize(),
-            Light::Position(light) => (light - all.positions[i]).normalize(),
-            Light::Headlight => DVec3::ZERO,
-        };
-        let facing = reference::image_space::facing(camera, all.positions[i], normal);
-        let is_clear = |cos: f64| cos.abs() > 1e-3;
-        reference::coverage::margin_px(camera, size, &reference::image_space::splat(all, i)) > 0.02
-            && facing.is_none_or(is_clear)
-            && (to_light == DVec3::ZERO || normal == DVec3::ZERO || is_clear(normal.dot(to_light)))
-    })
-}
-
-/// Compares an image with what roundings of float32 may make of its reference: depths within their ranges, R, G, B and A off
-/// theirs by at most `slack`, which is for the arithmetic of colors alone. An error names the first wrong pixel and how many
-/// there are.
-pub fn compare_ranges(image: &Image, wanted: &PictureRange, slack: f64) -> Result<(), String> {
-    assert_eq!(image.rgba.len(), wanted.rgba.len());
-    let is_off = |pixel: &usize| {
-        let colors = image.rgba[*pixel].iter().zip(wanted.rgba[*pixel]);
-        !wanted.depth[*pixel].covers(f64::from(image.depth[*pixel]), 0.0)
-            || colors.into_iter().any(|(found, wanted)| !wanted.covers(f64::from(*found), slack))
-    };
-    let off: Vec<usize> = (0..image.rgba.len()).filter(is_off).collect();
-    let Some(pixel) = off.first() else { return Ok(()) };
-    Err(format!(
-        "{} pixels are wrong, the first ({}, {}): {:?} at {}, not {:?} at {:?}",
-        off.len(),
-        pixel % wanted.width as usize,
-        pixel / wanted.width as usize,
-        image.rgba[*pixel],
-        image.depth[*pixel],
-        wanted.rgba[*pixel],
-        wanted.depth[*pixel]
-    ))
 }

@@ -23,7 +23,7 @@ use super::worker::{News, Setup, Task, Workload};
 use super::{Options, ui};
 use crate::Result;
 use pellucid_engine::gpu::ValidationLog;
-use pellucid_engine::gpu::window::{Drawing, Picture, Shown, Textures};
+use pellucid_window::{Drawing, Picture, Shown, Textures};
 
 /// Longest time between files that are dropped one after the other and count as one drop.
 const DROP: Duration = Duration::from_millis(100);

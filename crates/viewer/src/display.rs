@@ -10,7 +10,7 @@ use pellucid_engine::Result;
 use pellucid_engine::color::encode_srgb;
 use pellucid_engine::gpu::{Buffer, Device, Slice};
 use pellucid_engine::image::Image;
-use pellucid_engine::output::encode::{Encoder, Showing, byte_steps};
+use pellucid_engine::methods::encode::{Encoder, Showing, byte_steps};
 use pellucid_engine::output::to_byte;
 use pellucid_engine::scene::{ColorSpace, Scene};
 

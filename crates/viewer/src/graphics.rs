@@ -8,8 +8,8 @@ use winit::window::Window;
 use super::app::Wake;
 use super::worker::{News, Setup, Worker, Workload};
 use pellucid_engine::Result;
-use pellucid_engine::gpu::window::{Screen, Textures};
 use pellucid_engine::gpu::{Device, DeviceOptions, ValidationLog};
+use pellucid_window::{Screen, Textures};
 
 /// Settings with which a device is opened, each time.
 pub struct Opening {
@@ -38,7 +38,7 @@ impl Graphics {
         textures: Textures,
         log: &mut Vec<ValidationLog>,
     ) -> Result<Self> {
-        let device = Device::open_for(&opening.options, window.clone())?;
+        let device = pellucid_window::open(&opening.options, window.clone())?;
         log.push(device.validation_log());
         let screen = Screen::new(&device, textures)?;
         let proxy = opening.proxy.clone();

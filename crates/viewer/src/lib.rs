@@ -11,7 +11,7 @@
 //! - `graphics`: the worker and the screen of one device; `loss`: decides if a lost device is opened again.
 //! - `visibility`: detects a minimized window; `status_log`: the lines that `-v` prints.
 //! - `app` owns the window: passes events to egui, draws `ui` (`panel` with its `controls`, `overlay`, `legend`,
-//!   `handles` of clip boxes) and hands the picture to the [`Screen`](pellucid_engine::gpu::window::Screen).
+//!   `handles` of clip boxes) and hands the picture to the [`Screen`](pellucid_window::Screen).
 
 mod accuracy;
 mod app;

@@ -52,7 +52,8 @@ pub fn run(args: ViewArgs, console: Console) -> Result<ExitCode, Error> {
     let cameras = path.as_deref().map(Source::read).transpose().map_err(pellucid_engine::Error::from)?;
     let progress = console.progress();
     let host_memory = host_memory(input.host_memory)?;
-    let named = scene::name(&input.inputs, &input.overrides(None)?, input.seed)?;
+    let named =
+        scene::name(&input.inputs, &input.overrides(None)?, input.seed).map_err(pellucid_engine::Error::from)?;
     let request = input.request_of(&named, console)?;
     let opened = Opened::open(named, &request.scene, host_memory, &console, &progress)?;
     progress.finish_and_clear();

@@ -9,6 +9,7 @@ pub mod cost;
 pub mod deep;
 pub(crate) mod edl;
 pub mod ellipsoids;
+pub mod encode;
 mod engine;
 mod error;
 pub(crate) mod explain;

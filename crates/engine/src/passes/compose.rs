@@ -1,7 +1,7 @@
 //! Composing: how stages that blend reach every splat by its index, however many there are.
 
 use super::Error;
-use crate::gpu::shader::Choices;
+use crate::choices::Choices;
 use crate::gpu::{Buffer, Device, GpuType, PARTS, Slice, Variant};
 use crate::passes::project::{DISCS, DeviceCloud, Footprint, Splat, Tilt, View};
 use crate::scene::Falloff;

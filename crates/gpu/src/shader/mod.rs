@@ -27,7 +27,7 @@
 //! ([`Variant::constant`]), and `SUBGROUP` ([`Variant::subgroup`]). What else differs between the variants of a shader are WGSL's
 //! `override` values ([`Variant::with`]). A text constant serves where WGSL takes no override, as for the length of an array.
 //!
-//! [`Choices`] lists all values of what variants differ by, and [`Shader`] a pass with all its variants.
+//! [`Shader`] lists a pass with all its variants.
 
 mod composer;
 mod network;
@@ -44,7 +44,7 @@ use self::reflect::check_declaration;
 use crate::{Error, Pass, PushConstants, cache, guard, spirv};
 
 pub use self::composer::Sources;
-pub use self::variant::{Choices, SUBGROUPS, Shader, Variant};
+pub use self::variant::{SUBGROUPS, Shader, Variant};
 pub use naga::ShaderStage;
 
 /// Entry point of every shader file.

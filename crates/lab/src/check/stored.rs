@@ -157,7 +157,7 @@ fn compared_with(
     let by_nodes: Vec<u32> = store.pieces.iter().flat_map(|piece| &piece.places).map(|place| *place as u32).collect();
     let in_memory = scene::arrange(&scene, vec![cloud], 1, &hidden)?;
     let stored = Stored::new(&scene, &[OpenStore::new(Box::new(store))], DEVICE, &hidden);
-    let stored = stored.map_err(Trouble::Failed)?;
+    let stored = stored.map_err(|error| Trouble::Failed(error.into()))?;
     let camera = looking(DVec3::new(0.0, 0.0, 8.0), DVec3::ZERO, Projection::Orthographic { height: 4.5 }, 1.0, 16.0);
     let whole = frame(camera, [48, 48], method);
     let small = Frame { memory_budget: Some(DEVICE), ..whole };

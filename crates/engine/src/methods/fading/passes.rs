@@ -1,7 +1,8 @@
 //! The passes of `moments` and `wavelet`, and the variants of their shaders.
 
+use crate::choices::Choices;
 use crate::gpu::Variant;
-use crate::gpu::shader::{Choices, Shader};
+use crate::gpu::shader::Shader;
 use crate::methods::approximate::SumsGroup;
 use crate::passes::bin::{self, Lanes, TileWalk, TiledGroup};
 use crate::passes::compose::{self, Cut};

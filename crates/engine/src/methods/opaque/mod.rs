@@ -8,7 +8,8 @@ pub(crate) use engine::{NearestEngine, counter_group, pass_group, tile_group};
 
 use super::engine::Work;
 use super::{Error, abuffer};
-use crate::gpu::shader::{Choices, Shader};
+use crate::choices::Choices;
+use crate::gpu::shader::Shader;
 use crate::gpu::{Dispatch, Kept, Memory, Run, Variant};
 use crate::passes::bands::{self, Band};
 use crate::passes::compose::{self, Composing, ComposingGroup, Cut};

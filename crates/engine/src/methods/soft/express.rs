@@ -3,7 +3,8 @@
 //! sorts nothing; it is the order of depth for orthographic views along an axis, and close to it otherwise.
 
 use super::{Layer, SoftModel, record_compose};
-use crate::gpu::shader::{Choices, Shader};
+use crate::choices::Choices;
+use crate::gpu::shader::Shader;
 use crate::gpu::{Kept, Memory, Recorder, Run, Variant};
 use crate::methods::abuffer::record_nothing;
 use crate::methods::engine::Work;

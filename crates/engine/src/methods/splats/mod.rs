@@ -17,7 +17,8 @@ pub(crate) use engine::{
 use super::abuffer::CountPush;
 use super::engine::Work;
 use super::{Error, Facts, Outcome, Pixels};
-use crate::gpu::shader::{Choices, Shader};
+use crate::choices::Choices;
+use crate::gpu::shader::Shader;
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::bands;
 use crate::passes::bin::{self, Bin, Binned, Bins, Lanes, TileWalk, TiledGroup};

@@ -7,7 +7,8 @@
 
 use super::{Batch, Kind, Sampler, WindowJob, most_strata};
 use crate::camera::{Camera, Projection};
-use crate::gpu::shader::{Choices, Shader};
+use crate::choices::Choices;
+use crate::gpu::shader::Shader;
 use crate::gpu::{
     Blend, DepthSamples, Device, Dispatch, Format, KeptAttachment, NumberSamples, Pixels, Recorder, Run, SAMPLES,
     Targets, Variant,

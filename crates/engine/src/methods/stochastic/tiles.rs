@@ -1,7 +1,8 @@
 //! The samples' two passes over the splats in compute shaders, tile by tile.
 
 use super::{Batch, Kind, STRATA, Sampler, WindowJob};
-use crate::gpu::shader::{Choices, Shader};
+use crate::choices::Choices;
+use crate::gpu::shader::Shader;
 use crate::gpu::{Recorder, Run, Variant};
 use crate::methods::{Error, Target};
 use crate::passes::bin::{self, Lanes, OrderedTiles, TileWalk, TiledGroup};

@@ -1,8 +1,9 @@
 //! The invocations of the stages that go through tiles.
 
 use super::binning::region_segment;
+use crate::choices::Choices;
 use crate::gpu::Device;
-use crate::gpu::shader::{Choices, SUBGROUPS};
+use crate::gpu::shader::SUBGROUPS;
 use crate::passes::Error;
 
 /// Subgroups of a workgroup where a device prefers several.

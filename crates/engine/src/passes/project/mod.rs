@@ -15,8 +15,9 @@ pub(crate) use shade::Shaded;
 pub use view::View;
 
 use self::part::{PART_MARKED, PART_SOFT, PART_SOLID};
+use crate::choices::Choices;
 use crate::cloud::gaussians::MAX_DEGREE;
-use crate::gpu::shader::{Choices, Shader};
+use crate::gpu::shader::Shader;
 use crate::gpu::{Dispatch, Error, Recorder, Run, Slice, Variant};
 use crate::scene::{ColorSpace, DiscShape, Formula, GaussianSettings, Kernel, Order, Shading};
 use crate::{gpu_struct, group, pass};

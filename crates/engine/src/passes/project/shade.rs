@@ -2,8 +2,8 @@
 
 use super::Projecting;
 use crate::choices;
+use crate::choices::Choices;
 use crate::gpu::Variant;
-use crate::gpu::shader::Choices;
 use crate::passes::compose::Cut;
 use crate::scene::{ColorSpace, Formula};
 

@@ -14,7 +14,8 @@ use self::classes::{CLASS_PLACED, CLASS_START, CLASS_TOTAL, CLASS_WORDS, class_v
 use self::in_place::in_place_merges;
 use super::passes::*;
 use super::{Counted, LOCAL_LENGTH, Shown, Storing, WindowJob};
-use crate::gpu::shader::{Choices, Shader};
+use crate::choices::Choices;
+use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::soft::{self, LongSpheres, Spheres};
 use crate::methods::sorted::{STOP_EXACT, STOP_NEVER, STOPS};

@@ -1,0 +1,255 @@
+//! Gaussian splats: what each of them has beside its center and its opacity (Kerbl et al. 2023).
+
+use glam::{Quat, Vec3};
+use rayon::prelude::*;
+
+use crate::color::decode_srgb;
+
+/// The spherical harmonic of degree 0, 1 / (2√π).
+pub const Y0: f64 = 0.282_094_791_773_878_14;
+
+/// The highest degree of harmonics that any format has.
+pub const MAX_DEGREE: u32 = 4;
+
+/// Largest reach of a Gaussian, in its largest standard deviations: where opacity 1 falls below 1/255.
+pub const REACH: f32 = 3.33;
+
+/// A number for each degree, from 0 on.
+pub type ByDegree = [f32; MAX_DEGREE as usize + 1];
+
+/// Returns the largest reach of a Gaussian with these extents ([`REACH`]), in their unit; finite.
+pub fn reach(extents: Vec3) -> f32 {
+    (REACH * extents.max_element()).min(f32::MAX)
+}
+
+/// Returns the linear color of a display value, which may lie beyond 0 and 1.
+pub fn linear(base: Vec3) -> Vec3 {
+    base.clamp(Vec3::ZERO, Vec3::ONE).to_array().map(decode_srgb).into()
+}
+
+/// Columns of Gaussian splats, each as long as the positions of the points that they belong to. A point that is none has extents of
+/// zero, and no harmonics.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Gaussians {
+    /// Standard deviations along the three axes in the unit of positions: finite, at least 0, not all of them 0.
+    pub extents: Vec<Vec3>,
+    /// Turns x, y and z into the three axes: unit quaternions.
+    pub rotations: Vec<Quat>,
+    /// Color without harmonics of higher degree, as display value (sRGB-encoded) and not clamped: ½ + Y₀·f_dc.
+    pub bases: Vec<Vec3>,
+    /// The degree of the harmonics, 0 to [`MAX_DEGREE`].
+    pub degree: u32,
+    /// Coefficients from degree 1 on, [`Self::coefficients`] for each splat, splat after splat, red, green and blue of each.
+    pub harmonics: Vec<Vec3>,
+}
+
+/// Returns the number of coefficients from degree 1 to this one.
+pub fn coefficients(degree: u32) -> usize {
+    ((degree + 1) * (degree + 1) - 1) as usize
+}
+
+impl Gaussians {
+    /// As many points that are no Gaussians.
+    pub fn none(count: usize) -> Self {
+        Self {
+            extents: vec![Vec3::ZERO; count],
+            rotations: vec![Quat::IDENTITY; count],
+            bases: vec![Vec3::ZERO; count],
+            degree: 0,
+            harmonics: Vec::new(),
+        }
+    }
+
+    /// Returns the number of coefficients of each splat from degree 1 on.
+    pub fn coefficients(&self) -> usize {
+        coefficients(self.degree)
+    }
+
+    /// Returns the number of points.
+    pub fn len(&self) -> usize {
+        self.extents.len()
+    }
+
+    /// Returns `true` if there are no points.
+    pub fn is_empty(&self) -> bool {
+        self.extents.is_empty()
+    }
+
+    /// Returns `true` if a point is a Gaussian.
+    pub fn is_one(&self, index: usize) -> bool {
+        self.extents[index] != Vec3::ZERO
+    }
+
+    /// Returns the number of points that are Gaussians.
+    pub fn count(&self) -> u64 {
+        self.extents.par_iter().filter(|extents| **extents != Vec3::ZERO).count() as u64
+    }
+
+    /// Returns `true` if every point is a Gaussian.
+    pub fn are_all(&self) -> bool {
+        self.extents.par_iter().all(|extents| *extents != Vec3::ZERO)
+    }
+
+    /// Returns the coefficients of a splat from degree 1 on.
+    pub fn harmonics_of(&self, index: usize) -> &[Vec3] {
+        let count = self.coefficients();
+        &self.harmonics[index * count..(index + 1) * count]
+    }
+
+    /// Returns the same splats with harmonics up to a degree, which may be higher than theirs.
+    #[must_use]
+    pub fn with_degree(self, degree: u32) -> Self {
+        if degree == self.degree {
+            return self;
+        }
+        let (old, new) = (self.coefficients(), coefficients(degree));
+        let kept = old.min(new);
+        let mut harmonics = vec![Vec3::ZERO; self.len() * new];
+        if kept > 0 {
+            let pairs = harmonics.par_chunks_mut(new).zip(self.harmonics.par_chunks(old));
+            pairs.for_each(|(to, from)| to[..kept].copy_from_slice(&from[..kept]));
+        }
+        Self { degree, harmonics, ..self }
+    }
+
+    /// Returns some of them, in another order: place i gets splat `from(i)` of `count` places.
+    #[must_use]
+    pub fn picked(&self, count: usize, from: impl Fn(usize) -> usize + Sync) -> Self {
+        let stride = self.coefficients();
+        let each = || (0..count).into_par_iter().with_min_len(1 << 12);
+        let harmonics = if stride == 0 {
+            Vec::new()
+        } else {
+            each().flat_map_iter(|i| self.harmonics_of(from(i)).iter().copied()).collect()
+        };
+        Self {
+            extents: each().map(|i| self.extents[from(i)]).collect(),
+            rotations: each().map(|i| self.rotations[from(i)]).collect(),
+            bases: each().map(|i| self.bases[from(i)]).collect(),
+            degree: self.degree,
+            harmonics,
+        }
+    }
+
+    /// Gives each of some places what stood at another one.
+    #[doc(hidden)]
+    pub fn trade(&mut self, places: &[u32], from: &[u32]) {
+        let taken = self.picked(from.len(), |i| from[i] as usize);
+        let count = self.coefficients();
+        for (i, place) in places.iter().map(|place| *place as usize).enumerate() {
+            self.extents[place] = taken.extents[i];
+            self.rotations[place] = taken.rotations[i];
+            self.bases[place] = taken.bases[i];
+            self.harmonics[place * count..(place + 1) * count].copy_from_slice(taken.harmonics_of(i));
+        }
+    }
+
+    /// Puts others behind these; all get the higher degree of the two.
+    pub fn append(&mut self, more: Self) {
+        let degree = self.degree.max(more.degree);
+        let more = more.with_degree(degree);
+        *self = std::mem::take(self).with_degree(degree);
+        self.extents.extend(more.extents);
+        self.rotations.extend(more.rotations);
+        self.bases.extend(more.bases);
+        self.harmonics.extend(more.harmonics);
+    }
+
+    /// Returns those of two lists that follow each other, of which either may have none.
+    #[must_use]
+    pub fn joined(first: (Option<Self>, usize), second: (Option<Self>, usize)) -> Option<Self> {
+        if first.0.is_none() && second.0.is_none() {
+            return None;
+        }
+        let filled = |(some, count): (Option<Self>, usize)| some.unwrap_or_else(|| Self::none(count));
+        let mut all = filled(first);
+        all.append(filled(second));
+        Some(all)
+    }
+
+    /// Returns bounds on the display value of all splats from any direction, drawn with harmonics up to each degree:
+    /// element d is that of degree d. Of degrees that they don't have it is that of their own; at least 0.
+    pub fn brightest(&self) -> ByDegree {
+        // A bound on each harmonic is its norm, √((2l + 1) / 4π) (addition theorem).
+        let norm = |degree: u32| ((2 * degree + 1) as f32 / (4.0 * std::f32::consts::PI)).sqrt();
+        let norms: Vec<f32> =
+            (1..=self.degree).flat_map(|degree| vec![norm(degree); 2 * degree as usize + 1]).collect();
+        let of_splat = |i: usize| {
+            let (mut most, mut sum, mut next) = (ByDegree::default(), self.bases[i], 0);
+            for (degree, most) in most.iter_mut().enumerate() {
+                let end = coefficients(degree as u32).min(norms.len());
+                let added = self.harmonics_of(i)[next..end].iter().zip(&norms[next..end]);
+                sum = added.fold(sum, |sum, (color, norm)| sum + *norm * color.abs());
+                next = end;
+                *most = sum.max_element().max(0.0);
+            }
+            most
+        };
+        let larger = |a: ByDegree, b: ByDegree| std::array::from_fn(|degree| a[degree].max(b[degree]));
+        (0..self.len()).into_par_iter().with_min_len(1 << 10).map(of_splat).reduce(ByDegree::default, larger)
+    }
+
+    /// Returns the number of bytes of each splat in these columns.
+    pub fn bytes_each(degree: u32) -> u64 {
+        (size_of::<Quat>() + (2 + coefficients(degree)) * size_of::<Vec3>()) as u64
+    }
+
+    /// Returns all numbers of a splat, for comparisons of content.
+    pub fn bits(&self, index: usize) -> impl Iterator<Item = u32> + '_ {
+        let extents = self.extents[index].to_array().into_iter();
+        let rest = self.rotations[index].to_array().into_iter().chain(self.bases[index].to_array());
+        let harmonics = self.harmonics_of(index).iter().flat_map(|color| color.to_array());
+        extents.chain(rest).chain(harmonics).map(f32::to_bits)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn some(count: usize, degree: u32) -> Gaussians {
+        let each = |i: usize| Vec3::splat(1.0 + i as f32);
+        Gaussians {
+            extents: (0..count).map(each).collect(),
+            rotations: vec![Quat::IDENTITY; count],
+            bases: (0..count).map(each).collect(),
+            degree,
+            harmonics: (0..count * coefficients(degree)).map(each).collect(),
+        }
+    }
+
+    #[test]
+    fn degrees_keep_the_coefficients_that_they_have() {
+        assert_eq!([0, 1, 2, 3, 4].map(coefficients), [0, 3, 8, 15, 24]);
+        let two = some(2, 2);
+        let one = two.clone().with_degree(1);
+        assert_eq!(one.harmonics_of(1), &two.harmonics_of(1)[..3]);
+        let three = one.with_degree(3);
+        assert_eq!(three.harmonics_of(1)[..3], two.harmonics_of(1)[..3]);
+        assert!(three.harmonics_of(1)[3..].iter().all(|c| *c == Vec3::ZERO));
+    }
+
+    #[test]
+    fn brightness_grows_with_the_degree_that_is_drawn() {
+        let mut all = some(1, 2);
+        all.harmonics.fill(Vec3::ZERO);
+        (all.harmonics[0], all.harmonics[7]) = (Vec3::new(-1.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0));
+        let norm = |degree: f32| ((2.0 * degree + 1.0) / (4.0 * std::f32::consts::PI)).sqrt();
+        let [zero, one, two] = [1.0, 1.0 + norm(1.0), 1.0 + norm(1.0) + norm(2.0)];
+        assert_eq!(all.brightest(), [zero, one, two, two, two]);
+        all.bases[0] = Vec3::splat(-9.0);
+        assert_eq!(all.brightest(), ByDegree::default());
+        assert_eq!(Gaussians::default().brightest(), ByDegree::default());
+    }
+
+    #[test]
+    fn lists_of_different_degrees_are_joined() {
+        let all = Gaussians::joined((Some(some(2, 1)), 2), (None, 1)).unwrap();
+        assert_eq!((all.len(), all.harmonics.len(), all.is_one(1), all.is_one(2)), (3, 9, true, false));
+        let all = Gaussians::joined((Some(some(1, 0)), 1), (Some(some(1, 1)), 1)).unwrap();
+        assert_eq!(all.harmonics, [vec![Vec3::ZERO; 3], some(1, 1).harmonics].concat());
+        assert!(Gaussians::joined((None, 3), (None, 4)).is_none());
+        let turned = some(3, 1).picked(2, |i| 2 - i);
+        assert_eq!((turned.extents[0], turned.harmonics_of(1)), (Vec3::splat(3.0), some(3, 1).harmonics_of(1)));
+    }
+}

@@ -1,0 +1,99 @@
+//! The settings a shadow texture belongs to: one share of light for each point (Dobrev et al. 2010, Section 6).
+
+use serde::{Deserialize, Serialize};
+
+use crate::light::Light;
+
+/// Everything that decides which lights reach which of the points: the same casting of the same points is the same texture.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(into = "CastingRecord")]
+pub struct Casting {
+    /// The light, its direction of length 1; not a headlight.
+    pub light: Light,
+    /// M: the number of lights that stand for an area light; 1 without an area.
+    pub samples: u32,
+    /// Degrees around a direction, world units around a position.
+    pub light_radius: f32,
+    /// Side of the shadow map.
+    pub resolution: u32,
+    /// d̃ in world units.
+    pub min_layer_distance: f32,
+    /// Seed of the shifts of an area's lights; 0 without an area.
+    pub seed: u64,
+}
+
+impl Casting {
+    /// Returns the settings that differ from `other`, by their names in a scene.
+    pub fn differences(&self, other: &Self) -> Vec<&'static str> {
+        [
+            ("light", self.light != other.light),
+            ("samples", self.samples != other.samples),
+            ("light_radius", self.light_radius != other.light_radius),
+            ("resolution", self.resolution != other.resolution),
+            ("min_layer_distance", self.min_layer_distance != other.min_layer_distance),
+            ("seed", self.seed != other.seed),
+        ]
+        .into_iter()
+        .filter_map(|(name, differs)| differs.then_some(name))
+        .collect()
+    }
+}
+
+/// A shadow texture that is stored with a cloud.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShadowTexture {
+    /// The settings it belongs to.
+    pub casting: Casting,
+    /// m of each point, in [0, 1], in the order of the cloud.
+    pub lit: Vec<f32>,
+}
+
+/// A [`Casting`] in the form of a prepared file.
+#[derive(Serialize, Deserialize)]
+#[doc(hidden)]
+pub struct CastingRecord {
+    #[serde(flatten)]
+    light: LightRecord,
+    samples: u32,
+    light_radius: f32,
+    resolution: u32,
+    min_layer_distance: f32,
+    seed: u64,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum LightRecord {
+    Direction([f64; 3]),
+    Position([f64; 3]),
+}
+
+impl From<Casting> for CastingRecord {
+    fn from(casting: Casting) -> Self {
+        Self::from(&casting)
+    }
+}
+
+impl From<&Casting> for CastingRecord {
+    fn from(casting: &Casting) -> Self {
+        let Casting { light, samples, light_radius, resolution, min_layer_distance, seed } = *casting;
+        let light = match light {
+            Light::Position(position) => LightRecord::Position(position.to_array()),
+            Light::Direction(direction) => LightRecord::Direction(direction.to_array()),
+            // Unreachable: no casting has one.
+            Light::Headlight => LightRecord::Direction([0.0; 3]),
+        };
+        Self { light, samples, light_radius, resolution, min_layer_distance, seed }
+    }
+}
+
+impl From<&CastingRecord> for Casting {
+    fn from(record: &CastingRecord) -> Self {
+        let CastingRecord { samples, light_radius, resolution, min_layer_distance, seed, .. } = *record;
+        let light = match record.light {
+            LightRecord::Direction(direction) => Light::Direction(direction.into()),
+            LightRecord::Position(position) => Light::Position(position.into()),
+        };
+        Self { light, samples, light_radius, resolution, min_layer_distance, seed }
+    }
+}

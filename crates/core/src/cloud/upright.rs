@@ -1,0 +1,125 @@
+//! Tells shapes whose vertical is Z from those whose vertical is Y, where a file can't: ground spreads along X and Y, and what
+//! stands has its centroid above the places that it stands on.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::depth_camera::hundredths;
+
+/// Points below which nothing is told.
+const FEWEST: usize = 1000;
+/// Ground is lower than this share of its shorter side.
+const FLAT: f64 = 0.2;
+/// The part of a shape's height in which it touches the floor.
+const FOOT: f64 = 0.02;
+/// The largest angle around the centroid without a foot: of a shape that would fall over, and of one that stands.
+const FALLS: f64 = PI + FRAC_PI_2;
+/// See [`FALLS`].
+const STANDS: f64 = 0.9 * PI;
+
+/// The reason why Z is up, as the end of a sentence: a shape with Y up would stand on its edge, as ground does, or fall over, and
+/// would not with Z up.
+#[doc(hidden)]
+pub fn reason_for_z(positions: &[DVec3]) -> Option<&'static str> {
+    let count = positions.len();
+    if count < FEWEST {
+        return None;
+    }
+    let ranges = [0, 1, 2].map(|axis| hundredths(positions.par_iter().map(|p| p[axis]).collect()));
+    let [x, y, z] = ranges.map(|[low, high]| high - low);
+    if z < FLAT * x.min(y) {
+        return Some("since its points are flattest along z");
+    }
+    // Slopes have one foot; they lie along X and Z.
+    if y <= x.min(z) {
+        return None;
+    }
+    let centroid = positions.iter().sum::<DVec3>() / count as f64;
+    let unsupported = |up: usize| {
+        let [low, high] = ranges[up];
+        let foot = low + FOOT * (high - low);
+        let [a, b] = [(up + 1) % 3, (up + 2) % 3];
+        let feet = positions.par_iter().filter(|p| p[up] <= foot);
+        widest_gap(feet.map(|p| (p[b] - centroid[b]).atan2(p[a] - centroid[a])).collect())
+    };
+    (unsupported(1) > FALLS && unsupported(2) < STANDS).then_some("since with y up it would fall over")
+}
+
+/// The widest angle in a circle between neighboring ones of some angles in radians.
+fn widest_gap(mut angles: Vec<f64>) -> f64 {
+    angles.par_sort_unstable_by(f64::total_cmp);
+    let around = angles.first().zip(angles.last()).map_or(2.0 * PI, |(first, last)| first + 2.0 * PI - last);
+    angles.windows(2).map(|pair| pair[1] - pair[0]).fold(around, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    use super::*;
+
+    fn points(count: usize, place: impl Fn(DVec3) -> DVec3) -> Vec<DVec3> {
+        let mut random = Pcg64Mcg::seed_from_u64(8);
+        (0..count).map(|_| place(DVec3::new(random.random(), random.random(), random.random()))).collect()
+    }
+
+    /// A table with its vertical along Z, 2 × 4 × 3, whose four legs take as many points as its top, and a lamp beyond its edge.
+    fn table() -> Vec<DVec3> {
+        let mut table = points(3000, |p| DVec3::new(2.0 * p.x, 4.0 * p.y, 3.0));
+        for (x, y) in [(0.3, 0.3), (0.3, 3.7), (1.7, 0.3), (1.7, 3.7)] {
+            table.extend(points(750, |p| DVec3::new(x, y, 3.0 * p.z)));
+        }
+        table.extend(points(300, |p| DVec3::new(1.0, -1.0 + p.y, 3.0)));
+        table
+    }
+
+    fn is_z_up(positions: &[DVec3]) -> bool {
+        reason_for_z(positions).is_some()
+    }
+
+    fn turned(positions: Vec<DVec3>) -> Vec<DVec3> {
+        positions.into_iter().map(|p| DVec3::new(p.x, p.z, -p.y)).collect()
+    }
+
+    #[test]
+    fn a_table_stands_on_its_legs() {
+        assert!(reason_for_z(&table()).unwrap().contains("fall over"));
+        assert!(!is_z_up(&turned(table())), "Y is up");
+        let moved = table().into_iter().map(|p| 1e-3 * p + DVec3::splat(50.0)).collect::<Vec<_>>();
+        assert!(is_z_up(&moved), "millimeters");
+        assert!(!is_z_up(&table()[..900]), "too few");
+    }
+
+    #[test]
+    fn ground_lies() {
+        let ground = |slope: f64| points(5000, |p| DVec3::new(80.0 * p.x, 50.0 * p.y, 4.0 * p.z + slope * p.x));
+        assert!(reason_for_z(&ground(2.0)).unwrap().contains("flattest along z"));
+        assert!([2.0, 20.0, 40.0].iter().all(|slope| !is_z_up(&turned(ground(*slope)))));
+    }
+
+    #[test]
+    fn other_shapes_keep_y() {
+        let shapes = [
+            ("cube", points(5000, |p| p)),
+            ("ball", points(5000, |p| (p - DVec3::splat(0.5)).normalize())),
+            ("pole", points(5000, |p| p * DVec3::new(1.0, 9.0, 1.0))),
+            ("leaning front", points(5000, |p| DVec3::new(9.0 * p.x, 6.0 * p.y, 2.0 * p.y))),
+            ("bird in flight", points(5000, |p| DVec3::new(4.0 * (p.x - 0.5), (4.0 * (p.x - 0.5)).abs(), p.z))),
+            ("one place", points(5000, |_| DVec3::ONE)),
+        ];
+        for (name, shape) in shapes {
+            assert!(!is_z_up(&shape), "{name}");
+        }
+    }
+
+    #[test]
+    fn gaps_by_hand() {
+        assert!((widest_gap(vec![0.0, FRAC_PI_2, PI]) - PI).abs() < 1e-15);
+        assert!((widest_gap(vec![3.0, -3.0]) - 6.0).abs() < 1e-15);
+        assert!((widest_gap(vec![1.0]) - 2.0 * PI).abs() < 1e-15);
+        assert!((widest_gap(Vec::new()) - 2.0 * PI).abs() < 1e-15);
+    }
+}

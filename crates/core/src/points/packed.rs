@@ -1,0 +1,192 @@
+//! Points as bytes, for other processes of the same program on machines of the same byte order.
+
+use bytemuck::{AnyBitPattern, NoUninit, cast_slice, pod_collect_to_vec};
+
+use super::{Points, Unseen};
+use crate::cloud::gaussians::{Gaussians, MAX_DEGREE, coefficients};
+
+/// Marks packed points: of another version or another byte order it is another number.
+const MARK: u64 = 0x0001_7374_6e69_6f70;
+
+/// Columns that a list may have or not, by their bits.
+const COLORS: u64 = 1;
+const OPACITIES: u64 = 2;
+const RADII: u64 = 4;
+const NORMALS: u64 = 8;
+const FILE_ORDER: u64 = 16;
+const DEALT_IDS: u64 = 32;
+const FIELDS: u64 = 64;
+const GAUSSIANS: u64 = 128;
+const ALL: u64 = 255;
+
+/// Bytes that are no packed points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("these bytes are no packed points: {0}")]
+pub struct Unreadable(&'static str);
+
+impl Unreadable {
+    /// Fewer bytes than there have to be.
+    pub const SHORT: Self = Self("they end too early");
+    /// Runs that are not one behind the other.
+    pub const RUNS: Self = Self("runs that are none");
+}
+
+impl Points {
+    /// Appends the points to some bytes. What is known of the scene that they stand for is not among them.
+    pub fn pack(&self, to: &mut Vec<u8>) {
+        let Self {
+            positions, colors, opacities, radii, normals, file_order, dealt_ids, fields, gaussians, unseen, ..
+        } = self;
+        let has = |bit: u64, has: bool| if has { bit } else { 0 };
+        let columns = has(COLORS, !colors.is_empty())
+            | has(OPACITIES, !opacities.is_empty())
+            | has(RADII, !radii.is_empty())
+            | has(NORMALS, normals.is_some())
+            | has(FILE_ORDER, !file_order.is_empty())
+            | has(DEALT_IDS, !dealt_ids.is_empty())
+            | has(FIELDS, !fields.is_empty())
+            | has(GAUSSIANS, gaussians.is_some());
+        let degree = gaussians.as_ref().map_or(0, |all| u64::from(all.degree));
+        put(to, &[MARK, positions.len() as u64, unseen.positions.len() as u64, columns, degree]);
+        put(to, positions);
+        put(to, colors);
+        [opacities, radii].into_iter().for_each(|column| put(to, column));
+        normals.iter().for_each(|normals| put(to, normals));
+        [file_order, dealt_ids].into_iter().for_each(|column| put(to, column));
+        put(to, fields);
+        if let Some(Gaussians { extents, rotations, bases, harmonics, .. }) = gaussians {
+            put(to, extents);
+            put(to, rotations);
+            put(to, bases);
+            put(to, harmonics);
+        }
+        put(to, &unseen.positions);
+        put(to, &unseen.radii);
+    }
+
+    /// Takes points off the front of some bytes.
+    ///
+    /// # Errors
+    /// The bytes end too early, were packed by something else, or have positions that are not finite.
+    pub fn unpack(bytes: &mut &[u8]) -> Result<Self, Unreadable> {
+        let [mark, count, unseen, columns, degree] = taken::<u64>(bytes, 5)?[..] else {
+            return Err(Unreadable("no header"));
+        };
+        if mark != MARK || columns > ALL || degree > u64::from(MAX_DEGREE) {
+            return Err(Unreadable("another header"));
+        }
+        let [count, unseen] = [count, unseen].map(|count| usize::try_from(count).unwrap_or(usize::MAX));
+        let has = |bit: u64| if columns & bit == 0 { 0 } else { count };
+        let positions = taken(bytes, count)?;
+        let colors = taken(bytes, has(COLORS))?;
+        let (opacities, radii) = (taken(bytes, has(OPACITIES))?, taken(bytes, has(RADII))?);
+        let normals = if columns & NORMALS == 0 { None } else { Some(taken(bytes, count)?) };
+        let (file_order, dealt_ids) = (taken(bytes, has(FILE_ORDER))?, taken(bytes, has(DEALT_IDS))?);
+        let fields = taken(bytes, has(FIELDS))?;
+        let gaussians = if columns & GAUSSIANS == 0 { None } else { Some(gaussians(bytes, count, degree as u32)?) };
+        let unseen = Unseen { positions: taken(bytes, unseen)?, radii: taken(bytes, unseen)? };
+        let points = Self {
+            positions,
+            colors,
+            opacities,
+            radii,
+            normals,
+            file_order,
+            dealt_ids,
+            fields,
+            gaussians,
+            unseen: unseen.into(),
+            whole: None,
+        };
+        let mut places = points.positions.iter().chain(&points.unseen.positions);
+        if places.all(|position| position.is_finite()) { Ok(points) } else { Err(Unreadable("a place that is none")) }
+    }
+}
+
+fn gaussians(bytes: &mut &[u8], count: usize, degree: u32) -> Result<Gaussians, Unreadable> {
+    let harmonics = count.saturating_mul(coefficients(degree));
+    Ok(Gaussians {
+        extents: taken(bytes, count)?,
+        rotations: taken(bytes, count)?,
+        bases: taken(bytes, count)?,
+        degree,
+        harmonics: taken(bytes, harmonics)?,
+    })
+}
+
+/// Appends the bytes of a column.
+#[doc(hidden)]
+pub fn put<T: NoUninit>(to: &mut Vec<u8>, column: &[T]) {
+    to.extend_from_slice(cast_slice(column));
+}
+
+/// Returns the first values of some bytes.
+#[doc(hidden)]
+pub fn taken<T: NoUninit + AnyBitPattern>(bytes: &mut &[u8], count: usize) -> Result<Vec<T>, Unreadable> {
+    let length = count.checked_mul(size_of::<T>()).filter(|length| *length <= bytes.len());
+    let (own, rest) = bytes.split_at(length.ok_or(Unreadable::SHORT)?);
+    *bytes = rest;
+    Ok(pod_collect_to_vec(own))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec3, Vec3};
+
+    use super::*;
+
+    fn points(degree: u32) -> Points {
+        let gaussians = Gaussians {
+            extents: vec![Vec3::X; 2],
+            harmonics: vec![Vec3::Y; 2 * coefficients(degree)],
+            degree,
+            ..Gaussians::none(2)
+        };
+        Points {
+            positions: vec![DVec3::ONE, DVec3::splat(-1.0 / 3.0)],
+            colors: vec![Vec3::splat(0.1), Vec3::X],
+            opacities: vec![0.5, 1.0],
+            radii: vec![0.0, 1e-3],
+            normals: Some(vec![Vec3::Z; 2]),
+            file_order: vec![7, 1],
+            dealt_ids: Vec::new(),
+            fields: vec![0.25, 0.75],
+            gaussians: Some(gaussians),
+            unseen: Unseen { positions: vec![DVec3::Z], radii: vec![2.0] }.into(),
+            whole: None,
+        }
+    }
+
+    #[test]
+    fn what_was_packed_is_unpacked() {
+        let few = Points { normals: None, gaussians: None, ..points(0) };
+        let none = Points { normals: Some(Vec::new()), ..Points::default() };
+        let all = [points(0), points(3), few, none, Points::default()];
+        let mut bytes = Vec::new();
+        all.iter().for_each(|points| points.pack(&mut bytes));
+        let mut rest = bytes.as_slice();
+        for points in all {
+            assert_eq!(Points::unpack(&mut rest), Ok(points));
+        }
+        assert!(rest.is_empty());
+    }
+
+    #[test]
+    fn other_bytes_are_refused() {
+        let mut bytes = Vec::new();
+        points(2).pack(&mut bytes);
+        for end in 0..bytes.len() {
+            assert!(Points::unpack(&mut &bytes[..end]).is_err(), "{end}");
+        }
+        // Whatever the header says.
+        for at in 0..40 {
+            for value in [0, 1, 0x7f, 0xff] {
+                let mut other = bytes.clone();
+                other[at] = value;
+                let _ = Points::unpack(&mut other.as_slice());
+            }
+        }
+        bytes[40..48].copy_from_slice(&f64::NAN.to_le_bytes());
+        assert!(Points::unpack(&mut bytes.as_slice()).is_err());
+    }
+}

@@ -1,0 +1,83 @@
+//! From the rows of a table to the columns of a cloud, by the names of the table's columns (the table in `ply`).
+
+mod block;
+mod join;
+mod layout;
+mod rows;
+mod table;
+
+pub(super) use block::Block;
+pub(super) use join::joined;
+pub(super) use layout::Layout;
+pub use layout::unit_or_zero;
+pub(super) use ply_rs_bw::ply::ScalarType;
+pub(super) use rows::Rows;
+pub(super) use table::{Table, Whole};
+
+use pellucid_core::cloud::{CLASSIFICATION_NAMES, Cloud, INTENSITY_NAMES};
+
+const POSITION: [[&str; 3]; 1] = [["x", "y", "z"]];
+const NORMAL: [[&str; 3]; 3] =
+    [["nx", "ny", "nz"], ["normal_x", "normal_y", "normal_z"], ["normalx", "normaly", "normalz"]];
+const COLOR: [[&str; 3]; 3] =
+    [["red", "green", "blue"], ["diffuse_red", "diffuse_green", "diffuse_blue"], ["r", "g", "b"]];
+/// Linear colors, which only files have that 16-bit sRGB would round.
+pub(super) const LINEAR_COLOR: [[&str; 3]; 1] = [["linear_red", "linear_green", "linear_blue"]];
+const ALPHA: [&str; 2] = ["alpha", "diffuse_alpha"];
+const RADIUS: [&str; 1] = ["radius"];
+
+/// A column of a file: a name and the type of its values.
+pub(super) struct Column {
+    pub name: String,
+    pub kind: ScalarType,
+}
+
+impl Column {
+    pub fn new(name: impl Into<String>, kind: ScalarType) -> Self {
+        Self { name: name.into(), kind }
+    }
+}
+
+/// The source of the number that means full intensity in colors and alphas.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum FullScale {
+    /// The type: bytes reach 255, shorts 65535, floats 1.
+    Typed,
+    /// The values of the whole file, unless they are bytes.
+    Measured,
+}
+
+/// Columns that grow row by row.
+pub(super) struct Columns {
+    layout: Layout,
+    table: Table,
+}
+
+impl Columns {
+    /// Finds the columns of a table; fails with the coordinate that is missing.
+    pub fn new(columns: &[Column], full_scale: FullScale) -> Result<Self, &'static str> {
+        let layout = Layout::new(columns, full_scale)?;
+        let table = Table::new(&layout, 0);
+        Ok(Self { layout, table })
+    }
+
+    /// Adds a vertex, or counts it if its position is not finite.
+    pub fn push(&mut self, row: &[f64]) {
+        self.table.push(&self.layout, row);
+    }
+
+    /// Returns the cloud, its vertical +Y. Normals that are all zero are dropped.
+    pub fn finish(self) -> Cloud {
+        let whole = self.table.whole(&self.layout);
+        self.table.finish(&self.layout, &whole)
+    }
+}
+
+/// Returns `true` if the reader would take a property of this name for one of its columns, alone or together with
+/// others.
+pub(crate) fn is_known(name: &str) -> bool {
+    let lower = name.to_ascii_lowercase();
+    let threes = POSITION.iter().chain(&NORMAL).chain(&COLOR).chain(&LINEAR_COLOR).flatten();
+    let ones = ALPHA.iter().chain(&RADIUS).chain(&CLASSIFICATION_NAMES).chain(&INTENSITY_NAMES);
+    threes.chain(ones).any(|known| *known == lower)
+}

@@ -1,0 +1,286 @@
+//! Columns of rows, before what only all rows tell is known.
+
+use bytemuck::Zeroable;
+use bytemuck::allocation::zeroed_vec;
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::{Layout, Rows, joined};
+use crate::channel;
+use pellucid_core::cloud::Cloud;
+
+/// The columns of some rows of a table.
+pub(crate) struct Table {
+    pub(super) cloud: Cloud,
+    /// Values of the column that is a classification if they are codes.
+    pub(super) codes: Option<Vec<f32>>,
+}
+
+/// Facts that only all rows of a table tell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Whole {
+    /// Some normal has a direction.
+    pub directed: bool,
+    /// All values of the classification are codes from 0 to 255.
+    pub codes: bool,
+    /// The largest finite color and the largest finite alpha of columns whose range is that of their values.
+    largest: [Option<f32>; 2],
+}
+
+impl Whole {
+    /// Of no rows.
+    pub const NONE: Self = Self { directed: false, codes: true, largest: [None; 2] };
+
+    /// Of two parts together.
+    #[must_use]
+    pub fn and(self, more: Self) -> Self {
+        let larger = |a: Option<f32>, b: Option<f32>| match (a, b) {
+            (Some(a), Some(b)) => Some(if a.total_cmp(&b).is_ge() { a } else { b }),
+            _ => a.or(b),
+        };
+        Self {
+            directed: self.directed || more.directed,
+            codes: self.codes && more.codes,
+            largest: [0, 1].map(|at| larger(self.largest[at], more.largest[at])),
+        }
+    }
+}
+
+impl Table {
+    /// Returns columns of so many rows, all zero. Memory is taken as they are written.
+    pub fn new(layout: &Layout, rows: usize) -> Self {
+        fn sized<T: Zeroable>(column: &mut Vec<T>, rows: usize) {
+            *column = zeroed_vec(rows);
+        }
+        let mut cloud = layout.empty();
+        sized(&mut cloud.positions, rows);
+        cloud.colors.iter_mut().chain(&mut cloud.normals).for_each(|column| sized(column, rows));
+        let single = [&mut cloud.alphas, &mut cloud.radii, &mut cloud.intensity].into_iter().flatten();
+        single.chain(cloud.scalars.iter_mut().map(|(_, column)| column)).for_each(|column| sized(column, rows));
+        Self { cloud, codes: layout.classification.as_ref().map(|_| zeroed_vec(rows)) }
+    }
+
+    /// Makes room for this many more rows.
+    pub fn reserve(&mut self, rows: usize) {
+        let cloud = &mut self.cloud;
+        cloud.positions.reserve_exact(rows);
+        cloud.colors.iter_mut().chain(&mut cloud.normals).for_each(|column| column.reserve_exact(rows));
+        let single = [&mut cloud.alphas, &mut cloud.radii, &mut cloud.intensity, &mut self.codes].into_iter().flatten();
+        single.chain(cloud.scalars.iter_mut().map(|(_, column)| column)).for_each(|column| column.reserve_exact(rows));
+    }
+
+    /// Returns the rows of parts that have the columns of this layout, one part behind the other. Each column of the
+    /// parts is gone once it is joined.
+    pub fn join(layout: &Layout, mut parts: Vec<Self>) -> Self {
+        fn join_optional<T: Zeroable + Copy + Send + Sync>(
+            column: &mut Option<Vec<T>>,
+            parts: &mut [Table],
+            of: impl Fn(&mut Table) -> &mut Option<Vec<T>>,
+        ) {
+            if let Some(column) = column {
+                *column = joined(parts.iter_mut().filter_map(|part| of(part).take()).collect());
+            }
+        }
+        let (mut all, parts) = (Self::new(layout, 0), parts.as_mut_slice());
+        let cloud = &mut all.cloud;
+        cloud.positions = joined(parts.iter_mut().map(|part| std::mem::take(&mut part.cloud.positions)).collect());
+        join_optional(&mut cloud.colors, parts, |part| &mut part.cloud.colors);
+        join_optional(&mut cloud.normals, parts, |part| &mut part.cloud.normals);
+        join_optional(&mut cloud.alphas, parts, |part| &mut part.cloud.alphas);
+        join_optional(&mut cloud.radii, parts, |part| &mut part.cloud.radii);
+        join_optional(&mut cloud.intensity, parts, |part| &mut part.cloud.intensity);
+        join_optional(&mut all.codes, parts, |part| &mut part.codes);
+        for (at, (_, column)) in cloud.scalars.iter_mut().enumerate() {
+            *column = joined(parts.iter_mut().map(|part| std::mem::take(&mut part.cloud.scalars[at].1)).collect());
+        }
+        cloud.non_finite = parts.iter().map(|part| part.cloud.non_finite).sum();
+        all
+    }
+
+    /// Adds a row, or counts it if its position is not finite.
+    pub fn push(&mut self, layout: &Layout, row: &[f64]) {
+        fn add<T>(column: &mut Option<Vec<T>>, value: Option<T>) {
+            if let (Some(column), Some(value)) = (column, value) {
+                column.push(value);
+            }
+        }
+        let cloud = &mut self.cloud;
+        let value = |at: usize| row[at];
+        let Some(position) = layout.position(value) else {
+            cloud.non_finite += 1;
+            return;
+        };
+        cloud.positions.push(position);
+        add(&mut cloud.normals, layout.normal(value));
+        add(&mut cloud.colors, layout.color(value));
+        add(&mut cloud.alphas, layout.alpha(value));
+        add(&mut cloud.radii, layout.radius(value));
+        add(&mut cloud.intensity, layout.intensity(value));
+        add(&mut self.codes, layout.code(value));
+        for ((_, values), value) in cloud.scalars.iter_mut().zip(layout.scalars(value)) {
+            values.push(value);
+        }
+    }
+
+    /// Writes all rows on all cores. `write` is given runs of rows and the place of the first of each. It puts the rows that stay at
+    /// the front of the run, and returns the places of the others, which are left out and counted; so does this, in order.
+    pub fn fill<E: Send>(
+        &mut self,
+        run: usize,
+        write: impl Fn(usize, &mut Rows) -> Result<Vec<u64>, E> + Sync,
+    ) -> Result<Vec<u64>, E> {
+        let runs = Rows::of(self, run).into_par_iter().enumerate();
+        let written = runs.map(|(at, mut rows)| {
+            let left_out = write(at * run, &mut rows)?;
+            Ok((rows.len() - left_out.len(), left_out))
+        });
+        let (kept, left_out): (Vec<usize>, Vec<Vec<u64>>) = written.collect::<Result<Vec<_>, E>>()?.into_iter().unzip();
+        let left_out = left_out.concat();
+        if !left_out.is_empty() {
+            self.keep(run, &kept);
+        }
+        self.cloud.non_finite += left_out.len();
+        Ok(left_out)
+    }
+
+    /// Moves the first rows of each run together.
+    fn keep(&mut self, run: usize, kept: &[usize]) {
+        let cloud = &mut self.cloud;
+        compact(&mut cloud.positions, run, kept);
+        cloud.colors.iter_mut().chain(&mut cloud.normals).for_each(|column| compact(column, run, kept));
+        let single = [&mut cloud.alphas, &mut cloud.radii, &mut cloud.intensity, &mut self.codes].into_iter().flatten();
+        single.chain(cloud.scalars.iter_mut().map(|(_, column)| column)).for_each(|column| compact(column, run, kept));
+    }
+
+    /// Returns the points so far; colors, alphas and classes may be as they are stored.
+    pub fn points(&self) -> &Cloud {
+        &self.cloud
+    }
+
+    /// Returns what these rows tell of all.
+    pub fn whole(&self, layout: &Layout) -> Whole {
+        let cloud = &self.cloud;
+        let [colors, alphas] = layout.measures();
+        let largest = |values: &[f32]| channel::largest(values.par_iter().copied());
+        let largest_color = || largest(bytemuck::cast_slice(cloud.colors.as_deref().unwrap_or_default()));
+        let largest_alpha = || largest(cloud.alphas.as_deref().unwrap_or_default());
+        let is_code = |code: &f32| (0.0..=255.0).contains(code) && code.fract() == 0.0;
+        Whole {
+            directed: cloud.normals.as_deref().unwrap_or_default().par_iter().any(|&n| n != Vec3::ZERO),
+            codes: self.codes.as_deref().unwrap_or_default().par_iter().all(is_code),
+            largest: [colors.then(largest_color).flatten(), alphas.then(largest_alpha).flatten()],
+        }
+    }
+
+    /// Returns the cloud of some rows of a table of which all rows together tell this; its vertical is +Y. Normals that
+    /// are all zero are dropped.
+    pub fn finish(self, layout: &Layout, whole: &Whole) -> Cloud {
+        let mut cloud = self.cloud;
+        if let (Some(codes), Some((_, name))) = (self.codes, &layout.classification) {
+            if whole.codes {
+                cloud.classification = Some(codes.par_iter().map(|&code| code as u8).collect());
+            } else {
+                cloud.scalars.push((name.clone(), codes));
+            }
+        }
+        let [colors, alphas] = layout.measures();
+        if colors {
+            let full = channel::full_scale(whole.largest[0]);
+            cloud.colors = cloud.colors.zip(full).map(|(colors, full)| channel::measured(colors, full));
+        }
+        if alphas {
+            let full = channel::full_scale(whole.largest[1]).unwrap_or(1.0);
+            let unit = |value: &mut f32| *value = if value.is_nan() { 1.0 } else { (*value / full).clamp(0.0, 1.0) };
+            cloud.alphas.iter_mut().flatten().for_each(unit);
+        }
+        cloud.normals = cloud.normals.filter(|_| whole.directed);
+        cloud
+    }
+}
+
+/// Moves the first values of each run together.
+fn compact<T: Copy>(column: &mut Vec<T>, run: usize, kept: &[usize]) {
+    let mut end = 0;
+    for (at, &kept) in kept.iter().enumerate() {
+        column.copy_within(at * run..at * run + kept, end);
+        end += kept;
+    }
+    column.truncate(end);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Block, Column, FullScale, ScalarType};
+    use super::*;
+
+    fn layout(names: &[&str]) -> Layout {
+        let columns: Vec<Column> = names.iter().map(|name| Column::new(*name, ScalarType::Float)).collect();
+        Layout::new(&columns, FullScale::Measured).unwrap()
+    }
+
+    /// Rows filled in runs are those that are pushed one by one, and those that are not finite are in neither.
+    #[test]
+    fn runs_of_rows_are_rows() {
+        let layout =
+            layout(&["x", "y", "z", "nx", "ny", "nz", "r", "g", "b", "alpha", "radius", "class", "intensity", "w"]);
+        let number = |row: usize, at: usize| match (row % 5, at) {
+            (3, 1) if row > 3 => f64::NAN,
+            (_, 11) => (row % 200) as f64,
+            _ => (row * 14 + at) as f64 * 0.5 - 3.0,
+        };
+        let rows: Vec<[f64; 14]> = (0..103).map(|row| std::array::from_fn(|at| number(row, at))).collect();
+        assert_eq!(layout.bytes(), 24 + 2 * 12 + 5 * 4);
+        let mut pushed = Table::new(&layout, 0);
+        rows.iter().for_each(|row| pushed.push(&layout, row));
+        for run in [1, 10, 103, 200] {
+            let mut filled = Table::new(&layout, rows.len());
+            let left_out = filled.fill(run, |first, to| {
+                let mut block = Block::new(14);
+                let (mut kept, mut left_out) = (0, Vec::new());
+                for (number, some) in rows[first..first + to.len()].chunks(7).enumerate() {
+                    block.set_len(some.len());
+                    (0..14)
+                        .for_each(|at| block.column(at).iter_mut().zip(some).for_each(|(value, row)| *value = row[at]));
+                    let gone = block.keep_finite(&layout);
+                    left_out.extend(gone.into_iter().map(|at| (first + number * 7 + at) as u64));
+                    to.put(&layout, kept, &block);
+                    kept += block.len();
+                }
+                Ok::<_, ()>(left_out)
+            });
+            assert_eq!(left_out.unwrap(), (0..20).map(|at| 8 + 5 * at).take(19).collect::<Vec<_>>());
+            assert_eq!((&filled.cloud, &filled.codes), (&pushed.cloud, &pushed.codes), "runs of {run}");
+            assert_eq!(filled.cloud.non_finite, 19);
+        }
+        let parts = rows.chunks(40).map(|rows| {
+            let mut part = Table::new(&layout, 0);
+            part.reserve(rows.len());
+            rows.iter().for_each(|row| part.push(&layout, row));
+            part
+        });
+        let joined = Table::join(&layout, parts.collect());
+        assert_eq!((&joined.cloud, &joined.codes), (&pushed.cloud, &pushed.codes));
+        let whole = pushed.whole(&layout);
+        assert!(whole.directed && whole.codes);
+        let cloud = pushed.finish(&layout, &whole);
+        assert_eq!(cloud.classification.map(|codes| codes[1]), Some(1));
+        assert_eq!(cloud.scalars.len(), 1);
+    }
+
+    #[test]
+    fn parts_tell_what_the_whole_tells() {
+        let layout = layout(&["x", "y", "z", "nx", "ny", "nz", "r", "g", "b", "a", "class"]);
+        let table = |rows: &[[f64; 11]]| {
+            let mut table = Table::new(&layout, 0);
+            rows.iter().for_each(|row| table.push(&layout, row));
+            table.whole(&layout)
+        };
+        let plain = [0.0; 11];
+        let special = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 7.0, 256.0, f64::NAN, 0.5, 0.5];
+        let (a, b) = (table(&[plain]), table(&[special]));
+        assert_eq!((a.directed, a.codes), (false, true));
+        assert_eq!(a.and(b), table(&[plain, special]));
+        assert_eq!(a.and(Whole::NONE), a);
+        assert_eq!(b.largest, [Some(256.0), None], "`a` is a scalar");
+    }
+}

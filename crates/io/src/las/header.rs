@@ -1,0 +1,182 @@
+//! The header and the variable-length records of a LAS file, checked against the file's size.
+
+use std::io::{Read, Seek, SeekFrom};
+
+use glam::DVec3;
+use las::point::Format;
+use las::raw;
+use las::{Transform, Vector};
+use laz::LazVlr;
+
+use super::extra::{self, Dimension};
+use crate::{Error, Source, decoder};
+use pellucid_core::cloud::Bounds;
+
+/// Bytes of a variable-length record before its data.
+const VLR_HEADER: u64 = 54;
+
+/// Upper bound on the points in one compressed byte. The probabilities of the arithmetic coder's models are limited to
+/// 1 : 2¹⁵, so even equal points take about 0.01 bits each: 830 points per byte were measured. A larger claim is false.
+pub(crate) const MAX_POINTS_PER_BYTE: u64 = 4096;
+
+/// The storage and the number of the points.
+#[derive(Debug)]
+pub(crate) struct Header {
+    pub count: u64,
+    pub record_len: usize,
+    pub format: Format,
+    pub transforms: Vector<Transform>,
+    /// Byte at which the points start.
+    pub start: u64,
+    /// The compression of the points, if any.
+    pub laz: Option<LazVlr>,
+    /// The extra dimensions of a record.
+    pub(super) extra: Vec<Dimension>,
+    /// The box of the points, as the header has it: perhaps not finite, empty, or another one's.
+    pub bounds: Bounds,
+    /// The record that makes a COPC file of it.
+    pub copc: Option<Vec<u8>>,
+}
+
+impl Header {
+    /// Returns the header's box with a step of the coordinates' grid around it, since many writers round it; `None` if
+    /// it can be no box.
+    pub fn claimed_bounds(&self) -> Option<Bounds> {
+        let Bounds { min, max } = self.widened(self.bounds);
+        (min.is_finite() && max.is_finite() && self.bounds.min.cmple(self.bounds.max).all())
+            .then_some(Bounds { min, max })
+    }
+
+    /// Returns a box with a step of the coordinates' grid around it.
+    pub fn widened(&self, bounds: Bounds) -> Bounds {
+        let step = DVec3::new(self.transforms.x.scale, self.transforms.y.scale, self.transforms.z.scale).abs();
+        Bounds { min: bounds.min - step, max: bounds.max + step }
+    }
+
+    /// Returns `true` if every coordinate that the points can store is finite.
+    pub fn is_finite(&self) -> bool {
+        let Vector { x, y, z } = self.transforms;
+        let ends = |t: Transform| [i32::MIN, i32::MAX].map(|stored| f64::from(stored) * t.scale + t.offset);
+        [x, y, z].into_iter().flat_map(ends).all(f64::is_finite)
+    }
+}
+
+/// Reads and checks the header.
+pub(super) fn read(source: &mut Source) -> Result<Header, Error> {
+    let raw = match decoder::guard(|| raw::Header::read_from(&mut source.reader)) {
+        Ok(Ok(raw)) => raw,
+        Ok(Err(las::Error::Io(e))) if e.kind() == std::io::ErrorKind::UnexpectedEof => {
+            return Err(source.truncated(format!("the file ends within the LAS header, at byte {}", source.len)));
+        }
+        Ok(Err(las::Error::Io(e))) => return Err(source.read_error(e)),
+        Ok(Err(e)) => return Err(source.malformed("LAS header", e.to_string())),
+        Err(panic) => return Err(source.malformed("LAS header", panic)),
+    };
+    let large = raw.large_file.map_or(0, |large| large.number_of_point_records);
+    let count = if raw.number_of_point_records > 0 { raw.number_of_point_records.into() } else { large };
+    let start = u64::from(raw.offset_to_point_data);
+    if raw.version.major != 1 {
+        return Err(source.malformed("LAS header", format!("version {} (known: 1.0 to 1.4)", raw.version)));
+    }
+    if start > source.len {
+        let len = source.len;
+        return Err(source.truncated(format!("the points should start at byte {start}, but the file has {len} bytes")));
+    }
+    let format = format(source, &raw)?;
+    let vlrs = vlrs(source, &raw)?;
+    let laz = if format.is_compressed { Some(laz_vlr(source, &vlrs)?) } else { None };
+    let header = Header {
+        count,
+        record_len: raw.point_data_record_length.into(),
+        extra: extra::dimensions(&vlrs, format.extra_bytes),
+        format,
+        transforms: transforms(&raw),
+        start,
+        laz,
+        bounds: Bounds {
+            min: DVec3::new(raw.min_x, raw.min_y, raw.min_z),
+            max: DVec3::new(raw.max_x, raw.max_y, raw.max_z),
+        },
+        copc: vlrs.iter().find(is_copc).map(|vlr| vlr.data.clone()),
+    };
+    check_claim(source, &header)?;
+    Ok(header)
+}
+
+fn format(source: &Source, raw: &raw::Header) -> Result<Format, Error> {
+    let number = raw.point_data_record_format;
+    // The two upper bits say "compressed".
+    let known = Format::new(number).ok().filter(|_| number & 0x3f <= 10);
+    let Some(mut format) = known else {
+        return Err(source.malformed("LAS header", format!("point format {number} (known: 0 to 10)")));
+    };
+    let len = raw.point_data_record_length;
+    let Some(extra_bytes) = len.checked_sub(format.len()) else {
+        let cause =
+            format!("its point records have {len} bytes, but point format {} needs {}", number & 0x3f, format.len());
+        return Err(source.malformed("LAS header", cause));
+    };
+    format.extra_bytes = extra_bytes;
+    Ok(format)
+}
+
+fn transforms(raw: &raw::Header) -> Vector<Transform> {
+    Vector {
+        x: Transform { scale: raw.x_scale_factor, offset: raw.x_offset },
+        y: Transform { scale: raw.y_scale_factor, offset: raw.y_offset },
+        z: Transform { scale: raw.z_scale_factor, offset: raw.z_offset },
+    }
+}
+
+/// The variable-length records that fit before the points; some writers count one too many.
+fn vlrs(source: &mut Source, raw: &raw::Header) -> Result<Vec<raw::Vlr>, Error> {
+    let end = u64::from(raw.offset_to_point_data);
+    let mut position = u64::from(raw.header_size);
+    let mut vlrs = Vec::new();
+    source.reader.seek(SeekFrom::Start(position)).map_err(|e| source.read_error(e))?;
+    for _ in 0..raw.number_of_variable_length_records {
+        if position + VLR_HEADER > end {
+            break;
+        }
+        let left = end - position;
+        // Its length has 16 bits, so no claim can be large.
+        let Ok(vlr) = raw::Vlr::read_from(source.reader.by_ref().take(left), false) else { break };
+        position += VLR_HEADER + vlr.data.len() as u64;
+        vlrs.push(vlr);
+    }
+    Ok(vlrs)
+}
+
+fn is_copc(vlr: &&raw::Vlr) -> bool {
+    user_id(vlr) == b"copc" && vlr.record_id == 1
+}
+
+fn laz_vlr(source: &Source, vlrs: &[raw::Vlr]) -> Result<LazVlr, Error> {
+    let place = "LAZ record of the header";
+    let is_laz = |vlr: &&raw::Vlr| user_id(vlr) == LazVlr::USER_ID.as_bytes() && vlr.record_id == LazVlr::RECORD_ID;
+    let Some(vlr) = vlrs.iter().find(is_laz) else {
+        return Err(source.malformed(place, "it is missing, although the points are marked as compressed"));
+    };
+    LazVlr::from_buffer(&vlr.data).map_err(|e| source.malformed(place, e.to_string()))
+}
+
+/// Returns the user of a record, without the zeros behind it.
+pub(super) fn user_id(vlr: &raw::Vlr) -> &[u8] {
+    vlr.user_id.split(|&byte| byte == 0).next().unwrap_or_default()
+}
+
+/// Compares the claimed number of points with the available bytes.
+fn check_claim(source: &Source, header: &Header) -> Result<(), Error> {
+    let left = source.len - header.start;
+    let (possible, each) = match header.laz {
+        Some(_) => (left.saturating_mul(MAX_POINTS_PER_BYTE), "compressed".to_owned()),
+        None => (left / header.record_len.max(1) as u64, format!("of {} bytes each", header.record_len)),
+    };
+    if header.count > possible {
+        return Err(source.truncated(format!(
+            "the header announces {} points {each}, but the {left} bytes after byte {} hold at most {possible}",
+            header.count, header.start
+        )));
+    }
+    Ok(())
+}

@@ -1,0 +1,286 @@
+//! Files that come out: PNG and EXR with their metadata, written whole or not at all, and read back for comparison.
+
+pub mod deep;
+mod exr;
+mod file;
+mod png;
+mod read;
+pub mod room;
+mod tag;
+
+use std::path::{Path, PathBuf};
+
+use bytesize::ByteSize;
+use glam::Vec3;
+
+pub use file::{Files, check_folder, check_report_folder, make_folder, write_atomically};
+pub use png::to_byte;
+pub use read::read_image;
+pub use tag::metadata;
+
+use pellucid_core::atomic::remedy;
+use pellucid_core::color;
+use pellucid_core::color::ColorSpace;
+use pellucid_core::image::MAX_SIDE;
+use pellucid_core::image::{Image, LinearImage};
+
+/// Reason why a result could not be written or an image not be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Neither `.png` nor `.exr`.
+    #[error("{path}: unknown image format; the name must end in .png (8-bit sRGB) or .exr (32-bit float)", path = path.display())]
+    UnknownExtension {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The folder of an output file is missing.
+    #[error("{path}: no folder {folder}; create it first", path = path.display(), folder = folder.display())]
+    NoFolder {
+        /// The file to write.
+        path: PathBuf,
+        /// The destination.
+        folder: PathBuf,
+    },
+    /// The output's name is that of a folder.
+    #[error("{path}: this is a folder; give a file name", path = path.display())]
+    IsFolder {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A file exists in place of a folder.
+    #[error("{path}: {file} is a file and not a folder; name another folder", path = path.display(), file = file.display())]
+    NotAFolder {
+        /// The file to write.
+        path: PathBuf,
+        /// The file in its way.
+        file: PathBuf,
+    },
+    /// The file could not be written; the earlier file remains.
+    #[error("{path}: can't be written: {source}{help}", path = path.display(), help = remedy(source))]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's or the encoder's reason.
+        source: std::io::Error,
+    },
+    /// The file system has too little room for a file.
+    #[error(
+        "{path}: may take {bytes}, but only {free} are free there; free some space, write elsewhere, or reduce it (fewer \
+         pixels, fewer points, --deep-type half)",
+        path = path.display()
+    )]
+    NoRoom {
+        /// The file.
+        path: PathBuf,
+        /// Bytes that it takes at most.
+        bytes: ByteSize,
+        /// Bytes that are free.
+        free: ByteSize,
+    },
+    /// The file could not be opened or read.
+    #[error("{path}: can't be read: {source}", path = path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The file's content contradicts its name.
+    #[error("{path}: {reason}", path = path.display())]
+    Decode {
+        /// The file.
+        path: PathBuf,
+        /// The decoder's reason.
+        reason: String,
+    },
+    /// The image has more pixels than images may have here.
+    #[error("{path}: {width} × {height} pixels, but no side may have more than {MAX_SIDE}", path = path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Width that the header gives.
+        width: u64,
+        /// Height that the header gives.
+        height: u64,
+    },
+    /// Two images to compare are not equally large.
+    #[error("{a} has {a_width} × {a_height} pixels, but {b} has {b_width} × {b_height}; only images of the same size can be \
+         compared", a = a.display(), b = b.display())]
+    SizesDiffer {
+        /// The first file.
+        a: PathBuf,
+        /// Its width.
+        a_width: u32,
+        /// Its height.
+        a_height: u32,
+        /// The other file.
+        b: PathBuf,
+        /// Its width.
+        b_width: u32,
+        /// Its height.
+        b_height: u32,
+    },
+    /// Frames would overwrite other files.
+    #[error(
+        "{path}: this file is not a frame of this sequence ({count} such files) but of another scene, camera, size or \
+         setting; give -o another name, or --overwrite to replace them",
+        path = path.display()
+    )]
+    Foreign {
+        /// The first of them.
+        path: PathBuf,
+        /// The number of such files.
+        count: usize,
+    },
+    /// A part of a report could not be made.
+    #[error("the report: {reason}")]
+    Report {
+        /// The part, and the reason for it.
+        reason: String,
+    },
+    /// Standard output can't be written to.
+    #[error("standard output: {0}{help}", help = remedy(.0))]
+    Stdout(std::io::Error),
+}
+
+impl Error {
+    /// 2 for an unknown extension, else 1.
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            Self::UnknownExtension { .. } => 2,
+            _ => 1,
+        }
+    }
+}
+
+/// Options for writing an [`Image`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct WriteOptions {
+    /// Linear RGB behind the image, as in the scene; it is encoded here if `color` requires it.
+    pub background: Vec3,
+    /// The color space of the image's values. A PNG stores encoded values unchanged; an EXR stores them decoded.
+    pub color: ColorSpace,
+    /// PNG only: RGBA with straight alpha and no background instead of RGB over the background.
+    pub transparent: bool,
+    /// Names and values, in the order in which a PNG lists them (EXR: by name).
+    pub metadata: Vec<(String, String)>,
+}
+
+/// Returns the metadata of an image: the inputs as named by the user, the method used, the scene's keys as JSON
+/// ([`Scene::settings`](crate::scene::Scene::settings)), the device's name and the seed.
+pub fn tags(name: &str, method: &str, settings: &str, device: &str, seed: u64) -> Vec<(String, String)> {
+    let entry = |key: &str, value: &str| (format!("pellucid:{key}"), value.to_owned());
+    vec![
+        entry("scene", name),
+        entry("method", method),
+        entry("settings", settings),
+        entry("device", device),
+        entry("version", env!("CARGO_PKG_VERSION")),
+        entry("seed", &seed.to_string()),
+    ]
+}
+
+/// An image format by its extension.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Png,
+    Exr,
+}
+
+impl Format {
+    fn from_extension(path: &Path) -> Result<Self, Error> {
+        match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+            Some("png") => Ok(Self::Png),
+            Some("exr") => Ok(Self::Exr),
+            _ => Err(Error::UnknownExtension { path: path.to_owned() }),
+        }
+    }
+}
+
+/// Refuses an image file that could not be written in the end: call it before rendering.
+///
+/// # Errors
+/// An extension other than `.png` and `.exr`, a missing folder, a folder of that name.
+pub fn check_target(path: &Path) -> Result<(), Error> {
+    Format::from_extension(path)?;
+    check_folder(path)
+}
+
+/// Writes an image as PNG or EXR, by the extension; the same image and options give the same bytes.
+///
+/// PNG: 8-bit sRGB, round to nearest, values outside [0, 1] clamped, NaN as 0. EXR: float32 channels R, G, B (composed
+/// over the background), A, Z and, if the image has them, `depth.median`, `depth.mean`, `fragments.Y`, `layers.Y` and `stderr.R`, `stderr.G`,
+/// `stderr.B`; ZIP, which is lossless.
+///
+/// # Errors
+/// Those of [`check_target`], and errors of the system while writing; the earlier file then remains.
+pub fn write_image(path: &Path, image: &Image, options: &WriteOptions) -> Result<(), Error> {
+    let format = Format::from_extension(path)?;
+    write_atomically(path, |file| match format {
+        Format::Png => png::encode(file, &png::raster(image, options), &options.metadata),
+        Format::Exr => exr::encode(file, image, options),
+    })
+}
+
+/// The pixels of a PNG.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Raster {
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// `true` for R, G, B, A with straight alpha, `false` for R, G, B.
+    pub alpha: bool,
+    /// 8-bit sRGB, row by row from the top.
+    pub bytes: Vec<u8>,
+}
+
+/// Returns the pixels that [`write_image`] writes into a PNG, for those who draw onto them first.
+pub fn raster(image: &Image, options: &WriteOptions) -> Raster {
+    png::raster(image, options)
+}
+
+/// Returns the bytes of the PNG that [`write_image`] writes.
+///
+/// # Errors
+/// A size that PNG can't have.
+pub fn png_bytes(image: &Image, options: &WriteOptions) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    png::encode(&mut bytes, &png::raster(image, options), &options.metadata)?;
+    Ok(bytes)
+}
+
+/// Writes pixels as a PNG, whatever the extension.
+///
+/// # Errors
+/// A missing folder, a number of bytes that doesn't match the size, and errors of the system while writing; the earlier file
+/// then remains.
+pub fn write_raster(path: &Path, raster: &Raster, metadata: &[(String, String)]) -> Result<(), Error> {
+    write_atomically(path, |file| png::encode(file, raster, metadata))
+}
+
+/// Writes linear RGB values as an opaque 8-bit PNG, sRGB-encoded, whatever the extension; `pixels` are row by row.
+///
+/// # Errors
+/// A missing folder, a number of `pixels` that doesn't match `size`, and errors of the system while writing.
+pub fn write_rgb_png(path: &Path, size: [u32; 2], pixels: &[[f32; 3]]) -> Result<(), Error> {
+    let [width, height] = size;
+    let bytes: Vec<u8> = pixels.iter().flatten().map(|linear| to_byte(color::encode_srgb(*linear))).collect();
+    write_atomically(path, |file| png::encode_bytes(file, width, height, false, &bytes, &[]))
+}
+
+/// Returns an image over a background (linear RGB) in linear light: the values of R, G and B in an EXR.
+pub fn linear(image: &Image, background: Vec3, color: ColorSpace) -> LinearImage {
+    let mut pixels = image.composed(self::background(background, color));
+    if color == ColorSpace::Encoded {
+        pixels.iter_mut().for_each(|pixel| *pixel = pixel.map(color::decode_srgb));
+    }
+    LinearImage { width: image.width, height: image.height, pixels }
+}
+
+/// Returns a linear background in the space of an image's values.
+pub fn background(linear: Vec3, color: ColorSpace) -> Vec3 {
+    match color {
+        ColorSpace::Linear => linear,
+        ColorSpace::Encoded => Vec3::from_array(linear.to_array().map(color::encode_srgb)),
+    }
+}

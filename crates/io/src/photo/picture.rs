@@ -1,0 +1,129 @@
+//! PNG, JPEG and TIFF as pixels. A header's claims are compared with the file's length before memory is allocated.
+
+use glam::Vec3;
+
+use super::{MAX_PIXELS, Source, directory};
+use crate::bitmap::{self, Bitmap, Decoder, Orientation, Samples};
+use crate::{Error, decoder};
+use pellucid_core::color::decode_srgb;
+
+/// Bytes that one byte of a file may become: Deflate, the strongest of the codings in use, makes at most 1032.
+const LARGEST_RATIO: u64 = 1100;
+
+/// Bytes of pixels that any file may hold, so that the rule above does not meet tiny flat pictures.
+const ALWAYS_ALLOWED: u64 = 16 << 20;
+
+/// The same of a JPEG, whose decoder makes up what is missing: a header alone would become a picture. Two bits for a block
+/// of 64 samples, or one in a progressive file, are a ratio of at most 1024.
+const ALWAYS_ALLOWED_JPEG: u64 = 1 << 20;
+
+/// A decoded picture, rotated upright (EXIF).
+pub struct Picture {
+    /// Width in pixels, when upright.
+    pub width: u32,
+    /// Height in pixels, when upright.
+    pub height: u32,
+    /// `true` if it has an alpha channel.
+    pub has_alpha: bool,
+    stored: Bitmap,
+    orientation: Orientation,
+    /// The linear values of all 2¹⁶ encoded ones.
+    linear: Vec<f32>,
+}
+
+impl Picture {
+    /// Decodes a whole file. A panic of the decoder is the file's fault.
+    pub fn read(mut source: Source) -> Result<Self, Error> {
+        directory::check(&mut source)?;
+        let path = source.path.clone();
+        decoder::guard(|| Self::decode(source)).unwrap_or_else(|panic| {
+            Err(Error::Malformed { path, place: "the picture".into(), cause: format!("the decoder gave up: {panic}") })
+        })
+    }
+
+    fn decode(source: Source) -> Result<Self, Error> {
+        let (path, len) = (source.path.clone(), source.len);
+        let malformed =
+            |place: &str, cause: String| Error::Malformed { path: path.clone(), place: place.into(), cause };
+        let failed = |error: bitmap::Error| match error {
+            bitmap::Error::Read(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
+                Error::Truncated { path: path.clone(), what: format!("the pixels continue past the last byte, {len}") }
+            }
+            error => malformed("the picture", error.to_string()),
+        };
+        let mut decoder = Decoder::new(source.reader).map_err(failed)?;
+        let (width, height) = decoder.size();
+        let pixels = u64::from(width) * u64::from(height);
+        if pixels == 0 {
+            return Err(malformed("the header", format!("{width} × {height} pixels, so the picture is empty")));
+        }
+        if pixels > MAX_PIXELS {
+            let cause =
+                format!("{width} × {height} pixels, but at most {MAX_PIXELS} are supported; scale the picture down");
+            return Err(malformed("the header", cause));
+        }
+        let bytes = decoder.bytes();
+        let allowed = if matches!(decoder, Decoder::Jpeg(_)) { ALWAYS_ALLOWED_JPEG } else { ALWAYS_ALLOWED };
+        if bytes > allowed && bytes / LARGEST_RATIO > len {
+            let what = format!("{width} × {height} pixels of {bytes} bytes don't fit in a file of {len} bytes");
+            return Err(Error::Truncated { path: path.clone(), what });
+        }
+        let orientation = decoder.orientation().map_err(failed)?;
+        // The picture, and what its decoder keeps beside it.
+        let stored = decoder.read(2 * bytes + (64 << 20)).map_err(failed)?;
+        let [width, height] = orientation.size([width, height]);
+        let linear = |value: u16| decode_srgb(f32::from(value) / f32::from(u16::MAX));
+        let linear = (0..=u16::MAX).map(linear).collect();
+        Ok(Self { width, height, has_alpha: stored.has_alpha(), stored, orientation, linear })
+    }
+
+    /// Returns the linear color and alpha of a pixel; column from the left, row from the top.
+    pub fn pixel(&self, x: u32, y: u32) -> (Vec3, f32) {
+        match self.sample(x, y) {
+            Sample::Encoded([r, g, b, a]) => {
+                let decode = |value: u16| self.linear.get(usize::from(value)).copied().unwrap_or_default();
+                (Vec3::new(decode(r), decode(g), decode(b)), f32::from(a) / f32::from(u16::MAX))
+            }
+            Sample::Linear([r, g, b, a]) => (Vec3::new(r, g, b), a),
+        }
+    }
+
+    /// Returns the stored values as numbers in [0, 1], row by row from the top; of colored pictures the mean of R, G
+    /// and B.
+    pub fn gray(&self) -> Vec<f32> {
+        fn mean(r: f64, g: f64, b: f64) -> f32 {
+            ((r + g + b) / 3.0) as f32
+        }
+        let gray = |x: u32, y: u32| match self.sample(x, y) {
+            Sample::Encoded([r, g, b, _]) => mean(r.into(), g.into(), b.into()) / f32::from(u16::MAX),
+            Sample::Linear([r, g, b, _]) => mean(r.into(), g.into(), b.into()),
+        };
+        (0..self.height).flat_map(|y| (0..self.width).map(move |x| (x, y))).map(|(x, y)| gray(x, y)).collect()
+    }
+
+    fn sample(&self, x: u32, y: u32) -> Sample {
+        let Bitmap { width, height, channels, ref samples } = self.stored;
+        let [x, y] = self.orientation.source(x, y, [width, height]);
+        let pixel = y as usize * width as usize + x as usize;
+        match samples {
+            // 255 becomes 65535.
+            Samples::U8(bytes) => {
+                Sample::Encoded(bitmap::rgba(bytes, channels, pixel, u8::MAX).map(|byte| u16::from(byte) * 257))
+            }
+            Samples::U16(words) => Sample::Encoded(bitmap::rgba(words, channels, pixel, u16::MAX)),
+            Samples::F32(floats) => Sample::Linear(bitmap::rgba(floats, channels, pixel, 1.0).map(unit)),
+        }
+    }
+}
+
+/// Red, green, blue and alpha of a pixel.
+enum Sample {
+    /// 8 and 16 bits alike.
+    Encoded([u16; 4]),
+    Linear([f32; 4]),
+}
+
+/// Cut to [0, 1]; 0 for what is no number.
+fn unit(value: f32) -> f32 {
+    if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) }
+}

@@ -1,0 +1,184 @@
+//! Vertices that are Gaussian splats as radiance fields are stored (Kerbl et al. 2023).
+//!
+//! Stored are the degree-0 coefficients of the color in spherical harmonics (`f_dc_0..2`), those of higher degrees (`f_rest_…`, first
+//! all of red), the logit of the opacity (`opacity`), the logarithms of the standard deviations along three axes (`scale_0..2`; flat
+//! splats have two) and those axes (`rot_0..3`: w, x, y, z). Other properties stay what they are, but for normals, which are zeros.
+
+use std::ops::Range;
+
+use glam::{DQuat, DVec3, Vec3};
+use rayon::prelude::*;
+
+use super::rows::VertexRows;
+use crate::columns::{Column, FullScale, Layout, ScalarType, Table};
+use crate::splats::{Splat, Splats, from_coefficient};
+use crate::{Error, memory};
+use pellucid_core::cloud::filter::Filter;
+use pellucid_core::cloud::gaussians::{MAX_DEGREE, coefficients};
+use pellucid_core::cloud::{Cloud, UpAxis};
+use pellucid_core::progress::Progress;
+
+/// Splats that a thread parses at a time.
+const RUN: u64 = 1 << 14;
+
+/// The positions of a splat's properties in a row.
+pub(crate) struct SplatColumns {
+    position: [usize; 3],
+    color: [usize; 3],
+    opacity: usize,
+    /// Flat splats have no third one.
+    scale: [Option<usize>; 3],
+    /// w, x, y, z.
+    rotation: [usize; 4],
+    /// Coefficients from degree 1 on: all of red, all of green, all of blue.
+    rest: Vec<usize>,
+    degree: u32,
+    /// Properties that stay as they are.
+    kept: Vec<usize>,
+    /// Of a row of the position and those, if there are any.
+    layout: Option<Layout>,
+    /// Warning of what is odd.
+    warning: Option<String>,
+}
+
+impl SplatColumns {
+    /// Finds splats; `None` if the properties are those of something else.
+    pub fn find(properties: &[Column]) -> Option<Self> {
+        let find = |name: &str| properties.iter().position(|p| p.name.eq_ignore_ascii_case(name));
+        let at = |stem: &str, number: usize| find(&format!("{stem}{number}"));
+        let three = |stem: &str| Some([at(stem, 0)?, at(stem, 1)?, at(stem, 2)?]);
+        let (color, opacity) = (three("f_dc_")?, find("opacity")?);
+        let scale = [Some(at("scale_", 0)?), Some(at("scale_", 1)?), at("scale_", 2)];
+        let [w, x, y] = three("rot_")?;
+        let position = [find("x")?, find("y")?, find("z")?];
+        let mut rest: Vec<usize> = (0..).map_while(|number| at("f_rest_", number)).collect();
+        let degree = (0..=MAX_DEGREE).find(|degree| 3 * coefficients(*degree) == rest.len());
+        let warning = degree.is_none().then(|| {
+            let found = rest.len();
+            format!("{found} properties f_rest_ are left out: harmonics of degree 1, 2, 3 or 4 have 9, 24, 45 or 72")
+        });
+        if degree.is_none() {
+            rest.clear();
+        }
+        let used = |name: &str| {
+            let name = name.to_ascii_lowercase();
+            let made = ["x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "alpha", "radius", "opacity"];
+            made.contains(&name.as_str())
+                || ["f_dc_", "f_rest_", "scale_", "rot_"].iter().any(|stem| name.starts_with(stem))
+        };
+        let kept: Vec<usize> = (0..properties.len()).filter(|&at| !used(&properties[at].name)).collect();
+        let layout = if kept.is_empty() { None } else { Some(layout(properties, &kept)?) };
+        let (degree, rotation) = (degree.unwrap_or(0), [w, x, y, at("rot_", 3)?]);
+        Some(Self { position, color, opacity, scale, rotation, rest, degree, kept, layout, warning })
+    }
+
+    /// The splat of a row's values.
+    fn splat(&self, value: impl Fn(usize) -> f64, harmonics: &mut [Vec3]) -> Splat {
+        let three = |places: [usize; 3]| DVec3::from(places.map(&value));
+        let channels = harmonics.len();
+        for (at, color) in harmonics.iter_mut().enumerate() {
+            *color = three([0, 1, 2].map(|channel| self.rest[channel * channels + at])).as_vec3();
+        }
+        let [w, x, y, z] = self.rotation.map(&value);
+        Splat {
+            center: three(self.position),
+            extents: DVec3::from(self.scale.map(|at| at.map_or(0.0, |at| value(at).exp()))),
+            rotation: DQuat::from_xyzw(x, y, z, w),
+            base: from_coefficient(three(self.color)),
+            alpha: 1.0 / (1.0 + (-value(self.opacity)).exp()),
+        }
+    }
+
+    /// Checks that memory can hold so many of them.
+    pub fn check(&self, path: &std::path::Path, count: u64) -> Result<(), Error> {
+        let kept = self.layout.as_ref().map_or(0, Layout::bytes);
+        memory::check(path, count, Splats::bytes(self.degree) + kept)
+    }
+}
+
+/// The columns of a row of the position and some properties.
+fn layout(properties: &[Column], kept: &[usize]) -> Option<Layout> {
+    let position = ["x", "y", "z"].map(|name| Column::new(name, ScalarType::Double));
+    let kept = kept.iter().map(|&at| Column::new(&properties[at].name, properties[at].kind.clone()));
+    let columns: Vec<_> = position.into_iter().chain(kept).collect();
+    Layout::new(&columns, FullScale::Typed).ok()
+}
+
+/// Some splats, and what stays of their properties.
+pub(super) struct Part<'a> {
+    of: &'a SplatColumns,
+    splats: Splats,
+    others: Option<Table>,
+    row: Vec<f64>,
+    harmonics: Vec<Vec3>,
+}
+
+impl<'a> Part<'a> {
+    /// No splats, with room for some.
+    pub fn new(of: &'a SplatColumns, room: usize) -> Self {
+        Self {
+            of,
+            splats: Splats::new(of.degree, room),
+            others: of.layout.as_ref().map(|layout| Table::new(layout, 0)),
+            row: Vec::new(),
+            harmonics: vec![Vec3::ZERO; coefficients(of.degree)],
+        }
+    }
+
+    /// Adds the splat of a row, unless it is none.
+    pub fn push(&mut self, value: impl Fn(usize) -> f64) {
+        let splat = self.of.splat(&value, &mut self.harmonics);
+        if self.splats.push(&splat, &self.harmonics)
+            && let (Some(others), Some(layout)) = (&mut self.others, &self.of.layout)
+        {
+            self.row.clear();
+            self.row.extend(self.of.position.iter().chain(&self.of.kept).map(|at| value(*at)));
+            others.push(layout, &self.row);
+        }
+    }
+
+    /// Returns the cloud of some parts, one behind the other.
+    pub fn finish(of: &SplatColumns, parts: Vec<Part>) -> Cloud {
+        let (splats, others): (Vec<_>, Vec<_>) = parts.into_iter().map(|part| (part.splats, part.others)).unzip();
+        let cloud = Splats::join(of.degree, splats).finish(UpAxis::NegativeY);
+        let others = of.layout.as_ref().map(|layout| {
+            let table = Table::join(layout, others.into_iter().flatten().collect());
+            let whole = table.whole(layout);
+            table.finish(layout, &whole)
+        });
+        let others = others.unwrap_or_default();
+        let warnings = cloud.warnings.into_iter().chain(of.warning.clone()).collect();
+        let (classification, intensity) = (others.classification, others.intensity);
+        Cloud { warnings, classification, intensity, scalars: others.scalars, ..cloud }
+    }
+}
+
+/// Reads splats that are rows, on all cores.
+pub(super) fn read_rows(rows: &VertexRows, of: &SplatColumns, progress: &Progress) -> Result<Cloud, Error> {
+    of.check(rows.file.path(), rows.count)?;
+    progress.set_length(rows.count);
+    let run = |places: Range<u64>| {
+        let mut part = Part::new(of, (places.end - places.start) as usize);
+        rows.blocks(places.clone(), |block| {
+            (0..block.len()).for_each(|row| part.push(|at| block.value(row, at)));
+        })?;
+        progress.inc(places.end - places.start);
+        Ok(part)
+    };
+    let runs = (0..rows.count.div_ceil(RUN)).into_par_iter();
+    let parts = runs.map(|at| run(at * RUN..rows.count.min((at + 1) * RUN))).collect::<Result<_, Error>>()?;
+    Ok(Part::finish(of, parts))
+}
+
+/// Returns the filter that comments name; the last of them counts.
+pub(super) fn filter(comments: &[(u64, String)]) -> Option<Filter> {
+    comments.iter().rev().find_map(|(_, text)| {
+        let (name, value) = text.split_once([':', ' '])?;
+        match (name.to_ascii_lowercase().as_str(), value.trim()) {
+            ("splatrendermode", value) => Filter::named(value),
+            ("antialiased", "0") => Some(Filter::Plain),
+            ("antialiased", "1") => Some(Filter::Mip),
+            _ => None,
+        }
+    })
+}

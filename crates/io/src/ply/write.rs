@@ -1,0 +1,251 @@
+//! Writes a cloud as a binary little-endian PLY file.
+
+use std::io::Write;
+use std::path::Path;
+
+use glam::{DVec3, Vec3};
+use ply_rs_bw::ply::{DefaultElement, ElementDef, Encoding, PropertyDef, PropertyType, ScalarType, Version};
+use ply_rs_bw::writer::Writer;
+
+use super::prepared::{self, FIELD, LIT};
+use super::write_splats;
+use crate::Error;
+use crate::columns::{LINEAR_COLOR, is_known};
+use pellucid_core::atomic;
+use pellucid_core::cloud::Cloud;
+use pellucid_core::cloud::field::without_blanks;
+use pellucid_core::color::{decode_srgb, encode_srgb};
+
+/// Writes a cloud: float positions if they keep every one exactly, else double; colors and alphas as 8 bits (colors
+/// sRGB-encoded), all other columns unchanged. PLY can't store the vertical and the number of dropped points, so they
+/// are lost; white space in the name of a scalar becomes `_`. Gaussian splats are written as such, as other programs read them.
+///
+/// # Errors
+/// The file can't be written; an earlier file of this name, if any, is unchanged.
+pub fn write(path: &Path, cloud: &Cloud) -> Result<(), Error> {
+    let written = atomic::write(path, |out| write_to(out, cloud));
+    written.map_err(|source| Error::Write { path: path.to_path_buf(), source })
+}
+
+/// Like [`write()`], to an open file.
+///
+/// # Errors
+/// Writing to `out` fails.
+pub fn write_to(out: &mut impl Write, cloud: &Cloud) -> std::io::Result<()> {
+    if let Some(gaussians) = &cloud.gaussians {
+        return write_splats::write(out, cloud, gaussians);
+    }
+    let position = narrowest_position(cloud);
+    write_layout(out, cloud, &Layout { position, color: Coding::Byte, alpha: Coding::Byte })
+}
+
+/// Writes a cloud with its prepared data, so that reading it gives the same points to the bit, the vertical included.
+/// Positions are double; colors and alphas have 8 or 16 bits where that is exact, else they are floats (colors linear
+/// ones). A scalar gets a `_` appended if the reader would take its name for another column. Gaussian splats are written as by
+/// [`write()`]; nothing is prepared of them.
+///
+/// # Errors
+/// The file can't be written; an earlier file of this name, if any, is unchanged.
+pub fn write_prepared(path: &Path, cloud: &Cloud) -> Result<(), Error> {
+    if cloud.gaussians.is_some() {
+        return write(path, cloud);
+    }
+    let channels =
+        |colors: &Vec<Vec3>| Coding::narrowest(colors.iter().flat_map(Vec3::to_array), encode_srgb, decode_srgb);
+    let layout = Layout {
+        position: ScalarType::Double,
+        color: cloud.colors.as_ref().map_or(Coding::Byte, channels),
+        alpha: cloud
+            .alphas
+            .as_ref()
+            .map_or(Coding::Byte, |alphas| Coding::narrowest(alphas.iter().copied(), same, same)),
+    };
+    let written = atomic::write(path, |out| write_layout(out, cloud, &layout));
+    written.map_err(|source| Error::Write { path: path.to_path_buf(), source })
+}
+
+fn same(x: f32) -> f32 {
+    x
+}
+
+/// Types of the columns that allow several.
+struct Layout {
+    position: ScalarType,
+    color: Coding,
+    alpha: Coding,
+}
+
+/// The storage of a number in [0, 1].
+#[derive(Clone, Copy, PartialEq)]
+enum Coding {
+    Byte,
+    Short,
+    Float,
+}
+
+impl Coding {
+    /// The smallest one from which all values come back exactly.
+    fn narrowest(values: impl Iterator<Item = f32>, encode: fn(f32) -> f32, decode: fn(f32) -> f32) -> Self {
+        let exact = |value: f32, largest: f32| {
+            let stored = (encode(value) * largest).round().clamp(0.0, largest);
+            decode(stored / largest).to_bits() == value.to_bits()
+        };
+        values.fold(Self::Byte, |coding, value| match coding {
+            Self::Byte if exact(value, 255.0) => Self::Byte,
+            // 16 bits represent everything that 8 bits represent exactly, since 65535 = 257·255.
+            Self::Byte | Self::Short if exact(value, 65535.0) => Self::Short,
+            _ => Self::Float,
+        })
+    }
+
+    fn scalar(self) -> ScalarType {
+        match self {
+            Self::Byte => ScalarType::UChar,
+            Self::Short => ScalarType::UShort,
+            Self::Float => ScalarType::Float,
+        }
+    }
+
+    /// Appends a value: encoded if stored as an integer, unchanged as a float.
+    fn push(self, record: &mut Vec<u8>, value: f32, encode: fn(f32) -> f32) {
+        match self {
+            // The nearest integer; the conversion saturates.
+            Self::Byte => record.push((encode(value) * 255.0).round() as u8),
+            Self::Short => record.extend(((encode(value) * 65535.0).round() as u16).to_le_bytes()),
+            Self::Float => record.extend(value.to_le_bytes()),
+        }
+    }
+}
+
+/// Writes the whole file.
+fn write_layout(out: &mut impl Write, cloud: &Cloud, layout: &Layout) -> std::io::Result<()> {
+    write_header(out, cloud, layout)?;
+    let mut record = Vec::new();
+    for index in 0..cloud.len() {
+        record.clear();
+        push_record(&mut record, cloud, index, layout);
+        out.write_all(&record)?;
+    }
+    Ok(())
+}
+
+fn write_header(out: &mut impl Write, cloud: &Cloud, layout: &Layout) -> std::io::Result<()> {
+    let mut properties: Vec<(&str, ScalarType)> = ["x", "y", "z"].map(|name| (name, layout.position.clone())).to_vec();
+    if cloud.colors.is_some() {
+        let names = if layout.color == Coding::Float { LINEAR_COLOR[0] } else { ["red", "green", "blue"] };
+        properties.extend(names.map(|name| (name, layout.color.scalar())));
+    }
+    if cloud.alphas.is_some() {
+        properties.push(("alpha", layout.alpha.scalar()));
+    }
+    if cloud.normals.is_some() {
+        properties.extend(["nx", "ny", "nz"].map(|name| (name, ScalarType::Float)));
+    }
+    if cloud.radii.is_some() {
+        properties.push(("radius", ScalarType::Float));
+    }
+    if cloud.prepared.is_some() {
+        properties.push((FIELD, ScalarType::Float));
+    }
+    if cloud.classification.is_some() {
+        properties.push(("classification", ScalarType::UChar));
+    }
+    if cloud.intensity.is_some() {
+        properties.push(("intensity", ScalarType::Float));
+    }
+    let scalars = scalar_names(cloud);
+    properties.extend(scalars.iter().map(|name| (name.as_str(), ScalarType::Float)));
+    if lit(cloud).is_some() {
+        properties.push((LIT, ScalarType::Float));
+    }
+
+    header(out, prepared::comment(cloud)?.as_deref(), cloud.len(), properties)
+}
+
+/// Writes the header of a file of vertices with these properties.
+pub(super) fn header(
+    out: &mut impl Write,
+    comment: Option<&str>,
+    vertices: usize,
+    properties: Vec<(&str, ScalarType)>,
+) -> std::io::Result<()> {
+    let writer = Writer::<DefaultElement>::new();
+    writer.write_line_magic_number(out)?;
+    writer.write_line_format(out, &Encoding::BinaryLittleEndian, &Version { major: 1, minor: 0 })?;
+    if let Some(comment) = comment {
+        writeln!(out, "comment {comment}")?;
+    }
+    let mut vertex = ElementDef::new("vertex".to_owned());
+    vertex.count = vertices;
+    writer.write_line_element_definition(out, &vertex)?;
+    for (name, scalar) in properties {
+        let property = PropertyDef::new(name.to_owned(), PropertyType::Scalar(scalar));
+        writer.write_line_property_definition(out, &property)?;
+    }
+    writer.write_line_end_header(out)?;
+    Ok(())
+}
+
+/// Returns the smallest type that keeps all positions.
+pub(super) fn narrowest_position(cloud: &Cloud) -> ScalarType {
+    let single = cloud.positions.iter().all(|&p| p.as_vec3().as_dvec3() == p);
+    if single { ScalarType::Float } else { ScalarType::Double }
+}
+
+/// Appends a position as numbers of a type.
+pub(super) fn push_position(record: &mut Vec<u8>, position: DVec3, scalar: &ScalarType) {
+    for value in position.to_array() {
+        if *scalar == ScalarType::Double {
+            record.extend(value.to_le_bytes());
+        } else {
+            record.extend((value as f32).to_le_bytes());
+        }
+    }
+}
+
+/// Returns the property names of all scalars.
+pub(super) fn scalar_names(cloud: &Cloud) -> Vec<String> {
+    cloud.scalars.iter().map(|(name, _)| scalar_name(cloud, name)).collect()
+}
+
+/// The light of each point, if it was prepared.
+fn lit(cloud: &Cloud) -> Option<&[f32]> {
+    cloud.prepared.as_ref()?.shadows.as_ref().map(|shadows| shadows.lit.as_slice())
+}
+
+/// The property name of a scalar: in a prepared file one that the reader can't take for another column.
+fn scalar_name(cloud: &Cloud, name: &str) -> String {
+    let name = without_blanks(name);
+    if cloud.prepared.is_some() && is_known(&name) { format!("{name}_") } else { name }
+}
+
+/// The bytes of one vertex, in the order of the header.
+fn push_record(record: &mut Vec<u8>, cloud: &Cloud, index: usize, layout: &Layout) {
+    push_position(record, cloud.positions[index], &layout.position);
+    if let Some(colors) = &cloud.colors {
+        for linear in colors[index].to_array() {
+            layout.color.push(record, linear, encode_srgb);
+        }
+    }
+    if let Some(alphas) = &cloud.alphas {
+        layout.alpha.push(record, alphas[index], same);
+    }
+    if let Some(normals) = &cloud.normals {
+        record.extend(normals[index].to_array().into_iter().flat_map(f32::to_le_bytes));
+    }
+    if let Some(radii) = &cloud.radii {
+        record.extend(radii[index].to_le_bytes());
+    }
+    if let Some(prepared) = &cloud.prepared {
+        record.extend(prepared.values[index].to_le_bytes());
+    }
+    if let Some(classification) = &cloud.classification {
+        record.push(classification[index]);
+    }
+    if let Some(intensity) = &cloud.intensity {
+        record.extend(intensity[index].to_le_bytes());
+    }
+    for values in cloud.scalars.iter().map(|(_, values)| values.as_slice()).chain(lit(cloud)) {
+        record.extend(values[index].to_le_bytes());
+    }
+}

@@ -1,0 +1,201 @@
+//! EPT folders: points as files, one for each node of an octree, with a description and a hierarchy in JSON (entwine.io, 1.x).
+
+mod hierarchy;
+mod metadata;
+mod rows;
+
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+use super::keys::{Key, cut, parents};
+use super::{Node, Piece, Store, Summary};
+use crate::las::{Columns, LasFile, Traits};
+use crate::{Error, LasColumns, Source};
+use metadata::{Metadata, Tiles};
+use pellucid_core::cloud::{Bounds, Cloud, UpAxis};
+use pellucid_core::progress::Progress;
+
+/// Tiles that are looked at side by side, if it takes any, to find what decides about whole columns.
+const AT_A_TIME: usize = 16;
+
+/// An EPT folder with tiles in LAZ files or in rows, plain or compressed by Zstandard, read node by node.
+///
+/// It has the columns that LAS files have: positions, colors, intensity, classes, returns, the columns that are asked for, and dimensions
+/// that LAS doesn't know as scalars. What decides about whole columns is taken from the largest and smallest values in the description;
+/// where they are missing, tiles are read from the root on until it is known.
+#[derive(Debug)]
+pub struct Ept {
+    folder: PathBuf,
+    metadata: Metadata,
+    asked: LasColumns,
+    traits: Traits,
+    keys: Vec<Key>,
+    /// For each node the places of the nodes before.
+    first_places: Vec<u64>,
+    nodes: Vec<Node>,
+    pub(super) summary: Summary,
+}
+
+impl Ept {
+    /// Opens a folder that has an `ept.json`, or that file. Of the columns that are read only where they are asked for, it has these.
+    ///
+    /// # Errors
+    /// The description or the hierarchy is missing, damaged, has loops or doubts of how many points there are; tiles are missing, too
+    /// small for their points, or in a format that isn't known.
+    pub fn open(path: &Path, asked: LasColumns) -> Result<Self, Error> {
+        let folder = if path.is_dir() { path } else { path.parent().unwrap_or(path) };
+        let metadata = Metadata::read(&folder.join("ept.json"))?;
+        let mut counts = hierarchy::read(folder, metadata.points)?;
+        counts.sort_unstable();
+        let keys: Vec<Key> = counts.iter().map(|(key, _)| *key).collect();
+        let mut nodes = Vec::with_capacity(keys.len());
+        let mut first_places = Vec::with_capacity(keys.len());
+        let mut places = 0;
+        for ((key, points), parent) in counts.into_iter().zip(parents(&keys)) {
+            nodes.push(node(folder, &metadata, key, points, parent)?);
+            first_places.push(places);
+            places = u64::saturating_add(places, points);
+        }
+        let Some(bounds) = nodes.iter().map(|node| node.bounds).reduce(Bounds::union) else {
+            return Err(Error::NoPoints { path: folder.to_path_buf(), non_finite: 0 });
+        };
+        let asked = metadata.has(asked);
+        let summary = Summary {
+            path: folder.to_path_buf(),
+            points: places,
+            bounds,
+            up: UpAxis::Z,
+            ranges: metadata.ranges(asked),
+            grid: None,
+            like: Cloud::default(),
+        };
+        let folder = folder.to_path_buf();
+        let mut ept = Self { folder, metadata, asked, traits: Traits::NONE, keys, first_places, nodes, summary };
+        ept.traits = ept.survey()?;
+        ept.summary.like = ept.empty()?;
+        Ok(ept)
+    }
+
+    /// Returns the facts that decide about whole columns: the description's values, else those of as many tiles as it
+    /// takes.
+    fn survey(&self) -> Result<Traits, Error> {
+        if let Some(traits) = self.metadata.traits(self.asked) {
+            return Ok(traits);
+        }
+        let mut traits = Traits::NONE;
+        let nodes: Vec<usize> = (0..self.keys.len()).collect();
+        for tiles in nodes.chunks(AT_A_TIME) {
+            let of = |node: &usize| Ok(self.tile(*node)?.0.traits());
+            let some = tiles.par_iter().map(of).collect::<Result<Vec<_>, Error>>()?;
+            traits = some.into_iter().fold(traits, Traits::and);
+            if self.metadata.settles(self.asked, &traits) {
+                break;
+            }
+        }
+        Ok(traits)
+    }
+
+    /// The columns of a tile, as they are stored, and the names of those that LAS doesn't know.
+    fn tile(&self, node: usize) -> Result<(Columns, Vec<String>), Error> {
+        let path = tile_path(&self.folder, &self.metadata, self.keys[node]);
+        let points = self.nodes[node].points;
+        match &self.metadata.tiles {
+            Tiles::Laszip => {
+                let file = LasFile::open(Source::open(&path)?, self.asked)?;
+                if file.header.count != points {
+                    let cause = format!("it has {} points, but the hierarchy says {points}", file.header.count);
+                    return Err(file.file.malformed("LAS header", cause));
+                }
+                let decode = |chunk| file.decode(chunk, &Progress::hidden());
+                let parts = file.chunks.par_iter().map(decode).collect::<Result<Vec<_>, Error>>()?;
+                let columns = Columns::join(parts).unwrap_or_else(|| Columns::new(&file.header, self.asked));
+                Ok((columns, file.extra_names().map(str::to_owned).collect()))
+            }
+            Tiles::Rows(rows) => rows.read(Source::open(&path)?, points, self.asked, false),
+            Tiles::Zstandard(rows) => rows.read(Source::open(&path)?, points, self.asked, true),
+        }
+    }
+
+    /// A cloud of no points with the columns of all tiles, which are those of the first.
+    fn empty(&self) -> Result<Cloud, Error> {
+        let (columns, names) = self.tile(0)?;
+        Ok(self.finish(columns, &names).subset(&[]))
+    }
+
+    fn finish(&self, columns: Columns, names: &[String]) -> Cloud {
+        let cloud = columns.finish(names.iter().map(|name| &**name), self.asked, &self.traits);
+        match &self.metadata.tiles {
+            Tiles::Laszip => cloud,
+            Tiles::Rows(rows) | Tiles::Zstandard(rows) => rows.without_missing(cloud),
+        }
+    }
+
+    fn check(&self, node: usize, cloud: &Cloud) -> Result<(), Error> {
+        let Node { points, bounds, .. } = &self.nodes[node];
+        let fail = |cause: String| {
+            let path = tile_path(&self.folder, &self.metadata, self.keys[node]);
+            Err(Error::Malformed { path, place: "tile".to_owned(), cause })
+        };
+        if cloud.len() as u64 != *points {
+            return fail(format!(
+                "it has {} points with finite coordinates, but the hierarchy says {points}",
+                cloud.len()
+            ));
+        }
+        if let Some(found) = cloud.bounds().filter(|found| !bounds.holds(found)) {
+            return fail(format!(
+                "its points lie from {} to {}, outside its box from {} to {}",
+                found.min, found.max, bounds.min, bounds.max
+            ));
+        }
+        let like = Cloud { warnings: self.summary.like.warnings.clone(), ..cloud.subset(&[]) };
+        if like != self.summary.like {
+            return fail("its columns differ from those of the root's tile".to_owned());
+        }
+        Ok(())
+    }
+}
+
+impl Store for Ept {
+    fn summary(&self) -> &Summary {
+        &self.summary
+    }
+
+    fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    fn read(&self, node: usize) -> Result<Piece, Error> {
+        let (columns, names) = self.tile(node)?;
+        let cloud = self.finish(columns, &names);
+        self.check(node, &cloud)?;
+        let first = self.first_places[node];
+        Ok(Piece { cloud, places: (first..first + self.nodes[node].points).collect() })
+    }
+}
+
+fn tile_path(folder: &Path, metadata: &Metadata, key: Key) -> PathBuf {
+    folder.join("ept-data").join(format!("{key}.{}", metadata.tiles.extension()))
+}
+
+fn node(folder: &Path, metadata: &Metadata, key: Key, points: u64, parent: Option<u32>) -> Result<Node, Error> {
+    let path = tile_path(folder, metadata, key);
+    let bytes = match std::fs::metadata(&path) {
+        Ok(found) => found.len(),
+        Err(e) if e.kind() == ErrorKind::NotFound => return Err(Error::Missing { path }),
+        Err(source) => return Err(Error::Read { path, source }),
+    };
+    let most = metadata.tiles.most_points(bytes);
+    if points > most {
+        let what = format!("the hierarchy says {points} points, but {bytes} bytes hold at most {most}");
+        return Err(Error::Truncated { path, what });
+    }
+    let Some(bounds) = cut(metadata.widened(key.cube(&metadata.cube)), metadata.widened(metadata.conforming)) else {
+        let cause = format!("node {key} lies outside `boundsConforming`");
+        return Err(Error::Malformed { path: folder.join("ept.json"), place: "hierarchy".to_owned(), cause });
+    };
+    let spacing = metadata.spacing / (1u64 << key.level) as f64;
+    Ok(Node { level: key.level, parent, bounds, points, bytes, spacing, largest_radius: None })
+}

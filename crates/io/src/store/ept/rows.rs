@@ -1,0 +1,187 @@
+//! Tiles of an EPT folder that are plain rows of the schema's numbers, little-endian and without gaps.
+
+use std::io::Read;
+
+use glam::DVec3;
+use ruzstd::decoding::StreamingDecoder;
+
+use super::metadata::{Dimension, Kind};
+use crate::las::Columns;
+use crate::{Error, LasColumns, Source, decoder};
+use pellucid_core::cloud::Cloud;
+
+/// Dimensions of LAS points that clouds have no columns for.
+const UNUSED: [&str; 13] = [
+    "ScanAngleRank",
+    "ScanAngle",
+    "UserData",
+    "ScanDirectionFlag",
+    "EdgeOfFlightLine",
+    "ScanChannel",
+    "ClassFlags",
+    "ClassificationFlags",
+    "Synthetic",
+    "KeyPoint",
+    "Withheld",
+    "Overlap",
+    "Infrared",
+];
+
+/// Bytes of points that one compressed byte stands for, at most: coordinates don't repeat.
+pub(super) const MOST_FOR_ONE: u64 = 1000;
+
+/// The numbers of a row, by what they are.
+#[derive(Debug)]
+pub(super) struct Rows {
+    len: usize,
+    position: [Number; 3],
+    color: Option<[Number; 3]>,
+    intensity: Option<Number>,
+    classification: Option<Number>,
+    /// Number of the return, and how many the pulse has.
+    returns: Option<[Number; 2]>,
+    source: Option<Number>,
+    gps_time: Option<Number>,
+    extra: Vec<(String, Number)>,
+}
+
+/// A number in a row.
+#[derive(Debug, Clone, Copy)]
+struct Number {
+    at: usize,
+    kind: Kind,
+    size: usize,
+    scale: f64,
+    offset: f64,
+}
+
+impl Number {
+    fn of(&self, row: &[u8]) -> f64 {
+        let mut bytes = [0; 8];
+        bytes[..self.size].copy_from_slice(&row[self.at..self.at + self.size]);
+        let unused = 64 - 8 * self.size as u32;
+        let stored = match (self.kind, self.size) {
+            (Kind::Float, 4) => f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]).into(),
+            (Kind::Float, _) => f64::from_le_bytes(bytes),
+            (Kind::Unsigned, _) => u64::from_le_bytes(bytes) as f64,
+            (Kind::Signed, _) => (i64::from_le_bytes(bytes) << unused >> unused) as f64,
+        };
+        stored * self.scale + self.offset
+    }
+}
+
+/// The bytes that are compressed as these, at most so many, or what is wrong with them.
+fn decompressed(bytes: &[u8], most: u64) -> Result<Vec<u8>, String> {
+    let mut all = Vec::new();
+    let decode = || -> Result<usize, String> {
+        let decoder = StreamingDecoder::new(bytes).map_err(|e| e.to_string())?;
+        decoder.take(most.saturating_add(1)).read_to_end(&mut all).map_err(|e| e.to_string())
+    };
+    decoder::guard(decode)??;
+    if all.len() as u64 > most {
+        return Err(format!("more than {most} bytes come from {} compressed ones", bytes.len()));
+    }
+    Ok(all)
+}
+
+impl Rows {
+    /// Returns the rows of a schema, or what is wrong with it.
+    pub fn new(schema: &[Dimension]) -> Result<Self, String> {
+        let mut numbers = Vec::with_capacity(schema.len());
+        let mut len = 0;
+        for Dimension { name, kind, size, scale, offset, .. } in schema {
+            let sizes: &[usize] = if *kind == Kind::Float { &[4, 8] } else { &[1, 2, 4, 8] };
+            if !sizes.contains(size) {
+                return Err(format!("`{name}` can't have {size} bytes"));
+            }
+            let number = Number {
+                at: len,
+                kind: *kind,
+                size: *size,
+                scale: scale.unwrap_or(1.0),
+                offset: offset.unwrap_or(0.0),
+            };
+            numbers.push((name.clone(), number));
+            len += size;
+        }
+        let mut take = |name: &str| {
+            let at = numbers.iter().position(|(known, _)| known == name)?;
+            Some(numbers.remove(at).1)
+        };
+        let (Some(x), Some(y), Some(z)) = (take("X"), take("Y"), take("Z")) else {
+            return Err("it lacks one of `X`, `Y` and `Z`".to_owned());
+        };
+        let color = take("Red").zip(take("Green")).zip(take("Blue")).map(|((red, green), blue)| [red, green, blue]);
+        let returns = take("ReturnNumber").zip(take("NumberOfReturns")).map(|(number, of)| [number, of]);
+        let (intensity, classification) = (take("Intensity"), take("Classification"));
+        let (source, gps_time) = (take("PointSourceId"), take("GpsTime"));
+        let extra = numbers.into_iter().filter(|(name, _)| !UNUSED.contains(&&**name)).collect();
+        let position = [x, y, z];
+        Ok(Self { len, position, color, intensity, classification, returns, source, gps_time, extra })
+    }
+
+    /// Returns the number of bytes of a point.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Returns the columns of a tile with so many points, and the names of those that LAS doesn't know.
+    pub fn read(
+        &self,
+        mut source: Source,
+        points: u64,
+        asked: LasColumns,
+        compressed: bool,
+    ) -> Result<(Columns, Vec<String>), Error> {
+        let mut bytes = Vec::new();
+        let read = source.reader.by_ref().take(source.len).read_to_end(&mut bytes);
+        read.map_err(|e| source.read_error(e))?;
+        if compressed {
+            let most = points.saturating_mul(self.len as u64);
+            let fail = |cause| source.malformed("zstandard", format!("{cause}; the hierarchy says {points} points"));
+            bytes = decompressed(&bytes, most).map_err(fail)?;
+        }
+        if bytes.len() % self.len != 0 {
+            return Err(source.truncated(format!(
+                "{} bytes are not a multiple of the {} bytes of a point",
+                bytes.len(),
+                self.len
+            )));
+        }
+        let rows = || bytes.chunks_exact(self.len);
+        let positions: Vec<DVec3> =
+            rows().map(|row| DVec3::from(self.position.each_ref().map(|number| number.of(row)))).collect();
+        if let Some(at) = positions.iter().position(|position| !position.is_finite()) {
+            return Err(source.malformed(format!("point {at}"), "a coordinate is not finite"));
+        }
+        let byte = |number: Option<Number>| -> Vec<u8> {
+            rows().map(|row| number.map_or(0, |number| number.of(row) as u8)).collect()
+        };
+        let short = |number: &Number| -> Vec<u16> { rows().map(|row| number.of(row) as u16).collect() };
+        let number = |number: &Number| -> Vec<f64> { rows().map(|row| number.of(row)).collect() };
+        let color = |color: &[Number; 3]| -> Vec<[u16; 3]> {
+            rows().map(|row| color.each_ref().map(|number| number.of(row) as u16)).collect()
+        };
+        let float = |number: &Number| -> Vec<f32> { rows().map(|row| number.of(row) as f32).collect() };
+        let columns = Columns {
+            rgb: self.color.as_ref().map(color),
+            intensity: self.intensity.as_ref().map_or_else(|| vec![0.0; positions.len()], float),
+            classification: byte(self.classification),
+            return_number: byte(self.returns.map(|[number, _]| number)),
+            number_of_returns: byte(self.returns.map(|[_, of]| of)),
+            source: self.source.as_ref().filter(|_| asked.source).map(short),
+            gps_time: self.gps_time.as_ref().filter(|_| asked.gps_time).map(number),
+            extra: self.extra.iter().map(|(_, number)| float(number)).collect(),
+            positions,
+            non_finite: 0,
+        };
+        Ok((columns, self.extra.iter().map(|(name, _)| name.clone()).collect()))
+    }
+
+    /// Returns the cloud without what the rows don't have.
+    pub fn without_missing(&self, mut cloud: Cloud) -> Cloud {
+        cloud.intensity = cloud.intensity.filter(|_| self.intensity.is_some());
+        cloud.classification = cloud.classification.filter(|_| self.classification.is_some());
+        cloud
+    }
+}

@@ -1,0 +1,94 @@
+//! A cloud in memory as a store of nodes: what small files and tests have.
+
+use std::path::Path;
+
+use super::{Grid, Node, Piece, Store, Summary};
+use crate::Error;
+use pellucid_core::cloud::Cloud;
+use pellucid_core::cloud::gaussians::reach;
+
+/// A cloud in memory.
+#[derive(Debug, Clone)]
+pub struct Held {
+    summary: Summary,
+    nodes: Vec<Node>,
+    cloud: Cloud,
+}
+
+impl Held {
+    /// Returns a cloud with points, as one node.
+    ///
+    /// # Errors
+    /// No points.
+    pub fn new(path: &Path, cloud: Cloud) -> Result<Self, Error> {
+        let Some(bounds) = cloud.bounds() else {
+            return Err(Error::NoPoints { path: path.to_path_buf(), non_finite: cloud.non_finite });
+        };
+        let points = cloud.len() as u64;
+        let like = cloud.subset(&[]);
+        let ranges = cloud.scalars.iter().filter_map(|(name, values)| Some((name.clone(), range(values)?))).collect();
+        let summary = Summary { path: path.to_path_buf(), points, bounds, up: cloud.up, ranges, grid: None, like };
+        let node =
+            Node { level: 0, parent: None, bounds, points, bytes: 0, spacing: 0.0, largest_radius: largest(&cloud) };
+        Ok(Self { summary, nodes: vec![node], cloud })
+    }
+}
+
+impl Held {
+    /// Returns the same cloud, all of whose positions lie on a grid.
+    #[must_use]
+    pub fn on_grid(mut self, grid: Option<Grid>) -> Self {
+        self.summary.grid = grid;
+        self
+    }
+}
+
+impl Store for Held {
+    fn summary(&self) -> &Summary {
+        &self.summary
+    }
+
+    fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    fn read(&self, _node: usize) -> Result<Piece, Error> {
+        Ok(Piece { cloud: self.cloud.clone(), places: (0..self.summary.points).collect() })
+    }
+}
+
+/// The least and the largest finite value.
+fn range(values: &[f32]) -> Option<[f64; 2]> {
+    let finite = values.iter().copied().filter(|value| value.is_finite()).map(f64::from);
+    finite.fold(None, |range, value| {
+        let [least, most] = range.unwrap_or([value; 2]);
+        Some([value.min(least), value.max(most)])
+    })
+}
+
+fn largest(cloud: &Cloud) -> Option<f32> {
+    let radii = cloud.radii.as_ref().map(|radii| radii.iter().copied().fold(0.0, f32::max));
+    let splats = cloud.gaussians.as_ref();
+    let reaches = splats.map(|splats| splats.extents.iter().map(|extents| reach(*extents)).fold(0.0, f32::max));
+    [radii, reaches].into_iter().flatten().reduce(f32::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    #[test]
+    fn a_cloud_is_one_node() {
+        let scalars = vec![("echo".to_owned(), vec![2.0, f32::NAN, -1.0])];
+        let cloud = Cloud { positions: [0.0, 1.0, 2.0].map(DVec3::splat).to_vec(), scalars, ..Cloud::default() };
+        let store = Held::new(Path::new("here"), cloud.clone()).unwrap();
+        assert_eq!((store.summary().points, store.nodes().len()), (3, 1));
+        assert_eq!(store.summary().ranges, [("echo".to_owned(), [-1.0, 2.0])]);
+        assert!(store.summary().like.is_empty());
+        let piece = store.read(0).unwrap();
+        assert_eq!((piece.cloud.positions, piece.places), (cloud.positions, vec![0, 1, 2]));
+        assert!(matches!(Held::new(Path::new("here"), Cloud::default()), Err(Error::NoPoints { .. })));
+    }
+}

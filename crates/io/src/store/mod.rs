@@ -1,0 +1,115 @@
+//! Clouds in nodes that are read one by one: octrees, tiles, and plain files in pieces. What a scan is too large for, a node is not.
+
+pub mod build;
+mod copc;
+mod ept;
+mod fitted;
+mod grid;
+mod held;
+mod keys;
+mod las;
+mod octree;
+mod open;
+mod ply;
+mod tiles;
+mod whole;
+
+use std::fmt::Debug;
+use std::path::PathBuf;
+
+use super::Error;
+pub use copc::Copc;
+pub use ept::Ept;
+pub use grid::Grid;
+pub use held::Held;
+pub use las::LasPieces;
+pub use octree::Octree;
+pub use open::{announced, has_levels, is_folder, open};
+use pellucid_core::cloud::facts::Facts;
+use pellucid_core::cloud::{Bounds, Cloud, UpAxis};
+pub use ply::PlyPieces;
+pub use tiles::Tiles;
+pub use whole::whole;
+
+/// Points of a node of a file in pieces, if the file has so many.
+const PIECE: u64 = 500_000;
+
+/// A cloud whose nodes are read one by one, by any number of threads at once.
+pub trait Store: Debug + Send + Sync {
+    /// Returns what is known of the whole cloud.
+    fn summary(&self) -> &Summary;
+
+    /// The nodes, parents before their children. Each point of the cloud is in one of them.
+    fn nodes(&self) -> &[Node];
+
+    /// Reads the points of a node: as many as it says, all within its bounds. Splats that are none are left out.
+    ///
+    /// # Errors
+    /// The node can't be read, is damaged, or isn't as [`Self::nodes`] describes it.
+    fn read(&self, node: usize) -> Result<Piece, Error>;
+
+    /// Returns what follows from all points, if the store has it.
+    ///
+    /// # Errors
+    /// It can't be read, or is that of another store.
+    fn survey(&self) -> Result<Option<Survey>, Error> {
+        Ok(None)
+    }
+}
+
+/// Facts that follow from all points of a cloud.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Survey {
+    /// Facts about all points.
+    pub facts: Facts,
+    /// The points that stand for all ([`Sampling`](pellucid_core::cloud::sampling::Sampling)), in any order.
+    pub sample: Cloud,
+}
+
+/// Facts about a cloud in nodes, known before any of them is read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Summary {
+    /// The file or folder.
+    pub path: PathBuf,
+    /// The number of points.
+    pub points: u64,
+    /// A box around all points, in the file's units.
+    pub bounds: Bounds,
+    /// The vertical of the cloud.
+    pub up: UpAxis,
+    /// Least and largest value of a scalar column, by its name, where the store knows them.
+    pub ranges: Vec<(String, [f64; 2])>,
+    /// The grid that all positions lie on, where the store has one.
+    pub grid: Option<Grid>,
+    /// A cloud without points but with everything else that the nodes have in common: the (empty) columns that each of them has,
+    /// how it was prepared, and warnings.
+    pub like: Cloud,
+}
+
+/// A part of a cloud.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Node {
+    /// 0 for a root and in stores without levels. A node's points are about half as far apart as those of its parent.
+    pub level: u32,
+    /// The node above, whose bounds hold this one's; `None` of a root.
+    pub parent: Option<u32>,
+    /// A box around its own points and those of the nodes below, in the file's units.
+    pub bounds: Bounds,
+    /// Number of its own points.
+    pub points: u64,
+    /// Bytes that are read for them.
+    pub bytes: u64,
+    /// The typical distance of its points and those of the levels above, in the file's units; 0 if the store has no levels.
+    pub spacing: f64,
+    /// The largest radius of its own points, of Gaussians how far they reach, in the file's units, where the store knows it.
+    pub largest_radius: Option<f32>,
+}
+
+/// The points of a node.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Piece {
+    /// They; columns as in [`Summary::like`].
+    pub cloud: Cloud,
+    /// For each point its place among all points of the cloud's source, which tells points apart that are alike.
+    pub places: Vec<u64>,
+}

@@ -1,0 +1,253 @@
+//! From the bytes of octree.bin to the columns of a cloud.
+
+use glam::{DQuat, DVec3, Quat, Vec3};
+
+use super::attributes::{Attribute, Kind, Layout, Role};
+use crate::columns::unit_or_zero;
+use crate::store::Grid;
+use pellucid_core::cloud::gaussians::{Gaussians, coefficients, linear};
+use pellucid_core::cloud::{Cloud, GPS_TIME, Prepared};
+use pellucid_core::color::decode_srgb;
+
+/// Largest difference of the square of a quaternion's length from 1. Those of our own stores are as close as float32
+/// allows.
+const UNIT: f64 = 1e-5;
+
+/// Largest value of colors that have 8 bits.
+const BYTE: u16 = 255;
+
+/// Decoder that turns records into clouds.
+#[derive(Debug)]
+pub(super) struct Decoder {
+    layout: Layout,
+    grid: Grid,
+    /// Linear values of stored channels; empty without colors.
+    table: Vec<f32>,
+    /// The time that counts as 0.
+    first_time: f64,
+    prepared: Option<Prepared>,
+}
+
+impl Decoder {
+    /// `full`: the channel of full intensity, if colors are [`Role::Rgb`].
+    pub fn new(layout: Layout, grid: Grid, full: Option<u16>, first_time: f64, prepared: Option<Prepared>) -> Self {
+        let linear = |full: u16| move |stored: u16| decode_srgb(f32::from(stored) / f32::from(full));
+        let table = full.map(|full| (0..=full).map(linear(full)).collect()).unwrap_or_default();
+        Self { layout, grid, table, first_time, prepared }
+    }
+
+    /// Returns the number of bytes of a point.
+    pub fn stride(&self) -> u64 {
+        self.layout.stride as u64
+    }
+
+    /// Returns the points of some records; the columns are there whatever their number. Splats that are none have
+    /// extents of zero ([`splats_of`]).
+    pub fn cloud(&self, records: &[u8]) -> Cloud {
+        let columns = Columns { records, stride: self.layout.stride };
+        let find = |role: Role| self.layout.find(&role);
+        let floats = |role: Role| find(role).map(|attribute| columns.floats(attribute));
+        let positions = self.positions(&columns);
+        let alphas = floats(Role::Alpha);
+        let gaussians = self.gaussians(&columns, &positions, alphas.as_deref());
+        Cloud {
+            colors: self.colors(&columns, gaussians.as_ref()),
+            alphas: alphas.map(|alphas| alphas.into_iter().map(unit).collect()),
+            positions,
+            gaussians,
+            normals: self.normals(&columns),
+            radii: floats(Role::Radius).map(|radii| radii.into_iter().map(radius).collect()),
+            classification: find(Role::Classification).map(|a| columns.each(a).map(|bytes| bytes[0]).collect()),
+            intensity: floats(Role::Intensity),
+            scalars: self.scalars(&columns),
+            prepared: self.prepared(&columns),
+            ..Cloud::default()
+        }
+    }
+
+    /// Returns the places of points in their source; by default those in the file, of which the first is `first`.
+    pub fn places(&self, records: &[u8], first: u64) -> Vec<u64> {
+        let columns = Columns { records, stride: self.layout.stride };
+        match self.layout.find(&Role::Place) {
+            // The conversion saturates.
+            Some(place) => columns.each(place).map(|bytes| place.kind.read(bytes) as u64).collect(),
+            None => (first..).take(records.len() / self.layout.stride.max(1)).collect(),
+        }
+    }
+
+    fn positions(&self, columns: &Columns) -> Vec<DVec3> {
+        if let Some(exact) = self.layout.find(&Role::Exact) {
+            let size = exact.bytes / 3;
+            let position = |bytes: &[u8]| DVec3::from([0, 1, 2].map(|axis| exact.kind.read(&bytes[size * axis..])));
+            return columns.each(exact).map(position).collect();
+        }
+        let Some(attribute) = self.layout.find(&Role::Position) else { return Vec::new() };
+        columns.each(attribute).map(|bytes| self.grid.position(integers(bytes))).collect()
+    }
+
+    /// Gaussians, of which those are none that have a number that no splat has.
+    fn gaussians(&self, columns: &Columns, positions: &[DVec3], alphas: Option<&[f32]>) -> Option<Gaussians> {
+        let splats = self.layout.splats().ok().flatten()?;
+        let degree = splats.degree();
+        let mut all = Gaussians::none(positions.len()).with_degree(degree);
+        let count = coefficients(degree);
+        let mut shapes = columns.each(splats.extents).zip(columns.each(splats.rotation));
+        let mut bases = columns.each(splats.base);
+        let mut harmonics = splats.harmonics.map(|(attribute, _)| columns.each(attribute));
+        for (i, position) in positions.iter().enumerate() {
+            let (Some((extents, turn)), Some(base)) = (shapes.next(), bases.next()) else { break };
+            let [extents, base] = [extents, base].map(|bytes| Vec3::from(singles(bytes)));
+            let own = &mut all.harmonics[i * count..(i + 1) * count];
+            let stored = harmonics.as_mut().and_then(Iterator::next).unwrap_or_default();
+            own.iter_mut().zip(stored.chunks_exact(12)).for_each(|(color, bytes)| *color = singles(bytes).into());
+            let is_one = position.is_finite()
+                && extents.is_finite()
+                && base.is_finite()
+                && own.iter().all(|color| color.is_finite())
+                && alphas.is_none_or(|alphas| !alphas[i].is_nan());
+            match rotation(Quat::from_array(singles(turn))).filter(|_| is_one) {
+                Some(rotation) => {
+                    (all.extents[i], all.rotations[i], all.bases[i]) = (extents.abs(), rotation, base);
+                }
+                None => own.fill(Vec3::ZERO),
+            }
+        }
+        Some(all)
+    }
+
+    fn colors(&self, columns: &Columns, splats: Option<&Gaussians>) -> Option<Vec<Vec3>> {
+        if let Some(linear) = self.layout.three(Role::Linear) {
+            let color =
+                |color: Vec3| Vec3::from(color.to_array().map(|x| if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) }));
+            return Some(columns.vectors(linear).map(color).collect());
+        }
+        let rgb = self.layout.find(&Role::Rgb)?;
+        if let Some(splats) = splats {
+            // Beside them `rgb` is for other programs.
+            return Some(splats.bases.iter().map(|base| linear(*base)).collect());
+        }
+        let last = self.table.len().checked_sub(1)?;
+        let size = rgb.kind.bytes()?;
+        let channel = |bytes: &[u8], i: usize| {
+            let stored = match rgb.kind {
+                Kind::Uint8 => usize::from(bytes[i]),
+                _ => usize::from(u16::from_le_bytes([bytes[size * i], bytes[size * i + 1]])),
+            };
+            self.table[stored.min(last)]
+        };
+        Some(columns.each(rgb).map(|bytes| Vec3::from([0, 1, 2].map(|i| channel(bytes, i)))).collect())
+    }
+
+    fn normals(&self, columns: &Columns) -> Option<Vec<Vec3>> {
+        if let Some(vector) = self.layout.find(&Role::NormalVector) {
+            let coordinate = |bytes: &[u8], axis: usize| Kind::Float.read(&bytes[4 * axis..]) as f32;
+            let normal = |bytes: &[u8]| unit_or_zero(Vec3::from([0, 1, 2].map(|axis| coordinate(bytes, axis))));
+            return Some(columns.each(vector).map(normal).collect());
+        }
+        let three = self.layout.three(Role::Normal)?;
+        Some(columns.vectors(three).map(unit_or_zero).collect())
+    }
+
+    fn scalars(&self, columns: &Columns) -> Vec<(String, Vec<f32>)> {
+        let scalar = |attribute: &Attribute| match &attribute.role {
+            Role::Scalar(name) => Some((name.clone(), columns.floats(attribute))),
+            Role::Time => {
+                let since = |bytes: &[u8]| (attribute.kind.read(bytes) - self.first_time) as f32;
+                Some((GPS_TIME.to_owned(), columns.each(attribute).map(since).collect()))
+            }
+            _ => None,
+        };
+        self.layout.attributes.iter().filter_map(scalar).collect()
+    }
+
+    fn prepared(&self, columns: &Columns) -> Option<Prepared> {
+        let mut prepared = self.prepared.clone()?;
+        prepared.values = self.unit_floats(columns, &Role::Field);
+        if let Some(shadows) = &mut prepared.shadows {
+            shadows.lit = self.unit_floats(columns, &Role::Lit);
+        }
+        Some(prepared)
+    }
+
+    /// Numbers in [0, 1], whatever is stored; 0 for what is none.
+    fn unit_floats(&self, columns: &Columns, role: &Role) -> Vec<f32> {
+        let values = self.layout.find(role).map(|attribute| columns.floats(attribute)).unwrap_or_default();
+        values.into_iter().map(|value| if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) }).collect()
+    }
+}
+
+/// Returns those of a cloud's points that are splats, if some are none; `None` of other clouds.
+pub(super) fn splats_of(cloud: &Cloud) -> Option<Vec<u32>> {
+    let splats = cloud.gaussians.as_ref().filter(|splats| !splats.are_all())?;
+    Some((0..splats.len() as u32).filter(|at| splats.is_one(*at as usize)).collect())
+}
+
+/// The first float32 numbers of some bytes, of which there are enough.
+fn singles<const N: usize>(bytes: &[u8]) -> [f32; N] {
+    std::array::from_fn(|at| f32::from_le_bytes(std::array::from_fn(|i| bytes[4 * at + i])))
+}
+
+/// A unit quaternion as it is stored, or the one of another length; `None` of zero and of what is not finite.
+fn rotation(stored: Quat) -> Option<Quat> {
+    let exact = stored.as_dquat();
+    if (exact.length_squared() - 1.0).abs() < UNIT {
+        return Some(stored);
+    }
+    let unit = DQuat::from_array(exact.to_array().map(|x| x / exact.length()));
+    (exact.is_finite() && unit.is_finite()).then(|| unit.as_quat())
+}
+
+/// Returns the three integers of a position.
+pub(crate) fn integers(bytes: &[u8]) -> [i32; 3] {
+    std::array::from_fn(|axis| i32::from_le_bytes(std::array::from_fn(|i| bytes[4 * axis + i])))
+}
+
+/// An alpha as readers of other formats give it.
+fn unit(value: f32) -> f32 {
+    if value.is_nan() { 1.0 } else { value.clamp(0.0, 1.0) }
+}
+
+/// A radius as readers of other formats give it.
+fn radius(value: f32) -> f32 {
+    if value.is_finite() { value.max(0.0) } else { 0.0 }
+}
+
+/// Records as columns.
+struct Columns<'a> {
+    records: &'a [u8],
+    stride: usize,
+}
+
+impl<'a> Columns<'a> {
+    /// The bytes of an attribute, point by point.
+    fn each(&self, attribute: &Attribute) -> impl Iterator<Item = &'a [u8]> + use<'a> {
+        let bytes = attribute.at..attribute.at + attribute.bytes;
+        self.records.chunks_exact(self.stride).map(move |record| &record[bytes.clone()])
+    }
+
+    fn floats(&self, attribute: &Attribute) -> Vec<f32> {
+        let (kind, [factor, summand]) = (attribute.kind, attribute.transform);
+        if kind == Kind::Float && attribute.transform == super::attributes::AS_STORED {
+            // The bits of what isn't a number, too.
+            return self.each(attribute).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+        }
+        self.each(attribute).map(|bytes| (kind.read(bytes) * factor + summand) as f32).collect()
+    }
+
+    fn vectors(&self, attributes: [&Attribute; 3]) -> impl Iterator<Item = Vec3> {
+        let [x, y, z] = attributes.map(|attribute| self.each(attribute));
+        let float = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+        x.zip(y).zip(z).map(move |((x, y), z)| Vec3::new(float(x), float(y), float(z)))
+    }
+}
+
+/// Returns the channel of full intensity in colors of others: 255 if no channel is above, as in LAS files; `None` if
+/// all are 0.
+pub(super) fn full_scale(kind: Kind, largest: Option<f64>) -> Option<u16> {
+    match largest {
+        Some(largest) if largest <= 0.0 => None,
+        Some(largest) if largest <= f64::from(BYTE) => Some(BYTE),
+        _ if kind == Kind::Uint8 => Some(BYTE),
+        _ => Some(u16::MAX),
+    }
+}

@@ -1,0 +1,332 @@
+//! Tables of numbers: XYZ, CSV, TXT and their like, and PTS, which announces how many points follow.
+
+use rayon::prelude::*;
+
+use pellucid_core::progress::Progress;
+
+use super::batch::Batch;
+use super::lines::{Delimiter, Fields, Lines, any_number, comment};
+use super::names::{ColumnNames, Layout, by_values, of_scanners};
+use crate::columns::{self, FullScale};
+use crate::{Error, Source};
+use pellucid_core::cloud::Cloud;
+
+/// Bytes of the shortest line of a point: three digits, each with something behind it.
+pub(super) const LEAST_LINE: u64 = 6;
+
+/// Reads a table. `pts`: columns without names are those of a PTS file.
+pub(super) fn read(
+    source: &mut Source,
+    pts: bool,
+    given: Option<&ColumnNames>,
+    progress: &Progress,
+) -> Result<Cloud, Error> {
+    let mut lines = Lines::new(source);
+    let mut line = String::new();
+    let Some(mut head) = Head::read(&mut lines, &mut line, given)? else { return Ok(Cloud::default()) };
+    progress.set_length(lines.source.len / (line.len() as u64 + 1));
+    let mut table =
+        Table { rows: Rows::new(&lines, head.names.as_deref())?, block: head.block.take(), points: 0, row: Vec::new() };
+    table.take(&lines, &mut head, &line)?;
+    while let Some(batch) = Batch::read(&mut lines)? {
+        let before = table.points;
+        let parsed = batch.parse(&head.fields, head.columns, |values| table.rows.part(values, head.columns));
+        if let Some(parsed) = parsed {
+            batch.pass(&mut lines, &parsed, &mut head.fields);
+            table.points += parsed.rows;
+            table.rows.extend(parsed.parts);
+        } else {
+            let end = batch.put_back(&mut lines)?;
+            while lines.read < end && lines.next(&mut line)? {
+                table.take(&lines, &mut head, &line)?;
+            }
+        }
+        progress.inc(table.points - before);
+    }
+    let warning = table.check_block(&lines)?;
+    progress.set_length(table.points);
+    progress.set_position(table.points);
+    let mut cloud = table.rows.finish(&lines, head.columns, pts)?;
+    cloud.warnings.extend(warning);
+    Ok(cloud)
+}
+
+/// The lines before the first point.
+struct Head {
+    fields: Fields,
+    columns: usize,
+    names: Option<Vec<String>>,
+    block: Option<Block>,
+}
+
+/// A number of points that a line announces.
+struct Block {
+    line: u64,
+    announced: u64,
+    /// Points before it.
+    start: u64,
+}
+
+impl Head {
+    /// Reads up to the first line of numbers and leaves it in `line`; `None` if the file has none.
+    fn read(lines: &mut Lines, line: &mut String, given: Option<&ColumnNames>) -> Result<Option<Self>, Error> {
+        let (mut remark, mut header, mut block) = (None, None, None);
+        let skipped = given.map(ColumnNames::skipped).unwrap_or_default();
+        loop {
+            if !lines.next(line)? {
+                return Ok(None);
+            }
+            if let Some(text) = comment(line) {
+                remark = Some(text.to_owned());
+            } else if let (None, None, Some(announced)) = (&block, &header, count(line)) {
+                block = Some(Block::new(lines, announced)?);
+            } else if header.is_none() && !is_numbers(line, &skipped) {
+                header = Some((lines.number, Delimiter::detect(line).names(line)));
+                check_names(lines, header.as_ref(), given)?;
+            } else {
+                break;
+            }
+        }
+        let mut fields = Fields::detect(line, skipped);
+        let mut row = Vec::new();
+        fields.numbers(line, &mut row).map_err(|fault| lines.wrong(fault))?;
+        let columns = match (given, &header) {
+            (Some(given), _) => {
+                expect(lines, row.len(), given.as_slice().len(), "names are given for", " (name a column to skip `-`)")?
+            }
+            (None, Some((number, names))) => {
+                expect(lines, row.len(), names.len(), &format!("line {number} names"), "")?
+            }
+            (None, None) => row.len(),
+        };
+        if columns < 3 {
+            return Err(lines.malformed(format!("expected at least 3 values (x y z), found {columns}")));
+        }
+        let names = given.map(|given| given.as_slice().to_vec());
+        let names = names.or(header.map(|(_, names)| names)).or_else(|| of_remark(&remark?, columns));
+        Ok(Some(Self { fields, columns, names, block }))
+    }
+}
+
+/// Checks that a header has the coordinates, unless the user names the columns.
+fn check_names(lines: &Lines, header: Option<&(u64, Vec<String>)>, given: Option<&ColumnNames>) -> Result<(), Error> {
+    let Some((_, names)) = header.filter(|_| given.is_none()) else { return Ok(()) };
+    let has = |wanted: &str| names.iter().any(|name| name.eq_ignore_ascii_case(wanted));
+    match ["x", "y", "z"].into_iter().find(|name| !has(name)) {
+        None => Ok(()),
+        Some(missing) => {
+            let found: String = names.join(", ").chars().take(100).collect();
+            Err(lines.malformed(format!("no column `{missing}`, only [{found}]; --columns names them")))
+        }
+    }
+}
+
+/// Checks the number of values; a name may be there for values that are missing at the end of a line.
+fn expect(lines: &Lines, found: usize, wanted: usize, who: &str, help: &str) -> Result<usize, Error> {
+    if found == wanted || (3..wanted).contains(&found) && found + 1 == wanted {
+        return Ok(wanted);
+    }
+    Err(lines.malformed(format!("{found} values, but {who} {wanted} columns{help}")))
+}
+
+/// The columns that a comment before the first line names, if it does.
+fn of_remark(remark: &str, columns: usize) -> Option<Vec<String>> {
+    let names = Delimiter::detect(remark).names(remark);
+    let has = |wanted: &str| names.iter().any(|name| name.eq_ignore_ascii_case(wanted));
+    (names.len() == columns && ["x", "y", "z"].iter().all(|name| has(name))).then_some(names)
+}
+
+/// The number of a line that has nothing else.
+fn count(line: &str) -> Option<u64> {
+    line.parse().ok()
+}
+
+fn is_numbers(line: &str, skipped: &[bool]) -> bool {
+    Fields::detect(line, skipped.to_vec()).numbers(line, &mut Vec::new()).is_ok()
+}
+
+impl Block {
+    fn new(lines: &Lines, announced: u64) -> Result<Self, Error> {
+        // The last line needs no end.
+        let left = lines.source.len.saturating_sub(lines.read) + 1;
+        if announced > left / LEAST_LINE {
+            return Err(lines.source.truncated(format!(
+                "line {} announces {announced} points, but the {} bytes after it hold at most {}",
+                lines.number,
+                left - 1,
+                left / LEAST_LINE
+            )));
+        }
+        Ok(Self { line: lines.number, announced, start: 0 })
+    }
+}
+
+/// The points read so far, and the announced number of points.
+struct Table {
+    rows: Rows,
+    block: Option<Block>,
+    points: u64,
+    /// The numbers of the line last taken.
+    row: Vec<f64>,
+}
+
+impl Table {
+    /// Takes a line: a point, a comment, or the number of the points of another scan.
+    fn take(&mut self, lines: &Lines, head: &mut Head, line: &str) -> Result<(), Error> {
+        if comment(line).is_none() && !self.begins_block(lines, line)? {
+            head.fields.row(line, head.columns, &mut self.row).map_err(|fault| lines.wrong(fault))?;
+            self.rows.push(&self.row);
+            self.points += 1;
+        }
+        Ok(())
+    }
+
+    /// Returns `true` if a line announces the points of another scan; only valid after all points of the previous one.
+    fn begins_block(&mut self, lines: &Lines, line: &str) -> Result<bool, Error> {
+        let Some(block) = &self.block else { return Ok(false) };
+        if self.points - block.start != block.announced {
+            return Ok(false);
+        }
+        let Some(announced) = count(line) else { return Ok(false) };
+        self.block = Some(Block { start: self.points, ..Block::new(lines, announced)? });
+        Ok(true)
+    }
+
+    /// Fails if points are missing; returns a warning if there are more than announced.
+    fn check_block(&self, lines: &Lines) -> Result<Option<String>, Error> {
+        let Some(Block { line, announced, start }) = self.block else { return Ok(None) };
+        let found = self.points - start;
+        if found < announced {
+            let what = format!(
+                "the file ends at line {} after {found} of the {announced} points that line {line} announces",
+                lines.number
+            );
+            return Err(lines.source.truncated(what));
+        }
+        let more = format!("line {line} announces {announced} points, but {found} follow; all of them are read");
+        Ok((found > announced).then_some(more))
+    }
+}
+
+/// Rows as they come, in parts: in columns if these are known, else kept until all values are.
+enum Rows {
+    Ready { places: Box<Places>, parts: Vec<columns::Table>, row: Vec<f64> },
+    Kept(Vec<Vec<f64>>),
+}
+
+/// Some of the rows.
+enum Part {
+    Ready(Box<columns::Table>),
+    Kept(Vec<f64>),
+}
+
+/// Roles of the values of a line.
+struct Places {
+    layout: columns::Layout,
+    /// The value of a line that each column of the layout takes.
+    at: Vec<usize>,
+}
+
+impl Places {
+    fn new(lines: &Lines, names: &[String]) -> Result<Self, Error> {
+        let Layout { columns, at } = Layout::from_names(names);
+        let layout = columns::Layout::new(&columns, FullScale::Measured)
+            .map_err(|missing| lines.malformed(format!("no column `{missing}`, only [{}]", names.join(", "))))?;
+        Ok(Self { layout, at })
+    }
+
+    fn push(&self, table: &mut columns::Table, values: &[f64], row: &mut Vec<f64>) {
+        row.clear();
+        row.extend(self.at.iter().map(|&at| values[at]));
+        table.push(&self.layout, row);
+    }
+
+    /// The columns of rows of so many values.
+    fn table(&self, values: &[f64], columns: usize) -> columns::Table {
+        let mut table = columns::Table::new(&self.layout, 0);
+        table.reserve(values.len() / columns);
+        let mut row = Vec::with_capacity(self.at.len());
+        values.chunks_exact(columns).for_each(|values| self.push(&mut table, values, &mut row));
+        table
+    }
+
+    fn finish(&self, parts: Vec<columns::Table>) -> Cloud {
+        let table = columns::Table::join(&self.layout, parts);
+        let whole = table.whole(&self.layout);
+        table.finish(&self.layout, &whole)
+    }
+}
+
+impl Rows {
+    fn new(lines: &Lines, names: Option<&[String]>) -> Result<Self, Error> {
+        Ok(match names {
+            Some(names) => {
+                let places = Box::new(Places::new(lines, names)?);
+                let parts = vec![columns::Table::new(&places.layout, 0)];
+                Self::Ready { places, parts, row: Vec::new() }
+            }
+            None => Self::Kept(vec![Vec::new()]),
+        })
+    }
+
+    /// Adds a row to the last part.
+    fn push(&mut self, values: &[f64]) {
+        match self {
+            Self::Ready { places, parts, row } => {
+                parts.last_mut().into_iter().for_each(|last| places.push(last, values, row));
+            }
+            Self::Kept(parts) => parts.last_mut().into_iter().for_each(|last| last.extend_from_slice(values)),
+        }
+    }
+
+    /// A part of rows of so many values.
+    fn part(&self, values: Vec<f64>, columns: usize) -> Part {
+        match self {
+            Self::Ready { places, .. } => Part::Ready(Box::new(places.table(&values, columns))),
+            Self::Kept(_) => Part::Kept(values),
+        }
+    }
+
+    /// Adds parts that [`Self::part`] made.
+    fn extend(&mut self, more: Vec<Part>) {
+        for part in more {
+            match (&mut *self, part) {
+                (Self::Ready { parts, .. }, Part::Ready(part)) => parts.push(*part),
+                (Self::Kept(parts), Part::Kept(part)) => parts.push(part),
+                // Each kind of rows makes parts of its kind.
+                _ => {}
+            }
+        }
+    }
+
+    fn finish(self, lines: &Lines, columns: usize, pts: bool) -> Result<Cloud, Error> {
+        match self {
+            Self::Ready { places, parts, .. } => Ok(places.finish(parts)),
+            Self::Kept(kept) => {
+                let names = if pts { of_scanners(columns) } else { None };
+                let names = names.unwrap_or_else(|| by_values(columns, &kept));
+                let places = Places::new(lines, &names)?;
+                // The values of each part are gone once they are in columns.
+                let parts = kept.into_par_iter().map(|values| places.table(&values, columns));
+                Ok(places.finish(parts.collect()))
+            }
+        }
+    }
+}
+
+/// Returns `true` if the first bytes of a file are those of a table: a line of three or more numbers, possibly after
+/// comments and a count.
+pub(crate) fn looks_like_one(start: &[u8]) -> bool {
+    if start.contains(&0) {
+        return false;
+    }
+    let text = String::from_utf8_lossy(start);
+    // The last line may go on.
+    let whole = text.rfind('\n').map_or(&*text, |end| &text[..end]);
+    let mut lines = whole.lines().map(str::trim).filter(|line| !line.is_empty() && comment(line).is_none());
+    let first = lines.next().unwrap_or_default();
+    let line = if count(first).is_some() { lines.next().unwrap_or_default() } else { first };
+    let fields = Delimiter::detect(line).names(line);
+    // The last field of a line that goes on may be half a number.
+    fields.len() >= 3 && fields.iter().take(3).all(|field| any_number(field).is_some())
+}

@@ -1,0 +1,53 @@
+//! The methods in float64 over slices, written from the equations; no device is involved.
+//!
+//! Nothing here is fast, nothing is shared with a shader: a method and its reference agree only if both are right.
+//! Hand-worked cases in `crates/engine/tests/host/reference/` check the references, the references check the device.
+
+pub mod abuffer;
+pub mod approximate;
+pub mod coverage;
+pub mod dealing;
+pub mod edl;
+pub mod field;
+pub mod gaussians;
+pub mod image_space;
+pub mod mlab;
+pub mod moments;
+pub mod one_layer;
+pub mod opaque;
+pub mod peel;
+pub mod peel_layers;
+pub mod range;
+pub mod scan;
+pub mod shading;
+pub mod shadows;
+pub mod soft;
+pub mod sorted;
+pub mod spbr;
+pub mod splats;
+pub mod stochastic;
+pub mod wavelet;
+
+use glam::DVec3;
+
+/// A method's result in float64; the counterpart of [`pellucid_core::image::Image`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// Premultiplied R, G, B and A = 1 − T per pixel, row by row from the top.
+    pub rgba: Vec<[f64; 4]>,
+    /// z of the first fragment with α > 0, +inf if none has.
+    pub depth: Vec<f64>,
+    /// Fragments on each pixel, those with α = 0 included.
+    pub counts: Vec<u32>,
+}
+
+impl Picture {
+    /// Returns the image over a background: C + (1 − A)·background.
+    pub fn composed(&self, background: DVec3) -> Vec<DVec3> {
+        self.rgba.iter().map(|&[r, g, b, a]| DVec3::new(r, g, b) + (1.0 - a) * background).collect()
+    }
+}

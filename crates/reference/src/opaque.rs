@@ -1,0 +1,65 @@
+//! Opaque points, squares and circles: on each pixel the nearest splat wins.
+
+use glam::DVec3;
+
+use super::Picture;
+use super::coverage::{Shape, Splat, footprint};
+use pellucid_core::camera::Camera;
+use pellucid_core::points::Points;
+use pellucid_scene::{Relief, ScreenSplats};
+
+/// Returns the splat that an opaque method draws for a point: the radius times `size`, clamped to `max_pixel_radius`.
+pub fn splat(points: &Points, index: usize, shape: Shape, settings: &ScreenSplats) -> Splat {
+    Splat {
+        position: points.positions[index],
+        radius: f64::from(points.radii[index]) * f64::from(settings.size),
+        normal: None,
+        shape,
+        max_pixel_radius: f64::from(settings.max_pixel_radius),
+    }
+}
+
+/// The displacement of a fragment toward the viewer, in drawn radii: w of Schütz and Wimmer 2015.
+fn moved(relief: Relief, rho: f64) -> f64 {
+    match relief {
+        Relief::Flat => 0.0,
+        Relief::Paraboloid => 1.0 - rho * rho,
+        Relief::Cone => 1.0 - rho,
+        Relief::Sphere => (1.0 - rho * rho).sqrt(),
+    }
+}
+
+/// Returns the whole image: the smallest z wins, after fragments are displaced toward the viewer according to `relief`,
+/// and the smaller index among equal ones; opacity is ignored. `colors` holds a color for each point, shaded and in the
+/// color space of the image ([`super::shading::shade`]).
+pub fn render(
+    camera: &Camera,
+    size: [u32; 2],
+    points: &Points,
+    colors: &[DVec3],
+    shape: Shape,
+    settings: &ScreenSplats,
+    relief: Relief,
+) -> Picture {
+    let pixels = size[0] as usize * size[1] as usize;
+    let mut nearest: Vec<Option<usize>> = vec![None; pixels];
+    let mut depth = vec![f64::INFINITY; pixels];
+    let mut counts = vec![0; pixels];
+    for index in 0..points.len() {
+        let splat = splat(points, index, shape, settings);
+        let at_center = camera.pixels_per_unit(camera.to_view(splat.position).z, size[1]);
+        let radius = splat.radius.min(splat.max_pixel_radius / at_center);
+        for pixel in footprint(camera, size, &splat) {
+            let z = pixel.z - moved(relief, pixel.rho) * radius;
+            let at = pixel.y as usize * size[0] as usize + pixel.x as usize;
+            counts[at] += 1;
+            // Points come in the order of their index, so an equal depth leaves the smaller one in place.
+            if z < depth[at] {
+                depth[at] = z;
+                nearest[at] = Some(index);
+            }
+        }
+    }
+    let rgba = nearest.iter().map(|&point| point.map_or([0.0; 4], |index| colors[index].extend(1.0).to_array()));
+    Picture { width: size[0], height: size[1], rgba: rgba.collect(), depth, counts }
+}

@@ -1,0 +1,77 @@
+//! Transparency of discs and Gaussians in the order of their centers: each pixel composes those that cover it by the depth of
+//! their centers, or the distance, regardless of their depth in that pixel.
+
+use glam::DVec3;
+
+use super::abuffer::{Composite, Fragment, before_end, composite, splat};
+use super::coverage::footprint;
+use super::{Picture, gaussians};
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::points::Points;
+use pellucid_scene::{Discs, Falloff, GaussianSettings, Order};
+
+/// Returns what this method orders Gaussians by. Each has one place for the whole image.
+pub fn key(settings: &GaussianSettings) -> Order {
+    match settings.order {
+        Some(Order::Distance) => Order::Distance,
+        _ => Order::Center,
+    }
+}
+
+/// Returns the points by the depth of their centers along the viewing axis, Gaussians perhaps by their distance from
+/// the eye; equal ones by their place in the canonical order.
+pub fn order(camera: &Camera, points: &Points, settings: &GaussianSettings) -> Vec<usize> {
+    let by_distance = key(settings) == Order::Distance && matches!(camera.projection, Projection::Perspective { .. });
+    let key = |index: usize| {
+        let position = points.positions[index];
+        match by_distance && gaussians::gaussian(points, index).is_some() {
+            true => position.distance(camera.eye),
+            false => camera.to_view(position).z,
+        }
+    };
+    let keys: Vec<f64> = (0..points.len()).map(key).collect();
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_by(|&a, &b| keys[a].total_cmp(&keys[b]).then(a.cmp(&b)));
+    order
+}
+
+/// Returns fragments of each pixel in the order of their centers; z is the fragment's own depth in the pixel, of a
+/// Gaussian that of its center.
+pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -> Vec<Vec<Fragment>> {
+    let mut pixels = vec![Vec::new(); size[0] as usize * size[1] as usize];
+    for index in order(camera, points, &discs.gaussians) {
+        if let Some(gaussian) = gaussians::gaussian(points, index) {
+            let hits = gaussians::footprint(camera, size, &gaussian, &discs.gaussians, key(&discs.gaussians));
+            for hit in hits {
+                let list: &mut Vec<Fragment> = &mut pixels[hit.y as usize * size[0] as usize + hit.x as usize];
+                list.push(Fragment { z: hit.z, index: index as u32, alpha: hit.alpha });
+            }
+            continue;
+        }
+        for covered in footprint(camera, size, &splat(points, index, discs.shape)) {
+            let falloff = match discs.falloff {
+                Falloff::Flat => 1.0,
+                Falloff::Gaussian => (-2.0 * covered.rho.powi(2)).exp(),
+            };
+            let alpha = falloff * f64::from(points.opacities[index]);
+            let list: &mut Vec<Fragment> = &mut pixels[covered.y as usize * size[0] as usize + covered.x as usize];
+            list.push(Fragment { z: covered.z, index: index as u32, alpha });
+        }
+    }
+    pixels
+}
+
+/// Returns the whole image. `colors` holds a color for each point, shaded and in the space that blending runs in
+/// ([`super::shading::shade`]).
+pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> Picture {
+    let lists = lists(camera, size, points, discs);
+    let stop = gaussians::stop(points, &discs.gaussians);
+    let pixels: Vec<Composite> = lists.iter().map(|list| composite(before_end(list, stop), colors)).collect();
+    Picture {
+        width: size[0],
+        height: size[1],
+        rgba: pixels.iter().map(|p| p.color.extend(p.alpha).to_array()).collect(),
+        depth: pixels.iter().map(|p| p.depth).collect(),
+        counts: lists.iter().map(|list| list.len() as u32).collect(),
+    }
+}

@@ -1,0 +1,119 @@
+//! Opaque splats blended in three passes (`hqs`, `splats`; Botsch, Spernat, Kobbelt 2004): the combined result of
+//! visibility, attributes and normalization. [`super::opaque`] covers opaque splats where only the nearest one counts.
+
+mod ranges;
+
+use glam::DVec3;
+
+pub use ranges::ranges;
+pub(super) use ranges::{Candidate, blend as blend_ranges, count, for_each_list, nearest};
+
+use super::Picture;
+use super::abuffer::Composite;
+use super::coverage::{Shape, Splat, footprint};
+use pellucid_core::camera::Camera;
+use pellucid_core::points::Points;
+use pellucid_scene::{BlendedSplats, ScreenSplats};
+
+/// A splat on a pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fragment {
+    /// Depth along the viewing axis, in the tangent plane if the splat is oriented.
+    pub z: f64,
+    /// Distance from the center over the drawn radius, at most 1.
+    pub rho: f64,
+    /// The drawn radius in world units: after `size` and the clamp.
+    pub radius: f64,
+    /// The point's place in the canonical order.
+    pub index: usize,
+}
+
+/// Returns the splat that is drawn for a point. The clamp in pixels, at the depth of the center, is put into the world
+/// radius, so that it holds for a disc in the tangent plane too.
+pub fn splat(
+    camera: &Camera,
+    size: [u32; 2],
+    points: &Points,
+    index: usize,
+    shape: Shape,
+    settings: &ScreenSplats,
+) -> Splat {
+    let position = points.positions[index];
+    let most = f64::from(settings.max_pixel_radius) / camera.pixels_per_unit(camera.to_view(position).z, size[1]).abs();
+    Splat {
+        position,
+        radius: (f64::from(points.radii[index]) * f64::from(settings.size)).min(most),
+        normal: points.own_normal(index).map(|normal| normal.as_dvec3()),
+        shape,
+        max_pixel_radius: f64::INFINITY,
+    }
+}
+
+/// Returns the fragments of each pixel, in the order of their points, of those points that `wanted` picks.
+pub fn lists(
+    camera: &Camera,
+    size: [u32; 2],
+    points: &Points,
+    shape: Shape,
+    settings: &ScreenSplats,
+    wanted: impl Fn(usize) -> bool,
+) -> Vec<Vec<Fragment>> {
+    let mut pixels = vec![Vec::new(); size[0] as usize * size[1] as usize];
+    for index in (0..points.len()).filter(|index| wanted(*index)) {
+        let splat = splat(camera, size, points, index, shape, settings);
+        for pixel in footprint(camera, size, &splat) {
+            let at = pixel.y as usize * size[0] as usize + pixel.x as usize;
+            pixels[at].push(Fragment { z: pixel.z, rho: pixel.rho, radius: splat.radius, index });
+        }
+    }
+    pixels
+}
+
+/// Returns the depth beyond which fragments are occluded: min(zᵢ + `blend_depth`·rᵢ), +inf for no fragments.
+pub fn limit(list: &[Fragment], blend_depth: f64) -> f64 {
+    list.iter().map(|f| f.z + blend_depth * f.radius).fold(f64::INFINITY, f64::min)
+}
+
+/// Returns a pixel: Σwᵢcᵢ / Σwᵢ, w = exp(−2ρ²), of the visible fragments; A = 1 where at least one exists, and the
+/// smallest z.
+pub fn blend(list: &[Fragment], colors: &[DVec3], blend_depth: f64) -> Composite {
+    let limit = limit(list, blend_depth);
+    let seen = || list.iter().filter(|f| f.z <= limit);
+    let weight = |f: &Fragment| (-2.0 * f.rho * f.rho).exp();
+    let total: f64 = seen().map(weight).sum();
+    let sum: DVec3 = seen().map(|f| weight(f) * colors[f.index]).sum();
+    let depth = seen().map(|f| f.z).fold(f64::INFINITY, f64::min);
+    if total > 0.0 {
+        Composite { color: sum / total, alpha: 1.0, depth }
+    } else {
+        Composite { color: DVec3::ZERO, alpha: 0.0, depth }
+    }
+}
+
+/// Pixels to a picture; `counts` are the lengths of the lists.
+pub(super) fn picture(size: [u32; 2], pixels: &[Composite], counts: Vec<u32>) -> Picture {
+    Picture {
+        width: size[0],
+        height: size[1],
+        rgba: pixels.iter().map(|p| p.color.extend(p.alpha).to_array()).collect(),
+        depth: pixels.iter().map(|p| p.depth).collect(),
+        counts,
+    }
+}
+
+/// Returns the whole image, screen-aligned ([`Shape::Disc`]) or in the tangent planes ([`Shape::Oriented`]); opacity is
+/// ignored. `colors` holds a color for each point, shaded and in the space that the image is in
+/// ([`super::shading::shade`]).
+pub fn render(
+    camera: &Camera,
+    size: [u32; 2],
+    points: &Points,
+    colors: &[DVec3],
+    shape: Shape,
+    settings: &BlendedSplats,
+) -> Picture {
+    let lists = lists(camera, size, points, shape, &settings.splats, |_| true);
+    let blend_depth = f64::from(settings.blend_depth);
+    let pixels: Vec<Composite> = lists.iter().map(|list| blend(list, colors, blend_depth)).collect();
+    picture(size, &pixels, lists.iter().map(|list| list.len() as u32).collect())
+}

@@ -1,0 +1,206 @@
+//! Errors in a scene file or in the options that stand for one, with their positions.
+
+use std::path::PathBuf;
+
+use super::procedural;
+use pellucid_core::cloud::field;
+use pellucid_io as io;
+
+/// Anything that keeps a scene and its clouds from being opened.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// A point cloud could not be read.
+    #[error(transparent)]
+    Load(#[from] pellucid_io::Error),
+    /// A scene file, an option or their combination is wrong.
+    #[error(transparent)]
+    Scene(#[from] Error),
+}
+
+/// The position of a key or value.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Place {
+    /// In a file; line and column count from 1, columns in characters.
+    File {
+        /// The file as it was named.
+        path: String,
+        /// Line.
+        line: usize,
+        /// Column.
+        column: usize,
+    },
+    /// In an option, as it was typed.
+    Option(String),
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::File { path, line, column } => write!(f, "{path}:{line}:{column}"),
+            Self::Option(option) => f.write_str(option),
+        }
+    }
+}
+
+/// An error in a scene file or in the options that stand for one.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The scene file is missing or can't be read.
+    #[error("{path}: can't read the scene file: {source}", path = path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// A cloud that is read node by node lacks what follows from neighbors.
+    #[error(
+        "{path}: {what} must be found from the neighbors of all points, but these are not in memory at once; store them \
+         with `pellucid prepare {path} -o FOLDER`, load all points with more --host-memory, or choose a method or setting that does not need them",
+        path = path.display()
+    )]
+    Unprepared {
+        /// The file or folder.
+        path: PathBuf,
+        /// Name of what it lacks.
+        what: &'static str,
+    },
+    /// The scene file has no bytes.
+    #[error("{path}: the scene file is empty; it needs at least one [[cloud]] with a path", path = path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The text is not TOML.
+    #[error("{place}: {message}")]
+    Syntax {
+        /// Its position.
+        place: Place,
+        /// The parser's reason.
+        message: String,
+    },
+    /// No table or method has this key.
+    #[error("{place}: unknown key `{key}`{hint}")]
+    UnknownKey {
+        /// Its position.
+        place: Place,
+        /// The dotted key.
+        key: String,
+        /// The nearest known key or the list of them, as a phrase that follows the key.
+        hint: String,
+    },
+    /// A value has the wrong type or is out of range.
+    #[error("{place}: `{key}` {problem}")]
+    Value {
+        /// Its position.
+        place: Place,
+        /// The dotted key.
+        key: String,
+        /// The expectation and the actual value.
+        problem: String,
+    },
+    /// Two keys contradict each other, or one that is needed is missing.
+    #[error("{place}: {problem}")]
+    Conflict {
+        /// Its position.
+        place: Place,
+        /// Keys with the problem, and what would help.
+        problem: String,
+    },
+    /// No method of that name.
+    #[error("{place}: unknown method {name:?}{hint}")]
+    UnknownMethod {
+        /// Its position.
+        place: Place,
+        /// The name.
+        name: String,
+        /// The nearest known name or the list of them, as a phrase that follows the name.
+        hint: String,
+    },
+    /// The options contradict each other.
+    #[error("{0}")]
+    Usage(String),
+    /// A built-in scene can't be made as asked.
+    #[error(transparent)]
+    Procedural(#[from] procedural::Error),
+    /// No finite point is left after `translate` and `scale`, or none that may be seen.
+    #[error("{clouds}: {}", no_points(*.hidden))]
+    NoPoints {
+        /// The clouds' paths.
+        clouds: String,
+        /// Points that are hidden or cut off.
+        hidden: usize,
+    },
+    /// A cloud lacks what its field is made of.
+    #[error("{path}: {source}", path = path.display())]
+    Field {
+        /// The cloud.
+        path: PathBuf,
+        /// The missing property.
+        source: field::Error,
+    },
+    /// A cloud lacks what its colors are to show.
+    #[error("{path}: color_by = {by:?}, but the file has no {lacking}; {there}", path = path.display())]
+    Color {
+        /// The cloud.
+        path: PathBuf,
+        /// The coloring.
+        by: String,
+        /// The missing property.
+        lacking: String,
+        /// The existing properties, as a phrase.
+        there: String,
+    },
+    /// No scalar has the name that a key gives.
+    #[error("{path}: no scalar `{name}` for {key}{hint}", path = path.display())]
+    NoScalar {
+        /// The cloud.
+        path: PathBuf,
+        /// The name.
+        name: String,
+        /// The key.
+        key: &'static str,
+        /// The nearest name or the list of them, as a phrase that follows.
+        hint: String,
+    },
+    /// The polygons of a clip can't be read.
+    #[error(transparent)]
+    Polygon(#[from] io::Error),
+    /// Coordinates beyond what the camera can be computed for.
+    #[error(
+        "the scene extends from {min} to {max}, too large or too far from the origin for a camera in float64; use \
+         `scale`"
+    )]
+    Extent {
+        /// Smallest corner.
+        min: glam::DVec3,
+        /// Largest corner.
+        max: glam::DVec3,
+    },
+}
+
+fn no_points(hidden: usize) -> String {
+    match hidden {
+        0 => "no finite point remains after `translate` and `scale`".to_owned(),
+        count => format!("no point remains to draw: `class` hides or `clip` cuts off all {count}"),
+    }
+}
+
+impl Error {
+    /// 2 for a wrong scene file or option; 1 for an input that is missing, empty or can't be drawn.
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            Self::Read { .. }
+            | Self::Empty { .. }
+            | Self::NoPoints { .. }
+            | Self::Field { .. }
+            | Self::Color { .. }
+            | Self::NoScalar { .. }
+            | Self::Polygon(_)
+            | Self::Extent { .. } => 1,
+            Self::Procedural(procedural::Error::TooLarge { .. }) => 1,
+            _ => 2,
+        }
+    }
+}

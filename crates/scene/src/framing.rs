@@ -1,0 +1,465 @@
+//! The camera of a scene: as given, and where nothing is given so that the whole scene fits into the image.
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::broadest_side::broadest_side;
+use super::error::Error;
+use super::schema::MAX_COORDINATE;
+use super::settings::{CameraSettings, Scene};
+use super::surroundings;
+use super::view::Vertical;
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::cloud::{Bounds, UpAxis};
+use pellucid_core::points::Points;
+
+/// Vertical field of view if the scene doesn't say, in degrees.
+pub const DEFAULT_FOV_Y: f64 = 45.0;
+
+/// The share of the half angle's tangent that an automatic camera fills; the rest is a margin.
+pub(super) const FILL: f64 = 0.95;
+
+/// Groups of spheres that are read at once.
+const GROUPS: usize = 16;
+
+/// The least distance of an automatic eye to the scene, as a share of the scene's diagonal.
+const CLEARANCE: f64 = 0.1;
+
+/// Returns the scene's camera, and warnings about it.
+///
+/// Without `eye` the camera looks from `scene.camera.view` (by default from the front's right and above, or a quarter farther around
+/// where the scene is clearly broader), from the
+/// distance at which every point, as a sphere of its own radius, fits into the image with a margin of 5%. A given view
+/// overrides `eye` and `target`, and `up` then only defines the vertical axis; the clouds' vertical (the argument
+/// `up`) only counts without it. A scene whose points surround its middle, as those of a room do, is looked at from within
+/// unless anything is said of eye, target or view. Default depths: far = 1.001·(z_max + r_max), near = max(0.999·(z_min − r_max),
+/// far·10⁻⁵), z over the corners of the scene's bounds.
+///
+/// # Errors
+/// No points, coordinates too large for a camera, or an `up` that points along the view.
+pub fn camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(Camera, Vec<String>), Error> {
+    camera_of(scene, &automatic(scene, points, up), points, up)
+}
+
+/// Returns the scene's settings of the camera, with what the points ask for where nothing is said.
+pub(super) fn automatic(scene: &Scene, points: &Points, up: UpAxis) -> CameraSettings {
+    let vertical = vertical_of(&scene.camera, up);
+    let inside = surroundings::inside(&scene.camera, points, vertical);
+    inside.or_else(|| broadest_side(&scene.camera, points, vertical)).unwrap_or(scene.camera)
+}
+
+/// Returns the camera of these settings in a scene, from outside if they don't say from where.
+pub(super) fn camera_of(
+    scene: &Scene,
+    settings: &CameraSettings,
+    points: &Points,
+    up: UpAxis,
+) -> Result<(Camera, Vec<String>), Error> {
+    let subject = subject(scene, points)?;
+    let Subject { bounds, radius, .. } = subject;
+    let vertical = vertical_of(settings, up);
+    let settings = &with_height(settings, &subject, scene.image.size, vertical);
+    let pose = Pose::new(settings, &subject, projection(settings), scene.image.size, vertical);
+    let Some(camera) = placed(settings, &pose, &bounds, radius) else {
+        let problem =
+            format!("{} is parallel to the view {}; remove it or choose another direction", pose.up, pose.forward);
+        return Err(Error::Conflict { place: super::Place::Option("camera.up".into()), problem });
+    };
+    let (near, far) = (camera.near, camera.far);
+    if !(camera.eye.is_finite() && far.is_finite() && near > 0.0 && near < far) {
+        return Err(Error::Extent { min: bounds.min, max: bounds.max });
+    }
+    let mut warnings = Vec::new();
+    if settings.view.is_given() && (settings.eye.is_some() || settings.target.is_some()) {
+        warnings.push("the requested view replaces `eye` and `target` of [camera]".to_owned());
+    }
+    if !sees_anything(&camera, points, scene.image.size) {
+        warnings.push(format!(
+            "the camera sees nothing: none of the {} points lies in the image between near {near} and far {far}; remove \
+             [camera] to show the whole scene",
+            points.len()
+        ));
+    }
+    Ok((camera, warnings))
+}
+
+/// Returns the camera of settings that give its eye, target and up, and no view: the one that [`camera`] finds in a
+/// scene of these `bounds` and this largest `radius`, without a look at its points. `None` if something of it is
+/// missing, if points decide its height, if `up` points along the view, or if coordinates are too large.
+pub fn camera_at(settings: &CameraSettings, bounds: &Bounds, radius: f64) -> Option<Camera> {
+    if settings.ortho && settings.height.is_none() {
+        return None;
+    }
+    let (eye, target, up) = (settings.eye?, settings.target?, settings.up?);
+    let pose = Pose { eye, forward: (target - eye).try_normalize()?, up };
+    let camera = placed(settings, &pose, bounds, radius)?;
+    let usable = camera.eye.is_finite() && camera.far.is_finite() && camera.near > 0.0 && camera.near < camera.far;
+    Some(camera).filter(|_| usable)
+}
+
+/// Returns the part of a scene to frame.
+pub(super) fn subject<'a>(scene: &Scene, points: &'a Points) -> Result<Subject<'a>, Error> {
+    let Some(bounds) = points.bounds() else {
+        let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
+        return Err(Error::NoPoints { clouds: clouds.join(", "), hidden: 0 });
+    };
+    let radius = points.largest_radius();
+    if bounds.min.abs().max(bounds.max.abs()).max_element() > MAX_COORDINATE {
+        return Err(Error::Extent { min: bounds.min, max: bounds.max });
+    }
+    Ok(Subject { points, bounds, radius })
+}
+
+/// Returns the scene's lens.
+pub(super) fn projection(settings: &CameraSettings) -> Projection {
+    match settings.height {
+        Some(height) => Projection::Orthographic { height },
+        None => Projection::Perspective { fov_y: settings.fov_y.unwrap_or(DEFAULT_FOV_Y).to_radians() },
+    }
+}
+
+/// The camera of a pose; `None` if its `up` points along the view.
+fn placed(settings: &CameraSettings, pose: &Pose, bounds: &Bounds, radius: f64) -> Option<Camera> {
+    // Axes are computed around the origin: far from it, eye + direction would be rounded.
+    let axes = Camera::look_at(DVec3::ZERO, pose.forward, pose.up, projection(settings), 1.0, 2.0)?;
+    // Along the camera's own direction, whose last bit may be another one: a key frame knows no other.
+    let (near, far) = depths([settings.near, settings.far], pose.eye, axes.forward, bounds, radius);
+    Some(Camera { eye: pose.eye, near, far, ..axes })
+}
+
+/// Returns the vertical that a camera's `up` stands for, else that of the clouds.
+pub(super) fn vertical_of(settings: &CameraSettings, up: UpAxis) -> Vertical {
+    settings.up.and_then(Vertical::nearest).unwrap_or(up.into())
+}
+
+/// Returns settings in which `ortho` has become the `height` that shows the whole subject from the direction of view.
+pub(super) fn with_height(
+    settings: &CameraSettings,
+    subject: &Subject<'_>,
+    size: [u32; 2],
+    vertical: Vertical,
+) -> CameraSettings {
+    if !settings.ortho || settings.height.is_some() {
+        return *settings;
+    }
+    let (forward, image_up, center) = direction(settings, subject, vertical);
+    let [right, up] = image_axes(forward, image_up);
+    let extent = Spheres { points: subject.points, center, axes: [right, up, forward] }.extent(DVec2::ZERO);
+    CameraSettings { height: Some(height_of(&extent, is_centered(settings), size, subject)), ..*settings }
+}
+
+/// Returns `true` if a picture isn't shifted, so that both sides are alike.
+pub(super) fn is_centered(settings: &CameraSettings) -> bool {
+    !settings.view.is_given() && (settings.eye.is_some() || settings.target.is_some())
+}
+
+/// Returns world units over the height of an orthographic image that shows an extent with the margin of all automatic
+/// cameras.
+pub(super) fn height_of(extent: &Extent, centered: bool, [width, height]: [u32; 2], subject: &Subject<'_>) -> f64 {
+    let size = if centered { 2.0 * extent.upper.max(-extent.lower) } else { extent.upper - extent.lower };
+    let needed = size.y.max(size.x * f64::from(height) / f64::from(width)) / FILL;
+    // Seen along a line of points, or of one point, any height works.
+    [needed, subject.bounds.diagonal()].into_iter().find(|length| *length > 0.0).unwrap_or(1.0)
+}
+
+/// The direction of view, what points to the image's top, and the point in the middle of the picture.
+fn direction(settings: &CameraSettings, subject: &Subject<'_>, vertical: Vertical) -> (DVec3, DVec3, DVec3) {
+    let center = subject.bounds.center();
+    let (forward, image_up) = settings.view.axes(vertical);
+    if settings.view.is_given() {
+        return (forward, image_up, center);
+    }
+    let target = settings.target.unwrap_or(center);
+    let forward = match settings.eye {
+        // An eye in the middle of the scene has no direction to it.
+        Some(eye) => (target - eye).try_normalize().unwrap_or(forward),
+        None => forward,
+    };
+    (forward, settings.up.unwrap_or_else(|| upright(forward, vertical)), settings.eye.unwrap_or(target))
+}
+
+/// Unit vectors to the image's right and top.
+fn image_axes(forward: DVec3, up: DVec3) -> [DVec3; 2] {
+    let right = forward.cross(up).normalize_or(DVec3::X);
+    [right, right.cross(forward)]
+}
+
+/// The points to frame.
+pub(super) struct Subject<'a> {
+    pub points: &'a Points,
+    pub bounds: Bounds,
+    /// The largest one.
+    pub radius: f64,
+}
+
+/// Eye and directions, `up` not yet orthogonal.
+struct Pose {
+    eye: DVec3,
+    forward: DVec3,
+    up: DVec3,
+}
+
+impl Pose {
+    fn new(
+        settings: &CameraSettings,
+        subject: &Subject<'_>,
+        projection: Projection,
+        size: [u32; 2],
+        vertical: Vertical,
+    ) -> Self {
+        let (forward, up, _) = direction(settings, subject, vertical);
+        let given = settings.view.is_given();
+        let eye = settings.eye.filter(|_| !given);
+        let target = settings.target.filter(|_| !given);
+        let eye = eye.unwrap_or_else(|| framed(subject, projection, size, forward, up, target));
+        Self { eye, forward, up }
+    }
+}
+
+/// The vertical, or, where that is along the view, the axis that a map has at its top.
+fn upright(forward: DVec3, vertical: Vertical) -> DVec3 {
+    // Within a thousandth of a radian the image's up would follow rounding rather than the scene.
+    if forward.cross(vertical.up()).length() < 1e-3 { -vertical.front() } else { vertical.up() }
+}
+
+/// The eye from which the subject fits; the image's center shows `target` if one is given.
+fn framed(
+    subject: &Subject<'_>,
+    projection: Projection,
+    size: [u32; 2],
+    forward: DVec3,
+    up: DVec3,
+    target: Option<DVec3>,
+) -> DVec3 {
+    let center = target.unwrap_or_else(|| subject.bounds.center());
+    let [right, up] = image_axes(forward, up);
+    let tangents = tangents(projection, size);
+    let spheres = Spheres { points: subject.points, center, axes: [right, up, forward] };
+    let extent = spheres.extent(tangents);
+    let clear = clearance(subject, center, extent.nearest);
+    let (distance, shift) = match (projection, target) {
+        (Projection::Perspective { .. }, Some(_)) => (extent.centered_distance(tangents).max(clear), DVec2::ZERO),
+        (Projection::Perspective { .. }, None) => {
+            let distance = extent.distance(tangents).max(clear);
+            let (first, last) = extent.shifts(tangents, distance);
+            // The axis that decided the distance has one shift; rounding may turn its interval around.
+            (distance, spheres.middle(distance, 0.5 * (first + last)).max(first).min(last))
+        }
+        (Projection::Orthographic { .. }, Some(_)) => (clear, DVec2::ZERO),
+        (Projection::Orthographic { .. }, None) => (clear, 0.5 * (extent.upper + extent.lower)),
+    };
+    center + right * shift.x + up * shift.y - forward * distance
+}
+
+/// Returns slopes of the planes between which everything must lie; 0 for an orthographic projection.
+pub(super) fn tangents(projection: Projection, size: [u32; 2]) -> DVec2 {
+    match projection {
+        Projection::Perspective { fov_y } => {
+            let vertical = FILL * (0.5 * fov_y).tan();
+            DVec2::new(vertical * f64::from(size[0]) / f64::from(size[1]), vertical)
+        }
+        Projection::Orthographic { .. } => DVec2::ZERO,
+    }
+}
+
+/// Returns the least distance of an eye to the center; `nearest` is the least depth of any part, counted from there.
+///
+/// A subject of zero width fits at any distance, but should be well in front of the eye; and a point closer than its
+/// rounding error would coincide with the eye.
+pub(super) fn clearance(subject: &Subject<'_>, center: DVec3, nearest: f64) -> f64 {
+    let fallback = match subject.bounds.diagonal() + subject.radius {
+        // For a single point without a size any distance works.
+        size if size > 0.0 => size,
+        _ => 1.0,
+    };
+    (CLEARANCE * fallback - nearest).max(1e-6 * center.abs().max_element())
+}
+
+/// Points as spheres at (offset, depth) around a center.
+pub(super) struct Spheres<'a> {
+    pub points: &'a Points,
+    pub center: DVec3,
+    /// Right, up, forward.
+    pub axes: [DVec3; 3],
+}
+
+impl Spheres<'_> {
+    /// Offset, depth, radius.
+    fn iter(&self) -> impl IndexedParallelIterator<Item = (DVec2, f64, f64)> {
+        self.points.spheres().map(|(position, radius)| self.relative(position, radius))
+    }
+
+    fn extent(&self, tangents: DVec2) -> Extent {
+        // 1/cos of the planes' angles.
+        let reach = (DVec2::ONE + tangents * tangents).map(f64::sqrt);
+        let with = |extent: Extent, (offset, depth, radius): (DVec2, f64, f64)| Extent {
+            upper: extent.upper.max(offset - tangents * depth + reach * radius),
+            lower: extent.lower.min(offset + tangents * depth - reach * radius),
+            nearest: extent.nearest.min(depth - radius),
+        };
+        let known = self.iter().fold(|| Extent::NOTHING, with).reduce(|| Extent::NOTHING, Extent::union);
+        self.with_groups(known, with, |extent, more| {
+            let beyond = (more.upper - extent.upper).max(extent.lower - more.lower).max_element();
+            beyond.max(extent.nearest - more.nearest)
+        })
+    }
+
+    /// Adds those groups of spheres to a state that may change it, where only some points are in memory: what changes most goes first.
+    /// `with` adds a sphere, `gain` tells how much farther a state is than another one. What is farthest of a group is so at a corner of its
+    /// box.
+    fn with_groups<S: Copy + Send + Sync>(
+        &self,
+        mut state: S,
+        with: impl Fn(S, (DVec2, f64, f64)) -> S + Sync,
+        gain: impl Fn(S, S) -> f64 + Sync,
+    ) -> S {
+        let Some(whole) = &self.points.whole else { return state };
+        let (groups, rounding) = (whole.spheres.groups(), 1e-12 * whole.bounds.diagonal());
+        let mut left: Vec<usize> = (0..groups.len()).collect();
+        loop {
+            let gain_of = |group: &usize| {
+                let (Bounds { min, max }, radius) = groups[*group];
+                let around = Bounds { min: min - rounding, max: max + rounding };
+                let corners = around.corners().into_iter().map(|corner| self.relative(corner, radius));
+                (gain(state, corners.fold(state, &with)), *group)
+            };
+            let mut gains: Vec<(f64, usize)> = left.par_iter().map(gain_of).filter(|(gain, _)| *gain > 0.0).collect();
+            gains.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+            gains.truncate(GROUPS);
+            if gains.is_empty() {
+                return state;
+            }
+            let spheres: Vec<_> = gains.par_iter().map(|(_, group)| whole.spheres.of_group(*group)).collect();
+            let each = spheres.iter().flatten().map(|(position, radius)| self.relative(*position, *radius));
+            state = each.fold(state, &with);
+            left.retain(|group| gains.iter().all(|(_, done)| done != group));
+        }
+    }
+
+    fn relative(&self, position: DVec3, radius: f64) -> (DVec2, f64, f64) {
+        let [right, up, forward] = self.axes;
+        let p = position - self.center;
+        (DVec2::new(p.dot(right), p.dot(up)), p.dot(forward), radius)
+    }
+
+    /// The shift of an eye at this distance that puts the outermost discs equally far from the image's center, along
+    /// both axes.
+    ///
+    /// Newton's method: the outermost pair, of slopes (a − shift)/z and (b − shift)/w, is even at shift = (a/z +
+    /// b/w)/(1/z + 1/w); then another pair may be the outermost one. It converges in two or three rounds; if two pairs
+    /// alternate, the result is slightly off the middle.
+    fn middle(&self, distance: f64, mut shift: DVec2) -> DVec2 {
+        const ROUNDS: usize = 8;
+        for _ in 0..ROUNDS {
+            // Slope, and 1/z of the disc that has it: the greatest and the least of each axis.
+            let nothing = [(f64::NEG_INFINITY, 0.0); 4];
+            let with = |[x, y, left, down]: [(f64, f64); 4], (offset, depth, radius): (DVec2, f64, f64)| {
+                let (inverse, offset) = (1.0 / (depth + distance), offset - shift);
+                let outer = |offset: f64| ((offset + radius) * inverse, inverse);
+                let [x, y] = [later(x, outer(offset.x)), later(y, outer(offset.y))];
+                [x, y, later(left, outer(-offset.x)), later(down, outer(-offset.y))]
+            };
+            let both = |a: [(f64, f64); 4], b: [(f64, f64); 4]| std::array::from_fn(|i| later(a[i], b[i]));
+            let outermost = self.iter().fold(|| nothing, with).reduce(|| nothing, both);
+            let slopes = |state: [(f64, f64); 4]| state.map(|(slope, _)| slope);
+            let outermost = self.with_groups(outermost, with, |known, more| {
+                let farther = slopes(more).into_iter().zip(slopes(known)).map(|(more, known)| more - known);
+                // Slopes, not lengths.
+                farther.fold(0.0, f64::max) * distance
+            });
+            let (most, least) = outermost.split_at(2);
+            let step = |axis: usize| (most[axis].0 - least[axis].0) / (most[axis].1 + least[axis].1);
+            let step = DVec2::new(step(0), step(1));
+            shift += step;
+            // A ten-thousandth of the image.
+            if step.abs().max_element() <= 1e-4 * distance {
+                break;
+            }
+        }
+        shift
+    }
+}
+
+/// The pair with the greater first element.
+fn later(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    if b.0 > a.0 { b } else { a }
+}
+
+/// The extent of spheres toward the four planes through the eye, whose slopes are `tangents`.
+///
+/// Along one image axis a sphere lies below the upper plane if offset − shift + r/cos ≤ tangent·(depth + distance), and
+/// so above the lower one. With upper = max(offset − tangent·depth + r/cos) and lower = min(offset + tangent·depth −
+/// r/cos) all fit with a shift between upper − tangent·distance and lower + tangent·distance; such a shift exists if
+/// upper − lower ≤ 2·tangent·distance.
+#[derive(Clone, Copy)]
+pub(super) struct Extent {
+    pub upper: DVec2,
+    pub lower: DVec2,
+    /// Least depth that any sphere reaches.
+    pub nearest: f64,
+}
+
+impl Extent {
+    /// That of no spheres.
+    pub const NOTHING: Self = Self { upper: DVec2::NEG_INFINITY, lower: DVec2::INFINITY, nearest: f64::INFINITY };
+
+    /// That of the spheres of both.
+    pub fn union(self, other: Self) -> Self {
+        Self {
+            upper: self.upper.max(other.upper),
+            lower: self.lower.min(other.lower),
+            nearest: self.nearest.min(other.nearest),
+        }
+    }
+
+    /// Returns the smallest distance from which all fits with some shift of the eye.
+    pub fn distance(&self, tangents: DVec2) -> f64 {
+        ((self.upper - self.lower) / (2.0 * tangents)).max_element()
+    }
+
+    /// Returns the smallest distance without a shift.
+    pub fn centered_distance(&self, tangents: DVec2) -> f64 {
+        (self.upper.max(-self.lower) / tangents).max_element()
+    }
+
+    /// Returns the least and the greatest shift with which all fits.
+    pub fn shifts(&self, tangents: DVec2, distance: f64) -> (DVec2, DVec2) {
+        (self.upper - tangents * distance, self.lower + tangents * distance)
+    }
+}
+
+/// Near and far: the given ones, else a range that contains the bounds' corners extended by the largest radius.
+pub(super) fn depths(
+    [near, far]: [Option<f64>; 2],
+    eye: DVec3,
+    forward: DVec3,
+    bounds: &Bounds,
+    radius: f64,
+) -> (f64, f64) {
+    let z = bounds.corners().map(|corner| (corner - eye).dot(forward));
+    let z_min = z.into_iter().fold(f64::INFINITY, f64::min);
+    let z_max = z.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    let far = far.unwrap_or_else(|| {
+        let far = 1.001 * (z_max + radius);
+        // Everything lies behind the camera or before `near`: any range works, as the image is empty.
+        let far = if far > 0.0 { far } else { 1.0 };
+        near.map_or(far, |near| far.max(1.001 * near))
+    });
+    let near = near.unwrap_or_else(|| {
+        let near = (0.999 * (z_min - radius)).max(far * 1e-5);
+        if near < far { near } else { far * 1e-5 }
+    });
+    (near, far)
+}
+
+/// Returns `true` if any point's disc reaches into the image between near and far.
+fn sees_anything(camera: &Camera, points: &Points, size: [u32; 2]) -> bool {
+    let image = DVec2::new(f64::from(size[0]), f64::from(size[1]));
+    // Of points that only stand for others those may show.
+    points.whole.is_some()
+        || points.positions.iter().zip(&points.radii).any(|(position, radius)| {
+            let (pixel, z) = camera.project(*position, size);
+            let radius_px = f64::from(*radius) * camera.pixels_per_unit(z, size[1]);
+            z >= camera.near && z <= camera.far && (pixel - pixel.clamp(DVec2::ZERO, image)).length() <= radius_px
+        })
+}

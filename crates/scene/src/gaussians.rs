@@ -1,0 +1,122 @@
+//! Gaussians of a cloud's file as the scene draws them.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::settings::{CloudSettings, Primitive, Scene};
+use pellucid_core::cloud::Cloud;
+use pellucid_core::cloud::gaussians::{self, Gaussians};
+use pellucid_core::color::encode_srgb_f64;
+
+/// Returns `true` if a cloud's points are drawn as the Gaussians that its file has.
+pub(super) fn are_drawn(scene: &Scene, settings: &CloudSettings, cloud: &Cloud) -> bool {
+    cloud.gaussians.is_some() && would_be_drawn(scene, settings)
+}
+
+/// Returns `true` if the Gaussians of a cloud's file are drawn, should it hold some.
+pub(super) fn would_be_drawn(scene: &Scene, settings: &CloudSettings) -> bool {
+    settings.primitive == Primitive::Gaussians && scene.method.is_made_of_discs()
+}
+
+/// Source of the colors of a cloud's points.
+#[derive(Clone, Copy)]
+pub(super) struct Paint<'a> {
+    /// Linear colors of all points.
+    pub colors: &'a [Vec3],
+    /// False if the scene gives them, and not the file.
+    pub own: bool,
+}
+
+/// Returns the Gaussians of a cloud in the scene. `painted` tells of a point whether a class gives it another color
+/// than the file.
+pub(super) fn placed(
+    settings: &CloudSettings,
+    gaussians: &Gaussians,
+    paint: Paint<'_>,
+    painted: impl Fn(usize) -> bool + Sync,
+) -> Gaussians {
+    let degree = settings.sh_degree.map_or(gaussians.degree, |most| most.min(gaussians.degree));
+    let degree = if paint.own { degree } else { 0 };
+    let mut placed = gaussians.clone().with_degree(degree);
+    let growth = growth(settings);
+    if growth != 1.0 {
+        placed.extents.par_iter_mut().for_each(|extents| *extents = scaled(*extents, growth));
+    }
+    let own = |i: usize| paint.own && !painted(i);
+    placed.bases.par_iter_mut().enumerate().filter(|(i, _)| !own(*i)).for_each(|(i, base)| {
+        *base = paint.colors[i].to_array().map(|linear| encode_srgb_f64(linear.into()) as f32).into();
+    });
+    let count = placed.coefficients().max(1);
+    let plain = placed.harmonics.par_chunks_mut(count).enumerate().filter(|(i, _)| !own(*i));
+    plain.for_each(|(_, harmonics)| harmonics.fill(Vec3::ZERO));
+    placed
+}
+
+/// The factor on the extents of a cloud's Gaussians.
+fn growth(settings: &CloudSettings) -> f64 {
+    settings.scale * f64::from(settings.radius_factor)
+}
+
+/// Returns the largest reach of a Gaussian, as the cloud's settings have it.
+pub(super) fn reach(extents: Vec3, settings: &CloudSettings) -> f32 {
+    gaussians::reach(scaled(extents, growth(settings)))
+}
+
+/// Returns the same of one that reaches so far in its file.
+pub(super) fn scaled_reach(reach: f32, settings: &CloudSettings) -> f32 {
+    ((f64::from(reach) * growth(settings)) as f32).min(f32::MAX)
+}
+
+/// Returns the display value of a linear component.
+pub(super) fn display(linear: f32) -> f32 {
+    encode_srgb_f64(linear.into()) as f32
+}
+
+fn scaled(extents: Vec3, factor: f64) -> Vec3 {
+    // One beyond float32 is as large as float32 can say.
+    extents.to_array().map(|extent| ((f64::from(extent) * factor) as f32).min(f32::MAX)).into()
+}
+
+/// Returns the largest reach of each Gaussian.
+pub(super) fn radii(all: &Gaussians) -> Vec<f32> {
+    all.extents.par_iter().map(|extents| gaussians::reach(*extents)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Quat;
+
+    use super::*;
+    use pellucid_core::cloud::gaussians::REACH;
+
+    fn two() -> Gaussians {
+        Gaussians {
+            extents: vec![Vec3::ONE, Vec3::new(3.0, 2.0, 0.0)],
+            rotations: vec![Quat::IDENTITY; 2],
+            bases: vec![Vec3::splat(0.25), Vec3::splat(1.5)],
+            degree: 1,
+            harmonics: vec![Vec3::ONE; 6],
+        }
+    }
+
+    #[test]
+    fn scale_and_degree_and_colors_of_the_scene_hold() {
+        let colors = [Vec3::ONE, Vec3::ONE];
+        let settings = CloudSettings { scale: 2.0, ..CloudSettings::default() };
+        let own = placed(&settings, &two(), Paint { colors: &colors, own: true }, |i| i == 1);
+        assert_eq!(
+            (own.extents[1], own.bases[0], own.bases[1]),
+            (Vec3::new(6.0, 4.0, 0.0), Vec3::splat(0.25), Vec3::ONE)
+        );
+        assert_eq!((own.harmonics_of(0)[0], own.harmonics_of(1)[2]), (Vec3::ONE, Vec3::ZERO));
+        let larger = CloudSettings { radius_factor: 1.5, ..settings };
+        let grown = placed(&larger, &two(), Paint { colors: &colors, own: true }, |_| false);
+        assert_eq!(grown.extents[1], Vec3::new(9.0, 6.0, 0.0));
+        assert_eq!(reach(two().extents[1], &larger), scaled_reach(gaussians::reach(two().extents[1]), &larger));
+        let settings = CloudSettings { sh_degree: Some(0), ..CloudSettings::default() };
+        assert!(placed(&settings, &two(), Paint { colors: &colors, own: true }, |_| false).harmonics.is_empty());
+        let given = placed(&settings, &two(), Paint { colors: &colors, own: false }, |_| false);
+        assert_eq!((given.degree, given.bases[0]), (0, Vec3::ONE));
+        assert_eq!(radii(&two())[1], 3.0 * REACH);
+    }
+}

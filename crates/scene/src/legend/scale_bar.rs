@@ -1,0 +1,61 @@
+//! A length that an orthographic picture shows everywhere alike.
+
+use super::UNITS;
+use pellucid_core::camera::{Camera, Projection};
+use pellucid_core::color::ticks::round_below;
+
+/// The most of the image's width that a scale bar takes.
+const SHARE: f64 = 0.25;
+
+/// A line with its length in the world.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScaleBar {
+    /// World units: 1, 2 or 5 times a power of ten.
+    pub length: f64,
+    /// Pixels of the image, at most a quarter of its width.
+    pub length_px: f64,
+    /// The length as text, with its unit.
+    pub label: String,
+}
+
+impl ScaleBar {
+    /// Returns the longest one for an image of so many columns and rows; `None` where the same length has many sizes,
+    /// in perspective.
+    pub fn of(camera: &Camera, size: [u32; 2]) -> Option<Self> {
+        let Projection::Orthographic { height } = camera.projection else { return None };
+        let units_per_px = height / f64::from(size[1]);
+        let (length, label) = round_below(SHARE * f64::from(size[0]) * units_per_px)?;
+        let unit = if length == 1.0 { UNITS.trim_end_matches('s') } else { UNITS };
+        Some(Self { length, length_px: length / units_per_px, label: format!("{label} {unit}") })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn camera(projection: Projection) -> Camera {
+        Camera::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, projection, 0.1, 10.0).unwrap()
+    }
+
+    #[test]
+    fn a_bar_is_as_long_as_its_length_in_the_picture() {
+        for (height, size, length, label) in [
+            // 800 px show 80 units; a quarter of them is 20.
+            (60.0, [800, 600], 20.0, "20 units"),
+            (59.9, [800, 600], 10.0, "10 units"),
+            (3.0, [640, 480], 1.0, "1 unit"),
+            (1e-3, [100, 100], 2e-4, "0.0002 units"),
+        ] {
+            let camera = camera(Projection::Orthographic { height });
+            let bar = ScaleBar::of(&camera, size).unwrap();
+            assert_eq!((bar.length, bar.label.as_str()), (length, label));
+            // Measured by the camera: two points a length apart.
+            let ends = [DVec3::ZERO, DVec3::X * length].map(|p| camera.project(p, size).0.x);
+            assert!((ends[1] - ends[0] - bar.length_px).abs() < 1e-9 * bar.length_px, "{bar:?}");
+            assert!(bar.length_px <= 0.25 * f64::from(size[0]) * (1.0 + 1e-12));
+        }
+        assert_eq!(ScaleBar::of(&camera(Projection::Perspective { fov_y: 1.0 }), [800, 600]), None);
+    }
+}

@@ -1,0 +1,63 @@
+//! A scene: image, camera, shading, clouds and method, as a TOML file or the command line give them.
+//!
+//! A file becomes a tree of keys ([`Overrides`] lay options over it), the tree a checked [`Scene`], the scene and its
+//! clouds the [`Points`](pellucid_core::points::Points) and the [`Camera`](pellucid_core::camera::Camera) of a frame.
+
+mod along;
+mod assemble;
+mod broadest_side;
+mod choice;
+mod classes;
+mod clip;
+mod coloring;
+mod document;
+mod error;
+mod framing;
+mod gaussians;
+mod keys;
+mod layers;
+pub mod legend;
+mod method;
+mod methods;
+mod open;
+mod overrides;
+mod overview;
+mod parse;
+mod photo;
+pub mod prepare;
+pub mod procedural;
+mod recipe;
+#[cfg(test)]
+mod reference;
+mod schema;
+mod seen;
+mod settings;
+pub mod stored;
+pub mod supply;
+mod surface_opacity;
+mod surroundings;
+mod table;
+pub mod tracked;
+mod tree;
+mod view;
+
+pub use along::{Course, path_defaults};
+pub use assemble::{
+    arrange, arrange_with_legend, assemble, load_clouds, notes, shadow_texture, take_generated, up_axis,
+};
+pub use choice::MethodChoice;
+pub use coloring::colorings;
+pub use document::{Change, Document, Setting};
+pub use error::{Error, OpenError, Place};
+pub use framing::{DEFAULT_FOV_Y, camera, camera_at};
+pub use keys::{KeyTable, all_method_keys, gaussian_keys, method_keys, tables};
+pub use layers::note_of_layers;
+pub use methods::{Family, METHODS, Method, Purpose, edl_methods};
+pub use open::{DEFAULT_SCENE, Input, Named, Opened, name, open};
+pub use overrides::Overrides;
+pub use overview::{Overview, overview};
+pub use recipe::{Lighting, Recipe};
+pub use schema::{Key, Kind, Ladder, Range, Slider, Word, rounded};
+pub use settings::*;
+pub use surroundings::camera_notes;
+pub use view::{Vertical, View, ViewName};

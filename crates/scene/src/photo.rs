@@ -1,0 +1,93 @@
+//! `photo` of a `[[cloud]]`: a picture's placement in the world, and its displacement.
+
+use glam::DVec3;
+
+use super::error::Error;
+use super::schema::{Key, Kind, Range};
+use super::table::Table;
+use pellucid_io::photo::{Heights, Photo};
+
+/// Returns the keys of the table.
+pub(super) fn keys() -> Vec<Key> {
+    let key = |name, kind, unit, without, about| Key { kind, unit, without, ..Key::new(name, about) };
+    let length = "world units";
+    vec![
+        key(
+            "photo.origin",
+            Kind::Vector,
+            length,
+            "its middle is at (0, 0, 0)",
+            "Position of the lower left corner of a picture.",
+        ),
+        key(
+            "photo.right",
+            Kind::Direction,
+            length,
+            "width 1 along x",
+            "Vector from the left to the right edge of a picture; needs `photo.up`.",
+        ),
+        key(
+            "photo.up",
+            Kind::Direction,
+            length,
+            "along y, with square pixels",
+            "Vector from the lower to the upper edge of a picture; needs `photo.right`.",
+        ),
+        key(
+            "photo.heights",
+            Kind::Text,
+            "",
+            "the picture is flat",
+            "Grayscale picture of heights, relative to the folder of the scene file; needs `photo.height_scale`.",
+        ),
+        key(
+            "photo.height_scale",
+            Kind::Number(Range::COORDINATE),
+            length,
+            "the picture is flat",
+            "Height of white above black; if negative, white is deepest.",
+        ),
+    ]
+}
+
+/// Reads the table inside that of a cloud; `None` if it is absent.
+pub(super) fn read(cloud: &Table<'_>, key: &str) -> Result<Option<Photo>, Error> {
+    let Some(node) = cloud.get(key) else { return Ok(None) };
+    let table = cloud.table(key)?;
+    table.refuse_unknown(&["origin", "right", "up", "heights", "height_scale"])?;
+    let edges = match (table.direction("right")?, table.direction("up")?) {
+        (None, None) => None,
+        (Some(right), Some(up)) if is_plane(right, up) => Some([right, up]),
+        (Some(right), Some(up)) => {
+            return Err(table.error("up", node, format!("must span a plane with `right`, found {up} and {right}")));
+        }
+        (right, _) => {
+            let (given, missing) = if right.is_some() { ("right", "up") } else { ("up", "right") };
+            let problem = format!(
+                "`photo.{given}` needs `photo.{missing}`: they are the picture's edges as vectors in the world; \
+                 without both its width is 1 along x"
+            );
+            return Err(Error::Conflict { place: node.place.clone(), problem });
+        }
+    };
+    let scale = table.number("height_scale", Range::COORDINATE)?;
+    let heights = match (table.path_of("heights")?, scale) {
+        (None, None) => None,
+        (None, Some(_)) => {
+            table.warn(format!("{}: `photo.height_scale` has no effect without `photo.heights`", node.place));
+            None
+        }
+        (Some(path), Some(scale)) => Some(Heights { path, scale }),
+        (Some(_), None) => {
+            let problem = "`photo.heights` needs `photo.height_scale`, the height of white over black in world units";
+            return Err(Error::Conflict { place: node.place.clone(), problem: problem.into() });
+        }
+    };
+    Ok(Some(Photo { origin: table.vector("origin")?, edges, heights }))
+}
+
+/// Returns `true` if two vectors are clearly not parallel, beyond rounding.
+fn is_plane(right: DVec3, up: DVec3) -> bool {
+    let sine = right.normalize_or_zero().cross(up.normalize_or_zero()).length();
+    sine > 1e-6 && right.cross(up).try_normalize().is_some()
+}

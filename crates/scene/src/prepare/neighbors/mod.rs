@@ -1,0 +1,450 @@
+//! The nearest neighbors of every point, independent of the order of the points.
+//!
+//! The K nearest other points, without the point itself, are those of least distance, computed in float64 from the original
+//! positions; of equal distances those of smaller x, then y, then z; of equal positions by normal (up to its sign). They are
+//! listed by rank, so that shuffled points have the same neighbors, in the same sequence, to the bit.
+
+mod search;
+mod tree;
+
+use std::cmp::Ordering;
+use std::ops::Range;
+
+use glam::{DVec3, Vec3};
+use pellucid_core::progress::Progress;
+use rayon::prelude::*;
+
+use self::search::{Columns, Found, Search};
+use self::tree::{LEAF, Tree};
+use super::keyed::Keyed;
+use super::morton;
+use pellucid_core::cloud::Bounds;
+
+/// Places between two steps of the progress bar.
+const BLOCK: usize = 1 << 12;
+
+/// Lists of neighbors above this are not kept but found again when they are needed a second time.
+const MAX_LIST_BYTES: usize = 2 << 30;
+
+/// The distinct positions of a cloud and the points at each.
+///
+/// Points have ranks: place by place in Morton order, so that consecutive queries touch the same memory, and by normal
+/// within a place.
+pub(super) struct Places {
+    /// The index in the cloud, by rank.
+    pub order: Vec<usize>,
+    /// Positions by rank.
+    pub positions: Vec<DVec3>,
+    /// For each place its first rank, with their number as the last entry.
+    starts: Vec<u32>,
+    /// Places by rank.
+    places: Vec<u32>,
+    /// Finds places.
+    tree: Tree,
+    columns: Columns,
+    /// The unit of distances.
+    unit: f64,
+}
+
+/// A power of two, of 2⁻⁴⁰⁰ times the size of a cloud or more: it keeps squared distances from overflow, and those of down to
+/// 10⁻²⁷⁰ of that size from underflow, which one stray at 10¹⁷⁰ would cause otherwise. Scaling by it rounds nothing else.
+fn unit(bounds: &Bounds) -> f64 {
+    let half_side = (0.5 * bounds.max - 0.5 * bounds.min).max_element();
+    if half_side > 0.0 { (half_side.log2().floor() - 400.0).clamp(-1022.0, 1023.0).exp2() } else { 1.0 }
+}
+
+/// The bits of a position, the two zeros being one.
+fn position_key(p: DVec3) -> [u64; 3] {
+    (p + DVec3::ZERO).to_array().map(f64::to_bits)
+}
+
+/// Integers in the order of a normal's coordinates, the same for both of its directions.
+fn normal_key(normal: Vec3) -> [i32; 3] {
+    let first = normal.to_array().into_iter().find(|x| *x != 0.0).unwrap_or_default();
+    let normal = if first < 0.0 { -normal } else { normal };
+    // In the order of `f32::total_cmp`.
+    (normal + Vec3::ZERO).to_array().map(|x| {
+        let bits = x.to_bits() as i32;
+        bits ^ (((bits >> 31) as u32) >> 1) as i32
+    })
+}
+
+/// Puts many points of one Morton code into the order of codes within their own bounds, and so on: a stray a thousand
+/// kilometers away has all others in a few cells.
+fn refine(cell: &mut [Keyed], positions: &[DVec3], by_content: &(impl Fn(u32, u32) -> Ordering + Sync)) {
+    if cell.len() <= LEAF {
+        return;
+    }
+    let members: Vec<DVec3> = cell.iter().map(|keyed| positions[keyed.index as usize]).collect();
+    let Some(bounds) = Bounds::of(&members).filter(|bounds| bounds.min != bounds.max) else { return };
+    let indices: Vec<u32> = cell.iter().map(|keyed| keyed.index).collect();
+    let content = |a: u32, b: u32| by_content(indices[a as usize], indices[b as usize]);
+    let mut order = morton::sorted(&members, &bounds, content);
+    if order[0].code() == order[order.len() - 1].code() {
+        // Too small for halves of it.
+        return;
+    }
+    order.iter_mut().for_each(|keyed| keyed.index = indices[keyed.index as usize]);
+    order.par_chunk_by_mut(|a, b| a.code() == b.code()).for_each(|cell| refine(cell, positions, by_content));
+    cell.iter_mut().zip(order).for_each(|(keyed, sorted)| keyed.index = sorted.index);
+}
+
+impl Places {
+    /// From finite positions; `None` if there are none, or 2³² and more, of which no renderer takes as many, either.
+    pub fn group(positions: &[DVec3], normals: Option<&[Vec3]>) -> Option<Self> {
+        Self::group_within(positions, normals, &Bounds::of(positions)?)
+    }
+
+    /// Returns the same of some points of a cloud with these bounds. Their ranks are in the order of those of the whole
+    /// cloud, as far as all points are there that share a cell of [`morton::cell_side`] with one of them.
+    pub fn group_within(positions: &[DVec3], normals: Option<&[Vec3]>, bounds: &Bounds) -> Option<Self> {
+        // Ranks have 32 bits.
+        u32::try_from(positions.len()).ok().filter(|count| *count > 0)?;
+        let normal = |i: usize| normals.map_or([0; 3], |normals| normal_key(normals[i]));
+        let by_content = |a: u32, b: u32| {
+            let [a, b] = [a as usize, b as usize];
+            let by_position = position_key(positions[a]).cmp(&position_key(positions[b]));
+            by_position.then_with(|| normal(a).cmp(&normal(b)))
+        };
+        let mut keyed = morton::sorted(positions, bounds, by_content);
+        keyed.par_chunk_by_mut(|a, b| a.code() == b.code()).for_each(|cell| refine(cell, positions, &by_content));
+        let order: Vec<usize> = keyed.par_iter().map(|keyed| keyed.index as usize).collect();
+        let positions: Vec<DVec3> = order.par_iter().map(|&index| positions[index]).collect();
+        let is_first = |rank: &u32| *rank == 0 || positions[*rank as usize] != positions[*rank as usize - 1];
+        let mut starts: Vec<u32> = (0..positions.len() as u32).into_par_iter().filter(is_first).collect();
+        let codes: Vec<u64> = starts.par_iter().map(|&rank| keyed[rank as usize].code()).collect();
+        let unit = unit(bounds);
+        let columns = Columns::new(&positions, &starts, unit);
+        let tree = Tree::new(&columns, &codes);
+        starts.push(positions.len() as u32);
+        let members = |place: usize| (starts[place + 1] - starts[place]) as usize;
+        let mut places = Vec::with_capacity(positions.len());
+        for place in 0..starts.len() - 1 {
+            places.resize(places.len() + members(place), place as u32);
+        }
+        Some(Self { order, positions, starts, places, tree, columns, unit })
+    }
+
+    /// Returns the number of distinct positions.
+    pub fn len(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Returns the ranks of the points at a place.
+    pub fn members(&self, place: usize) -> Range<usize> {
+        self.starts[place] as usize..self.starts[place + 1] as usize
+    }
+
+    /// Returns the place of the point of a rank.
+    pub fn place_of(&self, rank: u32) -> usize {
+        self.places[rank as usize] as usize
+    }
+
+    /// Returns the rank of each point of the cloud.
+    pub fn ranks(&self) -> Vec<u32> {
+        let mut ranks = vec![0; self.order.len()];
+        for (rank, &index) in self.order.iter().enumerate() {
+            ranks[index] = rank as u32;
+        }
+        ranks
+    }
+
+    /// Returns world units in which distances are given; a power of two.
+    pub fn unit(&self) -> f64 {
+        self.unit
+    }
+
+    /// The number of the `k` nearest others of a point at `place` that have another position: 0 if `k` others share
+    /// this one.
+    fn elsewhere(&self, place: usize, k: usize) -> usize {
+        (k + 1).saturating_sub(self.members(place).len())
+    }
+
+    /// Returns the ranks of those of the `k` nearest others of a point at `place` that have another position, in
+    /// ascending order, and the distance of the last in [`Places::unit`]s.
+    pub fn others(&self, place: usize, k: usize) -> (Vec<u32>, f64) {
+        let mut ranks = Vec::new();
+        let mut search = Search::new(&self.tree, &self.columns, k);
+        let distance = self.take(place, k, search.one(place), &mut ranks);
+        (ranks, distance)
+    }
+
+    /// Takes the ranks of [`Places::others`] out of the places that were found, those as near as the k-th other one; the distance
+    /// of the last in units.
+    fn take(&self, place: usize, k: usize, found: Found<'_>, ranks: &mut Vec<u32>) -> f64 {
+        let Found { places: found, last, .. } = found;
+        ranks.clear();
+        let wanted = self.elsewhere(place, k);
+        if wanted == 0 {
+            return 0.0;
+        }
+        let is_single = |place: u32| self.starts[place as usize + 1] - self.starts[place as usize] == 1;
+        if found.len() == k + 1
+            && (self.starts.len() > self.positions.len() || found.iter().all(|&place| is_single(place)))
+        {
+            // Written whether it is another or not: no branch to mispredict.
+            let mut count = 0;
+            ranks.resize(found.len(), 0);
+            for &other in found {
+                ranks[count] = self.starts[other as usize];
+                count += usize::from(other as usize != place);
+            }
+            ranks.truncate(count);
+            return last.sqrt();
+        }
+        let places = self.sorted(place, found);
+        let all =
+            places.iter().flat_map(|&(squared, place)| self.members(place).map(move |rank| (squared, rank as u32)));
+        let mut distance = 0.0;
+        ranks.extend(all.take(wanted).map(|(squared, rank)| {
+            distance = squared;
+            rank
+        }));
+        ranks.sort_unstable();
+        distance.sqrt()
+    }
+
+    /// Places with their squared distances from `place`, itself left out, in the order of neighbors.
+    fn sorted(&self, place: usize, found: &[u32]) -> Vec<(f64, usize)> {
+        let others = found.iter().map(|&there| there as usize).filter(|&there| there != place);
+        let mut places: Vec<(f64, usize)> =
+            others.map(|there| (self.columns.squared_between(place, there), there)).collect();
+        places.sort_unstable_by(|a, b| {
+            let coordinates = |place: usize| (self.positions[self.starts[place] as usize] + DVec3::ZERO).to_array();
+            let by_position = || {
+                let [a, b] = [coordinates(a.1), coordinates(b.1)];
+                a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
+            };
+            a.0.total_cmp(&b.0).then_with(by_position)
+        });
+        places
+    }
+
+    /// Calls `see` for each place with [`Places::others`], on all cores, and keeps what it returns. `again`: which lists are
+    /// kept for a second visit, if memory allows.
+    pub fn visit<T: Send>(
+        &self,
+        k: usize,
+        again: Again,
+        progress: &Progress,
+        see: impl Fn(usize, &[u32], f64) -> T + Sync,
+    ) -> (Vec<T>, Lists) {
+        self.visit_blocks(k, again, progress, see, |seen| seen)
+    }
+
+    /// Like [`Places::visit`]; what `see` returns goes through `finish`, the values of some thousand places at a time.
+    pub fn visit_blocks<T, U: Send>(
+        &self,
+        k: usize,
+        again: Again,
+        progress: &Progress,
+        see: impl Fn(usize, &[u32], f64) -> T + Sync,
+        finish: impl Fn(Vec<T>) -> Vec<U> + Sync,
+    ) -> (Vec<U>, Lists) {
+        progress.set_length(self.len() as u64);
+        let keep = again != Again::No && self.len().saturating_mul(4 * k) <= MAX_LIST_BYTES;
+        let blocks: Vec<(Vec<U>, Kept)> = (0..self.len().div_ceil(BLOCK))
+            .into_par_iter()
+            .map(|block| {
+                let places = block * BLOCK..((block + 1) * BLOCK).min(self.len());
+                let mut kept = Kept::default();
+                let mut seen = Vec::with_capacity(places.len());
+                let mut ranks = Vec::with_capacity(k);
+                self.search(places.clone(), k, |place, found| {
+                    let distance = self.take(place, k, found, &mut ranks);
+                    seen.push(see(place, &ranks, distance));
+                    if keep {
+                        let again = again.wants(k, found.squared, distance);
+                        kept.add(again.then_some(ranks.as_slice()));
+                    }
+                });
+                progress.inc(places.len() as u64);
+                (finish(seen), kept)
+            })
+            .collect();
+        let mut all = Vec::with_capacity(self.len());
+        let (finished, kept): (Vec<_>, Vec<_>) = blocks.into_iter().unzip();
+        finished.into_iter().for_each(|finished| all.extend(finished));
+        (all, Lists { k, kept: keep.then_some(kept) })
+    }
+
+    /// Calls `see` for each of some places with the places as near as the k-th other one.
+    fn search(&self, places: Range<usize>, k: usize, mut see: impl FnMut(usize, Found<'_>)) {
+        let mut search = Search::new(&self.tree, &self.columns, k);
+        for &leaf in &self.tree.leaves[self.tree.leaf_of(places.start)..] {
+            let leaf = self.tree.nodes[leaf as usize];
+            let (from, to) = (leaf.first as usize, (leaf.first + leaf.leaf_len) as usize);
+            if from >= places.end {
+                break;
+            }
+            search.leaf(leaf, from.max(places.start)..to.min(places.end), &mut see);
+        }
+    }
+}
+
+/// The neighbors that are needed a second time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Again {
+    No,
+    All,
+    /// Those of places that a cap of so many times the median around them may change ([`super::radius::capped`]).
+    Capped(f32),
+}
+
+impl Again {
+    /// Returns `true` if the neighbors of a place are needed, those found at these squared distances, itself among
+    /// them, and the last of the K nearest at this distance.
+    ///
+    /// A neighbor at δ has its own K-th one at d − δ or beyond: the ball of that radius around it lies within the ball of radius d
+    /// around this place, whose inside holds fewer than K others. Where d − δ is d / cap or more for so many that their median is, the
+    /// cap changes nothing.
+    fn wants(self, k: usize, squared: &[f64], distance: f64) -> bool {
+        match self {
+            Self::No => false,
+            Self::All => true,
+            Self::Capped(cap) => {
+                // A little less, for what was rounded.
+                let near = (1.0 - 1.0 / f64::from(cap)) * distance * (1.0 - 1e-9);
+                let limit = if near > 0.0 { near * near } else { 0.0 };
+                let count = squared.iter().fold(0, |count, squared| count + u64::from(*squared <= limit));
+                count < least_of_median(k) as u64
+            }
+        }
+    }
+}
+
+/// Returns how many of `k` neighbors and the point itself have a value or a larger one, if their median does.
+pub(super) fn least_of_median(k: usize) -> usize {
+    k.div_ceil(2) + 1
+}
+
+/// The neighbors elsewhere of a block of places.
+#[derive(Default)]
+struct Kept {
+    ranks: Vec<u32>,
+    /// By place the first of its neighbors in `ranks`, or [`NOT_NEEDED`].
+    starts: Vec<u32>,
+}
+
+/// Instead of the first of neighbors that aren't kept.
+const NOT_NEEDED: u32 = u32::MAX;
+
+impl Kept {
+    /// Adds those of the next place, if they are needed.
+    fn add(&mut self, ranks: Option<&[u32]>) {
+        self.starts.push(ranks.map_or(NOT_NEEDED, |_| self.ranks.len() as u32));
+        self.ranks.extend_from_slice(ranks.unwrap_or_default());
+    }
+}
+
+/// The neighbors elsewhere of places, if they were kept.
+pub(super) struct Lists {
+    k: usize,
+    /// By block of places.
+    kept: Option<Vec<Kept>>,
+}
+
+impl Lists {
+    /// Hands those of a place to `see`; `None` if they aren't needed.
+    pub fn others<T>(&self, places: &Places, place: usize, see: impl FnOnce(&[u32]) -> T) -> Option<T> {
+        let Some(kept) = &self.kept else { return Some(see(&places.others(place, self.k).0)) };
+        let Kept { ranks, starts } = &kept[place / BLOCK];
+        let start = starts[place % BLOCK];
+        let list = || &ranks[start as usize..][..places.elsewhere(place, self.k)];
+        (start != NOT_NEEDED).then(|| see(list()))
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    use super::*;
+
+    /// Returns points on a plane and in a ball, copies of some, and strays far from all.
+    pub fn cloud(count: usize, seed: u64) -> Vec<DVec3> {
+        let mut random = Pcg64::seed_from_u64(seed);
+        let mut number = || random.random::<f64>();
+        let mut points: Vec<DVec3> = (0..count).map(|_| DVec3::new(number(), number(), 0.01 * number())).collect();
+        points.extend((0..count / 4).map(|_| DVec3::new(number(), number(), number()) * 0.1));
+        points.extend((0..20).map(|_| DVec3::new(number(), number(), number()) * 50.0));
+        // On a grid: many at the same distance.
+        points.extend((0..count / 4).map(|_| (DVec3::new(number(), number(), 0.0) * 16.0).floor() + 3.0 * DVec3::Z));
+        points.extend_from_within(..count / 8);
+        points
+    }
+
+    /// By all distances, in the order that the module states.
+    fn brute_force(places: &Places, place: usize, k: usize) -> (Vec<u32>, f64) {
+        let here = places.positions[places.members(place).start];
+        let squared = |rank: usize| ((places.positions[rank] - here) / places.unit()).length_squared();
+        let mut all: Vec<usize> =
+            (0..places.positions.len()).filter(|rank| !places.members(place).contains(rank)).collect();
+        let key = |rank: usize| places.positions[rank].to_array();
+        all.sort_by(|&a, &b| {
+            let by_position = || key(a).partial_cmp(&key(b)).unwrap().then(a.cmp(&b));
+            squared(a).total_cmp(&squared(b)).then_with(by_position)
+        });
+        all.truncate((k + 1).saturating_sub(places.members(place).len()));
+        let distance = all.last().map_or(0.0, |&rank| squared(rank).sqrt());
+        let mut ranks: Vec<u32> = all.into_iter().map(|rank| rank as u32).collect();
+        ranks.sort_unstable();
+        (ranks, distance)
+    }
+
+    #[test]
+    fn neighbors_are_those_of_brute_force() {
+        for (count, k) in [(3, 1), (40, 7), (400, 24), (1500, 24), (1500, 90)] {
+            let places = Places::group(&cloud(count, count as u64), None).unwrap();
+            let k = k.min(places.positions.len() - 1);
+            let see = |place: usize, others: &[u32], distance: f64| {
+                assert_eq!((others.to_vec(), distance), brute_force(&places, place, k), "{count} {k} {place}");
+                assert_eq!(places.others(place, k), (others.to_vec(), distance), "{count} {k} {place}");
+            };
+            places.visit(k, Again::No, &Progress::hidden(), see);
+        }
+    }
+
+    /// The order of ranks decides how many places a search looks at.
+    #[test]
+    fn a_stray_far_away_leaves_the_order_of_the_others_as_it_is() {
+        let near = cloud(2000, 3);
+        let extent = |places: &Places| -> f64 {
+            let all = &places.positions[..near.len()];
+            all.chunks(LEAF).map(|some| Bounds::of(some).unwrap().diagonal()).sum()
+        };
+        let alone = extent(&Places::group(&near, None).unwrap());
+        for far in [1e4, 1e9, 1e170] {
+            let with = [near.as_slice(), &[DVec3::splat(far)]].concat();
+            let places = Places::group(&with, None).unwrap();
+            assert!(extent(&places) < 1.5 * alone, "{far}: {} instead of {alone}", extent(&places));
+        }
+    }
+
+    #[test]
+    fn a_block_that_cuts_a_leaf_changes_nothing() {
+        let places = Places::group(&cloud(1000, 5), None).unwrap();
+        let mut all = Vec::new();
+        places.search(0..places.len(), 24, |place, found| all.push((place, found.places.to_vec(), found.last)));
+        let mut parts = Vec::new();
+        for from in (0..places.len()).step_by(7) {
+            let part = from..(from + 7).min(places.len());
+            places.search(part, 24, |place, found| parts.push((place, found.places.to_vec(), found.last)));
+        }
+        assert_eq!(all, parts);
+        assert!(all.iter().map(|(place, ..)| *place).eq(0..places.len()));
+    }
+
+    #[test]
+    fn points_too_far_or_too_near_for_squares_have_neighbors() {
+        for (scale, stray) in [(1e-300, 1.0), (1e-160, 1.0), (1.0, 1.0), (1e150, 1.0), (1e307, 1.0), (1.0, 1e170)] {
+            let mut points: Vec<DVec3> = cloud(300, 9).into_iter().map(|p| p * (scale * 0.01)).collect();
+            points[0] *= stray;
+            let places = Places::group(&points, None).unwrap();
+            places.visit(24, Again::No, &Progress::hidden(), |place, others, distance| {
+                assert_eq!((others.to_vec(), distance), brute_force(&places, place, 24), "{scale} {place}");
+            });
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! The points of a store in a part of space.
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use super::super::morton;
+use pellucid_core::cloud::Bounds;
+use pellucid_io::Error;
+use pellucid_io::store::{Node, Octree, Piece, Store};
+
+/// A store whose points are looked at region by region.
+#[derive(Debug)]
+pub(super) struct Source {
+    pub octree: Octree,
+    pub bounds: Bounds,
+    /// A distance within which all points are that share a Morton cell of the whole cloud.
+    pub cell: f64,
+}
+
+/// Some points of a store.
+#[derive(Debug, Default)]
+pub(super) struct Local {
+    pub positions: Vec<DVec3>,
+    /// If the cloud has normals.
+    pub normals: Option<Vec<Vec3>>,
+    /// For each point how many are before it in the store's file.
+    pub places: Vec<u64>,
+}
+
+/// A part of space.
+#[derive(Debug)]
+pub(super) enum Shape {
+    /// With its faces.
+    Box(Bounds),
+    /// Balls by center and radius.
+    Balls(Vec<(DVec3, f64)>),
+}
+
+impl Shape {
+    fn holds(&self, p: DVec3) -> bool {
+        match self {
+            Self::Box(bounds) => (p.cmpge(bounds.min) & p.cmple(bounds.max)).all(),
+            Self::Balls(balls) => balls.iter().any(|(center, radius)| center.distance(p) <= *radius),
+        }
+    }
+
+    fn touches(&self, part: &Bounds) -> bool {
+        match self {
+            Self::Box(bounds) => (part.max.cmpge(bounds.min) & part.min.cmple(bounds.max)).all(),
+            Self::Balls(balls) => {
+                balls.iter().any(|(center, radius)| center.clamp(part.min, part.max).distance(*center) <= *radius)
+            }
+        }
+    }
+}
+
+impl Source {
+    pub fn new(octree: Octree) -> Self {
+        let bounds = octree.summary().bounds;
+        // The diagonal of a cube, and what is rounded.
+        let cell = 1.75 * morton::cell_side(&bounds);
+        Self { octree, bounds, cell }
+    }
+
+    /// Returns the points of a part of space, in the order of the file's nodes.
+    pub fn gather(&self, shape: &Shape) -> Result<Local, Error> {
+        let nodes = self.octree.nodes().iter().enumerate();
+        let touched: Vec<usize> =
+            nodes.filter(|(_, node)| node.points > 0 && shape.touches(&node.bounds)).map(|(at, _)| at).collect();
+        let parts: Vec<Local> = touched.into_par_iter().map(|node| self.part(node, shape)).collect::<Result<_, _>>()?;
+        let has_normals = self.octree.summary().like.normals.is_some();
+        let mut all = Local { normals: has_normals.then(Vec::new), ..Local::default() };
+        for part in parts {
+            all.positions.extend(part.positions);
+            all.places.extend(part.places);
+            if let (Some(all), Some(normals)) = (&mut all.normals, part.normals) {
+                all.extend(normals);
+            }
+        }
+        Ok(all)
+    }
+
+    fn part(&self, node: usize, shape: &Shape) -> Result<Local, Error> {
+        let Piece { cloud, .. } = self.octree.read(node)?;
+        let inside: Vec<usize> = (0..cloud.len()).filter(|i| shape.holds(cloud.positions[*i])).collect();
+        let first = self.octree.first_point(node);
+        Ok(Local {
+            positions: inside.iter().map(|i| cloud.positions[*i]).collect(),
+            normals: cloud.normals.map(|normals| inside.iter().map(|i| normals[*i]).collect()),
+            places: inside.iter().map(|i| first + *i as u64).collect(),
+        })
+    }
+
+    /// Returns a distance from a position within which there are so many points, or all, by the boxes of nodes alone.
+    pub fn reach(&self, from: DVec3, points: u64) -> f64 {
+        let farthest = |node: &Node| (node.bounds.max - from).abs().max((node.bounds.min - from).abs()).length();
+        let nodes = self.octree.nodes().iter().filter(|node| node.points > 0);
+        let mut nodes: Vec<(f64, u64)> = nodes.map(|node| (farthest(node), node.points)).collect();
+        nodes.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let mut there = 0_u64;
+        let within = nodes.iter().find(|(_, own)| {
+            there += own;
+            there >= points
+        });
+        within.or(nodes.last()).map_or(0.0, |(distance, _)| *distance)
+    }
+}

@@ -1,0 +1,234 @@
+//! The built-in scenes: clouds generated from a name, parameters and a seed.
+//!
+//! The same name, parameters and seed give the same clouds on every machine: the generator is PCG-64 and the geometry
+//! needs only operations that IEEE 754 defines to the last bit (sines come from `random::unit_circle`). Positions,
+//! normals and radii are float32, colors lie on the 8-bit sRGB grid, so that a PLY file holds a scene without loss.
+
+mod builder;
+mod garden;
+pub mod iso;
+mod mosaic;
+mod plane;
+mod planes;
+mod random;
+mod sign;
+mod spheres;
+mod stack;
+pub mod terrain;
+mod tori;
+mod volume;
+
+use pellucid_core::cloud::Cloud;
+
+/// Most points a built-in scene may ask for: 10 GB as [`Cloud`]s with color, normal and class.
+const MAX_POINTS: f64 = 200e6;
+
+/// A built-in scene: name, summary in one line, parameters.
+pub struct Builtin {
+    /// Its name in `pellucid scene`.
+    pub name: &'static str,
+    /// A single line for `--list`.
+    pub summary: &'static str,
+    /// The parameters of `--set`.
+    pub parameters: &'static [Parameter],
+    generate: fn(&Given<'_>, u64) -> Result<Generated, Error>,
+}
+
+/// A number that shapes a built-in scene.
+pub struct Parameter {
+    /// Its key in `--set KEY=VALUE`.
+    pub name: &'static str,
+    /// The value without `--set`.
+    pub default: f64,
+    /// Smallest value allowed.
+    pub min: f64,
+    /// Largest value allowed.
+    pub max: f64,
+    /// `true` for a count, which has to be a whole number.
+    pub integer: bool,
+    /// A single line for `--list`.
+    pub summary: &'static str,
+}
+
+impl Parameter {
+    const fn count(name: &'static str, default: f64, min: f64, max: f64, summary: &'static str) -> Self {
+        Self { name, default, min, max, integer: true, summary }
+    }
+
+    const fn real(name: &'static str, default: f64, min: f64, max: f64, summary: &'static str) -> Self {
+        Self { name, default, min, max, integer: false, summary }
+    }
+}
+
+/// All built-in scenes; the first is the one rendered without input.
+pub const BUILTINS: &[Builtin] = &[
+    garden::BUILTIN,
+    tori::BUILTIN,
+    volume::BUILTIN,
+    stack::BUILTIN,
+    mosaic::BUILTIN,
+    plane::BUILTIN,
+    planes::BUILTIN,
+    spheres::BUILTIN,
+    sign::BUILTIN,
+    terrain::BUILTIN,
+];
+
+/// A generated scene: its clouds and the scene file that shows them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Generated {
+    /// Each cloud with the file name (`….ply`) under which the scene file looks for it.
+    pub clouds: Vec<(String, Cloud)>,
+    /// The text of `scene.toml`.
+    pub scene_toml: String,
+}
+
+/// Reason why a built-in scene could not be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// No scene has this name.
+    #[error("no built-in scene is called \"{name}\"{hint}; expected one of {known}")]
+    UnknownScene {
+        /// The name asked for.
+        name: String,
+        /// `, did you mean "…"?`, or nothing if no name is near.
+        hint: String,
+        /// All names.
+        known: String,
+    },
+    /// The scene has no such parameter.
+    #[error("the scene \"{scene}\" has no parameter \"{name}\"{hint}; it has {known}")]
+    UnknownParameter {
+        /// The scene.
+        scene: &'static str,
+        /// The parameter asked for.
+        name: String,
+        /// `, did you mean "…"?`, or nothing if no name is near.
+        hint: String,
+        /// All parameters of the scene.
+        known: String,
+    },
+    /// A value outside its range, NaN included.
+    #[error("{scene}: {name} = {value} is out of range; it must lie from {min} to {max}")]
+    OutOfRange {
+        /// The scene.
+        scene: &'static str,
+        /// The parameter.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+        /// Smallest value allowed.
+        min: f64,
+        /// Largest value allowed.
+        max: f64,
+    },
+    /// A count with a fraction.
+    #[error("{scene}: {name} = {value} is a count and must be a whole number")]
+    NotInteger {
+        /// The scene.
+        scene: &'static str,
+        /// The parameter.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// No radius gives the wanted mean number of layers with this many points.
+    #[error(
+        "volume: {points} points cannot give layers = {layers}: a radius of 0 gives {least:.3} and one that fills the \
+         image {most:.0}; change points or layers"
+    )]
+    OutOfReach {
+        /// Layers asked for.
+        layers: f64,
+        /// Points asked for.
+        points: usize,
+        /// Mean layers at radius 0.
+        least: f64,
+        /// Mean layers where every point covers the whole image.
+        most: f64,
+    },
+    /// The volume has no surface at a value.
+    #[error(
+        "iso: no surface has the value {value}; the values of the volume range from {least} to {greatest}, and a surface \
+         needs some above it and some below"
+    )]
+    NoSurface {
+        /// The requested value, or the only one in the volume.
+        value: f64,
+        /// The volume's least value; NaN if it has none.
+        least: f64,
+        /// Its greatest.
+        greatest: f64,
+    },
+    /// More values than available colors.
+    #[error("iso: {values} values, but at most {most} are allowed")]
+    TooManySurfaces {
+        /// The number of given values.
+        values: usize,
+        /// The largest allowed number.
+        most: usize,
+    },
+    /// Not enough memory for the points.
+    #[error("{points} points need {bytes} bytes, more than can be allocated; ask for fewer points")]
+    TooLarge {
+        /// Points asked for.
+        points: usize,
+        /// The memory they need.
+        bytes: usize,
+    },
+}
+
+/// Makes the built-in scene `name`.
+///
+/// `parameters` override the defaults of [`Builtin::parameters`]; of a name given twice the last value counts.
+///
+/// # Errors
+/// An unknown scene or parameter, a value out of range or not whole, more points than fit the memory.
+pub fn build(name: &str, parameters: &[(String, f64)], seed: u64) -> Result<Generated, Error> {
+    let builtin = BUILTINS.iter().find(|b| b.name == name).ok_or_else(|| {
+        let known = || BUILTINS.iter().map(|b| b.name).chain([iso::NAME]);
+        Error::UnknownScene { name: name.to_owned(), hint: hint(name, known()), known: list(known()) }
+    })?;
+    (builtin.generate)(&Given { scene: builtin.name, values: parameters }, seed)
+}
+
+/// The parameters that are given for a scene, unchecked.
+struct Given<'a> {
+    scene: &'static str,
+    values: &'a [(String, f64)],
+}
+
+impl Given<'_> {
+    /// The values of all parameters that the scene has, in its order. Counts are whole numbers below 2⁵³.
+    fn values<const N: usize>(&self, parameters: &[Parameter; N]) -> Result<[f64; N], Error> {
+        let scene = self.scene;
+        let mut values = parameters.each_ref().map(|p| p.default);
+        for (name, value) in self.values {
+            let known = || parameters.iter().map(|p| p.name);
+            let Some((slot, p)) = values.iter_mut().zip(parameters).find(|(_, p)| p.name == name) else {
+                let (hint, known) = (hint(name, known()), list(known()));
+                return Err(Error::UnknownParameter { scene, name: name.clone(), hint, known });
+            };
+            if !(p.min..=p.max).contains(value) {
+                return Err(Error::OutOfRange { scene, name: p.name, value: *value, min: p.min, max: p.max });
+            }
+            if p.integer && value.fract() != 0.0 {
+                return Err(Error::NotInteger { scene, name: p.name, value: *value });
+            }
+            *slot = *value;
+        }
+        Ok(values)
+    }
+}
+
+fn list(names: impl Iterator<Item = &'static str>) -> String {
+    names.collect::<Vec<_>>().join(", ")
+}
+
+fn hint(name: &str, known: impl Iterator<Item = &'static str>) -> String {
+    let similarity = |candidate: &str| strsim::normalized_damerau_levenshtein(name, candidate);
+    let nearest = known.max_by(|a, b| similarity(a).total_cmp(&similarity(b)));
+    // Half of the letters right: below that a suggestion only misleads.
+    nearest.filter(|n| similarity(n) >= 0.5).map_or_else(String::new, |n| format!(", did you mean \"{n}\"?"))
+}

@@ -1,0 +1,57 @@
+//! Points that are not drawn: hidden by `[[cloud.class]]`, or cut off by `[[clip]]`.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::clip::Clips;
+use pellucid_core::points::{Points, Unseen};
+
+/// False for points that are not drawn, of points at these places in the scene; `None` if all are. `visible` is what
+/// [`Rules::visible_points`](super::classes::Rules::visible_points) says of them.
+pub(super) fn seen(visible: Option<Vec<bool>>, clips: &Clips, positions: &[DVec3]) -> Option<Vec<bool>> {
+    if clips.is_empty() {
+        return visible;
+    }
+    let is_seen = |(i, p): (usize, &DVec3)| visible.as_ref().is_none_or(|visible| visible[i]) && clips.keep(*p);
+    Some(positions.par_iter().enumerate().map(is_seen).collect())
+}
+
+/// Drops points that are marked, and those that a huge `scale` or `translate` moved out of float64; sets those apart that are
+/// not `seen`. Returns marks on the remaining ones, or `None` if all remain.
+pub(super) fn leave_out(points: &mut Points, seen: Option<&[bool]>, dropped: Option<&[bool]>) -> Option<Vec<bool>> {
+    if seen.is_none() && dropped.is_none() && points.positions.par_iter().all(|position| position.is_finite()) {
+        return None;
+    }
+    let is_seen = |i: usize| seen.is_none_or(|seen| seen[i]);
+    let is_there = |i: usize| dropped.is_none_or(|dropped| !dropped[i]);
+    let each = points.positions.iter().enumerate();
+    let keep: Vec<_> = each.map(|(i, p)| p.is_finite() && is_there(i) && is_seen(i)).collect();
+    if keep.iter().all(|keep| *keep) {
+        return None;
+    }
+    let all = points.positions.iter().zip(&points.radii).enumerate();
+    let unseen = all.filter(|(i, (position, _))| !keep[*i] && is_there(*i) && position.is_finite());
+    let (positions, radii) = unseen.map(|(_, (position, radius))| (*position, *radius)).unzip();
+    points.unseen = Arc::new(Unseen { positions, radii });
+    retain(&mut points.positions, &keep);
+    retain(&mut points.colors, &keep);
+    retain(&mut points.opacities, &keep);
+    retain(&mut points.radii, &keep);
+    retain(&mut points.fields, &keep);
+    retain(&mut points.file_order, &keep);
+    if let Some(gaussians) = &points.gaussians {
+        let kept: Vec<usize> = keep.iter().enumerate().filter(|(_, keep)| **keep).map(|(i, _)| i).collect();
+        points.gaussians = Some(gaussians.picked(kept.len(), |i| kept[i]));
+    }
+    if let Some(normals) = &mut points.normals {
+        retain(normals, &keep);
+    }
+    Some(keep)
+}
+
+fn retain<T>(column: &mut Vec<T>, keep: &[bool]) {
+    let mut keep = keep.iter();
+    column.retain(|_| keep.next().copied().unwrap_or(false));
+}

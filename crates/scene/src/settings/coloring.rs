@@ -1,0 +1,236 @@
+//! The keys of a `[[cloud]]` that decide the colors of its points.
+
+use crate::Setting;
+use crate::error::Error;
+use crate::schema::{Kind, Value, Word, settings, words};
+use crate::table::Table;
+use pellucid_core::color::colormap::Colormap;
+use pellucid_io::LasColumns;
+
+settings! {
+    /// Coloring of the points of a `[[cloud]]` without a `color`.
+    pub struct ColorSettings {
+        /// Source of the colors.
+        color_by: ColorBy = ColorBy::Auto;
+        /// Colors of values, from the lowest to the highest.
+        colormap: ColormapName = ColormapName::Viridis;
+        /// Values of the first and the last color; gps-time in seconds since the first point.
+        range: Option<[f64; 2]> = None, without "percentiles 1 and 99 of the cloud's finite values";
+        /// Reverse the colormap.
+        reverse: bool = false;
+        /// Use a logarithmic scale; values of 0 or less are gray.
+        log: bool = false;
+    }
+    check check;
+}
+
+words! {
+    /// `colormap` of a `[[cloud]]`.
+    pub enum ColormapName {
+        /// From dark blue through green to yellow, perceptually even.
+        Viridis = "viridis",
+        /// From blue to yellow; even with red-green color blindness too.
+        Cividis = "cividis",
+        /// From black through purple to pale yellow.
+        Magma = "magma",
+        /// From black through red to pale yellow.
+        Inferno = "inferno",
+        /// From blue through red to yellow.
+        Plasma = "plasma",
+        /// A rainbow without false edges.
+        Turbo = "turbo",
+        /// From water through green and brown to snow.
+        Terrain = "terrain",
+        /// From black to white, even in sRGB.
+        Grey = "grey",
+    }
+}
+
+impl ColormapName {
+    /// Returns its table.
+    pub fn map(self) -> Colormap {
+        // Every word names a table: a test tells.
+        Colormap::named(self.word()).unwrap_or_else(Colormap::grey)
+    }
+}
+
+/// `color_by` of a `[[cloud]]`.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum ColorBy {
+    /// The best source that the file has.
+    #[default]
+    Auto,
+    /// The file's colors.
+    Rgb,
+    /// The coordinate along the vertical.
+    Height,
+    /// Intensity.
+    Intensity,
+    /// The colors of classes.
+    Classification,
+    /// Number of the return within its pulse.
+    Return,
+    /// Source of the point, usually a flight line.
+    Source,
+    /// Time in seconds since the first point.
+    GpsTime,
+    /// Direction of the normal: x, y, z as red, green, blue.
+    Normal,
+    /// One color for each cloud.
+    Cloud,
+    /// One color for all: white.
+    Uniform,
+    /// The field F.
+    Field,
+    /// A scalar of the file, by its name.
+    Scalar(String),
+}
+
+const fn word(name: &'static str, about: &'static str) -> Word {
+    Word { name, about }
+}
+
+impl ColorBy {
+    /// The words; everything else is the name of a scalar.
+    const WORDS: &'static [Word] = &[
+        word(
+            "auto",
+            "The file's colors unless all are black or all white; else classes if there are three besides 0 and 1; else height.",
+        ),
+        word("rgb", "The file's colors."),
+        word("height", "The coordinate along the vertical; with auto darker where intensity is small."),
+        word("intensity", "The file's intensity."),
+        word("classification", "Classes, each with a color of its own."),
+        word("return", "Number of the return within its pulse."),
+        word("source", "Source of the point, usually a flight line."),
+        word("gps-time", "Seconds since the first point."),
+        word("normal", "Direction of the normal: x, y, z as red, green, blue."),
+        word("cloud", "One color for each cloud."),
+        word("uniform", "White for all."),
+        word("field", "The field F of `field`."),
+    ];
+
+    /// Their meanings, in the same order.
+    const MEANINGS: [Self; 12] = [
+        Self::Auto,
+        Self::Rgb,
+        Self::Height,
+        Self::Intensity,
+        Self::Classification,
+        Self::Return,
+        Self::Source,
+        Self::GpsTime,
+        Self::Normal,
+        Self::Cloud,
+        Self::Uniform,
+        Self::Field,
+    ];
+
+    fn known() -> impl Iterator<Item = (&'static str, Self)> {
+        Self::words().zip(Self::MEANINGS)
+    }
+
+    /// Returns the words of a scene file that name no scalar.
+    pub fn words() -> impl Iterator<Item = &'static str> {
+        Self::WORDS.iter().map(|word| word.name)
+    }
+
+    /// Returns its word in a scene file, or the name of the scalar.
+    pub fn word(&self) -> &str {
+        match self {
+            Self::Scalar(name) => name,
+            meaning => Self::known().find(|(_, known)| known == meaning).map_or("", |(word, _)| word),
+        }
+    }
+
+    /// Returns `true` if values become colors by way of the colormap; `auto` may do so.
+    pub fn is_mapped(&self) -> bool {
+        !matches!(self, Self::Rgb | Self::Classification | Self::Normal | Self::Cloud | Self::Uniform)
+    }
+
+    /// Returns the columns of LAS files that it needs.
+    pub fn las_columns(&self) -> LasColumns {
+        match self {
+            Self::Return => LasColumns { returns: true, ..LasColumns::default() },
+            Self::Source => LasColumns { source: true, ..LasColumns::default() },
+            Self::GpsTime => LasColumns { gps_time: true, ..LasColumns::default() },
+            Self::Scalar(name) => LasColumns::named(name),
+            _ => LasColumns::default(),
+        }
+    }
+}
+
+impl Value for ColorBy {
+    type Allowed = ();
+
+    fn kind((): ()) -> Kind {
+        Kind::WordsOr(Self::WORDS, "the name of a scalar of the file")
+    }
+
+    fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
+        let Some(given) = table.string(key)? else { return Ok(None) };
+        let known = Self::known().find(|(word, _)| *word == given);
+        Ok(Some(known.map_or_else(|| Self::Scalar(given.to_owned()), |(_, by)| by)))
+    }
+
+    fn setting(&self) -> Option<Setting> {
+        Some(Setting::Word(self.word().to_owned()))
+    }
+}
+
+/// The lower and the upper end of a range.
+impl Value for [f64; 2] {
+    type Allowed = ();
+
+    fn kind((): ()) -> Kind {
+        Kind::Other("`[low, high]`")
+    }
+
+    fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
+        table.range(key)
+    }
+
+    fn setting(&self) -> Option<Setting> {
+        Some(Setting::from(*self))
+    }
+}
+
+/// Refuses a logarithm of what has none, and notes keys without effect.
+fn check(settings: &mut ColorSettings, table: &Table<'_>) -> Result<(), Error> {
+    if let (Some([low, _]), Some(node), true) = (settings.range, table.get("range"), settings.log)
+        && low <= 0.0
+    {
+        let problem = format!("must begin above 0 with log = true, found {low:?}");
+        return Err(table.error("range", node, problem));
+    }
+    if !settings.color_by.is_mapped() {
+        for key in ["colormap", "range", "reverse", "log"] {
+            if let Some(node) = table.get(key) {
+                let by = settings.color_by.word();
+                table.warn(format!("{}: `{key}` has no effect with color_by = {by:?}", node.place));
+            }
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_word_has_its_meaning() {
+        assert_eq!(ColorBy::WORDS.len(), ColorBy::MEANINGS.len());
+        for (word, meaning) in ColorBy::known() {
+            let variant = format!("{meaning:?}").to_lowercase();
+            assert_eq!((meaning.word(), variant), (word, word.replace('-', "")));
+        }
+    }
+
+    #[test]
+    fn every_colormap_has_its_table() {
+        for (word, name) in ColormapName::ALL {
+            assert_eq!(Some(name.map()), Colormap::named(word));
+        }
+    }
+}

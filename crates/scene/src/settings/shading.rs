@@ -1,0 +1,231 @@
+//! `[shading]` and its light, and `[shadows]`.
+
+use crate::Setting;
+use crate::error::Error;
+use crate::schema::{Kind, Range, Slider, Value, settings, words};
+use crate::table::Table;
+use crate::tree;
+use pellucid_core::cloud::shadow_texture::Casting;
+use pellucid_core::image::MAX_SIDE;
+use pellucid_core::light::Light;
+
+settings! {
+    /// `[shading]`.
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
+    pub struct Shading {
+        /// Shading model: lambert is matte, phong has highlights, none shows plain colors; auto is lambert except on foliage.
+        model: ShadingModel = ShadingModel::Auto;
+        /// Ambient light, as a factor on the color.
+        ambient: f32 = 0.2, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 1.0);
+        /// Diffuse light, as a factor on the color.
+        diffuse: f32 = 0.8, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 1.0);
+        /// Strength of highlights (phong).
+        specular: f32 = 0.0, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 1.0);
+        /// Exponent of highlights (phong): larger values make them smaller.
+        shininess: f32 = 32.0, in Range::NOT_NEGATIVE, slider Slider::Powers(1.0, 1000.0);
+        /// Light: at the eye, along a direction, or at a position.
+        light: Light = Light::Headlight;
+        /// Eye-dome lighting.
+        edl: Edl = Edl::default();
+    }
+}
+
+impl Shading {
+    /// Colors as they are.
+    pub const NONE: Self = Self {
+        model: ShadingModel::None,
+        ambient: 0.2,
+        diffuse: 0.8,
+        specular: 0.0,
+        shininess: 32.0,
+        light: Light::Headlight,
+        edl: Edl { edl: false, edl_strength: 1.0, edl_radius: 1.4 },
+    };
+}
+
+settings! {
+    /// Keys of `[shading]` about eye-dome lighting (Boucheny 2009).
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
+    pub struct Edl {
+        /// Eye-dome lighting: pixels behind their neighbors get darker, which shows shape without normals.
+        edl: bool = false;
+        /// Strength of the darkening.
+        edl_strength: f32 = 1.0, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 4.0);
+        /// Distance to the neighbors it compares with.
+        edl_radius: f32 = 1.4, in Range::open(0.0, 100.0), unit "pixels", slider Slider::Linear(1.0, 8.0);
+    }
+}
+
+words! {
+    /// `[shading] model`.
+    pub enum ShadingModel {
+        /// Colors as they are.
+        None = "none",
+        /// c·(ambient + diffuse·max(0, n·l)).
+        Lambert = "lambert",
+        /// Lambert plus specular·max(0, r·v)^shininess.
+        Phong = "phong",
+        /// Lambert, where normals are given or estimated from neighbors that lie near a surface.
+        Auto = "auto",
+    }
+}
+
+/// The formula of a shading model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Formula {
+    /// c.
+    None,
+    /// c·(ambient + diffuse·max(0, n·l)).
+    Lambert,
+    /// Lambert plus specular·max(0, r·v)^shininess.
+    Phong,
+}
+
+impl ShadingModel {
+    /// Returns its formula where there are normals.
+    pub fn formula(self) -> Formula {
+        match self {
+            Self::None => Formula::None,
+            Self::Lambert | Self::Auto => Formula::Lambert,
+            Self::Phong => Formula::Phong,
+        }
+    }
+}
+
+impl Value for Light {
+    type Allowed = ();
+
+    fn kind((): ()) -> Kind {
+        Kind::Other(
+            "`\"headlight\"`, the direction `[x, y, z]` in which the light travels, or `{ position = [x, y, z] }` in world units",
+        )
+    }
+
+    fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
+        let Some(node) = table.get(key) else { return Ok(None) };
+        match &node.value {
+            tree::Value::String(word) if word == "headlight" => Ok(Some(Self::Headlight)),
+            tree::Value::Array(_) => Ok(table.direction(key)?.map(Self::Direction)),
+            tree::Value::Table(_) => {
+                let light = table.table(key)?;
+                light.refuse_unknown(&["position"])?;
+                match light.vector("position")? {
+                    Some(position) => Ok(Some(Self::Position(position))),
+                    None => Err(table.error(key, node, "must have a `position` if it is a table".into())),
+                }
+            }
+            other => {
+                let problem = format!(
+                    "must be \"headlight\", a direction [x, y, z] or {{ position = [x, y, z] }}, found {}",
+                    other.describe()
+                );
+                Err(table.error(key, node, problem))
+            }
+        }
+    }
+
+    fn setting(&self) -> Option<Setting> {
+        match self {
+            Self::Headlight => Some(Setting::Word("headlight".to_owned())),
+            Self::Direction(direction) => Some(Setting::Numbers(direction.to_array().to_vec())),
+            // A table, which no setting is.
+            Self::Position(_) => None,
+        }
+    }
+}
+
+/// Most samples of an area light.
+pub const MAX_SHADOW_SAMPLES: u32 = 65_536;
+
+settings! {
+    /// `[shadows]`: one share of light per point (Dobrev et al. 2010, Section 6).
+    #[derive(Copy, serde::Serialize, serde::Deserialize)]
+    pub struct Shadows {
+        /// Number of lights that sample an area light; more make smoother edges.
+        samples: u32 = 1, in 1..=MAX_SHADOW_SAMPLES, slider Slider::Count(1, 256);
+        /// Radius of the area light: degrees (below 90) around a direction, world units around a position; 0 makes hard shadows.
+        light_radius: f32 = 0.0, in Range::NOT_NEGATIVE, slider Slider::Lengths(0.0, 0.25);
+        /// Side of the shadow map.
+        resolution: u32 = 1024, in 1..=MAX_SIDE, unit "pixels", slider Slider::Count(16, 8192);
+        /// Points closer than this to the first lit surface are lit, too.
+        min_layer_distance: Option<f32> = None, in Range::POSITIVE, unit "world units",
+            without "1% of the scene's diagonal", start 0.01, slider Slider::Lengths(1e-5, 1.0);
+    }
+}
+
+/// Default distance between surfaces, as a share of the scene's diagonal.
+const APART: f64 = 0.01;
+
+impl Shadows {
+    /// Returns the casting of a light onto points whose box has a diagonal of `diagonal` world units; `None` for a
+    /// headlight, which casts no shadows.
+    pub fn casting(&self, light: Light, seed: u64, diagonal: f64) -> Option<Casting> {
+        let light = match light {
+            Light::Headlight => return None,
+            Light::Direction(direction) => Light::Direction(direction.normalize_or_zero()),
+            Light::Position(_) => light,
+        };
+        let hard = self.light_radius == 0.0;
+        Some(Casting {
+            light,
+            samples: if hard { 1 } else { self.samples },
+            light_radius: self.light_radius,
+            resolution: self.resolution,
+            min_layer_distance: self.min_layer_distance.unwrap_or((APART * diagonal) as f32),
+            seed: if hard { 0 } else { seed },
+        })
+    }
+}
+
+words! {
+    /// `[shadows] method`.
+    pub enum ShadowMethod {
+        /// One share of light for each point, found once for all views.
+        Texture = "texture",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use pellucid_core::cloud::shadow_texture::CastingRecord;
+
+    use super::*;
+
+    fn casting(light: Light, shadows: &Shadows, seed: u64) -> Casting {
+        shadows.casting(light, seed, 200.0).expect("it casts")
+    }
+
+    #[test]
+    fn what_makes_no_difference_is_none() {
+        let (long, short) = (Light::Direction(DVec3::new(0.0, -4.0, 0.0)), Light::Direction(DVec3::NEG_Y));
+        let hard = Shadows { samples: 30, ..Shadows::default() };
+        let one = casting(long, &hard, 7);
+        assert_eq!(one, casting(short, &Shadows { samples: 1, min_layer_distance: Some(2.0), ..hard }, 8));
+        assert_eq!((one.samples, one.seed, one.min_layer_distance), (1, 0, 2.0));
+        assert_eq!(hard.casting(Light::Headlight, 0, 1.0), None);
+    }
+
+    #[test]
+    fn differences_are_named() {
+        let soft = Shadows { light_radius: 2.0, ..Shadows::default() };
+        let one = casting(Light::Position(DVec3::ONE), &soft, 1);
+        assert_eq!(one.differences(&one), [""; 0]);
+        let other = Shadows { light_radius: 3.0, samples: 2, resolution: 5, min_layer_distance: Some(1.0) };
+        let other = casting(Light::Direction(DVec3::ONE), &other, 2);
+        let all = ["light", "samples", "light_radius", "resolution", "min_layer_distance", "seed"];
+        assert_eq!(one.differences(&other), all);
+        assert_eq!(one.differences(&Casting { seed: 2, ..one }), ["seed"]);
+    }
+
+    #[test]
+    fn a_spelled_casting_comes_back_to_the_bit() {
+        let soft = Shadows { light_radius: 0.1, ..Shadows::default() };
+        for light in [Light::Direction(DVec3::new(0.1, -0.7, 1.0 / 3.0)), Light::Position(DVec3::splat(0.1))] {
+            let one = casting(light, &soft, u64::MAX);
+            let text = serde_json::to_string(&CastingRecord::from(&one)).expect("plain numbers");
+            let back: CastingRecord = serde_json::from_str(&text).expect("as written");
+            assert_eq!(Casting::from(&back), one, "{text}");
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! Points of blocks that were read, as many as memory is given for: those that were used last.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use glam::{DVec3, Vec3};
+
+use crate::supply::Failure;
+use pellucid_core::cloud::gaussians::Gaussians;
+use pellucid_core::points::Points;
+
+/// The points of some blocks.
+#[derive(Debug)]
+pub(super) struct Cache {
+    /// Bytes that it holds at most.
+    most: u64,
+    held: Mutex<Held>,
+}
+
+#[derive(Debug, Default)]
+struct Held {
+    /// By block; with when they were last used.
+    points: HashMap<u32, (Arc<Points>, u64)>,
+    /// Blocks by when they were last used.
+    used: BTreeMap<u64, u32>,
+    now: u64,
+    bytes: u64,
+    read: u64,
+}
+
+impl Cache {
+    /// Returns an empty one.
+    pub fn new(most: u64) -> Self {
+        Self { most, held: Mutex::default() }
+    }
+
+    /// Returns the number of bytes that it holds at most.
+    pub fn most(&self) -> u64 {
+        self.most
+    }
+
+    /// Returns the number of bytes that were read of the store so far.
+    pub fn bytes_read(&self) -> u64 {
+        self.held.lock().unwrap_or_else(PoisonError::into_inner).read
+    }
+
+    /// Counts bytes that were read of the store for points that are not kept.
+    pub fn count(&self, bytes: u64) {
+        self.lock().read += bytes;
+    }
+
+    /// Gives the memory of all points back.
+    pub fn clear(&self) {
+        let mut held = self.lock();
+        *held = Held { read: held.read, ..Held::default() };
+    }
+
+    /// Returns the points of a block. `read` reads them, with how many bytes of the store that took.
+    pub fn get(
+        &self,
+        block: u32,
+        read: impl FnOnce() -> Result<(Points, u64), Failure>,
+    ) -> Result<Arc<Points>, Failure> {
+        if let Some(points) = self.lock().find(block) {
+            return Ok(points);
+        }
+        let (points, bytes) = read()?;
+        let points = Arc::new(points);
+        let mut held = self.lock();
+        held.read += bytes;
+        held.add(block, &points, self.most);
+        Ok(points)
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, Held> {
+        self.held.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Held {
+    fn find(&mut self, block: u32) -> Option<Arc<Points>> {
+        self.now += 1;
+        let (points, last) = self.points.get_mut(&block)?;
+        self.used.remove(last);
+        *last = self.now;
+        self.used.insert(self.now, block);
+        Some(Arc::clone(points))
+    }
+
+    fn add(&mut self, block: u32, points: &Arc<Points>, most: u64) {
+        let bytes = bytes_of(points);
+        // Another thread may have read the same.
+        if bytes > most || self.points.contains_key(&block) {
+            return;
+        }
+        while self.bytes + bytes > most {
+            let Some((_, oldest)) = self.used.pop_first() else { break };
+            if let Some((points, _)) = self.points.remove(&oldest) {
+                self.bytes -= bytes_of(&points);
+            }
+        }
+        self.now += 1;
+        self.used.insert(self.now, block);
+        self.points.insert(block, (Arc::clone(points), self.now));
+        self.bytes += bytes;
+    }
+}
+
+/// Bytes of some points in memory.
+fn bytes_of(points: &Points) -> u64 {
+    let vectors = points.colors.len() + points.normals.as_ref().map_or(0, Vec::len);
+    let positions = points.positions.len() + points.unseen.positions.len();
+    let floats = points.opacities.len() + points.radii.len() + points.fields.len() + points.unseen.radii.len();
+    let numbers = points.file_order.len() + points.dealt_ids.len();
+    let splats = points.gaussians.as_ref().map_or(0, |all| all.len() as u64 * Gaussians::bytes_each(all.degree));
+    (positions * size_of::<DVec3>() + vectors * size_of::<Vec3>() + 4 * (floats + numbers)) as u64 + splats
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_used_last_stays() {
+        // 24 bytes a block.
+        let cache = Cache::new(72);
+        let points = || Points { positions: vec![DVec3::ONE], ..Points::default() };
+        let get = |block| {
+            let mut missed = false;
+            cache
+                .get(block, || {
+                    missed = true;
+                    Ok((points(), 10))
+                })
+                .unwrap();
+            missed
+        };
+        assert!(get(0) && get(1) && get(2));
+        assert!(!get(0) && !get(1));
+        assert!(get(3), "in place of 2");
+        assert!(!get(0) && !get(1) && !get(3) && get(2));
+        assert!(get(0), "the one that was not used for longest");
+        assert_eq!(cache.bytes_read(), 60);
+        // What fits nowhere is not kept.
+        let small = Cache::new(20);
+        for _ in 0..2 {
+            small.get(0, || Ok((points(), 10))).unwrap();
+        }
+        assert_eq!(small.bytes_read(), 20);
+        let failed = small.get(1, || Err(Failure::Cancelled));
+        assert!(matches!(failed, Err(Failure::Cancelled)));
+    }
+}

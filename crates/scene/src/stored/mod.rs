@@ -1,0 +1,424 @@
+//! Scenes whose clouds stay where they are stored: nodes are read when a part of the picture needs them, and are points as those of a
+//! scene in memory are.
+//!
+//! What follows from all points of a cloud together, such as the range of a color map, is found once, in a survey: from facts about
+//! all points, and from some points that stand for all ([`Sampling`]), which a scene in memory takes, too.
+
+mod cache;
+mod cloud;
+mod levels;
+mod survey;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use self::cache::Cache;
+use self::cloud::StoredCloud;
+pub use self::survey::OpenStore;
+use super::assemble::{most_frequent, no_points};
+use super::clip::Clips;
+use super::error::Error;
+use super::gaussians;
+use super::legend::Legend;
+use super::settings::{CloudSettings, Scene, ShadingModel};
+use crate::prepare::dealt_file::{self, DealtFile};
+use crate::prepare::{Arranged, Supplied, order};
+use crate::supply::{Block, Branch, Failure, Keep, Supply};
+use pellucid_core::cloud::gaussians::Gaussians;
+use pellucid_core::cloud::sampling::Sampling;
+use pellucid_core::cloud::{Bounds, UpAxis};
+use pellucid_core::points::{Anchor, Points, Spheres, Unseen, Whole, WholeSplats};
+use pellucid_core::progress::{Phase, Progress};
+use pellucid_io as io;
+use pellucid_io::store;
+
+/// Stores of a scene, in the order of its clouds.
+pub type Stores = Vec<OpenStore>;
+
+/// Opens the scene's clouds without reading their points, as far as their formats allow.
+///
+/// # Errors
+/// The first cloud that can't be opened.
+pub fn open_stores(scene: &Scene, progress: &Progress) -> Result<Stores, io::Error> {
+    let open = |cloud: &CloudSettings| {
+        progress.reset();
+        progress.set_message(format!("opening {}", cloud.path.display()));
+        store::open(&cloud.path, cloud.hints(), progress).map(OpenStore::new)
+    };
+    scene.clouds.iter().map(open).collect()
+}
+
+/// Bytes of memory for each point that is taken at a time: as it is read, put into order, and taken. Half of the memory keeps nodes.
+fn taken_bytes(splats: Option<WholeSplats>) -> u64 {
+    2 * (150 + splats.map_or(0, |splats| Gaussians::bytes_each(splats.degree)))
+}
+
+/// Returns `true` if a cloud of the scene has levels of detail where it is stored.
+///
+/// # Errors
+/// A cloud that can't be opened.
+pub fn have_levels(scene: &Scene) -> Result<bool, io::Error> {
+    let levels = scene.clouds.iter().map(|cloud| store::has_levels(&cloud.path, &cloud.hints()));
+    Ok(levels.collect::<Result<Vec<_>, _>>()?.contains(&true))
+}
+
+/// Returns `true` if the picture of the stores is that of all points in memory: if they have the data that the scene
+/// needs.
+///
+/// # Errors
+/// A scene that asks for what no cloud has.
+pub fn are_complete(scene: &Scene, stores: &[OpenStore]) -> Result<bool, Error> {
+    let complete = stores.iter().enumerate().map(|(index, store)| cloud::has_all(scene, index, store.summary()));
+    let complete = !complete.collect::<Result<Vec<_>, _>>()?.contains(&false);
+    Ok(complete && !is_unlit(scene, stores))
+}
+
+/// A scene whose clouds are stores.
+#[derive(Debug, Clone)]
+pub struct Stored {
+    nodes: Arc<Nodes>,
+    /// Points of the scene that stand for all.
+    sample: Arc<Points>,
+    /// Meaning of the colors of the points, by those that stand for all.
+    legend: Legend,
+    notes: Vec<String>,
+    /// `true` if colors are blended encoded because all clouds are Gaussians.
+    displays: bool,
+    /// `true` if some are.
+    gaussians: bool,
+}
+
+/// The nodes of all clouds.
+#[derive(Debug)]
+struct Nodes {
+    scene: Scene,
+    clips: Clips,
+    clouds: Vec<StoredCloud>,
+    /// Anchors that ids follow from where clouds are kept apart.
+    anchors: Vec<Anchor>,
+    /// The box of all points.
+    bounds: Bounds,
+    blocks: Vec<Block>,
+    /// Cloud and node of each block.
+    places: Vec<[u32; 2]>,
+    cache: Cache,
+    /// Places of points that stand for all, and how many each stands for.
+    sampled: (Vec<DVec3>, u64),
+    /// Points that are taken at a time.
+    most: u64,
+}
+
+impl Stored {
+    /// Returns a scene with its stores, whose nodes are kept in at most so many bytes of memory once they are read.
+    /// Unless the stores know what is known of all their points, all are read once.
+    ///
+    /// # Errors
+    /// A store can't be read; a cloud lacks what the scene asks for, or it would have to be found from neighbors; no point is left.
+    pub fn new(
+        scene: &Scene,
+        stores: &[OpenStore],
+        memory: u64,
+        progress: &Progress,
+    ) -> Result<Self, crate::OpenError> {
+        progress.begin(Phase::Prepare);
+        let (mut scene, clips) = (scene.clone(), Clips::load(&scene.clips)?);
+        let has_gaussians =
+            |index: usize| stores.get(index).is_some_and(|store| store.summary().like.gaussians.is_some());
+        let displays = scene.settle_for(has_gaussians);
+        let gaussians = (0..stores.len()).any(has_gaussians);
+        let mut notes = Vec::new();
+        let is_unlit = is_unlit(&scene, stores);
+        if is_unlit {
+            scene.shading.model = match scene.shading.model {
+                ShadingModel::Auto | ShadingModel::None => ShadingModel::None,
+                _ => return Err(Error::Unprepared { path: scene.clouds[0].path.clone(), what: "normals" }.into()),
+            };
+        }
+        let count = stores.iter().map(|store| store.summary().points).sum();
+        let (mut clouds, mut anchors) = (Vec::with_capacity(stores.len()), Vec::new());
+        let (mut sample, mut first, mut legend) = (Points::default(), 0, Legend::default());
+        for (index, store) in stores.iter().enumerate() {
+            let at = cloud::Place { scene: &scene, clips: &clips, index, first };
+            let (cloud, own) = StoredCloud::new(&at, store, &mut legend, progress)?;
+            first += cloud.facts.points;
+            anchors.push(Anchor::new(&own.sampled().copied().collect::<Vec<_>>(), cloud.bounds()));
+            clouds.push(cloud);
+            sample.append(own);
+        }
+        let lacks_some = scene.shading_normals().is_some() && clouds.iter().any(|cloud| cloud.facts.lacks_normals);
+        if is_unlit || lacks_some {
+            let note = "points that have no normals are not shaded, and `cos_theta = false` has no effect on them; `pellucid prepare \
+                        --normals` stores some";
+            notes.push(note.to_owned());
+        }
+        let bounds = clouds.iter().filter_map(StoredCloud::bounds).reduce(Bounds::union);
+        let bounds = bounds.filter(|bounds| bounds.min.is_finite() && bounds.max.is_finite());
+        let bounds = bounds.ok_or_else(|| no_points(&scene, &sample))?;
+        let (blocks, places) = blocks(&scene, &clouds);
+        let sampling = Sampling::of(count);
+        let (seen, unseen) = within(&sample, sampling);
+        let sampled = (seen.iter().map(|at| sample.positions[*at as usize]).collect(), sampling.every());
+        let splats = clouds.iter().filter_map(|cloud| cloud.splats).reduce(WholeSplats::and);
+        let (cache, most) = (Cache::new(memory / 2), (memory / taken_bytes(splats)).max(1));
+        let nodes = Arc::new(Nodes { scene, clips, clouds, anchors, bounds, blocks, places, cache, sampled, most });
+        let clouds = &nodes.clouds;
+        let whole = Whole {
+            count,
+            bounds,
+            largest_radius: clouds.iter().map(|cloud| cloud.largest_radius).fold(0.0, f32::max),
+            brightest: clouds.iter().map(|cloud| cloud.brightest).fold(1.0, f32::max),
+            is_transparent: clouds.iter().any(|cloud| cloud.is_transparent),
+            splats,
+            identity: clouds.iter().map(StoredCloud::identity).collect::<Vec<_>>().join("\n"),
+            spheres: Arc::clone(&nodes) as Arc<dyn Spheres>,
+        };
+        let sample = Arc::new(stand_ins(&sample, &seen, &unseen, whole));
+        Ok(Self { nodes, sample, legend, notes, displays, gaussians })
+    }
+
+    /// Returns the scene, without shading where points have no normals to shade by.
+    pub fn scene(&self) -> &Scene {
+        &self.nodes.scene
+    }
+
+    /// Returns some points that stand for all, with what is known of all ([`Points::whole`]).
+    pub fn sample(&self) -> &Points {
+        &self.sample
+    }
+
+    /// Returns all points, block by block.
+    pub fn arranged(&self) -> Arranged {
+        Arranged::Supplied(Supplied {
+            supply: Arc::clone(&self.nodes) as Arc<dyn Supply>,
+            sample: Arc::clone(&self.sample),
+            dealt: None,
+        })
+    }
+
+    /// Returns all points, dealt to ensembles by `seed` into a temporary file in `folder`: for methods that want that
+    /// ([`Method::is_dealt`](super::Method::is_dealt)), which want no radii.
+    ///
+    /// # Errors
+    /// A node can't be read, there is no room in the folder, memory is too small, or `progress` cancels it; no point is left.
+    pub fn dealt(&self, seed: u64, folder: &Path, progress: &Progress) -> Result<Arranged, crate::OpenError> {
+        progress.begin(Phase::Order);
+        progress.reset();
+        progress.set_message("dealing points to ensembles");
+        let nodes = &self.nodes;
+        let own = nodes.clouds.iter().zip(&nodes.anchors).enumerate();
+        let sources = own.filter_map(|(place, (cloud, anchor))| {
+            let blocks = cloud.store.nodes().iter().map(|node| node.points).collect();
+            let (path, read) = (cloud.store.summary().path.clone(), nodes.reader(place));
+            Some(dealt_file::Source { path, blocks, read, bounds: cloud.bounds()?, anchor: *anchor })
+        });
+        let settings = dealt_file::Settings {
+            has_normals: nodes.clouds.iter().any(StoredCloud::has_normals),
+            seed,
+            memory: nodes.cache.most(),
+            folder: folder.to_path_buf(),
+        };
+        let file = DealtFile::deal(sources.collect(), &settings, progress)?;
+        if file.is_empty() {
+            return Err(no_points(&nodes.scene, &self.sample).into());
+        }
+        let supply = Arc::clone(nodes) as Arc<dyn Supply>;
+        Ok(Arranged::Supplied(Supplied { supply, sample: Arc::clone(&self.sample), dealt: Some(Arc::new(file)) }))
+    }
+
+    /// Returns the vertical of most clouds.
+    pub fn up(&self) -> UpAxis {
+        most_frequent(self.nodes.clouds.iter().map(|cloud| cloud.store.summary().up))
+    }
+
+    /// Returns what the colors of the points mean.
+    pub fn legend(&self) -> &Legend {
+        &self.legend
+    }
+
+    /// Returns `true` if points have other classes than 0 and 1, which say that nothing was classified.
+    pub fn is_classified(&self) -> bool {
+        self.nodes.clouds.iter().any(|cloud| (2..=u8::MAX).any(|code| cloud.facts.has_class(code)))
+    }
+
+    /// Returns what else should be known, one sentence each.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Returns how clouds are colored and why, a phrase for each.
+    pub fn colorings(&self) -> Vec<String> {
+        self.nodes.clouds.iter().map(|cloud| cloud.coloring.clone()).collect()
+    }
+
+    /// Returns `true` if some clouds are of Gaussians.
+    pub fn has_gaussians(&self) -> bool {
+        self.gaussians
+    }
+
+    /// Returns `true` if colors are blended encoded because every cloud is of Gaussians, and the scene says nothing of
+    /// it.
+    pub fn blends_displays(&self) -> bool {
+        self.displays
+    }
+
+    /// Returns the blocks of all points.
+    pub fn blocks(&self) -> &[Block] {
+        &self.nodes.blocks
+    }
+
+    /// Returns the points of a block, which are read and not kept.
+    ///
+    /// # Errors
+    /// They can't be read.
+    pub fn block(&self, block: usize) -> Result<Points, Failure> {
+        let (points, bytes) = self.nodes.read(block)?;
+        self.nodes.cache.count(bytes);
+        Ok(points)
+    }
+
+    /// Gives the memory of nodes back that were read.
+    pub fn forget(&self) {
+        self.nodes.cache.clear();
+    }
+
+    /// Returns bytes that were read of nodes so far, and those of all nodes.
+    pub fn bytes_read(&self) -> [u64; 2] {
+        let nodes = self.nodes.clouds.iter().flat_map(|cloud| cloud.store.nodes());
+        [self.nodes.cache.bytes_read(), nodes.map(|node| node.bytes).sum()]
+    }
+}
+
+impl Nodes {
+    /// Reads nodes of a cloud, which are not kept.
+    fn reader(self: &Arc<Self>, cloud: usize) -> dealt_file::Read {
+        let nodes = Arc::clone(self);
+        Arc::new(move |node| match nodes.clouds[cloud].store.nodes()[node].points {
+            0 => Ok(Points::default()),
+            _ => nodes.clouds[cloud].points(&nodes.scene, &nodes.clips, node),
+        })
+    }
+
+    /// The points of a block, with those that are not drawn set apart.
+    fn part(&self, block: usize) -> Result<Arc<Points>, Failure> {
+        self.cache.get(block as u32, || self.read(block))
+    }
+
+    /// Reads the points of a block, from so many bytes.
+    fn read(&self, block: usize) -> Result<(Points, u64), Failure> {
+        let [cloud, node] = self.places[block].map(|number| number as usize);
+        let cloud = &self.clouds[cloud];
+        let points = cloud.points(&self.scene, &self.clips, node).map_err(|error| Failure::Store(Arc::new(error)))?;
+        Ok((points, cloud.store.nodes()[node].bytes))
+    }
+}
+
+impl Supply for Nodes {
+    fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+
+    fn most(&self) -> u64 {
+        self.most
+    }
+
+    fn estimate(&self, shows: &(dyn Fn(DVec3) -> bool + Sync)) -> Option<u64> {
+        let (places, each) = &self.sampled;
+        let kept = places.par_iter().with_min_len(1 << 12).filter(|place| shows(**place)).count();
+        Some(kept as u64 * each)
+    }
+
+    fn take(&self, blocks: &[u32], keep: Keep<'_>, progress: &Progress) -> Result<Points, Failure> {
+        let read = |block: &u32| {
+            progress.check()?;
+            let points = self.part(*block as usize)?;
+            let corners = self.blocks[*block as usize].bounds.corners();
+            // Whoever is taken without reaching anywhere is taken whatever the reach.
+            let reach = points.gaussians.is_some().then_some(0.0);
+            if keep.convex && corners.into_iter().all(|corner| (keep.keeps)(corner, *block, reach)) {
+                return Ok(points);
+            }
+            let keeps = |at: &u32| {
+                let at = *at as usize;
+                (keep.keeps)(points.positions[at], *block, points.reach(at))
+            };
+            let kept: Vec<u32> = (0..points.len() as u32).filter(keeps).collect();
+            Ok(Arc::new(Points { unseen: Arc::default(), ..points.subset(&kept, 1.0) }))
+        };
+        let parts = blocks.par_iter().map(read).collect::<Result<Vec<_>, Failure>>()?;
+        let picked = order::merged(&parts, &self.bounds);
+        let mut points = Points::gather(&parts, &picked);
+        if let Some(grows) = keep.grows {
+            let all = points.positions.par_iter().zip(&picked).with_min_len(1 << 12);
+            let factors: Vec<f32> = all.map(|(position, [part, _])| grows(*position, blocks[*part as usize])).collect();
+            crate::supply::grow(&mut points, &factors);
+        }
+        Ok(points)
+    }
+}
+
+impl Spheres for Nodes {
+    fn groups(&self) -> Vec<(Bounds, f64)> {
+        self.blocks.iter().map(|block| (block.bounds, block.radius.into())).collect()
+    }
+
+    fn of_group(&self, group: usize) -> Vec<(DVec3, f64)> {
+        let Ok(points) = self.part(group) else { return Vec::new() };
+        let unseen = points.unseen.positions.iter().zip(&points.unseen.radii);
+        let all = points.positions.iter().zip(&points.radii).chain(unseen);
+        all.map(|(position, radius)| (*position, f64::from(*radius))).collect()
+    }
+}
+
+/// Returns `true` if a cloud has no normals where the scene shades by them.
+fn is_unlit(scene: &Scene, stores: &[OpenStore]) -> bool {
+    let lacks = |(settings, store): (&CloudSettings, &OpenStore)| {
+        let like = &store.summary().like;
+        // Lights don't shade Gaussians.
+        like.normals.is_none() && !gaussians::are_drawn(scene, settings, like)
+    };
+    scene.shading_normals().is_some() && scene.clouds.iter().zip(stores).any(lacks)
+}
+
+/// The places in a list of the points that stand for all of the scene: those that are drawn, and the others.
+fn within(points: &Points, sampling: Sampling) -> (Vec<u32>, Vec<u32>) {
+    let takes = |positions: &[DVec3]| {
+        let taken = positions.iter().enumerate().filter(|(_, position)| sampling.takes(**position));
+        taken.map(|(at, _)| at as u32).collect()
+    };
+    (takes(&points.positions), takes(&points.unseen.positions))
+}
+
+/// These points as ones that stand for all.
+fn stand_ins(points: &Points, seen: &[u32], unseen: &[u32], whole: Whole) -> Points {
+    let pick = |at: &u32| (points.unseen.positions[*at as usize], points.unseen.radii[*at as usize]);
+    let (positions, radii) = unseen.iter().map(pick).unzip();
+    let seen = points.subset(seen, 1.0);
+    Points { unseen: Arc::new(Unseen { positions, radii }), whole: Some(Arc::new(whole)), ..seen }
+}
+
+/// The blocks of clouds, with cloud and node of each.
+fn blocks(scene: &Scene, clouds: &[StoredCloud]) -> (Vec<Block>, Vec<[u32; 2]>) {
+    let (mut blocks, mut nodes) = (Vec::new(), Vec::new());
+    for (index, cloud) in clouds.iter().enumerate() {
+        let is_other = |(other, of): &(usize, &StoredCloud)| *other != index && of.splats.is_none();
+        let others = clouds.iter().enumerate().filter(is_other).filter(|_| cloud.splats.is_none());
+        let others: Vec<(Bounds, f32)> =
+            others.filter_map(|(_, other)| Some((other.bounds()?, other.largest_radius))).collect();
+        let before = blocks.len() as u32;
+        for (node, mut block) in cloud.blocks(scene) {
+            let of_scene = |branch: Branch| Branch { parent: branch.parent.map(|parent| before + parent), ..branch };
+            block.branch = block.branch.map(of_scene);
+            // Discs of another cloud may be in the same places.
+            let meets =
+                |bounds: &Bounds| bounds.min.cmple(block.bounds.max).all() && block.bounds.min.cmple(bounds.max).all();
+            let there = others.iter().filter(|(bounds, _)| meets(bounds)).map(|(_, radius)| *radius);
+            block.radius = there.fold(block.radius, f32::max);
+            blocks.push(block);
+            nodes.push([index as u32, node as u32]);
+        }
+    }
+    (blocks, nodes)
+}
