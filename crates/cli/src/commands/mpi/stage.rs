@@ -3,12 +3,12 @@
 use std::ops::Range;
 use std::process::ExitCode;
 
+use pellucid_engine::Result;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::methods::Frame;
 use pellucid_engine::passes::bands::Window;
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::{Error, MethodChoice};
-use pellucid_engine::{Result, plan};
 
 use super::cut::{Costs, Load};
 use super::link::Link;
@@ -92,7 +92,8 @@ impl Stage {
             ranks.count() > 1 && matches!(expected, Ok(Share::Windows)) && resolved.shadow_texture.is_none();
         ranks.begin("uploading");
         let mut session = together(ranks, open(setting, &mut resolved, ranks, progress))?;
-        agree(&mut session, &resolved, ranks);
+        // Method and opacity, too, are those of the first rank.
+        session.frame = messages::told(session.frame, ranks);
         session.frame.depths = setting.depths;
         let job = together(ranks, job(&mut session, &resolved, frames))?;
         let share = together(ranks, job.choose(setting.share, ranks.count(), link))?;
@@ -250,21 +251,6 @@ fn open(setting: &Setting<'_>, resolved: &mut Resolved, ranks: &Ranks, progress:
         session.cloud = session.renderer.supply_held(points)?;
     }
     Ok(session)
-}
-
-/// Takes over what the first rank has decided.
-fn agree(session: &mut Session, resolved: &Resolved, ranks: &Ranks) {
-    let own = [session.frame.method.name().as_bytes(), &session.frame.factors.opacity.to_le_bytes()].concat();
-    let said = ranks.told(own);
-    let (name, factor) = said.split_at(said.len().saturating_sub(4));
-    if let Ok(factor) = factor.try_into() {
-        session.frame.factors.opacity = f32::from_le_bytes(factor);
-    }
-    let choice = resolved.scene.method;
-    let methods = [plan::resolve(choice, resolved.points()).0, choice.representative()];
-    if let Some(method) = methods.into_iter().find(|method| method.name().as_bytes() == name) {
-        session.frame.method = method;
-    }
 }
 
 /// Returns the work that can be shared, including facts that only a device knows.

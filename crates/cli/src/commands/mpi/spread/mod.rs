@@ -56,7 +56,7 @@ pub fn open(setting: &Setting<'_>, resolved: &mut Resolved, all: &Ranks, progres
         all,
         &Order::Open { known: known.clone(), frame: session.frame, parts },
         Some(&packed(&sample)),
-    )?;
+    );
     let mut dealer = Dealer::new(all, &known, PIECE);
     let identity = dealer.deal(resolved, progress)?;
     let read = resolved.stored.as_ref().map_or(0, |stored| stored.bytes_read()[0]);
