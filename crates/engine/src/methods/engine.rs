@@ -136,7 +136,7 @@ pub(crate) trait Engine {
 }
 
 /// Sums that the random samples of a pixel leave before they are resolved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(crate) enum Sums {
     /// Whole numbers over ensembles.
     Ensembles,

@@ -9,21 +9,17 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::ops::Range;
 
+use serde::{Deserialize, Serialize, Serializer};
+use serde_bytes::{ByteBuf, Bytes};
+
 use super::engine::Sums;
 use super::{Facts, Frame, FrameProfile, engine_of};
 use crate::image::MAX_SIDE;
 use crate::passes::bands::Window;
 use crate::random::STRATUM;
 
-/// First word of a part as bytes: "PLPT".
-const MAGIC: u32 = u32::from_le_bytes(*b"PLPT");
-/// The layout of its bytes, counted up with each change.
-const VERSION: u32 = 1;
-/// Words before the ranges of samples: magic, version, columns, rows, samples, step, flags, ranges.
-const HEADER: usize = 8;
-
 /// Steps at which the random samples of a frame may be cut.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SampleSteps {
     /// All samples of a pixel, or ensembles; at least 1.
     pub total: u32,
@@ -63,9 +59,9 @@ pub struct DrawnPart {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PartError {
-    /// Not the bytes of a part, or not all of them, or more.
-    #[error("these are not the bytes of a part of a frame's samples: {0}")]
-    Bytes(&'static str),
+    /// Something that was sent as a part is none.
+    #[error("this is no part of a frame's samples: {0}")]
+    Damaged(&'static str),
     /// Parts of frames with another method, size, number of samples, or other channels.
     #[error("parts of a frame's samples that belong to different frames")]
     Different,
@@ -149,7 +145,7 @@ impl Plane {
 }
 
 /// Contents of the parts of a frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Layout {
     size: [u32; 2],
     steps: SampleSteps,
@@ -200,23 +196,11 @@ impl Layout {
         beside.into_iter().filter(|(_, is_there)| *is_there).map(|(plane, _)| plane).chain(batches)
     }
 
-    fn flags(&self) -> u32 {
-        let sums = match self.sums {
-            Sums::Ensembles => 0,
-            Sums::Samples => 1,
-            Sums::Corrected => 2,
-        };
-        sums | u32::from(self.spread) << 2 | u32::from(self.lengths) << 3
-    }
-
-    fn from_header(header: &[u32]) -> Option<Self> {
-        let [width, height, total, step, flags] = *header else { return None };
-        let sums = [Sums::Ensembles, Sums::Samples, Sums::Corrected].get(flags as usize & 3).copied()?;
-        let (spread, lengths) = (flags & 4 != 0, flags & 8 != 0);
-        let layout = Self { size: [width, height], steps: SampleSteps { total, step }, sums, spread, lengths };
-        let side = 1..=MAX_SIDE;
-        let is_whole = side.contains(&width) && side.contains(&height) && total > 0 && step == sums.step();
-        (is_whole && layout.flags() == flags && !(lengths && sums == Sums::Ensembles)).then_some(layout)
+    /// True of a layout that a frame may have.
+    fn is_possible(&self) -> bool {
+        let SampleSteps { total, step } = self.steps;
+        let has_size = self.size.iter().all(|side| (1..=MAX_SIDE).contains(side));
+        has_size && total > 0 && step == self.sums.step() && !(self.lengths && self.sums == Sums::Ensembles)
     }
 }
 
@@ -228,12 +212,63 @@ impl Layout {
 ///
 /// [`Renderer::draw_part`]: super::Renderer::draw_part
 /// [`Renderer::resolve_parts`]: super::Renderer::resolve_parts
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(try_from = "Sent")]
 pub struct SamplePart {
     layout: Layout,
     /// Its samples, in ascending order; ranges neither touch nor are empty.
     samples: Vec<Range<u32>>,
     planes: BTreeMap<Plane, Vec<u32>>,
+}
+
+/// A part on its way: which planes it has follows from its samples. `B` is the bytes of a plane.
+#[derive(Serialize, Deserialize)]
+struct Sent<B = ByteBuf> {
+    layout: Layout,
+    samples: Vec<Range<u32>>,
+    planes: Vec<B>,
+}
+
+impl Serialize for SamplePart {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Self { layout, samples, planes } = self;
+        Sent {
+            layout: *layout,
+            samples: samples.clone(),
+            planes: planes.values().map(|words| Bytes::new(bytemuck::cast_slice(words))).collect(),
+        }
+        .serialize(serializer)
+    }
+}
+
+impl TryFrom<Sent> for SamplePart {
+    type Error = PartError;
+
+    fn try_from(Sent { layout, samples, planes: sent }: Sent) -> Result<Self, PartError> {
+        if !layout.is_possible() {
+            return Err(PartError::Damaged("a layout without sense"));
+        }
+        let are_ranges = samples.iter().all(|range| !range.is_empty() && layout.steps.allows(range));
+        if !are_ranges || samples.windows(2).any(|pair| pair[0].end >= pair[1].start) {
+            return Err(PartError::Damaged("ranges of samples without sense"));
+        }
+        // Planes are counted no further than they were sent.
+        let mut planes = BTreeMap::new();
+        for plane in samples.iter().flat_map(|range| layout.planes(range.clone())) {
+            planes.insert(plane, Vec::new());
+            if planes.len() > sent.len() {
+                break;
+            }
+        }
+        let fits = |(plane, bytes): (&Plane, &ByteBuf)| bytes.len() == 4 * layout.pixels() * plane.words();
+        if planes.len() != sent.len() || !planes.keys().zip(&sent).all(fits) {
+            return Err(PartError::Damaged("other planes than those of its samples"));
+        }
+        for (words, bytes) in planes.values_mut().zip(sent) {
+            *words = bytemuck::pod_collect_to_vec(&bytes);
+        }
+        Ok(Self { layout, samples, planes })
+    }
 }
 
 impl SamplePart {
@@ -279,51 +314,6 @@ impl SamplePart {
         Ok(())
     }
 
-    /// Returns everything as bytes, little endian, for [`Self::from_bytes`] of the same version of pellucid.
-    pub fn to_bytes(&self) -> Vec<u8> {
-        let Layout { size: [width, height], steps, .. } = self.layout;
-        let mut header = vec![MAGIC, VERSION, width, height, steps.total, steps.step, self.layout.flags()];
-        header.push(self.samples.len() as u32);
-        header.extend(self.samples.iter().flat_map(|range| [range.start, range.end]));
-        let words: usize = header.len() + self.planes.values().map(Vec::len).sum::<usize>();
-        let mut bytes = vec![0; 4 * words];
-        let mut to = bytes.chunks_exact_mut(4);
-        for words in std::iter::once(&header).chain(self.planes.values()) {
-            to.by_ref().zip(words).for_each(|(to, word)| to.copy_from_slice(&word.to_le_bytes()));
-        }
-        bytes
-    }
-
-    /// Returns the part that [`Self::to_bytes`] wrote. Takes no memory before the size of the bytes is known to be
-    /// right.
-    ///
-    /// # Errors
-    /// Bytes that are no part, too few or too many.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, PartError> {
-        let word_at = |at: usize| {
-            let word = bytes.get(4 * at..4 * at + 4).ok_or(PartError::Bytes("too few"))?;
-            Ok(u32::from_le_bytes([word[0], word[1], word[2], word[3]]))
-        };
-        let header: Vec<u32> = (0..HEADER).map(word_at).collect::<Result<_, _>>()?;
-        if header[..2] != [MAGIC, VERSION] {
-            return Err(PartError::Bytes("another file, or of another version of pellucid"));
-        }
-        let layout = Layout::from_header(&header[2..7]).ok_or(PartError::Bytes("a header without sense"))?;
-        let count = header[7] as usize;
-        let first = HEADER.checked_add(2 * count).filter(|first| 4 * first <= bytes.len());
-        let first = first.ok_or(PartError::Bytes("too few"))?;
-        let mut samples: Vec<Range<u32>> = Vec::with_capacity(count);
-        for at in (HEADER..first).step_by(2) {
-            let range = word_at(at)?..word_at(at + 1)?;
-            let is_behind = samples.last().is_none_or(|last| last.end < range.start);
-            if range.is_empty() || !is_behind || !layout.steps.allows(&range) {
-                return Err(PartError::Bytes("ranges of samples without sense"));
-            }
-            samples.push(range);
-        }
-        Ok(Self { layout, planes: planes(layout, &samples, &bytes[4 * first..])?, samples })
-    }
-
     /// The samples are those of a whole frame.
     pub(crate) fn check(&self, frame: &Frame) -> Result<(), PartError> {
         if Layout::of(frame) != Some(self.layout) {
@@ -362,31 +352,6 @@ fn rows(size: [u32; 2], plane: Plane, [x0, y0, x1, y1]: Window) -> impl Iterator
 
 fn row_words(plane: Plane, [x0, _, x1, _]: Window) -> usize {
     (x1 - x0) as usize * plane.words()
-}
-
-/// The planes of a part with these samples, from their bytes.
-fn planes(layout: Layout, samples: &[Range<u32>], bytes: &[u8]) -> Result<BTreeMap<Plane, Vec<u32>>, PartError> {
-    let wanted = || samples.iter().flat_map(|range| layout.planes(range.clone()));
-    // A plane of several ranges is there once. Planes are counted no further than the bytes reach.
-    let mut room = bytes.len();
-    let mut found = BTreeMap::new();
-    for plane in wanted() {
-        if let Entry::Vacant(place) = found.entry(plane) {
-            let needed = 4 * layout.pixels() * plane.words();
-            room = room.checked_sub(needed).ok_or(PartError::Bytes("too few"))?;
-            place.insert(Vec::new());
-        }
-    }
-    if room > 0 {
-        return Err(PartError::Bytes("too many"));
-    }
-    let mut rest = bytes;
-    for (plane, words) in &mut found {
-        let (own, behind) = rest.split_at(4 * layout.pixels() * plane.words());
-        *words = own.chunks_exact(4).map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]])).collect();
-        rest = behind;
-    }
-    Ok(found)
 }
 
 /// The samples of both, unless some are in both.
@@ -463,32 +428,39 @@ mod tests {
     }
 
     #[test]
-    fn bytes_come_back_and_damaged_ones_are_refused() {
+    fn parts_arrive_as_they_were_sent_and_damaged_ones_are_refused() {
+        let sent = |SamplePart { layout, samples, planes }: &SamplePart| {
+            let bytes = |words: &Vec<u32>| ByteBuf::from(bytemuck::cast_slice(words));
+            Sent { layout: *layout, samples: samples.clone(), planes: planes.values().map(bytes).collect() }
+        };
+        let arrived = |part: &SamplePart| SamplePart::try_from(sent(part));
         for sums in [Sums::Ensembles, Sums::Samples, Sums::Corrected] {
             for samples in [0..0, 0..16, 16..48, 48..70, 0..70] {
                 let part = part(sums, 70, samples);
-                let bytes = part.to_bytes();
-                assert_eq!(SamplePart::from_bytes(&bytes).as_ref(), Ok(&part));
-                for length in (0..bytes.len()).step_by(5) {
-                    assert!(SamplePart::from_bytes(&bytes[..length]).is_err(), "{length} of {}", bytes.len());
-                }
-                assert_eq!(SamplePart::from_bytes(&[&bytes[..], &[0; 4]].concat()), Err(PartError::Bytes("too many")));
-                // Whatever a word of the header says, it is no panic and takes no memory.
-                for at in 0..HEADER + 2 * part.samples.len() {
-                    for word in [0, 1, 3, 17, 0x7fff_ffff, u32::MAX] {
-                        let mut damaged = bytes.clone();
-                        damaged[4 * at..4 * at + 4].copy_from_slice(&u32::to_le_bytes(word));
-                        if let Ok(other) = SamplePart::from_bytes(&damaged) {
-                            assert_eq!(other.to_bytes(), damaged, "word {at}: {word}");
-                        }
-                    }
+                assert_eq!(arrived(&part).as_ref(), Ok(&part));
+                let refused = |damage: &dyn Fn(&mut Sent)| {
+                    let mut sent = sent(&part);
+                    damage(&mut sent);
+                    assert!(matches!(SamplePart::try_from(sent), Err(PartError::Damaged(_))), "{sums:?}");
+                };
+                refused(&|sent| sent.layout.size[0] = 0);
+                refused(&|sent| sent.layout.size = [u32::MAX; 2]);
+                refused(&|sent| sent.layout.steps.step = 7);
+                refused(&|sent| sent.layout.steps.total = 0);
+                refused(&|sent| sent.planes.push(ByteBuf::new()));
+                refused(&|sent| sent.samples.push(70..71));
+                refused(&|sent| sent.samples.insert(0, 0..0));
+                if !part.samples.is_empty() {
+                    refused(&|sent| drop(sent.planes.pop()));
+                    refused(&|sent| sent.planes[0].extend([0; 4]));
+                    refused(&|sent| sent.layout.size[1] += 1);
+                    refused(&|sent| sent.samples.push(part.samples[0].clone()));
                 }
             }
         }
         // Two ranges that leave a gap.
         let apart = sum(&[part(Sums::Samples, 70, 48..70), part(Sums::Samples, 70, 0..16)]);
-        assert_eq!(SamplePart::from_bytes(&apart.to_bytes()), Ok(apart));
-        assert!(matches!(SamplePart::from_bytes(&[1; 80]), Err(PartError::Bytes(why)) if why.contains("another file")));
+        assert_eq!(arrived(&apart), Ok(apart));
     }
 
     #[test]

@@ -19,7 +19,7 @@ use super::work::{Work, imbalance, ms};
 /// # Errors
 /// Errors of rendering.
 pub fn render(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<Shared>> {
-    let (rounds, ranks) = (spread::frame::order(stage, ranks, listed)?, ranks.led().unwrap_or(ranks));
+    let (rounds, ranks) = (spread::frame::order(stage, ranks, listed), ranks.led().unwrap_or(ranks));
     ranks.meet();
     ranks.begin("rendering");
     let mut turn = Turn { begin: Instant::now(), work: Work::of(ranks), listed, ranks };

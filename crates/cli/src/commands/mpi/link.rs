@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
+use super::messages::told;
 use super::ranks::Ranks;
 
 /// Messages there and back that are timed, short and long ones, and bytes of a long one.
@@ -42,8 +43,7 @@ impl Link {
         let short = there_and_back(ranks, SHORT, 8);
         let long = there_and_back(ranks, LONG, BYTES);
         let link = Self { latency: short, bandwidth: BYTES as f64 / (long - short).max(1e-9) };
-        let told = ranks.told(serde_json::to_vec(&link).unwrap_or_default());
-        serde_json::from_slice(&told).ok()
+        Some(told(link, ranks))
     }
 }
 

@@ -8,7 +8,7 @@ use pellucid_engine::camera::Camera;
 use pellucid_engine::methods::Frame;
 use pellucid_engine::passes::bands::Window;
 use pellucid_engine::prepare::Arranged;
-use pellucid_engine::scene::{Error, Method, MethodChoice};
+use pellucid_engine::scene::{Error, MethodChoice};
 use pellucid_session::{Prepared, Session};
 
 use super::cut::{Costs, Load};
@@ -91,7 +91,8 @@ impl Stage {
             ranks.count() > 1 && matches!(expected, Ok(Share::Windows)) && prepared.assembled.shadow_texture.is_none();
         ranks.begin("uploading");
         let mut session = together(ranks, open(setting, prepared, by_windows, ranks, (console, progress)))?;
-        agree(&mut session, ranks);
+        // Method and opacity, too, are those of the first rank.
+        session.frame = messages::told(session.frame, ranks);
         session.frame.depths = session.prepared.request.frame.depths;
         let job = together(ranks, job(&mut session, frames))?;
         let share = together(ranks, job.choose(setting.share, ranks.count(), link))?;
@@ -254,21 +255,6 @@ fn open(
         }
     }
     Ok(session)
-}
-
-/// Method and opacity, as the first rank has decided.
-#[derive(serde::Serialize, serde::Deserialize)]
-struct Decision {
-    method: Method,
-    opacity: f32,
-}
-
-/// Takes over what the first rank has decided.
-fn agree(session: &mut Session, ranks: &Ranks) {
-    let own = Decision { method: session.frame.method, opacity: session.frame.factors.opacity };
-    let Decision { method, opacity } = messages::told(own, ranks);
-    session.frame.method = method;
-    session.frame.factors.opacity = opacity;
 }
 
 /// Returns the work that can be shared, including facts that only a device knows.

@@ -98,16 +98,15 @@ impl Turn<'_> {
         let (rank, count) = (self.ranks.own(), self.ranks.count());
         for distance in (0..).map(|power| 1 << power).take_while(|distance| *distance < count) {
             if rank % (2 * distance) != 0 {
-                let bytes = own.map(|part| part.to_bytes()).unwrap_or_default();
-                self.ranks.send(rank - distance, &bytes);
+                self.ranks.send(rank - distance, &encoded(&own));
                 return None;
             }
             if rank + distance < count {
-                let bytes = self.ranks.received(rank + distance);
-                if !bytes.is_empty() {
-                    let other = SamplePart::from_bytes(&bytes);
-                    own = Some(self.sum(own, other.unwrap_or_else(|error| self.ranks.fail(&error.to_string(), 1))));
-                }
+                let other: Option<SamplePart> = decoded(rank + distance, self.ranks);
+                own = match other {
+                    Some(other) => Some(self.sum(own, other)),
+                    None => own,
+                };
             }
         }
         own

@@ -32,17 +32,14 @@ pub struct Own<'a> {
 
 /// Orders the others to render the stage's frame; the regions of all, round by round. `None` where points are not
 /// distributed.
-///
-/// # Errors
-/// A setting that can't be sent.
-pub fn order(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<Vec<Vec<Window>>>> {
-    let Some(all) = ranks.led() else { return Ok(None) };
+pub fn order(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Option<Vec<Vec<Window>>> {
+    let all = ranks.led()?;
     let (frame, timed) = (stage.session.frame, stage.session.renderer.timed);
     let room = stage.session.renderer.room(&stage.session.uploaded.cloud, &frame);
     let points = stage.session.uploaded.cloud.total();
     let rounds = rounds::rounds(stage.costs(), all.count(), points, room);
-    orders::send_to_others(all, &Order::Render { frame, rounds: rounds.clone(), timed, listed }, None)?;
-    Ok(Some(rounds))
+    orders::send_to_others(all, &Order::Render { frame, rounds: rounds.clone(), timed, listed }, None);
+    Some(rounds)
 }
 
 /// The first rank's turn: its own regions, and those of all put together.

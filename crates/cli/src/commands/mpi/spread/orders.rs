@@ -1,11 +1,9 @@
 //! Orders of the first rank to the others.
 
-use pellucid_engine::Result;
 use pellucid_engine::methods::Frame;
 use pellucid_engine::passes::bands::Window;
 use pellucid_engine::passes::project::Parts;
 use pellucid_engine::points::Known;
-use pellucid_engine::scene::Error;
 use serde::{Deserialize, Serialize};
 
 use super::super::messages::{decoded, encoded};
@@ -26,20 +24,12 @@ pub enum Order {
 }
 
 /// Orders all others to do the same.
-///
-/// # Errors
-/// A number in it that is none.
-pub fn send_to_others(ranks: &Ranks, order: &Order, bytes: Option<&[u8]>) -> Result<()> {
+pub fn send_to_others(ranks: &Ranks, order: &Order, bytes: Option<&[u8]>) {
     let written = encoded(order);
-    // Text has no infinite numbers, and has to have all others to the last bit.
-    if serde_json::from_slice::<Order>(&written).ok().as_ref() != Some(order) {
-        return Err(Error::Usage("--spread: a setting is infinite or not a number".to_owned()).into());
-    }
     for rank in 1..ranks.count() {
         ranks.send(rank, &written);
         bytes.into_iter().for_each(|bytes| ranks.send(rank, bytes));
     }
-    Ok(())
 }
 
 /// Has a rank keep runs of points.
@@ -77,14 +67,9 @@ mod tests {
             let mut frame =
                 Frame { method, max_error: Some(f32::MIN_POSITIVE), ..Frame::of_scene(&scene, camera, u64::MAX) };
             frame.factors.opacity = 1.0 / 3.0;
-            frame.factors.radius = f32::MAX;
+            frame.factors.radius = f32::INFINITY;
             let order = Order::Render { frame, rounds: vec![vec![[0, 1, 2, 3]]], timed: true, listed: false };
-            assert_eq!(
-                serde_json::from_slice::<Order>(&encoded(&order)).expect("an order"),
-                order,
-                "{}",
-                method.name()
-            );
+            assert_eq!(postcard::from_bytes::<Order>(&encoded(&order)).expect("an order"), order, "{}", method.name());
         }
     }
 }
