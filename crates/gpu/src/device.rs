@@ -285,7 +285,7 @@ impl Device {
     /// [`Screen`](super::window::Screen) shows them.
     ///
     /// # Errors
-    /// As of [`Self::open`], and [`Error::NoSurface`] if no driver can present to windows of this kind.
+    /// Returns the errors of [`Self::open`], and [`Error::NoSurface`] if no driver can present to windows of this kind.
     #[cfg(feature = "window")]
     pub fn open_for(options: &DeviceOptions, window: super::window::Handle) -> Result<Self, Error> {
         Self::open_on(Instance::for_window(options.validation, options.gpu_assisted, window)?, options)
@@ -352,8 +352,8 @@ impl Device {
         Recorder::new(&self.0, false)
     }
 
-    /// Command buffers that wait for the next [`Self::recorder`]: as many as there were recorders at one time, less those
-    /// that there are now.
+    /// Command buffers that wait for the next [`Self::recorder`]: as many as there were recorders at one time, less
+    /// those that there are now.
     pub fn idle_command_buffers(&self) -> usize {
         self.0.idle_commands()
     }

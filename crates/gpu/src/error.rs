@@ -91,7 +91,7 @@ pub enum Error {
     Vulkan {
         /// The call.
         call: &'static str,
-        /// Its result.
+        /// The result that the call returned.
         result: vk::Result,
     },
     /// A shader does not compile or does not match its pass.
@@ -164,7 +164,7 @@ impl Error {
         }
     }
 
-    /// For `map_err`: an error that names the failed call.
+    /// Returns a function for `map_err`: it makes an error that names the failed call.
     pub(crate) fn call(call: &'static str) -> impl FnOnce(vk::Result) -> Self {
         move |result| match result {
             vk::Result::ERROR_DEVICE_LOST => Self::Lost { during: call.to_owned() },

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::{Reflection, check, reflection};
 use crate::{Compiled, Device, Error, Outputs, Pass};
 
-/// One of a shader's variants: values of overrides by name, and text constants.
+/// A variant of a shader: values of overrides by name, and text constants.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Variant {
     /// Overrides.
@@ -20,7 +20,8 @@ pub struct Variant {
     pub walker: Option<&'static str>,
     /// Names and counts for `#each`.
     pub counts: Vec<(&'static str, u32)>,
-    /// Invocations of a subgroup, for shaders whose workgroup is one subgroup or several; also the constant `SUBGROUP` in WGSL.
+    /// Invocations of a subgroup, for shaders whose workgroup is one subgroup or several; also the constant `SUBGROUP`
+    /// in WGSL.
     pub subgroup: Option<u32>,
 }
 
@@ -81,8 +82,8 @@ impl Variant {
 /// Sizes of subgroups that a device may have.
 pub const SUBGROUPS: [u32; 4] = [4, 8, 16, 32];
 
-/// A property by which variants of shaders differ, with a list of all its values. [`choices!`](crate::choices) makes it and
-/// forgets none.
+/// A property by which variants of shaders differ, with a list of all its values. [`choices!`](crate::choices) makes it
+/// and forgets none.
 pub trait Choices: Sized {
     /// Every value once.
     fn all() -> Vec<Self>;
@@ -199,7 +200,7 @@ impl Shader {
     /// Compiles its variants and compares them with the declaration.
     ///
     /// # Errors
-    /// As [`check`].
+    /// Returns an error if [`check`] fails.
     pub fn check(&self) -> Result<(), Error> {
         (self.check)(&self.variants)
     }
@@ -207,7 +208,7 @@ impl Shader {
     /// Entry point and overrides of a variant.
     ///
     /// # Errors
-    /// As [`reflection`].
+    /// Returns an error if [`reflection`] fails.
     pub fn reflection(&self, variant: &Variant) -> Result<Reflection, Error> {
         (self.reflection)(variant)
     }
