@@ -9,7 +9,7 @@ use crate::{gpu_struct, pass};
 /// The expected words after a pass.
 #[derive(Debug, Clone, Copy)]
 pub enum Expected<'a> {
-    /// The same as these.
+    /// The words of this slice.
     Words(Slice<'a, u32>),
     /// Each of `ends` minus its count: used to compare cursors with the next ranges where no copy of their starts is
     /// left.
@@ -19,7 +19,7 @@ pub enum Expected<'a> {
         /// The counts to subtract.
         counts: Slice<'a, u32>,
     },
-    /// This number in every word.
+    /// A number that every word has.
     Value(u32),
 }
 
@@ -56,7 +56,8 @@ const VALUE: u32 = 2;
 /// The constants of debug/agree.
 pub const CONSTANTS: [(&str, u32); 2] = [("TOLD", TOLD as u32), ("BELOW", BELOW)];
 
-/// A comparison whose outcome the device writes: number of differences, and element, stored and counted of some of them.
+/// A comparison whose outcome the device writes: number of differences, and element, stored and counted of some of
+/// them.
 pub struct Agreement {
     pass: &'static str,
     item: &'static str,
@@ -84,8 +85,9 @@ impl Agreement {
 }
 
 impl<'a> Recorder<'a> {
-    /// In debug builds: after the submission, an error that names `pass` if a word of `stored`, one per `item`, differs
-    /// from the expectation. Slices are of equal length. Costs one untimed pass, and nothing in release builds.
+    /// Records a check of counts in debug builds: after the submission it is an error, which names `pass`, if a word of
+    /// `stored`, one per `item`, differs from the expectation. Slices are of equal length. Costs one untimed pass, and
+    /// nothing in release builds.
     pub fn agree(
         &mut self,
         pass: &'static str,

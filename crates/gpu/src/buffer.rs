@@ -151,8 +151,8 @@ impl<T: GpuType> Buffer<T> {
         Ok(())
     }
 
-    /// Fills the first `len` elements of the buffer, some after others, and waits for it: `fill` puts those of a range there. No
-    /// copy of all of them is made on the host.
+    /// Fills the first `len` elements of the buffer, some after others, and waits for it: `fill` puts those of a range
+    /// there. No copy of all of them is made on the host.
     pub fn upload_by(&self, len: u64, fill: impl Fn(Range<usize>, &mut [T])) -> Result<(), Error> {
         assert!(len <= self.len.max(1), "{}: upload larger than the buffer", self.name);
         let size = size_of::<T>() as u64;

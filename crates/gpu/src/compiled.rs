@@ -11,9 +11,9 @@ use super::{Device, Error, Outputs, Pass, Variant};
 /// A pipeline as the driver compiled it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compiled {
-    /// From SPIR-V to the pipeline.
+    /// Time from SPIR-V to the pipeline.
     pub time: Duration,
-    /// One for each stage, or more where a driver cuts stages.
+    /// The driver's executables: one for each stage, or more where a driver cuts stages.
     pub executables: Vec<Executable>,
 }
 
@@ -45,7 +45,8 @@ pub(super) fn is_supported(instance: &ash::Instance, physical: vk::PhysicalDevic
 }
 
 impl Device {
-    /// Compiles a variant of a pass, to draw where there are `outputs`, and asks the driver what became of it. Nothing runs.
+    /// Compiles a variant of a pass, to draw where there are `outputs`, and asks the driver what became of it. Nothing
+    /// runs.
     ///
     /// # Errors
     /// The shader does not compile, or the device was opened without

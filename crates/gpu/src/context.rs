@@ -18,8 +18,8 @@ use super::{Error, cache, compiled, guard};
 /// Bytes of one block of sub-allocated memory: small, so that the reserved peak stays near what is used.
 const BLOCK_BYTES: u64 = 8 << 20;
 
-/// A command buffer and its pool. Recording uses the pool, and a pool must not be used from two threads at once, so that each
-/// recorder has one.
+/// A command buffer and its pool. Recording uses the pool, and a pool must not be used from two threads at once, so
+/// that each recorder has one.
 #[derive(Clone, Copy)]
 pub struct Commands {
     pool: vk::CommandPool,

@@ -363,8 +363,8 @@ impl Device {
         Recorder::new(&self.0, false)
     }
 
-    /// Command buffers that wait for the next [`Self::recorder`]: as many as there were recorders at one time, less those
-    /// that there are now.
+    /// Command buffers that wait for the next [`Self::recorder`]: as many as there were recorders at one time, less
+    /// those that there are now.
     pub fn idle_command_buffers(&self) -> usize {
         self.0.idle_commands()
     }

@@ -91,7 +91,7 @@ pub enum Error {
     Vulkan {
         /// The call.
         call: &'static str,
-        /// Its result.
+        /// The result that the call returned.
         result: vk::Result,
     },
     /// A shader does not compile or does not match its pass.

@@ -1,5 +1,5 @@
-//! Counts that are foreseen: the host takes what a count will be at most for granted, and records what comes after it. The
-//! device compares, and leaves that out if it is more.
+//! Counts that are foreseen: the host takes what a count will be at most for granted, and records what comes after it.
+//! The device compares, and leaves that out if it is more.
 
 use super::{Dispatch, Error, Recorder, Run, Slice};
 use crate::{gpu_struct, pass};
@@ -28,9 +28,9 @@ impl<'a> Recorder<'a> {
         self.update_raw(to.raw(), bytemuck::cast_slice(words));
     }
 
-    /// Dispatches and draws from here on run only if each of these words is at most what the same word of `most` is, and only
-    /// if nothing was left out before: `go` must hold 1 at first, and holds 0 after something was. Fills and copies run in any
-    /// case. The device must be able to ([`super::DeviceInfo::conditional`]).
+    /// Dispatches and draws from here on run only if each of these words is at most what the same word of `most` is,
+    /// and only if nothing was left out before: `go` must hold 1 at first, and holds 0 after something was. Fills and
+    /// copies run in any case. The device must be able to ([`super::DeviceInfo::conditional`]).
     pub fn only_within(
         &mut self,
         words: Slice<'a, u32>,

@@ -15,7 +15,8 @@ use ash::vk::{self, Handle};
 use super::recorder::full_barrier;
 use super::{Buffer, Context, Error, Memory, RawSlice};
 
-/// Bytes behind each buffer, and behind each bound range of one: more than three of the largest elements. None in release builds.
+/// Bytes behind each buffer, and behind each bound range of one: more than three of the largest elements. None in
+/// release builds.
 pub const BYTES: u64 = if cfg!(debug_assertions) { 256 } else { 0 };
 /// The guard's content, which is unlike any count, float of a scene, or index.
 const WORD: u32 = 0xfade_d0c5;
@@ -52,8 +53,8 @@ impl Guards {
         }
     }
 
-    /// A pass may write to this range. Records, outside of passes, what makes the words behind it known, unless they are: true
-    /// if a barrier must follow.
+    /// A pass may write to this range. Records, outside of passes, what makes the words behind it known, unless they
+    /// are: true if a barrier must follow.
     pub fn watch(
         &mut self,
         context: &Arc<Context>,

@@ -251,7 +251,7 @@ impl KeptAttachment {
 
 /// A texture type of shaders: stands for WGSL's type in the declaration of a pass.
 pub trait Texture {
-    /// Its type in WGSL.
+    /// The texture's type in WGSL.
     const WGSL: &'static str;
 }
 

@@ -49,8 +49,8 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// Opens the loader. With `validation`, validation and synchronization validation are on and every warning or error is
-    /// collected; with `gpu_assisted` besides, shaders are instrumented, and synchronization is not looked at.
+    /// Opens the loader. With `validation`, validation and synchronization validation are on and every warning or error
+    /// is collected; with `gpu_assisted` besides, shaders are instrumented, and synchronization is not looked at.
     pub fn new(validation: bool, gpu_assisted: bool) -> Result<Self, Error> {
         Self::with_extensions(validation, gpu_assisted, &[])
     }

@@ -22,7 +22,7 @@ pub enum Shape {
     Struct {
         /// Size of the Rust type in bytes, equal to the WGSL stride.
         size: usize,
-        /// Its members in order.
+        /// The members in order.
         members: Vec<Member>,
     },
 }
@@ -34,7 +34,7 @@ pub struct Member {
     pub name: &'static str,
     /// Offset in bytes.
     pub offset: usize,
-    /// Its type.
+    /// Shape of the member.
     pub shape: Shape,
 }
 
@@ -64,7 +64,7 @@ pub(crate) fn struct_text<'a>(members: impl Iterator<Item = (&'a str, usize, Str
 
 /// A type that can lie in a buffer.
 pub trait GpuType: Pod + Send + Sync {
-    /// Its shape.
+    /// Returns the shape of the type.
     fn shape() -> Shape;
 }
 

@@ -1,7 +1,8 @@
 //! The device layer: everything that talks to Vulkan, and the only place with `unsafe`.
 //!
-//! [`Device`] chooses and opens a device, [`Buffer`] owns typed memory, [`Attachment`] an image, [`shader`] turns WGSL into SPIR-V,
-//! [`pass!`](crate::pass) declares what a pass binds, and [`Recorder`] alone adds barriers, labels, timestamps and dispatches.
+//! [`Device`] chooses and opens a device, [`Buffer`] owns typed memory, [`Attachment`] an image, [`shader`] turns WGSL
+//! into SPIR-V, [`pass!`](crate::pass) declares what a pass binds, and [`Recorder`] alone adds barriers, labels,
+//! timestamps and dispatches.
 
 mod agree;
 mod buffer;

@@ -47,7 +47,7 @@ pub struct Binding {
 
 /// Push constants of a pass: a struct made by [`gpu_struct!`](crate::gpu_struct), or `()` where it has none.
 pub trait PushConstants: Pod {
-    /// Their shape; `None` for none.
+    /// Returns the shape of the push constants; `None` if there are none.
     fn push_shape() -> Option<Shape>;
 }
 
@@ -94,10 +94,11 @@ pub trait Group {
 /// Parts that a buffer of unlimited length is bound in, as bindings `name_0` to `name_3`.
 pub const PARTS: usize = 4;
 
-/// Declares a pass: after `@from` the crate's [`Sources`], which a crate's own macro of this name puts there; then the name of the
-/// timing label, the shader file if it is called otherwise, the shared piece that it takes, push constants, bindings.
-/// A field is `Uniform<T>`, `Read<T>`, `ReadWrite<T>`, `Parts<T>`: [`PARTS`] read bindings `name_0`, `name_1`, …,
-/// `Texture<T>`: an attachment, read as the type of WGSL that `T` stands for, or `Shared<G>`: all bindings of a [`Group`].
+/// Declares a pass: after `@from` the crate's [`Sources`], which a crate's own macro of this name puts there; then the
+/// name of the timing label, the shader file if it is called otherwise, the shared piece that it takes, push constants,
+/// bindings. A field is `Uniform<T>`, `Read<T>`, `ReadWrite<T>`, `Parts<T>`: [`PARTS`] read bindings `name_0`,
+/// `name_1`, …, `Texture<T>`: an attachment, read as the type of WGSL that `T` stands for, or `Shared<G>`: all bindings
+/// of a [`Group`].
 ///
 /// ```text
 /// pass! {

@@ -1,5 +1,5 @@
-//! Recordings that are interrupted. What they were given may be dropped meanwhile: it is destroyed once no recording is left
-//! that may hold it.
+//! Recordings that are interrupted. What they were given may be dropped meanwhile: it is destroyed once no recording is
+//! left that may hold it.
 
 use std::sync::Arc;
 
@@ -20,7 +20,8 @@ impl Paused {
 }
 
 impl Recorder<'_> {
-    /// Interrupts the recording. From here on until it is submitted or dropped, what is dropped on this device is destroyed later.
+    /// Interrupts the recording. From here on until it is submitted or dropped, what is dropped on this device is
+    /// destroyed later.
     pub fn pause(mut self) -> Paused {
         if self.held.is_none() {
             self.held = Some(Held::new(self.context()));
@@ -81,8 +82,8 @@ impl Context {
     }
 
     fn destroy(&self, grave: Grave) {
-        // SAFETY: whoever owned the handles gave them up. Submissions are waited for before their recorders are dropped, and no
-        // interrupted recording is left; so the device no longer uses them. A null view is ignored.
+        // SAFETY: whoever owned the handles gave them up. Submissions are waited for before their recorders are
+        // dropped, and no interrupted recording is left; so the device no longer uses them. A null view is ignored.
         let allocation = unsafe {
             match grave {
                 Grave::Buffer(raw, allocation) => {

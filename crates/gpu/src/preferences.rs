@@ -10,15 +10,15 @@ pub struct Preferences {
     /// `true` if the invocations of a workgroup go through neighboring words together and share sums, so that a GPU
     /// reads whole stretches of memory; false if each goes through words of its own, as the threads of a CPU should.
     pub shared_work: bool,
-    /// Splats of at most so many pixels are walked by one invocation each, larger ones tile by tile. The invocations of a GPU's
-    /// subgroup wait for the largest splat among theirs; on a CPU tiles only cost.
+    /// Splats of at most so many pixels are walked by one invocation each, larger ones tile by tile. The invocations of
+    /// a GPU's subgroup wait for the largest splat among theirs; on a CPU tiles only cost.
     pub small_area: u32,
 }
 
 impl Preferences {
-    /// Those of drivers that run on a CPU.
+    /// Preferences of drivers that run on a CPU.
     pub const CPU: Self = Self { concurrent_runs: 32, shared_work: false, small_area: 1024 };
-    /// Those of GPUs.
+    /// Preferences of GPUs.
     pub const GPU: Self = Self { concurrent_runs: 4096, shared_work: true, small_area: 64 };
 
     pub(super) fn of(device_type: vk::PhysicalDeviceType) -> Self {

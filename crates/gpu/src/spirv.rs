@@ -109,8 +109,8 @@ fn array_stride(words: &[u32], length: &[u32]) -> Option<u32> {
 
 /// Decorates all floating-point arithmetic NoContraction, which naga cannot say.
 ///
-/// Without it a driver may fuse a multiplication with an addition in one shader and not in another: the pass that stores
-/// fragments would then see other pixels than the one that counted them. Sums of two floats need it anyway.
+/// Without it a driver may fuse a multiplication with an addition in one shader and not in another: the pass that
+/// stores fragments would then see other pixels than the one that counted them. Sums of two floats need it anyway.
 fn forbid_contraction(words: &[u32]) -> Vec<u32> {
     let results: Vec<u32> =
         instructions(words).filter(|(op, _)| FLOAT_ARITHMETIC.contains(op)).map(|(_, i)| i[2]).collect();
@@ -132,10 +132,12 @@ fn forbid_contraction(words: &[u32]) -> Vec<u32> {
 /// Drops the initializer that naga gives function-local arrays of its own accord.
 ///
 /// naga zero-initializes every local variable. For an array of 256 that means 256 stores which lavapipe unrolls: 24 s
-/// of compilation against 0.2 s. Only arrays are touched, and not those with values of their own: a scalar's initializer is part of the program.
+/// of compilation against 0.2 s. Only arrays are touched, and not those with values of their own: a scalar's
+/// initializer is part of the program.
 ///
-/// A GPU then finds there whatever an earlier shader left, which a CPU driver hardly ever does. So in debug builds short arrays are
-/// spoiled instead (`spoil`): a shader that reads an element before it writes one shows it on every driver.
+/// A GPU then finds there whatever an earlier shader left, which a CPU driver hardly ever does. So in debug builds
+/// short arrays are spoiled instead (`spoil`): a shader that reads an element before it writes one shows it on every
+/// driver.
 fn drop_array_initializers(words: &[u32], spoil: bool) -> Vec<u32> {
     let arrays: Vec<u32> = instructions(words).filter(|(op, _)| *op == OP_TYPE_ARRAY).map(|(_, i)| i[1]).collect();
     let pointers: Vec<(u32, u32)> = instructions(words)
@@ -171,7 +173,7 @@ struct Spoiled<'a> {
     words: &'a [u32],
     /// The next id.
     next: u32,
-    /// Their instructions.
+    /// Instructions that declare the constants.
     declared: Vec<u32>,
 }
 
@@ -181,7 +183,7 @@ impl Spoiled<'_> {
     /// No number as a float, and no index of anything as an integer.
     const WORD: u32 = u32::MAX;
 
-    /// For an array type; `None` for one that is long, or not of numbers and vectors.
+    /// Returns the constant of an array type; `None` for one that is long, or not of numbers and vectors.
     fn of_array(&mut self, array: u32) -> Option<u32> {
         self.scalars(array).filter(|scalars| *scalars <= Self::MOST)?;
         self.of(array)
@@ -221,7 +223,8 @@ impl Spoiled<'_> {
     }
 }
 
-/// Makes a `sample_mask` variable an array of one u32, as VUID-SampleMask-SampleMask-04359 demands; naga emits a bare u32.
+/// Makes a `sample_mask` variable an array of one u32, as VUID-SampleMask-SampleMask-04359 demands; naga emits a bare
+/// u32.
 fn correct_sample_mask(words: &[u32]) -> Vec<u32> {
     let masks: Vec<u32> = instructions(words)
         .filter(|(op, i)| {

@@ -26,7 +26,8 @@ pub struct Textures(HashMap<TextureId, (ColorImage, TextureOptions)>);
 /// Draws with egui's own textures.
 pub struct Painter {
     renderer: Renderer,
-    /// The textures as they are. The renderer would let go of what surrounds a part that changes; it gets all of it instead.
+    /// The textures as they are. The renderer would let go of what surrounds a part that changes; it gets all of it
+    /// instead.
     pub textures: Textures,
     /// Textures whose current content is not on the device yet.
     stale: BTreeSet<TextureId>,

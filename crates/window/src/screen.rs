@@ -1,4 +1,4 @@
-//! From a picture in the device's memory to the window.
+//! Presentation of a picture in the device's memory to the window.
 
 use std::sync::Arc;
 
@@ -218,8 +218,8 @@ impl Screen {
         let (device, commands) = (&self.context.device, self.commands);
         let image = swapchain.images[index as usize];
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: the last submission of this command buffer is over; the image was acquired, and its swapchain lives until
-        // the submission is waited for.
+        // SAFETY: the last submission of this command buffer is over; the image was acquired, and its swapchain lives
+        // until the submission is waited for.
         unsafe {
             device.begin_command_buffer(commands, &begin).map_err(Error::call("vkBeginCommandBuffer"))?;
             barrier(device, commands, image, [vk::ImageLayout::UNDEFINED, COPIED]);
@@ -308,8 +308,8 @@ impl Drop for Screen {
     fn drop(&mut self) {
         let guard = lock(&self.context.submission);
         let device = &self.context.device;
-        // SAFETY: the wait ends all that uses the handles, presenting included; a lost device uses nothing. Null handles are
-        // ignored.
+        // SAFETY: the wait ends all that uses the handles, presenting included; a lost device uses nothing. Null
+        // handles are ignored.
         unsafe {
             let _ = device.queue_wait_idle(self.context.queue);
             self.painter = None;

@@ -1,4 +1,5 @@
-// abuffer/combine: composes the runs of each long list, front to back: composition is associative. One invocation per list.
+// abuffer/combine: composes the runs of each long list, front to back: composition is associative. One invocation per
+// list.
 #import view
 #import over
 #import long_list

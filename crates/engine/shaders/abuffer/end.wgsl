@@ -1,6 +1,6 @@
-// abuffer/end: composes a long list once more, up to its early end (shared/early_end.wgsl), if it has one. The runs are composed already:
-// they say in which of them that is, whose fragments are looked at once more. One invocation per list.
-// Reference: reference::abuffer::before_end.
+// abuffer/end: composes a long list once more, up to its early end (shared/early_end.wgsl), if it has one. The runs are
+// composed already: they say in which of them that is, whose fragments are looked at once more. One invocation per
+// list. Reference: reference::abuffer::before_end.
 #import compose
 #import early_end
 #import long_list

@@ -1,5 +1,5 @@
-// abuffer/median: the depth at which a long list first lets through half of the light or less. The runs are composed already: they
-// say in which of them that is, whose fragments are looked at once more. One invocation per list.
+// abuffer/median: the depth at which a long list first lets through half of the light or less. The runs are composed
+// already: they say in which of them that is, whose fragments are looked at once more. One invocation per list.
 // Reference: reference::abuffer::median.
 #import compose
 #import early_end
@@ -18,7 +18,8 @@ fn joined(front: f32, part: f32) -> f32 {
     return front + (1.0 - front) * part;
 }
 
-// The key of the fragment of a run at which A reaches a half, behind what lies in front; NOTHING if the list ends before.
+// The key of the fragment of a run at which A reaches a half, behind what lies in front; NOTHING if the list ends
+// before.
 fn key_within(run: ListRun, front: f32, pixel: vec2<u32>) -> u32 {
     let first = run.start + run.run * RUN_LENGTH;
     let last = run.start + min((run.run + 1u) * RUN_LENGTH, run.length);

@@ -1,6 +1,6 @@
 // abuffer/merge: merges pairs of sorted runs of `width` fragments from one buffer into the other. One invocation writes
-// RUN_LENGTH fragments of the result; it finds where they begin in both runs by bisection (merge path, Green et al. 2012),
-// so that no invocation's work grows with the list.
+// RUN_LENGTH fragments of the result; it finds where they begin in both runs by bisection (merge path, Green et al.
+// 2012), so that no invocation's work grows with the list.
 #import long_list
 #import fragments
 #import dispatch

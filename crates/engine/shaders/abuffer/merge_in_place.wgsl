@@ -1,7 +1,8 @@
-// abuffer/merge-in-place: some steps of merging pairs of sorted runs of 2^width_log fragments where they lie, by Batcher's
-// odd-even merge (Batcher 1968; Knuth, TAOCP 3, 5.3.4). One invocation per long list. A step compares fragments that lie
-// 2^distance_log apart; a level begins with the runs' length as distance and halves it with every step. What lies beyond
-// the end of a list counts as behind everything and so never moves: lists of any length are sorted.
+// abuffer/merge-in-place: some steps of merging pairs of sorted runs of 2^width_log fragments where they lie, by
+// Batcher's odd-even merge (Batcher 1968; Knuth, TAOCP 3, 5.3.4). One invocation per long list. A step compares
+// fragments that lie 2^distance_log apart; a level begins with the runs' length as distance and halves it with every
+// step. What lies beyond the end of a list counts as behind everything and so never moves: lists of any length are
+// sorted.
 #import long_list
 #import fragments
 #import dispatch

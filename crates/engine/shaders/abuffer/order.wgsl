@@ -1,5 +1,5 @@
-// abuffer/order: writes the band's pixels into the work list, class by class. One invocation per CLASSIFY_RUN pixels. The
-// order within a class depends on arrival, but every pixel is worked on by itself.
+// abuffer/order: writes the band's pixels into the work list, class by class. One invocation per CLASSIFY_RUN pixels.
+// The order within a class depends on arrival, but every pixel is worked on by itself.
 #import classify
 
 @group(0) @binding(2) var<storage, read_write> pixels: array<u32>;

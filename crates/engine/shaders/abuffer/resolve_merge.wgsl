@@ -1,5 +1,5 @@
-// abuffer/resolve-N, N from 32 to 256: sorts and blends lists of up to CAPACITY fragments by merge sort in a local array.
-// Reference: reference::abuffer::composite.
+// abuffer/resolve-N, N from 32 to 256: sorts and blends lists of up to CAPACITY fragments by merge sort in a local
+// array. Reference: reference::abuffer::composite.
 #import resolve
 #import local_sort
 #import blend_sorted

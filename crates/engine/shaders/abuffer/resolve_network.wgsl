@@ -1,5 +1,5 @@
-// abuffer/resolve-N, N up to 32: sorts and blends short lists in registers, by Batcher's odd-even merge network. The host
-// writes the network out for the class's capacity: no loop, no array, the same work for every invocation.
+// abuffer/resolve-N, N up to 32: sorts and blends short lists in registers, by Batcher's odd-even merge network. The
+// host writes the network out for the class's capacity: no loop, no array, the same work for every invocation.
 // Reference: reference::abuffer::composite.
 #import resolve
 #import fragments

@@ -1,7 +1,7 @@
-// abuffer/resolve-ordered: blends lists whose splats were stored in the order of blending, front to back until nothing behind
-// can be seen. One invocation per pixel of the band. Lists of more than RUN_LENGTH are composed run by run, as those are that
-// must be sorted, so that both give the same bytes. A dispatch takes TAKEN splats; the next one goes on from the image.
-// Reference: reference::abuffer::composite.
+// abuffer/resolve-ordered: blends lists whose splats were stored in the order of blending, front to back until nothing
+// behind can be seen. One invocation per pixel of the band. Lists of more than RUN_LENGTH are composed run by run, as
+// those are that must be sorted, so that both give the same bytes. A dispatch takes TAKEN splats; the next one goes on
+// from the image. Reference: reference::abuffer::composite.
 #import compose
 #import stop
 #import long_list

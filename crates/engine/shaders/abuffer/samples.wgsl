@@ -1,4 +1,5 @@
-// abuffer/samples: the samples of a deep EXR, of each run of a sorted list: color times opacity, and depth. One invocation per run.
+// abuffer/samples: the samples of a deep EXR, of each run of a sorted list: color times opacity, and depth. One
+// invocation per run.
 #import compose
 #import run_of_list
 #import sample

@@ -1,5 +1,5 @@
-// abuffer/resolve-N, N from 128, first half where invocations share work: sorts the lists of a class where they lie. A workgroup
-// takes those of its invocations one after another.
+// abuffer/resolve-N, N from 128, first half where invocations share work: sorts the lists of a class where they lie. A
+// workgroup takes those of its invocations one after another.
 #import classes
 #import group_sort
 #import dispatch

@@ -16,7 +16,8 @@ fn visit(i: u32, splat: Splat, tilt: Tilt, pixel: vec2<u32>) {
         return;
     }
     let slot = atomicAdd(&cursors[p], 1u) - push.first_fragment;
-    // Both passes run the same test on the same numbers; should a driver ever disagree with itself, nothing is written outside.
+    // Both passes run the same test on the same numbers; should a driver ever disagree with itself, nothing is written
+    // outside.
     if slot < arrayLength(&fragments) {
         fragments[slot] = vec2<u32>(depth_key(coverage.depth), push.first + i);
     }

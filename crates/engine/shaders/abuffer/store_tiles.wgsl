@@ -1,5 +1,5 @@
-// abuffer/store for flat discs in order of depth: each pixel's slots take the indices of its splats in the order of blending.
-// cursors, a copy of the offsets, say where each pixel's next slot is.
+// abuffer/store for flat discs in order of depth: each pixel's slots take the indices of its splats in the order of
+// blending. cursors, a copy of the offsets, say where each pixel's next slot is.
 // Relies on abuffer/count visiting the same pixels. Reference: reference::abuffer::lists, sorted.
 #import tile_gather
 @group(0) @binding(20) var<storage, read_write> cursors: array<u32>;
@@ -13,7 +13,8 @@ fn begin(pixel: vec2<u32>) -> u32 {
 }
 
 fn visit(slot: u32, hit: bool, index: u32) -> u32 {
-    // Both passes run the same test on the same numbers; should a driver ever disagree with itself, nothing is written outside.
+    // Both passes run the same test on the same numbers; should a driver ever disagree with itself, nothing is written
+    // outside.
     if hit && slot < arrayLength(&indices) {
         indices[slot] = index;
         return slot + 1u;

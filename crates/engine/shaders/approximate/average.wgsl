@@ -1,5 +1,5 @@
-// average/accumulate: the mean color of all fragments, whatever their opacity; opaque where there is any (the naive picture
-// of Tanaka et al. 2016, Fig. 6). Reference: reference::approximate::average.
+// average/accumulate: the mean color of all fragments, whatever their opacity; opaque where there is any (the naive
+// picture of Tanaka et al. 2016, Fig. 6). Reference: reference::approximate::average.
 #import splat
 #import accumulate
 

@@ -1,6 +1,6 @@
-// hybrid/accumulate for flat discs, which come in order of depth: the first k fragments composed exactly, and behind them a
-// tail of color Σαc / Σα and coverage 1 - ∏(1 - α) (MCTB13). Fragments that are too faint for the first k belong to the tail, too
-// (HTGS, Hahlbohm et al. 2025). Reference: reference::approximate::hybrid.
+// hybrid/accumulate for flat discs, which come in order of depth: the first k fragments composed exactly, and behind
+// them a tail of color Σαc / Σα and coverage 1 - ∏(1 - α) (MCTB13). Fragments that are too faint for the first k belong
+// to the tail, too (HTGS, Hahlbohm et al. 2025). Reference: reference::approximate::hybrid.
 #import splat
 #import accumulate
 

@@ -1,5 +1,6 @@
-// hybrid/accumulate for flat discs, which come in order of depth, before a tail by moments: the first k fragments composed exactly, but
-// for those that are too faint, and the rank of the last of them. Reference: reference::approximate::hybrid.
+// hybrid/accumulate for flat discs, which come in order of depth, before a tail by moments: the first k fragments
+// composed exactly, but for those that are too faint, and the rank of the last of them. Reference:
+// reference::approximate::hybrid.
 #import splat
 #import tile_state
 #import rank

@@ -1,7 +1,7 @@
-// hybrid/accumulate for oriented discs, whose order differs from pixel to pixel: the nearest fragments are kept in a few slots by
-// insertion, and what falls out of them is the tail. Where k is larger than the number of slots, further rounds keep the
-// nearest of those behind the last one of the round before, and only the last round has a tail. Fragments that are too faint for the
-// slots go to the tail at once (HTGS, Hahlbohm et al. 2025).
+// hybrid/accumulate for oriented discs, whose order differs from pixel to pixel: the nearest fragments are kept in a
+// few slots by insertion, and what falls out of them is the tail. Where k is larger than the number of slots, further
+// rounds keep the nearest of those behind the last one of the round before, and only the last round has a tail.
+// Fragments that are too faint for the slots go to the tail at once (HTGS, Hahlbohm et al. 2025).
 // Reference: reference::approximate::hybrid.
 #import splat
 #import tile_state

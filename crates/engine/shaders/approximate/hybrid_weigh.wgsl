@@ -1,5 +1,5 @@
-// hybrid/weigh: the tail behind the front that hybrid/accumulate left, its color weighted by the light before each of its fragments as far
-// as moments say. Reference: reference::approximate::hybrid.
+// hybrid/weigh: the tail behind the front that hybrid/accumulate left, its color weighted by the light before each of
+// its fragments as far as moments say. Reference: reference::approximate::hybrid.
 #import splat
 #import tile_state
 #import region_fold

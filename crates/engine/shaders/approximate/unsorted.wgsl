@@ -1,5 +1,5 @@
-// unsorted/accumulate: fragments over one another in the order of the files, whatever their depth. The splats come last first,
-// so that what comes lies behind what is there. Reference: reference::approximate::unsorted.
+// unsorted/accumulate: fragments over one another in the order of the files, whatever their depth. The splats come last
+// first, so that what comes lies behind what is there. Reference: reference::approximate::unsorted.
 #import splat
 #import accumulate
 

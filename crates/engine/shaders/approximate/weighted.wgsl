@@ -1,5 +1,5 @@
-// weighted/accumulate: color Σwαc / Σwα with weights w that fall with depth, A = 1 - ∏(1 - α) (McGuire, Bavoil 2013, Eq. 10).
-// Reference: reference::approximate::weighted.
+// weighted/accumulate: color Σwαc / Σwα with weights w that fall with depth, A = 1 - ∏(1 - α) (McGuire, Bavoil 2013,
+// Eq. 10). Reference: reference::approximate::weighted.
 #import splat
 #import accumulate
 

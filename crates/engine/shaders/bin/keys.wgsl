@@ -1,5 +1,5 @@
-// bin/keys: a record for the sort of each point of a chunk: the key of its splat, and its index. Splats that are not drawn come
-// last. One invocation per point.
+// bin/keys: a record for the sort of each point of a chunk: the key of its splat, and its index. Splats that are not
+// drawn come last. One invocation per point.
 #import splat
 #import dispatch
 

@@ -25,7 +25,8 @@ fn main(
         let drawn = next + lane < end && is_drawn(bounds[i]);
         let among = subgroupBallot(drawn).x;
         let place = rank + countOneBits(among & ((1u << lane) - 1u));
-        // Both passes ask the same of the same points; should a driver ever disagree with itself, nothing is written outside.
+        // Both passes ask the same of the same points; should a driver ever disagree with itself, nothing is written
+        // outside.
         if drawn && place < arrayLength(&records) {
             records[place] = vec2<u32>(0u, i);
         }

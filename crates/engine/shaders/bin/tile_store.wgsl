@@ -1,8 +1,8 @@
 // bin/tile-store: each tile's splats, in order of depth. cursors are the prefix sums of the counts before, and where
 // each cell's entries end after; a cell is a tile's counter of one run.
 //
-// One subgroup per run of splats and block of tiles takes its splats one by one. A tile belongs to one invocation by its
-// place in a pattern of LANE_COLUMNS x LANE_ROWS: its cursor is nobody else's, so that the entries keep the order
+// One subgroup per run of splats and block of tiles takes its splats one by one. A tile belongs to one invocation by
+// its place in a pattern of LANE_COLUMNS x LANE_ROWS: its cursor is nobody else's, so that the entries keep the order
 // without atomics or barriers.
 //
 // An entry says, too, which of the tile's 2 x 2 blocks of pixels the splat's rectangle meets.
@@ -57,7 +57,8 @@ fn main(
                     let cell = (tile.y * push.columns + tile.x) * push.runs + run;
                     let slot = cursors[cell];
                     cursors[cell] = slot + 1u;
-                    // Both passes walk the same tiles; should a driver ever disagree with itself, nothing is written outside.
+                    // Both passes walk the same tiles; should a driver ever disagree with itself, nothing is written
+                    // outside.
                     if slot < arrayLength(&entries) {
                         entries[slot] = index | blocks_met(rectangle, tile) << INDEX_BITS;
                     }

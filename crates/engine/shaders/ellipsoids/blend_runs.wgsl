@@ -1,5 +1,5 @@
-// ellipsoids/blend-runs: composes the events of each run of a sorted list, and the segments that they begin, with the sums over what is open
-// that the runs before have left. One invocation per run.
+// ellipsoids/blend-runs: composes the events of each run of a sorted list, and the segments that they begin, with the
+// sums over what is open that the runs before have left. One invocation per run.
 // Reference: reference::gaussians::ellipsoid.
 #import ellipsoid_events
 #import run_of_list

@@ -1,5 +1,5 @@
-// ellipsoids/count: how many events each pixel gets, and what has some: an ellipsoid that its ray enters and leaves, or a surface. Both counts
-// are zero before the first chunk.
+// ellipsoids/count: how many events each pixel gets, and what has some: an ellipsoid that its ray enters and leaves, or
+// a surface. Both counts are zero before the first chunk.
 #import raster
 #import ellipsoid
 @group(0) @binding(7) var<storage, read_write> counts: array<atomic<u32>>;

@@ -1,5 +1,5 @@
-// ellipsoids/median: the depth at which each list first lets through half of the light or less. The runs are composed already: they say in which of
-// them that is, whose events are looked at once more. One invocation per list.
+// ellipsoids/median: the depth at which each list first lets through half of the light or less. The runs are composed
+// already: they say in which of them that is, whose events are looked at once more. One invocation per list.
 // Reference: reference::gaussians::ellipsoid::median.
 #import ellipsoid_events
 #import long_list

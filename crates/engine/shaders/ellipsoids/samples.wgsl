@@ -1,6 +1,6 @@
-// ellipsoids/samples: the samples of a deep EXR, of each run of a sorted list of events, two for each event: the surface that it is, and the
-// piece of the ray that it begins. BODIES: one for each event: an ellipsoid as a whole where it is entered, or a surface. What is not there has
-// the opacity NO_SAMPLE. One invocation per run.
+// ellipsoids/samples: the samples of a deep EXR, of each run of a sorted list of events, two for each event: the
+// surface that it is, and the piece of the ray that it begins. BODIES: one for each event: an ellipsoid as a whole
+// where it is entered, or a surface. What is not there has the opacity NO_SAMPLE. One invocation per run.
 // Reference: reference::gaussians::ellipsoid.
 #import ellipsoid_events
 #import run_of_list
@@ -72,7 +72,7 @@ fn put_body(at: u32, fragment: vec2<u32>, pixel: vec2<u32>, ray: vec4<f32>) {
     let color = color_at(i);
     let chord = chord_of(splat_at(i), tilt, pixel);
     let exit = met_of(chord, tilt).exit;
-    // What is nearer than near is cut off.
+    // The part in front of the near plane is cut off.
     let length = min(2.0 * chord.half, max((chord.middle - view.eye_lo.w) + chord.half, 0.0));
     let opacity = opacity_of(color.a * (length * ray.w));
     put(at, vec4<f32>(color.rgb, opacity), vec2<f32>(depth, max(exit + depth_origin(), depth)), !is_exit(fragment.y));

@@ -1,5 +1,5 @@
-// ellipsoids/split: lists the runs of every list of events, short ones too. One invocation per pixel of the band. The order of the lists depends
-// on arrival, but every run writes only what belongs to its own list.
+// ellipsoids/split: lists the runs of every list of events, short ones too. One invocation per pixel of the band. The
+// order of the lists depends on arrival, but every run writes only what belongs to its own list.
 #import long_list
 #import dispatch
 

@@ -1,5 +1,5 @@
-// ellipsoids/store: puts the events of each splat into slots of its pixel, as abuffer/store does with fragments: depth key, and which event it is.
-// Relies on ellipsoids/count visiting the same pixels.
+// ellipsoids/store: puts the events of each splat into slots of its pixel, as abuffer/store does with fragments: depth
+// key, and which event it is. Relies on ellipsoids/count visiting the same pixels.
 #import raster
 #import ellipsoid
 @group(0) @binding(7) var<storage, read_write> cursors: array<atomic<u32>>;
@@ -15,7 +15,8 @@ fn visit(i: u32, splat: Splat, tilt: Tilt, pixel: vec2<u32>) {
         return;
     }
     let slot = atomicAdd(&cursors[p], met.events) - push.first_fragment;
-    // Both passes run the same test on the same numbers; should a driver ever disagree with itself, nothing is written outside.
+    // Both passes run the same test on the same numbers; should a driver ever disagree with itself, nothing is written
+    // outside.
     if slot < arrayLength(&fragments) && arrayLength(&fragments) - slot >= met.events {
         fragments[slot] = vec2<u32>(depth_key(met.entry), event_id(push.first + i, 0u));
         if met.events == 2u {

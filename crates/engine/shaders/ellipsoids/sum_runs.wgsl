@@ -1,5 +1,5 @@
-// ellipsoids/sum-runs: what the events of each run of a sorted list add to the sums over what is open. One invocation per run. A list of one run
-// has no use for its sum.
+// ellipsoids/sum-runs: what the events of each run of a sorted list add to the sums over what is open. One invocation
+// per run. A list of one run has no use for its sum.
 #import ellipsoid_events
 #import run_of_list
 #import dispatch

@@ -1,6 +1,6 @@
-// image/encode: pixels over a background as bytes, those of the PNG, in some rows of a picture. One invocation per pixel of the
-// picture. A coarser image is enlarged by bilinear interpolation: the centers of both coincide, and a row of the picture is
-// `scale` rows of the image. Reference: output::to_byte.
+// image/encode: pixels over a background as bytes, those of the PNG, in some rows of a picture. One invocation per
+// pixel of the picture. A coarser image is enlarged by bilinear interpolation: the centers of both coincide, and a row
+// of the picture is `scale` rows of the image. Reference: output::to_byte.
 #import dispatch
 
 struct Push {

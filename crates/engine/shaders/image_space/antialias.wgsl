@@ -1,5 +1,5 @@
-// image-space/antialias: where depths have an edge, color and alpha are blended with the mean of the four neighbors. Depths
-// stay; background beside an edge gets some alpha. One workgroup per listed tile. Reference:
+// image-space/antialias: where depths have an edge, color and alpha are blended with the mean of the four neighbors.
+// Depths stay; background beside an edge gets some alpha. One workgroup per listed tile. Reference:
 // reference::image_space::Layer::antialiased.
 #import filter
 

@@ -1,5 +1,5 @@
-// image-space/deliver: the filtered image, without what was rendered around the window for the filters' sake, to the order
-// of the window. The window is background at the start. One
+// image-space/deliver: the filtered image, without what was rendered around the window for the filters' sake, to the
+// order of the window. The window is background at the start. One
 // workgroup per listed tile, one invocation per column and STRIP of rows.
 #import tiled
 #import dispatch

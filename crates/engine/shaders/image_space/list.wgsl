@@ -1,5 +1,5 @@
-// image-space/list: the tiles that a filter may change into its work list, none left out, or those that another pass goes
-// through; their number is the first word of its dispatch. One invocation per tile.
+// image-space/list: the tiles that a filter may change into its work list, none left out, or those that another pass
+// goes through; their number is the first word of its dispatch. One invocation per tile.
 #import tiled
 #import dispatch
 

@@ -1,5 +1,5 @@
-// image-space/measure: depths and marks of each tile, from the nearest points of its pixels. One workgroup per tile, one invocation per
-// column and STRIP of rows.
+// image-space/measure: depths and marks of each tile, from the nearest points of its pixels. One workgroup per tile,
+// one invocation per column and STRIP of rows.
 #import tile_range
 #import dispatch
 #import peel_work

@@ -1,5 +1,5 @@
-// image-space/smooth: the mean of what is not background in the 3 × 3 around a pixel, with weights of 16 in the middle, 2
-// beside it and 1 in the corners. Depths stay. One workgroup per listed tile. Reference:
+// image-space/smooth: the mean of what is not background in the 3 × 3 around a pixel, with weights of 16 in the middle,
+// 2 beside it and 1 in the corners. Depths stay. One workgroup per listed tile. Reference:
 // reference::image_space::Layer::smoothed.
 #import filter
 

@@ -1,5 +1,5 @@
-// linked-list/gather: writes each pixel's list into its range of the fragment buffer, where abuffer/store would have put it.
-// One invocation per pixel of the band follows at most STEP links; the head then is where the next run goes on.
+// linked-list/gather: writes each pixel's list into its range of the fragment buffer, where abuffer/store would have
+// put it. One invocation per pixel of the band follows at most STEP links; the head then is where the next run goes on.
 // Reference: reference::abuffer::lists, after sorting.
 #import dispatch
 
@@ -19,7 +19,8 @@ struct Push {
 @group(0) @binding(4) var<storage, read_write> fragments: array<vec2<u32>>;
 var<immediate> push: Push;
 override STEP: u32 = 1u;
-// 1: each head becomes the number of nodes that its list had, or one more where not all were gathered: for debug builds.
+// 1: each head becomes the number of nodes that its list had, or one more where not all were gathered: for debug
+// builds.
 override COUNTED: u32 = 0u;
 
 @compute @workgroup_size(WG_SIZE)

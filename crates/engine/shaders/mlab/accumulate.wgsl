@@ -1,6 +1,6 @@
-// mlab/accumulate: multi-layer alpha blending (Salvi, Vaidyanathan 2014). Fragments come in the order of the files. The nearest are
-// kept in a few slots by insertion, and what falls out of them is merged into one last layer: before it, or behind it if it is farther
-// than the nearest fragment of that layer. Reference: reference::mlab.
+// mlab/accumulate: multi-layer alpha blending (Salvi, Vaidyanathan 2014). Fragments come in the order of the files. The
+// nearest are kept in a few slots by insertion, and what falls out of them is merged into one last layer: before it, or
+// behind it if it is farther than the nearest fragment of that layer. Reference: reference::mlab.
 #import splat
 #import tile_state
 #import region_fold
@@ -71,8 +71,8 @@ fn begin(pixel: vec2<u32>) {
     }
 }
 
-// The last layer with a fragment before it or behind it: C + α (c - C), or C + (1 - A) α c. Both are small changes of a sum, so that
-// a hundred thousand of them are.
+// The last layer with a fragment before it or behind it: C + α (c - C), or C + (1 - A) α c. Both are small changes of a
+// sum, so that a hundred thousand of them are.
 fn merged(layer: Sum, color: vec4<f32>, before: bool) -> Sum {
     let present = vec4<f32>(color.rgb, 1.0);
     let in_front = (present - layer.total) + layer.excess;
@@ -82,7 +82,7 @@ fn merged(layer: Sum, color: vec4<f32>, before: bool) -> Sum {
 
 fn visit(pixel: vec2<u32>, f: Fragment) {
     var s = nearest;
-    // What has no opacity is none, and so is what misses the pixel.
+    // Splats without opacity, and those that miss the pixel, yield no fragment.
     let found = Slot(select(NOTHING, f.depth_key, f.color.a > 0.0), f.color);
     // Slots are in order: from the first one that is not nearer on, each takes what was in the one before.
     var carried = found;

@@ -1,5 +1,5 @@
-// moments/accumulate: color A ΣcαT / ΣαT, with the light T before each fragment as far as moments say (Münstermann et al. 2018), and the
-// exact A. Reference: reference::moments.
+// moments/accumulate: color A ΣcαT / ΣαT, with the light T before each fragment as far as moments say (Münstermann et
+// al. 2018), and the exact A. Reference: reference::moments.
 #import splat
 #import tile_state
 #import region_fold

@@ -1,6 +1,6 @@
-// one-layer/compose: the layer of soft points over what is opaque, where it lies before the solid ones. One invocation per
-// pixel. Opaque soft points lie behind the layer, so that the nearest of all that is opaque lies before the layer only if it
-// is solid. Reference: reference::one_layer::Parts::blend.
+// one-layer/compose: the layer of soft points over what is opaque, where it lies before the solid ones. One invocation
+// per pixel. Opaque soft points lie behind the layer, so that the nearest of all that is opaque lies before the layer
+// only if it is solid. Reference: reference::one_layer::Parts::blend.
 #import dispatch
 
 struct Push {

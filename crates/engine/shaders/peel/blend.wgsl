@@ -1,6 +1,6 @@
 // peel/blend: puts the layer's fragment behind what was peeled from each pixel, and makes the pixel ready for the next
-// layer. One invocation per pixel. The arithmetic and its order are abuffer's: both call `behind` for fragment after fragment.
-// Reference: reference::peel::render.
+// layer. One invocation per pixel. The arithmetic and its order are abuffer's: both call `behind` for fragment after
+// fragment. Reference: reference::peel::render.
 #import compose
 #import early_end
 #import dispatch

@@ -58,8 +58,8 @@ fn main(
         if all(pixel < outer_size) {
             let at = pixel.y * outer_size.x + pixel.x;
             nearest[at] = vec2<u32>(NOTHING);
-            // No point has the largest key: what is background has no further layer. Nor is a layer its own next one, however
-            // small d~ is.
+            // No point has the largest key: what is background has no further layer. Nor is a layer its own next one,
+            // however small d~ is.
             let next = max(depth_key(layer.depth + p.distance), depth_key(layer.depth) + 1u);
             limits[at] = select(next, NOTHING, background);
         }

@@ -1,5 +1,5 @@
-// points/resolve: index of each pixel's nearest point to its color, shaded here and not before, and depth. One invocation
-// per pixel.
+// points/resolve: index of each pixel's nearest point to its color, shaded here and not before, and depth. One
+// invocation per pixel.
 #import all_points
 #import splat
 #import dispatch

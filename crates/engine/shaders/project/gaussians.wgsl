@@ -1,6 +1,6 @@
-// project/gaussians: Gaussian splats to their ellipses on the screen, colored for the view, with the rectangle of pixels that each covers.
-// One workgroup per WG_SIZE * RUN points of a chunk. Points that are no Gaussians are left to project/splats.
-// Reference: reference::gaussians.
+// project/gaussians: Gaussian splats to their ellipses on the screen, colored for the view, with the rectangle of
+// pixels that each covers. One workgroup per WG_SIZE * RUN points of a chunk. Points that are no Gaussians are left to
+// project/splats. Reference: reference::gaussians.
 #import splat
 #import locate
 #import projected
@@ -50,8 +50,8 @@ fn row_of(axes: mat3x3<f32>, component: u32, slope: f32) -> vec3<f32> {
     );
 }
 
-// Two rows a, b as R times an orthonormal frame: R = ((|a|, 0), (across, rest)), by Gram and Schmidt, which squares nothing that cancels.
-// `added` is a variance along both axes of the screen, as of two further columns.
+// Two rows a, b as R times an orthonormal frame: R = ((|a|, 0), (across, rest)), by Gram and Schmidt, which squares
+// nothing that cancels. `added` is a variance along both axes of the screen, as of two further columns.
 struct Factor {
     a: f32,
     across: f32,
@@ -78,8 +78,8 @@ fn inverse_of(f: Factor) -> vec3<f32> {
     return vec3<f32>(1.0 / f.a, -f.across / (f.a * f.rest), 1.0 / f.rest);
 }
 
-// Reach along one axis of the screen at depth 1, as (below, above) the center: slopes d with d^2 z^2 = c |a - d m|^2, planes through the eye that
-// touch the ellipsoid of Mahalanobis distance sqrt(c).
+// Reach along one axis of the screen at depth 1, as (below, above) the center: slopes d with d^2 z^2 = c |a - d m|^2,
+// planes through the eye that touch the ellipsoid of Mahalanobis distance sqrt(c).
 fn extent_along(a: vec3<f32>, m: vec3<f32>, z: f32, c: f32) -> vec2<f32> {
     let lead = z * z - c * dot3(m, m);
     // The ellipsoid reaches the plane of the eye, or comes so close that roundings show.
@@ -91,7 +91,8 @@ fn extent_along(a: vec3<f32>, m: vec3<f32>, z: f32, c: f32) -> vec2<f32> {
     return max(vec2<f32>(root + shift, root - shift), vec2<f32>(0.0)) / lead;
 }
 
-// Slopes of the center as J takes them: clamped to 1.3 times those of the image's sides (Kerbl et al. 2023, forward.cu).
+// Slopes of the center as J takes them: clamped to 1.3 times those of the image's sides (Kerbl et al. 2023,
+// forward.cu).
 fn clamped_slopes(slope: vec2<f32>) -> vec2<f32> {
     let limit = 1.3 * (0.5 * vec2<f32>(view.size) / view.focal.x);
     return clamp(slope, -limit, limit);

@@ -1,7 +1,7 @@
 // project/splats: points to splats on the screen, shaded, with the rectangle of pixels that each may cover.
 // One workgroup per WG_SIZE * RUN points of a chunk, so that few atomics meet. Points outside near and far, or whose
-// rectangle misses the part of the image in work, get empty bounds. Splats of more than view.small_area pixels are listed apart,
-// with the number of tiles they meet.
+// rectangle misses the part of the image in work, get empty bounds. Splats of more than view.small_area pixels are
+// listed apart, with the number of tiles they meet.
 #import splat
 #import locate
 #import projected
@@ -21,8 +21,9 @@ override NORMALS: u32 = 0u;
 override PART: u32 = 0u;
 
 // Half extent of a tilted disc along one axis of the screen, at depth 1, as (below, above) the projected center.
-// e solves A e^2 - 2 e q^2 b - q^2 c = 0 with A = 1 - q^2 (1 - n_z^2) and q = r / Z, in whatever units: the plane through the eye
-// and a line x = const touches the disc. A <= 0: the disc reaches the eye's plane and may cover any part of the screen.
+// e solves A e^2 - 2 e q^2 b - q^2 c = 0 with A = 1 - q^2 (1 - n_z^2) and q = r / Z, in whatever units: the plane
+// through the eye and a line x = const touches the disc. A <= 0: the disc reaches the eye's plane and may cover any
+// part of the screen.
 fn extent_perspective(slope: f32, n: f32, n_z: f32, ratio: f32) -> vec2<f32> {
     let squared = ratio * ratio;
     let a = 1.0 - squared * (1.0 - n_z * n_z);
@@ -36,8 +37,8 @@ fn extent_perspective(slope: f32, n: f32, n_z: f32, ratio: f32) -> vec2<f32> {
     return vec2<f32>(max((root - squared * b) / a, 0.0), max((root + squared * b) / a, 0.0));
 }
 
-// Half extent of a sphere along one axis of the screen, at depth 1, as (below, above) the projected center: the planes through
-// the eye and a line x = const that touch it. `ratio` = r / z.
+// Half extent of a sphere along one axis of the screen, at depth 1, as (below, above) the projected center: the planes
+// through the eye and a line x = const that touch it. `ratio` = r / z.
 fn extent_sphere(slope: f32, ratio: f32) -> vec2<f32> {
     // A sphere that reaches the eye's plane may cover any part of the screen.
     if !(ratio < 0.999) {

@@ -1,5 +1,5 @@
-// radix/count where invocations share work: how many records of each run have each digit, counted in the memory of the run's workgroup
-// first, so that no two of its records wait for one another at a counter in the device's.
+// radix/count where invocations share work: how many records of each run have each digit, counted in the memory of the
+// run's workgroup first, so that no two of its records wait for one another at a counter in the device's.
 #import radix
 #import dispatch
 @group(0) @binding(0) var<storage, read> records: array<vec2<u32>>;

@@ -1,9 +1,10 @@
-// radix/scatter: moves each record to its place among those of its digit, in order (stable). One subgroup per run takes its
-// records in order, one per invocation at a time. cursors are the prefix sums of the counts before; a run owns its own.
+// radix/scatter: moves each record to its place among those of its digit, in order (stable). One subgroup per run takes
+// its records in order, one per invocation at a time. cursors are the prefix sums of the counts before; a run owns its
+// own.
 //
-// The first invocation of each digit takes places for all of its equals, and they get them by a shuffle. Each step waits
-// for the result of the step before, so that a run's records take their places in order without a barrier. Who has an equal digit
-// a small subgroup finds by a shuffle for each invocation, a large one by a ballot for each bit.
+// The first invocation of each digit takes places for all of its equals, and they get them by a shuffle. Each step
+// waits for the result of the step before, so that a run's records take their places in order without a barrier. Who
+// has an equal digit a small subgroup finds by a shuffle for each invocation, a large one by a ballot for each bit.
 #import radix
 #import dispatch
 @group(0) @binding(0) var<storage, read> records: array<vec2<u32>>;

@@ -1,5 +1,6 @@
-// raster/quad.vert: two triangles over each splat's rectangle of pixels; six pulled vertices per splat, no vertex buffer.
-// Vertices lie on pixel corners, so that exactly the rectangle's pixels get a fragment, and all samples of them.
+// raster/quad.vert: two triangles over each splat's rectangle of pixels; six pulled vertices per splat, no vertex
+// buffer. Vertices lie on pixel corners, so that exactly the rectangle's pixels get a fragment, and all samples of
+// them.
 #import camera
 #import splat
 

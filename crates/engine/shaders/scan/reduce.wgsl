@@ -1,5 +1,6 @@
 // scan/reduce: sums of runs of SCAN_RUN elements. One invocation per run. A sum over 32 bits sets the flag.
-// First half of reduce-then-scan (Harris, Sengupta, Owens 2007), without barriers or forward progress between workgroups.
+// First half of reduce-then-scan (Harris, Sengupta, Owens 2007), without barriers or forward progress between
+// workgroups.
 #import dispatch
 
 struct Push {

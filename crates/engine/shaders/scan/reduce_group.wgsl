@@ -1,5 +1,6 @@
-// scan/reduce where invocations share work: sums of runs of GROUP_RUN elements. One workgroup per run. A sum over 32 bits sets the flag.
-// First half of reduce-then-scan (Harris, Sengupta, Owens 2007), without forward progress between workgroups.
+// scan/reduce where invocations share work: sums of runs of GROUP_RUN elements. One workgroup per run. A sum over 32
+// bits sets the flag. First half of reduce-then-scan (Harris, Sengupta, Owens 2007), without forward progress between
+// workgroups.
 #import scan_run
 
 @group(0) @binding(0) var<storage, read> values: array<u32>;

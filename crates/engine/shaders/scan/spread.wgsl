@@ -1,5 +1,5 @@
-// scan/spread: exclusive prefix sums of each run of SCAN_RUN elements, begun at the run's own offset. One invocation per run.
-// Second half of reduce-then-scan; at the top level there is one run, and it begins at zero.
+// scan/spread: exclusive prefix sums of each run of SCAN_RUN elements, begun at the run's own offset. One invocation
+// per run. Second half of reduce-then-scan; at the top level there is one run, and it begins at zero.
 #import dispatch
 
 struct Push {

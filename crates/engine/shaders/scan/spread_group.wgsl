@@ -1,5 +1,6 @@
-// scan/spread where invocations share work: exclusive prefix sums of each run of GROUP_RUN elements, begun at the run's own offset. One workgroup per run.
-// Second half of reduce-then-scan; at the top level there is one run, and it begins at zero.
+// scan/spread where invocations share work: exclusive prefix sums of each run of GROUP_RUN elements, begun at the run's
+// own offset. One workgroup per run. Second half of reduce-then-scan; at the top level there is one run, and it begins
+// at zero.
 #import scan_run
 
 @group(0) @binding(0) var<storage, read> values: array<u32>;

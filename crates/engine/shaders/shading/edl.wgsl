@@ -1,6 +1,6 @@
-// shading/edl: how much darker eye-dome lighting makes a pixel, by how far its surface lies behind those around it (Boucheny
-// 2009). One invocation per pixel of some rows of the image; `depths` holds these rows and those above and below that they look
-// at, as far as there are any. Reference: reference::edl.
+// shading/edl: how much darker eye-dome lighting makes a pixel, by how far its surface lies behind those around it
+// (Boucheny 2009). One invocation per pixel of some rows of the image; `depths` holds these rows and those above and
+// below that they look at, as far as there are any. Reference: reference::edl.
 #import elementary
 #import dispatch
 

@@ -1,6 +1,6 @@
-// shadows/fill: the occlusion filter over a light's image (Dobrev et al. 2010, Sections 3 and 6): a pixel that shows what
-// lies behind through a hole in a surface takes the depth of the surface. Background stays. One invocation per four columns
-// and RUN rows.
+// shadows/fill: the occlusion filter over a light's image (Dobrev et al. 2010, Sections 3 and 6): a pixel that shows
+// what lies behind through a hole in a surface takes the depth of the surface. Background stays. One invocation per
+// four columns and RUN rows.
 #import dispatch
 
 struct Push {

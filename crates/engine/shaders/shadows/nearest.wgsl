@@ -1,4 +1,5 @@
-// shadows/nearest: the smallest depth of each pixel of a light's image, by atomic minimum of its key; all ones at the start.
+// shadows/nearest: the smallest depth of each pixel of a light's image, by atomic minimum of its key; all ones at the
+// start.
 #import every_point
 @group(0) @binding(4) var<storage, read_write> nearest: array<atomic<u32>>;
 

@@ -1,10 +1,10 @@
 // Optical depths of soft spheres, in units of their radius, and what follows from them.
 #import optical_depth
 
-// Integral of ρ / r = 1 - sqrt(x² + δ²) from x0 to x1 (Seemann et al., Eq. 5 and 6), x from the middle of the chord; both
-// within the chord. `edge` = 1 - δ. Where the integrand is smooth on the piece, a Gauss-Legendre rule; else the
-// antiderivative with differences of roots as quotients and one logarithm. Relative error about 1e-5 or less, except for
-// thin segments at the very rim, where x itself is not known so well.
+// Integral of ρ / r = 1 - sqrt(x² + δ²) from x0 to x1 (Seemann et al., Eq. 5 and 6), x from the middle of the chord;
+// both within the chord. `edge` = 1 - δ. Where the integrand is smooth on the piece, a Gauss-Legendre rule; else the
+// antiderivative with differences of roots as quotients and one logarithm. Relative error about 1e-5 or less, except
+// for thin segments at the very rim, where x itself is not known so well.
 fn integral(edge: f32, x0: f32, x1: f32) -> f32 {
     // Mirrored so that the farther end is positive.
     let mirrored = x0 + x1 < 0.0;
@@ -36,7 +36,8 @@ fn density(x: f32, half: f32, squared: f32) -> f32 {
     return max((half - x) * (half + x), 0.0) / (1.0 + sqrt(x * x + squared));
 }
 
-// Optical depth of a whole chord under modulation (Eq. 22): `plain` is the model's, `peak` the opacity that stands for λ.
+// Optical depth of a whole chord under modulation (Eq. 22): `plain` is the model's, `peak` the opacity that stands for
+// λ.
 fn modulated(plain: f32, edge: f32, peak: f32, w: f32) -> f32 {
     let opacity = peak * edge * (1.0 - w) + opacity_of(plain) * w;
     let transmittance = (1.0 - peak * edge) * (1.0 - w) + exponential(-plain) * w;

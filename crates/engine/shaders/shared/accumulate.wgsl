@@ -1,5 +1,6 @@
-// Each pixel's fragments into one state: the stage defines add(state, fragment), which a fragment that misses the pixel must
-// leave as it is, and result(state), premultiplied color and A. It says of its push constants what shared/tile_fold wants.
+// Each pixel's fragments into one state: the stage defines add(state, fragment), which a fragment that misses the pixel
+// must leave as it is, and result(state), premultiplied color and A. It says of its push constants what
+// shared/tile_fold wants.
 #import tile_state
 #import tile_fold
 

@@ -1,5 +1,5 @@
-// Blends the sorted events of one pixel by the base model: the spheres that are open stand in an array, and each segment
-// integrates all of them.
+// Blends the sorted events of one pixel by the base model: the spheres that are open stand in an array, and each
+// segment integrates all of them.
 // Reference: reference::soft.
 #import segment
 

@@ -1,6 +1,6 @@
-// A tile in the hands of one subgroup: BLOCKS x BLOCKS blocks of 8 x 8 pixels, of each of which every invocation holds the
-// same few. Splats are taken one per invocation; a ballot says which of them may touch a block, and these are handed to
-// all invocations one by one by shuffles. The stage binds `view`.
+// A tile in the hands of one subgroup: BLOCKS x BLOCKS blocks of 8 x 8 pixels, of each of which every invocation holds
+// the same few. Splats are taken one per invocation; a ballot says which of them may touch a block, and these are
+// handed to all invocations one by one by shuffles. The stage binds `view`.
 #import splat
 
 // Pixels of a block that an invocation holds, blocks of a tile in x and y.
@@ -17,8 +17,8 @@ fn place(lane: u32, i: u32) -> vec2<u32> {
     return vec2<u32>(within % BLOCK_SIDE, within / BLOCK_SIDE) + block_corner(i / HELD);
 }
 
-// How far a splat may reach from its center, in pixels: a disc its radius. An oriented one lies within a ball of that radius,
-// which perspective stretches: the offset of a point u on it is f (u.xy - c.xy / z u.z) / (z + u.z).
+// How far a splat may reach from its center, in pixels: a disc its radius. An oriented one lies within a ball of that
+// radius, which perspective stretches: the offset of a point u on it is f (u.xy - c.xy / z u.z) / (z + u.z).
 fn reach_of(splat: Splat, view: View) -> f32 {
     if SHAPE != SHAPE_ORIENTED || view.orthographic != 0u {
         return splat.radius;
@@ -30,8 +30,8 @@ fn reach_of(splat: Splat, view: View) -> f32 {
     return select(1e9, stretched, of_depth < 0.9);
 }
 
-// True if a screen-aligned splat reaches so far out, give or take rounding, which grows with `middle`. The pixel of the center,
-// always covered, lies at most 0.71 away.
+// True if a screen-aligned splat reaches so far out, give or take rounding, which grows with `middle`. The pixel of the
+// center, always covered, lies at most 0.71 away.
 fn reaches(outside: vec2<f32>, radius: f32, middle: vec2<f32>) -> bool {
     let reach = max(radius, 0.75) + 1e-5 * (radius + abs(middle.x) + abs(middle.y));
     if SHAPE == SHAPE_SQUARE {

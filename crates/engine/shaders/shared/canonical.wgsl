@@ -1,10 +1,11 @@
-// Bounds of the moment problem. Of a distribution of which b_0 = 1 to b_MOMENTS are known, the share before a place z and that at z are
-// largest apart for the canonical one: DEGREE + 1 points, z among them. With the monic orthogonal polynomials p_k and their squares
-// D_k = E[p_k²], K(x) = Σ p_k(x)² / D_k, the share at a point x is 1 / K(x), and the points but z are the roots x of
-// F(x) = Σ p_k(x) p_k(z) / D_k (Szegő, Orthogonal Polynomials, 3.4). All of it in sums of two floats but for what only has to be near.
+// Bounds of the moment problem. Of a distribution of which b_0 = 1 to b_MOMENTS are known, the share before a place z
+// and that at z are largest apart for the canonical one: DEGREE + 1 points, z among them. With the monic orthogonal
+// polynomials p_k and their squares D_k = E[p_k²], K(x) = Σ p_k(x)² / D_k, the share at a point x is 1 / K(x), and the
+// points but z are the roots x of F(x) = Σ p_k(x) p_k(z) / D_k (Szegő, Orthogonal Polynomials, 3.4). All of it in sums
+// of two floats but for what only has to be near.
 //
-// The stage has in `moments` the b_k, and calls orthogonalise() first. What it does for each fragment has no loop: CPU drivers end all
-// loops of an invocation after 65 535 iterations, of which those over splats take most.
+// The stage has in `moments` the b_k, and calls orthogonalise() first. What it does for each fragment has no loop: CPU
+// drivers end all loops of an invocation after 65 535 iterations, of which those over splats take most.
 const DEGREE = MOMENTS / 2u;
 const ONE = vec2<f32>(1.0, 0.0);
 // Less is rounding.
@@ -150,8 +151,8 @@ fn taylor(z: f32, v: Values, w: Values) -> Taylor {
     return Taylor(low, fourth);
 }
 
-// One step of Laguerre toward a root of h0 u^n + h1 u^(n-1) + …, h0 = 1, all of whose roots are real: from outside it never passes the
-// nearest, and has cubic speed. Of degree 3 h4 is not read.
+// One step of Laguerre toward a root of h0 u^n + h1 u^(n-1) + …, h0 = 1, all of whose roots are real: from outside it
+// never passes the nearest, and has cubic speed. Of degree 3 h4 is not read.
 fn laguerre(h: vec4<f32>, degree: u32, u: f32) -> f32 {
     var p = u + h.x;
     var d = 1.0;
@@ -238,7 +239,8 @@ fn next_smallest(h: vec4<f32>, u: f32) -> f32 {
     return min(laguerre(h, 4u, next), -1e-6);
 }
 
-// Sum of the shares of `count` points with the smallest t of F(z + t), all of them below 0 where `side` is 1, of F(z - t) where it is -1.
+// Sum of the shares of `count` points with the smallest t of F(z + t), all of them below 0 where `side` is 1, of F(z -
+// t) where it is -1.
 fn outer_shares(z: f32, w: Values, f: Taylor, side: f32, count: u32) -> f32 {
     // By 1/t, which has as many values however far points are, over their root mean square.
     let g = vec4<f32>(side * f.low.y, f.low.z, side * f.low.w, f.fourth) / f.low.x;

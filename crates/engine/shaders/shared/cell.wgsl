@@ -1,7 +1,8 @@
-// What the stages of `wavelet` share. The depths of a pixel, from the nearest to the farthest, are cut into CELLS - 1 cells of equal
-// ratios, and the last edge begins one more. Haar wavelets of all levels down to that of cells know the mean of a function over each cell,
-// no more and no less. So stages keep the means: of the optical depth before a place, a fragment of depth a adds a to all cells behind
-// its own, and to its own what is behind it there. That is two sums for each fragment, in which nothing cancels.
+// Declarations that all stages of `wavelet` share. The depths of a pixel, from the nearest to the farthest, are cut
+// into CELLS - 1 cells of equal ratios, and the last edge begins one more. Haar wavelets of all levels down to that of
+// cells know the mean of a function over each cell, no more and no less. So stages keep the means: of the optical depth
+// before a place, a fragment of depth a adds a to all cells behind its own, and to its own what is behind it there.
+// That is two sums for each fragment, in which nothing cancels.
 struct Push {
     walk: TileWalk,
 }

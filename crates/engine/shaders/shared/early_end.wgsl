@@ -1,5 +1,5 @@
-// Where a list with Gaussians ends before its last fragment (Kerbl et al. 2023): at the first one that would leave less than a given share
-// of the light. That one is not added, and none behind it. Imported after the view.
+// Where a list with Gaussians ends before its last fragment (Kerbl et al. 2023): at the first one that would leave less
+// than a given share of the light. That one is not added, and none behind it. Imported after the view.
 // Reference: reference::abuffer::before_end.
 #import over
 

@@ -1,8 +1,10 @@
-// Exponentials, logarithms, powers, and what else drivers compute each in its own way: here by additions, multiplications,
-// divisions and square roots alone, which give the same bits on every Vulkan driver with IEEE arithmetic. Polynomials of Cephes
-// (Moshier 1989: expf, logf). All arithmetic is NoContraction (crates/gpu/src/spirv.rs).
+// Exponentials, logarithms, powers, and what else drivers compute each in its own way: here by additions,
+// multiplications, divisions and square roots alone, which give the same bits on every Vulkan driver with IEEE
+// arithmetic. Polynomials of Cephes (Moshier 1989: expf, logf). All arithmetic is NoContraction
+// (crates/gpu/src/spirv.rs).
 
-// e^x within 1 unit in the last place (all of 10^8 arguments tried); 0 below -87, where it would be subnormal, e^88 above 88.
+// e^x within 1 unit in the last place (all of 10^8 arguments tried); 0 below -87, where it would be subnormal, e^88
+// above 88.
 fn exponential(x: f32) -> f32 {
     let limited = clamp(x, -87.0, 88.0);
     let n = floor(limited * 1.44269504 + 0.5);

@@ -8,8 +8,9 @@ struct Chord {
     half: f32,
 }
 
-// With the names of shared/gaussian.wgsl and B = w^2 + t^2 |v|^2 the chord's middle is at the depth z w / B, and half of it goes through the depth
-// z t sqrt(1 - rho^2) / sqrt(B). Both are found as parts of z, relative to the center: small ellipsoids may be far.
+// With the names of shared/gaussian.wgsl and B = w^2 + t^2 |v|^2 the chord's middle is at the depth z w / B, and half
+// of it goes through the depth z t sqrt(1 - rho^2) / sqrt(B). Both are found as parts of z, relative to the center:
+// small ellipsoids may be far.
 fn chord_of(splat: Splat, tilt: Tilt, pixel: vec2<u32>) -> Chord {
     let d = offset_of(splat, whole_to(splat, pixel));
     let v = vec2<f32>(tilt.normal.x * d.x, tilt.normal.y * d.x - splat.radius * d.y);
@@ -27,8 +28,8 @@ fn chord_of(splat: Splat, tilt: Tilt, pixel: vec2<u32>) -> Chord {
     return Chord(squared <= below, middle, z * (steep * sqrt(max(below - squared, 0.0)) / below));
 }
 
-// What a pixel's ray meets of a splat: no event, one on a surface, or two where it enters and leaves, and at which depths. What is nearer than
-// near is cut off.
+// Events of a splat on a pixel's ray, with their depths: none, one on a surface, or two where the ray enters and
+// leaves. The part in front of the near plane is cut off.
 struct Met {
     events: u32,
     entry: f32,
@@ -51,7 +52,7 @@ fn met_of(chord: Chord, tilt: Tilt) -> Met {
     if !chord.meets || !(exit >= near) {
         return Met(0u, 0.0, 0.0);
     }
-    // What is too thin for two depths is a surface.
+    // A body too thin for two depths is a surface.
     return Met(select(1u, 2u, tilt.rest.x == BODY_DENSE && entry < exit), entry, exit);
 }
 

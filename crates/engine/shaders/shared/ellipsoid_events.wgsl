@@ -1,5 +1,5 @@
-// Events along a ray: it enters an ellipsoid, leaves it, or meets a surface. The densities of the ellipsoids that are open add up (Mai et al. 2025,
-// "EVER"), and each gives of its color as much as of the density.
+// Events along a ray: it enters an ellipsoid, leaves it, or meets a surface. The densities of the ellipsoids that are
+// open add up (Mai et al. 2025, "EVER"), and each gives of its color as much as of the density.
 #import compose
 #import ellipsoid
 #import open_sums

@@ -1,4 +1,5 @@
-// How much light a fragment takes, and where it lies: for stages that know of each pixel how its light fades with depth.
+// How much light a fragment takes, and where it lies: for stages that know of each pixel how its light fades with
+// depth.
 #import elementary
 
 // Most optical depth of a fragment: that of an opaque one.

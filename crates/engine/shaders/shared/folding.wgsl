@@ -43,8 +43,8 @@ fn handed_tilt(own: Tilt, k: u32) -> Tilt {
     return tilt;
 }
 
-// That of lane k to an invocation whose first pixel lies at `first` from the corner in work; without `present` it covers no
-// pixel.
+// That of lane k to an invocation whose first pixel lies at `first` from the corner in work; without `present` it
+// covers no pixel.
 fn handed(own: Handed, k: u32, present: bool, first: vec2<f32>) -> Handed {
     let tilt = handed_tilt(own.tilt, k);
     let color = vec4<f32>(
@@ -70,7 +70,8 @@ struct Fragment {
     shown_key: u32,
     // The splat's, in canonical order: what breaks ties of depth.
     index: u32,
-    // Distance from the splat's center over its radius, at most 1 but in a square's corners; and that radius in world units.
+    // Distance from the splat's center over its radius, at most 1 but in a square's corners; and that radius in world
+    // units.
     rho: f32,
     radius: f32,
 }

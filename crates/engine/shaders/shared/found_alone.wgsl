@@ -1,4 +1,5 @@
-// Every invocation adds what it found to the statistics of the chunk, and lists its large splats with the tiles that they meet.
+// Every invocation adds what it found to the statistics of the chunk, and lists its large splats with the tiles that
+// they meet.
 fn list_large(i: u32) {
     let count = tiles_of(i);
     let place = atomicAdd(&stats[push.chunk].large, 1u);

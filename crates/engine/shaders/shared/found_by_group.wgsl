@@ -1,5 +1,6 @@
-// The invocations of a workgroup add what they found in the memory that they share, and one of them adds that to the statistics of
-// the chunk: a GPU takes atomics on the same word of its memory one by one. As shared/found_alone.wgsl otherwise.
+// The invocations of a workgroup add what they found in the memory that they share, and one of them adds that to the
+// statistics of the chunk: a GPU takes atomics on the same word of its memory one by one. As shared/found_alone.wgsl
+// otherwise.
 var<workgroup> group_visible: atomic<u32>;
 var<workgroup> group_large: atomic<u32>;
 var<workgroup> group_most: array<atomic<u32>, 2>;

@@ -1,13 +1,16 @@
-// A Gaussian in a pixel. With d from the projected center to the pixel's center, in pixels, and a lower triangular L, |L d| = 1 is where the
-// Gaussian ends: where its opacity falls to the least one of a fragment. The rest serves kernels and orders that follow the pixel's ray.
+// A Gaussian in a pixel. With d from the projected center to the pixel's center, in pixels, and a lower triangular L,
+// |L d| = 1 is where the Gaussian ends: where its opacity falls to the least one of a fragment. The rest serves
+// kernels and orders that follow the pixel's ray.
 //
-// Let the columns of M be the Gaussian's axes in camera axes (x right, y down, z forward), each as long as its standard deviation, c its center, and
-// X, Y its slopes x/z, y/z. With the rows a = M1 - X M3, b = M2 - Y M3, e1 = a / |a|, e2 the unit vector of b's part across e1, e3 = e1 x e2,
-// and v = K d, K the lower triangular factor for which |K d|^2 is d's square in the metric of a a, a b, b b, the ray passes the center in
+// Let the columns of M be the Gaussian's axes in camera axes (x right, y down, z forward), each as long as its standard
+// deviation, c its center, and X, Y its slopes x/z, y/z. With the rows a = M1 - X M3, b = M2 - Y M3, e1 = a / |a|, e2
+// the unit vector of b's part across e1, e3 = e1 x e2, and v = K d, K the lower triangular factor for which |K d|^2 is
+// d's square in the metric of a a, a b, b b, the ray passes the center in
 //     rho^2 = |v|^2 / (w^2 + t^2 |v|^2),   at the depth   z w / (w^2 + t^2 |v|^2),
 //     w = 1 - v . (M3.e1, M3.e2) / z,      t = M3.e3 / z
-// standard deviations: the distance of a line from the origin in Plücker coordinates (HTGS, Hahlbohm et al. 2025), with the frame turned so that
-// nothing is inverted: flat Gaussians need no case of their own. Of parallel rays rho^2 = |v|^2, and the depth is z + v . (M3.e1, M3.e2).
+// standard deviations: the distance of a line from the origin in Plücker coordinates (HTGS, Hahlbohm et al. 2025), with
+// the frame turned so that nothing is inverted: flat Gaussians need no case of their own. Of parallel rays rho^2 =
+// |v|^2, and the depth is z + v . (M3.e1, M3.e2).
 //
 // Where they stand: splat.radius -L11. Of SHAPE_GAUSSIAN_FLAT: tilt.normal L00, L10, z of the center.
 // Of SHAPE_GAUSSIAN by KERNEL_EWA: tilt.normal L00, L10, K00, K10, rest K11, M3.e1 / z, M3.e2 / z, t.
@@ -51,8 +54,9 @@ fn shown_depth(splat: Splat, tilt: Tilt, depth: f32, view: View) -> f32 {
     return select(tilt.normal.z, tilt.normal.w, SHAPE == SHAPE_GAUSSIAN);
 }
 
-// What a ray meets of KERNEL_ELLIPSOID: constant density inside, where a color's alpha is the optical depth of a unit of length. Or a disc of
-// opacity alpha, where the shortest axis is nothing. Or what nothing is seen through.
+// Kinds of primitives of KERNEL_ELLIPSOID. BODY_DENSE: constant density inside, where a color's alpha is the optical
+// depth of a unit of length. BODY_FLAT: a disc of opacity alpha, where the shortest axis is nothing. BODY_OPAQUE:
+// nothing is seen through it.
 const BODY_DENSE = 0.0;
 const BODY_FLAT = 1.0;
 const BODY_OPAQUE = 2.0;

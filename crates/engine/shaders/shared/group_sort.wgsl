@@ -15,7 +15,7 @@ fn sort_range(local: u32) {
         size *= 2u;
     }
     for (var i = local; i < size; i += WG_SIZE) {
-        // What pads the list comes behind everything, and is not written back.
+        // Padding comes behind all entries of the list, and is not written back.
         sorting[i] = select(vec2<u32>(0xffffffffu), fragments[found.x + min(i, n - 1u)], i < n);
     }
     for (var width = 2u; width <= size; width *= 2u) {

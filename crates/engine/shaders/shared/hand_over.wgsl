@@ -1,20 +1,22 @@
 // Goes through the splats of each tile and shows each to every pixel that it may cover. One subgroup per tile of
-// BLOCKS x BLOCKS blocks of 8 x 8 pixels (shared/blocks.wgsl), or per block; nobody else touches its pixels, so that sums need no
-// atomics and come in the same order every time.
+// BLOCKS x BLOCKS blocks of 8 x 8 pixels (shared/blocks.wgsl), or per block; nobody else touches its pixels, so that
+// sums need no atomics and come in the same order every time.
 //
-// A step takes one splat per invocation. For each block a ballot says which of them may touch it, and these are handed to
-// all invocations one by one by shuffles. The stage defines what is handed over, and what becomes of it:
+// A step takes one splat per invocation. For each block a ballot says which of them may touch it, and these are handed
+// to all invocations one by one by shuffles. The stage defines what is handed over, and what becomes of it:
 //     Handed, PixelState                           a splat in an invocation's hands; the state of one of its pixels
 //     begin(pixel) -> PixelState                   before the run's first splat, pixels outside the window included
 //     begin_run(cut)                               after that; `cut`: the tile has splats behind the run
 //     take(i, corner) -> Handed                    a splat by its index, for a tile's corner
 //     may_touch(own, block, corner) -> bool        of one whose rectangle meets the block
-//     handed(own, k, present, first) -> Handed     that of lane k, for pixels from `first` on, relative to the corner; without
+//     handed(own, k, present, first) -> Handed     that of lane k, for pixels from `first` on, relative to the corner;
+//     without
 //                                                  `present` it must change nothing
 //     show(state, handed, i, pixel) -> PixelState  to the invocation's i-th pixel
 //     STOPS, is_done(state) -> bool                whether pixels may be done before the last splat, and whether one is
 //     finish(state, pixel)                         after the run's last splat
-// Held pixels are told apart in the text alone, which lavapipe compiles in half the time of one that picks them by an index.
+// Held pixels are told apart in the text alone, which lavapipe compiles in half the time of one that picks them by an
+// index.
 #import tile_run
 #import dispatch
 

@@ -1,5 +1,6 @@
-// Color of a Gaussian from a direction: real spherical harmonics, with the signs of Kerbl et al. 2023 (those of Sloan 2008).
-// `harmonics` holds for each splat 3 numbers for each coefficient; that of degree 0 is the color ½ + Y0 f_dc itself.
+// Color of a Gaussian from a direction: real spherical harmonics, with the signs of Kerbl et al. 2023 (those of Sloan
+// 2008). `harmonics` holds for each splat 3 numbers for each coefficient; that of degree 0 is the color ½ + Y0 f_dc
+// itself.
 
 // 0 to 4.
 override DEGREE: u32 = 0u;

@@ -1,6 +1,6 @@
-// The filters that close holes (Dobrev et al. 2010, Sections 3.2 and 3.3): pixels that no mask keeps take the values of the
-// nearest of the 3 × 3 around them. A filter says which pixels it looks at, and beyond which depth neighbors keep one:
-// is_looked_at(depth) and floor_of(depth).
+// The filters that close holes (Dobrev et al. 2010, Sections 3.2 and 3.3): pixels that no mask keeps take the values of
+// the nearest of the 3 × 3 around them. A filter says which pixels it looks at, and beyond which depth neighbors keep
+// one: is_looked_at(depth) and floor_of(depth).
 #import filter
 #import tile_range
 
@@ -35,7 +35,8 @@ fn first_color(entry: Entry, x: i32, y: i32, which: u32) -> vec4<f32> {
     var rest = which;
     var best = vec4<f32>(0.0);
     var any_yet = false;
-    // The condition stands at the head: where it ends a turn, one driver goes on computing `best` for pixels that are done.
+    // The condition stands at the head: where it ends a turn, one driver goes on computing `best` for pixels that are
+    // done.
     while rest != 0u {
         let k = i32(firstTrailingBit(rest));
         let color = color_at(entry, x + k % 3 - 1, y + k / 3 - 1);

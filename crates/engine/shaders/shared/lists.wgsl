@@ -1,5 +1,5 @@
-// The lists of one class of lengths, for kernels that sort and blend them: one invocation per pixel of the class. The stage's
-// push constants begin with the class and the band's first fragment among the window's.
+// The lists of one class of lengths, for kernels that sort and blend them: one invocation per pixel of the class. The
+// stage's push constants begin with the class and the band's first fragment among the window's.
 #import compose
 #import classes
 #import dispatch

@@ -1,11 +1,12 @@
 // Merge sort of up to CAPACITY fragments in an array of the invocation's own: blocks by a network in registers, then
-// bottom-up merging between the two halves of the array. The last two runs are merged as they are taken. CAPACITY, a multiple
-// of BLOCK, is a text constant, since overrides cannot size local arrays; BLOCK is the size of the variant's network.
+// bottom-up merging between the two halves of the array. The last two runs are merged as they are taken. CAPACITY, a
+// multiple of BLOCK, is a text constant, since overrides cannot size local arrays; BLOCK is the size of the variant's
+// network.
 #import fragments
 
 alias List = ptr<function, array<vec2<u32>, 2u * CAPACITY>>;
 
-// What is left of two sorted runs: where their next entries are, where the runs end, and these entries.
+// State of merging two sorted runs: the indices of their next entries, the ends of the runs, and these entries.
 struct Place {
     a: u32,
     middle: u32,

@@ -35,7 +35,8 @@ fn rounded(v: array<vec2<f32>, 3>) -> vec3<f32> {
     return vec3<f32>(v[0].x, v[1].x, v[2].x);
 }
 
-// Pixel of a screen coordinate relative to the image's middle, the fraction within it, and what rounding took from that.
+// Pixel of a screen coordinate relative to the image's middle, the fraction within it, and what rounding took from
+// that.
 struct Screen {
     pixel: i32,
     fraction: f32,

@@ -10,8 +10,8 @@ struct ListRun {
     pixel: u32,
 }
 
-// Indirect arguments of the passes over runs and over lists, each followed by its count; and of those that give a workgroup
-// to each run.
+// Indirect arguments of the passes over runs and over lists, each followed by its count; and of those that give a
+// workgroup to each run.
 struct LongWork {
     run_groups: array<u32, 3>,
     run_count: atomic<u32>,

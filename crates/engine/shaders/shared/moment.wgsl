@@ -1,6 +1,7 @@
-// What stages that know a pixel's light by moments share. Of each pixel MOMENTS + 1 sums of optical depth a times powers of place z,
-// Σ a zᵏ, as sums of two floats: close fragments show in the last digits of the moments alone, which float32 would round away
-// (docs/numerics.md). Behind them the place of the nearest fragment. The stage binds `known` and has a push constant `estimate`.
+// Declarations that the stages share which know a pixel's light by moments. Of each pixel MOMENTS + 1 sums of optical
+// depth a times powers of place z, Σ a zᵏ, as sums of two floats: close fragments show in the last digits of the
+// moments alone, which float32 would round away (docs/numerics.md). Behind them the place of the nearest fragment. The
+// stage binds `known` and has a push constant `estimate`.
 struct Estimate {
     // 2 over the logarithm of far over near.
     scale: f32,

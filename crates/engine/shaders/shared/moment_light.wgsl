@@ -19,7 +19,7 @@ fn toward(k: u32) -> f32 {
     return select(select(select(0.600303, 0.63, k == 6u), 0.676667, k == 4u), 0.75, k == 2u);
 }
 
-// What the moments of a pixel say, but for fragments.
+// Computes all of a pixel's light function that does not depend on the fragment.
 fn learn(p: u32) {
     let first = p * STRIDE;
     let sum = known[first];

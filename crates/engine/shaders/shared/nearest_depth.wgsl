@@ -1,4 +1,5 @@
-// Finds each pixel's smallest depth key; all ones at the start. First of two passes where the device has no 64-bit atomics.
+// Finds each pixel's smallest depth key; all ones at the start. First of two passes where the device has no 64-bit
+// atomics.
 #import nearest
 @group(0) @binding(NEAREST_BINDING) var<storage, read_write> nearest: array<NearestAtomic>;
 

@@ -1,8 +1,8 @@
 // Front-to-back composition: the running sum.
 #import splat
 
-// Which depth a list shows. Without a value that of its first fragment with opacity; SHOWN_MEDIAN: that of the fragment at which
-// T first is a half or less; SHOWN_MEAN: the mean of all, each weighted by what it adds to A.
+// Which depth a list shows. Without a value that of its first fragment with opacity; SHOWN_MEDIAN: that of the fragment
+// at which T first is a half or less; SHOWN_MEAN: the mean of all, each weighted by what it adds to A.
 override SHOWN: u32 = 0u;
 
 // Premultiplied color and A = 1 - T of what lies in front, and the depth key of the fragment that shows.

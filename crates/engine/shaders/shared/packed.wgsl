@@ -1,5 +1,6 @@
-// Events of soft spheres in the paper's 16 bytes (Seemann et al., Section 4): color and 255 d / r, of 8 bits each; depth along
-// the axis, negative for an exit; radius; depth of the middle of the chord. The stage has `records`, one for each slot.
+// Events of soft spheres in the paper's 16 bytes (Seemann et al., Section 4): color and 255 d / r, of 8 bits each;
+// depth along the axis, negative for an exit; radius; depth of the middle of the chord. The stage has `records`, one
+// for each slot.
 #import sphere
 
 fn pack_record(chord: Chord, radius: f32, color: vec3<f32>, depth: f32) -> vec4<u32> {

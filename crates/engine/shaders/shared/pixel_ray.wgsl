@@ -1,5 +1,5 @@
-// The ray through a pixel's center, and where a chord on it begins and ends. The stage has `view`. Depths are relative to
-// depth_origin().
+// The ray through a pixel's center, and where a chord on it begins and ends. The stage has `view`. Depths are relative
+// to depth_origin().
 #import elementary
 #import splat
 #import twofloat
@@ -19,8 +19,8 @@ fn ray_of(pixel: vec2<u32>) -> vec4<f32> {
     return vec4<f32>(v / stretch, stretch);
 }
 
-// The part that rounding took from the depth at which a chord begins or ends: what it cuts may be small against the cloud's depth.
-// 0 where it was cut.
+// The part that rounding took from the depth at which a chord begins or ends: what it cuts may be small against the
+// cloud's depth. 0 where it was cut.
 fn rest_of(middle: f32, half: f32, exit: bool, depth: f32) -> f32 {
     let end = two_sum(middle, select(-half, half, exit));
     return select(0.0, end.y, end.x == depth);

@@ -1,5 +1,5 @@
-// What projections of points leave: splats, their rectangles, and the statistics of a chunk. The stage defines project(i), which projects a point and
-// returns columns and rows of its rectangle, and imports a walker behind that.
+// Output of projections of points: splats, their rectangles, and the statistics of a chunk. The stage defines
+// project(i), which projects a point and returns columns and rows of its rectangle, and imports a walker behind that.
 #import splat
 #import stats
 #import camera
@@ -34,8 +34,9 @@ fn put_splat(i: u32, splat: Splat, tilt: Tilt) {
     }
 }
 
-// First column and row of the rectangle of pixels that lie so far to the left, top, right and bottom of the center, and one past the last; zero if
-// it misses the part of the image in work. `always`: with the center's own pixel in any case.
+// First column and row of the rectangle of pixels that lie so far to the left, top, right and bottom of the center, and
+// one past the last; zero if it misses the part of the image in work. `always`: with the center's own pixel in any
+// case.
 fn rectangle_of(splat: Splat, reach: vec4<f32>, always: bool) -> vec4<u32> {
     let pixel = center_pixel(splat);
     let fraction = vec2<f32>(splat.fraction_x, splat.fraction_y);
@@ -59,7 +60,7 @@ fn tiles_of(i: u32) -> u32 {
     return tiles.x * tiles.y;
 }
 
-// What an invocation's points add to the statistics.
+// Statistics of an invocation's points.
 struct Found {
     visible: u32,
     // Most columns and rows.

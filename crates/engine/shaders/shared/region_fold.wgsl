@@ -1,20 +1,21 @@
 // As tile_fold, for stages that do much for each fragment: one subgroup per block of a tile picks those of the tile's
-// splats that touch the block, and goes through them once for each of the block's small regions, of which every invocation has
-// one pixel. So few invocations idle where splats are small, and the stage's code stands there once.
+// splats that touch the block, and goes through them once for each of the block's small regions, of which every
+// invocation has one pixel. So few invocations idle where splats are small, and the stage's code stands there once.
 //
 // The stage imports `splat`, declares its push constants with a member `walk: TileWalk`, and defines
 //     begin(pixel)             before the first splat of a run
 //     visit(pixel, fragment)   for each splat that may cover the pixel, in the order of the bins
 //     finish(pixel)            after the last splat of the run
-// pixels outside the window included. A run takes TAKEN splats of each tile, PICKED at most: with 64 / SUBGROUP regions and
-// an iteration for each splat and step, an invocation stays below what CPU drivers allow. With LATER = 1 it goes on from what
-// earlier ones left, wherever the stage keeps that.
+// pixels outside the window included. A run takes TAKEN splats of each tile, PICKED at most: with 64 / SUBGROUP regions
+// and an iteration for each splat and step, an invocation stays below what CPU drivers allow. With LATER = 1 it goes on
+// from what earlier ones left, wherever the stage keeps that.
 #import folding
 #import dispatch
 
 // Pixels of a region in x and y.
 const REGION = vec2<u32>(REGION_COLUMNS, SUBGROUP / REGION_COLUMNS);
-// Bits of a picked splat that hold its index; the others, one for each of the HELD regions of a block, say which it may touch.
+// Bits of a picked splat that hold its index; the others, one for each of the HELD regions of a block, say which it may
+// touch.
 const PICKED_BITS = 32u - HELD;
 
 // Those of the run's splats that touch the block of each subgroup.
@@ -39,7 +40,8 @@ fn meets_region(rectangle: Bounds, low: vec2<u32>) -> bool {
     return all(bounds_min(rectangle) < low + REGION) && all(bounds_max(rectangle) > low);
 }
 
-// The regions of a block that a splat may touch, in bits from PICKED_BITS on; an oriented disc and a Gaussian by their rectangles.
+// The regions of a block that a splat may touch, in bits from PICKED_BITS on; an oriented disc and a Gaussian by their
+// rectangles.
 fn regions_of(i: u32, corner: vec2<u32>) -> u32 {
     var regions = 0u;
     if is_rectangle() {

@@ -1,4 +1,5 @@
-// One run of a list: its pixel in the image, and its fragments in the band's buffer, from the first to one behind the last.
+// One run of a list: its pixel in the image, and its fragments in the band's buffer, from the first to one behind the
+// last.
 #import long_list
 
 fn pixel_of_run(run: ListRun) -> vec2<u32> {

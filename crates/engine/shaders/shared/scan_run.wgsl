@@ -1,5 +1,6 @@
-// A run of GROUP_RUN elements in the hands of a workgroup, which goes through it in steps: in each every invocation has four elements
-// in a row, and its neighbors those beside them, so that a step reads a stretch of memory. The stage binds `values`.
+// A run of GROUP_RUN elements in the hands of a workgroup, which goes through it in steps: in each every invocation has
+// four elements in a row, and its neighbors those beside them, so that a step reads a stretch of memory. The stage
+// binds `values`.
 #import dispatch
 
 struct Push {

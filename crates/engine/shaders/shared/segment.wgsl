@@ -1,5 +1,5 @@
-// Optical depth of an open sphere (edge, middle, reach, absorption) between two depths along the axis, of which the first is a
-// sum of two floats; 0 beside its chord. `closing`: it ends at the last one, unless it was cut before.
+// Optical depth of an open sphere (edge, middle, reach, absorption) between two depths along the axis, of which the
+// first is a sum of two floats; 0 beside its chord. `closing`: it ends at the last one, unless it was cut before.
 #import sphere
 #import absorb
 

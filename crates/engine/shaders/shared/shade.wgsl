@@ -14,8 +14,8 @@ fn encode(c: vec3<f32>) -> vec3<f32> {
     return select(curve, c * 12.92, c <= vec3<f32>(0.0031308));
 }
 
-// Interface: c(ambient + diffuse max(0, n.l)), two-sided; Phong adds specular max(0, r.v)^shininess. Of the light, diffuse and
-// specular, m arrives (Dobrev et al. 2010, Section 6); 1 changes no bit.
+// Interface: c(ambient + diffuse max(0, n.l)), two-sided; Phong adds specular max(0, r.v)^shininess. Of the light,
+// diffuse and specular, m arrives (Dobrev et al. 2010, Section 6); 1 changes no bit.
 fn shade(color: vec3<f32>, position: vec3<f32>, normal: vec3<f32>, m: f32) -> vec3<f32> {
     var to_eye = vec3<f32>(0.0, 0.0, -1.0);
     if view.orthographic == 0u {

@@ -1,5 +1,5 @@
-// Terms that an event adds to the running sums along a ray, or takes from them (Seemann et al., Eq. 11, 13, 15). The stage
-// has `push`.
+// Terms that an event adds to the running sums along a ray, or takes from them (Seemann et al., Eq. 11, 13, 15). The
+// stage has `push`.
 #import compose
 #import sphere
 #import absorb

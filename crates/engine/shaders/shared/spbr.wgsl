@@ -11,13 +11,13 @@ struct Push {
     // Slots of this dispatch, and the number of the first among the cloud's slots of the round.
     count: u32,
     first: u32,
-    // Among what is bound the point of the first slot, or, of a later pass, the one that others are counted from (modulo 2^32:
-    // it may lie before); and index among all points of the first that is bound.
+    // Among what is bound the point of the first slot, or, of a later pass, the one that others are counted from
+    // (modulo 2^32: it may lie before); and index among all points of the first that is bound.
     base: u32,
     list: u32,
-    // For a later pass: first point of the first row, counted from `base`, and after how many the cloud begins anew; blocks of a
-    // row, binary logarithm of the points of a block, which of the pass's ensembles the round's first one is (modulo 2^32),
-    // and what tells the pass from others.
+    // For a later pass: first point of the first row, counted from `base`, and after how many the cloud begins anew;
+    // blocks of a row, binary logarithm of the points of a block, which of the pass's ensembles the round's first one
+    // is (modulo 2^32), and what tells the pass from others.
     start: u32,
     around: u32,
     columns: u32,
@@ -66,7 +66,8 @@ struct Counters {
 // From which random words follow.
 @group(0) @binding(4) var<storage, read> ids: array<u32>;
 @group(0) @binding(5) var<storage, read_write> counters: array<Counters>;
-// Two vectors for each square of more than SMALL_SQUARE pixels: place, plane and depth key of its point; columns and rows.
+// Two vectors for each square of more than SMALL_SQUARE pixels: place, plane and depth key of its point; columns and
+// rows.
 @group(0) @binding(6) var<storage, read_write> large: array<vec4<u32>>;
 var<immediate> push: Push;
 

@@ -1,6 +1,6 @@
-// A soft sphere and the ray through a pixel's center. Everything is relative to the sphere's center, so that nothing cancels.
-// The stage has `view`. A splat's radius is here in world units, as SHAPE_SPHERE asks for, and depths are relative to
-// depth_origin(), so that neither far spheres that overlap nor thin segments between them lose digits.
+// A soft sphere and the ray through a pixel's center. Everything is relative to the sphere's center, so that nothing
+// cancels. The stage has `view`. A splat's radius is here in world units, as SHAPE_SPHERE asks for, and depths are
+// relative to depth_origin(), so that neither far spheres that overlap nor thin segments between them lose digits.
 #import pixel_ray
 
 // 0: as many shells as the radius in pixels over PIXELS_PER_SHELL; 1 is a whole sphere.
@@ -36,8 +36,8 @@ fn chord_of(splat: Splat, tilt: Tilt, pixel: vec2<u32>, ray: vec4<f32>) -> Chord
     return Chord(select(-1.0, edge, meets), middle, splat.radius / ray.w);
 }
 
-// The same where a sphere is so dense that it is opaque unless a ray passes within 10^-4 of its rim: what float32 knows of
-// the distance is no more than a few thousandths of that.
+// The same where a sphere is so dense that it is opaque unless a ray passes within 10^-4 of its rim: what float32 knows
+// of the distance is no more than a few thousandths of that.
 fn exact_chord(splat: Splat, low: vec4<f32>, pixel: vec2<u32>, ray: vec4<f32>) -> Chord {
     let whole = vec2<f32>(vec2<i32>(pixel) - center_pixel(splat)) + 0.5;
     let x = add2(vec2<f32>(whole.x, 0.0), -vec2<f32>(splat.fraction_x, low.x));
@@ -84,7 +84,8 @@ fn shells_of(splat: Splat) -> u32 {
     return u32(clamp(ceil(pixels / PIXELS_PER_SHELL), 1.0, f32(MOST_SHELLS)));
 }
 
-// How many of a sphere's shells the ray meets between two depths, from the outermost on; 0 if it misses the sphere there.
+// How many of a sphere's shells the ray meets between two depths, from the outermost on; 0 if it misses the sphere
+// there.
 fn shells_met(chord: Chord, shells: u32, near: f32, far: f32) -> u32 {
     let half = chord.reach * half_chord(chord.edge, 0.0);
     if !(chord.edge > 0.0 && chord.middle + half > near && chord.middle - half < far) {

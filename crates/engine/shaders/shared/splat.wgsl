@@ -3,12 +3,12 @@
 #import view
 #import gaussian
 
-// A value of Footprint in src/passes/project/footprint.rs. SHAPE_SPHERE is a soft sphere (shared/sphere.wgsl): no pixel is always covered.
-// SHAPE_EXACT_SPHERE is one so dense that float32 would show: its tilt holds the rest of its place.
+// A value of Footprint in src/passes/project/footprint.rs. SHAPE_SPHERE is a soft sphere (shared/sphere.wgsl): no pixel
+// is always covered. SHAPE_EXACT_SPHERE is one so dense that float32 would show: its tilt holds the rest of its place.
 override SHAPE: u32 = 0u;
 
-// How far the fragments of a flat splat move toward the viewer, in its radii (Schütz and Wimmer 2015): not at all, or by
-// 1 - rho^2, 1 - rho, sqrt(1 - rho^2).
+// How far the fragments of a flat splat move toward the viewer, in its radii (Schütz and Wimmer 2015): not at all, or
+// by 1 - rho^2, 1 - rho, sqrt(1 - rho^2).
 override RELIEF: u32 = 0u;
 
 struct Splat {
@@ -24,8 +24,8 @@ struct Splat {
     radius: f32,
 }
 
-// A splat in a buffer, without its depth, which few stages read: a vector, which is loaded and stored at once, where lavapipe
-// takes a struct member by member.
+// A splat in a buffer, without its depth, which few stages read: a vector, which is loaded and stored at once, where
+// lavapipe takes a struct member by member.
 alias PackedSplat = vec4<u32>;
 
 fn pack_splat(splat: Splat) -> PackedSplat {
@@ -38,7 +38,8 @@ fn unpack_splat(splat: PackedSplat, depth: f32) -> Splat {
 
 // The rest of an oriented disc: its unit normal n in camera axes and n.c / z for its center c, the slope of the
 // plane against the center's ray. The normal is zero for a flat disc. Of an exact sphere: what rounding took from
-// fraction_x, fraction_y and depth. Of a Gaussian what shared/gaussian.wgsl says; that alone has a rest, the next element of the buffer.
+// fraction_x, fraction_y and depth. Of a Gaussian what shared/gaussian.wgsl says; that alone has a rest, the next
+// element of the buffer.
 struct Tilt {
     normal: vec4<f32>,
     rest: vec4<f32>,
@@ -53,7 +54,8 @@ fn tilt_stride() -> u32 {
     return select(1u, 2u, SHAPE == SHAPE_GAUSSIAN);
 }
 
-// Half-open rectangle of pixels that holds every covered one, within the rectangle in work; empty for a splat that is not drawn.
+// Half-open rectangle of pixels that holds every covered one, within the rectangle in work; empty for a splat that is
+// not drawn.
 // x: first column in the low 16 bits, one past the last in the high ones; y: rows. A vector, which is loaded and stored
 // at once, where lavapipe takes a struct member by member.
 alias Bounds = vec2<u32>;
@@ -61,8 +63,8 @@ alias Bounds = vec2<u32>;
 struct Coverage {
     hit: bool,
     depth: f32,
-    // Distance from the center over the radius, at most 1 but in a square's corners. Of a Gaussian the square of its Mahalanobis distance over
-    // that at which it ends.
+    // Distance from the center over the radius, at most 1 but in a square's corners. Of a Gaussian the square of its
+    // Mahalanobis distance over that at which it ends.
     rho: f32,
 }
 
@@ -91,8 +93,8 @@ fn offset_of(splat: Splat, whole: vec2<f32>) -> vec2<f32> {
 }
 
 // The ray through a pixel against the disc's plane, with everything in pixels at the center's depth and relative to the
-// center, so that nothing cancels: with o = (pixel - center, 0), d the ray and t = n.o / n.d, the hit lies at o - d t from
-// the center and t pixels nearer than it.
+// center, so that nothing cancels: with o = (pixel - center, 0), d the ray and t = n.o / n.d, the hit lies at o - d t
+// from the center and t pixels nearer than it.
 fn cover_oriented(splat: Splat, tilt: vec4<f32>, whole: vec2<f32>, pixel: vec2<u32>, view: View) -> Coverage {
     let normal = tilt.xyz;
     let o = offset_of(splat, whole);

@@ -1,5 +1,5 @@
-// Opaque splats in three passes (Botsch et al. 2004): shared by visibility and attributes. One subgroup per block of a tile;
-// splats come in canonical order. The stage imports `splat` before, and `region_fold` after this.
+// Opaque splats in three passes (Botsch et al. 2004): shared by visibility and attributes. One subgroup per block of a
+// tile; splats come in canonical order. The stage imports `splat` before, and `region_fold` after this.
 struct Push {
     walk: TileWalk,
     // Fragments up to so many radii behind the nearest are blended with it.
@@ -7,7 +7,8 @@ struct Push {
 }
 var<immediate> push: Push;
 
-// 1: the fourth component of colors says which splats are solid (1); of the others only what lies behind the layer counts.
+// 1: the fourth component of colors says which splats are solid (1); of the others only what lies behind the layer
+// counts.
 override BEHIND: u32 = 0u;
 
 const INFINITE_BITS = 0x7f800000u;

@@ -1,8 +1,8 @@
 // When fragments behind can be left out.
 #import over
 
-// STOP_NEVER: nothing is left out; STOP_EXACT: only what changes no bit; STOP_SRGB: what changes no 8-bit sRGB value by more
-// than a quarter step; STOP_ENCODED: the same for values blended as they are.
+// STOP_NEVER: nothing is left out; STOP_EXACT: only what changes no bit; STOP_SRGB: what changes no 8-bit sRGB value by
+// more than a quarter step; STOP_ENCODED: the same for values blended as they are.
 override STOP: u32 = 1u;
 
 // True if fragments behind cannot change a pixel's output, given the largest opacity and the largest color component,

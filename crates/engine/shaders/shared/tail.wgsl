@@ -1,5 +1,5 @@
-// The tail of `hybrid`: the fragments behind the last one that is composed exactly, and those that are too faint for that, wherever they
-// lie. The stage binds `lasts`, and has a push constant `core_alpha_min`.
+// The tail of `hybrid`: the fragments behind the last one that is composed exactly, and those that are too faint for
+// that, wherever they lie. The stage binds `lasts`, and has a push constant `core_alpha_min`.
 #import rank
 
 // Rank of the last fragment in front of the tail.

@@ -1,11 +1,11 @@
-// Shows the splats of each tile, in the order in which they were binned, as fragments to every pixel that they may cover
-// (shared/hand_over.wgsl). The stage imports `splat`, declares its push constants with a member `walk: TileWalk`, and then
-// imports this. It defines the type PixelState, what an invocation holds of each of its pixels, and
+// Shows the splats of each tile, in the order in which they were binned, as fragments to every pixel that they may
+// cover (shared/hand_over.wgsl). The stage imports `splat`, declares its push constants with a member `walk: TileWalk`,
+// and then imports this. It defines the type PixelState, what an invocation holds of each of its pixels, and
 //     begin(pixel) -> PixelState             before the first splat of a run
 //     visit(state, fragment) -> PixelState   for each splat that may cover the pixel
 //     finish(state, pixel)                   after the last splat of the run
-// pixels outside the window included. A run takes TAKEN splats of each tile; with LATER = 1 it goes on from what earlier
-// ones left, wherever the stage keeps that.
+// pixels outside the window included. A run takes TAKEN splats of each tile; with LATER = 1 it goes on from what
+// earlier ones left, wherever the stage keeps that.
 #import folding
 #import hand_over
 

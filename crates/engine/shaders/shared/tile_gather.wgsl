@@ -1,7 +1,7 @@
 // Collects fragments tile by tile: one subgroup per tile goes through the tile's flat discs in order of depth
-// (shared/hand_over.wgsl). There are no atomics, and each pixel's fragments come in the order of blending. An invocation holds
-// one number of each of its pixels; the stage defines begin(pixel), visit(number, hit, index), which both return it, and
-// finish(number, pixel).
+// (shared/hand_over.wgsl). There are no atomics, and each pixel's fragments come in the order of blending. An
+// invocation holds one number of each of its pixels; the stage defines begin(pixel), visit(number, hit, index), which
+// both return it, and finish(number, pixel).
 #import hand_over
 
 struct Push {

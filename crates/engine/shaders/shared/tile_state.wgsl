@@ -18,7 +18,8 @@ struct State {
     // Color of the fragments composed in order, premultiplied, and their number.
     front: vec4<f32>,
     count: f32,
-    // Depth key of the nearest fragment with opacity, and, where splats may be Gaussians, that of the depth that it shows.
+    // Depth key of the nearest fragment with opacity, and, where splats may be Gaussians, that of the depth that it
+    // shows.
     key: u32,
     shown: u32,
 }
@@ -33,7 +34,7 @@ fn kept_state(p: u32) -> State {
     return State(sum, rest.xy, kept[4u * p + 2u], rest.z, bitcast<u32>(rest.w), depth_key(depths[p]));
 }
 
-// What goes on behind the front that other stages left in the image.
+// Initial state behind the front that other stages left in the image.
 fn behind_front(p: u32) -> State {
     var state = empty_state();
     state.front = image[p];

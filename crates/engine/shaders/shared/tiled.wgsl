@@ -1,8 +1,8 @@
-// Images in tiles of TILE × TILE pixels, a tile's pixels row by row, for filters that run over a list of tiles: what they
-// share. There are two places for each tile, the sides. A filter reads a tile and what surrounds it from the sides that
-// hold the image, and writes the tile's other side, which holds the image from the next filter on; whoever is not listed
-// stays where it is. Colors and depths have sides of their own, since some filters change colors alone. Behind both sides
-// lies one pixel more, which is background: all that is outside.
+// Images in tiles of TILE × TILE pixels, a tile's pixels row by row, for filters that run over a list of tiles: what
+// they share. There are two places for each tile, the sides. A filter reads a tile and what surrounds it from the sides
+// that hold the image, and writes the tile's other side, which holds the image from the next filter on; whoever is not
+// listed stays where it is. Colors and depths have sides of their own, since some filters change colors alone. Behind
+// both sides lies one pixel more, which is background: all that is outside.
 #import splat
 
 const AREA = TILE * TILE;
@@ -19,9 +19,9 @@ const HAS_BACKGROUND = 1u;
 const DEPTH_SIDE = 2u;
 const COLOR_SIDE = 4u;
 
-// A tile of a work list: its number, and a bit for each of the 3 × 3 tiles around it, row by row: whether there is such a
-// tile with anything in it, from ENTRY_DEPTHS on the side of its depths, from ENTRY_COLORS on that of its colors. What a
-// tile of background alone has in memory nobody reads.
+// A tile of a work list: its number, and a bit for each of the 3 × 3 tiles around it, row by row: whether there is such
+// a tile with anything in it, from ENTRY_DEPTHS on the side of its depths, from ENTRY_COLORS on that of its colors.
+// What a tile of background alone has in memory nobody reads.
 alias Entry = vec2<u32>;
 const ENTRY_DEPTHS = 9u;
 const ENTRY_COLORS = 18u;

@@ -1,5 +1,6 @@
-// Large splats and the tiles of the window that their rectangles meet, as pairs. The pairs of a chunk are numbered splat
-// by splat; pair_offsets holds the prefix sums of the splats' numbers of tiles, so that no list of pairs is needed.
+// Large splats and the tiles of the window that their rectangles meet, as pairs. The pairs of a chunk are numbered
+// splat by splat; pair_offsets holds the prefix sums of the splats' numbers of tiles, so that no list of pairs is
+// needed.
 #import splat
 #import dispatch
 
@@ -7,7 +8,7 @@ struct Push {
     chunk: u32,
 }
 
-// What the projection found in a chunk; shared/stats.wgsl explains it.
+// Statistics of a chunk's projection; shared/stats.wgsl explains the members.
 struct Found {
     visible: u32,
     large: u32,

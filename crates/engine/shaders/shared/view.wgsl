@@ -8,8 +8,8 @@ struct View {
     forward: vec4<f32>,
     forward_lo: vec4<f32>,
     // Eye minus the cloud's origin as a sum of two floats.
-    // In w the depth that those of splats are relative to: 0, or, where spheres are blended, one that no point is nearer than,
-    // since the less depths are, the more digits they have. And near relative to it.
+    // In w the depth that those of splats are relative to: 0, or, where spheres are blended, one that no point is
+    // nearer than, since the less depths are, the more digits they have. And near relative to it.
     eye_hi: vec4<f32>,
     eye_lo: vec4<f32>,
     // To the light (w = 0) or the light's place relative to the eye (w = 1), in camera axes.
@@ -31,7 +31,8 @@ struct View {
     opacity_factor: f32,
     // Threshold of the field: up to it points are solid, above it soft.
     threshold: f32,
-    // Field from which soft points are as transparent as the model says (Seemann et al., l_m); not above the threshold: all.
+    // Field from which soft points are as transparent as the model says (Seemann et al., l_m); not above the threshold:
+    // all.
     modulation: f32,
     // Splats of at most this many pixels are walked by one invocation; larger ones tile by tile.
     small_area: u32,
@@ -40,8 +41,8 @@ struct View {
     order: u32,
     // 1: discs lie in their tangent planes, where Gaussians are in the scene.
     tilted: u32,
-    // Of Gaussians: least and most opacity of a fragment, and what is added to the variances on the screen, in square pixels; 1 in the
-    // last: opacity is less by as much as that adds.
+    // Of Gaussians: least and most opacity of a fragment, and what is added to the variances on the screen, in square
+    // pixels; 1 in the last: opacity is less by as much as that adds.
     gaussian: vec4<f32>,
 }
 

@@ -1,7 +1,7 @@
-// The walk over the points of a chunk, each straight to its pixel. A pass says which points it wants, wherever they show
-// (is_kept(index in the chunk, place relative to the eye in world axes)) and where (is_behind(hit)), and defines
-// visit(index among all points, hit); it is called for each of those that shows, and what it returns is added to the visible
-// ones if is_counted(). One workgroup per WG_SIZE * RUN points.
+// The walk over the points of a chunk, each straight to its pixel. A pass says which points it wants, wherever they
+// show (is_kept(index in the chunk, place relative to the eye in world axes)) and where (is_behind(hit)), and defines
+// visit(index among all points, hit); it is called for each of those that shows, and what it returns is added to the
+// visible ones if is_counted(). One workgroup per WG_SIZE * RUN points.
 #import elementary
 #import locate
 #import splat
@@ -26,7 +26,8 @@ override RUN: u32 = 8u;
 
 // Bound on the error of a float32 coordinate on the screen, in pixels, over scale * (|x| + |y| + |z|) + 1 of the place
 // relative to the eye. In units of 2^-24: 5 roundings on the way to the dot product with an axis, 4 more to the product
-// with the scale, 1 for the shift by half a pixel, 1 in the comparisons below; another stands for what is of second order.
+// with the scale, 1 for the shift by half a pixel, 1 in the comparisons below; another stands for what is of second
+// order.
 const ERROR = 12.0 / 16777216.0;
 
 struct Hit {

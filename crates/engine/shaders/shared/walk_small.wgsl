@@ -21,7 +21,8 @@ fn main(
     }
     let splat = splat_of(i);
     let tilt = tilt_of(i);
-    // One loop over both axes: invocations that run in step wait for the largest rectangle, not for the widest row of each.
+    // One loop over both axes: invocations that run in step wait for the largest rectangle, not for the widest row of
+    // each.
     var pixel = low;
     for (var k = extent.x * extent.y; k > 0u; k--) {
         visit(i, splat, tilt, pixel);

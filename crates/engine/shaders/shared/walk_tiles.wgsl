@@ -1,5 +1,5 @@
-// Walker: one workgroup per tile and SEGMENT of its large splats. All invocations look at the same splat at a time, each at
-// its own pixels, so that a tile's fragments of many splats meet in the cache.
+// Walker: one workgroup per tile and SEGMENT of its large splats. All invocations look at the same splat at a time,
+// each at its own pixels, so that a tile's fragments of many splats meet in the cache.
 #import dispatch
 
 // Large splats of a tile that one workgroup walks: four pixels of each and invocation stay below the iterations that

@@ -1,5 +1,5 @@
-// soft/blend-runs: composes the segments that the events of each run of a sorted long list begin, with the running sums that
-// the runs before have left. One invocation per run.
+// soft/blend-runs: composes the segments that the events of each run of a sorted long list begin, with the running sums
+// that the runs before have left. One invocation per run.
 #import soft_push
 #import soft_terms
 #import run_of_list

@@ -1,4 +1,5 @@
-// soft/carry: the running sums before each run of a long list, from what the runs before it add. One invocation per list.
+// soft/carry: the running sums before each run of a long list, from what the runs before it add. One invocation per
+// list.
 #import long_list
 #import run_sums
 #import dispatch

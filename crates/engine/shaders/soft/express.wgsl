@@ -1,6 +1,6 @@
-// soft/express: composes the soft discs of each tile in the order of an axis (Seemann et al. 2018, Section 3.3), as sorted/blend
-// does. Runs over a tile's splats go on from one another's sums, so that where they are cut changes no bit.
-// Reference: reference::soft.
+// soft/express: composes the soft discs of each tile in the order of an axis (Seemann et al. 2018, Section 3.3), as
+// sorted/blend does. Runs over a tile's splats go on from one another's sums, so that where they are cut changes no
+// bit. Reference: reference::soft.
 #import over
 #import stop
 #import profile

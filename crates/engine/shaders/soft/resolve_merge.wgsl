@@ -1,5 +1,5 @@
-// soft/resolve-N, N from 32 to 256: sorts the events of a list by merge sort in a local array and blends the segments between
-// them.
+// soft/resolve-N, N from 32 to 256: sorts the events of a list by merge sort in a local array and blends the segments
+// between them.
 #import soft_resolve
 #import local_sort
 

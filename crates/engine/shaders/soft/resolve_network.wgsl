@@ -1,5 +1,5 @@
-// soft/resolve-N, N up to 32: sorts the events of short lists in registers, as abuffer/resolve-N does, and blends the segments
-// between them.
+// soft/resolve-N, N up to 32: sorts the events of short lists in registers, as abuffer/resolve-N does, and blends the
+// segments between them.
 #import soft_resolve
 #import fragments
 #import private_list

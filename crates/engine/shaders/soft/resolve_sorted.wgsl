@@ -1,4 +1,5 @@
-// soft/resolve-N, N from 128, where invocations share work: blends the segments between events that abuffer/sort_lists sorted.
+// soft/resolve-N, N from 128, where invocations share work: blends the segments between events that abuffer/sort_lists
+// sorted.
 #import soft_resolve
 #import stored_list
 

@@ -1,5 +1,5 @@
-// soft/samples: the samples of a deep EXR, of each run of a sorted list of events of concentric shells: the piece of the ray that each event
-// begins. What is not there has the opacity NO_SAMPLE. One invocation per run.
+// soft/samples: the samples of a deep EXR, of each run of a sorted list of events of concentric shells: the piece of
+// the ray that each event begins. What is not there has the opacity NO_SAMPLE. One invocation per run.
 // Reference: reference::soft.
 #import soft_push
 #import soft_terms

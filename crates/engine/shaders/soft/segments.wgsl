@@ -1,7 +1,8 @@
-// soft/segments: optical depths of the segments that the events of sorted long lists begin, base model. One workgroup per run,
-// four segments per invocation. Every sphere whose entry lies before the run's end and near enough to reach it is integrated
-// over every segment: beside its chord that is nothing, so no list of open spheres is needed, however many there are.
-// A dispatch looks at TAKEN events of each list from push.first on; later ones add to what those before found.
+// soft/segments: optical depths of the segments that the events of sorted long lists begin, base model. One workgroup
+// per run, four segments per invocation. Every sphere whose entry lies before the run's end and near enough to reach it
+// is integrated over every segment: beside its chord that is nothing, so no list of open spheres is needed, however
+// many there are. A dispatch looks at TAKEN events of each list from push.first on; later ones add to what those before
+// found.
 #import soft_push
 #import soft_terms
 #import segment

@@ -1,5 +1,5 @@
-// soft/store: puts the events of each sphere into slots of its pixel, as abuffer/store does with fragments: depth key of
-// entry and exit, cut at near and at the solid points, and which they are.
+// soft/store: puts the events of each sphere into slots of its pixel, as abuffer/store does with fragments: depth key
+// of entry and exit, cut at near and at the solid points, and which they are.
 // Relies on soft/count visiting the same pixels.
 #import soft_raster
 #import packed
@@ -13,7 +13,8 @@ fn put(chord: Chord, shell: u32, shells: u32, far: f32, slot: u32, i: u32) {
     let near = near_depth();
     let half = chord.reach * half_chord(chord.edge, f32(shell) / f32(shells));
     let at = slot + 2u * shell;
-    // Both passes run the same test on the same numbers; should a driver ever disagree with itself, nothing is written outside.
+    // Both passes run the same test on the same numbers; should a driver ever disagree with itself, nothing is written
+    // outside.
     if at + 1u < arrayLength(&fragments) {
         fragments[at] = vec2<u32>(depth_key(clamp(chord.middle - half, near, far)), event_id(i, shell, 0u));
         fragments[at + 1u] = vec2<u32>(depth_key(clamp(chord.middle + half, near, far)), event_id(i, shell, 1u));
@@ -50,7 +51,8 @@ fn visit(i: u32, splat: Splat, tilt: Tilt, pixel: vec2<u32>) {
     }
 }
 
-// Entry and exit with what the paper stores of them. Lists have entries and exits alike, so that slots of entries are even.
+// Entry and exit with what the paper stores of them. Lists have entries and exits alike, so that slots of entries are
+// even.
 fn put_packed(chord: Chord, radius: f32, color: vec3<f32>, far: f32, slot: u32) {
     let near = near_depth();
     let half = chord.reach * half_chord(chord.edge, 0.0);

@@ -1,4 +1,5 @@
-// soft/sum-runs: the sums that the events of each run of a sorted long list add to the running ones. One invocation per run.
+// soft/sum-runs: the sums that the events of each run of a sorted long list add to the running ones. One invocation per
+// run.
 #import soft_push
 #import soft_terms
 #import run_of_list

@@ -1,5 +1,5 @@
-// spbr/nearest, spbr/nearest-depth, spbr/nearest-id: the nearest point of each pixel and ensemble. The largest key is the
-// nearest one's: its complement is what the minimum is taken of.
+// spbr/nearest, spbr/nearest-depth, spbr/nearest-id: the nearest point of each pixel and ensemble. The largest key is
+// the nearest one's: its complement is what the minimum is taken of.
 #import spbr
 #piece
 

@@ -1,7 +1,7 @@
-// splats/attributes: colors times weight, and weights exp(-2 rho^2), of the fragments that are not hidden, summed (Botsch et
-// al. 2004, the second pass). One subgroup per block of a tile; with KEPT = 1 a run leaves what the next needs to round as if
-// there were one. Relies on splats/visibility finding depths by the same arithmetic: the nearest fragment always counts.
-// Reference: reference::splats::blend.
+// splats/attributes: colors times weight, and weights exp(-2 rho^2), of the fragments that are not hidden, summed
+// (Botsch et al. 2004, the second pass). One subgroup per block of a tile; with KEPT = 1 a run leaves what the next
+// needs to round as if there were one. Relies on splats/visibility finding depths by the same arithmetic: the nearest
+// fragment always counts. Reference: reference::splats::blend.
 #import elementary
 #import splat
 #import splats

@@ -1,6 +1,6 @@
 // splats/visibility: the depth of each pixel's nearest fragment, and the limit behind which fragments are hidden:
-// min(z + blend_depth * r), r the drawn radius in world units (Botsch et al. 2004, the first pass, whose depths are moved back).
-// One subgroup per block of a tile; a run goes on from the buffers that it fills.
+// min(z + blend_depth * r), r the drawn radius in world units (Botsch et al. 2004, the first pass, whose depths are
+// moved back). One subgroup per block of a tile; a run goes on from the buffers that it fills.
 // Reference: reference::splats::limit.
 #import splat
 #import splats

@@ -1,6 +1,6 @@
-// stochastic/accumulate: what is visible, with color and opacity, summed over the samples of a run's strata (Enderton et al.
-// 2011, the additive pass against the multi-sampled depth buffer). One subgroup per tile. The first strata also give the
-// exact A = 1 - prod(1 - alpha).
+// stochastic/accumulate: what is visible, with color and opacity, summed over the samples of a run's strata (Enderton
+// et al. 2011, the additive pass against the multi-sampled depth buffer). One subgroup per tile. The first strata also
+// give the exact A = 1 - prod(1 - alpha).
 // Layout of `sums`: all pixels over the run's samples; with SPREAD = 1 then the same for each stratum alone.
 // Reference: reference::stochastic::stratum.
 #import splat

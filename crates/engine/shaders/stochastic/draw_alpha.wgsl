@@ -1,5 +1,5 @@
-// stochastic/draw-alpha: total opacity of each pixel. One draw of all splats; blending makes A + alpha (1 - A) of A, in whatever
-// order the fragments come. Reference: the A of reference::abuffer::composite.
+// stochastic/draw-alpha: total opacity of each pixel. One draw of all splats; blending makes A + alpha (1 - A) of A, in
+// whatever order the fragments come. Reference: the A of reference::abuffer::composite.
 #import stochastic_quad
 
 @fragment

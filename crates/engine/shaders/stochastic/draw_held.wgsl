@@ -1,6 +1,6 @@
-// stochastic/draw-held: the nearest fragment of each sample of a stratum, among those whose mask has the sample. The mask goes
-// to the rasterizer; its depth test keeps the nearest, and of equal depths the first one drawn, which has the lowest index.
-// Reference: reference::stochastic::stratum.
+// stochastic/draw-held: the nearest fragment of each sample of a stratum, among those whose mask has the sample. The
+// mask goes to the rasterizer; its depth test keeps the nearest, and of equal depths the first one drawn, which has the
+// lowest index. Reference: reference::stochastic::stratum.
 #import stochastic_quad
 #import held
 #import random

@@ -1,5 +1,5 @@
-// stochastic/draw-sums: sum of alpha c and of alpha over the fragments of each pixel and the samples that hold nothing before
-// the fragment, in strata, by blending. Reference: reference::stochastic::stratum.
+// stochastic/draw-sums: sum of alpha c and of alpha over the fragments of each pixel and the samples that hold nothing
+// before the fragment, in strata, by blending. Reference: reference::stochastic::stratum.
 #import stochastic_quad
 #import held
 

@@ -1,9 +1,10 @@
 // stochastic/gather: a run's strata added to those before. One invocation per pixel.
 //
-// With SPREAD = 1 it also keeps what the standard error needs. Color is a ratio of sums over strata, R = sum c / sum a, with
-// a = A_p under alpha correction and the stratum's weight without it; the error follows from Q = sum (c - R a)^2. R moves by
-// some d with every stratum, and Q with it: each term becomes (c - R a - d a)^2, so that Q needs X = sum (c - R a) a and
-// S = sum a^2. Nothing large cancels, as it would in sum c^2 - ...: the terms are deviations from the R of the moment.
+// With SPREAD = 1 it also keeps what the standard error needs. Color is a ratio of sums over strata, R = sum c / sum a,
+// with a = A_p under alpha correction and the stratum's weight without it; the error follows from Q = sum (c - R a)^2.
+// R moves by some d with every stratum, and Q with it: each term becomes (c - R a - d a)^2, so that Q needs X = sum (c
+// - R a) a and S = sum a^2. Nothing large cancels, as it would in sum c^2 - ...: the terms are deviations from the R of
+//   the moment.
 // Layout of `spread`: Q and S, then X, of all pixels each.
 // Reference: reference::stochastic::estimate.
 #import dispatch

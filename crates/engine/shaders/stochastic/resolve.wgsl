@@ -1,5 +1,5 @@
-// stochastic/resolve: the sums over all strata to color, A and, with SPREAD = 1, the standard error of color. One invocation
-// per pixel. Reference: reference::stochastic::estimate.
+// stochastic/resolve: the sums over all strata to color, A and, with SPREAD = 1, the standard error of color. One
+// invocation per pixel. Reference: reference::stochastic::estimate.
 #import dispatch
 
 struct Push {

@@ -1,6 +1,6 @@
-// stochastic/visibility: the nearest fragment that covers each sample of a run's strata (Enderton et al. 2011, the pass that
-// fills the multi-sampled depth buffer). One subgroup per tile; splats come in canonical order, so that of equally deep
-// fragments the first one stays.
+// stochastic/visibility: the nearest fragment that covers each sample of a run's strata (Enderton et al. 2011, the pass
+// that fills the multi-sampled depth buffer). One subgroup per tile; splats come in canonical order, so that of equally
+// deep fragments the first one stays.
 // Reference: reference::stochastic::stratum, the places that samples hold.
 #import splat
 #import stochastic

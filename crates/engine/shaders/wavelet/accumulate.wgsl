@@ -1,5 +1,5 @@
-// wavelet/accumulate: color A ΣcαT / ΣαT, with the light T before each fragment as far as wavelets say (Aizenshtein et al. 2022), and the
-// exact A. Reference: reference::wavelet.
+// wavelet/accumulate: color A ΣcαT / ΣαT, with the light T before each fragment as far as wavelets say (Aizenshtein et
+// al. 2022), and the exact A. Reference: reference::wavelet.
 #import splat
 #import tile_state
 #import region_fold

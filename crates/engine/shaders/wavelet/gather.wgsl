@@ -1,4 +1,5 @@
-// wavelet/gather: what each pixel's fragments add to the mean optical depths of its cells. Reference: reference::wavelet::Absorption.
+// wavelet/gather: what each pixel's fragments add to the mean optical depths of its cells. Reference:
+// reference::wavelet::Absorption.
 #import splat
 #import region_fold
 #import fade

@@ -34,7 +34,8 @@ const STEPS: u32 = (LARGEST - 1) * STEPS_PER_UNIT + 1;
 pub struct Brightening {
     /// p, from 1 to [`LARGEST`].
     pub factor: f32,
-    /// B_th and B_max of the opaque image, 0 to 255. B_th = 0: at most 1% of its pixels are brighter than black, and p is 1.
+    /// B_th and B_max of the opaque image, 0 to 255. B_th = 0: at most 1% of its pixels are brighter than black, and p
+    /// is 1.
     pub window: [u8; 2],
     /// Reason why p has this value.
     pub end: End,
@@ -61,7 +62,8 @@ pub struct Applied {
 }
 
 impl Applied {
-    /// For an image's metadata: `{p, threshold, largest}`, the latter two B_th and B_max, or null where p was given.
+    /// Returns the metadata of an image, `{p, threshold, largest}`; the latter two are B_th and B_max, or null where p
+    /// was given.
     pub fn json(&self) -> Value {
         let window = self.found.map(|found| found.window);
         // 2.52, and not what float32 makes of it.
@@ -96,7 +98,7 @@ pub(super) fn is_applied(method: &Method) -> bool {
 /// all points are rendered once more, as a single ensemble. `None` for other methods, whose image stays unchanged.
 ///
 /// # Errors
-/// Those of rendering.
+/// Returns an error if rendering fails.
 pub fn apply(
     renderer: &mut Renderer,
     cloud: &mut DeviceCloud,
@@ -184,8 +186,8 @@ fn first(holds: impl Fn(u32) -> bool) -> Option<u32> {
     (at < STEPS).then_some(at)
 }
 
-/// The first step at which more than 1% of `count` pixels are within the window, and the first at which they are not below
-/// it. A visit is the step at which a pixel enters, and that at which it leaves.
+/// The first step at which more than 1% of `count` pixels are within the window, and the first at which they are not
+/// below it. A visit is the step at which a pixel enters, and that at which it leaves.
 fn search(visits: &[(u32, Option<u32>)], count: usize) -> (Option<u32>, Option<u32>) {
     let mut changes = vec![(0i64, 0i64); STEPS as usize];
     let mut change = |step: u32, within: i64, reached: i64| {
@@ -233,7 +235,7 @@ fn window(scale: &GrayScale, reference: &[[f32; 4]]) -> [u8; 2] {
     [threshold.unwrap_or(0) as u8, brightest as u8]
 }
 
-/// From values of an image to the gray of an 8-bit picture.
+/// Conversion of an image's values to the gray of an 8-bit picture.
 struct GrayScale {
     /// sRGB-encoded values of 0 to 1 in equal steps; `None` for encoded values.
     encoded: Option<Vec<f32>>,

@@ -18,9 +18,9 @@ pub(crate) struct PassRuns<'a> {
     pub facts: &'a Facts,
     /// The frame.
     pub frame: &'a Frame,
-    /// Its points.
+    /// The points of the frame.
     pub cloud: &'a DeviceCloud,
-    /// Its image.
+    /// The rendered image.
     pub image: &'a Image,
 }
 
@@ -79,8 +79,8 @@ impl PassRuns<'_> {
     }
 }
 
-/// Sums the dispatches of each pass of a frame and its image, in order of first appearance, and adds the bytes that each must
-/// move.
+/// Sums the dispatches of each pass of a frame and its image, in order of first appearance, and adds the bytes that
+/// each must move.
 pub(super) fn aggregate(
     engine: &dyn Engine,
     timeline: &[(PassTime, Duration)],

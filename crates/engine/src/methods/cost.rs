@@ -48,7 +48,7 @@ type Sample = ([f64; TERMS], f64);
 /// The fitted costs of the methods that are exact for flat discs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Model {
-    /// For small and for large splats.
+    /// Costs for small and for large splats.
     abuffer: [Costs; 2],
     sorted: [Costs; 2],
 }
@@ -209,8 +209,8 @@ fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Non-negative costs with the least squares of relative errors, by coordinate descent: each step is the exact minimum along
-/// one axis, cut at zero, so that the error never grows.
+/// Non-negative costs with the least squares of relative errors, by coordinate descent: each step is the exact minimum
+/// along one axis, cut at zero, so that the error never grows.
 fn least_squares(samples: &[Sample]) -> Costs {
     let rows: Vec<[f64; TERMS]> = samples.iter().map(|(terms, ms)| terms.map(|t| t / ms)).collect();
     let mut costs = [0.0; TERMS];

@@ -1,12 +1,12 @@
-//! Eye-dome lighting (Boucheny 2009): a pixel becomes darker the farther its surface lies behind those around it, so that a
-//! cloud without normals shows its shape.
+//! Eye-dome lighting (Boucheny 2009): a pixel becomes darker the farther its surface lies behind those around it, so
+//! that a cloud without normals shows its shape.
 //!
-//! It is found from the depths of the whole image, once all windows are delivered, in bands of rows with the rows beside them: a
-//! pixel's factor depends on nothing but nine depths, so that neither windows nor bands show. The device finds factors, 4
-//! bytes from 4 bytes a pixel, and the host multiplies colors by them.
+//! It is found from the depths of the whole image, once all windows are delivered, in bands of rows with the rows
+//! beside them: a pixel's factor depends on nothing but nine depths, so that neither windows nor bands show. The device
+//! finds factors, 4 bytes from 4 bytes a pixel, and the host multiplies colors by them.
 //!
-//! The depth of a pixel is its Z where a method is opaque. Where it blends exactly it is the one at which half of the light or
-//! less is left, which lists of fragments give when they are gone through once more.
+//! The depth of a pixel is its Z where a method is opaque. Where it blends exactly it is the one at which half of the
+//! light or less is left, which lists of fragments give when they are gone through once more.
 //!
 //! Reference: [`crate::reference::edl`], and [`crate::reference::abuffer::median`].
 
@@ -33,8 +33,8 @@ gpu_struct! {
 }
 
 pass! {
-    /// Finds how much darker each pixel becomes by how far it lies behind eight pixels around it, from the depths of the
-    /// whole image.
+    /// Finds how much darker each pixel becomes by how far it lies behind eight pixels around it, from the depths of
+    /// the whole image.
     pub EyeDome(EdlPush) = "shading/edl" in "shading/edl" {
         depths: Read<f32>,
         factors: ReadWrite<f32>,
@@ -97,8 +97,8 @@ impl EyeDomeLighting {
         }
     }
 
-    /// Makes the colors of an image darker by the depths of its surface, with at most `budget` bytes for a band unless a row with
-    /// its neighbors takes more.
+    /// Makes the colors of an image darker by the depths of its surface, with at most `budget` bytes for a band unless
+    /// a row with its neighbors takes more.
     pub fn apply(
         &mut self,
         device: &Device,

@@ -69,7 +69,8 @@ pub enum Error {
         /// The method.
         method: &'static str,
     },
-    /// Samples in parts, of a frame whose samples can't be drawn in parts ([`Frame::sample_steps`](super::Frame::sample_steps)).
+    /// Samples in parts, of a frame whose samples can't be drawn in parts
+    /// ([`Frame::sample_steps`](super::Frame::sample_steps)).
     #[error(
         "method {method} with these settings draws no random samples that could be cut into parts; spbr, spbr-simplified and stochastic without a limit on the error do"
     )]

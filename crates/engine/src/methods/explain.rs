@@ -22,7 +22,7 @@ pub struct Step {
 /// Passes that belong together, and why frames without them leave them out.
 #[derive(Debug, Clone)]
 pub(crate) struct PassGroup {
-    /// Their names, in the order of their first run.
+    /// Names of the passes, in the order of their first run.
     pub names: Vec<&'static str>,
     /// The reason why they don't run, unless an engine gives a more precise one.
     pub absent: Absent,
@@ -31,11 +31,11 @@ pub(crate) struct PassGroup {
 /// Reason why a group of passes doesn't run.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Absent {
-    /// This reason.
+    /// The text as it is.
     Always(&'static str),
-    /// This reason, because the current method doesn't need them.
+    /// The text, because the current method doesn't need the passes.
     Method(&'static str),
-    /// The same, but methods without discs have no transparency at all.
+    /// The text, unless the method has no discs: then it has no transparency at all.
     Discs(&'static str),
 }
 

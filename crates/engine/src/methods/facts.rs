@@ -16,7 +16,8 @@ pub struct Facts {
     /// Splats whose rectangle touches the image (summed over windows; solid plus soft points, if a method separates
     /// them).
     pub visible: u64,
-    /// Splats of more pixels than one invocation should walk (1024 on a CPU, 64 on a GPU), which are visited tile by tile.
+    /// Splats of more pixels than one invocation should walk (1024 on a CPU, 64 on a GPU), which are visited tile by
+    /// tile.
     pub large: u64,
     /// Windows whose lists were filled in order of depth, from sorted splats.
     pub ordered: u64,
@@ -52,7 +53,8 @@ pub struct Facts {
     pub renewed: bool,
     /// `true` if points of ensembles may cover more pixels than one invocation walks.
     pub listed: bool,
-    /// Clouds too thin for their opacity, by their place in the list of clouds, with the thousandths that they reach of it.
+    /// Clouds too thin for their opacity, by their place in the list of clouds, with the thousandths that they reach of
+    /// it.
     pub thin: Vec<ThinCloud>,
     /// Points that are not soft, of methods that tell; the others are.
     pub solid_points: u64,
@@ -64,8 +66,8 @@ pub struct Facts {
     pub fragment_bytes: u64,
     /// Bands over all windows; windows with anything in them, if splats are sorted.
     pub bands: u64,
-    /// Drawings of opaque splats in three passes: windows of `hqs` and `splats` with anything in them, windows of the soft
-    /// methods with solid points, layers of `one-layer` over all windows.
+    /// Drawings of opaque splats in three passes: windows of `hqs` and `splats` with anything in them, windows of the
+    /// soft methods with solid points, layers of `one-layer` over all windows.
     pub splatted: u64,
     /// Windows of `one-layer` in which a layer of soft points covers opaque ones.
     pub layered: u64,
@@ -82,7 +84,7 @@ pub struct Facts {
 /// A cloud with fewer points per pixel than its opacity needs, for any number of ensembles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ThinCloud {
-    /// Its place among the clouds.
+    /// Index of the cloud among the clouds of the scene.
     pub cloud: u32,
     /// Opacity of its surface in the image, in thousandths.
     pub reached: u32,

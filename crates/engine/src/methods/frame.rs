@@ -15,7 +15,8 @@ pub struct Frame {
     pub size: [u32; 2],
     /// Shading of points with normals.
     pub shading: Shading,
-    /// Shadows of the light, of methods that take some ([`Method::takes_shadows`]) where shading has a light that casts them.
+    /// Shadows of the light, of methods that take some ([`Method::takes_shadows`]) where shading has a light that casts
+    /// them.
     pub shadows: Option<Shadows>,
     /// The color space of blending.
     pub color: ColorSpace,
@@ -35,8 +36,8 @@ pub struct Frame {
     pub stop: Stop,
     /// Seed of stochastic methods.
     pub seed: u64,
-    /// Standard error of the whole image (root mean square over pixels and R, G, B) at which stochastic methods may do with
-    /// fewer samples than their settings say.
+    /// Standard error of the whole image (root mean square over pixels and R, G, B) at which stochastic methods may do
+    /// with fewer samples than their settings say.
     pub max_error: Option<f32>,
     /// `true` if stochastic methods compute their standard error in any case.
     pub spread: bool,
@@ -50,9 +51,9 @@ pub struct Frame {
 /// Factors on the uploaded values, so that another radius or opacity needs no upload.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Factors {
-    /// On all radii, at least 0; on the median radius too, so that the soft methods keep their peak opacity.
+    /// Factor on all radii, at least 0; on the median radius too, so that the soft methods keep their peak opacity.
     pub radius: f32,
-    /// On all opacities, at least 0; the product is at most 1. The soft methods have `softness` instead.
+    /// Factor on all opacities, at least 0; the product is at most 1. The soft methods have `softness` instead.
     pub opacity: f32,
 }
 
@@ -101,7 +102,8 @@ impl Frame {
         [self.camera.near as f32, self.camera.far as f32]
     }
 
-    /// Between which numbers lies what splats are ordered by: their depths, or of Gaussians distances, which may be farther.
+    /// Between which numbers lies what splats are ordered by: their depths, or of Gaussians distances, which may be
+    /// farther.
     pub fn key_range(&self) -> [f32; 2] {
         let [near, far] = self.depth_range();
         if self.method.order() == Order::Distance { [near, f32::MAX] } else { [near, far] }

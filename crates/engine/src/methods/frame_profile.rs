@@ -26,9 +26,9 @@ pub struct FrameProfile {
     pub begin: Instant,
     /// Each dispatch in order with its start relative to the frame's, for the trace.
     pub timeline: Vec<(PassTime, Duration)>,
-    /// From the first submission to the end of the last one's wait, without the host's work between them.
+    /// Time from the first submission to the end of the last one's wait, without the host's work between them.
     pub submitted: Duration,
-    /// From the first submission to the end of the last read-back.
+    /// Time from the first submission to the end of the last read-back.
     pub wall: Duration,
     /// Number of submissions that the host waited for.
     pub waits: u64,

@@ -1,5 +1,5 @@
-//! Random samples of a frame that are drawn in parts, perhaps by different processes: what each part hands over, put together
-//! to the sums of all samples, from which the image follows with the bytes of a frame drawn at once.
+//! Random samples of a frame that are drawn in parts, perhaps by different processes: what each part hands over, put
+//! together to the sums of all samples, from which the image follows with the bytes of a frame drawn at once.
 //!
 //! A part holds planes of 32-bit words for the whole image, row by row, whatever windows it was drawn in. Ensembles
 //! (`spbr`) have whole numbers, which parts add; float32 sums (`stochastic`) depend on the order of additions, so that
@@ -49,9 +49,9 @@ impl Frame {
 pub struct DrawnPart {
     /// The sums of its samples.
     pub part: SamplePart,
-    /// Its times.
+    /// The times of the passes.
     pub profile: FrameProfile,
-    /// Its counts: samples, ensembles and points drawn are those of the part.
+    /// The counts; samples, ensembles and points drawn are those of the part.
     pub facts: Facts,
 }
 
@@ -65,7 +65,7 @@ pub enum PartError {
     /// Parts of frames with another method, size, number of samples, or other channels.
     #[error("parts of a frame's samples that belong to different frames")]
     Different,
-    /// The same samples in two parts.
+    /// Two parts hold the same samples.
     #[error("samples {start} to {end} of a frame are in two of its parts")]
     Twice {
         /// The first of them.
@@ -86,9 +86,10 @@ pub enum PartError {
 /// Words for each pixel that a part may hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Plane {
-    /// Of ensembles: sums of green, red, number and blue, and the complement of the nearest depth's key. Five words.
+    /// Colors of ensembles: sums of green, red, number and blue, and the complement of the nearest depth's key. Five
+    /// words.
     Colors,
-    /// Of ensembles: sums of squares of red, green and blue, low and high word of each. Six words.
+    /// Squares of ensembles: sums for red, green and blue, low and high word of each. Six words.
     Squares,
     /// Nearest depth of the samples, float32. One word.
     Depth,
@@ -96,7 +97,8 @@ pub(crate) enum Plane {
     Exact,
     /// Lengths of lists; with the first sample. One word.
     Lengths,
-    /// Four float32 sums of the batch from sample `before` on: of all of it, or of its stratum `number` − 1. Four words.
+    /// Four float32 sums of the batch from sample `before` on: of all of it, or of its stratum `number` − 1. Four
+    /// words.
     Batch {
         /// Samples before those of the batch.
         before: u32,
@@ -121,7 +123,8 @@ impl Plane {
         if self == Self::Depth { f32::INFINITY.to_bits() } else { 0 }
     }
 
-    /// Adds the words of other samples. Of the last planes only one part has any: the one with the samples that they are of.
+    /// Adds the words of other samples. Of the last planes only one part has any: the one with the samples that they
+    /// are of.
     fn add(self, to: &mut [u32], from: &[u32]) {
         let pairs = to.iter_mut().zip(from);
         match self {
@@ -157,7 +160,7 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// Of the parts of a frame, if its samples can be drawn in parts.
+    /// Returns the layout of the parts of a frame; `None` if its samples can't be drawn in parts.
     pub fn of(frame: &Frame) -> Option<Self> {
         let engine = engine_of(&frame.method);
         let (total, sums) = engine.samples(frame).zip(engine.sums())?;
@@ -204,11 +207,12 @@ impl Layout {
     }
 }
 
-/// Sums of some random samples of each pixel of a frame, on the host: those of [`Renderer::draw_part`], to be put together by
-/// [`Self::add`] in any order, and resolved by [`Renderer::resolve_parts`].
+/// Sums of some random samples of each pixel of a frame, on the host: those of [`Renderer::draw_part`], to be put
+/// together by [`Self::add`] in any order, and resolved by [`Renderer::resolve_parts`].
 ///
-/// Bytes per pixel: of ensembles 20, with standard errors 44, however many of them; of samples 16 for each 16 of them and 4, with
-/// standard errors 80 for each 16, and with the first sample 4 for alpha correction and 4 for lengths of lists.
+/// Bytes per pixel: of ensembles 20, with standard errors 44, however many of them; of samples 16 for each 16 of them
+/// and 4, with standard errors 80 for each 16, and with the first sample 4 for alpha correction and 4 for lengths of
+/// lists.
 ///
 /// [`Renderer::draw_part`]: super::Renderer::draw_part
 /// [`Renderer::resolve_parts`]: super::Renderer::resolve_parts
@@ -216,7 +220,7 @@ impl Layout {
 #[serde(try_from = "Sent")]
 pub struct SamplePart {
     layout: Layout,
-    /// Its samples, in ascending order; ranges neither touch nor are empty.
+    /// Ranges of samples, in ascending order; they neither touch nor are empty.
     samples: Vec<Range<u32>>,
     planes: BTreeMap<Plane, Vec<u32>>,
 }
@@ -291,12 +295,12 @@ impl SamplePart {
         &self.samples
     }
 
-    /// Adds other samples of the same frame. In whatever order parts are added, the sum is the same. That camera, seed and points
-    /// are the same is up to the caller.
+    /// Adds other samples of the same frame. In whatever order parts are added, the sum is the same. That camera, seed
+    /// and points are the same is up to the caller.
     ///
     /// # Errors
-    /// Those are of a frame with another method, size, number of samples or other channels, or some of the samples are there
-    /// already; then nothing was added.
+    /// Returns an error if the other part is of a frame with another method, size, number of samples or other channels,
+    /// or if some of the samples are there already. Then nothing was added.
     pub fn add(&mut self, other: Self) -> Result<(), PartError> {
         if self.layout != other.layout {
             return Err(PartError::Different);
@@ -489,7 +493,7 @@ mod tests {
         part.place(plane, [1, 0, 3, 2], &words);
         assert_eq!(part.window(plane, [1, 0, 3, 2]), words);
         assert_eq!(part.window(plane, [0, 1, 2, 2]), [0, 0, 0, 0, 8, 9, 10, 11]);
-        // What a part has not is not kept.
+        // Planes that a part's layout lacks are ignored.
         part.place(Plane::Exact, [0, 0, 3, 2], &[1; 6]);
         assert_eq!((part.all(Plane::Exact), part.all(Plane::Lengths)), (None, Some(&[0; 6][..])));
         assert_eq!(part.window(Plane::Depth, [0, 0, 1, 1]), [f32::INFINITY.to_bits()]);

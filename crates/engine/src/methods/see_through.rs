@@ -1,8 +1,9 @@
 //! The opacity at which the median covered pixel lets a given share of its light through.
 //!
-//! One factor on all opacities is sought. Where k discs of opacity α f cover a pixel, T = (1 − α f)^k: ln(−ln T) grows with
-//! ln f at a slope near 1, so that a few trials by the secant find it; bisection takes over where a trial is no help, since
-//! T is 0 or 1 to the last bit. Trials begin on a small image of the same view and end on one of the frame's size.
+//! One factor on all opacities is sought. Where k discs of opacity α f cover a pixel, T = (1 − α f)^k: ln(−ln T) grows
+//! with ln f at a slope near 1, so that a few trials by the secant find it; bisection takes over where a trial is no
+//! help, since T is 0 or 1 to the last bit. Trials begin on a small image of the same view and end on one of the
+//! frame's size.
 
 use serde_json::{Value, json};
 
@@ -40,7 +41,7 @@ impl Found {
         (self.transmittance - share).abs() <= TOLERANCE
     }
 
-    /// For an image's metadata: `{factor, opacities, transmittance}`.
+    /// Returns the metadata of an image, `{factor, opacities, transmittance}`.
     pub fn json(&self, clouds: &[CloudSettings]) -> Value {
         json!({
             "factor": self.factor,
@@ -69,11 +70,11 @@ pub fn refusal(method: MethodChoice) -> Option<String> {
     ))
 }
 
-/// Finds the factor from 0 to `max_factor`, at which all opacities are cut at 1. `None` if no pixel is covered. Where no factor
-/// meets the share, as of opacities that don't count, the nearest one found is returned.
+/// Finds the factor from 0 to `max_factor`, at which all opacities are cut at 1. `None` if no pixel is covered. Where
+/// no factor meets the share, as of opacities that don't count, the nearest one found is returned.
 ///
 /// # Errors
-/// Those of rendering.
+/// Returns an error if rendering fails.
 pub fn find(
     renderer: &mut Renderer,
     cloud: &mut DeviceCloud,
@@ -95,7 +96,7 @@ pub fn find(
 /// Like [`find`], on a small image alone: for an advice.
 ///
 /// # Errors
-/// Those of rendering.
+/// Returns an error if rendering fails.
 pub fn estimate(
     renderer: &mut Renderer,
     cloud: &mut DeviceCloud,

@@ -47,7 +47,7 @@ impl Target {
         Ok(self.image.get().read(0, pixels)?)
     }
 
-    /// Their depths, on the host.
+    /// Returns the depths of the first pixels, on the host.
     pub(super) fn read_depths(&self, pixels: u64) -> Result<Vec<f32>, Error> {
         Ok(self.depths.get().read(0, pixels)?)
     }

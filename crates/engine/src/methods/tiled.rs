@@ -37,7 +37,7 @@ pub(crate) trait Stage {
     /// Decides how a window is binned; draws nothing.
     ///
     /// # Errors
-    /// As of [`Bins::survey`].
+    /// Returns an error if [`Bins::survey`] fails.
     fn survey(&self, work: &mut Work<'_>, bin: &bin::Job<'_>) -> Result<Outcome, Error> {
         Ok(work.facts.note_survey(Bins::survey(work.device, bin)?))
     }
@@ -45,7 +45,7 @@ pub(crate) trait Stage {
     /// Bins a window and draws it; `max_color` bounds the color components.
     ///
     /// # Errors
-    /// Those of [`Bins::bin`] and of the drawing.
+    /// Returns an error if [`Bins::bin`] or the drawing fails.
     fn draw(
         &self,
         machines: &mut Machines,
@@ -144,7 +144,7 @@ pub(super) fn explain(plan: &mut Plan<'_>, name: &'static str, order: Order) {
     explain_stages(plan, &[name], order);
 }
 
-/// The same of several of them, one after the other.
+/// The plan of a frame of several stages, one after the other.
 pub(super) fn explain_stages(plan: &mut Plan<'_>, names: &[&'static str], order: Order) {
     let (facts, why) = (plan.facts, plan.why);
     plan.projected();

@@ -17,7 +17,8 @@ pub(super) fn walker(device: &Device, raster: Raster, window: Window) -> Result<
         Raster::Hardware if !device.info().fragment_atomics => refused(device, "fragmentStoresAndAtomics".to_owned()),
         Raster::Hardware if !fits => refused(device, format!("a framebuffer larger than {width} × {height}")),
         Raster::Hardware => Ok(Walker::Hardware),
-        // For every size of splat compute was the faster path on the devices measured (docs/measuring.md, benches/frame.rs).
+        // For every size of splat compute was the faster path on the devices measured (docs/measuring.md,
+        // benches/frame.rs).
         Raster::Compute | Raster::Auto => Ok(Walker::Compute),
     }
 }
@@ -30,7 +31,8 @@ pub(super) fn sampling_walker(device: &Device, raster: Raster, window: Window) -
     let info = device.info();
     match raster {
         Raster::Hardware => {}
-        // Compute was the faster path wherever both were measured (docs/measuring.md), except on devices without shuffles.
+        // Compute was the faster path wherever both were measured (docs/measuring.md), except on devices without
+        // shuffles.
         Raster::Auto if info.subgroup.is_none() && info.multisampled.is_some() => {}
         Raster::Auto | Raster::Compute => return walker(device, Raster::Compute, window),
     }

@@ -108,7 +108,8 @@ impl Band {
 
 /// Cuts a window's pixels into bands of at most `capacity` fragments.
 ///
-/// `offsets` are the prefix sums: one element more than pixels. `Err` is the first pixel that alone has more, with its length.
+/// `offsets` are the prefix sums: one element more than pixels. `Err` is the first pixel that alone has more, with its
+/// length.
 pub fn bands(offsets: &[u32], capacity: u64) -> Result<Vec<Band>, (u32, u32)> {
     let pixels = offsets.len().saturating_sub(1);
     let mut found = Vec::new();

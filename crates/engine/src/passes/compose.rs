@@ -78,9 +78,9 @@ group! {
         colors: Parts<[f32; 4]>,
         /// Projected splats.
         splats: Parts<Splat>,
-        /// Their depths.
+        /// Depths of the splats.
         splat_depths: Parts<f32>,
-        /// Their tilts.
+        /// Tilts of the splats.
         tilts: Parts<Tilt>,
     }
 }

@@ -1,10 +1,11 @@
-//! Counts that the host asks for in the middle of a frame, and what it takes for granted where it knows an earlier frame.
+//! Counts that the host asks for in the middle of a frame, and what it takes for granted where it knows an earlier
+//! frame.
 //!
-//! A count decides how large buffers are, how much is dispatched, and what is done at all. The first frame of its kind waits for
-//! each. The second waits, too, but goes on with a count that has a margin, so that its buffers have room. From the third one on
-//! nothing is waited for: all is recorded for counts of that size, and the device compares. Whatever comes behind a count that
-//! is larger it leaves out, and the frame is rendered once more, waiting. Bytes of the image don't depend on any of this: an
-//! upper bound serves wherever a count does.
+//! A count decides how large buffers are, how much is dispatched, and what is done at all. The first frame of its kind
+//! waits for each. The second waits, too, but goes on with a count that has a margin, so that its buffers have room.
+//! From the third one on nothing is waited for: all is recorded for counts of that size, and the device compares.
+//! Whatever comes behind a count that is larger it leaves out, and the frame is rendered once more, waiting. Bytes of
+//! the image don't depend on any of this: an upper bound serves wherever a count does.
 
 use super::Error;
 use crate::gpu::{self, Buffer, Device, Memory, Recorder, Slice};
@@ -17,7 +18,7 @@ pub enum Knowledge {
     None,
     /// The host waits for each, and goes on with something larger.
     Ahead,
-    /// They are at most so large, unless the window is rendered once more.
+    /// The predicted counts are upper bounds; if they prove too small, the window is rendered once more.
     Bounds,
 }
 
@@ -152,8 +153,8 @@ impl Foresight {
         self.begin(true);
     }
 
-    /// Records a question: where its words lie. What may be taken for granted; `None` if the recording must be submitted, and
-    /// then [`Self::answer`] be called.
+    /// Records a question: where its words lie. What may be taken for granted; `None` if the recording must be
+    /// submitted, and then [`Self::answer`] be called.
     pub fn ask<'a>(
         &'a mut self,
         device: &Device,
@@ -215,7 +216,8 @@ impl Foresight {
         Answer { words, place: found }
     }
 
-    /// Bounds the answer to a question, from what was found: by what bounded the last one, if that is neither less nor far more.
+    /// Bounds the answer to a question, from what was found: by what bounded the last one, if that is neither less nor
+    /// far more.
     fn bound(&mut self, place: usize) {
         let Some(Answers { host, .. }) = &self.answers else { return };
         let Question { first, most, .. } = &mut self.asked[place];

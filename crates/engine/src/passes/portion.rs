@@ -19,7 +19,7 @@ pub struct Runs {
     points: Points,
     /// The first point of each run.
     starts: Vec<u32>,
-    /// For each run the largest radius of all points in its places, wherever these are; of Gaussians how far one of them reaches at most.
+    /// Largest radius of each run over all points in its places, wherever these are; for Gaussians their largest reach.
     radii: Vec<f32>,
 }
 
@@ -53,7 +53,7 @@ impl Runs {
     /// Takes some off the front of some bytes.
     ///
     /// # Errors
-    /// They are none.
+    /// Returns an error if the bytes hold no runs.
     pub fn unpack(bytes: &mut &[u8]) -> Result<Self, Unreadable> {
         let count = packed::taken::<u64>(bytes, 1)?.into_iter().next().and_then(|count| usize::try_from(count).ok());
         let count = count.ok_or(Unreadable::SHORT)?;
@@ -73,7 +73,7 @@ pub struct Portion {
     chunks: Vec<Points>,
     /// The runs of all chunks.
     blocks: Vec<Block>,
-    /// For each of them its chunk, its first point there, and the first one behind it.
+    /// Chunk of each block, its first point there, and one past the last.
     places: Vec<[u32; 3]>,
 }
 
@@ -106,7 +106,7 @@ impl Portion {
     /// Shows the points of which anything may show there, some at a time.
     ///
     /// # Errors
-    /// Those of `see`, which ends it.
+    /// Returns the error of `see`, which ends the iteration.
     pub fn within<E>(&self, beam: &Beam, mut see: impl FnMut(Points) -> Result<(), E>) -> Result<(), E> {
         for some in beam.pick(&self.blocks).chunks(AT_ONCE) {
             let taken: Vec<Points> = some.par_iter().map(|block| self.taken(beam, *block as usize)).collect();
@@ -115,7 +115,7 @@ impl Portion {
         Ok(())
     }
 
-    /// Those of a block.
+    /// Returns the points of a block of which anything may show.
     fn taken(&self, beam: &Beam, block: usize) -> Points {
         let ([chunk, start, end], radius) = (self.places[block], self.blocks[block].radius);
         let points = &self.chunks[chunk as usize];

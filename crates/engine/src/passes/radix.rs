@@ -1,4 +1,5 @@
-//! Stable radix sort of records (key, value) by their keys (Satish, Harris, Garland 2009): count, scan, scatter per digit.
+//! Stable radix sort of records (key, value) by their keys (Satish, Harris, Garland 2009): count, scan, scatter per
+//! digit.
 //!
 //! Records are cut into runs; a subgroup takes each run in order. Within a step, invocations rank equal digits by
 //! shuffles. No barrier, no shared memory, no forward progress between workgroups.
@@ -20,8 +21,8 @@ gpu_struct! {
 }
 
 pass! {
-    /// Counts the records of each run by their digit, straight into their counters or in the memory of a workgroup first
-    /// (`radix/count_group`), whichever the device prefers; runs once for each digit.
+    /// Counts the records of each run by their digit, straight into their counters or in the memory of a workgroup
+    /// first (`radix/count_group`), whichever the device prefers; runs once for each digit.
     pub Count(RadixPush) = "radix/count" {
         records: Read<[u32; 2]>,
         counts: ReadWrite<u32>,
@@ -66,7 +67,8 @@ pub struct Runs {
 }
 
 impl Runs {
-    /// As many runs as keep the device busy, but none shorter than pays, and none longer than an invocation may loop.
+    /// Divides records into as many runs as keep the device busy, but none shorter than pays, and none longer than an
+    /// invocation may loop.
     pub fn new(concurrent: u64, records: u64, shortest: u64, longest: u64) -> Self {
         let length = records.div_ceil(concurrent).clamp(shortest, longest);
         Self { runs: records.div_ceil(length).max(1) as u32, length: length as u32 }
@@ -85,7 +87,7 @@ pub struct Digits {
 }
 
 impl Digits {
-    /// As few digits for keys of `bits` bits as can be without more counters than records.
+    /// Divides keys of `bits` bits into as few digits as can be without more counters than records.
     pub fn new(device: &Device, records: u64, bits: u32) -> Self {
         let cut = runs(device, records);
         let digits = bits.div_ceil(widest(cut, records)).max(1);
@@ -138,8 +140,8 @@ impl Radix {
         Ok(())
     }
 
-    /// Records a sort by the lowest `bits` of the keys, of all records of the first buffer; both are overwritten. Returns
-    /// the index of the one that holds the result. Subgroups have `subgroup` invocations.
+    /// Records a sort by the lowest `bits` of the keys, of all records of the first buffer; both are overwritten.
+    /// Returns the index of the one that holds the result. Subgroups have `subgroup` invocations.
     pub fn record<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
@@ -174,7 +176,7 @@ impl Radix {
     }
 }
 
-/// In debug builds: whether the cursors that `radix/scatter` left are those of the counts, of `records` records.
+/// Checks in debug builds that the cursors that `radix/scatter` left are those of the counts, of `records` records.
 pub fn agree<'a>(
     recorder: &mut Recorder<'a>,
     counts: Slice<'a, u32>,

@@ -37,9 +37,9 @@ group! {
         camera: Uniform<View>,
         /// The chunk's splats.
         splats: Read<Splat>,
-        /// Their tilts.
+        /// Tilts of the splats.
         tilts: Read<Tilt>,
-        /// Their rectangles.
+        /// Rectangles of the splats.
         bounds: Read<Bounds>,
         /// First entry of each tile.
         tile_starts: Read<u32>,
@@ -57,13 +57,13 @@ group! {
         camera: Uniform<View>,
         /// The chunk's splats.
         splats: Read<Splat>,
-        /// Their tilts.
+        /// Tilts of the splats.
         tilts: Read<Tilt>,
-        /// Their rectangles.
+        /// Rectangles of the splats.
         bounds: Read<Bounds>,
         /// Colors as blended, and opacities.
         colors: Read<[f32; 4]>,
-        /// Their depths.
+        /// Depths of the splats.
         splat_depths: Read<f32>,
     }
 }
@@ -118,8 +118,8 @@ impl<'a> Raster<'a> {
         self.record_visits(recorder, (band, SEGMENT), stage, None, |variant| variant)
     }
 
-    /// Records a stage as [`Self::record`] does, in a variant with more overrides. A workgroup walks `segment` large splats of
-    /// a tile, at most [`SEGMENT`].
+    /// Records a stage as [`Self::record`] does, in a variant with more overrides. A workgroup walks `segment` large
+    /// splats of a tile, at most [`SEGMENT`].
     pub fn record_variant<P: Pass<Push = RasterPush> + 'a>(
         &self,
         recorder: &mut Recorder<'a>,
@@ -143,7 +143,8 @@ impl<'a> Raster<'a> {
         self.record_visits(recorder, (band, SEGMENT), stage, Some(arguments), |variant| variant)
     }
 
-    /// Indirect arguments of a stage's dispatches or draws, in order; without workgroups or vertices where the first word is 0.
+    /// Indirect arguments of a stage's dispatches or draws, in order; without workgroups or vertices where the first
+    /// word is 0.
     pub fn arguments(&self, recorder: &Recorder<'_>, band: &Band) -> Result<Vec<[u32; 4]>, Error> {
         let of = |visit: Visit| match visit.amount {
             Amount::Compute(dispatch) => recorder.arguments(visit.walker, dispatch),
@@ -152,8 +153,9 @@ impl<'a> Raster<'a> {
         self.visits(band, SEGMENT).map(of).collect()
     }
 
-    /// Records a draw of all splats into attachments, in the order of their indices. `push` makes the push constants from the
-    /// index of a chunk's first splat; `stage` also gets the ids of the chunk's points. At least one splat must be visible, or nothing is drawn, not even what is cleared.
+    /// Records a draw of all splats into attachments, in the order of their indices. `push` makes the push constants
+    /// from the index of a chunk's first splat; `stage` also gets the ids of the chunk's points. At least one splat
+    /// must be visible, or nothing is drawn, not even what is cleared.
     pub fn draw<P: Pass + 'a>(
         &self,
         recorder: &mut Recorder<'a>,

@@ -4,7 +4,8 @@ use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Error, Memory, Recorder, Run, Slice, Variant};
 use crate::{gpu_struct, pass};
 
-/// Elements of one run where each invocation takes one, and of one that a workgroup shares: the factors from level to level.
+/// Elements of one run where each invocation takes one, and of one that a workgroup shares: the factors from level to
+/// level.
 const SCAN_RUN: u64 = 64;
 const GROUP_RUN: u64 = 2048;
 
@@ -39,8 +40,8 @@ pass! {
 }
 
 pass! {
-    /// Writes the prefix sums of each run from the level above, over the same runs as `scan/reduce`. It serves pixels, tiles
-    /// of large splats, digits and tiles of ordered splats, and so does `scan/reduce`.
+    /// Writes the prefix sums of each run from the level above, over the same runs as `scan/reduce`. It serves pixels,
+    /// tiles of large splats, digits and tiles of ordered splats, and so does `scan/reduce`.
     pub Spread(ScanPush) = "scan/spread" {
         values: Read<u32>,
         starts: Read<u32>,
@@ -106,7 +107,8 @@ impl Scan {
         self.capacity
     }
 
-    /// Records `offsets[i] = values[0] + … + values[i − 1]`. A sum over 32 bits sets `overflow[0]`, which must be zero before.
+    /// Records `offsets[i] = values[0] + … + values[i − 1]`. A sum over 32 bits sets `overflow[0]`, which must be zero
+    /// before.
     pub fn record<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
@@ -167,7 +169,7 @@ impl Scan {
         let push = ScanPush { count: values.len() as u32 };
         let runs = values.len().div_ceil(run(self.shared));
         let variant = spread_variant(starts.is_none());
-        // What is bound is not read then.
+        // The shader does not read the binding then.
         let starts = starts.unwrap_or(values);
         if self.shared {
             let over = Run::new(Dispatch::Groups(runs)).variant(variant);

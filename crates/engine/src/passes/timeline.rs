@@ -12,8 +12,8 @@ pub struct Timeline {
     progress: Progress,
     /// Time when the first submission began.
     pub start: Option<Instant>,
-    /// Each pass with its start, counted from the first submission's. The passes of a submission follow one another from its
-    /// beginning on.
+    /// Each pass with its start, counted from the first submission's. The passes of a submission follow one another
+    /// from its beginning on.
     pub passes: Vec<(PassTime, Duration)>,
     /// The submissions' times together.
     pub submitted: Duration,
@@ -48,11 +48,11 @@ impl Timeline {
         })
     }
 
-    /// Asks what the device counts into `words`, by copies called `name`: waits for what was recorded, unless an upper bound of
-    /// the answer is known. `submitted` says in errors what is submitted.
+    /// Asks what the device counts into `words`, by copies called `name`: waits for what was recorded, unless an upper
+    /// bound of the answer is known. `submitted` says in errors what is submitted.
     ///
     /// # Errors
-    /// Those of [`Self::submit`].
+    /// Returns an error if [`Self::submit`] fails.
     pub fn ask<'a>(
         &mut self,
         device: &Device,
@@ -78,11 +78,11 @@ impl Timeline {
         self.foresight.found(place)
     }
 
-    /// Submits what was recorded, and waits for it, unless the window does without waiting: then the next recording goes on from
-    /// here.
+    /// Submits what was recorded, and waits for it, unless the window does without waiting: then the next recording
+    /// goes on from here.
     ///
     /// # Errors
-    /// Those of [`Self::submit`].
+    /// Returns an error if [`Self::submit`] fails.
     pub fn go_on(&mut self, recorder: Recorder<'_>, name: &str) -> Result<(), Error> {
         if self.foresight.knowledge() != Knowledge::Bounds {
             return self.submit(recorder, name);

@@ -120,7 +120,7 @@ fn one_pixel(device: &Device, layers: &[(f64, Vec3, f32)]) -> [f32; 4] {
     one_pixel_by(device, flat(), layers).expect("renders")
 }
 
-/// As [`one_pixel`], by a method that may refuse.
+/// The picture of one pixel, like [`one_pixel`], by a method that may refuse.
 fn one_pixel_by(device: &Device, method: Method, layers: &[(f64, Vec3, f32)]) -> Result<[f32; 4], Error> {
     let points: Vec<P> = layers
         .iter()

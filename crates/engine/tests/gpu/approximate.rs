@@ -1,5 +1,6 @@
-//! `weighted`, `average`, `unsorted` and `hybrid`: images against their float64 references, and against `abuffer` where they
-//! are exact; sums of any length; the same bytes whatever the order of input, the cut of the image and the runs over a tile.
+//! `weighted`, `average`, `unsorted` and `hybrid`: images against their float64 references, and against `abuffer` where
+//! they are exact; sums of any length; the same bytes whatever the order of input, the cut of the image and the runs
+//! over a tile.
 
 use glam::Vec3;
 use pellucid_engine::camera::Camera;
@@ -16,7 +17,7 @@ fn hybrid(discs: Discs, k: u32) -> Method {
     Method::Hybrid(Hybrid { discs, k, ..Hybrid::default() })
 }
 
-/// With a core of fragments of at least this opacity.
+/// `hybrid` with a core of fragments of at least this opacity.
 fn gated(discs: Discs, k: u32, core_alpha_min: f32) -> Method {
     Method::Hybrid(Hybrid { discs, k, core_alpha_min, ..Hybrid::default() })
 }
@@ -25,8 +26,8 @@ fn mlab(discs: Discs, nodes: u32) -> Method {
     Method::Mlab(Mlab { discs, nodes })
 }
 
-/// All five; two numbers of fragments for `hybrid`, of which one takes several rounds where discs are oriented; as many layers as `mlab` has
-/// slots, and fewer.
+/// All five; two numbers of fragments for `hybrid`, of which one takes several rounds where discs are oriented; as many
+/// layers as `mlab` has slots, and fewer.
 fn methods(discs: Discs) -> [Method; 7] {
     [
         Method::Weighted(discs),

@@ -43,7 +43,7 @@ fn brightened(device: &Device, dealt: &Dealt, frame: &Frame) -> (Image, Image, O
     (image, bright, applied)
 }
 
-/// The same A and depth, and colors times `p`, cut at 1.
+/// Asserts that A and depth are the same, and colors are multiplied by `p` and cut at 1.
 fn assert_multiplied(before: &Image, after: &Image, p: f32) {
     assert_eq!(before.depth, after.depth);
     for (before, after) in before.rgba.iter().zip(&after.rgba) {

@@ -1,5 +1,5 @@
-//! Frames that an observer cancels, at whichever question: they end before their next submission, and the renderer goes on as
-//! if they had not been.
+//! Frames that an observer cancels, at whichever question: they end before their next submission, and the renderer goes
+//! on as if they had not been.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -54,8 +54,8 @@ fn points() -> Points {
     order::canonical(Points { fields: (0..soup.len()).map(|i| (i % 2) as f32).collect(), ..soup })
 }
 
-/// A frame of every method, one with shadows, and one that is cut into windows and bands. Nothing of them is read from the device
-/// but their windows.
+/// A frame of every method, one with shadows, and one that is cut into windows and bands. Nothing of them is read from
+/// the device but their windows.
 fn frames() -> Vec<Frame> {
     let plain = |method| Frame { fragments: false, ..frame(perspective(), [60, 44], method) };
     let mut all: Vec<Frame> = Method::all().into_iter().map(plain).collect();
@@ -154,8 +154,8 @@ fn renders_with(device: &Device, renderer: &mut Renderer, cloud: &mut DeviceClou
     }
 }
 
-/// A renderer asks once before it brings the points, once before each submission of a frame whose counts it waits for, and once for
-/// each window that is done.
+/// A renderer asks once before it brings the points, once before each submission of a frame whose counts it waits for,
+/// and once for each window that is done.
 #[test]
 fn a_renderer_asks_before_every_submission() {
     with_device(|device| {

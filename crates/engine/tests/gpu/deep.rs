@@ -1,5 +1,5 @@
-//! Deep images: they flatten in float64 to the image, as many samples as fragments, tidy where they are said to be, and the same whatever
-//! the memory, the order of the points, and whether they come window by window.
+//! Deep images: they flatten in float64 to the image, as many samples as fragments, tidy where they are said to be, and
+//! the same whatever the memory, the order of the points, and whether they come window by window.
 
 use std::sync::Arc;
 
@@ -54,8 +54,8 @@ fn over(list: &[Sample]) -> [f64; 4] {
     })
 }
 
-/// Flattens samples that may overlap, as OpenEXR's "Interpreting Deep Pixels" says: each is cut wherever another one begins or ends, and
-/// pieces of the same range are mixed by their optical depths.
+/// Flattens samples that may overlap, as OpenEXR's "Interpreting Deep Pixels" says: each is cut wherever another one
+/// begins or ends, and pieces of the same range are mixed by their optical depths.
 fn mixed(list: &[Sample]) -> [f64; 4] {
     let mut ends: Vec<f32> = list.iter().flat_map(|s| [s.depth, s.back]).collect();
     ends.sort_by(f32::total_cmp);
@@ -82,8 +82,8 @@ fn mixed(list: &[Sample]) -> [f64; 4] {
     front
 }
 
-/// The image's float32 sums of n fragments: three roundings of numbers up to 1 for each, in A and in a color, where an error of A counts at
-/// most once more by all weights behind it; and one or two roundings of the samples themselves.
+/// The image's float32 sums of n fragments: three roundings of numbers up to 1 for each, in A and in a color, where an
+/// error of A counts at most once more by all weights behind it; and one or two roundings of the samples themselves.
 fn slack(list: &[Sample], brightest: f64) -> f64 {
     8.0 * (list.len() as f64 + 2.0) * ROUNDING * brightest.max(1.0)
 }
@@ -166,7 +166,7 @@ fn samples_are_the_fragments_and_flatten_to_the_image() {
                     }
                     assert_eq!(Some(&count(&sorted)), image.fragments.as_ref(), "{}", method.name());
                     assert!(sorted.iter().flatten().all(|s| s.depth == s.back), "surfaces");
-                    // What is merged is at one depth.
+                    // Merged fragments are at one depth.
                     let depths = |list: &Vec<Sample>| {
                         let mut depths: Vec<_> = list.iter().map(|s| s.depth.to_bits()).collect();
                         depths.dedup();
@@ -269,8 +269,8 @@ fn of_ellipsoids() -> Discs {
     Discs { gaussians, ..Discs::default() }
 }
 
-/// What rounding its ends to float32 moves the optical depths of samples by: each piece is cut by two of them, whose place is only known to
-/// a rounding of the depth, and so long as its own.
+/// Error of the samples' optical depths from rounding their ends to float32: each piece is cut by two of them, whose
+/// place and so the piece's length are only known to a rounding of the depth.
 fn moved(list: &[Sample]) -> f64 {
     let each = |s: &Sample| {
         let (depth, back) = (f64::from(s.depth), f64::from(s.back));
@@ -389,7 +389,7 @@ fn the_same_bytes_in_any_memory_and_from_any_order() {
     });
 }
 
-/// With room for a few fragments only, windows are parts of a row.
+/// Checks windows that are parts of a row, since there is room for a few fragments only.
 #[test]
 fn memory_is_bounded_and_bands_say_so() {
     with_device(|device| {
@@ -432,7 +432,8 @@ fn errors_of_the_taker_end_the_frame_and_other_methods_have_no_samples() {
     });
 }
 
-/// By hand: two discs on a pixel and one behind them at one depth, of which the lower index is in front.
+/// Checks a case worked by hand: two discs on a pixel and one behind them at one depth, of which the lower index is in
+/// front.
 #[test]
 fn merging_by_hand() {
     with_device(|device| {

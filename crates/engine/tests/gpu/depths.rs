@@ -1,5 +1,5 @@
-//! Mean and median depths of lists of fragments: against the float64 reference, by hand, the same bytes by every exact method and
-//! budget, and at no cost where nobody asks. Medians of discs are also in `edl`, Gaussians in `gaussians`.
+//! Mean and median depths of lists of fragments: against the float64 reference, by hand, the same bytes by every exact
+//! method and budget, and at no cost where nobody asks. Medians of discs are also in `edl`, Gaussians in `gaussians`.
 
 use glam::Vec3;
 use pellucid_engine::gpu::Device;
@@ -52,11 +52,11 @@ fn piles() -> Vec<P> {
     all.into_iter().enumerate().map(place).collect()
 }
 
-/// How far float32 may be off in the mean depth of a list. It is Σ wz / Σ w, with the same weights above and below, so that an error of
-/// weights only moves it within the list's own span of depths: a weight has the relative errors of its opacity (16 roundings with
-/// a falloff) and of T, which is 1 − A, where A has a rounding for each fragment and the errors of the weights in front. Two sums of
-/// n numbers have n roundings each, those of the runs' parts 2 more. A depth has a relative error of 1e-5 where a ray meets a
-/// tilted disc at a small angle, as `safe` leaves some.
+/// How far float32 may be off in the mean depth of a list. It is Σ wz / Σ w, with the same weights above and below, so
+/// that an error of weights only moves it within the list's own span of depths: a weight has the relative errors of its
+/// opacity (16 roundings with a falloff) and of T, which is 1 − A, where A has a rounding for each fragment and the
+/// errors of the weights in front. Two sums of n numbers have n roundings each, those of the runs' parts 2 more. A
+/// depth has a relative error of 1e-5 where a ray meets a tilted disc at a small angle, as `safe` leaves some.
 fn slack(list: &[Fragment]) -> f64 {
     let (n, opacities) = (list.len() as f64, list.iter().map(|f| f.alpha).sum::<f64>());
     let depths = || list.iter().map(|f| f.z);

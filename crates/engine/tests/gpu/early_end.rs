@@ -1,5 +1,6 @@
-//! Lists with Gaussians that end early (`stop`): by hand, against the float64 reference, the same bytes by every exact method where
-//! lists are short and by both sorts where they are long, through all runs of `sorted`, and not where nothing is a Gaussian.
+//! Lists with Gaussians that end early (`stop`): by hand, against the float64 reference, the same bytes by every exact
+//! method where lists are short and by both sorts where they are long, through all runs of `sorted`, and not where
+//! nothing is a Gaussian.
 
 use glam::{DVec3, Quat, Vec3};
 use pellucid_engine::camera::Camera;
@@ -24,7 +25,8 @@ fn camera() -> Camera {
     Camera::look_at(10.0 * DVec3::Z, DVec3::ZERO, DVec3::Y, Orthographic { height: 2.0 }, 0.1, 100.0).expect("valid")
 }
 
-/// Balls behind one another before [`camera`], so large that each covers the image almost evenly: depth, opacity and color of each.
+/// Balls behind one another before [`camera`], so large that each covers the image almost evenly: depth, opacity and
+/// color of each.
 fn row(balls: &[(f64, f32, Vec3)]) -> Points {
     let count = balls.len();
     let gaussians = Gaussians {
@@ -136,8 +138,8 @@ fn an_end_in_any_run_of_a_long_list() {
     });
 }
 
-/// The places of `strong` among faint ones: a weak and a strong one, of which the second is where the list ends. Without a memory of that
-/// the faint ones behind would be added.
+/// The places of `strong` among faint ones: a weak and a strong one, of which the second is where the list ends.
+/// Without a memory of that the faint ones behind would be added.
 fn broken(strong: usize, count: usize) -> Points {
     let opacity = |i: usize| match i {
         _ if i == strong => 0.3,
@@ -151,7 +153,8 @@ fn broken(strong: usize, count: usize) -> Points {
 #[test]
 fn an_end_holds_in_all_later_runs() {
     with_device(|device| {
-        // Of 2048 splats in `sorted`, of 256 fragments in lists: the end is in the first run, in the second of three, and in the last one.
+        // Of 2048 splats in `sorted`, of 256 fragments in lists: the end is in the first run, in the second of three,
+        // and in the last one.
         for (strong, count) in [(1000, 5000), (2500, 5000), (4500, 5000), (100, 700), (300, 700)] {
             let points = broken(strong, count);
             let discs = ending(0.25);

@@ -1,5 +1,5 @@
-//! Eye-dome lighting: every method that takes it against the float64 reference, cases worked by hand, and the same bytes however
-//! the image is cut.
+//! Eye-dome lighting: every method that takes it against the float64 reference, cases worked by hand, and the same
+//! bytes however the image is cut.
 
 use glam::Vec3;
 use pellucid_engine::gpu::Device;
@@ -21,8 +21,8 @@ fn methods() -> impl Iterator<Item = Method> {
     Method::all().into_iter().filter(Method::takes_edl)
 }
 
-/// How far −ln of a factor may be off, x = 300 · strength · s: each of eight quotients is rounded once, each logarithm within a
-/// unit, the sum has seven roundings and its factor two.
+/// How far −ln of a factor may be off, x = 300 · strength · s: each of eight quotients is rounded once, each logarithm
+/// within a unit, the sum has seven roundings and its factor two.
 fn slack(strength: f64, x: f64) -> f64 {
     let per_logarithm = 300.0 * strength * std::f64::consts::LOG2_E / 8.0;
     8.0 * per_logarithm * ROUNDING + 11.0 * ROUNDING * x
@@ -107,7 +107,8 @@ fn a_step_by_hand() {
             let wanted = (-3.0 * nearer / 8.0f64).exp();
             assert!((red(4, y) - wanted).abs() < 1e-5, "row {y}: {}, not {wanted}", red(4, y));
         }
-        // The near wall has nothing before it, and the far one only far ones where the step is two pixels away: to the bit.
+        // The near wall has nothing before it, and the far one only far ones where the step is two pixels away: to the
+        // bit.
         for x in [0, 3, 5, 6] {
             assert_eq!(red(x, 2), 1.0, "column {x}");
         }

@@ -28,8 +28,8 @@ fn encoded_colors_are_the_curve_of_srgb() {
         for (i, found) in image.rgba.iter().enumerate() {
             for (found, linear) in found.iter().zip(color(i as u32).to_array()) {
                 let wanted = curve(linear);
-                // A power within 1.5 · 2.4 + 2 units of at most 2^-24, the exponent's rounding, a product and a difference: 9
-                // of them; where the two pieces meet they are 3e-8 apart.
+                // A power within 1.5 · 2.4 + 2 units of at most 2^-24, the exponent's rounding, a product and a
+                // difference: 9 of them; where the two pieces meet they are 3e-8 apart.
                 let bound = 9.0 * f64::from(f32::EPSILON) / 2.0 + 3e-8;
                 assert!((f64::from(*found) - wanted).abs() <= bound, "{linear}: {found}, not {wanted}");
             }

@@ -1,5 +1,5 @@
-//! Gaussians as ellipsoids of constant density: each by itself and soups of them within what roundings of float32 leave, surfaces among them, the
-//! same bytes by slots and linked lists, and by shuffles, windows and budgets.
+//! Gaussians as ellipsoids of constant density: each by itself and soups of them within what roundings of float32
+//! leave, surfaces among them, the same bytes by slots and linked lists, and by shuffles, windows and budgets.
 
 use glam::{DVec3, Quat, Vec3};
 use pellucid_engine::camera::Camera;
@@ -40,14 +40,14 @@ fn cameras() -> [Camera; 4] {
     ]
 }
 
-/// Of each pixel the opacity that roundings may leave, and how far they may move each color.
+/// Bounds of a pixel: the opacity that roundings may leave, and how far they may move each color.
 struct Allowed {
     alpha: Range,
     color: f64,
     depth: Range,
 }
 
-/// What roundings leave of a picture of ellipsoids.
+/// Bounds of each pixel of a picture of ellipsoids.
 fn allowed(points: &Points, frame: &Frame, discs: &Discs, brightest: f64) -> Vec<Allowed> {
     let pixels = (frame.size[0] * frame.size[1]) as usize;
     let mut log_clear = vec![Range::only(0.0); pixels];
@@ -92,7 +92,8 @@ fn allowed(points: &Points, frame: &Frame, discs: &Discs, brightest: f64) -> Vec
     .collect()
 }
 
-/// Asserts that a picture is what roundings leave of the reference's; returns how many of its pixels are known to a hundredth.
+/// Asserts that a picture is what roundings leave of the reference's; returns how many of its pixels are known to a
+/// hundredth.
 #[track_caller]
 fn assert_allowed(image: &Image, wanted: &Picture, allowed: &[Allowed], what: &str) -> usize {
     let mut known = 0;
@@ -183,7 +184,7 @@ fn soups_are_those_of_the_reference() {
     });
 }
 
-/// Of one body and of lists of more than a run.
+/// Compares depths of single bodies and of lists of more than a run.
 #[test]
 fn depths_are_those_of_the_reference() {
     with_device(|device| {
@@ -204,7 +205,8 @@ fn depths_are_those_of_the_reference() {
                 let lists = ellipsoid::bodies(&camera, frame.size, &points, &discs);
                 for (pixel, list) in lists.iter().enumerate() {
                     let stretch = ellipsoid::ray(&camera, frame.size, [pixel as u32 % 16, pixel as u32 / 16]).stretch;
-                    // Roundings and rims move T by some thousandths of itself, and means by as much of what the list goes through.
+                    // Roundings and rims move T by some thousandths of itself, and means by as much of what the list
+                    // goes through.
                     let slack = 2e-3;
                     let [low, high] = [1.0 + slack, 1.0 - slack].map(|s| ellipsoid::median(list, stretch, 0.5 * s));
                     let found = f64::from(median[pixel]);

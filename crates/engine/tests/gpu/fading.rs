@@ -1,8 +1,9 @@
-//! `moments`, `wavelet`, and `hybrid` with a tail by moments: images against their float64 references within bounds that follow from float32; what they are exact
-//! for; near singular moments; the same bytes whatever the order of input, the cut of the image and the runs over a tile.
+//! `moments`, `wavelet`, and `hybrid` with a tail by moments: images against their float64 references within bounds
+//! that follow from float32; what they are exact for; near singular moments; the same bytes whatever the order of
+//! input, the cut of the image and the runs over a tile.
 //!
-//! Arithmetic on moments runs in sums of two floats, so that what differs from the reference is what fragments come with: depths and
-//! opacities of float32. How much a pixel changes with these, the reference says itself.
+//! Arithmetic on moments runs in sums of two floats, so that what differs from the reference is what fragments come
+//! with: depths and opacities of float32. How much a pixel changes with these, the reference says itself.
 
 use glam::{DVec3, Vec3};
 use pellucid_engine::camera::Camera;
@@ -38,7 +39,7 @@ fn behind(discs: Discs, k: u32, core_alpha_min: f32, moments: MomentCount) -> Me
     Method::Hybrid(Hybrid { discs, k, core_alpha_min, tail: Tail::Moments, moments })
 }
 
-/// Of the last one some fragments are too faint for the front.
+/// All methods of this file. The last one finds some fragments too faint for the front.
 fn methods(discs: Discs) -> Vec<Method> {
     let moments = MomentCount::ALL.map(|count| by_moments(discs, count));
     let wavelets = [1, 3, 5].map(|rank| by_wavelets(discs, rank));
@@ -67,11 +68,13 @@ struct Off {
     alpha: f64,
 }
 
-/// The most that float32 may change a component of a pixel, given what it does to its fragments: of equal depths all the same.
+/// The most that float32 may change a component of a pixel, given what it does to its fragments: of equal depths all
+/// the same.
 fn bound(list: &[Fragment], colors: &[DVec3], camera: &Camera, method: &Method, off: impl Fn(&Fragment) -> Off) -> f64 {
     let seen: Vec<Fragment> = list.iter().filter(|f| f.alpha > 0.0).copied().collect();
     let whole = composed(&seen, colors, camera, method);
-    // Logarithms of ratios of depths have some five roundings, of numbers up to ln(far / near); places are these by a factor.
+    // Logarithms of ratios of depths have some five roundings, of numbers up to ln(far / near); places are these by a
+    // factor.
     let of_place = 6.0 * ROUNDING * (camera.far / camera.near).ln();
     let mut moved = 0.0;
     let mut of_alpha = 0.0f64;
@@ -91,8 +94,9 @@ fn bound(list: &[Fragment], colors: &[DVec3], camera: &Camera, method: &Method, 
     }
     let total: f64 = seen.iter().map(|f| optical_depth(f.alpha)).sum();
     let brightest = seen.iter().map(|f| colors[f.index as usize].max_element()).fold(1.0, f64::max);
-    // Shares of the optical depth have some twenty roundings, and are times it in an exponent, as errors of opacities are. A mean of
-    // colors changes by at most twice the relative error of its weights; ten more roundings are those of sums, products and A.
+    // Shares of the optical depth have some twenty roundings, and are times it in an exponent, as errors of opacities
+    // are. A mean of colors changes by at most twice the relative error of its weights; ten more roundings are those of
+    // sums, products and A.
     let of_weights = total * (20.0 * ROUNDING + of_alpha) + of_alpha + 10.0 * ROUNDING;
     2.0 * moved + 2.0 * brightest * whole.alpha * of_weights
 }
@@ -113,8 +117,8 @@ fn assert_like(image: &Image, wanted: &Picture, bounds: &[Option<f64>], what: &M
     known[known.len() / 2]
 }
 
-/// Errors of flat discs: a depth is rounded once or twice. The polynomial of the falloff and its argument have some ten roundings.
-/// An oriented disc adds a slope of at most some hundred to a few roundings.
+/// Errors of flat discs: a depth is rounded once or twice. The polynomial of the falloff and its argument have some ten
+/// roundings. An oriented disc adds a slope of at most some hundred to a few roundings.
 fn off(discs: &Discs) -> impl Fn(&Fragment) -> Off {
     let depth = if discs.shape == DiscShape::Oriented { 2e-5 } else { 2.0 * ROUNDING };
     let alpha = if discs.falloff == Falloff::Gaussian { 2e-5 } else { ROUNDING };
@@ -225,7 +229,8 @@ fn near_singular_moments_and_long_lists() {
     });
 }
 
-/// Asserts that a pixel is that of exact composition, but for what float32 does to depths, and for what the method's bias does.
+/// Asserts that a pixel is that of exact composition, but for what float32 does to depths, and for what the method's
+/// bias does.
 #[track_caller]
 fn assert_exact(device: &Device, layers: &[P], points: &Points, method: Method) {
     let camera = near_camera();
@@ -312,7 +317,8 @@ fn opacities_of_0_and_1() {
 fn neither_order_of_input_nor_windows_nor_runs_over_a_tile_change_a_byte() {
     with_device(|device| {
         let size = [48, 32];
-        // Every tile has some 2500 splats, of which a run takes 1024 or 2048; depths on few levels, so that there are ties.
+        // Every tile has some 2500 splats, of which a run takes 1024 or 2048; depths on few levels, so that there are
+        // ties.
         let mut soup = [soup(41, 2300, 2.0..3.0, 0.001..0.02, true), soup(42, 300, 0.0..0.1, 0.1..0.9, true)].concat();
         for p in &mut soup {
             p.position = (p.position * 16.0).round() / 16.0;
@@ -376,7 +382,8 @@ fn nothing_in_view_is_nothing() {
     });
 }
 
-/// Errors of a pixel's Gaussians by their indices, where neither coverage nor depth is a matter of chance; `None` elsewhere.
+/// Errors of a pixel's Gaussians by their indices, where neither coverage nor depth is a matter of chance; `None`
+/// elsewhere.
 fn gaussian_offs(points: &Points, frame: &Frame, settings: &GaussianSettings) -> Vec<Option<Vec<(u32, Off)>>> {
     let mut pixels = vec![Some(Vec::new()); (frame.size[0] * frame.size[1]) as usize];
     for index in 0..points.len() {

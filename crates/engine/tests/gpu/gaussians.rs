@@ -1,5 +1,5 @@
-//! Gaussian splats: each by itself within what roundings of float32 leave, soups against the float64 reference, the same bytes by every exact
-//! method, and by shuffles, windows and budgets.
+//! Gaussian splats: each by itself within what roundings of float32 leave, soups against the float64 reference, the
+//! same bytes by every exact method, and by shuffles, windows and budgets.
 
 use glam::{DVec3, Quat, Vec3};
 use pellucid_engine::camera::Camera;
@@ -87,7 +87,8 @@ fn assert_possible(image: &Image, points: &Points, frame: &Frame, settings: &Gau
         );
         for c in 0..3 {
             let wanted = alpha * color[c];
-            // A direction, 25 products and their sum, and the curve; coefficients are at most 0.3, so that nothing large cancels.
+            // A direction, 25 products and their sum, and the curve; coefficients are at most 0.3, so that nothing
+            // large cancels.
             let slack = 200.0 * ROUNDING * (1.0 + color.max_element()) * alpha;
             let off = (f64::from(found[c]) - wanted).abs();
             assert!(off <= slack, "({x}, {y}): {found:?}, {wanted} of {color}");
@@ -174,8 +175,8 @@ fn clear_lists(points: &Points, frame: &Frame, settings: &GaussianSettings) -> V
     lists.into_iter().map(clear).collect()
 }
 
-/// How far T and what each fragment adds may be off. An opacity that is off by e changes what lies behind by as much; three roundings
-/// for each fragment, and those of colors.
+/// How far T and what each fragment adds may be off. An opacity that is off by e changes what lies behind by as much;
+/// three roundings for each fragment, and those of colors.
 fn off(list: &[(Possible, usize)]) -> f64 {
     list.iter().map(|(pixel, _)| pixel.alpha.high - pixel.alpha.low + 220.0 * ROUNDING).sum()
 }
@@ -232,8 +233,9 @@ fn soups_are_those_of_the_reference() {
     });
 }
 
-/// Between which depths half of the light or less is left for the first time: `share` more or less than a half may be taken for it.
-/// They are those of all fragments from the first that it may be to the last, since depths that show are not in order by distance.
+/// Between which depths half of the light or less is left for the first time: `share` more or less than a half may be
+/// taken for it. They are those of all fragments from the first that it may be to the last, since depths that show are
+/// not in order by distance.
 fn possible_median(list: &[(Possible, usize)], share: f64) -> [f64; 2] {
     let first = |alpha: fn(&Possible) -> f64, most: f64| {
         let mut left = 1.0;
@@ -249,8 +251,8 @@ fn possible_median(list: &[(Possible, usize)], share: f64) -> [f64; 2] {
     [all().map(|z| z.low).fold(f64::INFINITY, f64::min), all().map(|z| z.high).fold(far, f64::max)]
 }
 
-/// The mean depth, and how far it may be off: Σ wz / Σ w, with the same weights above and below, so that what they are off only moves it
-/// within the list's own span. Besides there are the errors of depths and two for each summand.
+/// The mean depth, and how far it may be off: Σ wz / Σ w, with the same weights above and below, so that what they are
+/// off only moves it within the list's own span. Besides there are the errors of depths and two for each summand.
 fn possible_mean(list: &[(Possible, usize)]) -> [f64; 2] {
     let middle = |low: f64, high: f64| 0.5 * (low + high);
     let fragment = |(pixel, index): &(Possible, usize)| {
@@ -393,7 +395,8 @@ fn approximations_are_those_of_the_reference() {
                 let colors = shaded(&points, &frame);
                 let wanted =
                     reference::approximate::render(&frame.camera, size, &points, &colors, &method).expect("one");
-                // Sums that are divided: their errors are those of opacities over the sum of these, which is at least one opacity.
+                // Sums that are divided: their errors are those of opacities over the sum of these, which is at least
+                // one opacity.
                 let clear: Vec<_> = clear_pixels(&points, &frame, &discs.gaussians, &colors)
                     .into_iter()
                     .map(|bound| bound.map(|bound| 300.0 * bound))

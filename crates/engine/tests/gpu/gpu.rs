@@ -109,7 +109,8 @@ fn allocations_are_reported_by_name_until_they_are_gone() {
     });
 }
 
-/// Old validation layers race with whoever frees a command buffer (CONTRIBUTING.md), and two recorders must not share a pool.
+/// Old validation layers race with whoever frees a command buffer (CONTRIBUTING.md), and two recorders must not share a
+/// pool.
 #[test]
 fn command_buffers_are_used_again_and_never_shared() {
     with_new_device(|device| {

@@ -19,7 +19,7 @@ use pellucid_testing::*;
 use rand::RngExt;
 use rand::seq::SliceRandom;
 
-/// With 64-bit atomics where the device has them, and with two passes of 32 bits.
+/// Renders with 64-bit atomics where the device has them, and with two passes of 32 bits.
 fn render_both(device: &Device, points: &Points, frame: &Frame) -> Rendered {
     let [wide, _narrow] = rendered_by_both_atomics(device, points, frame);
     wide
@@ -46,8 +46,8 @@ const SHADED: Shading = Shading {
     edl: Edl { edl: false, edl_strength: 1.0, edl_radius: 1.4 },
 };
 
-/// A shaded color has fewer than fifty roundings behind it, of numbers up to 1, and the curve of sRGB is 12.92 times as steep
-/// as linear light.
+/// A shaded color has fewer than fifty roundings behind it, of numbers up to 1, and the curve of sRGB is 12.92 times as
+/// steep as linear light.
 const COLOR_ERROR: f64 = 50.0 * 12.92 * ROUNDING;
 
 fn reference_of(points: &Points, camera: &Camera, frame: &Frame, filters: &ImageSpace) -> PictureRange {

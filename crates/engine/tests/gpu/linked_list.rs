@@ -1,4 +1,5 @@
-//! `linked-list`: its lists against the float64 reference, its images against the reference and, to the byte, `abuffer`'s.
+//! `linked-list`: its lists against the float64 reference, its images against the reference and, to the byte,
+//! `abuffer`'s.
 
 use glam::Vec3;
 use pellucid_engine::methods::{Error, Frame, Renderer};

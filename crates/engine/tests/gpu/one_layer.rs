@@ -1,5 +1,5 @@
-//! `one-layer`: images against the float64 reference, cases worked by hand, which points and passes there are; the same bytes
-//! whatever the order of input and the cut of the image.
+//! `one-layer`: images against the float64 reference, cases worked by hand, which points and passes there are; the same
+//! bytes whatever the order of input and the cut of the image.
 
 use glam::{DVec3, Vec3};
 use pellucid_engine::camera::Camera;
@@ -30,9 +30,9 @@ fn fielded(points: &[P], fields: &[f32]) -> Points {
     })
 }
 
-/// As in `splats.rs`, with three roundings for the sum of layer and rest.
+/// Bound of colors, as in `splats.rs`, with three roundings for the sum of layer and rest.
 const SUM_ERROR: f64 = 16.0 * ROUNDING;
-/// As there.
+/// Bound of shaded colors, as in `splats.rs`.
 const SHADING_ERROR: f64 = 50.0 * 12.92 * ROUNDING;
 
 fn method(threshold: f32, softness: f32) -> Method {

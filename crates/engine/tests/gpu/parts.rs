@@ -1,5 +1,5 @@
-//! Random samples that are drawn in parts, by renderers with other budgets and switches, and put together in any order: the bytes of
-//! the frame that is drawn at once.
+//! Random samples that are drawn in parts, by renderers with other budgets and switches, and put together in any order:
+//! the bytes of the frame that is drawn at once.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -98,7 +98,8 @@ fn together(parts: &[SamplePart]) -> SamplePart {
     all
 }
 
-/// Draws a frame in parts, each by another one of the ranks, and compares the bytes with those of each rank's own image.
+/// Draws a frame in parts, each by another one of the ranks, and compares the bytes with those of each rank's own
+/// image.
 fn compare(ranks: &mut [Rank], frame: &Frame, what: &str) {
     let steps = frame.sample_steps().expect("samples");
     let expected = ranks[0].render(frame);

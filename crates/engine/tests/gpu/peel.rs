@@ -176,7 +176,8 @@ fn coincident_and_equally_deep_fragments_survive() {
             let alpha = 1.0 - 0.9f64.powi(n as i32);
             let [r, _, b, a] = rendered.image.rgba[0];
             for (found, wanted) in [(r, 0.2 * alpha), (b, 0.8 * alpha), (a, alpha)] {
-                // 100 roundings of at most half an ulp of a value below 1, and the float32 values of 0.1 and the colors.
+                // 100 roundings of at most half an ulp of a value below 1, and the float32 values of 0.1 and the
+                // colors.
                 assert!((f64::from(found) - wanted).abs() < 6e-6, "{n}: {found} {wanted}");
             }
             assert_eq!(rendered.image.layers, Some(vec![n as u32]));

@@ -16,7 +16,7 @@ use pellucid_engine::scene::{
 use pellucid_testing::*;
 use rand::seq::SliceRandom;
 
-/// With 64-bit atomics where the device has them, and with two passes of 32 bits.
+/// Renders with 64-bit atomics where the device has them, and with two passes of 32 bits.
 fn render_both(device: &Device, points: &Points, frame: &Frame) -> Rendered {
     let [wide, _narrow] = rendered_by_both_atomics(device, points, frame);
     wide
@@ -36,8 +36,8 @@ fn layers(filters: ImageSpace, layers: u32) -> PeelLayers {
     PeelLayers { filters, layers }
 }
 
-/// That of `image_space.rs`, which layers have in proportion to what is seen of them, and four roundings for each of up to
-/// nine layers.
+/// Bound of colors: that of `image_space.rs`, which layers have in proportion to what is seen of them, and four
+/// roundings for each of up to nine layers.
 const COLOR_ERROR: f64 = (50.0 * 12.92 + 9.0 * 4.0) * ROUNDING;
 
 fn reference_of(points: &Points, frame: &Frame, settings: &PeelLayers) -> PictureRange {
@@ -45,7 +45,7 @@ fn reference_of(points: &Points, frame: &Frame, settings: &PeelLayers) -> Pictur
     reference::peel_layers::ranges(&frame.camera, frame.size, points, &colors, settings)
 }
 
-/// As [`compare_ranges`]; the counts of layers too.
+/// Compares images, like [`compare_ranges`], and the counts of layers too.
 fn compare(rendered: &Rendered, wanted: &PictureRange) -> Result<(), String> {
     compare_ranges(&rendered.image, wanted, COLOR_ERROR)?;
     let found = rendered.image.layers.as_ref().ok_or("no counts of layers")?;
@@ -245,7 +245,8 @@ fn tori(points: u32, size: [u32; 2]) -> (Points, Camera) {
 const TUBES: [f64; 3] = [0.15, 0.30, 0.45];
 
 /// The depths at which the ray through an image position meets the three tori, nearest first, and how near it comes to
-/// touching one: the least distance between a tube's radius and an extremum of the distance from the circle, over the radius.
+/// touching one: the least distance between a tube's radius and an extremum of the distance from the circle, over the
+/// radius.
 fn hits(camera: &Camera, size: [u32; 2], x: f64, y: f64) -> (Vec<f64>, f64) {
     const STEPS: usize = 3000;
     let focal = camera.focal_px(size[1]);
@@ -272,8 +273,8 @@ fn nested_tori_have_a_layer_for_each_surface_that_a_ray_meets() {
         const SIDE: usize = 192;
         let size = [SIDE as u32; 2];
         let (points, camera) = tori(600_000, size);
-        // A spacing of 0.008 and pixels of 0.018: up to 60° the depths of neighbors differ by less than this, and the tubes are
-        // 0.15 apart.
+        // A spacing of 0.008 and pixels of 0.018: up to 60° the depths of neighbors differ by less than this, and the
+        // tubes are 0.15 apart.
         let distance = 0.08;
         let filters = ImageSpace { fill: 2, occlusion: 2, min_layer_distance: Some(distance), ..NONE };
         let frame = frame(camera, size, Method::PeelLayers(layers(filters, 16)));
@@ -286,7 +287,8 @@ fn nested_tori_have_a_layer_for_each_surface_that_a_ray_meets() {
         let is_clear = |pixel: usize| {
             let (depths, touching) = &rays[pixel];
             let apart = depths.windows(2).all(|pair| pair[1] - pair[0] > 1.5 * f64::from(distance));
-            // At the inner corners of a silhouette's steps the filters take what is nearer for one surface with its surroundings.
+            // At the inner corners of a silhouette's steps the filters take what is nearer for one surface with its
+            // surroundings.
             let mut around = (0..81).map(|i| pixel + (i / 9) * SIDE + i % 9 - 4 * SIDE - 4);
             // A ray 13/15 of a tube's radius from its middle meets it at asin(13/15) = 60°.
             *touching > 2.0 / 15.0 && apart && around.all(|other| rays[other].0.len() == depths.len())

@@ -1,5 +1,6 @@
-//! `points` takes each point straight to its pixel: the bytes must be those that splats of radius 0 give, and the pixel the
-//! one of float64 however near its border lies. Colors and depths against the reference: `crates/engine/tests/gpu/splat.rs`.
+//! `points` takes each point straight to its pixel: the bytes must be those that splats of radius 0 give, and the pixel
+//! the one of float64 however near its border lies. Colors and depths against the reference:
+//! `crates/engine/tests/gpu/splat.rs`.
 
 use glam::{DVec3, Vec3};
 use pellucid_engine::camera::{Camera, Projection};

@@ -72,8 +72,8 @@ fn one_record_more_or_less_than_counted_is_found_with_and_without_robust_access(
             let options = DeviceOptions { robust, gpu_assisted: false, ..DeviceOptions::validated() };
             let device = Device::open(&options).expect("a device");
             scattered(&device, 1000).expect("all that were counted");
-            // Digits are 7 i mod 16: record 999 has digit 1, record 1000 has 8. Of 1000 records those of i mod 16 < 8 are 63 a digit,
-            // the others 62, so that digits 0 and 1 have 126 together, and 0 to 8 some 4 · 62 + 5 · 63.
+            // Digits are 7 i mod 16: record 999 has digit 1, record 1000 has 8. Of 1000 records those of i mod 16 < 8
+            // are 63 a digit, the others 62, so that digits 0 and 1 have 126 together, and 0 to 8 some 4 · 62 + 5 · 63.
             for (stored, wanted) in [(999, "1 ends at 125 instead of 126"), (1001, "8 ends at 564 instead of 563")] {
                 let error = scattered(&device, stored).expect_err("one more or less");
                 let wanted =

@@ -67,7 +67,8 @@ fn every_compute_shader_has_the_common_workgroup_or_subgroups() {
 /// Numbers that a stage sets once and for all, or that a frame decides: not choices.
 const NUMBERS: [&str; 7] = ["PART_LENGTH", "RUN", "SEGMENT", "SHARED", "STEP", "STRIPES", "TAKEN"];
 
-/// Choices that a shader shares with others and that its pass makes in one way alone: flat discs in order of depth, spheres and opaque splats without a falloff.
+/// Choices that a shader shares with others and that its pass makes in one way alone: flat discs in order of depth,
+/// spheres and opaque splats without a falloff.
 const FIXED: [(&str, &str); 20] = [
     ("abuffer/count_tiles", "SHAPE"),
     ("abuffer/resolve_ordered", "SHAPE"),
@@ -164,7 +165,7 @@ gpu_struct! {
 }
 
 pass! {
-    /// As declared in earnest.
+    /// The true declaration.
     Right(scan::ScanPush) = "scan/reduce" { values: Read<u32>, sums: ReadWrite<u32>, overflow: ReadWrite<u32> }
 }
 pass! {

@@ -1,5 +1,6 @@
-//! Shares of light point by point against float64, through the cameras of the engine's own lights: where these stand, and that
-//! they hold all points, `src/methods/shadows/lights.rs` tests by itself; what shadows look like, `crates/engine/tests/gpu/shadows.rs`.
+//! Shares of light point by point against float64, through the cameras of the engine's own lights: where these stand,
+//! and that they hold all points, `src/methods/shadows/lights.rs` tests by itself; what shadows look like,
+//! `crates/engine/tests/gpu/shadows.rs`.
 
 use glam::{DVec3, Vec3};
 use pellucid_engine::gpu::Device;

@@ -1,8 +1,8 @@
 //! Shadow textures: cases with known answers, seen through the colors that they give.
 //!
-//! Lambert without ambient light shows m: a white point has the gray m·n·l, one without a normal m. Most scenes lie under
-//! [`pixel_camera`], one world unit to a pixel, and what would hide the rest is nearer than the camera's near plane: it casts
-//! its shadow unseen.
+//! Lambert without ambient light shows m: a white point has the gray m·n·l, one without a normal m. Most scenes lie
+//! under [`pixel_camera`], one world unit to a pixel, and what would hide the rest is nearer than the camera's near
+//! plane: it casts its shadow unseen.
 
 use glam::{DVec3, Vec3};
 use pellucid_engine::camera::Camera;
@@ -181,8 +181,8 @@ fn a_square_casts_its_shadow_and_no_other() {
 #[test]
 fn gaps_of_a_pixel_of_the_light_let_none_through() {
     with_device(|device| {
-        // Points of the lid one unit apart; pixels of the light are 64/74 units wide, so that a seventh of their columns and of
-        // their rows have none.
+        // Points of the lid one unit apart; pixels of the light are 64/74 units wide, so that a seventh of their
+        // columns and of their rows have none.
         let size = [64, 64];
         let points = [floor(size, Vec3::ZERO, |_, _| FLOOR), lid(0.0..64.0, 0.0..64.0, LID, 1.0)].concat();
         let shares = shares(device, &points, 70.0, size, DOWN, hard(76, 5.0));
@@ -205,7 +205,8 @@ fn share_of_disc(t: f64) -> f64 {
 fn half_a_disc_of_light_is_half_the_light() {
     with_device(|device| {
         let size = [64, 9];
-        // A half-plane over the left half: its border is at x = 32, and reaches beyond the floor in y as far as the light does.
+        // A half-plane over the left half: its border is at x = 32, and reaches beyond the floor in y as far as the
+        // light does.
         let mut points = floor(size, Vec3::ZERO, |_, _| FLOOR);
         // The middle column of points lies right below the border.
         points.iter_mut().for_each(|p| p.position.x -= 0.5);
@@ -222,7 +223,8 @@ fn half_a_disc_of_light_is_half_the_light() {
         let lamp_radius = 12.0;
         for (light, light_radius, t, slack) in [
             (DOWN, radius as f32, &direction as &dyn Fn(f64) -> f64, 0.0),
-            // The disc is a little tilted toward the middle of the points, so that the line is only nearly in its plane.
+            // The disc is a little tilted toward the middle of the points, so that the line is only nearly in its
+            // plane.
             (
                 Light::Position(lamp_at),
                 lamp_radius as f32,
@@ -241,7 +243,8 @@ fn half_a_disc_of_light_is_half_the_light() {
                         *mean += m / 3.0;
                         let at = if x == 0 { 0.25 } else { x as f64 };
                         let wanted = share_of_disc(t(at));
-                        // Four standard errors of as many independent lights, and a pixel of the light's image over the penumbra.
+                        // Four standard errors of as many independent lights, and a pixel of the light's image over the
+                        // penumbra.
                         let bound = 4.0 * (wanted * (1.0 - wanted) / f64::from(samples)).sqrt() + 0.06 + slack;
                         assert!((m - wanted).abs() < bound, "{light:?}, {samples}, x {at}: {m} {wanted}");
                         // M lights give multiples of 1/M.

@@ -1,4 +1,5 @@
-//! `soft-base` and `soft-concentric`: spheres with known answers, hard radii, long lists, cuts of the image that may not show.
+//! `soft-base` and `soft-concentric`: spheres with known answers, hard radii, long lists, cuts of the image that may
+//! not show.
 
 use glam::{DVec3, Vec3};
 use pellucid_engine::camera::{Camera, Projection};
@@ -70,7 +71,7 @@ fn one_pixel(device: &Device, spheres: &[S], method: Method) -> Image {
     rendered(device, spheres, &frame(pixel_camera([1, 1]), [1, 1], method)).expect("renders").image
 }
 
-/// At a distance from the ray of [`one_pixel`].
+/// Returns the position at a distance from the ray of [`one_pixel`].
 fn beside(distance: f64, depth: f64) -> DVec3 {
     at_pixel(0.5 + distance, 0.5, depth)
 }
@@ -283,7 +284,8 @@ fn coincident_spheres_add_up_at_any_length() {
     });
 }
 
-/// A column of spheres of which each meets a few others: as many as fill long lists, and the same ones in shorter columns.
+/// A column of spheres of which each meets a few others: as many as fill long lists, and the same ones in shorter
+/// columns.
 #[test]
 fn long_lists_are_blended_as_short_ones() {
     with_device(|device| {
@@ -415,7 +417,8 @@ fn the_papers_layout_is_what_its_reference_says() {
                 };
                 image.rgba.iter().zip(&truth).map(of).collect::<Vec<f64>>()
             };
-            // d / r and colors next to the middle between two of 256 levels may be rounded the other way: of one sphere of many.
+            // d / r and colors next to the middle between two of 256 levels may be rounded the other way: of one sphere
+            // of many.
             let mut packed = off(SoftLayout::Paper);
             packed.sort_by(f64::total_cmp);
             let (most, bulk) = (packed[packed.len() - 1], packed[packed.len() * 9 / 10]);

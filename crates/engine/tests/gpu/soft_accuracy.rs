@@ -19,7 +19,8 @@ use rand::seq::SliceRandom;
 
 /// Every channel and A.
 const BOUND: f64 = 3e-4;
-/// Relative, of the entry depth; beside it a few roundings of the center's depth and the radius, whose difference it is.
+/// Relative, of the entry depth; beside it a few roundings of the center's depth and the radius, whose difference it
+/// is.
 const DEPTH_BOUND: f64 = 1e-5;
 const DEPTH_ROUNDINGS: f64 = 4.0 * f32::EPSILON as f64;
 /// Spheres that a ray passes this near to their rim, relative to the radius, may be met or not: they contribute nothing
@@ -100,7 +101,7 @@ struct Case {
     points: Points,
     camera: Camera,
     size: [u32; 2],
-    /// By how much of the radius an entry may be off besides.
+    /// Additional error of an entry, in radii.
     entry: f64,
 }
 
@@ -196,7 +197,7 @@ fn check(device: &Device, cases: &[Case], densities: &[Density]) {
     check_with(device, cases, densities, soft);
 }
 
-/// As [`check`], with settings for each density.
+/// Renders and compares everything, like [`check`], with settings for each density.
 fn check_with(device: &Device, cases: &[Case], densities: &[Density], settings: impl Fn(Density) -> Soft) {
     let mut wrong = Vec::new();
     for case in cases {
@@ -227,8 +228,8 @@ fn describe(method: Method) -> String {
     }
 }
 
-/// A sphere on the ray of each pixel, the further from it the further to the lower right: from through the center to 10⁻⁶
-/// of the radius within the rim.
+/// A sphere on the ray of each pixel, the further from it the further to the lower right: from through the center to
+/// 10⁻⁶ of the radius within the rim.
 fn one_on_each_ray(camera: &Camera, size: [u32; 2], depths: std::ops::Range<f64>) -> Vec<S> {
     let mut r = random(17);
     let count = size[0] * size[1];
@@ -277,7 +278,8 @@ fn a_large_sphere_with_many_pixels_at_its_rim() {
     with_device(|device| {
         let sphere =
             S { position: DVec3::new(0.1, -0.2, 0.3), radius: 1.0, color: Vec3::new(1.0, 0.5, 0.2), field: 1.0 };
-        // Half a chord is √(2 RIM) of the radius where a ray passes so near to the rim, and float32 knows that to 2·10⁻⁷.
+        // Half a chord is √(2 RIM) of the radius where a ray passes so near to the rim, and float32 knows that to
+        // 2·10⁻⁷.
         let entry = 2e-7 / (2.0 * RIM).sqrt();
         let case = |(name, camera)| Case { entry, ..Case::new(name, &[sphere], camera, [320, 240]) };
         let cases: Vec<Case> = cameras().into_iter().map(case).collect();
@@ -378,8 +380,8 @@ fn spheres_cut_by_solid_points() {
 #[test]
 fn two_thousand_spheres_open_at_once() {
     with_device(|device| {
-        // Radii of 1 to 1.5 around places within 0.3 of the origin: every ray through the origin's neighborhood is within
-        // all of them.
+        // Radii of 1 to 1.5 around places within 0.3 of the origin: every ray through the origin's neighborhood is
+        // within all of them.
         let mut r = random(23);
         let mut unit = || DVec3::new(r.random_range(-1.0..1.0), r.random_range(-1.0..1.0), r.random_range(-1.0..1.0));
         let places: Vec<DVec3> = (0..2000).map(|_| 0.15 * unit()).collect();

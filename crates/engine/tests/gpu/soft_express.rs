@@ -1,5 +1,5 @@
-//! `soft-express`: images against float64, in order of depth where the axis gives that, and in the axis' order elsewhere; against
-//! the bytes of `sorted`; modulation; what solid points hide; whatever must not show.
+//! `soft-express`: images against float64, in order of depth where the axis gives that, and in the axis' order
+//! elsewhere; against the bytes of `sorted`; modulation; what solid points hide; whatever must not show.
 
 use glam::{DVec3, Vec3};
 use pellucid_engine::camera::Camera;
@@ -39,7 +39,7 @@ fn with_fields(points: &[(P, f32)]) -> Points {
     })
 }
 
-/// The same field for all.
+/// Points with one field value for all.
 fn with_field(points: &[P], field: f32) -> Points {
     with_fields(&points.iter().map(|p| (*p, field)).collect::<Vec<_>>())
 }
@@ -95,20 +95,20 @@ fn composed(
     picture
 }
 
-/// As the method does it: along the axis nearest to the view.
+/// The picture in the order of the method: along the axis nearest to the view.
 fn along_axis(points: &Points, frame: &Frame) -> Picture {
     let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();
     let model = Model::new(frame.method.as_soft().expect("a soft method"), points);
     Scene { camera: &frame.camera, size: frame.size, points, colors: &colors, model }.render(|_| Behind::NOTHING)
 }
 
-/// In order of depth.
+/// The picture in order of depth.
 fn by_depth(points: &Points, frame: &Frame) -> Picture {
     composed(points, frame, |p| frame.camera.to_view(p).z, |_, _| false)
 }
 
-/// Largest difference of color and A, of depth as well, where both know the first disc: next to a rim opacities of nothing
-/// and next to nothing differ by rounding.
+/// Largest difference of color and A, of depth as well, where both know the first disc: next to a rim opacities of
+/// nothing and next to nothing differ by rounding.
 #[track_caller]
 fn assert_close(image: &Image, wanted: &Picture, limit: f64) {
     let (largest, _) = difference(image, wanted, 0.0);

@@ -1,5 +1,5 @@
-//! `sorted`: images against its float64 reference, and against `abuffer`, to the byte where both are exact; how far it is
-//! off where discs cross; what it leaves out at the back; how windows are cut.
+//! `sorted`: images against its float64 reference, and against `abuffer`, to the byte where both are exact; how far it
+//! is off where discs cross; what it leaves out at the back; how windows are cut.
 
 use glam::{DVec3, Vec3};
 use pellucid_engine::camera::Camera;
@@ -36,8 +36,8 @@ fn by_abuffer(frame: &Frame) -> Frame {
     Frame { method: Method::ABuffer(*discs), ..*frame }
 }
 
-/// Asserts the bytes of `abuffer`, list lengths included, in all pixels but those whose lists are so long that it composes
-/// them run by run: those differ by rounding. Returns how many have the bytes and something in them.
+/// Asserts the bytes of `abuffer`, list lengths included, in all pixels but those whose lists are so long that it
+/// composes them run by run: those differ by rounding. Returns how many have the bytes and something in them.
 #[track_caller]
 fn assert_same_bytes(device: &Device, points: &Points, frame: &Frame) -> usize {
     let (found, wanted) = (render(device, points, frame), render(device, points, &by_abuffer(frame)));
@@ -208,7 +208,8 @@ fn long_lists_differ_from_the_reference_by_rounding_alone() {
             let wanted = reference::abuffer::composite(&fragments, &colors);
             layers.shuffle(&mut random(n as u64));
             let found = one_pixel(device, &layers, flat());
-            // Each addition rounds a value below 1 by at most half an ulp of 2^-24, and what rounds the same way adds up.
+            // Each addition rounds a value below 1 by at most half an ulp of 2^-24, and what rounds the same way adds
+            // up.
             let bound = 1e-6 + n as f64 * 2f64.powi(-25);
             let by_abuffer = one_pixel(device, &layers, Method::ABuffer(Discs::default()));
             for i in 0..4 {
@@ -291,8 +292,8 @@ fn crossing_discs_are_off_by_what_their_order_makes() {
                 "{falloff:?}: {to_own:e} from its reference, {off} from the exact one, {share} of pixels over 0.01"
             );
             assert!(to_own < 3e-5 && by_abuffer < 3e-5, "{to_own} {by_abuffer}");
-            // A pixel is as far off as its reference is, but for what both images are off their references. Few are: discs of
-            // a radius of 0.1 in a cube of side 2 seldom cross. Gaussian ones are fainter where they do.
+            // A pixel is as far off as its reference is, but for what both images are off their references. Few are:
+            // discs of a radius of 0.1 in a cube of side 2 seldom cross. Gaussian ones are fainter where they do.
             let crossed = share_apart(&own, &exact_reference, 0.01 + 6e-5);
             let most = if falloff == Falloff::Flat { 0.3 } else { 0.2 };
             assert!(off > most && share >= crossed && crossed > 0.01, "{off}, {share} of the pixels, {crossed}");
@@ -405,8 +406,8 @@ fn long_lists_over_the_budget_are_counted_all_the_same() {
 
 #[test]
 fn small_bindings_change_no_byte() {
-    // 4 MiB hold 262 144 splats: two chunks, and two of the parts that splats are reached by. No tile has more than 2048
-    // splats, so that none is composed in two runs.
+    // 4 MiB hold 262 144 splats: two chunks, and two of the parts that splats are reached by. No tile has more than
+    // 2048 splats, so that none is composed in two runs.
     let points =
         scene(&[soup(24, 300_000, 0.0..0.005, 0.1..0.9, true), soup(25, 20, 0.2..0.6, 0.1..0.3, true)].concat());
     for discs in
@@ -474,7 +475,8 @@ fn stacks() -> Vec<Points> {
     found
 }
 
-/// 8-bit values before rounding, on a scale of 255 steps, as `output` makes them: over a background, or straight with alpha.
+/// 8-bit values before rounding, on a scale of 255 steps, as `output` makes them: over a background, or straight with
+/// alpha.
 fn steps(image: &Image, color: ColorSpace, background: Option<f64>) -> Vec<f64> {
     let encode = |v: f64| if color == ColorSpace::Linear { encode_srgb_f64(v) } else { v };
     let of = |[r, g, b, a]: [f64; 4]| match background {

@@ -209,11 +209,11 @@ pub(crate) fn mixture(seed: u64) -> Dealt {
     dealt(&clouds)
 }
 
-/// Colors are whole numbers of 1 / 2^22, half of one is added in float32, which may round it by a quarter; the mean then has
-/// two roundings.
+/// Colors are whole numbers of 1 / 2^22, half of one is added in float32, which may round it by a quarter; the mean
+/// then has two roundings.
 const COLOR_ERROR: f64 = 0.75 / 4_194_304.0 + 2.0 * ROUNDING;
-/// A standard error is at most that of half the ensembles at 0 and half of them at 1, with six roundings; colors that are off
-/// change it by no more than they are off.
+/// A standard error is at most that of half the ensembles at 0 and half of them at 1, with six roundings; colors that
+/// are off change it by no more than they are off.
 const STDERR_ERROR: f64 = COLOR_ERROR + 6.0 * ROUNDING;
 
 /// Compares an image with what roundings may make of the reference's; an error names the pixels.
@@ -539,7 +539,8 @@ fn so_many_ensembles_are_drawn_as_a_frame_asks_for() {
             assert_eq!(found.facts.ensembles, drawn, "{asked}");
             assert_eq!(bits(&found.image) == bits(&whole.image), drawn == 40, "{asked}");
             assert!(found.image.stderr.is_none());
-            // An error that is never reached takes all of them, and no more; one that is asked for is that of those drawn.
+            // An error that is never reached takes all of them, and no more; one that is asked for is that of those
+            // drawn.
             let limited = render_on(&mut renderer, &list, &Frame { max_error: Some(1e-9), ..few });
             assert_eq!(limited.facts.ensembles, drawn, "{asked}");
             assert!(bits(&limited.image) == bits(&found.image), "{asked}");

@@ -1,4 +1,5 @@
-//! `points`, `squares`, `circles`, `paraboloid`, `cone`, `sphere` against the float64 reference, with both kinds of atomics.
+//! `points`, `squares`, `circles`, `paraboloid`, `cone`, `sphere` against the float64 reference, with both kinds of
+//! atomics.
 
 use glam::{DVec3, Vec3};
 use pellucid_engine::gpu::Device;
@@ -28,7 +29,7 @@ fn render_both(device: &Device, points: &Points, frame: &Frame) -> Image {
     native
 }
 
-/// The same method with the rasterizer to visit its splats' pixels; `None` where there are no splats.
+/// Returns the method with the rasterizer to visit its splats' pixels; `None` where there are no splats.
 fn rasterized(method: Method) -> Option<Method> {
     let drawn = |splats| ScreenSplats { raster: Raster::Hardware, ..splats };
     Some(match method {

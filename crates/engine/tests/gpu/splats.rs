@@ -1,5 +1,5 @@
-//! `hqs` and `splats`: images against the float64 reference, cases worked by hand; the same bytes whatever the order of input,
-//! the cut of the image and the runs over a tile.
+//! `hqs` and `splats`: images against the float64 reference, cases worked by hand; the same bytes whatever the order of
+//! input, the cut of the image and the runs over a tile.
 
 use glam::Vec3;
 use pellucid_engine::gpu::Device;
@@ -28,12 +28,13 @@ fn blended(size: f32, max_pixel_radius: f32, blend_depth: f32) -> BlendedSplats 
     BlendedSplats { splats, blend_depth, shape: SplatShape::Circle }
 }
 
-/// Weights have an exponential of 1 and its argument's 3 roundings, times a color 1; sums are compensated, and their quotient has
+/// Weights have an exponential of 1 and its argument's 3 roundings, times a color 1; sums are compensated, and their
+/// quotient has
 /// 3. Both sums have errors of the same sort.
 const SUM_ERROR: f64 = 13.0 * ROUNDING;
 
-/// A shaded color has fewer than fifty roundings behind it, of numbers up to 1, and the curve of sRGB is 12.92 times as steep
-/// as linear light.
+/// A shaded color has fewer than fifty roundings behind it, of numbers up to 1, and the curve of sRGB is 12.92 times as
+/// steep as linear light.
 const SHADING_ERROR: f64 = 50.0 * 12.92 * ROUNDING;
 
 /// Everything that roundings may make of an image.

@@ -1,5 +1,5 @@
-//! `stochastic`: each sample's mask against the host's, images against the float64 reference with the same masks; means over
-//! seeds against the exact image; how the error falls; what the standard error says; same input, same bytes.
+//! `stochastic`: each sample's mask against the host's, images against the float64 reference with the same masks; means
+//! over seeds against the exact image; how the error falls; what the standard error says; same input, same bytes.
 
 use glam::{DVec3, Vec3};
 use pellucid_engine::camera::Camera;
@@ -61,7 +61,8 @@ fn dot(x: u32, y: u32, depth: f64, color: Vec3, opacity: f32) -> P {
 #[test]
 fn every_sample_is_covered_as_the_host_says() {
     with_device(|device| {
-        // On each pixel a black dot of random opacity before a white one: what shines through are the samples not covered.
+        // On each pixel a black dot of random opacity before a white one: what shines through are the samples not
+        // covered.
         let size = [37, 29];
         let mut r = random(1);
         let mut dots = Vec::new();
@@ -121,10 +122,11 @@ impl Doubt {
     }
 }
 
-/// Compares an image and its standard error with the reference, where that is clear in float32; the share of such pixels.
+/// Compares an image and its standard error with the reference, where that is clear in float32; the share of such
+/// pixels.
 ///
-/// The bound: one rounding of at most 2^-24 of the sum for each fragment and run of 16 samples, and some for the rest. Standard
-/// errors are roots of sums of squares, which lose more.
+/// The bound: one rounding of at most 2^-24 of the sum for each fragment and run of 16 samples, and some for the rest.
+/// Standard errors are roots of sums of squares, which lose more.
 fn compare(
     image: &Image,
     (wanted, errors): &(Picture, Vec<DVec3>),
@@ -233,7 +235,7 @@ struct Moments {
     variance: Vec<[f64; 4]>,
 }
 
-/// Of the images that `render` gives for [`SEEDS`] seeds.
+/// Mean and variance of the images that `render` gives for [`SEEDS`] seeds.
 fn moments(mut render: impl FnMut(u64) -> Vec<[f64; 4]>) -> Moments {
     let images: Vec<Vec<[f64; 4]>> = (0..SEEDS).map(|seed| render(seed * 7919 + 1)).collect();
     let of = |value: &dyn Fn(usize, usize) -> f64| -> Vec<[f64; 4]> {
@@ -402,8 +404,8 @@ fn the_standard_error_is_the_spread_over_seeds() {
                 let seen: f64 = found.variance.iter().flat_map(|v| &v[..3]).sum();
                 let ratio = (told / seen).sqrt();
                 eprintln!("{name}, {settings:?}: standard error over spread {ratio:.3}");
-                // 1300 variances of 64 seeds each would agree to 1% if they were independent; R, G, B of a pixel are not, and
-                // a ratio of 8 strata is a little skewed.
+                // 1300 variances of 64 seeds each would agree to 1% if they were independent; R, G, B of a pixel are
+                // not, and a ratio of 8 strata is a little skewed.
                 assert!((ratio - 1.0).abs() < 0.06, "{name}, {settings:?}: {ratio}");
             }
             // One stratum tells no spread.

@@ -16,7 +16,7 @@ fn stochastic(shape: DiscShape, falloff: Falloff, samples: u32, alpha_correction
     Stochastic { discs, samples, alpha_correction }
 }
 
-/// The same in compute shaders.
+/// Returns the settings with compute shaders instead of the rasterizer.
 fn in_compute(settings: Stochastic) -> Stochastic {
     Stochastic { discs: Discs { raster: Raster::Compute, ..settings.discs }, ..settings }
 }
@@ -89,13 +89,14 @@ fn samples_are_those_of_the_reference() {
             let bound = bound(longest(image), samples);
             let off = share_off(image, &wanted, bound);
             // Flat opacities are the same numbers in both, flat depths are far enough apart. Where float32 decides the
-            // rounding of a Gaussian opacity to samples, or the order of two tilted discs, a pixel may be off by a sample.
+            // rounding of a Gaussian opacity to samples, or the order of two tilted discs, a pixel may be off by a
+            // sample.
             let allowed = if (shape, falloff) == (DiscShape::Flat, Falloff::Flat) { 0.0 } else { 0.003 };
             assert!(off <= allowed, "{settings:?}: {off}");
             assert_eq!(image.fragments.as_deref(), Some(&wanted.0.counts[..]));
-            // Another seed's samples are others, and the comparison notices: a color within its bound of one reference is off
-            // the other where these are two bounds apart. Few pixels are: with alpha correction a single fragment, or several
-            // of one color, have no noise.
+            // Another seed's samples are others, and the comparison notices: a color within its bound of one reference
+            // is off the other where these are two bounds apart. Few pixels are: with alpha correction a single
+            // fragment, or several of one color, have no noise.
             let other = sampled(&points, &camera, size, &settings, 8);
             let are_apart = |(a, b): (&[f64; 4], &[f64; 4])| a.iter().zip(b).any(|(a, b)| (a - b).abs() > 2.0 * bound);
             let apart = wanted.0.rgba.iter().zip(&other.0.rgba).filter(|pair| are_apart(*pair)).count();

@@ -20,12 +20,13 @@ use rand::RngExt;
 const TIGHT: Settings = Settings { node_points: 1000, host_memory: 1 << 20 };
 /// Bytes on the device: some thousands of points at a time.
 const DEVICE: u64 = 5 << 20;
-/// The same with room for images of lights.
+/// Bytes on the device with room for images of lights.
 const ROOMY: u64 = 8 << 20;
 /// Bytes of nodes that are kept.
 const HOST: u64 = 2 << 20;
 
-/// Points about a few bumps and in a cloud above them, some of them in one place, with everything that a cloud may have.
+/// Points about a few bumps and in a cloud above them, some of them in one place, with everything that a cloud may
+/// have.
 fn cloud(seed: u64, count: usize) -> Cloud {
     let mut random = random(seed);
     let mut number = move || random.random::<f32>();
@@ -57,7 +58,7 @@ fn store(folder: &Path, name: &str, cloud: Cloud) -> PathBuf {
     store_of(folder, name, cloud, &TIGHT)
 }
 
-/// The same with other settings.
+/// A store of a cloud with other settings than [`TIGHT`].
 fn store_of(folder: &Path, name: &str, cloud: Cloud, settings: &Settings) -> PathBuf {
     let target = folder.join(name);
     let input = [Box::new(Held::new(Path::new("memory"), cloud).unwrap()) as Box<dyn Store>];
@@ -88,7 +89,7 @@ fn assert_same(text: &str, about: &str) {
     assert_same_of(text, about, Method::all().into_iter().filter(|method| !method.is_dealt()));
 }
 
-/// The same of some methods.
+/// Compares some methods with the camera that is found.
 fn assert_same_of(text: &str, about: &str, methods: impl Iterator<Item = Method>) {
     with_device(|device| {
         let mut differ = Vec::new();
@@ -316,8 +317,8 @@ fn several_stores_with_clips_classes_and_color_maps_have_the_bytes_of_memory() {
     assert_same(&text, "two stores");
 }
 
-/// The methods that deal points to ensembles: less of them than there are, and each several times; with the lists of both ways, and
-/// with all points on the device and some at a time.
+/// The methods that deal points to ensembles: less of them than there are, and each several times; with the lists of
+/// both ways, and with all points on the device and some at a time.
 fn assert_same_dealt(text: &str, about: &str, settings: &[(&str, f64)]) {
     let folder = tempfile::tempdir().unwrap();
     with_device(|device| {

@@ -1,4 +1,5 @@
-//! How often the host waits for the device, and frames whose counts are foreseen: their bytes are those of frames that wait.
+//! How often the host waits for the device, and frames whose counts are foreseen: their bytes are those of frames that
+//! wait.
 
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::gpu::{Buffer, Device, Dispatch, Memory, Run};
@@ -39,7 +40,7 @@ fn a_steady_frame_waits_once() {
                 // One that took long, as by compiling, lets the next one wait.
                 let steady = waits[2..].iter().copied().min().unwrap_or_default();
                 let name = method.name();
-                // What ensembles say of their spread is copied by itself.
+                // The standard error of ensembles is copied by itself.
                 let most = if method.is_dealt() && fragments { 2 } else { 1 };
                 assert!(steady <= most, "{name}: {waits:?} waits, lengths: {fragments}");
             }

@@ -4,6 +4,7 @@ mod camera_paths;
 mod classes;
 mod clips;
 mod coloring;
+mod comments;
 mod deep;
 mod edl;
 mod ensembles;

@@ -1,5 +1,5 @@
-// debug/agree: whether the words that a pass left are what was counted. One invocation per word; found holds the number of
-// words that aren't, and place, word and count of up to TOLD of them. Recorded in debug builds alone.
+// debug/agree: whether the words that a pass left are what was counted. One invocation per word; found holds the number
+// of words that aren't, and place, word and count of up to TOLD of them. Recorded in debug builds alone.
 #import dispatch
 
 struct Push {

@@ -1,5 +1,5 @@
-// foresee/compare: whether words that the device counted are at most what the host took for granted. One invocation per word;
-// go is set to 0 if one is more.
+// foresee/compare: whether words that the device counted are at most what the host took for granted. One invocation per
+// word; go is set to 0 if one is more.
 #import dispatch
 
 struct Push {

@@ -1,7 +1,8 @@
 //! Barriers between commands, and before the host reads.
 //!
-//! Without stamps a barrier stands only where a command meets what another one did since the last: it reads or writes what was
-//! written, or writes what was read. With stamps one stands before every pass, so that times are those of one pass.
+//! Without stamps a barrier stands only where a command meets what another one did since the last: it reads or writes
+//! what was written, or writes what was read. With stamps one stands before every pass, so that times are those of one
+//! pass.
 
 use ash::vk;
 

@@ -10,13 +10,14 @@ use crate::RawSlice;
 const UPDATE_BYTES: usize = 65_536;
 
 impl Recorder<'_> {
-    /// From here on dispatches and draws run only if the word is not 0; the end of the recording ends it.
+    /// Begins a condition: dispatches and draws run only if the word is not 0. The end of the recording ends it.
     pub(crate) fn begin_condition(&mut self, word: RawSlice) {
         self.end_condition();
         self.barrier_before(&[Touch::read(word)]);
         let Some(conditional) = &self.context.conditional else { return };
         let begin = vk::ConditionalRenderingBeginInfoEXT::default().buffer(word.buffer).offset(word.offset);
-        // SAFETY: the extension is enabled; the command buffer is recording outside of a render pass and of a condition.
+        // SAFETY: the extension is enabled; the command buffer is recording outside of a render pass and of a
+        // condition.
         unsafe { (conditional.fp().cmd_begin_conditional_rendering_ext)(self.commands, &begin) };
         self.conditional = true;
     }
@@ -34,7 +35,8 @@ impl Recorder<'_> {
         self.guards.note_write(to);
         for (number, part) in bytes.chunks(UPDATE_BYTES).enumerate() {
             let offset = to.offset + (number * UPDATE_BYTES) as u64;
-            // SAFETY: the range lies within the buffer: checked by the caller; offset and size are multiples of four bytes.
+            // SAFETY: the range lies within the buffer: checked by the caller; offset and size are multiples of four
+            // bytes.
             unsafe { self.context.device.cmd_update_buffer(self.commands, to.buffer, offset, part) };
         }
     }

@@ -47,7 +47,8 @@ impl Recorder<'_> {
                         self.touch_more();
                     }
                     let guard = if binding.access == Access::Uniform { 0 } else { guard::BYTES };
-                    // A buffer that fills the device's limit goes without, which only makes its `arrayLength` too short.
+                    // A buffer that fills the device's limit goes without, which only makes its `arrayLength` too
+                    // short.
                     let range = (bytes + guard).min(self.context.limits.range_bytes.max(bytes));
                     buffers.push([vk::DescriptorBufferInfo { buffer, offset, range }]);
                     let writes = binding.access == Access::ReadWrite;

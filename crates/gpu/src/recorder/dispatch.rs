@@ -7,9 +7,9 @@ use crate::{Error, Slice};
 /// Amount that a compute pass runs.
 #[derive(Debug, Clone, Copy)]
 pub enum Dispatch<'a> {
-    /// At least this many invocations, numbered by `invocation_index` in WGSL.
+    /// Invocations, at least this many, numbered by `invocation_index` in WGSL.
     Invocations(u64),
-    /// This many workgroups, numbered by `workgroup_index` in WGSL.
+    /// Workgroups, exactly this many, numbered by `workgroup_index` in WGSL.
     Groups(u64),
     /// Workgroups x, y, z from a buffer (its first three elements).
     Indirect(Slice<'a, u32>),

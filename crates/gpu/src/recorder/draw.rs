@@ -22,7 +22,8 @@ pub struct Targets<'a> {
     pub color: Option<(&'a Attachment, Blend)>,
     /// The depth attachment: the nearest fragment stays, the first of equals.
     pub depth: Option<&'a Attachment>,
-    /// The value of every component of the color attachment at first, with depths at 1; `None`: what an earlier draw left.
+    /// The value of every component of the color attachment at first, with depths at 1; `None`: what an earlier draw
+    /// left.
     pub clear: Option<f32>,
 }
 
@@ -105,8 +106,8 @@ impl<'a> Recorder<'a> {
         self.image_barrier(draw.targets, before, DRAWN);
         let (device, commands) = (&self.context.device, self.commands);
         // SAFETY: as in `run`; the area is within the framebuffer limits. Indirect arguments lie
-        // within their buffer, every buffer is made for that use, and the caller's passes never raise a count: the vertex
-        // shader reads no splat beyond those that a direct draw would read.
+        // within their buffer, every buffer is made for that use, and the caller's passes never raise a count: the
+        // vertex shader reads no splat beyond those that a direct draw would read.
         unsafe {
             device.cmd_begin_rendering(commands, &rendering);
             device.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, pipeline.raw);

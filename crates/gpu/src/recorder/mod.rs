@@ -1,8 +1,8 @@
 //! Records passes into one command buffer: the only place for barriers, labels, timestamps, binding and dispatching.
 //!
-//! Passes run as if one after another: a barrier stands before each that meets what an earlier one did. Where passes are
-//! stamped one stands before each, and timestamps are written at the end of the pipe at both ends of a pass, each followed by
-//! an execution barrier, without which lavapipe's stamps shift by one interval after a graphics pass.
+//! Passes run as if one after another: a barrier stands before each that meets what an earlier one did. Where passes
+//! are stamped one stands before each, and timestamps are written at the end of the pipe at both ends of a pass, each
+//! followed by an execution barrier, without which lavapipe's stamps shift by one interval after a graphics pass.
 
 mod barriers;
 mod condition;
@@ -52,7 +52,7 @@ impl<'a> Run<'a> {
         self
     }
 
-    /// With a variant.
+    /// Sets the variant of the pass's shader.
     pub fn variant(mut self, variant: Variant) -> Self {
         self.variant = variant;
         self
@@ -66,7 +66,7 @@ pub struct Submitted {
     pub passes: Vec<PassTime>,
     /// Time when it was submitted.
     pub begin: Instant,
-    /// From the submission to the end of waiting for it.
+    /// Time from the submission to the end of waiting for it.
     pub wall: Duration,
 }
 
@@ -133,7 +133,8 @@ impl<'a> Recorder<'a> {
     /// # gpu_struct! { pub struct WidthPush { width: u32 } }
     /// # pass! { @from SHADERS; pub Over(CountPush) = "test/over" { values: ReadWrite<u32> } }
     /// # pass! { @from SHADERS; pub Plain = "test/plain" { values: ReadWrite<u32> } }
-    /// # fn record<'a>(recorder: &mut Recorder<'a>, over: Over<'a>, plain: Plain<'a>, run: &Run<'a>) -> Result<(), Error> {
+    /// # type Out = Result<(), Error>;
+    /// # fn record<'a>(recorder: &mut Recorder<'a>, over: Over<'a>, plain: Plain<'a>, run: &Run<'a>) -> Out {
     /// recorder.run(&over, CountPush { count: 3 }, run)?;
     /// recorder.run(&plain, (), run)
     /// # }
@@ -144,7 +145,8 @@ impl<'a> Recorder<'a> {
     /// # gpu_struct! { pub struct WidthPush { width: u32 } }
     /// # pass! { @from SHADERS; pub Over(CountPush) = "test/over" { values: ReadWrite<u32> } }
     /// # pass! { @from SHADERS; pub Plain = "test/plain" { values: ReadWrite<u32> } }
-    /// # fn record<'a>(recorder: &mut Recorder<'a>, over: Over<'a>, plain: Plain<'a>, run: &Run<'a>) -> Result<(), Error> {
+    /// # type Out = Result<(), Error>;
+    /// # fn record<'a>(recorder: &mut Recorder<'a>, over: Over<'a>, plain: Plain<'a>, run: &Run<'a>) -> Out {
     /// recorder.run(&over, (), run) // wants a CountPush
     /// # }
     /// ```
@@ -154,7 +156,8 @@ impl<'a> Recorder<'a> {
     /// # gpu_struct! { pub struct WidthPush { width: u32 } }
     /// # pass! { @from SHADERS; pub Over(CountPush) = "test/over" { values: ReadWrite<u32> } }
     /// # pass! { @from SHADERS; pub Plain = "test/plain" { values: ReadWrite<u32> } }
-    /// # fn record<'a>(recorder: &mut Recorder<'a>, over: Over<'a>, plain: Plain<'a>, run: &Run<'a>) -> Result<(), Error> {
+    /// # type Out = Result<(), Error>;
+    /// # fn record<'a>(recorder: &mut Recorder<'a>, over: Over<'a>, plain: Plain<'a>, run: &Run<'a>) -> Out {
     /// recorder.run(&over, WidthPush { width: 3 }, run) // another pass's push constants
     /// # }
     /// ```
@@ -164,7 +167,8 @@ impl<'a> Recorder<'a> {
     /// # gpu_struct! { pub struct WidthPush { width: u32 } }
     /// # pass! { @from SHADERS; pub Over(CountPush) = "test/over" { values: ReadWrite<u32> } }
     /// # pass! { @from SHADERS; pub Plain = "test/plain" { values: ReadWrite<u32> } }
-    /// # fn record<'a>(recorder: &mut Recorder<'a>, over: Over<'a>, plain: Plain<'a>, run: &Run<'a>) -> Result<(), Error> {
+    /// # type Out = Result<(), Error>;
+    /// # fn record<'a>(recorder: &mut Recorder<'a>, over: Over<'a>, plain: Plain<'a>, run: &Run<'a>) -> Out {
     /// recorder.run(&plain, CountPush { count: 3 }, run) // declares none
     /// # }
     /// ```
@@ -178,7 +182,8 @@ impl<'a> Recorder<'a> {
         Ok(())
     }
 
-    /// Runs a compute pass that the submission's times know nothing of. The caller keeps its buffers until after the submission.
+    /// Runs a compute pass that the submission's times know nothing of. The caller keeps its buffers until after the
+    /// submission.
     pub(super) fn run_untimed<P: Pass>(&mut self, pass: &P, push: P::Push, run: &Run<'_>) -> Result<(), Error> {
         let (pipeline, set, touches) = self.prepare(pass, run, P::NAME)?;
         self.barrier_before(&touches);
@@ -210,7 +215,8 @@ impl<'a> Recorder<'a> {
     ) -> Result<(), Error> {
         let groups = self.groups(P::NAME, run.dispatch)?;
         let (device, commands) = (&self.context.device, self.commands);
-        // SAFETY: the recorder holds the pipeline and the set and borrows the buffers, until the submission has been waited for.
+        // SAFETY: the recorder holds the pipeline and the set and borrows the buffers, until the submission has been
+        // waited for.
         unsafe {
             device.cmd_bind_pipeline(commands, vk::PipelineBindPoint::COMPUTE, pipeline.raw);
             device.cmd_bind_descriptor_sets(commands, vk::PipelineBindPoint::COMPUTE, pipeline.layout, 0, &[set], &[]);
@@ -229,7 +235,7 @@ impl<'a> Recorder<'a> {
         Ok(())
     }
 
-    /// For what is compared in debug builds.
+    /// Returns the context, for checks in debug builds.
     pub(super) fn context(&self) -> &Arc<Context> {
         &self.context
     }

@@ -16,7 +16,7 @@ pub struct Sources {
     pub files: Dir<'static>,
     /// Names and values of constants of type u32. A shader that mentions one gets it, and so must not declare it.
     pub constants: &'static [&'static [(&'static str, u32)]],
-    /// The same of constants of type f32.
+    /// Names and values of constants of type f32.
     pub floats: &'static [&'static [(&'static str, f32)]],
 }
 

@@ -2,14 +2,14 @@
 //!
 //! # Files
 //!
-//! A crate that declares passes embeds its WGSL as [`Sources`]. `abuffer/store` is the stem of shaders/abuffer/store.wgsl: one
-//! entry point called [`ENTRY`]. Pieces that several shaders use lie under shaders/shared; they open with what they need
-//! from the shader that imports them.
+//! A crate that declares passes embeds its WGSL as [`Sources`]. `abuffer/store` is the stem of
+//! shaders/abuffer/store.wgsl: one entry point called [`ENTRY`]. Pieces that several shaders use lie under
+//! shaders/shared; they open with what they need from the shader that imports them.
 //!
 //! # Directives
 //!
-//! A line of a shader that begins with `#` is the composer's. Everything else is plain WGSL, whose declarations may come in any
-//! order.
+//! A line of a shader that begins with `#` is the composer's. Everything else is plain WGSL, whose declarations may
+//! come in any order.
 //!
 //! | line | becomes |
 //! |------|---------|
@@ -17,15 +17,16 @@
 //! | `#piece` | the shared piece that the pass names: `pass! { … = "label" in "stem" with "piece" { … } }` |
 //! | `#walker` | the shared piece that the variant names ([`Variant::walker`]) |
 //! | `#each NAME LINE` | LINE as often as the variant says of that name ([`Variant::each`]), with `{NAME}` = 0, 1, … |
-//! | `#repeat LINE` | LINE once for each input of the variant's sorting network ([`Variant::network`]), with `{i}` = 0, 1, … |
+//! | `#repeat LINE` | LINE for each input of the variant's sorting network ([`Variant::network`]), `{i}` = 0, 1, … |
 //! | `#comparators` | what sorts the variables x0, x1, … of that network by the shader's function `before` |
 //!
 //! # Numbers and variants
 //!
-//! A constant that Rust and WGSL share stands in Rust alone ([`Sources::constants`]): it is written before the source of every
-//! shader that mentions it, as are [`WORKGROUP`] by the name of `WG_SIZE`, a variant's own constants
-//! ([`Variant::constant`]), and `SUBGROUP` ([`Variant::subgroup`]). What else differs between the variants of a shader are WGSL's
-//! `override` values ([`Variant::with`]). A text constant serves where WGSL takes no override, as for the length of an array.
+//! A constant that Rust and WGSL share stands in Rust alone ([`Sources::constants`]): it is written before the source
+//! of every shader that mentions it, as are [`WORKGROUP`] by the name of `WG_SIZE`, a variant's own constants
+//! ([`Variant::constant`]), and `SUBGROUP` ([`Variant::subgroup`]). What else differs between the variants of a shader
+//! are WGSL's `override` values ([`Variant::with`]). A text constant serves where WGSL takes no override, as for the
+//! length of an array.
 //!
 //! [`Shader`] lists a pass with all its variants.
 
@@ -89,8 +90,8 @@ fn compile_stage<P: Pass>(stem: &str, variant: &Variant, all_bindings: bool) -> 
     Ok(words)
 }
 
-/// Compiles variants of a pass's shader and compares them with the declaration, past the cache. Variants that differ in overrides
-/// alone have the same text, which is parsed once.
+/// Compiles variants of a pass's shader and compares them with the declaration, past the cache. Variants that differ in
+/// overrides alone have the same text, which is parsed once.
 ///
 /// # Errors
 /// If one is no valid WGSL, differs from the declaration, or lacks an override that it sets.

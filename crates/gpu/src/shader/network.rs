@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-/// Pairs of Batcher's odd-even merge sort of `n` inputs (a power of two), in order: the smaller goes to the first place.
+/// Pairs of Batcher's odd-even merge sort of `n` inputs (a power of two), in order: the smaller goes to the first
+/// place.
 fn comparators(n: u32) -> Vec<(u32, u32)> {
     let mut pairs = Vec::new();
     let mut p = 1;

@@ -70,8 +70,8 @@ fn check_type(name: &str, module: &naga::Module, ty: naga::Handle<naga::Type>, d
     if found == declared { Ok(()) } else { Err(format!("{name}: {found} in WGSL, {declared} in Rust")) }
 }
 
-/// A type in WGSL's words, with the offsets of members, as [`Shape`] displays its own. An atomic counts as its scalar: the
-/// host sees no difference.
+/// A type in WGSL's words, with the offsets of members, as [`Shape`] displays its own. An atomic counts as its scalar:
+/// the host sees no difference.
 fn description(module: &naga::Module, ty: naga::Handle<naga::Type>) -> String {
     match &module.types[ty].inner {
         TypeInner::Struct { members, span } => {

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::{Reflection, check, reflection};
 use crate::{Compiled, Device, Error, Outputs, Pass};
 
-/// One of a shader's variants: values of overrides by name, and text constants.
+/// A variant of a shader: values of overrides by name, and text constants.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Variant {
     /// Overrides.
@@ -20,7 +20,8 @@ pub struct Variant {
     pub walker: Option<&'static str>,
     /// Names and counts for `#each`.
     pub counts: Vec<(&'static str, u32)>,
-    /// Invocations of a subgroup, for shaders whose workgroup is one subgroup or several; also the constant `SUBGROUP` in WGSL.
+    /// Invocations of a subgroup, for shaders whose workgroup is one subgroup or several; also the constant `SUBGROUP`
+    /// in WGSL.
     pub subgroup: Option<u32>,
 }
 
@@ -116,7 +117,7 @@ impl Shader {
     /// Compiles its variants and compares them with the declaration.
     ///
     /// # Errors
-    /// As [`check`].
+    /// Returns an error if [`check`] fails.
     pub fn check(&self) -> Result<(), Error> {
         (self.check)(&self.variants)
     }
@@ -124,7 +125,7 @@ impl Shader {
     /// Entry point and overrides of a variant.
     ///
     /// # Errors
-    /// As [`reflection`].
+    /// Returns an error if [`reflection`] fails.
     pub fn reflection(&self, variant: &Variant) -> Result<Reflection, Error> {
         (self.reflection)(variant)
     }

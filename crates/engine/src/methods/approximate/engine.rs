@@ -54,7 +54,7 @@ impl Engine for ApproximateEngine {
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
         let bytes = pixel_bytes(self.kind);
         let most = budget.window_pixels(tiled::counted_bytes(frame) + bytes);
-        // What is kept of a pixel from stage to stage fits a binding, which moments alone take more of than an image does.
+        // Per-pixel state must fit one binding. Only moments need more of it than the image.
         let bound = budget.binding.checked_div(bytes).unwrap_or(u64::MAX).max(1);
         Ok(bands::windows(frame.size, most.min(bound)))
     }

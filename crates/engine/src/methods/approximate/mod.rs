@@ -1,6 +1,6 @@
-//! Approximations of transparency that keep a few sums for each pixel, most of which go through tiles of splats once: `weighted`,
-//! `average`, `unsorted`, `hybrid` and `mlab`. Sums are compensated, so that neither the number of fragments nor where a run
-//! over a tile's splats ends shows in them.
+//! Approximations of transparency that keep a few sums for each pixel, most of which go through tiles of splats once:
+//! `weighted`, `average`, `unsorted`, `hybrid` and `mlab`. Sums are compensated, so that neither the number of
+//! fragments nor where a run over a tile's splats ends shows in them.
 
 mod engine;
 mod tail;
@@ -31,7 +31,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// The same for `hybrid`, how many fragments are composed exactly, and the least opacity of one.
+    /// Push constants of `hybrid`: number of fragments that are composed exactly, and the least opacity of one.
     pub struct HybridPush {
         walk: TileWalk,
         k: u32,
@@ -40,7 +40,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// The same for a round of `hybrid` over oriented discs, which has as many as it has slots.
+    /// Push constants of a round of `hybrid` over oriented discs, which composes as many fragments as it has slots.
     pub struct RoundPush {
         walk: TileWalk,
         core_alpha_min: f32,
@@ -48,7 +48,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// The same for `mlab`, and how many slots stay empty.
+    /// Push constants of `mlab`; `unused` slots stay empty.
     pub struct LayerPush {
         walk: TileWalk,
         unused: u32,
@@ -60,7 +60,7 @@ group! {
     pub Sums as SumsGroup {
         /// Premultiplied color and A of the window's pixels.
         image: ReadWrite<[f32; 4]>,
-        /// Their depths.
+        /// Depths of the window's pixels.
         depths: ReadWrite<f32>,
         /// State that a run leaves to the next.
         kept: ReadWrite<[f32; 4]>,
@@ -69,7 +69,8 @@ group! {
 
 pass! {
     /// Sums the splats of a tile with weights that fall with depth: one subgroup per block of a tile keeps the sums of
-    /// its pixels in registers and finds the pixels from them. A run takes 2048 splats, and the next goes on from the sums.
+    /// its pixels in registers and finds the pixels from them. A run takes 2048 splats, and the next goes on from the
+    /// sums.
     pub Weighted(SumPush) = "weighted/accumulate" in "approximate/weighted" {
         tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
@@ -110,9 +111,9 @@ pass! {
 }
 
 pass! {
-    /// Keeps the 8 nearest fragments of each pixel in slots by insertion, over oriented discs: one subgroup per block of
-    /// a tile goes through it region by region. It runs once for every 8 of `k`; fragments that fall out in the last round
-    /// are summed.
+    /// Keeps the 8 nearest fragments of each pixel in slots by insertion, over oriented discs: one subgroup per block
+    /// of a tile goes through it region by region. It runs once for every 8 of `k`; fragments that fall out in the last
+    /// round are summed.
     pub HybridOriented(RoundPush) = "hybrid/accumulate" in "approximate/hybrid_oriented" {
         tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
@@ -122,8 +123,8 @@ pass! {
 }
 
 pass! {
-    /// Keeps the nearest fragments of each pixel in slots by insertion, in the order of the files, and merges what falls out of
-    /// them into one last layer: region by region, as `hybrid/accumulate` over oriented discs.
+    /// Keeps the nearest fragments of each pixel in slots by insertion, in the order of the files, and merges what
+    /// falls out of them into one last layer: region by region, as `hybrid/accumulate` over oriented discs.
     pub Layers(LayerPush) = "mlab/accumulate" in "mlab/accumulate" {
         tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
@@ -160,7 +161,7 @@ pub enum Kind {
         k: u32,
         /// The least opacity of one.
         core_alpha_min: f32,
-        /// By how many moments the others are weighted, which are averaged otherwise.
+        /// Number of moments that weight the other fragments; `None` averages these.
         tail: Option<MomentCount>,
     },
     /// `mlab`, with so many layers.
@@ -181,8 +182,8 @@ pub struct WindowJob<'a> {
 }
 
 impl WindowJob<'_> {
-    /// Slots of each round of `hybrid` over oriented discs, the last of which has a tail, and of the only one of `mlab`. Empty
-    /// for all else.
+    /// Slots of each round of `hybrid` over oriented discs, the last of which has a tail, and of the only one of
+    /// `mlab`. Empty for all else.
     fn rounds(&self) -> Vec<u32> {
         match self.kind {
             Kind::Hybrid { k, .. } if self.bin.raster.footprint.may_cross() => rounds(k),
@@ -376,7 +377,7 @@ impl Approximations {
     }
 }
 
-/// One of the runs that it takes to get through the tiles' splats.
+/// A run of several that together process the tiles' splats.
 #[derive(Debug, Clone, Copy)]
 pub struct OneRun {
     /// Number of the part; all but the first go on from the result of others.
@@ -503,7 +504,8 @@ pub fn least_bytes(name: &str, facts: &Facts, kind: Kind, tilted: bool, pixels: 
     Some(rounds * (facts.tile_entries * splat + pixels * 20))
 }
 
-/// The variants of a pass: footprints and all falloffs with all of some ways, each with one run, and the first and second of two.
+/// The variants of a pass: footprints and all falloffs with all of some ways, each with one run, and the first and
+/// second of two.
 fn variants<W>(footprints: &[Footprint], ways: &[W], of: impl Fn(Variant, OneRun, &W) -> Variant) -> Vec<Variant> {
     let runs: Vec<OneRun> = [(0, 1), (0, 2), (1, 2)]
         .into_iter()

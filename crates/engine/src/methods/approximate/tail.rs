@@ -1,5 +1,6 @@
-//! The tail of `hybrid` by moments: two stages behind those that compose the first fragments. The first sums the moments of each
-//! pixel's other fragments, the second their colors, weighted by the light that moments leave before them.
+//! The tail of `hybrid` by moments: two stages behind those that compose the first fragments. The first sums the
+//! moments of each pixel's other fragments, the second their colors, weighted by the light that moments leave before
+//! them.
 
 use super::{Sums, SumsGroup};
 use crate::gpu::shader::Shader;
@@ -20,7 +21,8 @@ gpu_struct! {
 }
 
 pass! {
-    /// Sums the moments of the fragments behind the last one that `hybrid/accumulate` composed, as `moments/gather` those of all.
+    /// Sums the moments of the fragments behind the last one that `hybrid/accumulate` composed, as `moments/gather`
+    /// those of all.
     pub GatherTail(TailPush) = "hybrid/gather" in "approximate/hybrid_gather" {
         tiles: Shared<TiledGroup>,
         lasts: Read<[u32; 2]>,

@@ -35,7 +35,8 @@ impl DeepEngine<'_> {
         (**sink)(&lengths, &samples).map_err(Error::Samples)
     }
 
-    /// The samples of a window of discs, Gaussians or ellipsoids; how many there are at most, or `None` if the window must be cut.
+    /// The samples of a window of discs, Gaussians or ellipsoids; how many there are at most, or `None` if the window
+    /// must be cut.
     fn discs(
         &self,
         cloud: &mut DeviceCloud,

@@ -1,9 +1,10 @@
 //! Deep images: each pixel's list of fragments as samples with depths, in place of what they are blended to.
 //!
-//! `abuffer`, `linked-list`, `sorted` and `peel` draw the same fragments, so that their samples are those of the A-buffer's lists: counted,
-//! stored and sorted by its passes, window by window and band by band, and read back with their colors. Of ellipsoids and of the shells of
-//! `soft-concentric` a sample is a piece of the ray between two events, along which everything is of constant density: what OpenEXR calls a
-//! volume sample, and splits as such densities ask for.
+//! `abuffer`, `linked-list`, `sorted` and `peel` draw the same fragments, so that their samples are those of the
+//! A-buffer's lists: counted, stored and sorted by its passes, window by window and band by band, and read back with
+//! their colors. Of ellipsoids and of the shells of `soft-concentric` a sample is a piece of the ray between two
+//! events, along which everything is of constant density: what OpenEXR calls a volume sample, and splits as such
+//! densities ask for.
 
 mod engine;
 mod lists;
@@ -38,7 +39,7 @@ pub(crate) enum Source {
 }
 
 impl Source {
-    /// That of a method; `None` if it has no lists of fragments, or none that are of constant density.
+    /// Returns the source of a method; `None` if it has no lists of fragments, or none that are of constant density.
     pub fn of(method: &Method) -> Option<Self> {
         let merged = |discs| Discs { long_lists: LongLists::Merge, ..discs };
         match *method {

@@ -1,6 +1,6 @@
-//! Approximations that go through the tiles of splats twice and more: first they find how the light of each pixel fades with depth, as
-//! far as a few numbers tell, then they sum colors weighted by it. `moments` and `wavelet`. No order of splats is needed, and no memory
-//! that grows with fragments.
+//! Approximations that go through the tiles of splats twice and more: first they find how the light of each pixel fades
+//! with depth, as far as a few numbers tell, then they sum colors weighted by it. `moments` and `wavelet`. No order of
+//! splats is needed, and no memory that grows with fragments.
 
 mod engine;
 mod passes;

@@ -20,7 +20,7 @@ gpu_struct! {
 }
 
 impl Estimate {
-    /// That of settings, over depths from near to far.
+    /// Creates the constants of the estimate from settings, for depths from near to far.
     pub fn new(settings: &Moments, depth_range: [f32; 2]) -> Self {
         let [near, far] = depth_range.map(f64::from);
         let scale = (2.0 / (far / near).ln()) as f32;
@@ -44,8 +44,8 @@ gpu_struct! {
 }
 
 pass! {
-    /// Sums powers of the depths of each pixel's fragments, weighted by their optical depths: one subgroup per block of a tile goes
-    /// through it region by region.
+    /// Sums powers of the depths of each pixel's fragments, weighted by their optical depths: one subgroup per block of
+    /// a tile goes through it region by region.
     pub GatherMoments(MomentPush) = "moments/gather" in "moments/gather" {
         tiles: Shared<TiledGroup>,
         known: ReadWrite<[f32; 2]>,
@@ -79,7 +79,8 @@ pass! {
 }
 
 pass! {
-    /// Sums colors weighted by the light before them, which follows from the cells, as `moments/gather` goes through a tile.
+    /// Sums colors weighted by the light before them, which follows from the cells, as `moments/gather` goes through a
+    /// tile.
     pub WeighByCells(WaveletPush) = "wavelet/accumulate" in "wavelet/accumulate" {
         tiles: Shared<TiledGroup>,
         sums: Shared<SumsGroup>,
@@ -88,7 +89,7 @@ pass! {
     }
 }
 
-/// One of the runs that it takes to get through the tiles' splats.
+/// A run of several that together process the tiles' splats.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::methods) struct OneRun {
     /// `true` if it goes on from the result of others.
@@ -119,7 +120,8 @@ pub(super) fn with_cells(variant: Variant, cells: u32) -> Variant {
     variant.constant("CELLS", cells)
 }
 
-/// The variants of a stage: all discs with all of some numbers, each with the first of one run, and the first and the second of two.
+/// The variants of a stage: all discs with all of some numbers, each with the first of one run, and the first and the
+/// second of two.
 fn variants<N: Copy>(numbers: &[N], of: impl Fn(Variant, OneRun, N) -> Variant) -> Vec<Variant> {
     let runs: Vec<OneRun> = [(false, false), (false, true), (true, true)]
         .into_iter()
@@ -141,7 +143,7 @@ pub(in crate::methods) fn by_moments(of: fn(Variant, OneRun) -> Variant) -> Vec<
     variants(&MomentCount::ALL, |shape, run, count| with_moments(of(shape, run), count.get()))
 }
 
-/// Those of a stage with cells.
+/// Returns the variants of a stage with cells.
 fn by_cells(of: fn(Variant, OneRun) -> Variant) -> Vec<Variant> {
     let ranks: Vec<u32> = (1..=MAX_RANK).collect();
     variants(&ranks, |shape, run, rank| with_cells(of(shape, run), 2 << rank))

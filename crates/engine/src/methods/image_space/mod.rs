@@ -1,10 +1,10 @@
-//! `image-space`: 1-pixel points whose holes are closed by filters of the image (Dobrev, Rosenthal, Linsen 2010, Section 3).
-//! Layers of such images are blended by [`super::peel_layers`].
+//! `image-space`: 1-pixel points whose holes are closed by filters of the image (Dobrev, Rosenthal, Linsen 2010,
+//! Section 3). Layers of such images are blended by [`super::peel_layers`].
 //!
-//! An image is kept in tiles of 16 × 16 pixels, each of which knows its range of depths and whether it has background. Before
-//! each run of a filter a work list is made of the tiles that it may change, and the filter is dispatched indirectly over it.
-//! A tile has two places: a filter reads one and writes the other, so that nothing is copied, and tiles that are not
-//! listed cost nothing.
+//! An image is kept in tiles of 16 × 16 pixels, each of which knows its range of depths and whether it has background.
+//! Before each run of a filter a work list is made of the tiles that it may change, and the filter is dispatched
+//! indirectly over it. A tile has two places: a filter reads one and writes the other, so that nothing is copied, and
+//! tiles that are not listed cost nothing.
 
 mod engine;
 mod passes;
@@ -35,7 +35,7 @@ use windows::TILE;
 const AREA: u64 = (TILE * TILE) as u64;
 /// Bytes per pixel of a window and its halo: nearest point, and two places for depth and color.
 const PIXEL_BYTES: u64 = 8 + 2 * (4 + 16);
-/// As much again where layers are peeled: limit, and number of layers.
+/// Additional bytes per pixel where layers are peeled: limit, and number of layers.
 const LAYER_BYTES: u64 = 4 + 4;
 /// Bytes per tile: its properties, and its place in the work list.
 const TILE_BYTES: u64 = 16 + 8;
@@ -79,7 +79,7 @@ pub struct WindowJob<'a> {
     pub cloud: &'a DeviceCloud,
     /// Result that is delivered.
     pub window: Window,
-    /// The same with its halo: the rectangle that is rendered.
+    /// The window with its halo: the rectangle that is rendered.
     pub outer: Window,
     /// Settings of how points are shaded.
     pub how: &'a Projecting,
@@ -268,7 +268,8 @@ impl Filterer {
         }
     }
 
-    /// Records the points of a layer: of a later one with limits, and of one whose dispatches the device may empty, with these.
+    /// Records the points of a layer: of a later one with limits, and of one whose dispatches the device may empty,
+    /// with these.
     pub(super) fn record_points<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,

@@ -121,8 +121,8 @@ pass! {
 }
 
 pass! {
-    /// Replaces each pixel by the weighted mean of the 3 × 3 around it that are not background; once for each iteration,
-    /// over listed tiles.
+    /// Replaces each pixel by the weighted mean of the 3 × 3 around it that are not background; once for each
+    /// iteration, over listed tiles.
     pub Smooth(FilterPush) = "image-space/smooth" in "image_space/smooth" {
         tiled: Shared<TiledGroup>,
     }
@@ -161,7 +161,7 @@ pub enum Filter {
 }
 
 impl Filter {
-    /// In the order in which they run.
+    /// All filters in the order in which they run.
     pub const ALL: [Self; 4] = [Self::Fill, Self::Occlusion, Self::Smooth, Self::Antialias];
 
     /// Returns `true` if a tile that the filter left alone stays as it is when it runs again, unless something around
@@ -171,14 +171,14 @@ impl Filter {
     }
 }
 
-/// Whose work list it is.
+/// Pass that a work list of tiles belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Listed {
     /// A filter's.
     Filter(Filter),
-    /// That of shading.
+    /// Shading.
     Resolve,
-    /// That of the pass that puts a finished image into the window.
+    /// The pass that puts a finished image into the window.
     Deliver,
 }
 

@@ -72,12 +72,12 @@ impl Engine for OneLayerEngine {
     }
 
     /// Draws soft points into the layer, then all points, soft ones only behind the layer, and lays the layer over
-    /// them. Without a layer it draws the solid points. The last projection holds every splat that covers a pixel, so that it is
-    /// the one to be counted.
+    /// them. Without a layer it draws the solid points. The last projection holds every splat that covers a pixel, so
+    /// that it is the one to be counted.
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let OneLayer { threshold, softness } = self.settings;
         if work.frame.fragments {
-            // What tiles of large splats may take, which are made behind the layer.
+            // Large splats are binned behind the layer: memory for their tiles is set aside.
             work.budget.tiles = work.budget.bytes / 8;
         }
         let mut met = None;

@@ -1,6 +1,6 @@
-//! `one-layer`: the nearest soft points make a transparent layer before everything else, which is opaque (Seemann et al. 2018).
-//! Three-pass splats ([`super::splats`]) of the soft points give the layer; those of all points, soft ones only where they lie
-//! behind it, give the rest.
+//! `one-layer`: the nearest soft points make a transparent layer before everything else, which is opaque (Seemann et
+//! al. 2018). Three-pass splats ([`super::splats`]) of the soft points give the layer; those of all points, soft ones
+//! only where they lie behind it, give the rest.
 //!
 //! Reference: [`crate::reference::one_layer`].
 

@@ -1,9 +1,10 @@
-//! `peel`: exact depth peeling of the discs of `abuffer`, layer after layer, in memory that does not grow with the layers.
+//! `peel`: exact depth peeling of the discs of `abuffer`, layer after layer, in memory that does not grow with the
+//! layers.
 //!
-//! A layer visits every splat: each pixel keeps the smallest rank (depth key, then index) behind the last one peeled, by
-//! atomic minimum; then the fragment of that rank is blended behind what is there. Coincident fragments differ in rank, so
-//! none is lost. Layers are submitted by the batch, their dispatches indirect: after a layer without a fragment the device
-//! makes those that follow empty, and the host looks only between batches.
+//! A layer visits every splat: each pixel keeps the smallest rank (depth key, then index) behind the last one peeled,
+//! by atomic minimum; then the fragment of that rank is blended behind what is there. Coincident fragments differ in
+//! rank, so none is lost. Layers are submitted by the batch, their dispatches indirect: after a layer without a
+//! fragment the device makes those that follow empty, and the host looks only between batches.
 
 mod engine;
 
@@ -25,15 +26,15 @@ use crate::passes::raster::{self, Chunk, ChunkGroup, Raster, RasterPush};
 use crate::scene::{Falloff, Peel};
 use crate::{gpu_struct, pass};
 
-/// Layers of a submission. Longer ones save nothing (400 layers of 256 pixels took 0.55 s with 4 as with 128), but all that
-/// are recorded beyond the last layer cost something: frames of four layers took 4, 6, 8 and 23 ms with 4, 16, 32 and 128
-/// (medians of 7, lavapipe).
+/// Layers of a submission. Longer ones save nothing (400 layers of 256 pixels took 0.55 s with 4 as with 128), but all
+/// that are recorded beyond the last layer cost something: frames of four layers took 4, 6, 8 and 23 ms with 4, 16, 32
+/// and 128 (medians of 7, lavapipe).
 const BATCH: u32 = 16;
-/// The same where the last window tells how many there are.
+/// Layers of a submission where the last window predicts their number.
 const MOST_FORESEEN: u32 = 256;
 /// Bytes per pixel of a window: last rank and smallest rank.
 const PIXEL_BYTES: u64 = 16;
-/// As much again where list lengths and layers are counted.
+/// Additional bytes per pixel where list lengths and layers are counted.
 const COUNTED_BYTES: u64 = 8;
 
 gpu_struct! {

@@ -1,9 +1,9 @@
-//! `peel-layers`: layers of point surfaces, each filtered as an image of its own, blended front to back (Dobrev, Rosenthal,
-//! Linsen 2010, Sections 4 and 5).
+//! `peel-layers`: layers of point surfaces, each filtered as an image of its own, blended front to back (Dobrev,
+//! Rosenthal, Linsen 2010, Sections 4 and 5).
 //!
-//! A layer visits every point; those nearer than what the layer before shows in their pixel after its filters, plus d̃, are
-//! left out. Layers are submitted by the batch, their dispatches indirect: after a layer without a point the device makes
-//! those that follow empty, and the host looks only between batches.
+//! A layer visits every point; those nearer than what the layer before shows in their pixel after its filters, plus d̃,
+//! are left out. Layers are submitted by the batch, their dispatches indirect: after a layer without a point the device
+//! makes those that follow empty, and the host looks only between batches.
 
 mod engine;
 
@@ -42,8 +42,8 @@ gpu_struct! {
 }
 
 pass! {
-    /// Composes the filtered layer behind the layers of each pixel, in tiles that are not background alone, and sets the
-    /// limit of the next layer.
+    /// Composes the filtered layer behind the layers of each pixel, in tiles that are not background alone, and sets
+    /// the limit of the next layer.
     pub Blend(BlendPush) = "peel-layers/blend" in "peel_layers/blend" {
         entries: Read<[u32; 2]>,
         depths: Read<f32>,
@@ -85,8 +85,8 @@ pub struct LayerPeeler {
     last_layers: u32,
 }
 
-/// The dispatches of a layer in one buffer: of each chunk's points, then over all tiles. What goes over lists has none where
-/// these have none.
+/// The dispatches of a layer in one buffer: of each chunk's points, then over all tiles. What goes over lists has none
+/// where these have none.
 #[derive(Clone, Copy)]
 struct Dispatches<'a> {
     all: Slice<'a, u32>,

@@ -1,5 +1,5 @@
-//! `points`: 1-pixel opaque points. A point is one pixel, so that no splats are made: each goes straight to its pixel, and
-//! only those that win there are shaded.
+//! `points`: 1-pixel opaque points. A point is one pixel, so that no splats are made: each goes straight to its pixel,
+//! and only those that win there are shaded.
 //!
 //! The equations are those of the other opaque methods ([`super::opaque`]), the projection is `project/splats`'s own.
 
@@ -76,12 +76,12 @@ pass! {
 /// The passes that find the nearest points, by 64-bit atomics and without.
 pub(crate) const NEAREST: [&str; 3] = ["points/nearest", "points/nearest-depth", "points/nearest-id"];
 
-/// Points of one invocation, at most 32. Those of doubtful pixel are done once more at the end: the more points, the fewer
-/// such ends.
+/// Points of one invocation, at most 32. Those of doubtful pixel are done once more at the end: the more points, the
+/// fewer such ends.
 pub(super) const RUN: u64 = 16;
 
-/// The variant of the passes that find the nearest points: `cull`: without those that face away; `limited`: without those
-/// nearer than their pixel's limit.
+/// The variant of the passes that find the nearest points: `cull`: without those that face away; `limited`: without
+/// those nearer than their pixel's limit.
 fn nearest_variant(cull: bool, limited: bool) -> Variant {
     Variant::plain().with("RUN", RUN as u32).with("CULL", u32::from(cull)).with("LIMITED", u32::from(limited))
 }

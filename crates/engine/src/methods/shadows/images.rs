@@ -1,5 +1,5 @@
-//! Shadows of clouds whose points come to the device some at a time: all points are shown to the lights first, whose images stay on
-//! the device. Then the points of each window find their shares of light in them.
+//! Shadows of clouds whose points come to the device some at a time: all points are shown to the lights first, whose
+//! images stay on the device. Then the points of each window find their shares of light in them.
 
 use std::sync::Arc;
 
@@ -29,7 +29,8 @@ fn check_all(count: u64, resolution: u32, budget: u64) -> Result<(), Error> {
     Err(Error::ShadowImages { count, resolution, needed, budget, largest })
 }
 
-/// Makes the images of all lights from all points, at most `room` of them on the device at a time. `how` is that of any frame.
+/// Makes the images of all lights from all points, at most `room` of them on the device at a time. `how` is that of any
+/// frame.
 pub(crate) fn see(
     device: &Device,
     cloud: &mut DeviceCloud,

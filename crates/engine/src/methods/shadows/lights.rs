@@ -59,7 +59,7 @@ pub fn light(casting: &Casting, bounds: &Bounds, i: u32) -> Light {
     }
 }
 
-/// From a position to the middle of the bounds, of length 1; down if that is where it is.
+/// Unit vector from a position to the middle of the bounds; down if both coincide.
 fn toward(position: DVec3, bounds: &Bounds) -> DVec3 {
     (bounds.center() - position).try_normalize().unwrap_or(DVec3::NEG_Y)
 }

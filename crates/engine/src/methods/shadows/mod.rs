@@ -1,9 +1,9 @@
-//! Shadow textures: one share of light for each point, found once for a light and kept with the cloud (Dobrev et al. 2010,
-//! Section 6).
+//! Shadow textures: one share of light for each point, found once for a light and kept with the cloud (Dobrev et al.
+//! 2010, Section 6).
 //!
-//! For each light that stands for an area the points' smallest depths are found per pixel of a square image, holes in its
-//! surfaces filled, and all points compared with it: whoever lies more than d̃ / |n_z| behind loses that light. Counts are
-//! whole numbers, so that neither chunks nor the order of lights show.
+//! For each light that stands for an area the points' smallest depths are found per pixel of a square image, holes in
+//! its surfaces filled, and all points compared with it: whoever lies more than d̃ / |n_z| behind loses that light.
+//! Counts are whole numbers, so that neither chunks nor the order of lights show.
 
 mod images;
 pub mod lights;

@@ -38,7 +38,8 @@ impl SpheresEngine {
         Projecting { relative_depth: true, ..projecting(frame, cloud, &self.soft, kind.footprint()) }
     }
 
-    /// Hands the lists of a window's soft points, which lie before its layer, to `go_on`; `None` if the window must be cut.
+    /// Hands the lists of a window's soft points, which lie before its layer, to `go_on`; `None` if the window must be
+    /// cut.
     fn soft_points<T>(
         &self,
         cloud: &mut DeviceCloud,
@@ -127,7 +128,7 @@ pub(crate) struct Solids {
 }
 
 impl Solids {
-    /// Those of a layer; `None` if no point is solid.
+    /// Reads the solid points of a layer; `None` if no point is solid.
     fn read(layer: &Layer, range: [u64; 2], origin: f32, parts: Parts) -> Result<Option<Self>, Error> {
         if parts.solid == 0 {
             return Ok(None);

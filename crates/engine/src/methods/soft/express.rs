@@ -1,6 +1,7 @@
-//! `soft-express` (Seemann et al. 2018, Section 3.3): soft points as discs that face the viewer, blended front to back in the
-//! order in which they lie along the axis nearest to the viewing direction. That order is made once for a cloud, so that a frame
-//! sorts nothing; it is the order of depth for orthographic views along an axis, and close to it otherwise.
+//! `soft-express` (Seemann et al. 2018, Section 3.3): soft points as discs that face the viewer, blended front to back
+//! in the order in which they lie along the axis nearest to the viewing direction. That order is made once for a cloud,
+//! so that a frame sorts nothing; it is the order of depth for orthographic views along an axis, and close to it
+//! otherwise.
 
 use super::{Layer, SoftModel, record_compose};
 use crate::choices::Choices;

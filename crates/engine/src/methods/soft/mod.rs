@@ -70,9 +70,9 @@ pub struct SoftModel {
 
 /// Optical depth through which nothing is seen, however little of it there is: for a peak opacity of 1.
 const OPAQUE: f64 = 1e20;
-/// Optical depth of a sphere from which on float32 shows: where a ray passes so near to the rim that a sphere of optical depth
-/// D is neither opaque nor clear, 1 − d/r is about D^(−2/3), of which float32 leaves 2·10⁻⁷. At this D that makes an error
-/// of 10⁻⁵ in the opacity; it grows as D^(2/3).
+/// Optical depth of a sphere from which on float32 shows: where a ray passes so near to the rim that a sphere of
+/// optical depth D is neither opaque nor clear, 1 − d/r is about D^(−2/3), of which float32 leaves 2·10⁻⁷. At this D
+/// that makes an error of 10⁻⁵ in the opacity; it grows as D^(2/3).
 const STIFF: f64 = 1e3;
 
 impl SoftModel {

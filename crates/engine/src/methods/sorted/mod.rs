@@ -1,5 +1,5 @@
-//! `sorted`: splats sorted once by the depth of their centers, binned to tiles in that order, blended front to back tile by
-//! tile, until nothing behind can be seen. Exact for flat discs; approximate where oriented ones cross.
+//! `sorted`: splats sorted once by the depth of their centers, binned to tiles in that order, blended front to back
+//! tile by tile, until nothing behind can be seen. Exact for flat discs; approximate where oriented ones cross.
 //!
 //! The order is that of the A-buffer, depth and then content.
 
@@ -41,10 +41,10 @@ pass! {
 /// Fragments that may be left out at the back of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub enum Stop {
-    /// Those that change no bit of the image.
+    /// Fragments that change no bit of the image.
     #[default]
     Exact,
-    /// Those that change no 8-bit value of the composed image by more than a quarter of a step.
+    /// Fragments that change no 8-bit value of the composed image by more than a quarter of a step.
     EightBit {
         /// `true` if the image goes without background, so that color is divided by A.
         transparent: bool,
@@ -112,7 +112,7 @@ pub(crate) const STOP_NEVER: u32 = 0;
 pub(crate) const STOP_EXACT: u32 = 1;
 pub(crate) const STOP_SRGB: u32 = 2;
 pub(crate) const STOP_ENCODED: u32 = 3;
-/// Those that stop somewhere.
+/// Values of `STOP` with an early end.
 pub(crate) const STOPS: [u32; 3] = [STOP_EXACT, STOP_SRGB, STOP_ENCODED];
 
 /// Constants that shaders share with this module.
@@ -124,7 +124,8 @@ pub fn stop(stop: Stop, space: ColorSpace, most: f32) -> (u32, f32) {
     match stop {
         Stop::Exact => (STOP_EXACT, most),
         Stop::EightBit { transparent } => {
-            // The background may come behind. Without one, C / A moves by at most T (m + 1) / A, and A is above 0.9 here.
+            // The background may come behind. Without one, C / A moves by at most T (m + 1) / A, and A is above 0.9
+            // here.
             let most = most.max(1.0);
             let most = if transparent { (most + 1.0) * 1.2 } else { most };
             (if space == ColorSpace::Linear { STOP_SRGB } else { STOP_ENCODED }, most)

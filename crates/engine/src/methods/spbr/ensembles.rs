@@ -22,8 +22,8 @@ use crate::passes::project::Column;
 
 /// Most slots after which is submitted, so that no submission takes seconds.
 const SUBMITTED_SLOTS: u64 = 1 << 23;
-/// The same for each of the pieces that keep a device busy: on a CPU a frame can be stopped, and a window shows the next one, in
-/// a tenth of a second, too.
+/// Most slots of each of the pieces that keep a device busy. On a CPU, too, a frame can then be stopped, and a window
+/// shows the next one, within a tenth of a second.
 const SUBMITTED_SLOTS_OF_A_RUN: u64 = 1 << 15;
 /// Passes after which is submitted.
 const SUBMITTED_PASSES: u32 = 100;

@@ -144,7 +144,7 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// For so many ensembles and colors of up to `max_color`: a power of two, at most 2^22.
+    /// Creates the scale for `ensembles` ensembles and colors of up to `max_color`: a power of two, at most 2^22.
     pub fn new(ensembles: u32, max_color: f32) -> Self {
         let most = f64::from(u32::MAX / ensembles.max(1));
         let bits = (most / f64::from(max_color.max(1.0))).log2().floor().clamp(0.0, 22.0);

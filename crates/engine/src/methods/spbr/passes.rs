@@ -97,8 +97,8 @@ pass! {
 }
 
 pass! {
-    /// Takes the maximum of `spbr/draw` alone, where colors are shaded, too many to be bound together, or not all on the
-    /// device.
+    /// Takes the maximum of `spbr/draw` alone, where colors are shaded, too many to be bound together, or not all on
+    /// the device.
     pub Nearest(SlotsPush) = "spbr/nearest" with "nearest_wide" {
         slots: Shared<SlotsGroup>,
         nearest: ReadWrite<u64>,
@@ -122,7 +122,8 @@ pass! {
 }
 
 pass! {
-    /// Visits the slots again, and adds the colors of the nearest points, shaded only here, to the sums of their pixels.
+    /// Visits the slots again, and adds the colors of the nearest points, shaded only here, to the sums of their
+    /// pixels.
     pub Sum(SlotsPush) = "spbr/sum" {
         slots: Shared<SlotsGroup>,
         nearest: Read<[u32; 2]>,

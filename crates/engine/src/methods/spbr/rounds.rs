@@ -164,7 +164,7 @@ pub struct Epochs {
 }
 
 impl Epochs {
-    /// For planes that were just cleared. Without bits there is one epoch.
+    /// Starts the epochs of planes that were just cleared. Without bits there is one epoch.
     pub fn new(bits: u32) -> Self {
         Self { bits, next: 1 }
     }

@@ -27,7 +27,7 @@ impl Placed {
 /// The share of a cloud in a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Share {
-    /// Its points in the list.
+    /// Range of the cloud's points in the list.
     pub points: Range<u64>,
     /// Slots dealt to all ensembles together: M.
     pub slots: u64,

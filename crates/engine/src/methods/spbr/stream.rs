@@ -1,8 +1,8 @@
 //! Points that pass through the device while a window is rendered, for clouds that don't fit.
 //!
-//! The host keeps all points, in memory or in a file, the device some of them at a time, column behind column in one buffer. The order of the
-//! dispatches determines which ones: a submission contains as many dispatches as can have all of their points on the
-//! device.
+//! The host keeps all points, in memory or in a file, the device some of them at a time, column behind column in one
+//! buffer. The order of the dispatches determines which ones: a submission contains as many dispatches as can have all
+//! of their points on the device.
 
 use std::ops::Range;
 

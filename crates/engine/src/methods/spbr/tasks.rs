@@ -20,7 +20,7 @@ pub struct Task {
     pub stage: Stage,
     /// Place of its cloud among the others.
     pub cloud: usize,
-    /// Its slots and points.
+    /// Range of slots and points.
     pub piece: Piece,
 }
 

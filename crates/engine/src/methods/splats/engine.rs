@@ -80,7 +80,7 @@ pub(crate) struct Drawing<'a> {
     pub blend_depth: f32,
     /// Bytes per pixel that are in use meanwhile.
     pub used_bytes: u64,
-    /// Their destination.
+    /// The destination of colors and depths.
     pub onto: Onto,
 }
 

@@ -1,9 +1,9 @@
-//! Opaque splats in three passes (`hqs`, `splats`; Botsch, Spernat, Kobbelt 2004), which blend what lies close together:
-//! visibility, attributes, normalization. Other methods take them for their solid points. Those whose nearest one wins are
-//! [`super::opaque`].
+//! Opaque splats in three passes (`hqs`, `splats`; Botsch, Spernat, Kobbelt 2004), which blend what lies close
+//! together: visibility, attributes, normalization. Other methods take them for their solid points. Those whose nearest
+//! one wins are [`super::opaque`].
 //!
-//! Splats go through tiles in canonical order and their sums are compensated, so that neither windows nor runs over a tile's
-//! splats change a byte.
+//! Splats go through tiles in canonical order and their sums are compensated, so that neither windows nor runs over a
+//! tile's splats change a byte.
 //!
 //! Reference: [`crate::reference::splats`].
 
@@ -190,7 +190,7 @@ pub fn survey(device: &Device, job: &bin::Job<'_>, facts: &mut Facts) -> Result<
     Ok(outcome)
 }
 
-/// One of the runs that it takes to get through the tiles' splats.
+/// A run of several that together process the tiles' splats.
 #[derive(Debug, Clone, Copy)]
 pub struct OneRun {
     /// `true` if it goes on from the result of others.

@@ -1,9 +1,9 @@
 //! The samples' passes over the splats as their paper has them: by multisampled rasterization (`raster = "hardware"`).
 //!
-//! A stratum is two draws of all splats. In the first one the depth test keeps the nearest fragment of each sample among
-//! those whose mask has the sample; the second one compares every fragment with what the samples of its pixel hold, and sums
-//! by blending. Splats are drawn in canonical order, so that the depth test settles ties by index, and sums come in the same
-//! order every time.
+//! A stratum is two draws of all splats. In the first one the depth test keeps the nearest fragment of each sample
+//! among those whose mask has the sample; the second one compares every fragment with what the samples of its pixel
+//! hold, and sums by blending. Splats are drawn in canonical order, so that the depth test settles ties by index, and
+//! sums come in the same order every time.
 
 use super::{Batch, Kind, Sampler, WindowJob, most_strata};
 use crate::camera::{Camera, Projection};
@@ -65,7 +65,8 @@ pass! {
 }
 
 pass! {
-    /// Draws all splats once for each 4 samples, and blends color and opacity over the samples that hold nothing nearer.
+    /// Draws all splats once for each 4 samples, and blends color and opacity over the samples that hold nothing
+    /// nearer.
     pub DrawSums(StratumPush) = "stochastic/draw-sums" in "stochastic/draw_sums" {
         quads: Shared<QuadsGroup>,
         depths: Texture<DepthSamples>,
@@ -74,8 +75,8 @@ pass! {
 }
 
 pass! {
-    /// Moves 4 samples of each pixel from the attachments into the buffers that compute shaders fill elsewhere, with the
-    /// nearest depth.
+    /// Moves 4 samples of each pixel from the attachments into the buffers that compute shaders fill elsewhere, with
+    /// the nearest depth.
     pub Fold(FoldPush) = "stochastic/fold" {
         held_depths: Texture<DepthSamples>,
         drawn: Texture<Pixels>,
@@ -117,7 +118,7 @@ impl HeldDepths {
 #[derive(Clone, Copy)]
 struct Stratum {
     batch: Batch,
-    /// Its number in the batch.
+    /// Number of the stratum in the batch.
     number: u32,
     depths: HeldDepths,
 }

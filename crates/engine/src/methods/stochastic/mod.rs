@@ -1,9 +1,10 @@
-//! `stochastic`: multi-sample stochastic transparency of the discs of `abuffer` (Enderton, Sintorn, Shirley, Luebke 2011).
+//! `stochastic`: multi-sample stochastic transparency of the discs of `abuffer` (Enderton, Sintorn, Shirley, Luebke
+//! 2011).
 //!
-//! Each fragment covers random samples of its pixel ([`crate::random`]); a sample holds the nearest fragment that covers
-//! it, and a fragment counts in the samples that hold nothing nearer. No order of fragments is needed, but two passes over
-//! the splats for each few strata of four samples. What a stratum says is one of many independent estimates, whose spread
-//! tells the standard error.
+//! Each fragment covers random samples of its pixel ([`crate::random`]); a sample holds the nearest fragment that
+//! covers it, and a fragment counts in the samples that hold nothing nearer. No order of fragments is needed, but two
+//! passes over the splats for each few strata of four samples. What a stratum says is one of many independent
+//! estimates, whose spread tells the standard error.
 //!
 //! Reference: [`crate::reference::stochastic`].
 
@@ -52,8 +53,8 @@ gpu_struct! {
 }
 
 pass! {
-    /// Adds the sums of a run's strata to those before in each pixel, and their spread where the standard error is asked
-    /// for.
+    /// Adds the sums of a run's strata to those before in each pixel, and their spread where the standard error is
+    /// asked for.
     pub Gather(GatherPush) = "stochastic/gather" {
         sums: Read<[f32; 4]>,
         image: ReadWrite<[f32; 4]>,
@@ -164,8 +165,9 @@ pub fn window_pixels(budget: Budget, bytes_per_pixel: u64, spread: bool) -> u64 
 /// square over pixels and R, G, B), from those of a round with `samples`; `None` where they have, or where there are
 /// `limit` samples already.
 ///
-/// Rounds begin anew: what stands in a window's buffers is gone when the next window is rendered, and whether one window or
-/// many make up the frame must not change it. Since errors fall as 1/√samples, the second round is mostly the last.
+/// Rounds begin anew: what stands in a window's buffers is gone when the next window is rendered, and whether one
+/// window or many make up the frame must not change it. Since errors fall as 1/√samples, the second round is mostly the
+/// last.
 pub fn more_samples(samples: u32, limit: u32, errors: &[[f32; 3]], most: f32) -> Option<u32> {
     let mean = image::mean_square(errors);
     if samples >= limit || mean.sqrt() <= f64::from(most) {

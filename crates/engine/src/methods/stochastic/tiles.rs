@@ -46,8 +46,8 @@ pass! {
     }
 }
 
-/// The variant of `stochastic/visibility`, from that of shape and falloff; `later`: a run of a tile's splats that goes on
-/// from what earlier ones left.
+/// The variant of `stochastic/visibility`, from that of shape and falloff; `later`: a run of a tile's splats that goes
+/// on from what earlier ones left.
 fn tile_variant(shape: Variant, strata: u32, later: bool, lanes: Lanes) -> Variant {
     bin::region_variant(shape, later, lanes)
         .constant("STRATA", strata)

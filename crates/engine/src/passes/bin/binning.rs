@@ -26,8 +26,8 @@ pub(super) const INDEX_BITS: u32 = 32 - BLOCKS;
 const WALK_BLOCK: u32 = 32;
 /// Most iterations of an invocation that walks tiles: below what one driver allows (65 535).
 const MOST_ITERATIONS: u64 = 50_000;
-/// Splats of a tile that one run takes, at five iterations each. Runs are composed by themselves and then joined, so that
-/// the smallest opacities don't round away in a sum of millions.
+/// Splats of a tile that one run takes, at five iterations each. Runs are composed by themselves and then joined, so
+/// that the smallest opacities don't round away in a sum of millions.
 pub(super) const SEGMENT: u32 = 2048;
 /// Returns the same for stages that go through tiles region by region, whose workgroups note that many: wide ones may
 /// not take the room of others.
@@ -269,7 +269,8 @@ mod tests {
         // Blending: up to four blocks of every splat, and the steps.
         for subgroup in [4, 8, 16, 32] {
             assert!(SEGMENT * 4 + SEGMENT / subgroup < 60_000);
-            // Block by block: the steps to pick splats; then every splat and the steps, for each of the block's regions.
+            // Block by block: the steps to pick splats; then every splat and the steps, for each of the block's
+            // regions.
             let taken = region_segment(subgroup);
             let steps = taken.div_ceil(subgroup);
             assert!(steps + (taken + steps + 1) * (BLOCK_SIDE.pow(2) / subgroup) < 60_000);

@@ -1,6 +1,7 @@
-//! Binning: the drawn splats of a window put into an order, and into a list for each 16 × 16 tile that their rectangles meet,
-//! in that order. Stages that go through the lists have their pixels for themselves, and need no atomics. Lists hold indices:
-//! splats themselves stay in canonical order, in which those of a tile lie close together, so that caches serve them.
+//! Binning: the drawn splats of a window put into an order, and into a list for each 16 × 16 tile that their rectangles
+//! meet, in that order. Stages that go through the lists have their pixels for themselves, and need no atomics. Lists
+//! hold indices: splats themselves stay in canonical order, in which those of a tile lie close together, so that caches
+//! serve them.
 //!
 //! The sort is stable and points come in canonical order, so that the lists follow from the points alone.
 
@@ -40,14 +41,14 @@ use crate::prepare::axes::Axis;
 /// The order of splats in tiles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Order {
-    /// By the depth of their centers, then by index: that of blending, front to back.
+    /// Depth of the centers, then index: the order of blending, front to back.
     #[default]
     Depth,
-    /// By index: the canonical one, which costs no sort to speak of.
+    /// Index: the canonical order, which costs hardly any sort.
     Index,
-    /// As they stand in the files, the last one first: over-blending front to back.
+    /// Order of the files, the last splat first: over-blending front to back.
     File,
-    /// As they stand in the files, the first one first.
+    /// Order of the files, the first splat first.
     Arrival,
     /// Along an axis of the world, in an order that the cloud brings ([`DeviceCloud::sort_along`]): nothing is sorted.
     Along(Axis),
@@ -63,7 +64,7 @@ pub const RECORD_BYTES: u64 = 8;
 pub struct Job<'a> {
     /// The projected cloud; its walker is not used.
     pub raster: Raster<'a>,
-    /// Their order.
+    /// The order of splats in tiles.
     pub order: Order,
     /// Near and far.
     pub depth_range: [f32; 2],
@@ -92,7 +93,7 @@ pub enum Bin {
     Nothing,
     /// The tiles take too much memory: the window must be cut.
     TooLarge,
-    /// It is binned.
+    /// The window is binned.
     Done(Binned),
 }
 
@@ -103,7 +104,7 @@ pub enum Survey {
     Nothing,
     /// The tiles take too much memory: the window must be cut.
     TooLarge,
-    /// It would be binned with so many counters of the tiles' splats by run.
+    /// The window would be binned, with this many counters of the tiles' splats by run.
     Cells(u64),
 }
 
@@ -123,14 +124,15 @@ impl Bins {
         })
     }
 
-    /// Sorts a window's splats and counts those of each tile. The tiles' lists are there once [`Self::record_tiles`] has run.
+    /// Sorts a window's splats and counts those of each tile. The tiles' lists are there once [`Self::record_tiles`]
+    /// has run.
     pub fn bin(&mut self, device: &Device, job: &Job<'_>, timeline: &mut Timeline) -> Result<Bin, Error> {
         let Some(binning) = Binning::for_window(device, job)? else { return Ok(Bin::Nothing) };
         Ok(self.sort_and_count(device, job, binning, timeline)?.map_or(Bin::TooLarge, Bin::Done))
     }
 
-    /// Records the lists of a binned window's tiles, for the stages after it that go through them. Once for each window: in the
-    /// submission of the first such stage, so that nobody waits for them.
+    /// Records the lists of a binned window's tiles, for the stages after it that go through them. Once for each
+    /// window: in the submission of the first such stage, so that nobody waits for them.
     pub fn record_tiles<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,

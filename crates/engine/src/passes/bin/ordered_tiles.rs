@@ -53,7 +53,8 @@ pub(crate) fn fold_variant(shape: Variant, later: bool, lanes: Lanes) -> Variant
     blocks(shape, SEGMENT, lanes).with("LATER", u32::from(later))
 }
 
-/// As [`fold_variant`], of stages that go through each tile region by region (shaders/shared/region_fold.wgsl).
+/// Returns the variant of stages that go through each tile region by region (shaders/shared/region_fold.wgsl), like
+/// [`fold_variant`].
 pub(crate) fn region_variant(shape: Variant, later: bool, lanes: Lanes) -> Variant {
     let taken = region_segment(lanes.subgroup);
     blocks(shape, taken, lanes)

@@ -40,7 +40,8 @@ pass! {
 }
 
 gpu_struct! {
-    /// Push constants of the passes that go through a presorted order; shaders/shared/presorted.wgsl explains the members.
+    /// Push constants of the passes that go through a presorted order; shaders/shared/presorted.wgsl explains the
+    /// members.
     pub struct PresortedPush {
         count: u32,
         run_length: u32,
@@ -69,7 +70,8 @@ pass! {
 }
 
 pass! {
-    /// Counts the splats of each run in each tile: one increment for each drawn splat and tile that its rectangle meets.
+    /// Counts the splats of each run in each tile: one increment for each drawn splat and tile that its rectangle
+    /// meets.
     pub TileCount(TilePush) = "bin/tile-count" in "bin/tile_count" {
         view: Uniform<View>,
         records: Read<[u32; 2]>,

@@ -35,7 +35,8 @@ impl Bins {
         Ok(self.radix.record(recorder, device, records, bits, subgroup)?)
     }
 
-    /// Records the passes that pick the drawn splats from the cloud's order along an axis; returns the index of their records.
+    /// Records the passes that pick the drawn splats from the cloud's order along an axis; returns the index of their
+    /// records.
     pub(super) fn record_pick<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,

@@ -13,7 +13,7 @@ use crate::supply::Block;
 /// Reach of a point beyond its place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
-    /// Its radius in the frame over that of the cloud.
+    /// Radius in the frame over that of the cloud.
     pub radius: f64,
     /// Pixels of the image to each side.
     pub pixels: f64,
@@ -49,8 +49,8 @@ impl Extent {
             Kernel::Ray => Self { radius, pixels: ONE },
             // Its semi-axes are the standard deviations, whatever the least opacity.
             Kernel::Ellipsoid => Self { radius: 1.0 / f64::from(REACH), pixels: ONE },
-            // Along an axis of the screen an ellipse reaches √(σ²·(1 + slope²)·(focal / z)² + dilation) deviations at most. The slope is
-            // that of the center, but at most 1.3 times that of the image's side.
+            // Along an axis of the screen an ellipse reaches √(σ²·(1 + slope²)·(focal / z)² + dilation) deviations at
+            // most. The slope is that of the center, but at most 1.3 times that of the image's side.
             Kernel::Ewa => {
                 let slope = match camera.projection {
                     Projection::Perspective { .. } => {

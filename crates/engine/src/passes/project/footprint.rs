@@ -15,7 +15,7 @@ pub enum Footprint {
     Point = 3,
     /// Sphere; its radius stays in world units.
     Sphere = 4,
-    /// The same, its place to twice as many digits.
+    /// Sphere whose place has twice as many digits.
     ExactSphere = 5,
     /// Gaussians and screen-aligned discs, each with one depth.
     FlatGaussian = 6,

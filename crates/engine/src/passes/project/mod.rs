@@ -25,8 +25,8 @@ use crate::{gpu_struct, group, pass};
 /// A projected splat without its depth: place in its pixel, that pixel, radius; shaders/shared/splat.wgsl says how.
 pub type Splat = [u32; 4];
 
-/// An element of the buffer of tilts: the normal of an oriented splat in camera axes; shaders/shared/splat.wgsl says what else. A splat has
-/// [`Footprint::tilt_stride`] of them.
+/// An element of the buffer of tilts: the normal of an oriented splat in camera axes; shaders/shared/splat.wgsl says
+/// what else. A splat has [`Footprint::tilt_stride`] of them.
 pub type Tilt = [f32; 4];
 
 /// Rectangle of pixels that a splat may cover; shaders/shared/splat.wgsl says how.
@@ -105,8 +105,8 @@ pass! {
 }
 
 pass! {
-    /// Projects each Gaussian to its ellipse: axes through the camera, factors of its covariance, its color from harmonics, rectangle of
-    /// pixels.
+    /// Projects each Gaussian to its ellipse: axes through the camera, factors of its covariance, its color from
+    /// harmonics, rectangle of pixels.
     pub ProjectGaussians(ProjectPush) = "project/gaussians" {
         camera: Uniform<View>,
         points_hi: Read<[f32; 4]>,

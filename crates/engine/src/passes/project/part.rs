@@ -9,9 +9,10 @@ use crate::supply::{self, Supply};
 pub enum Part {
     /// All.
     All,
-    /// Those whose field is at most the threshold.
+    /// Points whose field is at most the threshold.
     Solid(f32),
-    /// Those whose field is above it. Their splats' fourth component is W of Seemann et al., Eq. 22, not an opacity.
+    /// Points whose field is above the threshold. Their splats' fourth component is W of Seemann et al., Eq. 22, not an
+    /// opacity.
     Soft {
         /// t
         threshold: f32,
@@ -84,7 +85,8 @@ const AT_ONCE: u64 = 1 << 22;
 impl Parts {
     /// Counts points that come some at a time, twice.
     pub(super) fn of_supply(supply: &dyn Supply, threshold: f32, progress: &Progress) -> Result<Self, supply::Failure> {
-        // Radii are not below 0, so that their bits have their order. First by the upper half of the bits, then by the lower one.
+        // Radii are not below 0, so that their bits have their order. First by the upper half of the bits, then by the
+        // lower one.
         let (mut all, mut upper) = (0u64, vec![0u64; 1 << 16]);
         let is_soft = |points: &Points, i: usize| points.fields.get(i).is_some_and(|field| *field > threshold);
         let radii = |points: &Points| -> Vec<u32> {

@@ -49,7 +49,7 @@ impl Shaded {
         variant.with("ENCODED", self.color as u32)
     }
 
-    /// That variant of a shader that reads points in parts.
+    /// Returns the variant of a shader that reads points in parts.
     pub(crate) fn cut(self, cut: Cut) -> Variant {
         cut.apply_to(self.variant())
     }

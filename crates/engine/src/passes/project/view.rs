@@ -45,7 +45,8 @@ impl DeviceCloud {
         self.view.all()
     }
 
-    /// Sets the camera and the rectangle of pixels that is rendered next; [`Self::record_view`] brings it to the device.
+    /// Sets the camera and the rectangle of pixels that is rendered next; [`Self::record_view`] brings it to the
+    /// device.
     pub fn set_view(&mut self, camera: &Camera, size: [u32; 2], window: [u32; 4], how: &Projecting) {
         let rows = |v: DVec3| {
             let (hi, lo) = split(v);
@@ -108,7 +109,7 @@ fn gaussian(settings: &GaussianSettings) -> [f32; 4] {
     [alpha_min, alpha_max, dilation, if antialias { 1.0 } else { 0.0 }]
 }
 
-/// To the light (w = 0), or its place relative to the eye (w = 1), in camera axes.
+/// Direction to the light (w = 0), or its place relative to the eye (w = 1), in camera axes.
 fn light(camera: &Camera, light: &Light) -> [f32; 4] {
     let axes = |v: DVec3| DVec3::new(v.dot(camera.right), -v.dot(camera.up), v.dot(camera.forward));
     let (v, w) = match *light {

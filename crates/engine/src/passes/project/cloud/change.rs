@@ -6,7 +6,8 @@ use crate::points::{Changes, Points};
 use crate::prepare::Arranged;
 
 impl DeviceCloud {
-    /// Lets go of the list of a cloud that was dealt, so that it can be changed in place, until [`Self::follow`] brings it back.
+    /// Lets go of the list of a cloud that was dealt, so that it can be changed in place, until [`Self::follow`] brings
+    /// it back.
     pub fn let_go(&mut self) {
         self.host = None;
     }

@@ -17,15 +17,16 @@ use crate::progress::Progress;
 /// The points of a dealt list.
 #[derive(Debug, Clone)]
 pub(super) enum List {
-    /// In memory.
+    /// Points in memory.
     Held(Arc<Points>),
-    /// In a file, of which parts are read when they are asked for.
+    /// Points in a file, which is read part by part on demand.
     Filed(Arc<DealtFile>),
 }
 
 impl DeviceCloud {
-    /// Takes points that were dealt. They come to the device when a frame asks for them: all by [`Self::make_resident`], or
-    /// some after others by [`Self::pack`]. Room for splats is made when a method asks for it.
+    /// Takes points that were dealt. They come to the device when a frame asks for them: all by
+    /// [`Self::make_resident`], or some after others by [`Self::pack`]. Room for splats is made when a method asks for
+    /// it.
     ///
     /// # Errors
     /// No memory for small buffers.
@@ -64,10 +65,11 @@ impl DeviceCloud {
         }
     }
 
-    /// Brings the first points of each cloud of a list into the file, as many as `counts` says, if that is where the list is.
+    /// Brings the first points of each cloud of a list into the file, as many as `counts` says, if that is where the
+    /// list is.
     ///
     /// # Errors
-    /// They can't be read or written, or `progress` cancels it.
+    /// Returns an error if the points can't be read or written, or if `progress` is canceled.
     pub fn reach(&self, counts: impl IntoIterator<Item = u64>, progress: &Progress) -> Result<(), Error> {
         match &self.host {
             Some(List::Filed(file)) => file.reach(counts, progress).map_err(unread),
@@ -123,10 +125,11 @@ impl DeviceCloud {
         self.len * self.columns().len() as u64 * COLUMN_BYTES
     }
 
-    /// Puts the columns of some points of a cloud that was dealt, column after column, and their ids behind what is there.
+    /// Puts the columns of some points of a cloud that was dealt, column after column, and their ids behind what is
+    /// there.
     ///
     /// # Errors
-    /// They can't be read.
+    /// Returns an error if the points can't be read.
     pub fn pack(&self, range: Range<u64>, columns: &mut Vec<[f32; 4]>, ids: &mut Vec<u32>) -> Result<(), Error> {
         match &self.host {
             Some(List::Held(points)) => {

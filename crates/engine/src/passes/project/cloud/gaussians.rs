@@ -63,7 +63,7 @@ impl GaussianColumns {
     fn make(&mut self, device: &Device, count: u64) -> Result<(), Error> {
         let count = count.max(1);
         if self.extents.len() < count {
-            // What was there goes first: both may not fit.
+            // Old buffers are freed first: old and new ones may not fit together.
             self.extents = empty(device, EXTENTS)?;
             self.rotations = empty(device, ROTATIONS)?;
             self.harmonics = empty(device, HARMONICS)?;
@@ -74,8 +74,8 @@ impl GaussianColumns {
         Ok(())
     }
 
-    /// Puts the columns of points on the device in place of those that are there. Those of a part of a scene may have a lower degree, or
-    /// no Gaussian among them.
+    /// Puts the columns of points on the device in place of those that are there. Those of a part of a scene may have a
+    /// lower degree, or no Gaussian among them.
     pub(super) fn put(&mut self, device: &Device, points: &Points) -> Result<(), Error> {
         let none = || Gaussians::none(points.len()).with_degree(self.degree);
         let wider = points.gaussians.as_ref().filter(|own| own.degree != self.degree);
@@ -122,7 +122,7 @@ impl GaussianColumns {
     }
 }
 
-/// One of the numbers of a splat's color.
+/// Returns a number of a splat's color: coefficient `at` / 3 of channel `at` % 3.
 fn word(gaussians: &Gaussians, splat: usize, at: usize) -> f32 {
     let (coefficient, channel) = (at / 3, at % 3);
     match coefficient.checked_sub(1) {

@@ -42,7 +42,8 @@ impl DeviceCloud {
         }
     }
 
-    /// Room for shares of light, which clouds without normals have none for yet. What was there belongs to no light from here on.
+    /// Room for shares of light, which clouds without normals have none for yet. What was there belongs to no light
+    /// from here on.
     pub fn reserve_shares(&mut self, device: &Device) -> Result<(), Error> {
         self.casting = None;
         if self.normals.len() < self.len {
@@ -79,7 +80,8 @@ impl DeviceCloud {
         Ok(())
     }
 
-    /// m of each point, the share of light that reaches it, in the order of the points that were uploaded; 1 without shadows.
+    /// m of each point, the share of light that reaches it, in the order of the points that were uploaded; 1 without
+    /// shadows.
     pub fn lit(&self) -> Result<Vec<f32>, Error> {
         match self.casting {
             Some(_) => Ok(self.normals.read(0, self.len)?.into_iter().map(|normal| normal[3]).collect()),

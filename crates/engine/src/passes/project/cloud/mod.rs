@@ -49,7 +49,7 @@ pub struct DeviceCloud {
     chunk_len: u64,
     pub(super) has_normals: bool,
     pub(super) has_fields: bool,
-    /// Of a cloud some of whose points are Gaussians.
+    /// Columns of Gaussians; `None` if no point of the cloud is one.
     pub(super) gaussians: Option<GaussianColumns>,
     pub(super) opacity_factor: f32,
     pub(super) prefers: Preferences,
@@ -81,29 +81,30 @@ pub struct DeviceCloud {
     pub points_hi: Buffer<[f32; 4]>,
     /// The rest of the positions, with opacities.
     pub points_lo: Buffer<[f32; 4]>,
-    /// Their colors, linear, and as the bits of the fourth where in the files each point stood.
+    /// Linear colors of the points; the bits of the fourth component are each point's place in the files.
     pub point_colors: Buffer<[f32; 4]>,
-    /// Their ids, from which random words follow.
+    /// Ids of the points, which seed the random words.
     pub ids: Buffer<u32>,
-    /// Their normals, and the share of light that reaches each point, 1 without shadows. A single element if there are neither.
+    /// Normals of the points, and the share of light that reaches each, 1 without shadows. A single element if there
+    /// are neither.
     pub normals: Buffer<[f32; 4]>,
-    /// Their scalar field; a single element if there is none.
+    /// Scalar field of the points; a single element if there is none.
     pub fields: Buffer<f32>,
     /// Projected splats.
     pub splats: Buffer<Splat>,
-    /// Their depths.
+    /// Depths of the splats.
     pub splat_depths: Buffer<f32>,
-    /// Their tilts; a single element unless the cloud has normals, or had to be exact.
+    /// Tilts of the splats; a single element unless the cloud has normals, or had to be exact.
     pub tilts: Buffer<Tilt>,
-    /// Their rectangles.
+    /// Rectangles of the splats.
     pub bounds: Buffer<Bounds>,
-    /// Their colors, as blended, and opacities.
+    /// Colors of the splats, as blended, and opacities.
     pub colors: Buffer<[f32; 4]>,
     /// Per chunk, the chunk's large splats.
     pub large: Buffer<u32>,
     /// Tiles of each large splat.
     pub tile_counts: Buffer<u32>,
-    /// One for each chunk.
+    /// Projection statistics of each chunk.
     pub(super) stats: Buffer<Stats>,
     pub(super) stats_host: Buffer<Stats>,
     pub(super) view: Buffer<View>,
@@ -158,7 +159,8 @@ impl DeviceCloud {
         let origin = anchor.origin;
         let len = points.count();
         let has_normals = points.normals.as_ref().is_some_and(|normals| !normals.is_empty());
-        // No element is wider than a splat, but for a Gaussian's color; a chunk starts at a multiple of any device's offset alignment.
+        // No element is wider than a splat, but for a Gaussian's color; a chunk starts at a multiple of any device's
+        // offset alignment.
         let binding_bytes = device.limits().binding_bytes;
         let chunk_len = match points.splats() {
             Some(all) => ((binding_bytes / (4 * gaussians::words(all.degree).max(8))) & !0x3f).max(0x40),
@@ -327,8 +329,8 @@ impl DeviceCloud {
         }
     }
 
-    /// Puts the points of a cloud with a field into order along an axis, the first time that it is asked for; it stays with
-    /// the cloud, whatever threshold, densities and views come.
+    /// Puts the points of a cloud with a field into order along an axis, the first time that it is asked for; it stays
+    /// with the cloud, whatever threshold, densities and views come.
     pub fn sort_along(&mut self, device: &Device, axis: usize) -> Result<(), Error> {
         if self.orders[axis].is_none() && self.has_fields {
             let order = axes::order(&self.positions, axis);

@@ -33,7 +33,7 @@ pub struct CutFor {
     pub limits: Limits,
     /// The picture's camera.
     pub camera: Camera,
-    /// Its size in pixels.
+    /// Size of the picture in pixels.
     pub size: [u32; 2],
     /// The seed of the order of points without levels.
     pub seed: u64,
@@ -42,7 +42,7 @@ pub struct CutFor {
 /// Points of a cloud that are on the device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Present {
-    /// Those of which anything may show there; `None` for all.
+    /// Beam in which anything of a point may show; `None` for all points.
     pub within: Option<Beam>,
 }
 
@@ -98,7 +98,8 @@ impl DeviceCloud {
     /// Has some of the points drawn of a cloud whose points come some at a time; `None` for all.
     ///
     /// # Errors
-    /// Points can't be read, the coarsest level has more than are allowed, or `progress` cancels it: then all are drawn.
+    /// Points can't be read, the coarsest level has more than are allowed, or `progress` cancels it: then all are
+    /// drawn.
     pub fn cut(&mut self, wanted: Option<&CutFor>, progress: &Progress) -> Result<(), crate::passes::Error> {
         let Some(supplied) = &mut self.supplied else { return Ok(()) };
         if supplied.cut.as_ref().map(|(known, _)| known) == wanted {
@@ -142,8 +143,8 @@ impl DeviceCloud {
         present.is_some_and(|present| others && present == Present::ALL || present == *wanted)
     }
 
-    /// Brings points of these blocks to the device in place of those that are there: at most `room` of them, or false. Room for them is
-    /// kept.
+    /// Brings points of these blocks to the device in place of those that are there: at most `room` of them, or false.
+    /// Room for them is kept.
     ///
     /// # Errors
     /// The points can't be taken, or there is no memory for them: then none are there.
@@ -177,7 +178,8 @@ impl DeviceCloud {
         Ok(true)
     }
 
-    /// Brings all points to the device, at most `room` at a time in place of those that are there, and has them seen each time.
+    /// Brings all points to the device, at most `room` at a time in place of those that are there, and has them seen
+    /// each time.
     ///
     /// # Errors
     /// The points can't be taken, or there is no memory for them; those of `see`.
@@ -222,7 +224,7 @@ impl DeviceCloud {
             self.stats_host = device.buffer("splat stats, host", chunks, Memory::Readback)?;
         }
         if self.points_hi.len() < len {
-            // What was there goes first: both may not fit.
+            // Old buffers are freed first: old and new ones may not fit together.
             self.points_hi = empty(device, "points, hi")?;
             self.points_lo = empty(device, "points, lo")?;
             self.point_colors = empty(device, "point colors")?;
