@@ -1,5 +1,5 @@
-//! docs/internals/passes.md: every pass with the first sentence of its comment, every fill and every copy. A test fails where the
-//! page is stale, and rewrites it where `PELLUCID_UPDATE` is 1.
+//! docs/internals/passes.md: every pass with the first sentence of its comment, every fill and every copy. A test fails
+//! where the page is stale, and rewrites it where `PELLUCID_UPDATE` is 1.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;

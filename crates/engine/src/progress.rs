@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Somebody who watches long work. It is called from several threads, and often: once for each few thousand points or for
-/// each window of an image.
+/// Somebody who watches long work. It is called from several threads, and often: once for each few thousand points or
+/// for each window of an image.
 pub trait Observer: Send + Sync {
     /// A stage has begun, as in `reading scan.laz`.
     fn stage(&self, _name: &str) {}

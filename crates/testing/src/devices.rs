@@ -30,8 +30,9 @@ struct Pool {
     error: Option<String>,
 }
 
-/// Runs a test on a device with validation and synchronization validation. One test at a time has it, and hands it on with all
-/// its pipelines. Afterwards there must be no message and no allocation left. Without a device the test is skipped.
+/// Runs a test on a device with validation and synchronization validation. One test at a time has it, and hands it on
+/// with all its pipelines. Afterwards there must be no message and no allocation left. Without a device the test is
+/// skipped.
 pub fn with_device(test: impl FnOnce(&Device)) {
     match borrowed() {
         Ok(device) => {
@@ -104,8 +105,8 @@ pub fn alone(test: impl FnOnce()) {
     }
 }
 
-/// True if there is a device with validation, the one that `PELLUCID_TEST_DEVICE` names or the best. For tests that run the
-/// binary on it; without one the test is skipped.
+/// True if there is a device with validation, the one that `PELLUCID_TEST_DEVICE` names or the best. For tests that run
+/// the binary on it; without one the test is skipped.
 #[track_caller]
 pub fn has_device() -> bool {
     static FOUND: OnceLock<Result<(), String>> = OnceLock::new();

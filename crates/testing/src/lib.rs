@@ -1,4 +1,5 @@
-//! Shared parts of the tests: devices with validation, small clouds, comparison with the float64 reference, real clouds.
+//! Shared parts of the tests: devices with validation, small clouds, comparison with the float64 reference, real
+//! clouds.
 
 pub mod browser;
 pub mod signals;
@@ -173,7 +174,8 @@ pub fn exact(points: &Points, camera: &Camera, size: [u32; 2], discs: &Discs) ->
     reference::abuffer::render(camera, size, points, &colors(points), discs)
 }
 
-/// Keeps the points whose every coverage decision is clear in float32 too: 0.02 pixels from any rim, pixel border or depth limit.
+/// Keeps the points whose every coverage decision is clear in float32 too: 0.02 pixels from any rim, pixel border or
+/// depth limit.
 pub fn safe(points: &[P], camera: &Camera, size: [u32; 2], shape: DiscShape) -> Vec<P> {
     let all = scene_in_order(points);
     let clear =
@@ -226,8 +228,8 @@ pub fn picked(points: &Points, keep: impl Fn(usize) -> bool) -> Points {
     }
 }
 
-/// Those of some points of which float32 too can say which pixel they are on, whether they look at the viewer, and on which
-/// side of them the light is. In canonical order.
+/// Those of some points of which float32 too can say which pixel they are on, whether they look at the viewer, and on
+/// which side of them the light is. In canonical order.
 pub fn clear_points(points: &[P], camera: &Camera, size: [u32; 2], shading: &Shading) -> Points {
     clear_of(&scene(points), camera, size, shading)
 }
@@ -249,9 +251,9 @@ pub fn clear_of(all: &Points, camera: &Camera, size: [u32; 2], shading: &Shading
     })
 }
 
-/// Compares an image with what roundings of float32 may make of its reference: depths within their ranges, R, G, B and A off
-/// theirs by at most `slack`, which is for the arithmetic of colors alone. An error names the first wrong pixel and how many
-/// there are.
+/// Compares an image with what roundings of float32 may make of its reference: depths within their ranges, R, G, B and
+/// A off theirs by at most `slack`, which is for the arithmetic of colors alone. An error names the first wrong pixel
+/// and how many there are.
 pub fn compare_ranges(image: &Image, wanted: &PictureRange, slack: f64) -> Result<(), String> {
     assert_eq!(image.rgba.len(), wanted.rgba.len());
     let is_off = |pixel: &usize| {

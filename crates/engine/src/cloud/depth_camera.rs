@@ -1,5 +1,5 @@
-//! Tells clouds in the frame of a depth camera from others: the camera stands at the origin and looks along +Z, so that points
-//! fill the pyramid that it sees, and −Y is up (the optical frame of the Robot Operating System's REP 103).
+//! Tells clouds in the frame of a depth camera from others: the camera stands at the origin and looks along +Z, so that
+//! points fill the pyramid that it sees, and −Y is up (the optical frame of the Robot Operating System's REP 103).
 
 use glam::DVec3;
 
@@ -9,12 +9,13 @@ const FEWEST: usize = 1000;
 const MOST: f64 = 0.995;
 /// |x| / z and |y| / z of the pyramid's sides: wide lenses have a little less.
 const WIDE: f64 = 1.2;
-/// The same of its middle. A tenth of the points lies beside it, along either axis: a tower far above the origin fills no pyramid.
+/// The same of its middle. A tenth of the points lies beside it, along either axis: a tower far above the origin fills
+/// no pyramid.
 const NARROW: f64 = 0.25;
 /// The share of points in each of the four quarters of the image, at least.
 const QUARTER: f64 = 0.05;
-/// The last point but a hundredth is this many times as far as the first but a hundredth, and reaches at least this share of the
-/// larger of width and height into the depth: ground far below or above the origin is flat.
+/// The last point but a hundredth is this many times as far as the first but a hundredth, and reaches at least this
+/// share of the larger of width and height into the depth: ground far below or above the origin is flat.
 const DEEP: (f64, f64) = (2.0, 0.5);
 
 /// Returns `true` for clouds in the frame of a depth camera.

@@ -27,8 +27,8 @@ pub fn linear(base: Vec3) -> Vec3 {
     base.clamp(Vec3::ZERO, Vec3::ONE).to_array().map(decode_srgb).into()
 }
 
-/// Columns of Gaussian splats, each as long as the positions of the points that they belong to. A point that is none has extents of
-/// zero, and no harmonics.
+/// Columns of Gaussian splats, each as long as the positions of the points that they belong to. A point that is none
+/// has extents of zero, and no harmonics.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Gaussians {
     /// Standard deviations along the three axes in the unit of positions: finite, at least 0, not all of them 0.
@@ -39,7 +39,8 @@ pub struct Gaussians {
     pub bases: Vec<Vec3>,
     /// The degree of the harmonics, 0 to [`MAX_DEGREE`].
     pub degree: u32,
-    /// Coefficients from degree 1 on, [`Self::coefficients`] for each splat, splat after splat, red, green and blue of each.
+    /// Coefficients from degree 1 on, [`Self::coefficients`] for each splat, splat after splat, red, green and blue of
+    /// each.
     pub harmonics: Vec<Vec3>,
 }
 

@@ -1,5 +1,5 @@
-//! Tells shapes whose vertical is Z from those whose vertical is Y, where a file can't: ground spreads along X and Y, and what
-//! stands has its centroid above the places that it stands on.
+//! Tells shapes whose vertical is Z from those whose vertical is Y, where a file can't: ground spreads along X and Y,
+//! and what stands has its centroid above the places that it stands on.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -19,8 +19,8 @@ const FALLS: f64 = PI + FRAC_PI_2;
 /// See [`FALLS`].
 const STANDS: f64 = 0.9 * PI;
 
-/// The reason why Z is up, as the end of a sentence: a shape with Y up would stand on its edge, as ground does, or fall over, and
-/// would not with Z up.
+/// The reason why Z is up, as the end of a sentence: a shape with Y up would stand on its edge, as ground does, or fall
+/// over, and would not with Z up.
 pub(crate) fn reason_for_z(positions: &[DVec3]) -> Option<&'static str> {
     let count = positions.len();
     if count < FEWEST {
@@ -65,7 +65,8 @@ mod tests {
         (0..count).map(|_| place(DVec3::new(random.random(), random.random(), random.random()))).collect()
     }
 
-    /// A table with its vertical along Z, 2 × 4 × 3, whose four legs take as many points as its top, and a lamp beyond its edge.
+    /// A table with its vertical along Z, 2 × 4 × 3, whose four legs take as many points as its top, and a lamp beyond
+    /// its edge.
     fn table() -> Vec<DVec3> {
         let mut table = points(3000, |p| DVec3::new(2.0 * p.x, 4.0 * p.y, 3.0));
         for (x, y) in [(0.3, 0.3), (0.3, 3.7), (1.7, 0.3), (1.7, 3.7)] {

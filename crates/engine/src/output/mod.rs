@@ -211,8 +211,8 @@ pub fn check_target(path: &Path) -> Result<(), Error> {
 /// Writes an image as PNG or EXR, by the extension; the same image and options give the same bytes.
 ///
 /// PNG: 8-bit sRGB, round to nearest, values outside [0, 1] clamped, NaN as 0. EXR: float32 channels R, G, B (composed
-/// over the background), A, Z and, if the image has them, `depth.median`, `depth.mean`, `fragments.Y`, `layers.Y` and `stderr.R`, `stderr.G`,
-/// `stderr.B`; ZIP, which is lossless.
+/// over the background), A, Z and, if the image has them, `depth.median`, `depth.mean`, `fragments.Y`, `layers.Y` and
+/// `stderr.R`, `stderr.G`, `stderr.B`; ZIP, which is lossless.
 ///
 /// # Errors
 /// Those of [`check_target`], and errors of the system while writing; the earlier file then remains.
@@ -253,8 +253,8 @@ pub fn png_bytes(image: &Image, options: &WriteOptions) -> std::io::Result<Vec<u
 /// Writes pixels as a PNG, whatever the extension.
 ///
 /// # Errors
-/// A missing folder, a number of bytes that doesn't match the size, and errors of the system while writing; the earlier file
-/// then remains.
+/// A missing folder, a number of bytes that doesn't match the size, and errors of the system while writing; the earlier
+/// file then remains.
 pub fn write_raster(path: &Path, raster: &Raster, metadata: &[(String, String)]) -> Result<(), Error> {
     write_atomically(path, |file| png::encode(file, raster, metadata))
 }

@@ -7,8 +7,8 @@ use bytesize::ByteSize;
 use super::Error;
 use crate::atomic;
 
-/// Refuses a file that may take more than what is free where it goes. The earlier file of that name stays until the new one is complete, so
-/// that its bytes don't count as free.
+/// Refuses a file that may take more than what is free where it goes. The earlier file of that name stays until the new
+/// one is complete, so that its bytes don't count as free.
 ///
 /// # Errors
 /// Too little is free.

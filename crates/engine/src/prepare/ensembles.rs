@@ -31,7 +31,8 @@ pub struct Surface {
     /// Middle of the box of its points, in world coordinates: where a point is one pixel wide.
     pub center: DVec3,
     /// Points for each unit of a surface's area (world units squared), by counting spheres (Tanaka et al. 2016, Section
-    /// 3.2.1, less its biases: rims, the spheres' own centers). 0 if the points are too few to tell or all in one place.
+    /// 3.2.1, less its biases: rims, the spheres' own centers). 0 if the points are too few to tell or all in one
+    /// place.
     pub density: f64,
     /// Largest opacity α of its points, in [0, 1]: that of its surface.
     pub opacity: f32,
@@ -185,9 +186,10 @@ fn scrambled(mut x: u32) -> u32 {
 /// Clouds without points are left out.
 ///
 /// The order of a cloud's points in its file has no effect; its place among the others has. Point i of the canonical
-/// order is sorted by its words: those of [`threefry2x32`] with counter \[id of the point ([`Points::ids`]), place of the cloud\] and the
-/// seed's key, the second word of it exclusive-or 0x73687566; equal words stay in order. So a seed gives the same shuffle on
-/// every machine, and any part of a cloud has the order of the whole. `progress` counts points, each of them twice.
+/// order is sorted by its words: those of [`threefry2x32`] with counter \[id of the point ([`Points::ids`]), place of
+/// the cloud\] and the seed's key, the second word of it exclusive-or 0x73687566; equal words stay in order. So a seed
+/// gives the same shuffle on every machine, and any part of a cloud has the order of the whole. `progress` counts
+/// points, each of them twice.
 pub fn deal(clouds: Vec<Points>, seed: u64, progress: &Progress) -> Dealt {
     deal_traced(clouds, seed, progress, None)
 }

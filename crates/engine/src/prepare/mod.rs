@@ -214,8 +214,8 @@ impl Request {
     }
 }
 
-/// Computes the requested data; radii, normals and uncertainty share one pass over the neighbors, outliers have one of their
-/// own. Data in a prepared file is reused.
+/// Computes the requested data; radii, normals and uncertainty share one pass over the neighbors, outliers have one of
+/// their own. Data in a prepared file is reused.
 ///
 /// # Errors
 /// The cloud lacks the property of its field.

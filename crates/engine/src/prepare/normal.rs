@@ -17,8 +17,8 @@ const LANES: usize = 4;
 pub(super) struct SmallestAxis {
     /// A unit vector whose last coordinate that is not 0 is positive.
     ///
-    /// Zero where that is no single direction: all points in one place, on a line, or spread alike in the two directions in
-    /// which they spread least.
+    /// Zero where that is no single direction: all points in one place, on a line, or spread alike in the two
+    /// directions in which they spread least.
     pub direction: Vec3,
     /// `true` if points lie about a surface rather than scattered, as in foliage: if their planarity (σ₂−σ₃)/σ₁ exceeds
     /// their scattering σ₃/σ₁ (Demantké et al. 2011, Dimensionality based scale selection in 3D lidar point clouds), σ
@@ -38,8 +38,8 @@ pub(super) struct Moments {
 impl Moments {
     /// Returns those of points by their offsets from one among them, at which there are `here`.
     ///
-    /// The mean is subtracted from the sums. Where that would cancel more than two digits, as around a stray far from its
-    /// neighbors, it is subtracted from the points.
+    /// The mean is subtracted from the sums. Where that would cancel more than two digits, as around a stray far from
+    /// its neighbors, it is subtracted from the points.
     pub fn around(here: usize, offsets: impl Iterator<Item = DVec3> + Clone) -> Self {
         let (mut count, mut sum, mut all) = (here, DVec3::ZERO, Self::default());
         for p in offsets.clone() {
@@ -108,9 +108,10 @@ fn smallest_axis(variances: &[Lanes; 3], axes: &[[Lanes; 3]; 3], lane: usize) ->
 /// A number of each matrix.
 type Lanes = [f64; LANES];
 
-/// Eigenvalues and unit eigenvectors of symmetric matrices, by Jacobi's method: one rotation after the other makes an element
-/// off the diagonal 0 (Golub, Van Loan, 8.5.2). As accurate for small eigenvalues as for large ones, without special cases.
-/// A matrix needs some thirty divisions and roots, one after the other: side by side, those of several overlap.
+/// Eigenvalues and unit eigenvectors of symmetric matrices, by Jacobi's method: one rotation after the other makes an
+/// element off the diagonal 0 (Golub, Van Loan, 8.5.2). As accurate for small eigenvalues as for large ones, without
+/// special cases. A matrix needs some thirty divisions and roots, one after the other: side by side, those of several
+/// overlap.
 ///
 /// `off` are the elements off the diagonal, each by the index that neither its row nor its column has. The vectors come
 /// by their coordinates.

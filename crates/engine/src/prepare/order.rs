@@ -10,9 +10,9 @@ use super::morton::{self, Cells};
 use crate::cloud::Bounds;
 use crate::points::Points;
 
-/// Sorts the points that are drawn along the Morton curve of the scene's bounds, equal cells by the bits of position, color,
-/// opacity, radius, field and normal. Points that tie in all of these are identical, so shuffled input gives the same list; they stay
-/// in the order in which they came.
+/// Sorts the points that are drawn along the Morton curve of the scene's bounds, equal cells by the bits of position,
+/// color, opacity, radius, field and normal. Points that tie in all of these are identical, so shuffled input gives the
+/// same list; they stay in the order in which they came.
 pub fn canonical(mut points: Points) -> Points {
     let Some(bounds) = points.bounds() else { return points };
     // Points are counted in 32 bits from here on: more of them don't fit any device.

@@ -1,9 +1,9 @@
-//! Spacing and radii of a cloud from the neighbors of some of its points: fast on clouds whose neighbors would take long to
-//! find, and exact on small ones.
+//! Spacing and radii of a cloud from the neighbors of some of its points: fast on clouds whose neighbors would take
+//! long to find, and exact on small ones.
 //!
-//! Points are looked at in equal steps along the Morton curve, so that all regions count by their points, and the same points
-//! give the same numbers whatever their order in the file. A point in between has the radius of the nearest one before it
-//! that was looked at: the density of a scan changes little over so short a way.
+//! Points are looked at in equal steps along the Morton curve, so that all regions count by their points, and the same
+//! points give the same numbers whatever their order in the file. A point in between has the radius of the nearest one
+//! before it that was looked at: the density of a scan changes little over so short a way.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -17,7 +17,8 @@ const SAMPLES: usize = 2048;
 /// Facts about a cloud that the neighbors of some points tell.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sampled {
-    /// The median distance to the nearest point at another place, in the cloud's units; `None` of fewer than two places.
+    /// The median distance to the nearest point at another place, in the cloud's units; `None` of fewer than two
+    /// places.
     pub spacing: Option<f64>,
     /// All positions, along the Morton curve.
     pub positions: Vec<DVec3>,
@@ -25,8 +26,8 @@ pub struct Sampled {
     pub radii: Vec<f32>,
 }
 
-/// Looks at the neighbors of at most 2048 of these finite positions. `own` are their radii if they are known; others are those
-/// of [`radius::estimate`] over K neighbors with this cap.
+/// Looks at the neighbors of at most 2048 of these finite positions. `own` are their radii if they are known; others
+/// are those of [`radius::estimate`] over K neighbors with this cap.
 pub fn sample(positions: &[DVec3], own: Option<&[f32]>, (neighbors, cap): (usize, f32)) -> Sampled {
     sample_by(positions, own, (neighbors, cap), SAMPLES)
 }

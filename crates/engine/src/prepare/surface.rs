@@ -1,5 +1,5 @@
-//! The surface around each point: its normal, and the uncertainty of the point lying on it (Seemann et al., Eq. 21), with the
-//! radii of Eq. 20.
+//! The surface around each point: its normal, and the uncertainty of the point lying on it (Seemann et al., Eq. 21),
+//! with the radii of Eq. 20.
 
 use crate::progress::Progress;
 use glam::{DVec3, Vec3};
@@ -31,8 +31,8 @@ pub struct Surface {
 /// `normals` are unit vectors, or zero for points without one. A missing normal is estimated as the smallest principal
 /// axis of the point and its K neighbors. If that is not a single direction (all at one position, on a line, equal
 /// spread), the point stays without normal, which counts as perpendicular to every other: such places are no surface.
-/// With fewer than K other points K is their number. Sums follow the Morton order of the neighbors, so that neither the order
-/// of the points nor the sign of a normal changes a bit.
+/// With fewer than K other points K is their number. Sums follow the Morton order of the neighbors, so that neither the
+/// order of the points nor the sign of a normal changes a bit.
 ///
 /// Takes about 4·K + 170 bytes per point; without the 4·K, and slower, if those are more than 2 GiB.
 pub fn estimate(positions: &[DVec3], normals: Option<&[Vec3]>, around: (usize, f32), progress: &Progress) -> Surface {

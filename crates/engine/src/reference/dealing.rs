@@ -1,10 +1,10 @@
 //! Points of a cloud that each ensemble gets.
 //!
-//! The definition (Tanaka et al. 2016; Uchida et al. 2020) asks for ensembles whose sizes differ by one point at most, that are
-//! random parts of the points, and for copies of a point in different ensembles. It leaves open which copy goes where. Here
-//! the rule that [`crate::prepare::ensembles`] describes is written from the points to the hands: blocks are given out one
-//! after the other, as a dealer does, where the renderer goes from an ensemble to its n-th point. The two share no function;
-//! they do share the rule, since images are compared to the point.
+//! The definition (Tanaka et al. 2016; Uchida et al. 2020) asks for ensembles whose sizes differ by one point at most,
+//! that are random parts of the points, and for copies of a point in different ensembles. It leaves open which copy
+//! goes where. Here the rule that [`crate::prepare::ensembles`] describes is written from the points to the hands:
+//! blocks are given out one after the other, as a dealer does, where the renderer goes from an ensemble to its n-th
+//! point. The two share no function; they do share the rule, since images are compared to the point.
 
 use crate::prepare::ensembles::Deal;
 use crate::random::{key, threefry2x32};
@@ -39,11 +39,12 @@ pub fn hands(deal: &Deal) -> Vec<Vec<u64>> {
 
 /// Hands of a later pass, each as long as the longest one.
 ///
-/// The points from a random one on stand in rows of as many blocks as there are hands, and each hand gets one block of each
-/// row: the first block of a row goes to a random hand, the others to those that follow, around.
+/// The points from a random one on stand in rows of as many blocks as there are hands, and each hand gets one block of
+/// each row: the first block of a row goes to a random hand, the others to those that follow, around.
 fn later_pass(deal: &Deal, pass: u32) -> Vec<Vec<u64>> {
     let longest = deal.slots.div_ceil(u64::from(deal.ensembles)).max(1);
-    // A hand has at least 64 blocks of 1, 2, 4 to 1024 points; single points where whole blocks would be more than the cloud has.
+    // A hand has at least 64 blocks of 1, 2, 4 to 1024 points; single points where whole blocks would be more than the
+    // cloud has.
     let mut block = 1;
     while block < 1024 && 2 * block * 64 <= longest {
         block *= 2;

@@ -1,5 +1,6 @@
-//! Moment-based order-independent transparency (Münstermann et al. 2018) in float64: how a pixel's light fades with depth is
-//! known by a few power moments of its optical depth, and estimated from them by the bounds of the moment problem.
+//! Moment-based order-independent transparency (Münstermann et al. 2018) in float64: how a pixel's light fades with
+//! depth is known by a few power moments of its optical depth, and estimated from them by the bounds of the moment
+//! problem.
 
 use glam::DVec3;
 
@@ -165,7 +166,8 @@ pub fn moments(list: &[Fragment], colors: &[DVec3], depth_range: [f64; 2], setti
     }
     let pairs: Vec<_> = seen.iter().map(|f| (place_of(f.z, depth_range), optical_depth(f.alpha))).collect();
     let absorption = Absorption::new(&power_moments(&pairs, settings.moments.get()), settings.bias().into());
-    // Equal depths, which come one after the other, share their light: finding it takes far longer than everything else.
+    // Equal depths, which come one after the other, share their light: finding it takes far longer than everything
+    // else.
     let mut last = (f64::NAN, 0.0);
     let exponent = |(z, _): &(f64, f64)| {
         if *z != last.0 {

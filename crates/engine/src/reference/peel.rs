@@ -1,4 +1,5 @@
-//! Depth peeling of discs and Gaussians: layer after layer, on each pixel the nearest fragment behind the last one that was peeled.
+//! Depth peeling of discs and Gaussians: layer after layer, on each pixel the nearest fragment behind the last one that
+//! was peeled.
 
 use glam::DVec3;
 

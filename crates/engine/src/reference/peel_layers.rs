@@ -1,5 +1,5 @@
-//! `peel-layers` (Dobrev, Rosenthal, Linsen 2010, Sections 4 and 5): layers of point surfaces at least d̃ apart, each of them
-//! filtered as an image of its own, blended front to back.
+//! `peel-layers` (Dobrev, Rosenthal, Linsen 2010, Sections 4 and 5): layers of point surfaces at least d̃ apart, each
+//! of them filtered as an image of its own, blended front to back.
 
 mod ranges;
 
@@ -35,8 +35,9 @@ pub fn layers(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3]
     layers
 }
 
-/// Front to back: C = Σ Tᵢ·Cᵢ with premultiplied Cᵢ and Tᵢ = Π (1 − αⱼ) of the layers before. The depth is that of the first
-/// layer with α > 0, which is +∞ on the softened rim of one; the count is the number of layers that are not background there.
+/// Front to back: C = Σ Tᵢ·Cᵢ with premultiplied Cᵢ and Tᵢ = Π (1 − αⱼ) of the layers before. The depth is that of the
+/// first layer with α > 0, which is +∞ on the softened rim of one; the count is the number of layers that are not
+/// background there.
 pub fn blend(size: [u32; 2], layers: &[Layer]) -> Picture {
     let pixels = size[0] as usize * size[1] as usize;
     let (mut rgba, mut depth, mut counts) = (Vec::new(), Vec::new(), Vec::new());

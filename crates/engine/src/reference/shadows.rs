@@ -1,7 +1,7 @@
 //! Shadow textures (Dobrev, Rosenthal, Linsen 2010, Section 6): for each point the share of some lights that reach it.
 //!
-//! A light is one camera or several (the faces of a cube around it) with square images. The lights come as an argument: how an
-//! area is sampled is no part of the equations.
+//! A light is one camera or several (the faces of a cube around it) with square images. The lights come as an argument:
+//! how an area is sampled is no part of the equations.
 
 mod ranges;
 
@@ -92,8 +92,8 @@ fn cube(position: DVec3, bounds: &Bounds) -> Frames {
     axes.map(face).to_vec()
 }
 
-/// Lights over the disc of an area light, one for each place in the unit disc: `radius` degrees around a direction, world
-/// units across the line from a position to the center of the bounds.
+/// Lights over the disc of an area light, one for each place in the unit disc: `radius` degrees around a direction,
+/// world units across the line from a position to the center of the bounds.
 pub fn area(light: &Light, radius: f64, bounds: &Bounds, places: &[DVec2]) -> Vec<Light> {
     let moved = |axis: DVec3, reach: f64, place: DVec2| {
         let right = axis.cross(across(axis)).normalize();

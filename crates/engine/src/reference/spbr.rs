@@ -1,7 +1,7 @@
 //! Stochastic point-based rendering (Tanaka et al., "See-through imaging of laser-scanned 3D cultural heritage objects
-//! based on stochastic rendering of large-scale point clouds", 2016; Uchida et al., "Noise-robust transparent visualization
-//! of large-scale point clouds acquired by laser scanning", 2020): opaque images of random parts of the points, and their
-//! mean.
+//! based on stochastic rendering of large-scale point clouds", 2016; Uchida et al., "Noise-robust transparent
+//! visualization of large-scale point clouds acquired by laser scanning", 2020): opaque images of random parts of the
+//! points, and their mean.
 //!
 //! A surface of opacity α is to leave a pixel free with probability 1 − α in each image. Points on it are as good as
 //! independent, so that m of them on average over the area of a pixel leave it free with probability e^(−m), and
@@ -78,16 +78,16 @@ pub fn over(front: (DVec3, f64), back: (DVec3, f64)) -> (DVec3, f64) {
 /// The dealing of a cloud for a camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Share {
-    /// Depth at which a point is one pixel wide: z of the cloud's center, or, where that is behind the camera or close to it,
-    /// half of that of the deepest corner of its box, and not before `near`. Unused in an orthographic view.
+    /// Depth at which a point is one pixel wide: z of the cloud's center, or, where that is behind the camera or close
+    /// to it, half of that of the deepest corner of its box, and not before `near`. Unused in an orthographic view.
     pub depth: f64,
     /// The ratio k = L·(−ln(1 − α)) / (s ρ) of dealt points to existing points, before it is limited to L. 1 for a rule
     /// that doesn't adjust.
     pub ratio: f64,
     /// M = round(k N), of all ensembles together.
     pub slots: u64,
-    /// −ln(1 − α) of the opacity α that all these points bring about: the surface's, or less where k is cut to L. A point of
-    /// that opacity or a larger one counts as one.
+    /// −ln(1 − α) of the opacity α that all these points bring about: the surface's, or less where k is cut to L. A
+    /// point of that opacity or a larger one counts as one.
     pub unit: f64,
 }
 
@@ -288,7 +288,8 @@ fn hands_of(view: &View<'_>, hands: impl Fn(&Deal) -> Vec<Vec<u64>>) -> Vec<Vec<
     dealt.surfaces.iter().zip(0..).map(hands_of_cloud).collect()
 }
 
-/// The nearest point of an ensemble on each pixel, of equal depths the one that comes first in the ensemble, and its depth.
+/// The nearest point of an ensemble on each pixel, of equal depths the one that comes first in the ensemble, and its
+/// depth.
 fn draw(view: &View<'_>, ensemble: u32, hands: &[Vec<Vec<u64>>], counts: &mut [u32]) -> Vec<(f64, Option<usize>)> {
     let mut image = vec![(f64::INFINITY, None); counts.len()];
     for (surface, hands) in view.dealt.surfaces.iter().zip(hands) {

@@ -1,7 +1,8 @@
 //! The side from which a scene is broad: the automatic camera turns to it where it would see something long end-on.
 //!
-//! Breadth is the part of a coarse picture that points cover. Opposite sides are equally broad. Which of them has more to show can't
-//! be told from points alone: jumps of depth tell relief, but also the hollow back of a statue that was scanned from the front.
+//! Breadth is the part of a coarse picture that points cover. Opposite sides are equally broad. Which of them has more
+//! to show can't be told from points alone: jumps of depth tell relief, but also the hollow back of a statue that was
+//! scanned from the front.
 
 use glam::DVec3;
 use rayon::prelude::*;

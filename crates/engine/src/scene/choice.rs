@@ -38,7 +38,8 @@ impl MethodChoice {
     /// Returns its keys with the values in force; `name` is not among them.
     pub fn keys(&self) -> Vec<Key> {
         match self {
-            // No particular method, so keys that only some methods have are left out, unless all have them that it may stand for.
+            // No particular method, so keys that only some methods have are left out, unless all have them that it may
+            // stand for.
             Self::Auto(discs) => {
                 discs.keys().into_iter().filter(|key| key.only.is_empty() || key.only.contains(&AUTO)).collect()
             }

@@ -24,7 +24,8 @@ const ENOUGH_CLASSES: usize = 3;
 /// Brightness of a height where intensity is smallest.
 const DARKEST: f64 = 0.35;
 
-/// The vertical along which height is measured: the axis nearest to the camera's `up`, else that of the file's convention.
+/// The vertical along which height is measured: the axis nearest to the camera's `up`, else that of the file's
+/// convention.
 fn vertical(scene: &Scene, cloud: &Cloud) -> Vertical {
     scene.camera.up.and_then(Vertical::nearest).unwrap_or(cloud.up.into())
 }

@@ -151,7 +151,8 @@ fn insert(at: &mut Node, rest: &[String], entry: &Entry) -> Result<(), Error> {
     }
 }
 
-/// Puts a value in place of another, or behind those of an array. What is neither an array nor new stays, for the reader to refuse.
+/// Puts a value in place of another, or behind those of an array. What is neither an array nor new stays, for the
+/// reader to refuse.
 fn put(at: &mut Node, entry: &Entry) {
     match &mut at.value {
         _ if !entry.appended => *at = entry.node.clone(),

@@ -143,8 +143,8 @@ fn warn_of_fields(cloud: &Table<'_>, method: &MethodChoice) {
     }
 }
 
-/// Refuses eye-dome lighting of a method whose pixels have no depth of a surface. The method that `auto` becomes is only known
-/// once the points are.
+/// Refuses eye-dome lighting of a method whose pixels have no depth of a surface. The method that `auto` becomes is
+/// only known once the points are.
 fn check_edl(root: &Table<'_>, shading: &Shading, method: &MethodChoice) -> Result<(), Error> {
     let Some(method) = method.fixed().filter(|method| shading.edl.edl && !method.takes_edl()) else { return Ok(()) };
     let table = root.table("shading")?;

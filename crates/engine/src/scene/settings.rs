@@ -58,7 +58,8 @@ pub struct Scene {
     pub method: MethodChoice,
     /// `[detail]`.
     pub detail: Detail,
-    /// `[shadows]`, if they were asked for and can be: with a light of its own place or direction, shading and an opaque method.
+    /// `[shadows]`, if they were asked for and can be: with a light of its own place or direction, shading and an
+    /// opaque method.
     pub shadows: Option<Shadows>,
     /// Warnings about keys without effect, one sentence each.
     pub warnings: Vec<String>,
@@ -67,8 +68,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Settles what its clouds decide: scenes of Gaussians alone are blended in display values, in which they are trained, unless the
-    /// scene says otherwise. Returns true if they decided it.
+    /// Settles what its clouds decide: scenes of Gaussians alone are blended in display values, in which they are
+    /// trained, unless the scene says otherwise. Returns true if they decided it.
     pub fn settle(&mut self, clouds: &[Cloud]) -> bool {
         self.settle_for(|cloud| clouds.get(cloud).is_some_and(|cloud| cloud.gaussians.is_some()))
     }

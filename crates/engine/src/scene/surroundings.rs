@@ -50,7 +50,8 @@ struct Layout {
 }
 
 impl Layout {
-    /// Of all points, also of those that are clipped or hidden, so that slices of a scene have one camera. `None` of few.
+    /// Of all points, also of those that are clipped or hidden, so that slices of a scene have one camera. `None` of
+    /// few.
     fn of(points: &Points, vertical: Vertical) -> Option<Self> {
         if points.len() + points.unseen.positions.len() < FEWEST {
             return None;
@@ -248,8 +249,8 @@ fn flat_along_another(layout: &Layout, vertical: Vertical) -> Option<String> {
     ))
 }
 
-/// Says that nearly all points have the background's color, where no shading tells them apart, or that most of them are dark on a
-/// dark background.
+/// Says that nearly all points have the background's color, where no shading tells them apart, or that most of them are
+/// dark on a dark background.
 fn in_the_background(scene: &Scene, points: &Points) -> Option<String> {
     if points.is_empty() {
         return None;

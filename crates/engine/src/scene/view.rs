@@ -57,8 +57,8 @@ impl std::fmt::Display for Vertical {
 /// Declares the named directions with their words and what the words mean.
 macro_rules! view_names {
     ($($Name:ident = $word:literal, $about:literal;)+) => {
-        /// A named direction. Those of a compass look from there at the usual elevation, where +X is east and, with Z up, +Y is
-        /// north.
+        /// A named direction. Those of a compass look from there at the usual elevation, where +X is east and, with Z
+        /// up, +Y is north.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum ViewName {
             $(#[doc = $about] $Name,)+

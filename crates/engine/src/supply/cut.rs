@@ -36,9 +36,9 @@ pub struct Picture<'a> {
     pub seed: u64,
 }
 
-/// The points of a supply that are drawn of it. Each point has a spacing in pixels at which the picture can do without it: that of the
-/// levels above at the nearest place of its block; without levels that of the points before it in a random order. Those above the
-/// cut's are kept. It follows from camera and size alone, not from windows.
+/// The points of a supply that are drawn of it. Each point has a spacing in pixels at which the picture can do without
+/// it: that of the levels above at the nearest place of its block; without levels that of the points before it in a
+/// random order. Those above the cut's are kept. It follows from camera and size alone, not from windows.
 pub struct Cut {
     whole: Arc<dyn Supply>,
     tree: Tree,
@@ -94,8 +94,8 @@ impl Cut {
     /// world units.
     ///
     /// # Errors
-    /// Points of clouds without levels can't be read to be counted, the coarsest level has more than are allowed, or `progress`
-    /// cancels it.
+    /// Points of clouds without levels can't be read to be counted, the coarsest level has more than are allowed, or
+    /// `progress` cancels it.
     pub fn new(
         whole: Arc<dyn Supply>,
         spacing: f64,
@@ -208,7 +208,8 @@ impl Supply for Cut {
     }
 }
 
-/// For each block with levels the pixels between points of the levels above it, at its nearest place; never more than above it.
+/// For each block with levels the pixels between points of the levels above it, at its nearest place; never more than
+/// above it.
 fn levels_px(blocks: &[Block], scale: &Scale) -> Vec<Option<f64>> {
     let mut found: Vec<Option<f64>> = Vec::with_capacity(blocks.len());
     for block in blocks {

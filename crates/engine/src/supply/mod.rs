@@ -18,9 +18,9 @@ pub use cut::{Cut, Limits, Picture};
 pub use scale::Scale;
 pub(crate) use spacing::spacing;
 
-/// A scene's points in blocks. Discs in one place are either in one block, or in blocks of which each holds the largest radius
-/// there: who takes all blocks that reach a part of the image has all discs in a place, or none of those that show. Gaussians are taken by
-/// how far they reach themselves, since a few reach across most scenes.
+/// A scene's points in blocks. Discs in one place are either in one block, or in blocks of which each holds the largest
+/// radius there: who takes all blocks that reach a part of the image has all discs in a place, or none of those that
+/// show. Gaussians are taken by how far they reach themselves, since a few reach across most scenes.
 pub trait Supply: Debug + Send + Sync {
     /// The blocks.
     fn blocks(&self) -> &[Block];
@@ -35,8 +35,8 @@ pub trait Supply: Debug + Send + Sync {
         None
     }
 
-    /// Those points of some blocks, in ascending order, that `keep` keeps, in canonical order. They have the columns of all points,
-    /// even if they are empty.
+    /// Those points of some blocks, in ascending order, that `keep` keeps, in canonical order. They have the columns of
+    /// all points, even if they are empty.
     ///
     /// # Errors
     /// They can't be read, or `progress` cancels it.
@@ -135,8 +135,8 @@ impl From<Cancelled> for Failure {
 pub struct Block {
     /// A box around them, in world coordinates.
     pub bounds: Bounds,
-    /// The largest radius of all points in that box that aren't farther apart than points in one place, in world units. Of Gaussians the
-    /// farthest that one of its own reaches.
+    /// The largest radius of all points in that box that aren't farther apart than points in one place, in world units.
+    /// Of Gaussians the farthest that one of its own reaches.
     pub radius: f32,
     /// Number of points.
     pub points: u64,
@@ -151,8 +151,8 @@ pub struct Branch {
     pub parent: Option<u32>,
     /// The distance between points of the levels above, in world units; infinite where there are none.
     pub spacing: f64,
-    /// The factor on radii above it that makes up for leaving out this block and all below it: the discs of a place together keep
-    /// their area. At least 1.
+    /// The factor on radii above it that makes up for leaving out this block and all below it: the discs of a place
+    /// together keep their area. At least 1.
     pub growth: f32,
 }
 

@@ -39,7 +39,8 @@ fn points(scene: &Scene) -> Points {
     assemble(scene, vec![cloud()], true, &Progress::hidden()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Asserts that a scene draws just the points that are `kept`, each with the color and radius that it has without clips.
+/// Asserts that a scene draws just the points that are `kept`, each with the color and radius that it has without
+/// clips.
 #[track_caller]
 fn assert_kept(scene: &Scene, kept: impl Fn(DVec3) -> bool) {
     let (all, found) = (points(&scene_of("")), points(scene));

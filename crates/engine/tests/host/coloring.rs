@@ -1,4 +1,5 @@
-//! Colors by what a cloud has, against a float64 reference written from the equations of the scene file's documentation.
+//! Colors by what a cloud has, against a float64 reference written from the equations of the scene file's
+//! documentation.
 
 use glam::{DVec3, Vec3};
 use pellucid_engine::cloud::{Cloud, UpAxis};

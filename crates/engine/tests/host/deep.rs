@@ -106,7 +106,8 @@ impl Bytes<'_> {
     }
 }
 
-/// Undoes ZIPS, from OpenEXR's description: sums of what was inflated, less 128 each, and the two halves put between one another.
+/// Undoes ZIPS, from OpenEXR's description: sums of what was inflated, less 128 each, and the two halves put between
+/// one another.
 fn unpacked(packed: &[u8], size: usize) -> Vec<u8> {
     if packed.len() == size {
         return packed.to_vec();

@@ -102,7 +102,8 @@ fn a_grid_of_points() {
     for side in [50, 100, 300] {
         let step = 1.0 / f64::from(side);
         let grid = (0..side * side).map(|i| DVec3::new(f64::from(i % side) * step, f64::from(i / side) * step, 0.0));
-        // Points on the outer rows stand for cells that reach beyond the rim: the square's area is side², not (side − 1)².
+        // Points on the outer rows stand for cells that reach beyond the rim: the square's area is side², not (side −
+        // 1)².
         assert_density(&format!("grid {side}"), &grid.collect::<Vec<_>>(), f64::from(side * side), 0.04);
     }
 }

@@ -20,8 +20,8 @@ fn cloud() -> Cloud {
     }
 }
 
-/// The legend of clouds `a.las`, `b.las` and so on, one for each text of keys; with and without it the points are the same,
-/// and so is the legend of points that follow a scene.
+/// The legend of clouds `a.las`, `b.las` and so on, one for each text of keys; with and without it the points are the
+/// same, and so is the legend of points that follow a scene.
 fn legend(keys: &[&str], rest: &str) -> Legend {
     let names = ["a.las", "b.las", "c.las"];
     let entries = keys.iter().zip(names);

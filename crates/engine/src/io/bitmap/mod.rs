@@ -1,7 +1,7 @@
 //! PNG, JPEG and TIFF as the samples that they store.
 //!
-//! A [`Decoder`] reads the header first, so that callers can compare its claims with the file's length before [`Decoder::read`]
-//! takes memory for the pixels.
+//! A [`Decoder`] reads the header first, so that callers can compare its claims with the file's length before
+//! [`Decoder::read`] takes memory for the pixels.
 
 mod jpeg;
 mod orientation;

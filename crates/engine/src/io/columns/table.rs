@@ -122,8 +122,9 @@ impl Table {
         }
     }
 
-    /// Writes all rows on all cores. `write` is given runs of rows and the place of the first of each. It puts the rows that stay at
-    /// the front of the run, and returns the places of the others, which are left out and counted; so does this, in order.
+    /// Writes all rows on all cores. `write` is given runs of rows and the place of the first of each. It puts the rows
+    /// that stay at the front of the run, and returns the places of the others, which are left out and counted; so does
+    /// this, in order.
     pub fn fill<E: Send>(
         &mut self,
         run: usize,

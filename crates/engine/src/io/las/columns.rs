@@ -177,9 +177,9 @@ fn extend<T>(column: &mut Vec<T>, new: impl Iterator<Item = T>, keep: &[bool]) {
     column.extend(new.zip(keep).filter(|(_, keep)| **keep).map(|(value, _)| value));
 }
 
-/// Converts stored colors to linear ones. Many writers put 8-bit values into the 16-bit fields: if the largest value of the file
-/// is at most 255, they count as 8-bit, and others, which a store's description may have missed, as 255. Colors that are all zero are
-/// dropped.
+/// Converts stored colors to linear ones. Many writers put 8-bit values into the 16-bit fields: if the largest value of
+/// the file is at most 255, they count as 8-bit, and others, which a store's description may have missed, as 255.
+/// Colors that are all zero are dropped.
 fn linear(rgb: &[[u16; 3]], largest: u16) -> Option<Vec<Vec3>> {
     if largest == 0 {
         return None;

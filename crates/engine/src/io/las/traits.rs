@@ -34,7 +34,8 @@ impl Traits {
         self.settle(header.format.has_color, asked.gps_time && header.format.has_gps_time, asked.returns)
     }
 
-    /// As [`Self::are_settled`], of points that have colors, have times that are asked for, and keep returns in any case.
+    /// As [`Self::are_settled`], of points that have colors, have times that are asked for, and keep returns in any
+    /// case.
     pub fn settle(&self, has_color: bool, has_times: bool, keeps_returns: bool) -> bool {
         let colors = !has_color || self.largest_color > u16::from(u8::MAX);
         let returns = keeps_returns || self.most_returns > 1;

@@ -1,5 +1,6 @@
-//! Tells images of depth cameras from other organized clouds: their columns run along +X, their rows along +Y, and +Z is the
-//! direction of view, so that −Y is up (the optical frame of the Robot Operating System's REP 103, and of PCL's grabbers).
+//! Tells images of depth cameras from other organized clouds: their columns run along +X, their rows along +Y, and +Z
+//! is the direction of view, so that −Y is up (the optical frame of the Robot Operating System's REP 103, and of PCL's
+//! grabbers).
 
 /// Of the sums only every so many points count.
 const STEP: u64 = 7;

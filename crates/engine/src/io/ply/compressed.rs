@@ -1,4 +1,5 @@
-//! Compressed splats in PLY files, by PlayCanvas: 256 splats share a chunk with their ranges, and a splat has four words.
+//! Compressed splats in PLY files, by PlayCanvas: 256 splats share a chunk with their ranges, and a splat has four
+//! words.
 //!
 //! | element | properties |
 //! |---|---|

@@ -15,7 +15,8 @@
 //!
 //! Values out of range are clamped; a color that is not a number is 0. Normals and colors need all three properties;
 //! otherwise, and for any other name, a property is a scalar column of its own name. A comment marks the additions of
-//! `pellucid prepare` (docs/prepared-clouds.md). Gaussian splats are recognized by their properties (`splats`, `compressed`).
+//! `pellucid prepare` (docs/prepared-clouds.md). Gaussian splats are recognized by their properties (`splats`,
+//! `compressed`).
 
 mod compressed;
 mod header;

@@ -8,8 +8,9 @@ use crate::io::ply::{Vertices, is_prepared};
 use crate::io::{Error, Format, Hints, NAMES_WITHOUT_EFFECT, Source, load_with, splats};
 use crate::progress::Progress;
 
-/// Opens a cloud to be read node by node: a folder with an octree of Potree 2.0 (or its `metadata.json`), an EPT folder (or its `ept.json`), COPC, LAS and LAZ files, binary PLY files. All other files
-/// are loaded as a whole, which `progress` follows.
+/// Opens a cloud to be read node by node: a folder with an octree of Potree 2.0 (or its `metadata.json`), an EPT folder
+/// (or its `ept.json`), COPC, LAS and LAZ files, binary PLY files. All other files are loaded as a whole, which
+/// `progress` follows.
 ///
 /// Opening takes as long as each says: [`Octree`], [`Ept`], [`Copc`], [`LasPieces`], [`PlyPieces`].
 ///

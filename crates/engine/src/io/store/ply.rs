@@ -14,8 +14,9 @@ use crate::progress::Progress;
 
 /// A binary PLY file whose vertices have no lists, in pieces of half a million consecutive points each.
 ///
-/// Opening it reads all of it once, since such a file says nothing of its points: for the boxes of the nodes, the vertical, and what
-/// decides about whole columns. Nothing of that pass is kept in memory but up to 260,000 positions while it runs.
+/// Opening it reads all of it once, since such a file says nothing of its points: for the boxes of the nodes, the
+/// vertical, and what decides about whole columns. Nothing of that pass is kept in memory but up to 260,000 positions
+/// while it runs.
 #[derive(Debug)]
 pub struct PlyPieces {
     rows: VertexRows,
@@ -30,8 +31,8 @@ impl PlyPieces {
     /// Opens a file with points.
     ///
     /// # Errors
-    /// Those of [`io::load`](crate::io::load); a file that has to be read as a whole: text, vertices with lists, Gaussian splats, and
-    /// what `pellucid prepare` wrote.
+    /// Those of [`io::load`](crate::io::load); a file that has to be read as a whole: text, vertices with lists,
+    /// Gaussian splats, and what `pellucid prepare` wrote.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let mut source = Source::open(path)?;
         let start = source.peek()?;

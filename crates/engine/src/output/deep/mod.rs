@@ -1,8 +1,8 @@
 //! Deep OpenEXR: for each pixel a list of samples with a depth each, written line by line.
 //!
-//! One part of type `deepscanline`, after OpenEXR's "File Layout"; what samples mean is in its "Interpreting Deep Pixels". A chunk is
-//! one line. Lines are written as they come, and the table of their places and the length of the longest list once all of
-//! them are there, so that no more than the lines in work is ever held.
+//! One part of type `deepscanline`, after OpenEXR's "File Layout"; what samples mean is in its "Interpreting Deep
+//! Pixels". A chunk is one line. Lines are written as they come, and the table of their places and the length of the
+//! longest list once all of them are there, so that no more than the lines in work is ever held.
 
 mod block;
 mod header;
@@ -147,8 +147,8 @@ impl<'a, W: Write + Seek> Writer<'a, W> {
     /// Takes the next pixels: how many samples each has, and all their samples.
     ///
     /// # Errors
-    /// Those of the system; more pixels than the image has, another number of samples than the lengths say, and a line of 2 GiB or
-    /// more, which OpenEXR does not read.
+    /// Those of the system; more pixels than the image has, another number of samples than the lengths say, and a line
+    /// of 2 GiB or more, which OpenEXR does not read.
     pub fn push(&mut self, lengths: &[u32], samples: &[Sample]) -> io::Result<()> {
         if lengths.iter().map(|n| u64::from(*n)).sum::<u64>() != samples.len() as u64 {
             return Err(invalid("the lengths of lists are not those of the samples"));

@@ -1,8 +1,8 @@
 //! The nearest neighbors of every point, independent of the order of the points.
 //!
-//! The K nearest other points, without the point itself, are those of least distance, computed in float64 from the original
-//! positions; of equal distances those of smaller x, then y, then z; of equal positions by normal (up to its sign). They are
-//! listed by rank, so that shuffled points have the same neighbors, in the same sequence, to the bit.
+//! The K nearest other points, without the point itself, are those of least distance, computed in float64 from the
+//! original positions; of equal distances those of smaller x, then y, then z; of equal positions by normal (up to its
+//! sign). They are listed by rank, so that shuffled points have the same neighbors, in the same sequence, to the bit.
 
 mod search;
 mod tree;
@@ -46,8 +46,9 @@ pub(super) struct Places {
     unit: f64,
 }
 
-/// A power of two, of 2⁻⁴⁰⁰ times the size of a cloud or more: it keeps squared distances from overflow, and those of down to
-/// 10⁻²⁷⁰ of that size from underflow, which one stray at 10¹⁷⁰ would cause otherwise. Scaling by it rounds nothing else.
+/// A power of two, of 2⁻⁴⁰⁰ times the size of a cloud or more: it keeps squared distances from overflow, and those of
+/// down to 10⁻²⁷⁰ of that size from underflow, which one stray at 10¹⁷⁰ would cause otherwise. Scaling by it rounds
+/// nothing else.
 fn unit(bounds: &Bounds) -> f64 {
     let half_side = (0.5 * bounds.max - 0.5 * bounds.min).max_element();
     if half_side > 0.0 { (half_side.log2().floor() - 400.0).clamp(-1022.0, 1023.0).exp2() } else { 1.0 }
@@ -169,8 +170,8 @@ impl Places {
         (ranks, distance)
     }
 
-    /// Takes the ranks of [`Places::others`] out of the places that were found, those as near as the k-th other one; the distance
-    /// of the last in units.
+    /// Takes the ranks of [`Places::others`] out of the places that were found, those as near as the k-th other one;
+    /// the distance of the last in units.
     fn take(&self, place: usize, k: usize, found: Found<'_>, ranks: &mut Vec<u32>) -> f64 {
         let Found { places: found, last, .. } = found;
         ranks.clear();
@@ -220,8 +221,8 @@ impl Places {
         places
     }
 
-    /// Calls `see` for each place with [`Places::others`], on all cores, and keeps what it returns. `again`: which lists are
-    /// kept for a second visit, if memory allows.
+    /// Calls `see` for each place with [`Places::others`], on all cores, and keeps what it returns. `again`: which
+    /// lists are kept for a second visit, if memory allows.
     pub fn visit<T: Send>(
         &self,
         k: usize,
@@ -295,9 +296,9 @@ impl Again {
     /// Returns `true` if the neighbors of a place are needed, those found at these squared distances, itself among
     /// them, and the last of the K nearest at this distance.
     ///
-    /// A neighbor at δ has its own K-th one at d − δ or beyond: the ball of that radius around it lies within the ball of radius d
-    /// around this place, whose inside holds fewer than K others. Where d − δ is d / cap or more for so many that their median is, the
-    /// cap changes nothing.
+    /// A neighbor at δ has its own K-th one at d − δ or beyond: the ball of that radius around it lies within the ball
+    /// of radius d around this place, whose inside holds fewer than K others. Where d − δ is d / cap or more for so
+    /// many that their median is, the cap changes nothing.
     fn wants(self, k: usize, squared: &[f64], distance: f64) -> bool {
         match self {
             Self::No => false,

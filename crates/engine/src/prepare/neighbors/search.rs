@@ -1,8 +1,8 @@
 //! The nearest places of a place.
 //!
 //! Places are looked for leaf by leaf: those of a leaf have nearly the same neighbors, so that the leaves around it are
-//! gathered once, within a distance that the neighbors of a place nearby bound (the triangle inequality). Where that would be
-//! too many leaves, as around a stray, each place goes through the tree by itself, nearest box first.
+//! gathered once, within a distance that the neighbors of a place nearby bound (the triangle inequality). Where that
+//! would be too many leaves, as around a stray, each place goes through the tree by itself, nearest box first.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -281,8 +281,8 @@ fn nearest(found: &mut [u32], squared: &mut [f64], moved: &mut Vec<f64>, wanted:
     (kept, squared[..kept].iter().copied().fold(0.0, larger))
 }
 
-/// A number that so many of some distances don't exceed, by counting and interpolating. `None` where it isn't soon found, as
-/// where many are equal.
+/// A number that so many of some distances don't exceed, by counting and interpolating. `None` where it isn't soon
+/// found, as where many are equal.
 fn cut(squared: &[f64], wanted: usize) -> Option<f64> {
     let (mut low, mut high) = ((0.0, 0), (squared.iter().copied().fold(0.0, larger), squared.len()));
     for _ in 0..CUTS {

@@ -47,7 +47,8 @@ impl Region {
     }
 }
 
-/// Regions with at most so many points, as far as cells of the finest level allow. Each cloud of points that is read is shown to `see`.
+/// Regions with at most so many points, as far as cells of the finest level allow. Each cloud of points that is read is
+/// shown to `see`.
 pub(super) fn regions<T: Send>(
     source: &Source,
     most: u64,

@@ -11,7 +11,8 @@ use crate::io::polygon::Rings;
 /// The largest number of strips of a polygon. With more of them, a point meets fewer edges.
 const MAX_STRIPS: usize = 4096;
 
-/// The number of strips that an edge may lie in, in the mean, so that strips take no more memory than some copies of the edges.
+/// The number of strips that an edge may lie in, in the mean, so that strips take no more memory than some copies of
+/// the edges.
 const STRIPS_PER_EDGE: usize = 8;
 
 /// Polygons, of which each may have holes.

@@ -112,8 +112,8 @@ impl Legend {
         self.entries.iter().find(|entry| entry.clouds.contains(&cloud))
     }
 
-    /// Adds the meaning of the colors of the scene's next cloud. `fields` as for [`Coloring::colors`]; `dropped` marks points that
-    /// are left out.
+    /// Adds the meaning of the colors of the scene's next cloud. `fields` as for [`Coloring::colors`]; `dropped` marks
+    /// points that are left out.
     ///
     /// # Errors
     /// The cloud lacks what `color_by` or a class is about.

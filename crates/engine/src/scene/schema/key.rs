@@ -147,7 +147,8 @@ pub enum Slider {
     Lengths(f64, f64),
     /// Whole numbers from the first to the second.
     Count(u32, u32),
-    /// Opacities by powers of ten, from 0.001 to 1: where layers overlap, the small ones differ the most. Its lower end is 0.
+    /// Opacities by powers of ten, from 0.001 to 1: where layers overlap, the small ones differ the most. Its lower end
+    /// is 0.
     Opacity,
 }
 

@@ -8,7 +8,8 @@ use crate::scene::table::Table;
 use crate::scene::view::View;
 
 settings! {
-    /// `[camera]` as given, and the view asked for on the command line; [`camera`](crate::scene::camera) fills in the rest.
+    /// `[camera]` as given, and the view asked for on the command line; [`camera`](crate::scene::camera) fills in the
+    /// rest.
     #[derive(Copy)]
     pub struct CameraSettings {
         /// Position of the camera; ignored if a view is requested.

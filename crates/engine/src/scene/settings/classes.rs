@@ -38,7 +38,8 @@ impl Selection {
     }
 }
 
-/// An entry of `[[cloud.class]]`. For each point and key the last entry counts that is about the point and gives the key.
+/// An entry of `[[cloud.class]]`. For each point and key the last entry counts that is about the point and gives the
+/// key.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClassSettings {
     /// Its points.

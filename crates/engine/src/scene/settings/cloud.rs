@@ -32,7 +32,8 @@ settings! {
         class: Vec<ClassSettings> = Vec::new();
         /// Opacity of each splat, or for spbr of the surface; multiplied by the file's alpha.
         opacity: f32 = 1.0, in Range::UNIT, slider Slider::Opacity, rival "surface_opacity";
-        /// Opacity of the surface that the points lie on, in place of `opacity`: the more discs overlap, the fainter each one is.
+        /// Opacity of the surface that the points lie on, in place of `opacity`: the more discs overlap, the fainter
+        /// each one is.
         surface_opacity: Option<f32> = None, in Range::UNIT, without "by `opacity`", start 0.3, slider Slider::Opacity, rival "opacity";
         /// Radius of all points, not multiplied by `scale`.
         radius: Option<f32> = None, in Range::NOT_NEGATIVE, unit "world units",

@@ -38,7 +38,8 @@ settings! {
         dilation: f32 = 0.3, in Range::NOT_NEGATIVE, unit "px²", slider Slider::Linear(0.0, 2.0);
         /// Compensate for the opacity that the dilation adds (ewa).
         antialias: bool = false;
-        /// End a list before the fragment that would leave less than this share of the light; 0 never ends a list early.
+        /// End a list before the fragment that would leave less than this share of the light; 0 never ends a list
+        /// early.
         stop: f32 = 0.0, in Range::below(0.0, 1.0), slider Slider::Powers(0.0, 0.1), only &["auto", "abuffer", "linked-list", "sorted", "peel"];
     }
 }

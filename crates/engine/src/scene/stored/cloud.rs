@@ -137,8 +137,8 @@ impl StoredCloud {
         with_points.map(block).collect()
     }
 
-    /// For each node the largest radius of all points that may be in the places of its own: those above and below it. Of Gaussians how
-    /// far its own reach.
+    /// For each node the largest radius of all points that may be in the places of its own: those above and below it.
+    /// Of Gaussians how far its own reach.
     fn radii(&self, nodes: &[Node], scene: &Scene) -> Vec<f32> {
         let settings = &scene.clouds[self.index];
         if let Some(radius) = self.fixed_radius {

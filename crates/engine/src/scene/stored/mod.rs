@@ -1,8 +1,8 @@
-//! Scenes whose clouds stay where they are stored: nodes are read when a part of the picture needs them, and are points as those of a
-//! scene in memory are.
+//! Scenes whose clouds stay where they are stored: nodes are read when a part of the picture needs them, and are points
+//! as those of a scene in memory are.
 //!
-//! What follows from all points of a cloud together, such as the range of a color map, is found once, in a survey: from facts about
-//! all points, and from some points that stand for all ([`Sampling`]), which a scene in memory takes, too.
+//! What follows from all points of a cloud together, such as the range of a color map, is found once, in a survey: from
+//! facts about all points, and from some points that stand for all ([`Sampling`]), which a scene in memory takes, too.
 
 mod cache;
 mod cloud;
@@ -51,7 +51,8 @@ pub fn open_stores(scene: &Scene, progress: &Progress) -> Result<Stores, io::Err
     scene.clouds.iter().map(open).collect()
 }
 
-/// Bytes of memory for each point that is taken at a time: as it is read, put into order, and taken. Half of the memory keeps nodes.
+/// Bytes of memory for each point that is taken at a time: as it is read, put into order, and taken. Half of the memory
+/// keeps nodes.
 fn taken_bytes(splats: Option<WholeSplats>) -> u64 {
     2 * (150 + splats.map_or(0, |splats| Gaussians::bytes_each(splats.degree)))
 }
@@ -116,7 +117,8 @@ impl Stored {
     /// Unless the stores know what is known of all their points, all are read once.
     ///
     /// # Errors
-    /// A store can't be read; a cloud lacks what the scene asks for, or it would have to be found from neighbors; no point is left.
+    /// A store can't be read; a cloud lacks what the scene asks for, or it would have to be found from neighbors; no
+    /// point is left.
     pub fn new(scene: &Scene, stores: &[OpenStore], memory: u64, progress: &Progress) -> Result<Self, crate::Error> {
         progress.begin(Phase::Prepare);
         let (mut scene, clips) = (scene.clone(), Clips::load(&scene.clips)?);
@@ -197,7 +199,8 @@ impl Stored {
     /// ([`Method::is_dealt`](super::Method::is_dealt)), which want no radii.
     ///
     /// # Errors
-    /// A node can't be read, there is no room in the folder, memory is too small, or `progress` cancels it; no point is left.
+    /// A node can't be read, there is no room in the folder, memory is too small, or `progress` cancels it; no point is
+    /// left.
     pub fn dealt(&self, seed: u64, folder: &Path, progress: &Progress) -> Result<Arranged, crate::Error> {
         progress.begin(Phase::Order);
         progress.reset();

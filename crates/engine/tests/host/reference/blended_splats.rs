@@ -94,7 +94,8 @@ fn the_drawn_radius_is_scaled_and_clamped_in_the_world() {
 
 #[test]
 fn oriented_depths_decide_pixel_by_pixel() {
-    // A disc whose z grows to the right through a flat one that lies at its center's depth: within 0.5 of each other they blend.
+    // A disc whose z grows to the right through a flat one that lies at its center's depth: within 0.5 of each other
+    // they blend.
     let crossing = points(&[-5.0 * DVec3::Z; 2], &[2.2, 2.2], Some(vec![tilted(45.0).as_vec3(), Vec3::ZERO]), &[]);
     let settings = BlendedSplats { blend_depth: 0.25, ..BlendedSplats::default() };
     let picture = splats::render(&orthographic(), SIZE, &crossing, &COLORS[..2], Shape::Oriented, &settings);

@@ -131,8 +131,8 @@ mod tests {
 
     #[test]
     fn signs_are_those_of_the_polynomials() {
-        // y, z, x; xy, yz, 2z²−x²−y², xz, x²−y²; y(3x²−y²), xyz, y(…z²…), z(…), x(…), z(x²−y²), x(…); of degree 4 xy, yz, xy, yz, 1, xz,
-        // x²−y², xz, 1.
+        // y, z, x; xy, yz, 2z²−x²−y², xz, x²−y²; y(3x²−y²), xyz, y(…z²…), z(…), x(…), z(x²−y²), x(…); of degree 4 xy,
+        // yz, xy, yz, 1, xz, x²−y², xz, 1.
         let expected = [-1, -1, 1, -1, 1, 1, -1, 1, -1, 1, -1, -1, 1, -1, 1, -1, 1, -1, 1, 1, -1, 1, -1, 1];
         assert_eq!(signs(4), expected.map(|sign| sign as f32));
     }

@@ -13,8 +13,8 @@ pub(super) const CODE_LEVELS: u32 = morton::BITS;
 /// Bits of coordinates along an axis.
 const MAX_BITS: u32 = 32;
 
-/// The box of the root: along each axis a power of two of steps of a grid, so that cells end between positions. It is a cube if the
-/// steps of all axes are the same, else its sides are within a factor of 2.
+/// The box of the root: along each axis a power of two of steps of a grid, so that cells end between positions. It is a
+/// cube if the steps of all axes are the same, else its sides are within a factor of 2.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Cube {
     /// The grid.

@@ -37,8 +37,8 @@ impl<'a> Input<'a> {
         Some(Self { stores, firsts, like, notes, points, bounds })
     }
 
-    /// Reads everything in batches of about so many points, on all cores. What `see` makes of the pieces is handed to `take` in
-    /// order.
+    /// Reads everything in batches of about so many points, on all cores. What `see` makes of the pieces is handed to
+    /// `take` in order.
     pub fn each<T: Send>(
         &self,
         batch_points: u64,

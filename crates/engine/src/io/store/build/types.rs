@@ -192,7 +192,8 @@ impl Types {
 /// Bits of a float32 that don't choose the part of a table.
 const PART_BITS: u32 = 10;
 
-/// Linear values of 16-bit sRGB, in ascending order, and for the first bits of a float32 the first of them that isn't below.
+/// Linear values of 16-bit sRGB, in ascending order, and for the first bits of a float32 the first of them that isn't
+/// below.
 struct Table {
     linear: Vec<f32>,
     first: Vec<u16>,

@@ -1,7 +1,8 @@
-//! Octrees of Potree 2.0: folders of metadata.json, hierarchy.bin and octree.bin, as PotreeConverter 2 and `pellucid prepare` write
-//! them.
+//! Octrees of Potree 2.0: folders of metadata.json, hierarchy.bin and octree.bin, as PotreeConverter 2 and `pellucid
+//! prepare` write them.
 //!
-//! Points are uncompressed records, the position three int32 on a grid. Names of attributes that a cloud has a column for:
+//! Points are uncompressed records, the position three int32 on a grid. Names of attributes that a cloud has a column
+//! for:
 //!
 //! | column | attribute |
 //! |---|---|
@@ -68,8 +69,9 @@ impl Octree {
     /// Opens a folder, or the metadata.json in it. Reads everything but the points.
     ///
     /// # Errors
-    /// A file is missing or can't be read; the octree is compressed or of Potree 1; what the files say contradicts itself or their
-    /// sizes; nodes overlap; there are no points. Memory use follows the files' sizes, not their claims.
+    /// A file is missing or can't be read; the octree is compressed or of Potree 1; what the files say contradicts
+    /// itself or their sizes; nodes overlap; there are no points. Memory use follows the files' sizes, not their
+    /// claims.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let folder = if path.is_dir() { path } else { crate::atomic::folder(path) };
         if !folder.join(METADATA).exists() && folder.join("cloud.js").exists() {
@@ -276,8 +278,8 @@ fn nodes_of(
     Ok(around_children(nodes))
 }
 
-/// Lets boxes of points grow around those of the nodes below. Nodes without points there and below keep what the one above has of
-/// their part.
+/// Lets boxes of points grow around those of the nodes below. Nodes without points there and below keep what the one
+/// above has of their part.
 fn around_children(mut nodes: Vec<(Node, Option<Bounds>)>) -> Vec<Node> {
     for index in (0..nodes.len()).rev() {
         let (Node { parent, .. }, bounds) = nodes[index];

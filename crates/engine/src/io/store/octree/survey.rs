@@ -1,5 +1,5 @@
-//! survey.bin: what follows from all points of a store, so that nobody has to read all of them: facts, and the points that stand for
-//! all.
+//! survey.bin: what follows from all points of a store, so that nobody has to read all of them: facts, and the points
+//! that stand for all.
 
 use std::path::Path;
 
@@ -16,8 +16,8 @@ use crate::io::store::{Grid, Survey};
 /// The file's name.
 pub(crate) const SURVEY: &str = "survey.bin";
 
-/// First bytes of the file, the last one of which is the version. The length of the facts follows (u32), these as JSON, and the records
-/// of the points.
+/// First bytes of the file, the last one of which is the version. The length of the facts follows (u32), these as JSON,
+/// and the records of the points.
 const MAGIC: [u8; 8] = *b"pellucs\x01";
 /// Bytes of the facts at most.
 const MAX_FACTS: usize = 1 << 16;

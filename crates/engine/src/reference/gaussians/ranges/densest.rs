@@ -1,9 +1,9 @@
 //! Place at which a Gaussian is densest along a ray, as far as float32 can tell.
 //!
-//! With the columns of P for the kernel `ray`, J not clamped and nothing dilated, Y = P⁺d is where the ray would meet the plane of the
-//! rows of P, were it parallel to the one through the center. Let r hold the depths of the axes, n the unit normal of that plane, z the
-//! center's depth. Then with w = 1 − r·Y/z and D = w² + (n·r/z)²|Y|² the ray has ρ² = |Y|²/D at the depth z w/D. Orthographic rays
-//! are parallel, so that ρ² = |Y|² and the depth is z + r·Y.
+//! With the columns of P for the kernel `ray`, J not clamped and nothing dilated, Y = P⁺d is where the ray would meet
+//! the plane of the rows of P, were it parallel to the one through the center. Let r hold the depths of the axes, n the
+//! unit normal of that plane, z the center's depth. Then with w = 1 − r·Y/z and D = w² + (n·r/z)²|Y|² the ray has ρ² =
+//! |Y|²/D at the depth z w/D. Orthographic rays are parallel, so that ρ² = |Y|² and the depth is z + r·Y.
 
 use glam::{DMat3, DVec2, DVec3};
 

@@ -1,5 +1,5 @@
-//! `iso`: surfaces of equal value in a volume, as points (Dobrev et al., Figs. 18 and 19). The volume is a file's, or that of a
-//! hydrogen orbital.
+//! `iso`: surfaces of equal value in a volume, as points (Dobrev et al., Figs. 18 and 19). The volume is a file's, or
+//! that of a hydrogen orbital.
 
 mod field;
 mod orbital;
@@ -58,8 +58,8 @@ pub fn built_in() -> Volume {
     orbital::orbital()
 }
 
-/// Makes the scene from a volume, whose longest side becomes 2 world units around the origin. `values`: where the field has
-/// surfaces; none: chosen so that they lie within each other.
+/// Makes the scene from a volume, whose longest side becomes 2 world units around the origin. `values`: where the field
+/// has surfaces; none: chosen so that they lie within each other.
 ///
 /// # Errors
 /// A parameter that is unknown or out of range, a value without a surface, too many values, a volume without different

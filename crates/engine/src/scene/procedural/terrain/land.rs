@@ -20,7 +20,8 @@ mod layer {
     pub(super) const KNOLLS: i64 = 20;
 }
 
-/// A landscape without anything on it. Lengths in meters; the origin is in the middle of a town, z = 0 the level of the water.
+/// A landscape without anything on it. Lengths in meters; the origin is in the middle of a town, z = 0 the level of the
+/// water.
 #[derive(Debug, Clone)]
 pub(super) struct Land {
     salt: i64,

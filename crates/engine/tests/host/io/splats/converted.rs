@@ -29,11 +29,12 @@ const EXACT: Bounds = Bounds { position: 1e-6, scale: 1e-6, rotation: 1e-6, base
 const UNIT: f32 = 0.5 / 255.0 + 1e-6;
 const SIGNED: f32 = 1.0 / 255.0 + 1e-6;
 
-/// Of four parts within a step of 1/511/√2: each of three is off by half of it, the largest by as much as all of them, twice for an
-/// angle.
+/// Of four parts within a step of 1/511/√2: each of three is off by half of it, the largest by as much as all of them,
+/// twice for an angle.
 const SMALLEST_THREE: f64 = 2.0 * 2.0 * 1.732 * 0.5 / 511.0 * 0.707_2;
 
-/// Centers of 24 bits behind 12 of the fraction, logarithms of extents in sixteenths; a byte of color is 0.15/Y₀ of a display value.
+/// Centers of 24 bits behind 12 of the fraction, logarithms of extents in sixteenths; a byte of color is 0.15/Y₀ of a
+/// display value.
 const SPZ: Bounds = Bounds {
     position: 1.7321 * 0.5 / 4096.0,
     scale: 1.0 / 32.0 + 1e-5,
@@ -134,7 +135,8 @@ fn ksplat() {
 
 #[test]
 fn spz() {
-    // w follows from the others, each off by half a step of 1/127.5; near zero it is off by the root of what they are off.
+    // w follows from the others, each off by half a step of 1/127.5; near zero it is off by the root of what they are
+    // off.
     let three = (3.0_f64).sqrt() * 0.5 / 127.5;
     let rotation = 2.0 * (three * three + 2.0 * three).sqrt();
     // Float16 below 4 has steps of 1/512.
@@ -163,8 +165,8 @@ fn compressed_ply() {
     assert_reads_as_soup("soup.compressed.ply", 2, None, &bounds);
 }
 
-/// Tables of extents, colors and harmonics follow from all splats, so that another reader tells what a file holds. It keeps opacities
-/// as logits.
+/// Tables of extents, colors and harmonics follow from all splats, so that another reader tells what a file holds. It
+/// keeps opacities as logits.
 #[test]
 fn sog() {
     for (name, other) in [
@@ -175,8 +177,8 @@ fn sog() {
         let cloud = load(&folder().join(name)).unwrap();
         assert_eq!((cloud.up, cloud.filter, cloud.warnings.len()), (UpAxis::NegativeY, None, 0), "{name}");
         assert_same(&cloud, &load(&folder().join(other)).unwrap(), &EXACT, name);
-        // 16 bits of the logarithms of 1 to 4 of both signs, which their writer cuts; three bytes of √2 of the quaternion,
-        // whose steps are four times those of nine bits and a sign.
+        // 16 bits of the logarithms of 1 to 4 of both signs, which their writer cuts; three bytes of √2 of the
+        // quaternion, whose steps are four times those of nine bits and a sign.
         let position = 1.7321 * 4.0 * 2.0 * 4.0_f64.ln() / 65535.0;
         let loose = Bounds {
             position,

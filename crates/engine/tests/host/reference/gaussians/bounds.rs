@@ -1,4 +1,5 @@
-//! What float32 may make of Gaussians, against float32 itself: the arithmetic that shaders are expected to have, on the host.
+//! What float32 may make of Gaussians, against float32 itself: the arithmetic that shaders are expected to have, on the
+//! host.
 
 use pellucid_engine::reference::gaussians::{Possible, possible};
 

@@ -170,7 +170,8 @@ fn median_and_mean_depth_by_hand() {
         let list = bodies(&orthographic(), SIZE, &scene(splats), &discs(1.0)).swap_remove(MIDDLE);
         (median(&list, stretch, 0.5), mean_depth(&list, stretch))
     };
-    // From z = 4 to 6 of optical depth ln 4: a half is left in the middle. The mean is 4 + 2 (1 / x - 1 / (exp(x) - 1)).
+    // From z = 4 to 6 of optical depth ln 4: a half is left in the middle. The mean is 4 + 2 (1 / x - 1 / (exp(x) -
+    // 1)).
     let (half, mean) = of(&all(0.75), 1.0);
     assert_close(half, 5.0, 1e-9);
     assert_close(mean, 4.0 + 2.0 * (1.0 / 4f64.ln() - 1.0 / 3.0), 1e-9);
