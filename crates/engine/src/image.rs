@@ -64,7 +64,7 @@ pub struct LinearImage {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// One entry per pixel, width × height of them.
+    /// Pixels, an entry each, width × height of them.
     pub pixels: Vec<[f32; 3]>,
 }
 

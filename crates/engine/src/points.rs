@@ -57,7 +57,7 @@ pub struct Points {
 /// Facts about all points of a scene that are not in one list.
 #[derive(Debug, Clone)]
 pub struct Whole {
-    /// Their number, with those that are not drawn.
+    /// Number of points, with those that are not drawn.
     pub count: u64,
     /// The box around all of them, in world coordinates.
     pub bounds: Bounds,
@@ -106,7 +106,7 @@ impl PartialEq for Whole {
 
 /// Points with their radii in groups that are read one by one.
 pub trait Spheres: std::fmt::Debug + Send + Sync {
-    /// For each group a box around its positions and the largest radius, in world units.
+    /// Returns, for each group, a box around its positions and the largest radius, in world units.
     fn groups(&self) -> Vec<(Bounds, f64)>;
 
     /// Positions and radii of a group's points, also of those that are not drawn; nothing if they can't be read, which
@@ -124,7 +124,7 @@ pub struct Anchor {
 }
 
 impl Anchor {
-    /// Of a scene within these bounds and points that stand for all of its points.
+    /// Collects what is known of a scene within these bounds and points that stand for all of its points.
     pub(crate) fn new(sampled: &[DVec3], bounds: Option<Bounds>) -> Self {
         let side = bounds.map_or(0.0, |bounds| (0.5 * bounds.max - 0.5 * bounds.min).max_element());
         // Of 0 and of denormal sides any will do.
@@ -512,7 +512,7 @@ impl Changes {
     pub const ALL: Self =
         Self { colors: true, opacities: true, radii: true, fields: true, order: true, unseen: true, gaussians: true };
 
-    /// These and others.
+    /// Returns the columns that these or others name.
     #[must_use]
     pub fn and(self, more: Self) -> Self {
         Self {

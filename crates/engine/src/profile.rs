@@ -16,7 +16,7 @@ use crate::progress::Span;
 pub struct Profile {
     /// The device's name.
     pub device: String,
-    /// Its driver.
+    /// Driver of the device.
     pub driver: String,
     /// Nanoseconds of one tick of a timestamp.
     pub timestamp_period_ns: f64,

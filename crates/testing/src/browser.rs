@@ -149,7 +149,7 @@ impl Browser {
         event("mouseReleased", to, 0);
     }
 
-    /// The same by a finger.
+    /// Drags by touch, with a finger.
     pub fn swipe(&mut self, from: [f64; 2], to: [f64; 2]) {
         let mut event = |kind: &str, points: Value| {
             self.call("Input.dispatchTouchEvent", json!({ "type": kind, "touchPoints": points }));

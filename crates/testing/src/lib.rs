@@ -30,7 +30,7 @@ pub use devices::{
 pub use places::{Clouds, clouds, root, whole_clouds};
 pub use rendering::{render, rendered, rendered_by_both_atomics};
 
-/// How much a long test does: `short` where `PELLUCID_SHORT_SWEEPS` is 1, as in CI, which runs all of them.
+/// Amount of work of a long test: `short` where `PELLUCID_SHORT_SWEEPS` is 1, as in CI, which runs all of them.
 pub fn long_or<T>(long: T, short: T) -> T {
     if std::env::var("PELLUCID_SHORT_SWEEPS").is_ok_and(|v| v == "1") { short } else { long }
 }
@@ -50,7 +50,7 @@ pub fn random(seed: u64) -> Pcg64 {
     Pcg64::seed_from_u64(seed)
 }
 
-/// One test point.
+/// A single test point.
 #[derive(Debug, Clone, Copy)]
 pub struct P {
     pub position: DVec3,
@@ -228,13 +228,13 @@ pub fn picked(points: &Points, keep: impl Fn(usize) -> bool) -> Points {
     }
 }
 
-/// Those of some points of which float32 too can say which pixel they are on, whether they look at the viewer, and on
+/// Selects those points of which float32 too can say which pixel they are on, whether they look at the viewer, and on
 /// which side of them the light is. In canonical order.
 pub fn clear_points(points: &[P], camera: &Camera, size: [u32; 2], shading: &Shading) -> Points {
     clear_of(&scene(points), camera, size, shading)
 }
 
-/// As [`clear_points`], of points in canonical order.
+/// Selects points like [`clear_points`], from points in canonical order.
 pub fn clear_of(all: &Points, camera: &Camera, size: [u32; 2], shading: &Shading) -> Points {
     picked(all, |i| {
         let normal = all.normals.as_ref().map_or(DVec3::ZERO, |normals| normals[i].as_dvec3());

@@ -36,9 +36,9 @@ const OPTIONAL: [&str; 7] = [NO_DATA, NO_PRESENTING, NO_COMPOSITOR, NO_OPENEXR, 
 /// test's output is captured. The reason is one of this module's constants.
 ///
 /// # Panics
-/// With `PELLUCID_REQUIRE_ALL` at 1, unless the reason is in the list `PELLUCID_ALLOWED_SKIPS`, which has semicolons
-/// between reasons. With `PELLUCID_REQUIRE_GPU` at 1 as well, but without a list the reasons for which nobody can
-/// install a remedy are allowed.
+/// Panics with `PELLUCID_REQUIRE_ALL` at 1, unless the reason is in the list `PELLUCID_ALLOWED_SKIPS`, which has
+/// semicolons between reasons. With `PELLUCID_REQUIRE_GPU` at 1 as well, but without a list the reasons for which
+/// nobody can install a remedy are allowed.
 #[track_caller]
 pub fn skip(reason: &str, detail: &str) {
     let caller = Location::caller();

@@ -9,8 +9,8 @@ const FEWEST: usize = 1000;
 const MOST: f64 = 0.995;
 /// |x| / z and |y| / z of the pyramid's sides: wide lenses have a little less.
 const WIDE: f64 = 1.2;
-/// The same of its middle. A tenth of the points lies beside it, along either axis: a tower far above the origin fills
-/// no pyramid.
+/// Largest such ratio of the pyramid's middle. A tenth of the points lies beside it, along either axis: a tower far
+/// above the origin fills no pyramid.
 const NARROW: f64 = 0.25;
 /// The share of points in each of the four quarters of the image, at least.
 const QUARTER: f64 = 0.05;

@@ -36,7 +36,7 @@ pub enum Field {
     /// A scalar property: as stored if every value lies in [0, 1], else scaled from the smallest to the largest; a
     /// constant property gives 0. +∞ counts as 1, −∞ as 0, and NaN as 0: solid.
     Property {
-        /// Its name.
+        /// Name of the scalar.
         name: String,
     },
 }
@@ -146,7 +146,7 @@ pub fn scaled(values: &[f64]) -> Vec<f32> {
     scaled_in(values, range(values))
 }
 
-/// The same of some values of a cloud with this range.
+/// Scales some values of a cloud with this range.
 fn scaled_in(values: &[f64], [least, most]: [f64; 2]) -> Vec<f32> {
     let range = most - least;
     if range <= LEAST_RANGE * most.abs().max(least.abs()) {

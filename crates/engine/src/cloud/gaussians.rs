@@ -50,7 +50,7 @@ pub fn coefficients(degree: u32) -> usize {
 }
 
 impl Gaussians {
-    /// As many points that are no Gaussians.
+    /// Makes as many points that are no Gaussians.
     pub fn none(count: usize) -> Self {
         Self {
             extents: vec![Vec3::ZERO; count],

@@ -11,13 +11,13 @@ const MOST: u64 = 1 << 17;
 /// Rule that selects points of a cloud of some size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sampling {
-    /// One of so many less one: a power of two.
+    /// Stride of the sample less 1; the stride is a power of two.
     mask: u32,
 }
 
 impl Sampling {
-    /// Of a cloud with so many points: all of up to 2¹⁸, of more of them about 2¹⁶ to 2¹⁷. Whoever is taken of a cloud
-    /// is taken of any smaller one, too.
+    /// Chooses the sample of a cloud with so many points: all of up to 2¹⁸, of more of them about 2¹⁶ to 2¹⁷. Whoever
+    /// is taken of a cloud is taken of any smaller one, too.
     pub fn of(points: u64) -> Self {
         let every = if points <= ALL { 1 } else { points.div_ceil(MOST).next_power_of_two().min(1 << 31) };
         Self { mask: every as u32 - 1 }

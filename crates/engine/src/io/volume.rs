@@ -108,7 +108,7 @@ impl std::fmt::Display for Dims {
 /// A scalar field on a grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Volume {
-    /// Along x, y and z, each at least 2.
+    /// Numbers of samples along x, y and z, each at least 2.
     pub dims: [usize; 3],
     /// x fastest, then y, then z; as many as the product of `dims`. May hold values that are not finite.
     pub values: Vec<f32>,

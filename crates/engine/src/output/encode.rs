@@ -89,7 +89,7 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// For images on a device.
+    /// Creates the encoder of images on a device.
     ///
     /// # Errors
     /// Vulkan errors.

@@ -29,7 +29,7 @@ use crate::scene::ColorSpace;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Neither `.png` nor `.exr`.
+    /// Unknown extension: neither `.png` nor `.exr`.
     #[error("{path}: unknown image format; the name must end in .png (8-bit sRGB) or .exr (32-bit float)", path = path.display())]
     UnknownExtension {
         /// The file.
@@ -111,15 +111,15 @@ pub enum Error {
     SizesDiffer {
         /// The first file.
         a: PathBuf,
-        /// Its width.
+        /// Width of the first image.
         a_width: u32,
-        /// Its height.
+        /// Height of the first image.
         a_height: u32,
         /// The other file.
         b: PathBuf,
-        /// Its width.
+        /// Width of the second image.
         b_width: u32,
-        /// Its height.
+        /// Height of the second image.
         b_height: u32,
     },
     /// Frames would overwrite other files.
@@ -215,7 +215,7 @@ pub fn check_target(path: &Path) -> Result<(), Error> {
 /// `stderr.R`, `stderr.G`, `stderr.B`; ZIP, which is lossless.
 ///
 /// # Errors
-/// Those of [`check_target`], and errors of the system while writing; the earlier file then remains.
+/// Returns the errors of [`check_target`], and errors of the system while writing; the earlier file then remains.
 pub fn write_image(path: &Path, image: &Image, options: &WriteOptions) -> Result<(), Error> {
     let format = Format::from_extension(path)?;
     write_atomically(path, |file| match format {

@@ -20,7 +20,7 @@ pub fn check(path: &Path, bytes: u64) -> Result<(), Error> {
     check_free(path, bytes, atomic::free_bytes(atomic::folder(path)))
 }
 
-/// The same, given what is free, if that is known.
+/// Checks the room for a file, given what is free, if that is known.
 fn check_free(path: &Path, bytes: u64, free: Option<u64>) -> Result<(), Error> {
     match free {
         Some(free) if bytes > free => {

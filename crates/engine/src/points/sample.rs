@@ -92,7 +92,7 @@ impl Points {
         Self { unseen: Arc::new(unseen), whole: self.whole, ..one() }
     }
 
-    /// These points as some that stand for a scene; `identity` is the same text for the same points.
+    /// Marks these points as some that stand for a scene; `identity` is the same text for the same points.
     #[must_use]
     pub fn standing_for(self, known: &Known, identity: String) -> Self {
         let splats = known.splats.map(|(count, degree, brightest)| WholeSplats {

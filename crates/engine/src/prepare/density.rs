@@ -96,7 +96,7 @@ impl Shuffled for [DVec3] {
     }
 }
 
-/// Like [`estimate`], of positions that may be somewhere else.
+/// Estimates the density like [`estimate`], from positions that may be somewhere else.
 pub(super) fn estimate_of<S: Shuffled + ?Sized>(shuffled: &S, progress: &Progress) -> Result<f64, S::Error> {
     let count = shuffled.count();
     let Some(frame) = Frame::enclosing(shuffled.bounds(), count) else { return Ok(0.0) };
@@ -120,7 +120,7 @@ pub(super) fn estimate_of<S: Shuffled + ?Sized>(shuffled: &S, progress: &Progres
     Ok(density.min(f64::MAX))
 }
 
-/// Of so many points, of which all together are in `pairs`, those that can be counted within [`MAX_PAIRS`].
+/// Number of points, out of so many that are together in `pairs`, that can be counted within [`MAX_PAIRS`].
 fn affordable(pairs: u64, points: usize) -> usize {
     match pairs {
         0..=MAX_PAIRS => points,
@@ -187,7 +187,7 @@ struct Band {
 /// The centers whose spheres may reach into each cell.
 struct Grid {
     centers: Vec<DVec3>,
-    /// For each cell the start of its centers in `members`, with their number as the last entry.
+    /// Start of each cell's centers in `members`, with their number as the last entry.
     starts: Vec<u32>,
     members: Vec<u32>,
 }

@@ -197,7 +197,7 @@ pub fn deal(clouds: Vec<Points>, seed: u64, progress: &Progress) -> Dealt {
 /// The origins of the points of a dealt list.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Trace {
-    /// For each place its point's number in the input: cloud after cloud, in their order.
+    /// Number of the point at each place in the input: cloud after cloud, in their order.
     pub origins: Vec<u32>,
     /// Places of points in the same place, cloud by cloud.
     pub ties: Ties,
@@ -217,7 +217,7 @@ impl Trace {
     }
 }
 
-/// Like [`deal`], and records the origins of points if `trace` is given.
+/// Shuffles points like [`deal`], and records the origins of points if `trace` is given.
 pub(crate) fn deal_traced(clouds: Vec<Points>, seed: u64, progress: &Progress, mut trace: Option<&mut Trace>) -> Dealt {
     progress.set_length(clouds.iter().map(|cloud| 2 * cloud.len() as u64).sum());
     let (mut points, mut surfaces) = (Points::default(), Vec::new());
@@ -281,7 +281,7 @@ impl Shuffle {
     }
 }
 
-/// For each place of a cloud the point to put there, from the points' ids.
+/// Returns the point to put at each place of a cloud, from the points' ids.
 fn shuffle(ids: &[u32], place: u32, seed: u64) -> Vec<u32> {
     let shuffle = Shuffle::new(place, seed);
     // Points are counted in 32 bits: more of them don't fit any device.

@@ -69,7 +69,7 @@ impl Request {
 pub enum ShadingNormals {
     /// All.
     All,
-    /// Those of points about a surface, not of foliage.
+    /// Uncertainty of points about a surface, not of foliage.
     Planar,
 }
 
@@ -97,7 +97,7 @@ pub type RadiusKey = (usize, u32);
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldKey {
     definition: Field,
-    /// For the uncertainty.
+    /// Key of the radii that the uncertainty is made from.
     radii: Option<RadiusKey>,
     /// Outliers that get F = 1.
     soft: Option<outliers::Rule>,
@@ -286,7 +286,7 @@ fn shading_normals(cloud: &Cloud, which: ShadingNormals, surface: &surface::Surf
 /// [`write_prepared`](crate::io::ply::write_prepared). A shadow texture that it has stays, unless normals are others.
 ///
 /// # Errors
-/// If the cloud lacks what its field is made of.
+/// Returns an error if the cloud lacks the columns that its field is made of.
 pub fn prepared(mut cloud: Cloud, request: &Request, progress: &Progress) -> Result<Cloud, field::Error> {
     // Marks of outliers aren't stored: whoever reads the file may ask for others.
     let request = Request { radii: true, fields: true, soft_outliers: None, ..request.clone() };

@@ -84,7 +84,7 @@ pub(super) fn smallest_axes(moments: &[Moments]) -> Vec<SmallestAxis> {
     found
 }
 
-/// That of the principal axes of a lane.
+/// Returns the smallest of the principal axes of a lane.
 fn smallest_axis(variances: &[Lanes; 3], axes: &[[Lanes; 3]; 3], lane: usize) -> SmallestAxis {
     let mut order = [0, 1, 2];
     for (a, b) in [(0, 1), (1, 2), (0, 1)] {

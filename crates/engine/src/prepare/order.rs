@@ -69,7 +69,8 @@ pub(super) fn by_look(a: (&Points, usize), b: (&Points, usize)) -> Ordering {
     color(a).cmp(&color(b)).then_with(|| others(a).cmp(&others(b))).then_with(|| by_gaussian(a, b))
 }
 
-/// By shape and color of Gaussians. A list without any may be part of a scene that has some: its points are none.
+/// Compares points by shape and color of Gaussians. A list without any may be part of a scene that has some: its points
+/// are none.
 fn by_gaussian(a: (&Points, usize), b: (&Points, usize)) -> Ordering {
     match (&a.0.gaussians, &b.0.gaussians) {
         (Some(first), Some(second)) => first.bits(a.1).cmp(second.bits(b.1)),

@@ -28,13 +28,13 @@ pub fn estimate(positions: &[DVec3], neighbors: usize, cap: f32, progress: &Prog
 /// The radii of points, with the cap and without it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Radii {
-    /// With the cap.
+    /// Radii with the cap.
     pub capped: Vec<f32>,
-    /// Those of Eq. 20.
+    /// Radii of Eq. 20, without the cap.
     pub uncapped: Vec<f32>,
 }
 
-/// Like [`estimate`], with the radii before the cap.
+/// Estimates radii like [`estimate`], with the radii before the cap.
 pub fn both(positions: &[DVec3], neighbors: usize, cap: f32, progress: &Progress) -> Radii {
     let k = neighbors.min(positions.len().saturating_sub(1));
     let Some(places) = Places::group(positions, None).filter(|_| k > 0) else {

@@ -22,7 +22,7 @@ pub struct Sampled {
     pub spacing: Option<f64>,
     /// All positions, along the Morton curve.
     pub positions: Vec<DVec3>,
-    /// For each of these positions its radius: the given one, else that of Eq. 20, in the cloud's units.
+    /// Radius of each of these positions: the given one, else that of Eq. 20, in the cloud's units.
     pub radii: Vec<f32>,
 }
 

@@ -15,7 +15,7 @@ use crate::cloud::field;
 pub struct Surface {
     /// Eq. 20 with its cap, as [`radius::estimate`] finds them, to the bit.
     pub radii: Vec<f32>,
-    /// Those of Eq. 20 without its cap.
+    /// Radii of Eq. 20 without its cap.
     pub uncapped: Vec<f32>,
     /// The given normals, with estimated ones in place of missing ones; zero where both are missing.
     pub normals: Vec<Vec3>,
@@ -70,7 +70,7 @@ fn look(
 /// View of points before F is scaled, in their order.
 #[derive(Debug, Default)]
 pub(super) struct Seen {
-    /// Without F.
+    /// Surface without F.
     pub surface: Surface,
     /// F before it is scaled; empty unless asked for.
     pub spreads: Vec<f64>,

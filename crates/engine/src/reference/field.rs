@@ -14,8 +14,8 @@ pub struct Surface {
     pub uncapped: Vec<f64>,
     /// Given or, where missing, estimated; zero without a single direction.
     pub normals: Vec<DVec3>,
-    /// By how much the middle variance of a point and its neighbors exceeds four times the smallest, as a share of all
-    /// three: above 0 they lie about a surface. What is within rounding of 0 may do either.
+    /// Amount by which the middle variance of a point and its neighbors exceeds four times the smallest, as a share of
+    /// all three: above 0 they lie about a surface. What is within rounding of 0 may do either.
     pub planarity: Vec<f64>,
     /// Eq. 21, scaled to [0, 1].
     pub fields: Vec<f64>,

@@ -49,7 +49,8 @@ pub struct Absorption {
 }
 
 impl Absorption {
-    /// From moments, the first of which is above 0, moved toward those of a smooth distribution by the share `bias`.
+    /// Makes the distribution from moments, the first of which is above 0, moved toward those of a smooth distribution
+    /// by the share `bias`.
     pub fn new(moments: &[f64], bias: f64) -> Self {
         let total = moments[0];
         let toward = bias_vector(moments.len() as u32 - 1);

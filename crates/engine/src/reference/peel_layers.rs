@@ -13,9 +13,9 @@ use crate::camera::Camera;
 use crate::points::Points;
 use crate::scene::PeelLayers;
 
-/// Up to `settings.layers` layers after their filters, nearest first, until one is empty. In each pixel a layer's
-/// points lie at least d̃ behind the filtered depth of the layer before it; where that is background, the pixel is
-/// empty.
+/// Returns up to `settings.layers` layers after their filters, nearest first, until one is empty. In each pixel a
+/// layer's points lie at least d̃ behind the filtered depth of the layer before it; where that is background, the pixel
+/// is empty.
 pub fn layers(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], settings: &PeelLayers) -> Vec<Layer> {
     let filters = &settings.filters;
     let distance = image_space::layer_distance(filters.min_layer_distance, points);

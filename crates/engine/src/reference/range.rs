@@ -48,7 +48,7 @@ impl Range {
         Self::around(z, DEPTH_ERROR * z.abs())
     }
 
-    /// From the smaller low to the larger high end.
+    /// Returns the range from the smaller low to the larger high end.
     pub fn hull(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }

@@ -18,7 +18,7 @@ use crate::cloud::Bounds;
 use crate::points::Points;
 use crate::scene::Light;
 
-/// Above this angle a light's image is six.
+/// Widest angle of a light with a single image; a wider one has six.
 const WIDEST: f64 = 120.0;
 /// Least |n_z|: the offset of a surface seen edge-on is at most ten times that of one seen from the front.
 const LEAST_COS: f64 = 0.1;

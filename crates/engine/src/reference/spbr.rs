@@ -30,8 +30,8 @@ const STREAM: u32 = 0x5350_4252;
 pub struct Rule {
     /// L.
     pub ensembles: u32,
-    /// If true, points are left out or copied until their surface has its opacity, and each point is weighted according
-    /// to its own opacity; else all of them are dealt, once.
+    /// Adjustment: if true, points are left out or copied until their surface has its opacity, and each point is
+    /// weighted according to its own opacity; else all of them are dealt, once.
     pub adjust: bool,
     /// `true` if a slanted surface has as many more points over a pixel as its slant brings (Eq. 2).
     pub cos_theta: bool,
@@ -91,7 +91,8 @@ pub struct Share {
     pub unit: f64,
 }
 
-/// For a cloud without density k is infinite: its points are in every ensemble. For an invisible cloud it is 0.
+/// Returns the share of a cloud in the ensembles. For a cloud without density k is infinite: its points are in every
+/// ensemble. For an invisible cloud it is 0.
 pub fn share(camera: &Camera, height: u32, dealt: &Dealt, surface: &Surface, rule: &Rule) -> Share {
     let points = surface.points.end - surface.points.start;
     let own = &dealt.points.positions[surface.points.start as usize..surface.points.end as usize];
@@ -115,7 +116,7 @@ pub fn share(camera: &Camera, height: u32, dealt: &Dealt, surface: &Surface, rul
 struct Drawn {
     at: DVec2,
     z: f64,
-    /// In pixels; below 1 it is the probability of being drawn.
+    /// Area in pixels; below 1 it is the probability of being drawn.
     area: f64,
     /// Largest area that roundings of float32 may add or take.
     area_error: f64,
@@ -221,7 +222,7 @@ pub fn render(
     render_hands(camera, size, dealt, colors, rule, seed, dealing::hands)
 }
 
-/// Like [`render`], with the points of an ensemble, counted from the cloud's first, from elsewhere.
+/// Renders like [`render`], with the points of an ensemble, counted from the cloud's first, from elsewhere.
 pub fn render_with(
     camera: &Camera,
     size: [u32; 2],

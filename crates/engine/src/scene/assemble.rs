@@ -1,4 +1,4 @@
-//! From the clouds of a scene to the points of a frame: settings applied, merged, put into canonical order.
+//! Turns the clouds of a scene into the points of a frame: settings applied, merged, put into canonical order.
 
 use std::sync::Arc;
 
@@ -162,15 +162,15 @@ fn merged(
 /// without radii and F. The latter omits clouds without points. `progress` shows the progress.
 ///
 /// # Errors
-/// Those of [`assemble`].
+/// Returns the errors of [`assemble`].
 pub fn arrange(scene: &Scene, clouds: Vec<Cloud>, seed: u64, progress: &Progress) -> Result<Arranged, Error> {
     arrange_explained(scene, clouds, seed, progress, None)
 }
 
-/// Like [`arrange`], and what the colors of the points mean, which takes some more time.
+/// Arranges clouds like [`arrange`], and tells what the colors of the points mean, which takes some more time.
 ///
 /// # Errors
-/// Those of [`assemble`].
+/// Returns the errors of [`assemble`].
 pub fn arrange_with_legend(
     scene: &Scene,
     clouds: Vec<Cloud>,

@@ -112,7 +112,7 @@ pub(super) struct Coloring<'a> {
     pub index: usize,
     choice: Choice,
     vertical: Vertical,
-    /// Those of the whole cloud, if this is a part of it.
+    /// Scales of the whole cloud, if this is a part of it.
     scales: Option<&'a Scales>,
 }
 
@@ -120,9 +120,9 @@ pub(super) struct Coloring<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Scales {
     choice: Choice,
-    /// That of the values that become colors.
+    /// Scale of the values that become colors.
     values: Option<Scale>,
-    /// That of intensities.
+    /// Scale of intensities.
     light: Option<Scale>,
 }
 
@@ -148,7 +148,7 @@ pub(super) struct ColorKey {
     /// `None` where `color` overrides it.
     by: Option<(ColorSettings, Vertical)>,
     placement: (u64, [u64; 3]),
-    /// If colors show F.
+    /// Key of the field, if colors show F.
     field: Option<crate::prepare::FieldKey>,
 }
 

@@ -400,10 +400,10 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    /// That of no spheres.
+    /// Extent of no spheres.
     pub const NOTHING: Self = Self { upper: DVec2::NEG_INFINITY, lower: DVec2::INFINITY, nearest: f64::INFINITY };
 
-    /// That of the spheres of both.
+    /// Returns the extent of the spheres of both.
     pub fn union(self, other: Self) -> Self {
         Self {
             upper: self.upper.max(other.upper),
@@ -428,7 +428,7 @@ impl Extent {
     }
 }
 
-/// Near and far: the given ones, else a range that contains the bounds' corners extended by the largest radius.
+/// Returns near and far: the given ones, else a range that contains the bounds' corners extended by the largest radius.
 pub(super) fn depths(
     [near, far]: [Option<f64>; 2],
     eye: DVec3,

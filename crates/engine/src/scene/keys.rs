@@ -10,11 +10,11 @@ use super::settings::{
 /// A table of the scene file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyTable {
-    /// Its heading in the file, as in `[image]` or `[[cloud]]`.
+    /// Heading of the table in the file, as in `[image]` or `[[cloud]]`.
     pub title: &'static str,
     /// The prefix of its keys in a dotted path, as in `cloud.*`.
     pub path: &'static str,
-    /// Its keys with their defaults.
+    /// Keys of the table with their defaults.
     pub keys: Vec<Key>,
 }
 

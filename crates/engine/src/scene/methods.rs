@@ -173,7 +173,7 @@ pub enum Family {
     Discs,
     /// Soft spheres before solid points.
     Soft,
-    /// One transparent layer before opaque points.
+    /// Single transparent layer before opaque points.
     OneLayer,
     /// Points of surfaces that are dealt to ensembles.
     Ensembles,
@@ -215,7 +215,7 @@ impl Family {
 pub enum Purpose {
     /// Everything that discs let through, exactly.
     Exact,
-    /// The same with an error, in less time or memory.
+    /// Result of the exact methods with an error, in less time or memory.
     Approximate,
     /// Surfaces that have the opacity asked for, however many points they are made of.
     Surfaces,

@@ -101,7 +101,7 @@ struct Pixels {
     size: [u32; 2],
     /// Words in a row of the map.
     words: usize,
-    /// One bit for each pixel, row by row.
+    /// Bits of the pixels, row by row.
     map: Vec<u64>,
     /// Pairs of a disc and a pixel.
     fragments: u64,

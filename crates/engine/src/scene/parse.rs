@@ -1,4 +1,4 @@
-//! From the tree of keys to a checked [`Scene`].
+//! Turns the tree of keys into a checked [`Scene`].
 
 use std::path::Path;
 
@@ -27,7 +27,7 @@ impl Scene {
         Self::from_toml_with(text, origin, &Overrides::default())
     }
 
-    /// Like [`Scene::from_toml`], with options merged into the file before any check.
+    /// Reads a scene like [`Scene::from_toml`], with options merged into the file before any check.
     ///
     /// # Errors
     /// Invalid text (with line and column) or an invalid option (with its name).

@@ -50,8 +50,8 @@ struct Layout {
 }
 
 impl Layout {
-    /// Of all points, also of those that are clipped or hidden, so that slices of a scene have one camera. `None` of
-    /// few.
+    /// Surroundings of all points, also of those that are clipped or hidden, so that slices of a scene have one camera.
+    /// `None` of few.
     fn of(points: &Points, vertical: Vertical) -> Option<Self> {
         if points.len() + points.unseen.positions.len() < FEWEST {
             return None;

@@ -24,7 +24,7 @@ pub struct Limits {
 /// The picture that a cut is for.
 #[derive(Clone, Copy)]
 pub struct Picture<'a> {
-    /// Its pixels.
+    /// Scale of the view's pixels.
     pub scale: Scale,
     /// The blocks of which something may be in it.
     pub blocks: &'a [u32],
@@ -42,7 +42,7 @@ pub struct Picture<'a> {
 pub struct Cut {
     whole: Arc<dyn Supply>,
     tree: Tree,
-    /// For each block of the whole, if it is kept.
+    /// True for each block of the whole that is retained.
     kept: Vec<bool>,
     /// The kept blocks, with their numbers in the whole.
     blocks: Vec<Block>,
@@ -208,7 +208,7 @@ impl Supply for Cut {
     }
 }
 
-/// For each block with levels the pixels between points of the levels above it, at its nearest place; never more than
+/// Pixels, for each block with levels, between points of the levels above it, at its nearest place; never more than
 /// above it.
 fn levels_px(blocks: &[Block], scale: &Scale) -> Vec<Option<f64>> {
     let mut found: Vec<Option<f64>> = Vec::with_capacity(blocks.len());

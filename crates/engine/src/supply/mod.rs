@@ -30,23 +30,23 @@ pub trait Supply: Debug + Send + Sync {
         u64::MAX
     }
 
-    /// About how many points are in places that show; `None` if nothing is known of it.
+    /// Estimates how many points are in places that show; `None` if nothing is known of it.
     fn estimate(&self, _shows: &(dyn Fn(DVec3) -> bool + Sync)) -> Option<u64> {
         None
     }
 
-    /// Those points of some blocks, in ascending order, that `keep` keeps, in canonical order. They have the columns of
-    /// all points, even if they are empty.
+    /// Reads those points of some blocks, in ascending order, that `keep` keeps, in canonical order. They have the
+    /// columns of all points, even if they are empty.
     ///
     /// # Errors
-    /// They can't be read, or `progress` cancels it.
+    /// Returns an error if the points can't be read, or `progress` cancels it.
     fn take(&self, blocks: &[u32], keep: Keep<'_>, progress: &Progress) -> Result<Points, Failure>;
 }
 
 /// Shows all points, about so many at a time.
 ///
 /// # Errors
-/// They can't be read, or `progress` cancels it.
+/// Returns an error if the points can't be read, or `progress` cancels it.
 pub fn each(
     supply: &dyn Supply,
     at_once: u64,
@@ -140,7 +140,7 @@ pub struct Block {
     pub radius: f32,
     /// Number of points.
     pub points: u64,
-    /// Its place among the levels of its cloud; `None` if that has no levels.
+    /// Place of the block among the levels of its cloud; `None` if that has no levels.
     pub branch: Option<Branch>,
 }
 
@@ -164,7 +164,7 @@ const BLOCK: usize = 1 << 12;
 pub struct Held {
     points: Arc<Points>,
     blocks: Vec<Block>,
-    /// For each block its first point, with their number as the last entry.
+    /// First point of each block, with their number as the last entry.
     starts: Vec<usize>,
 }
 

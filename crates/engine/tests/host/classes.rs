@@ -27,7 +27,7 @@ fn points(keys: &str, cloud: Cloud) -> Points {
     assemble(&scene_of(&text, &Overrides::default()), vec![cloud], true, &Progress::hidden()).unwrap()
 }
 
-/// What a column has for the points in the order of x.
+/// Values of a column for the points in the order of x.
 fn by_x<T: Copy>(points: &Points, column: &[T]) -> Vec<T> {
     let mut places: Vec<usize> = (0..points.len()).collect();
     places.sort_by(|a, b| points.positions[*a].x.total_cmp(&points.positions[*b].x));

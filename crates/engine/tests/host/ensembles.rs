@@ -36,7 +36,8 @@ fn density(positions: &[DVec3]) -> f64 {
     dealt.surfaces[0].density
 }
 
-/// As the paper has it, rims, centers and all: every sphere's points, its center among them, over its great circle.
+/// Density as the paper has it, rims, centers and all: every sphere's points, its center among them, over its great
+/// circle.
 fn uncorrected(positions: &[DVec3]) -> f64 {
     let bounds = pellucid_engine::cloud::Bounds::enclosing(positions.iter().copied()).unwrap();
     let radius = bounds.diagonal() / 50.0;
@@ -46,7 +47,7 @@ fn uncorrected(positions: &[DVec3]) -> f64 {
     centers.iter().map(within).sum::<usize>() as f64 / centers.len() as f64 / (PI * radius * radius)
 }
 
-/// Both densities over the true one, less 1; printed, and the corrected one bounded.
+/// Asserts both densities over the true one, less 1; printed, and the corrected one bounded.
 #[track_caller]
 fn assert_density(name: &str, positions: &[DVec3], wanted: f64, bound: f64) {
     let (found, raw) = (density(positions) / wanted - 1.0, uncorrected(positions) / wanted - 1.0);

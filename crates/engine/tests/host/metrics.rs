@@ -104,7 +104,7 @@ fn disc(x: i32, y: i32, c: i32) -> i32 {
     if inside { gradient(x, y, c) / 2 + 9 * c } else { gradient(x, y, c) }
 }
 
-/// One step of one channel of one pixel brighter.
+/// Single step of one channel of one pixel brighter.
 fn faint(x: i32, y: i32, c: i32) -> i32 {
     gradient(x, y, c) + i32::from((x, y, c) == (11, 7, 1))
 }

@@ -340,7 +340,7 @@ fn distances(count: usize, center: DVec3) -> Volume {
     Volume { dims: [count; 3], values }
 }
 
-/// Its points in cells' sides from the center, and their normals.
+/// Points of the cloud in cells' sides from the center, and their normals.
 fn around(cloud: &Cloud, count: usize, center: DVec3) -> Vec<(DVec3, DVec3)> {
     let half = 0.5 * (count - 1) as f64;
     let normals = cloud.normals.as_ref().unwrap();

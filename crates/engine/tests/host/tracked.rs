@@ -109,7 +109,7 @@ fn change(r: &mut Pcg64, scene: &mut Scene) {
     }
 }
 
-/// Which columns are others, as far as one can see.
+/// Columns that are others, as far as one can see.
 fn differences(before: &Points, after: &Points) -> Changes {
     let bits = |values: &[f32]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
     Changes {

@@ -29,7 +29,7 @@ pub struct CameraPath {
     /// `true` if the path returns from the last key to the first; `loop` in the file.
     #[serde(default, rename = "loop", skip_serializing_if = "std::ops::Not::not")]
     pub closed: bool,
-    /// At least one, at most [`MAX_KEYS`].
+    /// Keys of the path: at least one, at most [`MAX_KEYS`].
     pub keys: Vec<Key>,
 }
 

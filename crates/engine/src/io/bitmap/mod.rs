@@ -42,7 +42,7 @@ pub(crate) struct Bitmap {
     pub height: u32,
     /// Samples of a pixel: 1 (gray), 2 (gray, alpha), 3 (red, green, blue) or 4 (red, green, blue, alpha).
     pub channels: usize,
-    /// As many as width × height × channels.
+    /// Samples of all pixels: width × height × channels of them.
     pub samples: Samples,
 }
 

@@ -28,10 +28,10 @@ pub(in crate::io) struct Whole {
 }
 
 impl Whole {
-    /// Of no rows.
+    /// Facts about a table without rows.
     pub const NONE: Self = Self { directed: false, codes: true, largest: [None; 2] };
 
-    /// Of two parts together.
+    /// Merges the facts about two parts of a table.
     #[must_use]
     pub fn and(self, more: Self) -> Self {
         let larger = |a: Option<f32>, b: Option<f32>| match (a, b) {

@@ -188,7 +188,7 @@ const SIZE: usize = 4;
 pub(super) struct Timed<D> {
     points: D,
     changes: D,
-    /// Of the layers, little-endian.
+    /// Sizes of the layers, little-endian.
     sizes: [[u8; SIZE]; LAYERS],
     channel: usize,
     first: i64,
@@ -196,7 +196,7 @@ pub(super) struct Timed<D> {
     times: Option<Times>,
 }
 
-/// Their times.
+/// Decoder of the points' times.
 struct Times {
     decoder: ArithmeticDecoder<Cursor<Vec<u8>>>,
     channel: usize,
@@ -255,7 +255,7 @@ impl<R: Read + Seek, D: LayeredFieldDecompressor<Cursor<Vec<u8>>>> LayeredFieldD
         self.changes.read_layers_sizes(&mut Cursor::new(sizes.as_flattened().to_vec()))
     }
 
-    /// Their sizes were compared with the file's before.
+    /// Reads the layers. The sizes were compared with the file's before.
     fn read_layers(&mut self, src: &mut R) -> Result<()> {
         let lengths = self.sizes.map(|size| u32::from_le_bytes(size) as usize);
         let mut layers = vec![0; lengths.iter().sum()];

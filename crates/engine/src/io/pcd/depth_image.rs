@@ -2,7 +2,7 @@
 //! is the direction of view, so that −Y is up (the optical frame of the Robot Operating System's REP 103, and of PCL's
 //! grabbers).
 
-/// Of the sums only every so many points count.
+/// Stride of the points that the sums count.
 const STEP: u64 = 7;
 
 /// Points below which nothing is told.
@@ -22,7 +22,7 @@ pub(super) struct DepthImage {
 }
 
 impl DepthImage {
-    /// For an image of this many columns.
+    /// Starts the sums of an image with this many columns.
     pub fn new(width: u64) -> Self {
         Self { width, index: 0, possible: width > 1, columns: Line::default(), rows: Line::default() }
     }

@@ -36,7 +36,7 @@ pub(in crate::io) struct SplatColumns {
     degree: u32,
     /// Properties that stay as they are.
     kept: Vec<usize>,
-    /// Of a row of the position and those, if there are any.
+    /// Layout of a row of the position and those, if there are any.
     layout: Option<Layout>,
     /// Warning of what is odd.
     warning: Option<String>,

@@ -20,7 +20,7 @@ pub(in crate::io) struct Splat {
     pub center: DVec3,
     /// Standard deviations along the three axes; a sign means nothing.
     pub extents: DVec3,
-    /// Of any length but zero.
+    /// Rotation, a quaternion of any length but zero.
     pub rotation: DQuat,
     /// Color without harmonics of higher degree, as display value.
     pub base: DVec3,

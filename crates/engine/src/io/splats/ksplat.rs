@@ -42,7 +42,7 @@ struct Section<'a> {
     centers: &'a [u8],
     /// Splats of each full bucket, and how many full buckets there are.
     full: [u64; 2],
-    /// For each partial bucket how many splats the section has up to its end.
+    /// Numbers of splats that the section has up to the end of each partial bucket.
     ends: Vec<u64>,
 }
 

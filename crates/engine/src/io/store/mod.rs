@@ -52,7 +52,7 @@ pub trait Store: Debug + Send + Sync {
     /// Returns what follows from all points, if the store has it.
     ///
     /// # Errors
-    /// It can't be read, or is that of another store.
+    /// Returns an error if the survey can't be read, or is that of another store.
     fn survey(&self) -> Result<Option<Survey>, Error> {
         Ok(None)
     }
@@ -111,8 +111,8 @@ pub struct Node {
 /// The points of a node.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Piece {
-    /// They; columns as in [`Summary::like`].
+    /// Points that were read, with columns as in [`Summary::like`].
     pub cloud: Cloud,
-    /// For each point its place among all points of the cloud's source, which tells points apart that are alike.
+    /// Place of each point among all points of the cloud's source, which tells points apart that are alike.
     pub places: Vec<u64>,
 }

@@ -15,7 +15,7 @@ use crate::progress::Progress;
 /// Opening takes as long as each says: [`Octree`], [`Ept`], [`Copc`], [`LasPieces`], [`PlyPieces`].
 ///
 /// # Errors
-/// Those of each, and of [`load_with`].
+/// Returns the errors of each store's `open`, and of [`load_with`].
 pub fn open(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn Store>, Error> {
     if is_ept(path) {
         let mut store = Ept::open(path, hints.las)?;
@@ -63,7 +63,7 @@ pub fn open(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn St
 /// Gaussians; `None` of files that say nothing of it, or that are read as a whole.
 ///
 /// # Errors
-/// It can't be opened.
+/// Returns an error if the file can't be opened.
 pub fn announced(path: &Path, hints: &Hints) -> Result<Option<(u64, Option<u32>)>, Error> {
     if is_ept(path) {
         return Ok(Some((Ept::open(path, hints.las)?.summary().points, None)));
@@ -95,7 +95,7 @@ pub fn is_folder(path: &Path) -> bool {
 /// Returns `true` if a cloud has levels of detail: a folder that is a store, or COPC.
 ///
 /// # Errors
-/// It can't be opened.
+/// Returns an error if the file can't be opened.
 pub fn has_levels(path: &Path, hints: &Hints) -> Result<bool, Error> {
     if is_folder(path) {
         return Ok(true);

@@ -79,7 +79,7 @@ pub(super) fn comment(line: &str) -> Option<&str> {
 /// The separator of the fields of a line.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Delimiter {
-    /// One or more blanks or tabs.
+    /// Blanks or tabs, one or more.
     Blanks,
     /// Exactly one of these.
     Char(char),
@@ -167,7 +167,7 @@ impl Fields {
         others.mark.is_none() || others.mark == mark
     }
 
-    /// Like [`Fields::numbers`], for lines that must have `columns` fields.
+    /// Reads the numbers of a line like [`Fields::numbers`], for lines that must have `columns` fields.
     pub fn row(&mut self, line: &str, columns: usize, row: &mut Vec<f64>) -> Result<(), Fault> {
         self.numbers(line, row)?;
         if row.len() + 1 == columns && matches!(self.delimiter, Delimiter::Char(c) if line.ends_with(c)) {

@@ -9,7 +9,7 @@ const FACTORS: [f64; 2] = [34.1, 13.5];
 /// Width of a feature in degrees, two standard deviations.
 const FEATURE: f64 = 0.082;
 
-/// At one place along an axis: of the Gaussians for Y and Cx and of both for Cz; then, for features in Y, of a
+/// Weights at a place along an axis: of the Gaussians for Y and Cx and of both for Cz; then, for features in Y, of a
 /// Gaussian, its slope and its curvature.
 pub type Weights = [f64; 7];
 

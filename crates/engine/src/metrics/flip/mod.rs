@@ -112,7 +112,7 @@ impl Eye {
         sums
     }
 
-    /// The same filter along a row, and the resulting features.
+    /// Applies the filter along a row, and the resulting features.
     fn horizontal(&self, columns: &[Weights]) -> PixelFeatures {
         let mut colors = [0.0; 4];
         let (mut edge, mut point) = ([0.0; 2], [0.0; 2]);

@@ -139,7 +139,7 @@ impl DealtFile {
         &self.clouds
     }
 
-    /// Their properties alone.
+    /// Returns the properties of the surfaces alone.
     pub fn surfaces(&self) -> &[Surface] {
         &self.surfaces
     }
@@ -152,7 +152,7 @@ impl DealtFile {
     /// Brings the first points of each cloud into the file, as many as `counts` says, unless they are there.
     ///
     /// # Errors
-    /// As of [`deal`](Self::deal).
+    /// Returns the errors of [`deal`](Self::deal).
     pub fn reach(&self, counts: impl IntoIterator<Item = u64>, progress: &Progress) -> Result<(), Error> {
         let mut each = self.lists.iter().zip(counts);
         each.try_for_each(|(list, count)| list.reach(count, &self.pile, progress))
@@ -163,7 +163,7 @@ impl DealtFile {
     /// points of a cloud binds the last ones of another beside them, which it has no use for.
     ///
     /// # Errors
-    /// As of [`deal`](Self::deal).
+    /// Returns the errors of [`deal`](Self::deal).
     pub fn read(&self, range: Range<u64>) -> Result<Points, Error> {
         let mut words = Vec::new();
         for (list, surface) in self.lists.iter().zip(&self.surfaces) {

@@ -35,7 +35,7 @@ pub(super) struct Places {
     pub order: Vec<usize>,
     /// Positions by rank.
     pub positions: Vec<DVec3>,
-    /// For each place its first rank, with their number as the last entry.
+    /// First rank of each place, with their number as the last entry.
     starts: Vec<u32>,
     /// Places by rank.
     places: Vec<u32>,
@@ -91,7 +91,8 @@ fn refine(cell: &mut [Keyed], positions: &[DVec3], by_content: &(impl Fn(u32, u3
 }
 
 impl Places {
-    /// From finite positions; `None` if there are none, or 2³² and more, of which no renderer takes as many, either.
+    /// Groups points by place, from finite positions; `None` if there are none, or 2³² and more, of which no renderer
+    /// takes as many, either.
     pub fn group(positions: &[DVec3], normals: Option<&[Vec3]>) -> Option<Self> {
         Self::group_within(positions, normals, &Bounds::of(positions)?)
     }
@@ -233,7 +234,8 @@ impl Places {
         self.visit_blocks(k, again, progress, see, |seen| seen)
     }
 
-    /// Like [`Places::visit`]; what `see` returns goes through `finish`, the values of some thousand places at a time.
+    /// Visits places like [`Places::visit`]; what `see` returns goes through `finish`, the values of some thousand
+    /// places at a time.
     pub fn visit_blocks<T, U: Send>(
         &self,
         k: usize,
@@ -288,7 +290,7 @@ impl Places {
 pub(super) enum Again {
     No,
     All,
-    /// Those of places that a cap of so many times the median around them may change ([`super::radius::capped`]).
+    /// Neighbors of places that a cap of so many times the median around them may change ([`super::radius::capped`]).
     Capped(f32),
 }
 
@@ -323,7 +325,7 @@ pub(super) fn least_of_median(k: usize) -> usize {
 #[derive(Default)]
 struct Kept {
     ranks: Vec<u32>,
-    /// By place the first of its neighbors in `ranks`, or [`NOT_NEEDED`].
+    /// Start of each place's neighbors in `ranks`, or [`NOT_NEEDED`].
     starts: Vec<u32>,
 }
 
@@ -341,7 +343,7 @@ impl Kept {
 /// The neighbors elsewhere of places, if they were kept.
 pub(super) struct Lists {
     k: usize,
-    /// By block of places.
+    /// Retained neighbors, by block of places.
     kept: Option<Vec<Kept>>,
 }
 
@@ -376,7 +378,7 @@ pub(super) mod tests {
         points
     }
 
-    /// By all distances, in the order that the module states.
+    /// Finds the neighbors by all distances, in the order that the module states.
     fn brute_force(places: &Places, place: usize, k: usize) -> (Vec<u32>, f64) {
         let here = places.positions[places.members(place).start];
         let squared = |rank: usize| ((places.positions[rank] - here) / places.unit()).length_squared();

@@ -33,7 +33,7 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// From positions by rank, and the first rank of each place.
+    /// Builds the search from positions by rank, and the first rank of each place.
     pub fn new(positions: &[DVec3], starts: &[u32], unit: f64) -> Self {
         let per_unit = 1.0 / unit;
         let column = |axis: usize| starts.par_iter().map(|&rank| positions[rank as usize][axis] * per_unit).collect();
@@ -83,7 +83,7 @@ pub(super) struct Search<'a> {
 /// The places as near to one as the last one wanted, itself among them. All places if there are no more than wanted.
 #[derive(Clone, Copy)]
 pub(super) struct Found<'a> {
-    /// In ascending order.
+    /// Places of the neighbors, in ascending order.
     pub places: &'a [u32],
     /// The squared distance of each.
     pub squared: &'a [f64],
@@ -101,7 +101,7 @@ struct Around {
     from_leaf: Vec<f64>,
     /// Squared distances from a place.
     squared: Vec<f64>,
-    /// Those of the leaves that are near enough to it.
+    /// Places of the leaves that are near enough to it.
     near: Vec<u32>,
     /// The number of places in them.
     places: usize,
@@ -159,7 +159,7 @@ impl<'a> Search<'a> {
         self.around.gather(self.tree, &leaf.cuboid, reach * reach * WIDER)
     }
 
-    /// Like [`Search::leaf`] of one place.
+    /// Finds the neighbors of a single place, like [`Search::leaf`].
     pub fn one(&mut self, place: usize) -> Found<'_> {
         self.through_tree(self.columns.position(place));
         let last = self.keep_nearest();

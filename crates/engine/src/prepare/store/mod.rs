@@ -72,7 +72,7 @@ struct Plan {
 /// nothing is computed.
 ///
 /// # Errors
-/// Those of [`build`](build::build); the clouds lack the property of the field.
+/// Returns the errors of [`build`](build::build), and an error if the clouds lack the property of the field.
 pub fn prepare(
     inputs: &[Box<dyn Store>],
     folder: &Path,

@@ -28,7 +28,7 @@ pub(super) struct Region {
 }
 
 impl Region {
-    /// For each of some positions if it is in the region.
+    /// Tells for each of some positions if it is in the region.
     pub fn holds(self, positions: &[DVec3], bounds: &Bounds) -> Vec<bool> {
         let codes = morton::codes(positions, bounds);
         codes.into_par_iter().map(|code| code >> (3 * (BITS - self.level)) == self.code).collect()

@@ -39,7 +39,7 @@ pub fn possible(camera: &Camera, size: [u32; 2], splat: &Splat, rows: std::ops::
 struct Met {
     z: Range,
     rho: Range,
-    /// Within the rim for sure; and perhaps.
+    /// Coverage within the rim: for sure; and perhaps.
     inside: [bool; 2],
 }
 

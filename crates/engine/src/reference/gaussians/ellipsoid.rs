@@ -29,7 +29,7 @@ pub struct Body {
     pub start: f64,
     /// End on the ray; a surface ends where it begins.
     pub end: f64,
-    /// Its effect on light.
+    /// Effect of the ellipsoid on light.
     pub matter: Matter,
 }
 
@@ -145,7 +145,7 @@ pub fn bodies(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -
 /// A piece of a ray, from near to far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Piece {
-    /// Of a length, with the sum of the densities and their mean color.
+    /// Segment of a length, with the sum of the densities and their mean color.
     Dense { start: f64, length: f64, density: f64, color: DVec3 },
     /// A surface.
     Surface { at: f64, opacity: f64, color: DVec3 },

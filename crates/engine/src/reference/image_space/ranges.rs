@@ -27,7 +27,7 @@ pub struct LayerRange {
 pub struct Home {
     /// The pixel, row by row.
     pub pixel: usize,
-    /// Its depth.
+    /// Depth of the splat.
     pub z: Range,
     /// False if it may be on another pixel.
     pub sure: bool,

@@ -45,7 +45,7 @@ fn depths(camera: &Camera, resolution: u32, points: &Points, distance: Range) ->
     nearest.occluded_replaced(distance).depth
 }
 
-/// How far behind the reference depth a point is lit: `distance` / max(|n_z|, 0.1). The cosine is a sum of three
+/// Distance behind the reference depth a point is lit: `distance` / max(|n_z|, 0.1). The cosine is a sum of three
 /// products with a rounded axis, which leaves four roundings of the product of lengths, and the normal's own length is
 /// off by one; the quotient brings another.
 fn reach(points: &Points, index: usize, camera: &Camera, distance: Range) -> Range {

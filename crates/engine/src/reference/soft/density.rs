@@ -16,7 +16,7 @@ pub struct Strength {
 const OPAQUE: f64 = 1e20;
 
 impl Strength {
-    /// From the density that was asked for, and the median radius of the soft points.
+    /// Finds the density from the one that was asked for, and the median radius of the soft points.
     pub fn new(method: &Method, soft: &Soft, median_radius: f64) -> Self {
         // Optical depth of the central chord of a median sphere, for λ = 1.
         let central = match method {

@@ -68,7 +68,7 @@ impl Sums {
         [r, g, b, self.drawn].map(|sum| Range { low: sum.low / ensembles, high: sum.high / ensembles })
     }
 
-    /// As in [`super::render`].
+    /// Returns the standard error, as in [`super::render`].
     fn stderr(&self, ensembles: f64) -> [Range; 3] {
         let error = |squares: f64, sum: f64| {
             ((squares - sum * sum / ensembles).max(0.0) / (ensembles * (ensembles - 1.0))).sqrt()

@@ -78,7 +78,7 @@ impl Polygon {
         ((share * self.strips.len() as f64) as usize).min(self.strips.len() - 1)
     }
 
-    /// By the even-odd rule.
+    /// Tells on which side of the polygon a place is, by the even-odd rule.
     fn side(&self, p: DVec2) -> Side {
         if p.cmplt(self.min).any() || p.cmpgt(self.max).any() {
             return Side::Outside;

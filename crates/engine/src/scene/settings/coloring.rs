@@ -110,7 +110,7 @@ impl ColorBy {
         word("field", "The field F of `field`."),
     ];
 
-    /// Their meanings, in the same order.
+    /// Meanings of the words, in the same order.
     const MEANINGS: [Self; 12] = [
         Self::Auto,
         Self::Rgb,

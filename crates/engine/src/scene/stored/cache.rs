@@ -19,7 +19,7 @@ pub(super) struct Cache {
 
 #[derive(Debug, Default)]
 struct Held {
-    /// By block; with when they were last used.
+    /// Points by block, with the time of their last use.
     points: HashMap<u32, (Arc<Points>, u64)>,
     /// Blocks by when they were last used.
     used: BTreeMap<u64, u32>,

@@ -270,7 +270,7 @@ impl Stored {
     /// Returns the points of a block, which are read and not kept.
     ///
     /// # Errors
-    /// They can't be read.
+    /// Returns an error if the points can't be read.
     pub fn block(&self, block: usize) -> Result<Points, Failure> {
         let (points, bytes) = self.nodes.read(block)?;
         self.nodes.cache.count(bytes);
@@ -389,7 +389,7 @@ fn within(points: &Points, sampling: Sampling) -> (Vec<u32>, Vec<u32>) {
     (takes(&points.positions), takes(&points.unseen.positions))
 }
 
-/// These points as ones that stand for all.
+/// Makes points that stand for all out of these.
 fn stand_ins(points: &Points, seen: &[u32], unseen: &[u32], whole: Whole) -> Points {
     let pick = |at: &u32| (points.unseen.positions[*at as usize], points.unseen.radii[*at as usize]);
     let (positions, radii) = unseen.iter().map(pick).unzip();

@@ -56,7 +56,7 @@ impl OpenStore {
         &self.store
     }
 
-    /// Like [`survey`]; points are looked at once for all scenes that want the same of them.
+    /// Surveys like [`survey`]; points are looked at once for all scenes that want the same of them.
     pub(super) fn survey(
         &self,
         settings: &CloudSettings,

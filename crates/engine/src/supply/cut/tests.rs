@@ -5,7 +5,7 @@ use crate::camera::{Camera, Projection};
 use crate::cloud::Bounds;
 use crate::supply::{Branch, Held};
 
-/// From the origin along x: 50 pixels of a world unit at distance 1.
+/// Camera from the origin along x: 50 pixels of a world unit at distance 1.
 fn camera() -> Camera {
     let projection = Projection::Perspective { fov_y: std::f64::consts::FRAC_PI_2 };
     Camera::look_at(DVec3::ZERO, DVec3::X, DVec3::Z, projection, 0.5, 1e4).expect("a camera")

@@ -64,7 +64,7 @@ fn turned(text: &str, points: &Points, up: UpAxis, view: View, count: usize) -> 
     turntable.frames(count).iter().map(|pose| course.camera(pose).unwrap()).collect()
 }
 
-/// How far the nearest disc is from the image's border, as a share of that side; all must be within the depths.
+/// Distance of the nearest disc from the image's border, as a share of that side; all must be within the depths.
 fn margin(camera: &Camera, points: &Points, size: [u32; 2]) -> f64 {
     let mut least = f64::INFINITY;
     for (position, radius) in points.positions.iter().zip(&points.radii) {

@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 
 type Key = [u32; 4];
 
-/// How tiles are stored.
+/// Formats of the tiles.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Tiles {
     Laszip,

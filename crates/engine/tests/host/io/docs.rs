@@ -13,7 +13,7 @@ use super::real::FOLDERS;
 /// The heading that the table follows.
 const HEADING: &str = "## Sample files\n";
 
-/// Where each file comes from, as the folder's README has it.
+/// Sources of the files, as the folder's README has it.
 fn sources(readme: &str) -> Vec<(&str, &str)> {
     readme.lines().filter_map(source).collect()
 }

@@ -97,7 +97,7 @@ fn points(store: &dyn Store) -> Cloud {
     whole.subset(&order)
 }
 
-/// The same points, except for positions, which may be rounded by `most`.
+/// Asserts that points are the same, except for positions, which may be rounded by `most`.
 fn assert_same(back: Cloud, cloud: &Cloud, most: f64) {
     let moved = back.positions.iter().zip(&cloud.positions).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
     assert!(moved <= most, "{moved}");
@@ -126,7 +126,7 @@ fn memory_changes_no_byte_and_every_point_comes_back() {
     assert!(octree.nodes().len() > 20);
 }
 
-/// Its nodes in another order.
+/// Store with its nodes in another order.
 #[derive(Debug)]
 struct Turned(Octree);
 

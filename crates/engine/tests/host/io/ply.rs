@@ -7,7 +7,7 @@ use pellucid_engine::io::ply;
 
 use super::{Folder, load, load_bytes};
 
-/// The same two vertices with one property of each scalar type, between other elements with lists.
+/// File of the same two vertices with one property of each scalar type, between other elements with lists.
 fn file(format: &str, number: impl Fn(&mut Vec<u8>, &str, f64)) -> Vec<u8> {
     let types = ["char", "uint8", "int16", "ushort", "int", "uint32", "float", "float64"];
     let mut bytes = format!("ply\r\nformat {format} 1.0\r\n\r\ncomment caf\u{e9}\r\n").into_bytes();
@@ -178,7 +178,7 @@ fn points_that_are_not_finite_are_dropped_from_every_column() {
     assert_eq!(cloud.normals.unwrap().len(), 3);
 }
 
-/// One point for each 8-bit value in each column that is stored so.
+/// Cloud with one point for each 8-bit value in each column that is stored so.
 fn full_cloud(offset: DVec3) -> Cloud {
     let value = |i: u16| f32::from(i) / 255.0;
     Cloud {

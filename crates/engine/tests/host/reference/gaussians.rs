@@ -20,7 +20,7 @@ mod ray;
 #[derive(Clone, Copy)]
 struct Splatted(DVec3, Vec3, Quat, f32);
 
-/// One that is the same in all directions.
+/// Gaussian that is the same in all directions.
 fn ball(position: DVec3, extent: f32, opacity: f32) -> Splatted {
     Splatted(position, Vec3::splat(extent), Quat::IDENTITY, opacity)
 }

@@ -5,7 +5,7 @@ use pellucid_engine::reference::moments::place_of;
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
-/// Near and far of the lists.
+/// Depths near and far of the lists.
 pub(super) const RANGE: [f64; 2] = [1.0, 100.0];
 
 /// `n` fragments near to far, by index as well, with places from −1 to 1 that lie more than `gap` apart, opacities of

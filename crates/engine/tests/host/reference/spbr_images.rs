@@ -39,7 +39,7 @@ fn white(dealt: &Dealt) -> Vec<DVec3> {
     vec![DVec3::ONE; dealt.points.len()]
 }
 
-/// One pixel per world unit, 32 × 32 of them around the axis.
+/// Camera with one pixel per world unit, 32 × 32 of them around the axis.
 fn wide() -> Camera {
     camera(Projection::Orthographic { height: 32.0 })
 }

@@ -21,7 +21,7 @@ pub(super) struct Planes {
     version: u32,
     /// The length of a step of positions.
     step: f64,
-    /// In the order of [`NAMES`].
+    /// Planes of the file, in the order of [`NAMES`].
     planes: [Vec<u8>; 6],
     /// 1 or −1 for each coefficient from degree 1 on, which turns the axes of SPZ into those of other splats.
     signs: Vec<f32>,

@@ -21,7 +21,7 @@ pub struct Cube {
     pub grid: Grid,
     /// The integers of its least corner.
     pub least: [i32; 3],
-    /// For each axis the binary logarithm of its steps, 1 to 32.
+    /// Binary logarithm of its steps, 1 to 32.
     pub bits: [u32; 3],
 }
 
@@ -132,7 +132,7 @@ impl Cell {
         })
     }
 
-    /// Along the Morton curve, for cells of which neither holds the other.
+    /// Key of the order along the Morton curve, for cells of which neither holds the other.
     pub(super) fn morton_order(self) -> [u128; 2] {
         let aligned = self.at.map(|at| u128::from(at) << (MAX_BITS - self.level));
         let code = (0..MAX_BITS).rev().fold(0, |code, bit| {

@@ -1,4 +1,4 @@
-//! From the columns of a cloud to records.
+//! Converts the columns of a cloud to records.
 
 use glam::{DVec3, Quat, Vec3};
 

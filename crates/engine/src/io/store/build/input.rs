@@ -14,7 +14,7 @@ use crate::progress::Progress;
 #[derive(Debug)]
 pub(super) struct Input<'a> {
     stores: &'a [Box<dyn Store>],
-    /// For each store how many points those before it have.
+    /// Number of points in the stores before each store.
     firsts: Vec<u64>,
     /// A cloud without points that has the columns of all.
     pub like: Cloud,

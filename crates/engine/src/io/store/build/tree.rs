@@ -40,7 +40,7 @@ pub(super) struct Open {
     pub total: u64,
     /// `true` if there are nodes below.
     pub is_inner: bool,
-    /// Its records, along the Morton curve.
+    /// Records of the node's points, along the Morton curve.
     pub records: Vec<u8>,
 }
 

@@ -94,7 +94,7 @@ pub struct Types {
     pub exact: Exact,
     /// The type of the intensity.
     pub intensity: Narrow,
-    /// Those of the scalars.
+    /// Types of the scalars.
     pub scalars: Vec<Narrow>,
 }
 

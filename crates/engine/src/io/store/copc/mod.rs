@@ -35,8 +35,9 @@ impl Copc {
     /// Opens a COPC file with points. Of the columns that are read only where they are asked for, it has these.
     ///
     /// # Errors
-    /// Those of [`LasPieces::open`](super::LasPieces::open); a file without the record that makes a COPC file of it; a
-    /// hierarchy that is damaged, has loops, names chunks that the file doesn't have, or leaves points out.
+    /// Returns the errors of [`LasPieces::open`](super::LasPieces::open), and an error for a file without the record
+    /// that makes a COPC file of it; a hierarchy that is damaged, has loops, names chunks that the file doesn't have,
+    /// or leaves points out.
     pub fn open(path: &Path, asked: LasColumns) -> Result<Self, Error> {
         Self::new(LasFile::open(Source::open(path)?, asked)?)
     }

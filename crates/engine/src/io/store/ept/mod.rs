@@ -33,7 +33,7 @@ pub struct Ept {
     asked: LasColumns,
     traits: Traits,
     keys: Vec<Key>,
-    /// For each node the places of the nodes before.
+    /// Number of places in the nodes before each node.
     first_places: Vec<u64>,
     nodes: Vec<Node>,
     pub(super) summary: Summary,

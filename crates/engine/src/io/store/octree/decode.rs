@@ -1,4 +1,4 @@
-//! From the bytes of octree.bin to the columns of a cloud.
+//! Converts the bytes of octree.bin to the columns of a cloud.
 
 use glam::{DQuat, DVec3, Quat, Vec3};
 

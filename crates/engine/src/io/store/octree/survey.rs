@@ -31,7 +31,7 @@ pub(crate) struct Surveyor {
 }
 
 impl Surveyor {
-    /// For a store of this program with so many points in all.
+    /// Starts the survey of a store of this program with so many points in all.
     pub fn new(mut layout: Layout, grid: Grid, points: u64) -> Self {
         let full = layout.find(&Role::Rgb).and_then(|rgb| full_scale(rgb.kind, None));
         // Facts know nothing of the others.
@@ -66,7 +66,7 @@ pub(crate) fn head(facts: &Facts) -> Result<Vec<u8>, serde_json::Error> {
 /// Reads the file of a store, if it is there.
 ///
 /// # Errors
-/// It can't be read, or can't be of this store.
+/// Returns an error if the survey can't be read, or can't be of this store.
 pub(super) fn read(octree: &Octree) -> Result<Option<Survey>, Error> {
     let folder: &Path = &octree.summary.path;
     if !octree.is_ours || !folder.join(SURVEY).exists() {

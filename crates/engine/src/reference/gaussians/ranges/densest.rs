@@ -66,7 +66,7 @@ struct Line {
     shared: Range,
 }
 
-/// At an offset in pixels from the projected center; `None` where roundings leave nothing.
+/// Returns the line at an offset in pixels from the projected center; `None` where roundings leave nothing.
 fn line(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Option<Line> {
     let factor = bounded.depth_factor.as_ref()?;
     let (u, z) = (ROUNDING, bounded.placed.center.z);
@@ -95,7 +95,7 @@ fn line(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Option<Line> {
     Some(Line { met, along, w, across, shared })
 }
 
-/// At an offset in pixels from the projected center.
+/// Returns the possible values at an offset in pixels from the projected center.
 pub(super) fn range(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Possible {
     let Some(Line { met, along, w, shared, .. }) = line(bounded, offset, screen_error) else {
         return Possible::ANYTHING;

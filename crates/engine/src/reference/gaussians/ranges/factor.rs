@@ -34,7 +34,7 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    /// Of three columns and a dilation.
+    /// Factorizes the matrix of three columns and a dilation.
     pub fn new([a, b, c]: [DVec2; 3], [e, f, g]: [DVec2; 3], dilation: f64) -> Self {
         let columns = [a, b, c, dilation.sqrt() * DVec2::X, dilation.sqrt() * DVec2::Y];
         let sides = columns.iter().fold(DVec2::ZERO, |sum, p| sum + p * p).map(f64::sqrt);

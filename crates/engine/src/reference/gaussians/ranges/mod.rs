@@ -143,7 +143,7 @@ impl<'a> Bounded<'a> {
         }
     }
 
-    /// From the projected center to a pixel's, and the error of that.
+    /// Returns the offset from the projected center to a pixel's, and the error of that.
     fn offset(&self, [x, y]: [u32; 2]) -> (DVec2, DVec2) {
         let place = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
         let size = self.placed.size;

@@ -50,7 +50,7 @@ const LEAVES: Part = Part { name: "leaves", opacity: 0.25, share: 0.26, overlap:
 /// Standard deviation of the scanner's range, in meters.
 const NOISE: f64 = 0.003;
 
-/// One point in this many is an outlier.
+/// Number of points of which one is an outlier.
 const OUTLIERS: usize = 1200;
 
 /// A part, its points without light, and their spacing.

@@ -14,7 +14,7 @@ use crate::io::volume::Volume;
 use field::Field;
 use surface::Surface;
 
-/// Its name in `pellucid scene`.
+/// Name of the generator in `pellucid scene`.
 pub const NAME: &str = "iso";
 /// A single line for `--list`.
 pub const SUMMARY: &str = "nested surfaces of equal value in a volume (--volume FILE, or a hydrogen orbital), at --values or at some chosen ones";
@@ -33,7 +33,7 @@ const DIVISORS: [f64; 2] = [3.0, 11.0];
 /// The share of a single one.
 const ENCLOSED_BY_ONE: f64 = 0.08;
 
-/// From the innermost to the outermost; those of three are as in Fig. 19's neighbor, Fig. 17.
+/// Colors from the innermost surface to the outermost; those of three are as in Fig. 19's neighbor, Fig. 17.
 const COLORS: [Rgb; MAX_SURFACES] = [
     [204, 118, 36],
     [60, 150, 50],

@@ -71,7 +71,7 @@ impl<'a> Surface<'a> {
         Self { field, value, cells }
     }
 
-    /// In squares of cells' sides.
+    /// Area of the surface, in squares of cells' sides.
     pub fn area(&self) -> f64 {
         self.cells.last().map_or(0.0, |(_, end)| *end)
     }

@@ -40,7 +40,7 @@ pub(super) struct Land {
 /// A position as streets see it: their coordinates, counted from the crossing of roads that the nearest town stands at.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
-    /// Across the main road, and along it.
+    /// Place across the main road, and along it.
     pub(super) uv: DVec2,
     /// Cell of the grid of towns.
     pub(super) town: [i64; 2],

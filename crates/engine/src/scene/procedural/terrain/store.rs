@@ -103,7 +103,7 @@ impl Terrain {
     /// the colors.
     ///
     /// # Errors
-    /// Those of [`stream`].
+    /// Returns the errors of [`stream`].
     pub fn write(&self, folder: &Path, settings: &Settings, progress: &Progress) -> Result<Built, crate::io::Error> {
         // Colors have 8 bits.
         let layout = Types::default().columns(&Cloud { normals: None, ..self.summary.like.clone() });
@@ -242,7 +242,7 @@ fn grid() -> Grid {
     Grid { scale: DVec3::splat(0.001), offset: DVec3::ZERO }
 }
 
-/// By Newton's method: the standard library's differs between platforms.
+/// Takes the cube root by Newton's method: the standard library's differs between platforms.
 fn cube_root(value: f64) -> f64 {
     (0..100).fold(value, |root, _| (2.0 * root + value / (root * root)) / 3.0)
 }

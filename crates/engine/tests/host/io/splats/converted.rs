@@ -1,4 +1,4 @@
-//! The same forty splats in every format (tests/data/splats), as far as each format keeps them.
+//! Compares the same forty splats in every format (tests/data/splats), as far as each format keeps them.
 
 use glam::{DVec3, Quat};
 use pellucid_engine::cloud::filter::Filter;
@@ -10,12 +10,12 @@ use pellucid_engine::progress::Progress;
 use super::super::load;
 use super::folder;
 
-/// How far splats may be from those of `soup.ply`.
+/// Largest distances of splats from those of `soup.ply`.
 struct Bounds {
     position: f64,
-    /// Of the logarithm of an extent.
+    /// Difference of the logarithm of an extent.
     scale: f32,
-    /// Between rotations, in radians.
+    /// Angle between rotations, in radians.
     rotation: f64,
     base: f32,
     alpha: f32,
@@ -29,8 +29,8 @@ const EXACT: Bounds = Bounds { position: 1e-6, scale: 1e-6, rotation: 1e-6, base
 const UNIT: f32 = 0.5 / 255.0 + 1e-6;
 const SIGNED: f32 = 1.0 / 255.0 + 1e-6;
 
-/// Of four parts within a step of 1/511/√2: each of three is off by half of it, the largest by as much as all of them,
-/// twice for an angle.
+/// Largest error of four parts within a step of 1/511/√2: each of three is off by half of it, the largest by as much as
+/// all of them, twice for an angle.
 const SMALLEST_THREE: f64 = 2.0 * 2.0 * 1.732 * 0.5 / 511.0 * 0.707_2;
 
 /// Centers of 24 bits behind 12 of the fraction, logarithms of extents in sixteenths; a byte of color is 0.15/Y₀ of a
@@ -48,7 +48,7 @@ fn soup() -> Cloud {
     load(&folder().join("soup.ply")).unwrap()
 }
 
-/// For each splat of a cloud the one that is nearest in another.
+/// Finds, for each splat of a cloud, the nearest one in another.
 fn nearest(from: &Cloud, to: &Cloud) -> Vec<usize> {
     let distance = |at: usize, p: DVec3| to.positions[at].distance(p);
     let nearest = |p: &DVec3| (0..to.len()).min_by(|a, b| distance(*a, *p).total_cmp(&distance(*b, *p))).unwrap();

@@ -15,12 +15,12 @@ fn discs(alpha_max: f32) -> Discs {
     Discs { gaussians, ..Discs::default() }
 }
 
-/// As large as many pixels.
+/// Gaussians as large as many pixels.
 fn large(count: usize, thinnest: f64) -> Vec<Splatted> {
     varied(count, thinnest).iter().map(|s| Splatted(s.0, 3.0 * s.1, s.2, s.3)).collect()
 }
 
-/// Through the middle of the image, by a cap of 1.
+/// Ray through the middle of the image, by a cap of 1.
 fn middle(camera: &Camera, all: &[Splatted], colors: &[DVec3]) -> ([f64; 4], f64, u32) {
     let picture = render(camera, SIZE, &scene(all), colors, &discs(1.0));
     (picture.rgba[MIDDLE], picture.depth[MIDDLE], picture.counts[MIDDLE])
