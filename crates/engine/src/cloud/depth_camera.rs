@@ -61,7 +61,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_depth_camera_sees_is_told() {
+    fn clouds_of_depth_cameras_are_recognized() {
         let seen = |[u, v, w]: [f64; 3]| {
             let z = 0.8 + 2.4 * w;
             DVec3::new((1.2 * u - 0.6) * z, (0.9 * v - 0.45) * z, z)

@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_finite_is_at_an_end() {
+    fn values_that_are_not_finite_scale_to_an_end() {
         let (nan, inf) = (f64::NAN, f64::INFINITY);
         assert_eq!(property(&[1.0, 3.0, nan, inf, -inf]), [0.0, 1.0, 0.0, 1.0, 0.0]);
         assert_eq!(property(&[0.5, nan, inf, -inf]), [0.5, 0.0, 1.0, 0.0]);

@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_difference_is_none() {
+    fn settings_without_effect_give_the_same_texture() {
         let (long, short) = (Light::Direction(DVec3::new(0.0, -4.0, 0.0)), Light::Direction(DVec3::NEG_Y));
         let hard = Shadows { samples: 30, ..Shadows::default() };
         let one = casting(long, &hard, 7);

@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_said() {
+    fn sizes_that_do_not_fit_give_errors() {
         let refused = |name: &str, bytes: usize, dims: Option<&str>, parts: &[&str]| {
             let (_folder, path) = file(name, &vec![0; bytes]);
             let message = read(&path, dims.map(|dims| dims.parse().unwrap()), None).unwrap_err().to_string();

@@ -35,7 +35,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_does_not_fit_is_refused() {
+    fn files_larger_than_the_free_space_are_refused() {
         let path = Path::new("out/a.exr");
         assert!(check_free(path, 100, Some(100)).is_ok() && check_free(path, u64::MAX, None).is_ok());
         let error = check_free(path, 3 << 30, Some(2 << 30)).unwrap_err();

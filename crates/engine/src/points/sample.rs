@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_for_all_is_known_as_all() {
+    fn a_sample_that_stands_for_all_is_known_as_all() {
         let all = points((0..300_000).map(|at| DVec3::new(f64::from(at), 0.0, f64::from(at % 1000))).collect());
         let known = all.known().unwrap();
         let sample = all.sampled_points().standing_for(&known, String::new());

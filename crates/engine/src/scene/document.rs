@@ -350,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_the_same_scene() {
+    fn a_written_document_parses_to_the_same_scene() {
         let (document, plain) = (document(), |scene: Scene| Scene { settings: String::new(), ..scene });
         for folder in ["/scans", "/scans/views", "/elsewhere"] {
             let text = document.to_toml(Path::new(folder)).unwrap();

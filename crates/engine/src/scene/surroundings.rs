@@ -384,7 +384,7 @@ mod tests {
     }
 
     #[test]
-    fn what_may_be_a_wrong_guess_is_noted() {
+    fn guesses_that_may_be_wrong_are_noted() {
         let mut rng = Pcg64Mcg::seed_from_u64(4);
         let spread = |sides: DVec3, rng: &mut Pcg64Mcg| -> Vec<DVec3> {
             (0..5000).map(|_| DVec3::new(rng.random(), rng.random(), rng.random()) * sides).collect()

@@ -107,7 +107,7 @@ fn entries_of_options_come_behind_those_of_the_file() {
 }
 
 #[test]
-fn what_an_entry_lacks_or_has_too_much_of_is_an_error() {
+fn entries_with_missing_or_surplus_keys_are_errors() {
     for (entry, wanted) in [
         (
             "id = 300\nopacity = 1",

@@ -209,7 +209,7 @@ fn the_field_is_a_value_like_others() {
 }
 
 #[test]
-fn what_is_missing_is_an_error_that_says_what_there_is() {
+fn errors_for_missing_columns_list_the_columns_there_are() {
     let a = || Cloud { intensity: Some(vec![1.0; 2]), scalars: vec![("dose".into(), vec![1.0; 2])], ..cloud(2) };
     for (by, wanted) in [
         ("rgb", "a.las: color_by = \"rgb\", but the file has no colors; it has intensity, dose, x, y, z"),

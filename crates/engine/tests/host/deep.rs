@@ -196,7 +196,7 @@ fn lists(count: usize, volumes: bool) -> Vec<Vec<Sample>> {
 }
 
 #[test]
-fn what_is_written_is_read() {
+fn written_deep_images_are_read_back() {
     let size = [20usize, 12];
     for volumes in [false, true] {
         let lists = lists(240, volumes);

@@ -97,7 +97,7 @@ fn values_have_the_ends_that_their_colors_have() {
 }
 
 #[test]
-fn clouds_share_what_is_alike_and_have_titles_where_it_is_not() {
+fn clouds_share_equal_entries_and_have_titles_for_different_ones() {
     let titles =
         |found: &Legend| found.entries.iter().map(|entry| found.title(entry).unwrap_or_default()).collect::<Vec<_>>();
     let height = "color_by = 'height'";

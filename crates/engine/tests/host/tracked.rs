@@ -247,7 +247,7 @@ fn zeros_of_two_signs_are_two_settings() {
 }
 
 #[test]
-fn what_a_cloud_lacks_changes_nothing() {
+fn requests_for_missing_columns_fail_and_change_nothing() {
     let mut r = Pcg64::seed_from_u64(1);
     let clouds = vec![cloud(&mut r, 20), cloud(&mut r, 20)];
     let (mut scene, mut known, hidden) = (scene(2), vec![DerivedColumns::default(); 2], Progress::hidden());

@@ -192,7 +192,7 @@ mod tests {
     };
 
     #[test]
-    fn what_is_no_splat_is_counted() {
+    fn rows_that_are_no_splats_are_counted() {
         let nan = f64::NAN;
         let odd = [
             Splat { extents: DVec3::ZERO, ..PLAIN },

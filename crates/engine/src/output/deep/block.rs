@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_shrink_is_stored_as_it_is() {
+    fn incompressible_blocks_are_stored_uncompressed() {
         // Marsaglia's xorshift, which no deflater sees through.
         let mut x = 1u32;
         let mut next = || {

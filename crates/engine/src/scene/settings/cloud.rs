@@ -20,7 +20,7 @@ settings! {
     pub struct CloudSettings {
         /// File of the points, relative to the folder of the scene file, or the name of a built-in cloud.
         path: PathBuf = PathBuf::new();
-        /// How a file of Gaussian splats is drawn.
+        /// Primitives that a file of Gaussian splats is drawn with.
         primitive: Primitive = Primitive::Gaussians;
         /// Highest degree of the spherical harmonics of Gaussians.
         sh_degree: Option<u32> = None, in 0..=MAX_DEGREE, without "the file's", start 0.0;
@@ -61,9 +61,9 @@ settings! {
 words! {
     /// Kind of points in a file with Gaussian splats.
     pub enum Primitive {
-        /// As Gaussians; files without Gaussians as points.
+        /// Gaussians; files without Gaussians as points.
         Gaussians = "gaussians",
-        /// As points at the centers of the Gaussians.
+        /// Points at the centers of the Gaussians.
         Points = "points",
     }
 }

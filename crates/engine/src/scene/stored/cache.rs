@@ -121,7 +121,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_used_last_stays() {
+    fn the_cache_retains_the_most_recently_used_blocks() {
         // 24 bytes a block.
         let cache = Cache::new(72);
         let points = || Points { positions: vec![DVec3::ONE], ..Points::default() };

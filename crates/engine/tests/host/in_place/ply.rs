@@ -65,7 +65,7 @@ fn file(little_endian: bool) -> Vec<u8> {
 }
 
 #[test]
-fn what_only_the_last_points_tell_holds_for_all_pieces() {
+fn facts_from_the_last_points_hold_for_all_pieces() {
     let folder = tempdir().unwrap();
     let path = folder.path().join("any.ply");
     for little_endian in [true, false] {

@@ -263,7 +263,7 @@ impl Store for Counted {
 }
 
 #[test]
-fn what_was_stopped_goes_on_where_it_was() {
+fn a_stopped_build_resumes_where_it_was() {
     let folder = tempfile::tempdir().unwrap();
     let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name).join("store"));
     write(&[held(cloud(5000, 1))], &whole, TIGHT);
@@ -289,7 +289,7 @@ fn what_was_stopped_goes_on_where_it_was() {
 }
 
 #[test]
-fn what_is_left_of_other_work_is_not_used() {
+fn leftovers_of_other_builds_are_not_used() {
     let folder = tempfile::tempdir().unwrap();
     let [whole, again] = ["whole", "again"].map(|name| folder.path().join(name).join("store"));
     write(&[held(cloud(5000, 1))], &whole, TIGHT);

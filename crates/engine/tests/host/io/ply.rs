@@ -114,7 +114,7 @@ fn names_that_tools_use() {
 }
 
 #[test]
-fn what_does_not_fit_a_column_is_a_scalar() {
+fn properties_that_fit_no_column_become_scalars() {
     let cloud = vertices("float x, float y, float z, int label, uchar red, float nx", "0 0 0 -1 7 1\n0 0 0 300 8 0");
     assert_eq!((&cloud.classification, &cloud.colors, &cloud.normals), (&None, &None, &None));
     let names: Vec<_> = cloud.scalars.iter().map(|(name, _)| name.as_str()).collect();
@@ -199,7 +199,7 @@ fn full_cloud(offset: DVec3) -> Cloud {
 }
 
 #[test]
-fn what_is_written_is_read_back_exactly() {
+fn written_clouds_are_read_back_exactly() {
     let folder = Folder::new();
     let path = folder.0.path().join("out.ply");
     let plain = Cloud { positions: vec![DVec3::new(0.1, 0.2, 0.3)], ..Cloud::default() };

@@ -30,7 +30,7 @@ fn nothing_is_nothing() {
 }
 
 #[test]
-fn what_lies_within_a_radius_is_blended() {
+fn splats_within_a_radius_are_blended() {
     let list = [fragment(5.0, 0.0, 1.0, 0), fragment(5.75, 0.5, 2.0, 1), fragment(6.25, 0.0, 1.0, 2)];
     assert_eq!(limit(&list, 1.0), 6.0);
     let (a, b) = (1.0, weight(0.5));

@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_is_refused() {
+    fn inconsistent_hierarchies_are_refused() {
         let refused = |records: &[Vec<u8>], first: u64, says: &str| {
             let (place, cause) = read(&records.concat(), first, cube()).unwrap_err();
             assert!(format!("{place}: {cause}").contains(says), "{place}: {cause}");

@@ -166,7 +166,7 @@ fn check(kernel: Kernel, projection: Projection, thinnest: f64) -> (usize, Vec<f
 }
 
 #[test]
-fn what_float32_makes_is_possible_and_most_is_known_to_four_digits() {
+fn float32_results_are_possible_and_most_are_known_to_four_digits() {
     for projection in [Projection::Perspective { fov_y: 1.4 }, Projection::Orthographic { height: 9.0 }] {
         for kernel in [Kernel::Ewa, Kernel::Ray] {
             let (open, alphas, keys) = check(kernel, projection, 0.1);

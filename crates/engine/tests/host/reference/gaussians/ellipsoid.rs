@@ -88,7 +88,7 @@ fn the_cap_is_one_of_density() {
 }
 
 #[test]
-fn near_cuts_and_far_does_not() {
+fn only_the_near_plane_cuts_ellipsoids() {
     let camera = perspective();
     let across = ball(DVec3::new(0.0, 0.0, -camera.near), 1.0, 0.75);
     let ([.., a], depth, _) = middle(&camera, &[across], &[DVec3::ONE]);
@@ -212,7 +212,7 @@ fn opacity_is_that_of_all_optical_depths_and_colors_are_means() {
 }
 
 #[test]
-fn what_float32_may_make_of_a_chord_holds_the_chord() {
+fn float32_bounds_of_a_chord_contain_the_chord() {
     let settings = discs(0.99).gaussians;
     for camera in [perspective(), orthographic()] {
         for splat in large(100, 1e-3) {
