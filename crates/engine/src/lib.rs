@@ -11,8 +11,8 @@
 //! 5. The result is an [`image::Image`], which [`output`] writes as PNG or EXR and [`metrics`] compares, and times,
 //!    which [`profile`] turns into JSON and traces.
 //!
-//! Beside this road [`reference`](mod@reference) computes the same images in float64, without a device: what the tests
-//! trust. ARCHITECTURE.md in the repository tells the same at more length.
+//! In addition to this road [`reference`](mod@reference) computes the same images in float64, without a device: what
+//! the tests trust. ARCHITECTURE.md in the repository tells the same at more length.
 //!
 //! # Example
 //!

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-/// Points below which nothing is told.
+/// Fewest points for which a decision is made.
 const FEWEST: usize = 1000;
 /// The share of points that lie in the pyramid, at least.
 const MOST: f64 = 0.995;

@@ -1,4 +1,4 @@
-//! Gaussian splats: what each of them has beside its center and its opacity (Kerbl et al. 2023).
+//! Gaussian splats: what each of them has in addition to its center and its opacity (Kerbl et al. 2023).
 
 use glam::{Quat, Vec3};
 use rayon::prelude::*;

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::depth_camera::hundredths;
 
-/// Points below which nothing is told.
+/// Fewest points for which a decision is made.
 const FEWEST: usize = 1000;
 /// Ground is lower than this share of its shorter side.
 const FLAT: f64 = 0.2;

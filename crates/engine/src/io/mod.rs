@@ -263,8 +263,8 @@ pub fn load(path: &Path, progress: &Progress) -> Result<Cloud, Error> {
     load_with(path, Hints::default(), progress)
 }
 
-/// Like [`load`], but `hints` place a picture and name the columns of a text file. If the file names its columns
-/// itself, the hint has no effect, which becomes one of its warnings.
+/// Reads a cloud like [`load`], but `hints` place a picture and name the columns of a text file. If the file names its
+/// columns itself, the hint has no effect, which becomes one of its warnings.
 ///
 /// # Errors
 /// Returns the errors of [`load`], and an error for a picture's placement for a file that is not a picture; a number of

@@ -1,4 +1,4 @@
-//! Points in the order in which they are dealt to ensembles (Tanaka et al. 2016; Uchida et al. 2020).
+//! Points in the order in which they are partitioned into ensembles (Tanaka et al. 2016; Uchida et al. 2020).
 //!
 //! Each cloud's points are in random order, one cloud after the other. M = round(kN) copies of a cloud's N points are
 //! dealt to L ensembles, ⌊(e+1)M/L⌋ − ⌊eM/L⌋ to ensemble e, so that sizes differ by at most one. No copy is stored.
@@ -20,7 +20,7 @@ use super::{density, order};
 use crate::points::Points;
 use crate::random::{key, threefry2x32};
 
-/// Told apart from it, the words that shuffle have nothing to do with those that decide what is drawn.
+/// Domain separator of the random words that shuffle, so that they are independent of those that decide what is drawn.
 const SHUFFLE: u32 = 0x7368_7566;
 
 /// Properties of one cloud.
@@ -54,7 +54,7 @@ pub fn slots(slots: u64, ensembles: u32, ensemble: u32) -> Range<u64> {
     bound(u64::from(ensemble))..bound(u64::from(ensemble) + 1)
 }
 
-/// The dealing of a cloud's points.
+/// The partition into ensembles of a cloud's points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Deal {
     /// N, at least 1.
@@ -69,7 +69,7 @@ pub struct Deal {
     pub seed: u64,
 }
 
-/// Ensembles to which points are dealt but once.
+/// Ensembles to which points are assigned but once.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pass {
     /// Range of ensembles.
@@ -194,7 +194,7 @@ pub fn deal(clouds: Vec<Points>, seed: u64, progress: &Progress) -> Dealt {
     deal_traced(clouds, seed, progress, None)
 }
 
-/// The origins of the points of a dealt list.
+/// The origins of the points of a shuffled list.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Trace {
     /// Number of the point at each place in the input: cloud after cloud, in their order.

@@ -38,8 +38,8 @@ pub(super) struct Moments {
 impl Moments {
     /// Returns those of points by their offsets from one among them, at which there are `here`.
     ///
-    /// The mean is subtracted from the sums. Where that would cancel more than two digits, as around a stray far from
-    /// its neighbors, it is subtracted from the points.
+    /// The mean is subtracted from the sums. Where that would cancel more than two digits, as around an outlier far
+    /// from its neighbors, it is subtracted from the points.
     pub fn around(here: usize, offsets: impl Iterator<Item = DVec3> + Clone) -> Self {
         let (mut count, mut sum, mut all) = (here, DVec3::ZERO, Self::default());
         for p in offsets.clone() {
@@ -166,7 +166,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64Mcg;
 
-    /// The direction of a neighborhood around its first point, beside others.
+    /// The direction of a neighborhood around its first point, among others.
     fn normal(points: &[[f64; 3]]) -> Vec3 {
         let Some(first) = points.first() else { return smallest_axes(&[Moments::default()])[0].direction };
         let offsets = points[1..].iter().map(|p| DVec3::from(*p) - DVec3::from(*first));
@@ -214,7 +214,7 @@ mod tests {
         assert_eq!(normal(&[]), Vec3::ZERO);
         let line: Vec<_> = (0..25).map(|i| [0.1, -0.7, 0.3].map(|x| x * f64::from(i * i))).collect();
         assert_eq!(normal(&line), Vec3::ZERO);
-        // A stray and many points at one place, or about one.
+        // An outlier and many points at one place, or about one.
         let far = [[0.0; 3]].into_iter().chain(std::iter::repeat_n([1.0, 0.7, 0.3], 65_535)).collect::<Vec<_>>();
         assert_eq!(normal(&far), Vec3::ZERO);
         let cross = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

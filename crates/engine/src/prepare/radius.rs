@@ -3,7 +3,7 @@
 //! As printed, Eq. 20 takes the root of a length; scaling a cloud by 1000 must scale its radii by 1000, so the squared
 //! distance belongs under the root: r = 2·sqrt(max|pᵢ−pⱼ|² / K) = 2·max|pᵢ−pⱼ| / sqrt(K).
 //!
-//! A stray is far from everything, so that its radius by Eq. 20 is as large as it is far: one of a thousand of them
+//! An outlier is far from everything, so that its radius by Eq. 20 is as large as it is far: one of a thousand of them
 //! covers the picture. A cap keeps each radius within a multiple of the median of its neighbors' radii.
 
 use crate::progress::Progress;

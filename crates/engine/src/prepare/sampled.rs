@@ -85,7 +85,7 @@ mod tests {
 
     const RULE: (usize, f32) = (DEFAULT_NEIGHBORS, radius::DEFAULT_CAP);
 
-    /// Random points on a unit square, some of them twice, and a stray.
+    /// Random points on a unit square, some of them twice, and an outlier.
     fn square(count: usize) -> Vec<DVec3> {
         let mut random = Pcg64::seed_from_u64(3);
         let mut points: Vec<DVec3> = (0..count).map(|_| DVec3::new(random.random(), random.random(), 0.5)).collect();

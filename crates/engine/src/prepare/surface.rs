@@ -78,7 +78,7 @@ pub(super) struct Seen {
     pub last: Vec<f64>,
 }
 
-/// Data that is wanted beside radii.
+/// Data that is wanted in addition to radii.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Wants {
     /// Normals in place of missing ones; F needs them, too.

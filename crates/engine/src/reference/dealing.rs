@@ -12,7 +12,7 @@ use crate::random::{key, threefry2x32};
 /// "agai" on the second word of the key tells the words of later passes from others.
 const AGAIN: u32 = 0x6167_6169;
 
-/// Returns the points of every ensemble, counted from the cloud's first, in the order in which they are dealt.
+/// Returns the points of every ensemble, counted from the cloud's first, in the order in which they are shuffled.
 pub fn hands(deal: &Deal) -> Vec<Vec<u64>> {
     let (points, ensembles) = (deal.points, u128::from(deal.ensembles));
     let before = |ensemble: u128| (u128::from(deal.slots) * ensemble / ensembles) as u64;

@@ -94,8 +94,8 @@ impl Absorption {
         c
     }
 
-    /// Returns the places besides z, and the shares, z's first, of the only measure of `moments.len() / 2 + 1` points
-    /// with these moments that has one at z.
+    /// Returns the places other than z, and the shares, z's first, of the only measure of `moments.len() / 2 + 1`
+    /// points with these moments that has one at z.
     pub fn canonical(&self, z: f64) -> (Vec<f64>, Vec<f64>) {
         let places = real_roots(&self.kernel_coefficients(z));
         let shares = std::iter::once(&z).chain(&places).map(|z| 1.0 / self.kernel(*z)).collect();

@@ -75,7 +75,7 @@ pub fn over(front: (DVec3, f64), back: (DVec3, f64)) -> (DVec3, f64) {
     (front.0 + (1.0 - front.1) * back.0, front.1 + (1.0 - front.1) * back.1)
 }
 
-/// The dealing of a cloud for a camera.
+/// The partition into ensembles of a cloud for a camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Share {
     /// Depth at which a point is one pixel wide: z of the cloud's center, or, where that is behind the camera or close

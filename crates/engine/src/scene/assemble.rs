@@ -158,8 +158,8 @@ fn merged(
     Ok(prepare::order::canonical(points))
 }
 
-/// Returns all points of the scene in the order of its method: like [`assemble`], or dealt to ensembles by `seed`,
-/// without radii and F. The latter omits clouds without points. `progress` shows the progress.
+/// Returns all points of the scene in the order of its method: like [`assemble`], or partitioned into ensembles by
+/// `seed`, without radii and F. The latter omits clouds without points. `progress` shows the progress.
 ///
 /// # Errors
 /// Returns the errors of [`assemble`].

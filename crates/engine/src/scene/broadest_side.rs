@@ -11,7 +11,7 @@ use super::settings::CameraSettings;
 use super::view::{Vertical, View};
 use crate::points::Points;
 
-/// Points below which nothing is told.
+/// Fewest points for which a decision is made.
 const FEWEST: usize = 1000;
 /// Points for each cell of the coarse picture, if they covered it evenly.
 const POINTS_A_CELL: f64 = 12.0;

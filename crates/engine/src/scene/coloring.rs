@@ -18,7 +18,7 @@ use crate::color::colormap::{Colormap, mid_grey};
 use crate::color::decode_srgb_f64;
 use crate::color::scale::Scale;
 
-/// Classes besides 0 and 1 that a cloud must have to be colored by them.
+/// Classes other than 0 and 1 that a cloud must have to be colored by them.
 const ENOUGH_CLASSES: usize = 3;
 
 /// Brightness of a height where intensity is smallest.
@@ -116,7 +116,7 @@ pub(super) struct Coloring<'a> {
     scales: Option<&'a Scales>,
 }
 
-/// Facts that the colors of a part of a cloud follow from, besides its points.
+/// Facts that the colors of a part of a cloud follow from, in addition to its points.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Scales {
     choice: Choice,

@@ -56,7 +56,7 @@ pub(crate) fn owners(key: &str) -> Vec<&'static str> {
     METHODS.iter().copied().filter(|name| method_keys(name).contains(&key)).collect()
 }
 
-/// Returns every key that some method has beside `name`, each once, by the alphabet.
+/// Returns every key that some method has in addition to `name`, each once, by the alphabet.
 pub fn all_method_keys() -> Vec<&'static str> {
     let mut keys: Vec<_> = METHODS.iter().flat_map(|name| method_keys(name)).collect();
     keys.sort_unstable();

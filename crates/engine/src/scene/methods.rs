@@ -12,8 +12,8 @@ use super::settings::{
 pub(super) const AUTO: &str = "auto";
 
 /// Declares the methods: the enum, and what holds of each. A line is `"name" => Variant(Settings), Family, for
-/// Purpose;` behind the sentence that says what the method draws; `also` lists settings, beside the defaults, by which
-/// comparisons draw the same thing.
+/// Purpose;` behind the sentence that says what the method draws; `also` lists settings, in addition to the defaults,
+/// by which comparisons draw the same thing.
 macro_rules! methods {
     (
         $(
@@ -175,7 +175,7 @@ pub enum Family {
     Soft,
     /// Single transparent layer before opaque points.
     OneLayer,
-    /// Points of surfaces that are dealt to ensembles.
+    /// Points of surfaces that are partitioned into ensembles.
     Ensembles,
 }
 

@@ -13,7 +13,7 @@ use crate::points::Points;
 
 /// Points that are looked at, at most.
 const SAMPLES: usize = 1 << 18;
-/// Points below which nothing is told.
+/// Fewest points for which a decision is made.
 const FEWEST: usize = 1000;
 /// Cells of the floor plan along each side.
 const CELLS: usize = 24;

@@ -1,4 +1,5 @@
-//! Levels of detail: which points of a supply a picture can do without, and how much larger the others become.
+//! Levels of detail: which points of an out-of-core stream a picture can do without, and how much larger the others
+//! become.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -36,9 +37,10 @@ pub struct Picture<'a> {
     pub seed: u64,
 }
 
-/// The points of a supply that are drawn of it. Each point has a spacing in pixels at which the picture can do without
-/// it: that of the levels above at the nearest place of its block; without levels that of the points before it in a
-/// random order. Those above the cut's are kept. It follows from camera and size alone, not from windows.
+/// The points of an out-of-core stream that are drawn of it. Each point has a spacing in pixels at which the picture
+/// can do without it: that of the levels above at the nearest place of its block; without levels that of the points
+/// before it in a random order. Those above the cut's are kept. It follows from camera and size alone, not from
+/// windows.
 pub struct Cut {
     whole: Arc<dyn Supply>,
     tree: Tree,
@@ -90,8 +92,8 @@ impl Random {
 }
 
 impl Cut {
-    /// Returns what limits leave of a supply. `spacing` is the distance between all points of clouds without levels, in
-    /// world units.
+    /// Returns what limits leave of an out-of-core stream. `spacing` is the distance between all points of clouds
+    /// without levels, in world units.
     ///
     /// # Errors
     /// Points of clouds without levels can't be read to be counted, the coarsest level has more than are allowed, or
@@ -123,7 +125,7 @@ impl Cut {
         let keeps = |(block, own): (&Block, &Option<f64>)| own.map_or(share(block) > 1e-10, |own| own > px);
         let mut kept: Vec<bool> = all.iter().zip(levels).map(keeps).collect();
         if let Some(first) = kept.first_mut() {
-            // A supply has a block, if one without points.
+            // An out-of-core stream has a block, if one without points.
             *first = true;
         }
         let tree = Tree::new(all);

@@ -19,8 +19,8 @@ pub use scale::Scale;
 pub(crate) use spacing::spacing;
 
 /// A scene's points in blocks. Discs in one place are either in one block, or in blocks of which each holds the largest
-/// radius there: who takes all blocks that reach a part of the image has all discs in a place, or none of those that
-/// show. Gaussians are taken by how far they reach themselves, since a few reach across most scenes.
+/// radius there: taking every block that overlaps a region of the image yields all visible discs of any location in
+/// it. Gaussians are taken by how far they reach themselves, since a few reach across most scenes.
 pub trait Supply: Debug + Send + Sync {
     /// The blocks.
     fn blocks(&self) -> &[Block];

@@ -158,7 +158,7 @@ fn auto_takes_the_best_that_there_is() {
     }
     assert_eq!(colors("color = [0.5, 0, 1]", colored(own.clone())), [Vec3::new(0.5, 0.0, 1.0); 4]);
     assert_eq!(colors("color_by = 'uniform'", colored(own)), [Vec3::ONE; 4]);
-    // Two classes besides 0 and 1 are not enough; intensities of 0 only are none.
+    // Two classes other than 0 and 1 are not enough; intensities of 0 only are none.
     let mut high = cloud(4);
     (0..4).for_each(|i| high.positions[i].z = i as f64);
     let few = Cloud { classification: Some(vec![0, 1, 2, 5]), intensity: Some(vec![0.0; 4]), ..high };

@@ -1,4 +1,4 @@
-//! The order that ensembles are dealt from, and the density of surfaces by counting spheres.
+//! The order that ensembles are drawn from, and the density of surfaces by counting spheres.
 
 use std::f64::consts::{PI, TAU};
 

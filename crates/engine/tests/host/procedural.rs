@@ -235,7 +235,7 @@ fn garden_has_its_classes_and_lies_on_the_ground() {
     for (name, cloud) in &scene.clouds {
         let classes = cloud.classification.as_ref().unwrap();
         for (p, class) in cloud.positions.iter().zip(classes).filter(|(_, class)| **class != 7) {
-            // The lot with its fading edge, and the tallest tree; strays may lie anywhere.
+            // The lot with its fading edge, and the tallest tree; outliers may lie anywhere.
             assert!(p.x.abs() < 14.0 && p.y.abs() < 14.0 && (-1.0..9.0).contains(&p.z), "{name}: {class} at {p}");
         }
         let strays = classes.iter().filter(|c| **c == 7).count() as f64 / classes.len() as f64;

@@ -120,7 +120,7 @@ impl<R: BufRead + Seek> Decoder<R> {
         }
     }
 
-    /// Decodes the pixels. `memory`: bytes that they and what the decoder keeps beside them may take.
+    /// Decodes the pixels. `memory`: bytes that they and what the decoder retains in addition may take.
     pub fn read(self, memory: u64) -> Result<Bitmap, Error> {
         match self {
             Self::Png(decoder) => decoder.read(),

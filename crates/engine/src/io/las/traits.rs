@@ -34,8 +34,7 @@ impl Traits {
         self.settle(header.format.has_color, asked.gps_time && header.format.has_gps_time, asked.returns)
     }
 
-    /// Like [`Self::are_settled`], for points that have colors, have times that are asked for, and keep returns in any
-    /// case.
+    /// Returns `true` if a file with these columns needs no second look: like [`Self::are_settled`], without a header.
     pub fn settle(&self, has_color: bool, has_times: bool, keeps_returns: bool) -> bool {
         let colors = !has_color || self.largest_color > u16::from(u8::MAX);
         let returns = keeps_returns || self.most_returns > 1;

@@ -5,7 +5,7 @@
 /// Stride of the points that the sums count.
 const STEP: u64 = 7;
 
-/// Points below which nothing is told.
+/// Fewest points for which a decision is made.
 const FEWEST: f64 = 100.0;
 
 /// Largest distance of points from where a pinhole camera has their pixels, root mean square, in pixels.

@@ -69,7 +69,7 @@ impl Picture {
             return Err(Error::Truncated { path: path.clone(), what });
         }
         let orientation = decoder.orientation().map_err(failed)?;
-        // The picture, and what its decoder keeps beside it.
+        // The picture, and what its decoder retains in addition.
         let stored = decoder.read(2 * bytes + (64 << 20)).map_err(failed)?;
         let [width, height] = orientation.size([width, height]);
         let linear = |value: u16| decode_srgb(f32::from(value) / f32::from(u16::MAX));

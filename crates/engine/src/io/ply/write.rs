@@ -28,7 +28,7 @@ pub fn write(path: &Path, cloud: &Cloud) -> Result<(), Error> {
     written.map_err(|source| Error::Write { path: path.to_path_buf(), source })
 }
 
-/// Like [`write()`], to an open file.
+/// Writes a cloud like [`write()`], to an open file.
 ///
 /// # Errors
 /// Writing to `out` fails.

@@ -14,7 +14,7 @@ use crate::io::Error;
 /// normal, of class 0, and have no number (NaN) as intensity and scalars. Radii and what was prepared are kept only if
 /// all have them, since there is no such value for points without.
 ///
-/// The boxes of a file's nodes are that file's own, so files beside each other are told apart before they are read. LAS
+/// The boxes of a file's nodes are that file's own, so adjacent files are distinguished before they are read. LAS
 /// files are not looked up in spatial indices (`.lax`).
 #[derive(Debug)]
 pub struct Tiles {

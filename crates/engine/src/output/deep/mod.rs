@@ -54,7 +54,7 @@ pub enum Packing {
     Raw,
 }
 
-/// Contents of a file beside its samples.
+/// Contents of a file except its samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layout {
     /// Columns and rows, at least 1 each.

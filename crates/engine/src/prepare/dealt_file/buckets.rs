@@ -81,7 +81,7 @@ impl Plan {
 pub(super) struct Buckets<'a> {
     plan: Plan,
     pile: &'a Pile,
-    /// Extents of each bucket that are written, and its words that are not yet.
+    /// Flushed extents and pending words of each bucket.
     all: Vec<(Vec<Extent>, Vec<u32>)>,
 }
 

@@ -1,6 +1,6 @@
-//! Points that are dealt to ensembles in a temporary file, for clouds that memory has no room for: the list that
-//! [`ensembles::deal`](super::ensembles::deal) makes, to the bit, as far as it is asked for. A picture of many points
-//! that are hardly opaque takes few of them.
+//! Points that are partitioned into ensembles in a temporary file, for clouds that memory has no room for: the list
+//! that [`ensembles::deal`](super::ensembles::deal) makes, to the bit, as far as it is asked for. A picture of many
+//! points that are hardly opaque takes few of them.
 //!
 //! The words that shuffle points are numbers at random. So those with the smallest words are put into buckets by them,
 //! as many as let memory hold each, and each bucket is sorted by itself. Points in one place are counted, since their
@@ -58,7 +58,7 @@ impl fmt::Debug for Source {
     }
 }
 
-/// Settings by which clouds are dealt.
+/// Settings by which clouds are shuffled into ensembles.
 #[derive(Debug, Clone)]
 pub struct Settings {
     /// `true` if points have normals.
@@ -95,8 +95,8 @@ pub struct DealtFile {
 }
 
 impl DealtFile {
-    /// Deals clouds as [`ensembles::deal`](super::ensembles::deal) does. `progress` counts points, each of them three
-    /// times.
+    /// Shuffles clouds as [`ensembles::deal`](super::ensembles::deal) does. `progress` counts points, each of them
+    /// three times.
     ///
     /// # Errors
     /// A block can't be read, the file can't be written, too many points are in one place, or `progress` cancels it.

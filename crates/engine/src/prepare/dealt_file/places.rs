@@ -17,7 +17,7 @@ pub(super) struct Places {
 }
 
 impl Places {
-    /// No places, for so many points, in at most so many bytes.
+    /// Creates an empty table for `points` points that uses at most `memory` bytes.
     pub fn new(points: u64, memory: u64) -> Self {
         let words = (points.saturating_mul(POINT_BITS) / 64).next_power_of_two().min((memory / 8).max(1));
         Self { words: (0..words).map(|_| AtomicU64::new(0)).collect() }

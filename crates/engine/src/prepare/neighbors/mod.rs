@@ -47,7 +47,7 @@ pub(super) struct Places {
 }
 
 /// A power of two, of 2⁻⁴⁰⁰ times the size of a cloud or more: it keeps squared distances from overflow, and those of
-/// down to 10⁻²⁷⁰ of that size from underflow, which one stray at 10¹⁷⁰ would cause otherwise. Scaling by it rounds
+/// down to 10⁻²⁷⁰ of that size from underflow, which one outlier at 10¹⁷⁰ would cause otherwise. Scaling by it rounds
 /// nothing else.
 fn unit(bounds: &Bounds) -> f64 {
     let half_side = (0.5 * bounds.max - 0.5 * bounds.min).max_element();
@@ -70,8 +70,8 @@ fn normal_key(normal: Vec3) -> [i32; 3] {
     })
 }
 
-/// Puts many points of one Morton code into the order of codes within their own bounds, and so on: a stray a thousand
-/// kilometers away has all others in a few cells.
+/// Puts many points of one Morton code into the order of codes within their own bounds, and so on: an outlier a
+/// thousand kilometers away has all others in a few cells.
 fn refine(cell: &mut [Keyed], positions: &[DVec3], by_content: &(impl Fn(u32, u32) -> Ordering + Sync)) {
     if cell.len() <= LEAF {
         return;
@@ -365,7 +365,7 @@ pub(super) mod tests {
 
     use super::*;
 
-    /// Returns points on a plane and in a ball, copies of some, and strays far from all.
+    /// Returns points on a plane and in a ball, copies of some, and outliers far from all.
     pub fn cloud(count: usize, seed: u64) -> Vec<DVec3> {
         let mut random = Pcg64::seed_from_u64(seed);
         let mut number = || random.random::<f64>();

@@ -2,7 +2,7 @@
 //!
 //! Places are looked for leaf by leaf: those of a leaf have nearly the same neighbors, so that the leaves around it are
 //! gathered once, within a distance that the neighbors of a place nearby bound (the triangle inequality). Where that
-//! would be too many leaves, as around a stray, each place goes through the tree by itself, nearest box first.
+//! would be too many leaves, as around an outlier, each place goes through the tree by itself, nearest box first.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -110,7 +110,7 @@ struct Around {
 }
 
 impl<'a> Search<'a> {
-    /// Returns a search for `wanted` places besides the one that is asked for.
+    /// Returns a search for `wanted` places in addition to the one that is asked for.
     pub fn new(tree: &'a Tree, columns: &'a Columns, wanted: usize) -> Self {
         Self {
             tree,

@@ -54,7 +54,7 @@ pub enum Error {
     },
 }
 
-/// Data that is computed of each point, beside the radius.
+/// Data that is computed of each point, in addition to the radius.
 #[derive(Debug, Clone, PartialEq)]
 struct Plan {
     /// K of a cloud with so many points.

@@ -195,8 +195,8 @@ impl Stored {
         })
     }
 
-    /// Returns all points, dealt to ensembles by `seed` into a temporary file in `folder`: for methods that want that
-    /// ([`Method::is_dealt`](super::Method::is_dealt)), which want no radii.
+    /// Returns all points, partitioned into ensembles by `seed` into a temporary file in `folder`: for methods that
+    /// want that ([`Method::is_dealt`](super::Method::is_dealt)), which want no radii.
     ///
     /// # Errors
     /// A node can't be read, there is no room in the folder, memory is too small, or `progress` cancels it; no point is

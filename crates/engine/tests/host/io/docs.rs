@@ -27,7 +27,7 @@ fn source(line: &str) -> Option<(&str, &str)> {
     }
 }
 
-/// The attributes of a cloud besides positions.
+/// The attributes of a cloud other than positions.
 fn attributes(cloud: &Cloud) -> String {
     let usual = [
         ("color", cloud.colors.is_some()),

@@ -28,8 +28,8 @@ const FINE: f64 = 1e-3;
 pub struct Settings {
     /// Points of a node at most; more only if they are all in one place. At least 1.
     pub node_points: usize,
-    /// Bytes of memory to use beside what a node of an input takes. Less of it makes more temporary files, not another
-    /// store.
+    /// Memory budget in bytes, in addition to one input node. A smaller budget only creates more temporary files; the
+    /// store is the same.
     pub host_memory: u64,
 }
 
@@ -54,8 +54,8 @@ pub struct Built {
 ///
 /// The bytes depend on the points, their places in the inputs, and the points of a node, not on memory, threads or the
 /// order in which nodes are read. Positions stay on the grid of the inputs if they share one, else they are put on one
-/// of powers of two, as fine as 30 bits allow; Gaussians have exact ones besides. Until it is done everything is in a
-/// folder beside, `.NAME.pellucid-unfinished`; if the work ends early, the same call goes on after the last pass or
+/// of powers of two, as fine as 30 bits allow; Gaussians have exact ones in addition. Until it is done everything is in
+/// a folder beside, `.NAME.pellucid-unfinished`; if the work ends early, the same call goes on after the last pass or
 /// chunk that was done.
 ///
 /// # Errors
@@ -78,8 +78,8 @@ pub fn build(
     })
 }
 
-/// Refuses Gaussians beside points that are none: a store has the same columns for all, and radii mean nothing to
-/// Gaussians.
+/// Refuses Gaussians together with points that are none: a store has the same columns for all, and radii mean nothing
+/// to Gaussians.
 fn check_kind(inputs: &[Box<dyn Store>]) -> Result<(), Error> {
     let find = |are_splats: bool| {
         let summaries = inputs.iter().map(|input| input.summary());

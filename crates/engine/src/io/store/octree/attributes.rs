@@ -79,7 +79,7 @@ pub enum Role {
     Position,
     /// Three sRGB-encoded channels.
     Rgb,
-    /// A channel of a linear color, 0 to 2; [`Role::Rgb`] beside them is theirs, rounded.
+    /// A channel of a linear color, 0 to 2; [`Role::Rgb`] in addition to them is theirs, rounded.
     Linear(u8),
     /// Alpha.
     Alpha,

@@ -123,7 +123,7 @@ impl Decoder {
         }
         let rgb = self.layout.find(&Role::Rgb)?;
         if let Some(splats) = splats {
-            // Beside them `rgb` is for other programs.
+            // In addition to them `rgb` is for other programs.
             return Some(splats.bases.iter().map(|base| linear(*base)).collect());
         }
         let last = self.table.len().checked_sub(1)?;

@@ -4,14 +4,14 @@
 //! Points are uncompressed records, the position three int32 on a grid. Names of attributes that a cloud has a column
 //! for:
 //!
-//! | column | attribute |
-//! |---|---|
-//! | position | `position` |
-//! | color | `rgb`, `rgba`: of 65535, or of 255 if no channel is above; of `pellucid prepare` also `linear_red` … `linear_blue` |
-//! | normal | `NormalX`, `NormalY`, `NormalZ`, or `normal` |
-//! | intensity, classification, alpha, radius | the same names |
-//! | scalars | all others of one number; `gps-time` counts from the first |
-//! | Gaussian | of `pellucid prepare`: `extents`, `rotation`, `base`, `harmonics`, and `exact_position` where the grid rounds |
+//! - position: `position`.
+//! - color: `rgb`, `rgba`: of 65535, or of 255 if no channel is above; of `pellucid prepare` also `linear_red` …
+//!   `linear_blue`.
+//! - normal: `NormalX`, `NormalY`, `NormalZ`, or `normal`.
+//! - intensity, classification, alpha, radius: the same names.
+//! - scalars: all others of one number; `gps-time` counts from the first.
+//! - Gaussian: of `pellucid prepare`: `extents`, `rotation`, `base`, `harmonics`, and `exact_position` where the grid
+//!   rounds.
 //!
 //! What `pellucid prepare` adds stands in an object `pellucid` of metadata.json and in nodes.bin, which Potree ignores.
 
@@ -188,7 +188,7 @@ fn missing(error: Error, folder: &Path) -> Error {
     }
 }
 
-/// All bytes of a file beside the points, of which there are few for each node.
+/// All bytes of a file except the points, of which there are few for each node.
 fn whole(path: PathBuf) -> Result<Vec<u8>, Error> {
     let file = SharedFile::open(&path)?;
     file.read(0, file.len())

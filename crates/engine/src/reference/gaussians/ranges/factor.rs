@@ -20,8 +20,8 @@ pub(super) const AXIS: f64 = 40.0;
 /// of Numerical Algorithms", 19.8).
 const ORTHOGONAL: f64 = 14.0;
 
-/// Roundings in |y|² over itself, beside those of y: of squares and their sum, of the division by the square at the
-/// end, of the way from there to the exponent, and of another form of the same.
+/// Roundings in |y|² over itself, in addition to those of y: of squares and their sum, of the division by the square at
+/// the end, of the way from there to the exponent, and of another form of the same.
 const SQUARE: f64 = 16.0;
 
 /// Two rows of numbers with their errors.

@@ -67,7 +67,7 @@ pub fn possible_chords(
     placed.window(window).filter_map(chord).collect()
 }
 
-/// Roundings in an opacity over itself, beside those of ρ²: two in the exponential, one in its product with the
+/// Roundings in an opacity over itself, in addition to those of ρ²: two in the exponential, one in its product with the
 /// opacity, up to five in the opacity's factor for the dilation.
 const ALPHA: f64 = 8.0;
 

@@ -106,7 +106,7 @@ fn finish(scanned: &[Scanned], random: &mut Random) -> Result<Generated, Error> 
     Ok(Generated { clouds, scene_toml })
 }
 
-/// The points as the scanner delivers them: with noise along the normal, and a few stray ones.
+/// The points as the scanner delivers them: with noise along the normal, and a few outliers.
 fn cloud(samples: &[Sample], light: impl Fn(&Sample) -> DVec3, random: &mut Random) -> Result<Cloud, Error> {
     let mut builder = CloudBuilder::with_capacity(samples.len())?;
     for sample in samples {
