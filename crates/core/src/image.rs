@@ -19,10 +19,11 @@ pub struct Image {
     pub rgba: Vec<[f32; 4]>,
     /// z of the first fragment with α > 0, +inf if none has.
     pub depth: Vec<f32>,
-    /// Depth of the fragment at which T first is a half or less, +inf where A < 1/2, if it was asked for (`--aov`), of methods whose
-    /// images follow from sorted lists of all fragments.
+    /// Depth of the fragment at which T first is a half or less, +inf where A < 1/2, if it was asked for (`--aov`), of
+    /// methods whose images follow from sorted lists of all fragments.
     pub depth_median: Option<Vec<f32>>,
-    /// Mean depth Σ zαT / A, with T before each fragment, +inf where A = 0; of the same methods, if it was asked for (`--aov`).
+    /// Mean depth Σ zαT / A, with T before each fragment, +inf where A = 0; of the same methods, if it was asked for
+    /// (`--aov`).
     pub depth_mean: Option<Vec<f32>>,
     /// Length of each pixel's fragment list, α = 0 included, if it was asked for (`--aov`).
     pub fragments: Option<Vec<u32>>,
@@ -63,7 +64,7 @@ pub struct LinearImage {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// One entry per pixel, width × height of them.
+    /// Pixels, an entry each, width × height of them.
     pub pixels: Vec<[f32; 3]>,
 }
 

@@ -5,7 +5,7 @@ use glam::DVec3;
 /// A light.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub enum Light {
-    /// At the eye (perspective) or against the viewing direction (orthographic).
+    /// Light at the eye (perspective) or against the viewing direction (orthographic).
     #[default]
     Headlight,
     /// The direction in which the light travels, world space, not zero.

@@ -32,15 +32,17 @@ pub struct Points {
     pub colors: Vec<Vec3>,
     /// Opacity of a point's splat in [0, 1].
     pub opacities: Vec<f32>,
-    /// World radii, finite and at least 0. All zero if the method does not ask for radii. Of a Gaussian how far it reaches at most.
+    /// World radii, finite and at least 0. All zero if the method does not ask for radii. Of a Gaussian how far it
+    /// reaches at most.
     pub radii: Vec<f32>,
-    /// Unit normals, `Vec3::ZERO` for points without one; absent if no cloud has any. Those that are estimated have length 2: they
-    /// shade, but tilt no disc and hide no point ([`Points::own_normal`]).
+    /// Unit normals, `Vec3::ZERO` for points without one; absent if no cloud has any. Those that are estimated have
+    /// length 2: they shade, but tilt no disc and hide no point ([`Points::own_normal`]).
     pub normals: Option<Vec<Vec3>>,
     /// The place of each point before it came into canonical order: file after file, point after point. Empty if
     /// unchanged. Only `unsorted` needs it.
     pub file_order: Vec<u32>,
-    /// The id of each point of a list in another order ([`Points::ids`]); empty of one in canonical order, from which ids follow.
+    /// The id of each point of a list in another order ([`Points::ids`]); empty of one in canonical order, from which
+    /// ids follow.
     pub dealt_ids: Vec<u32>,
     /// The scalar field F of each point in [0, 1], which separates solid points from soft ones. Empty means 0 for all;
     /// only the soft methods need it.
@@ -56,7 +58,7 @@ pub struct Points {
 /// Facts about all points of a scene that are not in one list.
 #[derive(Debug, Clone)]
 pub struct Whole {
-    /// Their number, with those that are not drawn.
+    /// Number of points, with those that are not drawn.
     pub count: u64,
     /// The box around all of them, in world coordinates.
     pub bounds: Bounds,
@@ -105,11 +107,11 @@ impl PartialEq for Whole {
 
 /// Points with their radii in groups that are read one by one.
 pub trait Spheres: std::fmt::Debug + Send + Sync {
-    /// For each group a box around its positions and the largest radius, in world units.
+    /// Returns, for each group, a box around its positions and the largest radius, in world units.
     fn groups(&self) -> Vec<(Bounds, f64)>;
 
-    /// Positions and radii of a group's points, also of those that are not drawn; nothing if they can't be read, which whoever reads
-    /// them again is told.
+    /// Positions and radii of a group's points, also of those that are not drawn; nothing if they can't be read, which
+    /// whoever reads them again is told.
     fn of_group(&self, group: usize) -> Vec<(DVec3, f64)>;
 }
 
@@ -152,8 +154,8 @@ impl Anchor {
     }
 }
 
-/// The median of each coordinate. Points far off, however far, take no digits from the others, as they do from the middle of a box
-/// around all.
+/// The median of each coordinate. Points far off, however far, take no digits from the others, as they do from the
+/// middle of a box around all.
 fn middle(positions: &[DVec3]) -> DVec3 {
     let median = |axis: usize| {
         let mut all: Vec<f64> = positions.iter().map(|position| position[axis]).collect();
@@ -166,8 +168,8 @@ fn middle(positions: &[DVec3]) -> DVec3 {
 /// Ids that one thread finds at a time.
 const IDS_AT_ONCE: usize = 1 << 14;
 
-/// The id of the `nth` point in a place, counted from 0. Each word is multiplied by 2⁶⁴ over the golden ratio, whose high half depends
-/// on all of its bits, and folded (Knuth, The Art of Computer Programming 3, 6.4).
+/// The id of the `nth` point in a place, counted from 0. Each word is multiplied by 2⁶⁴ over the golden ratio, whose
+/// high half depends on all of its bits, and folded (Knuth, The Art of Computer Programming 3, 6.4).
 fn id(place: [u64; 3], nth: u64) -> u32 {
     let mix = |all: u64, word: u64| {
         let product = (all ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -278,8 +280,8 @@ impl Points {
     /// part of a scene has the ids of the whole. A scene of up to 2¹⁸ points that is moved, or scaled by a power of
     /// two, without a rounding keeps its ids. Two of 2³² points in different places share an id by chance.
     ///
-    /// Gaussians in one place are told apart by how far they reach before they are counted: a part of a scene may hold the large ones
-    /// alone.
+    /// Gaussians in one place are told apart by how far they reach before they are counted: a part of a scene may hold
+    /// the large ones alone.
     pub fn ids(&self, anchor: &Anchor, range: Range<usize>) -> Vec<u32> {
         if !self.dealt_ids.is_empty() {
             return self.dealt_ids[range].to_vec();
@@ -515,7 +517,7 @@ impl Changes {
     pub const ALL: Self =
         Self { colors: true, opacities: true, radii: true, fields: true, order: true, unseen: true, gaussians: true };
 
-    /// These and others.
+    /// Returns the columns that these or others name.
     #[must_use]
     pub fn and(self, more: Self) -> Self {
         Self {

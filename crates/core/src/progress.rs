@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Somebody who watches long work. It is called from several threads, and often: once for each few thousand points or for
-/// each window of an image.
+/// Somebody who watches long work. It is called from several threads, and often: once for each few thousand points or
+/// for each window of an image.
 pub trait Observer: Send + Sync {
     /// A stage has begun, as in `reading scan.laz`.
     fn stage(&self, _name: &str) {}
@@ -49,7 +49,7 @@ impl Phase {
     pub const ALL: [Self; 7] =
         [Self::Read, Self::Prepare, Self::Order, Self::Upload, Self::Compile, Self::Frame, Self::Write];
 
-    /// As profiles name it.
+    /// Returns the name that profiles use.
     pub fn name(self) -> &'static str {
         match self {
             Self::Read => "read",
@@ -132,7 +132,7 @@ impl Progress {
     /// Asks the observer if the work may go on.
     ///
     /// # Errors
-    /// It should end early.
+    /// Returns an error if the work should end early.
     pub fn check(&self) -> Result<(), Cancelled> {
         if self.0.observer.as_ref().is_some_and(|observer| observer.is_cancelled()) { Err(Cancelled) } else { Ok(()) }
     }

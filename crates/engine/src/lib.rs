@@ -3,16 +3,16 @@
 //! The road from file to image, one module per step:
 //!
 //! 1. [`io`] reads a file into a [`cloud::Cloud`]: float64 positions and named columns.
-//! 2. [`scene`] reads a scene file, applies its settings to the clouds, which gives [`points::Points`] in canonical order
-//!    (radii, fields and order come from [`prepare`]), and finds the [`camera::Camera`] if none was given.
+//! 2. [`scene`] reads a scene file, applies its settings to the clouds, which gives [`points::Points`] in canonical
+//!    order (radii, fields and order come from [`prepare`]), and finds the [`camera::Camera`] if none was given.
 //! 3. [`plan`] decides what `auto` stands for, and says which passes a frame has and why.
 //! 4. [`methods::Renderer`] uploads the points and renders a [`methods::Frame`]: windows and bands of the image through
 //!    the stages in [`passes`] and [`methods`], all of it by way of [`gpu`].
 //! 5. The result is an [`image::Image`], which [`output`] writes as PNG or EXR and [`metrics`] compares, and times,
 //!    which [`profile`] turns into JSON and traces.
 //!
-//! Beside this road [`reference`](mod@reference) computes the same images in float64, without a device: what the tests trust.
-//! ARCHITECTURE.md in the repository tells the same at more length.
+//! In addition to this road [`reference`](mod@reference) computes the same images in float64, without a device: what
+//! the tests trust. ARCHITECTURE.md in the repository tells the same at more length.
 //!
 //! # Example
 //!

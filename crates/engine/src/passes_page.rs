@@ -82,7 +82,7 @@ const UNDECLARED: [(&str, &str, &str); 27] = [
 /// A declaration by `pass!`.
 struct Declared {
     name: String,
-    /// Its shader file, under shaders/ and without `.wgsl`.
+    /// Shader file of the pass, under shaders/ and without `.wgsl`.
     stem: String,
     comment: String,
 }

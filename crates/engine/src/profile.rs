@@ -16,7 +16,7 @@ use crate::progress::Span;
 pub struct Profile {
     /// The device's name.
     pub device: String,
-    /// Its driver.
+    /// Driver of the device.
     pub driver: String,
     /// Nanoseconds of one tick of a timestamp.
     pub timestamp_period_ns: f64,
@@ -26,8 +26,8 @@ pub struct Profile {
     pub facts: Facts,
     /// List length and number of pixels with it, ascending; empty for methods without lists.
     pub list_histogram: Vec<(u32, u64)>,
-    /// The phases of the command, each where it happened. Those of [`Phase::Compile`](crate::progress::Phase::Compile) lie within
-    /// others.
+    /// The phases of the command, each where it happened. Those of [`Phase::Compile`](crate::progress::Phase::Compile)
+    /// lie within others.
     pub host: Vec<Span>,
     /// The frames.
     pub frames: Vec<FrameProfile>,

@@ -12,7 +12,7 @@ const UNIT: f32 = 1.0 + 1e-3;
 /// A color or alpha channel.
 #[derive(Debug)]
 pub(super) struct Channel {
-    /// Its place in a row.
+    /// Index of the column in a row.
     pub at: usize,
     scale: Scale,
     /// Linear values of the integers of that type; empty for floats.

@@ -10,8 +10,9 @@ thread_local! {
 
 /// Replaces the panic hook by one that is silent while a decoder library runs and calls the present hook otherwise.
 ///
-/// A damaged file may make a decoder panic. The panic becomes an error in any case, but the default hook prints it first. The
-/// hook belongs to the process, so a program decides whether it is replaced, once and before it reads anything.
+/// A damaged file may make a decoder panic. The panic becomes an error in any case, but the default hook prints it
+/// first. The hook belongs to the process, so a program decides whether it is replaced, once and before it reads
+/// anything.
 pub fn silence_decoder_panics() {
     let previous = panic::take_hook();
     panic::set_hook(Box::new(move |info| {

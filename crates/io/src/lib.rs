@@ -74,13 +74,13 @@ pub enum Error {
         /// The file.
         path: PathBuf,
     },
-    /// Neither the first bytes nor the extension belong to a known format.
+    /// Unknown format: neither the first bytes nor the extension belong to a known format.
     #[error("{}: unknown format; expected a point cloud (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, or a table of numbers as \
          in XYZ, CSV and TXT), Gaussian splats (PLY, SPLAT, SPZ, SOG, KSPLAT, glTF) or a picture (PNG, JPEG, TIFF); the file starts with {start:?}", path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,
-        /// Its first few bytes, as text.
+        /// First few bytes of the file, as text.
         start: String,
     },
     /// A point cloud was given a place that only pictures have.
@@ -134,7 +134,7 @@ pub enum Error {
     TooLarge {
         /// The file.
         path: PathBuf,
-        /// Its points.
+        /// Number of points in the file.
         points: u64,
         /// The bytes of their columns.
         needed: u64,
@@ -184,7 +184,7 @@ pub enum Error {
     #[error("{}: {points} points lie in one place and must be sorted together, which takes {} of memory; use --host-memory \
          {}", path.display(), ByteSize(*.needed), ByteSize(needed.next_multiple_of(1 << 20)))]
     Crowded {
-        /// Their file.
+        /// Path of the file.
         path: PathBuf,
         /// Number of points.
         points: u64,
@@ -220,7 +220,7 @@ pub struct LasColumns {
 }
 
 impl LasColumns {
-    /// These and others.
+    /// Returns the columns that these or others ask for.
     #[must_use]
     pub fn and(self, more: Self) -> Self {
         Self {
@@ -264,12 +264,12 @@ pub fn load(path: &Path, progress: &Progress) -> Result<Cloud, Error> {
     load_with(path, Hints::default(), progress)
 }
 
-/// Like [`load`], but `hints` place a picture and name the columns of a text file. If the file names its columns
-/// itself, the hint has no effect, which becomes one of its warnings.
+/// Reads a cloud like [`load`], but `hints` place a picture and name the columns of a text file. If the file names its
+/// columns itself, the hint has no effect, which becomes one of its warnings.
 ///
 /// # Errors
-/// Those of [`load`]; a picture's placement for a file that is not a picture; a number of columns that differs from the
-/// number of names.
+/// Returns the errors of [`load`], and an error for a picture's placement for a file that is not a picture; a number of
+/// columns that differs from the number of names.
 pub fn load_with(path: &Path, hints: Hints, progress: &Progress) -> Result<Cloud, Error> {
     if store::is_folder(path) {
         return check_some(path, store::whole(&*store::open(path, hints, progress)?, progress)?);

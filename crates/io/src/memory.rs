@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_the_system_says() {
+    fn available_memory_is_parsed() {
         let text = "MemTotal:       24000 kB\nMemAvailable:   1000 kB\nSwapTotal: 9 kB\nSwapFree:       24 kB\n";
         assert_eq!(parse(text), Some(1 << 20));
         assert_eq!(parse("MemAvailable: 2 kB\n"), Some(2048));

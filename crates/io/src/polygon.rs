@@ -1,4 +1,4 @@
-//! Polygons from GeoJSON files. Coordinates beside x and y are left out.
+//! Polygons from GeoJSON files. Coordinates other than x and y are left out.
 
 use std::fs::File;
 use std::io::Read as _;

@@ -86,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_the_file_has_not_is_refused_before_memory_is_taken() {
+    fn lengths_beyond_the_file_are_refused_before_memory_is_taken() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("ten");
         std::fs::write(&path, b"0123456789").unwrap();

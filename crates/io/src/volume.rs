@@ -108,7 +108,7 @@ impl std::fmt::Display for Dims {
 /// A scalar field on a grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Volume {
-    /// Along x, y and z, each at least 2.
+    /// Numbers of samples along x, y and z, each at least 2.
     pub dims: [usize; 3],
     /// x fastest, then y, then z; as many as the product of `dims`. May hold values that are not finite.
     pub values: Vec<f32>,
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_said() {
+    fn sizes_that_do_not_fit_give_errors() {
         let refused = |name: &str, bytes: usize, dims: Option<&str>, parts: &[&str]| {
             let (_folder, path) = file(name, &vec![0; bytes]);
             let message = read(&path, dims.map(|dims| dims.parse().unwrap()), None).unwrap_err().to_string();

@@ -110,7 +110,7 @@ pub struct Loaded {
     pub(crate) frame: Frame,
     pub(crate) reason: String,
     pub(crate) settings: engine::Scene,
-    /// Points that are dealt to ensembles stay on the host, too.
+    /// Points that are partitioned into ensembles stay on the host, too.
     #[allow(dead_code, reason = "kept for what the device reads of it")]
     arranged: Arc<Arranged>,
     pub(crate) bounds: Option<Bounds>,

@@ -51,7 +51,7 @@ pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) ->
     lists_at(camera, size, points, discs, &all)
 }
 
-/// Like [`lists`], for these pixels alone: row · width + column, ascending.
+/// Makes the lists like [`lists`], for these pixels alone: row · width + column, ascending.
 pub fn lists_at(
     camera: &Camera,
     size: [u32; 2],

@@ -63,7 +63,8 @@ pub fn unsorted(list: &[Fragment], colors: &[DVec3], places: &[u32]) -> Composit
 }
 
 /// Hybrid transparency (Maule et al. 2013): the first k fragments composed exactly, and behind them a tail of color
-/// Σαc / Σα and coverage 1 − ∏(1−α). Of fragments fainter than `core_alpha_min` all are in the tail, wherever they lie (Hahlbohm et al. 2025).
+/// Σαc / Σα and coverage 1 − ∏(1−α). Of fragments fainter than `core_alpha_min` all are in the tail, wherever they lie
+/// (Hahlbohm et al. 2025).
 pub fn hybrid(list: &[Fragment], colors: &[DVec3], k: u32, core_alpha_min: f64) -> Composite {
     hybrid_before(list, colors, (k, core_alpha_min), |tail| coverage(tail) * mean(tail, colors, |f| f.alpha))
 }

@@ -172,7 +172,7 @@ impl<'a> Placed<'a> {
         self.window_in(0..self.size[1])
     }
 
-    /// Those of some rows of the image.
+    /// Returns the pixels of the splat's window in some rows of the image.
     fn window_in(&self, wanted: Range<u32>) -> impl Iterator<Item = [u32; 2]> + use<> {
         let (low, high) = match self.outline {
             Outline::Pixel => (self.center_px, self.center_px),

@@ -12,7 +12,7 @@ use pellucid_scene::prepare::ensembles::Deal;
 /// "agai" on the second word of the key tells the words of later passes from others.
 const AGAIN: u32 = 0x6167_6169;
 
-/// Returns the points of every ensemble, counted from the cloud's first, in the order in which they are dealt.
+/// Returns the points of every ensemble, counted from the cloud's first, in the order in which they are shuffled.
 pub fn hands(deal: &Deal) -> Vec<Vec<u64>> {
     let (points, ensembles) = (deal.points, u128::from(deal.ensembles));
     let before = |ensemble: u128| (u128::from(deal.slots) * ensemble / ensembles) as u64;
@@ -39,11 +39,12 @@ pub fn hands(deal: &Deal) -> Vec<Vec<u64>> {
 
 /// Hands of a later pass, each as long as the longest one.
 ///
-/// The points from a random one on stand in rows of as many blocks as there are hands, and each hand gets one block of each
-/// row: the first block of a row goes to a random hand, the others to those that follow, around.
+/// The points from a random one on stand in rows of as many blocks as there are hands, and each hand gets one block of
+/// each row: the first block of a row goes to a random hand, the others to those that follow, around.
 fn later_pass(deal: &Deal, pass: u32) -> Vec<Vec<u64>> {
     let longest = deal.slots.div_ceil(u64::from(deal.ensembles)).max(1);
-    // A hand has at least 64 blocks of 1, 2, 4 to 1024 points; single points where whole blocks would be more than the cloud has.
+    // A hand has at least 64 blocks of 1, 2, 4 to 1024 points; single points where whole blocks would be more than the
+    // cloud has.
     let mut block = 1;
     while block < 1024 && 2 * block * 64 <= longest {
         block *= 2;

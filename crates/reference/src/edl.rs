@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-/// exp(−300 · strength · s) for each pixel of an image of this size: s is the mean of max(0, log₂ z − log₂ z_k) over eight
-/// directions, z_k being the depth of the pixel at (round(r cos φ), round(r sin φ)) from this one, φ a multiple of 45°. A pixel
-/// outside of the image, or of infinite depth, counts 0; one of infinite depth isn't shaded.
+/// exp(−300 · strength · s) for each pixel of an image of this size: s is the mean of max(0, log₂ z − log₂ z_k) over
+/// eight directions, z_k being the depth of the pixel at (round(r cos φ), round(r sin φ)) from this one, φ a multiple
+/// of 45°. A pixel outside of the image, or of infinite depth, counts 0; one of infinite depth isn't shaded.
 pub fn factors(depths: &[f64], [width, height]: [u32; 2], strength: f64, radius: f64) -> Vec<f64> {
     let at = |x: i64, y: i64| {
         let inside = x >= 0 && y >= 0 && x < i64::from(width) && y < i64::from(height);

@@ -14,8 +14,8 @@ pub struct Surface {
     pub uncapped: Vec<f64>,
     /// Given or, where missing, estimated; zero without a single direction.
     pub normals: Vec<DVec3>,
-    /// By how much the middle variance of a point and its neighbors exceeds four times the smallest, as a share of all three: above
-    /// 0 they lie about a surface. What is within rounding of 0 may do either.
+    /// Amount by which the middle variance of a point and its neighbors exceeds four times the smallest, as a share of
+    /// all three: above 0 they lie about a surface. What is within rounding of 0 may do either.
     pub planarity: Vec<f64>,
     /// Eq. 21, scaled to [0, 1].
     pub fields: Vec<f64>,
@@ -40,8 +40,8 @@ pub fn nearest(positions: &[DVec3], normals: &[DVec3], neighbors: usize) -> Vec<
     (0..positions.len()).map(surface_at).collect()
 }
 
-/// Radii, normals and field of points with these normals, zero where one is missing. A radius is at most `cap` times the median
-/// of those of its neighbors and its own, unless that is 0.
+/// Radii, normals and field of points with these normals, zero where one is missing. A radius is at most `cap` times
+/// the median of those of its neighbors and its own, unless that is 0.
 pub fn surface(positions: &[DVec3], normals: &[DVec3], neighbors: usize, cap: f64) -> Surface {
     let lists = nearest(positions, normals, neighbors);
     let uncapped: Vec<f64> = (0..positions.len())
@@ -81,9 +81,9 @@ fn median(mut values: Vec<f64>) -> f64 {
     0.5 * (values[low] + values[high])
 }
 
-/// Outliers by the mean distance to the `neighbors` nearest other points: how far each mean distance lies above mean + `factor` ·
-/// standard deviation of the sample, as a share of the mean. Above 0 a point is one; what is within rounding of 0 may be
-/// either.
+/// Outliers by the mean distance to the `neighbors` nearest other points: how far each mean distance lies above mean +
+/// `factor` · standard deviation of the sample, as a share of the mean. Above 0 a point is one; what is within rounding
+/// of 0 may be either.
 pub fn outlying(positions: &[DVec3], neighbors: usize, factor: f64) -> Vec<f64> {
     let lists = nearest(positions, &vec![DVec3::ZERO; positions.len()], neighbors);
     let distance = |(i, list): (usize, &Vec<usize>)| {
@@ -96,8 +96,8 @@ pub fn outlying(positions: &[DVec3], neighbors: usize, factor: f64) -> Vec<f64> 
     distances.iter().map(|d| (d - mean - factor * variance.sqrt()) / mean).collect()
 }
 
-/// (λ₂ − 4λ₃) / (λ₁ + λ₂ + λ₃) of the covariance of points, by the trigonometric roots of its characteristic polynomial (Smith
-/// 1961); 0 in a single place.
+/// (λ₂ − 4λ₃) / (λ₁ + λ₂ + λ₃) of the covariance of points, by the trigonometric roots of its characteristic polynomial
+/// (Smith 1961); 0 in a single place.
 fn planarity(points: Vec<DVec3>) -> f64 {
     let mean = points.iter().sum::<DVec3>() / points.len() as f64;
     let outer = |p: DVec3| DMat3::from_cols(p * p.x, p * p.y, p * p.z);
@@ -120,8 +120,8 @@ fn planarity(points: Vec<DVec3>) -> f64 {
     (1.0 - most - least) - 4.0 * least
 }
 
-/// The direction in which points vary least: the eigenvector for the smallest eigenvalue of their covariance C, which has
-/// the largest one of tr(C) − C, and so is all that is left of a high power of that matrix.
+/// The direction in which points vary least: the eigenvector for the smallest eigenvalue of their covariance C, which
+/// has the largest one of tr(C) − C, and so is all that is left of a high power of that matrix.
 fn smallest_axis(points: Vec<DVec3>) -> DVec3 {
     let mean = points.iter().sum::<DVec3>() / points.len() as f64;
     let outer = |p: DVec3| DMat3::from_cols(p * p.x, p * p.y, p * p.z);

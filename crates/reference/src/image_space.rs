@@ -88,8 +88,8 @@ impl Layer {
         })
     }
 
-    /// Section 3.3: a pixel of depth d that no mask of neighbors beyond d − `distance` keeps is one that is seen through a
-    /// hole, and takes the values of the nearest in the stencil. Background stays.
+    /// Section 3.3: a pixel of depth d that no mask of neighbors beyond d − `distance` keeps is one that is seen
+    /// through a hole, and takes the values of the nearest in the stencil. Background stays.
     pub fn occluded_replaced(&self, distance: f64) -> Self {
         self.taken(|pixel| {
             let d = self.depth[pixel];
@@ -100,8 +100,8 @@ impl Layer {
         })
     }
 
-    /// Section 3.4, Table 1: the alleviated Gaussian 16, 2, 1 over what is not background, normalized by the weights that
-    /// took part. Depths stay.
+    /// Section 3.4, Table 1: the alleviated Gaussian 16, 2, 1 over what is not background, normalized by the weights
+    /// that took part. Depths stay.
     pub fn smoothed(&self) -> Self {
         let smooth = |pixel: usize| {
             if self.depth[pixel].is_infinite() {
@@ -130,8 +130,8 @@ impl Layer {
         ((4.0 * known(self.depth[pixel]) - around).abs() / (4.0 * distance)).min(1.0)
     }
 
-    /// Section 3.5: where [`Layer::edge`] is at least `threshold`, (1 − t/2)·own + (t/2)·mean of the four edge neighbors, color
-    /// and alpha, of background too. Depths stay.
+    /// Section 3.5: where [`Layer::edge`] is at least `threshold`, (1 − t/2)·own + (t/2)·mean of the four edge
+    /// neighbors, color and alpha, of background too. Depths stay.
     pub fn antialiased(&self, distance: f64, far: f64, threshold: f64) -> Self {
         let soften = |pixel: usize| {
             let t = self.edge(pixel, distance, far);
@@ -163,7 +163,8 @@ impl Layer {
     }
 }
 
-/// n·v of a point, v toward the viewer and of any length: a point is culled unless it is positive. `None` without a normal.
+/// n·v of a point, v toward the viewer and of any length: a point is culled unless it is positive. `None` without a
+/// normal.
 pub fn facing(camera: &Camera, position: DVec3, normal: DVec3) -> Option<f64> {
     let to_viewer = match camera.projection {
         Projection::Perspective { .. } => camera.eye - position,

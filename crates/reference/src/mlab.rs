@@ -1,5 +1,5 @@
-//! Multi-layer alpha blending (Salvi and Vaidyanathan 2014) in float64: fragments come in the order of the files, and of each
-//! pixel a few layers are kept.
+//! Multi-layer alpha blending (Salvi and Vaidyanathan 2014) in float64: fragments come in the order of the files, and
+//! of each pixel a few layers are kept.
 
 use glam::DVec3;
 
@@ -22,8 +22,8 @@ pub fn merged(front: &Layer, back: &Layer) -> Layer {
     Layer { z: front.z, color: front.color + front.through * back.color, through: front.through * back.through }
 }
 
-/// Puts a layer among others, which are in order of depth, before those of its own depth. If that makes more than `nodes`,
-/// the last two become one.
+/// Puts a layer among others, which are in order of depth, before those of its own depth. If that makes more than
+/// `nodes`, the last two become one.
 pub fn insert(layers: &mut Vec<Layer>, layer: Layer, nodes: u32) {
     let at = layers.partition_point(|other| other.z < layer.z);
     layers.insert(at, layer);

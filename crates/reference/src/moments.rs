@@ -1,5 +1,6 @@
-//! Moment-based order-independent transparency (Münstermann et al. 2018) in float64: how a pixel's light fades with depth is
-//! known by a few power moments of its optical depth, and estimated from them by the bounds of the moment problem.
+//! Moment-based order-independent transparency (Münstermann et al. 2018) in float64: how a pixel's light fades with
+//! depth is known by a few power moments of its optical depth, and estimated from them by the bounds of the moment
+//! problem.
 
 use glam::DVec3;
 
@@ -48,7 +49,8 @@ pub struct Absorption {
 }
 
 impl Absorption {
-    /// From moments, the first of which is above 0, moved toward those of a smooth distribution by the share `bias`.
+    /// Makes the distribution from moments, the first of which is above 0, moved toward those of a smooth distribution
+    /// by the share `bias`.
     pub fn new(moments: &[f64], bias: f64) -> Self {
         let total = moments[0];
         let toward = bias_vector(moments.len() as u32 - 1);
@@ -92,8 +94,8 @@ impl Absorption {
         c
     }
 
-    /// Returns the places besides z, and the shares, z's first, of the only measure of `moments.len() / 2 + 1` points
-    /// with these moments that has one at z.
+    /// Returns the places other than z, and the shares, z's first, of the only measure of `moments.len() / 2 + 1`
+    /// points with these moments that has one at z.
     pub fn canonical(&self, z: f64) -> (Vec<f64>, Vec<f64>) {
         let places = real_roots(&self.kernel_coefficients(z));
         let shares = std::iter::once(&z).chain(&places).map(|z| 1.0 / self.kernel(*z)).collect();
@@ -165,7 +167,8 @@ pub fn moments(list: &[Fragment], colors: &[DVec3], depth_range: [f64; 2], setti
     }
     let pairs: Vec<_> = seen.iter().map(|f| (place_of(f.z, depth_range), optical_depth(f.alpha))).collect();
     let absorption = Absorption::new(&power_moments(&pairs, settings.moments.get()), settings.bias().into());
-    // Equal depths, which come one after the other, share their light: finding it takes far longer than everything else.
+    // Equal depths, which come one after the other, share their light: finding it takes far longer than everything
+    // else.
     let mut last = (f64::NAN, 0.0);
     let exponent = |(z, _): &(f64, f64)| {
         if *z != last.0 {

@@ -1,4 +1,5 @@
-//! Depth peeling of discs and Gaussians: layer after layer, on each pixel the nearest fragment behind the last one that was peeled.
+//! Depth peeling of discs and Gaussians: layer after layer, on each pixel the nearest fragment behind the last one that
+//! was peeled.
 
 use glam::DVec3;
 
@@ -38,7 +39,7 @@ pub fn next(fragments: &[Fragment], last: Option<Fragment>) -> Option<Fragment> 
     behind.copied().min_by(|a, b| a.z.total_cmp(&b.z).then(a.index.cmp(&b.index)))
 }
 
-/// Up to `layers` fragments of a pixel in peeling order, nearest first; 0 peels all.
+/// Returns up to `layers` fragments of a pixel in peeling order, nearest first; 0 peels all.
 pub fn peel(fragments: &[Fragment], layers: u32) -> Vec<Fragment> {
     let mut peeled: Vec<Fragment> = Vec::new();
     while layers == 0 || peeled.len() < layers as usize {

@@ -1,5 +1,5 @@
-//! `peel-layers` (Dobrev, Rosenthal, Linsen 2010, Sections 4 and 5): layers of point surfaces at least d̃ apart, each of them
-//! filtered as an image of its own, blended front to back.
+//! `peel-layers` (Dobrev, Rosenthal, Linsen 2010, Sections 4 and 5): layers of point surfaces at least d̃ apart, each
+//! of them filtered as an image of its own, blended front to back.
 
 mod ranges;
 
@@ -13,9 +13,9 @@ use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
 use pellucid_scene::PeelLayers;
 
-/// Up to `settings.layers` layers after their filters, nearest first, until one is empty. In each pixel a layer's
-/// points lie at least d̃ behind the filtered depth of the layer before it; where that is background, the pixel is
-/// empty.
+/// Returns up to `settings.layers` layers after their filters, nearest first, until one is empty. In each pixel a
+/// layer's points lie at least d̃ behind the filtered depth of the layer before it; where that is background, the pixel
+/// is empty.
 pub fn layers(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], settings: &PeelLayers) -> Vec<Layer> {
     let filters = &settings.filters;
     let distance = image_space::layer_distance(filters.min_layer_distance, points);
@@ -35,8 +35,9 @@ pub fn layers(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3]
     layers
 }
 
-/// Front to back: C = Σ Tᵢ·Cᵢ with premultiplied Cᵢ and Tᵢ = Π (1 − αⱼ) of the layers before. The depth is that of the first
-/// layer with α > 0, which is +∞ on the softened rim of one; the count is the number of layers that are not background there.
+/// Front to back: C = Σ Tᵢ·Cᵢ with premultiplied Cᵢ and Tᵢ = Π (1 − αⱼ) of the layers before. The depth is that of the
+/// first layer with α > 0, which is +∞ on the softened rim of one; the count is the number of layers that are not
+/// background there.
 pub fn blend(size: [u32; 2], layers: &[Layer]) -> Picture {
     let pixels = size[0] as usize * size[1] as usize;
     let (mut rgba, mut depth, mut counts) = (Vec::new(), Vec::new(), Vec::new());

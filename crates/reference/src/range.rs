@@ -1,8 +1,8 @@
 //! Numbers that roundings of float32 may decide, as the range in which each of them lies.
 //!
-//! A decision such as "is this point nearer than that one" has two outcomes where its two sides are nearer to each other
-//! than roundings move them. The references that return ranges then keep both. So a range is a single number wherever no
-//! rounding decides, and a device that computes otherwise falls out of it.
+//! A decision such as "is this point nearer than that one" has two outcomes where its two sides are nearer to each
+//! other than roundings move them. The references that return ranges then keep both. So a range is a single number
+//! wherever no rounding decides, and a device that computes otherwise falls out of it.
 
 use std::ops::Add;
 
@@ -13,8 +13,8 @@ pub const ROUNDING: f64 = 1.0 / 16_777_216.0;
 /// everything of second order leave less than another.
 pub const DEPTH_ERROR: f64 = 2.0 * ROUNDING;
 
-/// The error of a place on the screen in two-float arithmetic, in pixels, over one more than its distance from the middle:
-/// 48 bits, less a few for some ten operations.
+/// The error of a place on the screen in two-float arithmetic, in pixels, over one more than its distance from the
+/// middle: 48 bits, less a few for some ten operations.
 const SCREEN_ERROR: f64 = 1.0 / (1u64 << 42) as f64;
 
 /// Returns the error of a place on the screen in two-float arithmetic, in pixels; `at` in pixels from the corner of an
@@ -48,7 +48,7 @@ impl Range {
         Self::around(z, DEPTH_ERROR * z.abs())
     }
 
-    /// From the smaller low to the larger high end.
+    /// Returns the range from the smaller low to the larger high end.
     pub fn hull(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }

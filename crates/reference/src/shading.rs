@@ -1,5 +1,5 @@
-//! Colors of points as the camera sees them: the local illumination model, then the space that blending runs in. Gaussians have their
-//! harmonics instead, and no light.
+//! Colors of points as the camera sees them: the local illumination model, then the space that blending runs in.
+//! Gaussians have their harmonics instead, and no light.
 
 use glam::DVec3;
 
@@ -14,7 +14,8 @@ pub fn shade(points: &Points, camera: &Camera, shading: &Shading, space: ColorSp
     shade_lit(points, camera, shading, space, &[])
 }
 
-/// [`shade`] where the share m of the light that reaches each point is known ([`super::shadows::shares`]); 1 where `lit` ends.
+/// [`shade`] where the share m of the light that reaches each point is known ([`super::shadows::shares`]); 1 where
+/// `lit` ends.
 pub fn shade_lit(points: &Points, camera: &Camera, shading: &Shading, space: ColorSpace, lit: &[f64]) -> Vec<DVec3> {
     let shaded = points.colors.iter().enumerate().map(|(i, color)| {
         if let Some(color) = harmonics::color(points, i, camera, space) {

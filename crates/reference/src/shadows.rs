@@ -1,7 +1,7 @@
 //! Shadow textures (Dobrev, Rosenthal, Linsen 2010, Section 6): for each point the share of some lights that reach it.
 //!
-//! A light is one camera or several (the faces of a cube around it) with square images. The lights come as an argument: how an
-//! area is sampled is no part of the equations.
+//! A light is one camera or several (the faces of a cube around it) with square images. The lights come as an argument:
+//! how an area is sampled is no part of the equations.
 
 mod ranges;
 
@@ -18,7 +18,7 @@ use pellucid_core::cloud::Bounds;
 use pellucid_core::points::Points;
 use pellucid_scene::Light;
 
-/// Above this angle a light's image is six.
+/// Widest angle of a light with a single image; a wider one has six.
 const WIDEST: f64 = 120.0;
 /// Least |n_z|: the offset of a surface seen edge-on is at most ten times that of one seen from the front.
 const LEAST_COS: f64 = 0.1;
@@ -92,8 +92,8 @@ fn cube(position: DVec3, bounds: &Bounds) -> Frames {
     axes.map(face).to_vec()
 }
 
-/// Lights over the disc of an area light, one for each place in the unit disc: `radius` degrees around a direction, world
-/// units across the line from a position to the center of the bounds.
+/// Lights over the disc of an area light, one for each place in the unit disc: `radius` degrees around a direction,
+/// world units across the line from a position to the center of the bounds.
 pub fn area(light: &Light, radius: f64, bounds: &Bounds, places: &[DVec2]) -> Vec<Light> {
     let moved = |axis: DVec3, reach: f64, place: DVec2| {
         let right = axis.cross(across(axis)).normalize();

@@ -1,5 +1,5 @@
-//! Transparency of discs and Gaussians in the order of their centers: each pixel composes those that cover it by the depth of
-//! their centers, or the distance, regardless of their depth in that pixel.
+//! Transparency of discs and Gaussians in the order of their centers: each pixel composes those that cover it by the
+//! depth of their centers, or the distance, regardless of their depth in that pixel.
 
 use glam::DVec3;
 

@@ -1,7 +1,7 @@
 //! Stochastic point-based rendering (Tanaka et al., "See-through imaging of laser-scanned 3D cultural heritage objects
-//! based on stochastic rendering of large-scale point clouds", 2016; Uchida et al., "Noise-robust transparent visualization
-//! of large-scale point clouds acquired by laser scanning", 2020): opaque images of random parts of the points, and their
-//! mean.
+//! based on stochastic rendering of large-scale point clouds", 2016; Uchida et al., "Noise-robust transparent
+//! visualization of large-scale point clouds acquired by laser scanning", 2020): opaque images of random parts of the
+//! points, and their mean.
 //!
 //! A surface of opacity α is to leave a pixel free with probability 1 − α in each image. Points on it are as good as
 //! independent, so that m of them on average over the area of a pixel leave it free with probability e^(−m), and
@@ -30,8 +30,8 @@ const STREAM: u32 = 0x5350_4252;
 pub struct Rule {
     /// L.
     pub ensembles: u32,
-    /// If true, points are left out or copied until their surface has its opacity, and each point is weighted according
-    /// to its own opacity; else all of them are dealt, once.
+    /// Adjustment: if true, points are left out or copied until their surface has its opacity, and each point is
+    /// weighted according to its own opacity; else all of them are dealt, once.
     pub adjust: bool,
     /// `true` if a slanted surface has as many more points over a pixel as its slant brings (Eq. 2).
     pub cos_theta: bool,
@@ -75,23 +75,24 @@ pub fn over(front: (DVec3, f64), back: (DVec3, f64)) -> (DVec3, f64) {
     (front.0 + (1.0 - front.1) * back.0, front.1 + (1.0 - front.1) * back.1)
 }
 
-/// The dealing of a cloud for a camera.
+/// The partition into ensembles of a cloud for a camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Share {
-    /// Depth at which a point is one pixel wide: z of the cloud's center, or, where that is behind the camera or close to it,
-    /// half of that of the deepest corner of its box, and not before `near`. Unused in an orthographic view.
+    /// Depth at which a point is one pixel wide: z of the cloud's center, or, where that is behind the camera or close
+    /// to it, half of that of the deepest corner of its box, and not before `near`. Unused in an orthographic view.
     pub depth: f64,
     /// The ratio k = L·(−ln(1 − α)) / (s ρ) of dealt points to existing points, before it is limited to L. 1 for a rule
     /// that doesn't adjust.
     pub ratio: f64,
     /// M = round(k N), of all ensembles together.
     pub slots: u64,
-    /// −ln(1 − α) of the opacity α that all these points bring about: the surface's, or less where k is cut to L. A point of
-    /// that opacity or a larger one counts as one.
+    /// −ln(1 − α) of the opacity α that all these points bring about: the surface's, or less where k is cut to L. A
+    /// point of that opacity or a larger one counts as one.
     pub unit: f64,
 }
 
-/// For a cloud without density k is infinite: its points are in every ensemble. For an invisible cloud it is 0.
+/// Returns the share of a cloud in the ensembles. For a cloud without density k is infinite: its points are in every
+/// ensemble. For an invisible cloud it is 0.
 pub fn share(camera: &Camera, height: u32, dealt: &Dealt, surface: &Surface, rule: &Rule) -> Share {
     let points = surface.points.end - surface.points.start;
     let own = &dealt.points.positions[surface.points.start as usize..surface.points.end as usize];
@@ -115,7 +116,7 @@ pub fn share(camera: &Camera, height: u32, dealt: &Dealt, surface: &Surface, rul
 struct Drawn {
     at: DVec2,
     z: f64,
-    /// In pixels; below 1 it is the probability of being drawn.
+    /// Area in pixels; below 1 it is the probability of being drawn.
     area: f64,
     /// Largest area that roundings of float32 may add or take.
     area_error: f64,
@@ -221,7 +222,7 @@ pub fn render(
     render_hands(camera, size, dealt, colors, rule, seed, dealing::hands)
 }
 
-/// Like [`render`], with the points of an ensemble, counted from the cloud's first, from elsewhere.
+/// Renders like [`render`], with the points of an ensemble, counted from the cloud's first, from elsewhere.
 pub fn render_with(
     camera: &Camera,
     size: [u32; 2],
@@ -288,7 +289,8 @@ fn hands_of(view: &View<'_>, hands: impl Fn(&Deal) -> Vec<Vec<u64>>) -> Vec<Vec<
     dealt.surfaces.iter().zip(0..).map(hands_of_cloud).collect()
 }
 
-/// The nearest point of an ensemble on each pixel, of equal depths the one that comes first in the ensemble, and its depth.
+/// The nearest point of an ensemble on each pixel, of equal depths the one that comes first in the ensemble, and its
+/// depth.
 fn draw(view: &View<'_>, ensemble: u32, hands: &[Vec<Vec<u64>>], counts: &mut [u32]) -> Vec<(f64, Option<usize>)> {
     let mut image = vec![(f64::INFINITY, None); counts.len()];
     for (surface, hands) in view.dealt.surfaces.iter().zip(hands) {

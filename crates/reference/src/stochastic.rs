@@ -114,7 +114,7 @@ pub fn render(
     render_with(camera, size, points, colors, settings, |pixel, splat, p| word(seed, pixel, ids[splat as usize], p))
 }
 
-/// Like [`render`], with random words by pixel, splat and stratum from elsewhere.
+/// Renders like [`render`], with random words by pixel, splat and stratum from elsewhere.
 pub fn render_with(
     camera: &Camera,
     size: [u32; 2],

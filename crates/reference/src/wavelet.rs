@@ -11,12 +11,12 @@ use super::moments::{optical_depth, place_of, weighed};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Absorption {
     rank: u32,
-    /// Of the wavelets, level by level, and of the constant one: 2^(rank + 1).
+    /// Coefficients of the wavelets, level by level, and of the constant one: 2^(rank + 1).
     coefficients: Vec<f64>,
 }
 
 impl Absorption {
-    /// Of pairs of place and optical depth.
+    /// Transforms pairs of place and optical depth.
     pub fn new(pairs: &[(f64, f64)], rank: u32) -> Self {
         let mut absorption = Self { rank, coefficients: vec![0.0; 2 << rank] };
         pairs.iter().for_each(|(place, depth)| absorption.add(*place, *depth));

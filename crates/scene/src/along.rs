@@ -17,12 +17,12 @@ use pellucid_core::points::Points;
 pub struct Course<'a> {
     scene: &'a Scene,
     subject: Subject<'a>,
-    /// That of the clouds.
+    /// Vertical of the clouds.
     up: UpAxis,
 }
 
 impl<'a> Course<'a> {
-    /// For a scene, its points, and the vertical of its clouds.
+    /// Prepares cameras for a scene, its points, and the vertical of its clouds.
     ///
     /// # Errors
     /// No points, coordinates too large for a camera.
@@ -70,7 +70,7 @@ impl<'a> Course<'a> {
     /// camera.
     ///
     /// # Errors
-    /// Those of [`super::camera`].
+    /// Returns the errors of [`super::camera`].
     pub fn turntable(&self) -> Result<(Turntable, Vec<String>), Error> {
         let settings = &framing::automatic(self.scene, self.subject.points, self.up);
         let (start, warnings) = framing::camera_of(self.scene, settings, self.subject.points, self.up)?;
@@ -142,7 +142,8 @@ pub fn path_defaults(camera: &CameraSettings, up: UpAxis) -> Defaults {
     Defaults { up, projection: framing::projection(camera) }
 }
 
-/// Like [`Spheres::extent`], for everything that the points sweep in a turn around an axis through the center.
+/// Returns the extent like [`Spheres::extent`], for everything that the points sweep in a turn around an axis through
+/// the center.
 ///
 /// A plane measures a point p by p·n. During the turn p moves on a circle of radius R at the height h along the axis a,
 /// where p·n is at most h·(a·n) + R·|n − (a·n)a|.

@@ -1,4 +1,4 @@
-//! From the clouds of a scene to the points of a frame: settings applied, merged, put into canonical order.
+//! Turns the clouds of a scene into the points of a frame: settings applied, merged, put into canonical order.
 
 use std::borrow::Borrow;
 use std::sync::Arc;
@@ -131,12 +131,13 @@ pub(super) fn request(scene: &Scene, settings: &CloudSettings, radii: bool, fiel
 
 /// Returns all points of the scene. `clouds` are those of `scene.clouds`, in that order.
 ///
-/// Positions become scale·p + translate in float64; non-finite results are dropped, and so are outliers if they are to be.
-/// Colors stay linear, whatever the scene's color space; clouds without `color` are colored by `color_by`. Points that a class
-/// hides or a clip cuts off are set apart ([`Points::unseen`]) once everything is computed. A radius is the scene's, else the file's times `scale`, else,
-/// only if `needs_radii`, that of Eq. 20 over its own cloud times `scale`, else 0; `radius_factor` multiplies all of
-/// them. F is included if the method needs it. Neighbors and fields are computed in the cloud's own coordinates, before
-/// `scale` and `translate` round them, because a prepared file stores those values.
+/// Positions become scale·p + translate in float64; non-finite results are dropped, and so are outliers if they are to
+/// be. Colors stay linear, whatever the scene's color space; clouds without `color` are colored by `color_by`. Points
+/// that a class hides or a clip cuts off are set apart ([`Points::unseen`]) once everything is computed. A radius is
+/// the scene's, else the file's times `scale`, else, only if `needs_radii`, that of Eq. 20 over its own cloud times
+/// `scale`, else 0; `radius_factor` multiplies all of them. F is included if the method needs it. Neighbors and fields
+/// are computed in the cloud's own coordinates, before `scale` and `translate` round them, because a prepared file
+/// stores those values.
 ///
 /// # Errors
 /// No point is left, a cloud lacks the property of its field or its colors, or the polygons of a clip can't be read.
@@ -163,19 +164,19 @@ fn merged(
     Ok(prepare::order::canonical(points))
 }
 
-/// Returns all points of the scene in the order of its method: like [`assemble`], or dealt to ensembles by `seed`,
-/// without radii and F. The latter omits clouds without points. `progress` shows the progress.
+/// Returns all points of the scene in the order of its method: like [`assemble`], or partitioned into ensembles by
+/// `seed`, without radii and F. The latter omits clouds without points. `progress` shows the progress.
 ///
 /// # Errors
-/// Those of [`assemble`].
+/// Returns the errors of [`assemble`].
 pub fn arrange(scene: &Scene, clouds: Vec<Cloud>, seed: u64, progress: &Progress) -> Result<Arranged, Error> {
     arrange_explained(scene, clouds, seed, progress, None)
 }
 
-/// Like [`arrange`], and what the colors of the points mean, which takes some more time.
+/// Arranges clouds like [`arrange`], and tells what the colors of the points mean, which takes some more time.
 ///
 /// # Errors
-/// Those of [`assemble`].
+/// Returns the errors of [`assemble`].
 pub fn arrange_with_legend(
     scene: &Scene,
     clouds: Vec<Cloud>,

@@ -1,7 +1,8 @@
 //! The side from which a scene is broad: the automatic camera turns to it where it would see something long end-on.
 //!
-//! Breadth is the part of a coarse picture that points cover. Opposite sides are equally broad. Which of them has more to show can't
-//! be told from points alone: jumps of depth tell relief, but also the hollow back of a statue that was scanned from the front.
+//! Breadth is the part of a coarse picture that points cover. Opposite sides are equally broad. Which of them has more
+//! to show can't be told from points alone: jumps of depth tell relief, but also the hollow back of a statue that was
+//! scanned from the front.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -10,7 +11,7 @@ use super::settings::CameraSettings;
 use super::view::{Vertical, View};
 use pellucid_core::points::Points;
 
-/// Points below which nothing is told.
+/// Fewest points for which a decision is made.
 const FEWEST: usize = 1000;
 /// Points for each cell of the coarse picture, if they covered it evenly.
 const POINTS_A_CELL: f64 = 12.0;

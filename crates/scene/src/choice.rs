@@ -38,7 +38,8 @@ impl MethodChoice {
     /// Returns its keys with the values in force; `name` is not among them.
     pub fn keys(&self) -> Vec<Key> {
         match self {
-            // No particular method, so keys that only some methods have are left out, unless all have them that it may stand for.
+            // No particular method, so keys that only some methods have are left out, unless all have them that it may
+            // stand for.
             Self::Auto(discs) => {
                 discs.keys().into_iter().filter(|key| key.only.is_empty() || key.only.contains(&AUTO)).collect()
             }
@@ -78,12 +79,12 @@ impl MethodChoice {
         }
     }
 
-    /// Like [`Method::needs_radii`].
+    /// Tells if the choice needs radii, like [`Method::needs_radii`].
     pub fn needs_radii(&self) -> bool {
         self.representative().needs_radii()
     }
 
-    /// Like [`Method::scales_by_normals`].
+    /// Tells if the choice scales by normals, like [`Method::scales_by_normals`].
     pub fn scales_by_normals(&self) -> bool {
         self.representative().scales_by_normals()
     }
@@ -93,12 +94,12 @@ impl MethodChoice {
         self.representative().family() == Family::Discs
     }
 
-    /// Like [`Method::needs_field`].
+    /// Tells if the choice needs the field, like [`Method::needs_field`].
     pub fn needs_field(&self) -> bool {
         self.representative().needs_field()
     }
 
-    /// Like [`Method::is_dealt`].
+    /// Tells if points are shuffled into ensembles, like [`Method::is_dealt`].
     pub fn is_dealt(&self) -> bool {
         self.representative().is_dealt()
     }

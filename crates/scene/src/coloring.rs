@@ -19,13 +19,14 @@ use pellucid_core::color::colormap::{Colormap, mid_grey};
 use pellucid_core::color::decode_srgb_f64;
 use pellucid_core::color::scale::Scale;
 
-/// Classes besides 0 and 1 that a cloud must have to be colored by them.
+/// Classes other than 0 and 1 that a cloud must have to be colored by them.
 const ENOUGH_CLASSES: usize = 3;
 
 /// Brightness of a height where intensity is smallest.
 const DARKEST: f64 = 0.35;
 
-/// The vertical along which height is measured: the axis nearest to the camera's `up`, else that of the file's convention.
+/// The vertical along which height is measured: the axis nearest to the camera's `up`, else that of the file's
+/// convention.
 fn vertical(scene: &Scene, cloud: &Cloud) -> Vertical {
     scene.camera.up.and_then(Vertical::nearest).unwrap_or(cloud.up.into())
 }
@@ -112,17 +113,17 @@ pub(super) struct Coloring<'a> {
     pub index: usize,
     choice: Choice,
     vertical: Vertical,
-    /// Those of the whole cloud, if this is a part of it.
+    /// Scales of the whole cloud, if this is a part of it.
     scales: Option<&'a Scales>,
 }
 
-/// Facts that the colors of a part of a cloud follow from, besides its points.
+/// Facts that the colors of a part of a cloud follow from, in addition to its points.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Scales {
     choice: Choice,
-    /// That of the values that become colors.
+    /// Scale of the values that become colors.
     values: Option<Scale>,
-    /// That of intensities.
+    /// Scale of intensities.
     light: Option<Scale>,
 }
 
@@ -148,7 +149,7 @@ pub(super) struct ColorKey {
     /// `None` where `color` overrides it.
     by: Option<(ColorSettings, Vertical)>,
     placement: (u64, [u64; 3]),
-    /// If colors show F.
+    /// Key of the field, if colors show F.
     field: Option<crate::prepare::FieldKey>,
 }
 

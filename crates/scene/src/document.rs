@@ -128,8 +128,8 @@ impl Document {
         self.change(&[(key.to_owned(), Some(value))])
     }
 
-    /// Gives a dotted key a value, whether the scene allows it or not. A number just behind the last table of an array begins
-    /// another one (`clip.0.invert` the first, where there is none).
+    /// Gives a dotted key a value, whether the scene allows it or not. A number just behind the last table of an array
+    /// begins another one (`clip.0.invert` the first, where there is none).
     ///
     /// # Errors
     /// A key that goes through something that holds no keys.
@@ -153,8 +153,8 @@ impl Document {
         Ok(scene)
     }
 
-    /// Takes a key out of a table, if both are there. The table is named by its dotted path (`cloud.0`, `cloud.*` for all of
-    /// them), the root by an empty one. In place of the two an array and a number take a table out of it.
+    /// Takes a key out of a table, if both are there. The table is named by its dotted path (`cloud.0`, `cloud.*` for
+    /// all of them), the root by an empty one. In place of the two an array and a number take a table out of it.
     pub fn remove(&mut self, table: &str, key: &str) {
         visit(&mut self.root, &path(table), &mut |value| match (value, key.parse::<usize>()) {
             (Value::Table(entries), _) => drop(entries.remove(key)),
@@ -350,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_the_same_scene() {
+    fn a_written_document_parses_to_the_same_scene() {
         let (document, plain) = (document(), |scene: Scene| Scene { settings: String::new(), ..scene });
         for folder in ["/scans", "/scans/views", "/elsewhere"] {
             let text = document.to_toml(Path::new(folder)).unwrap();

@@ -20,7 +20,7 @@ pub enum OpenError {
 /// The position of a key or value.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Place {
-    /// In a file; line and column count from 1, columns in characters.
+    /// Position in a file; line and column count from 1, columns in characters.
     File {
         /// The file as it was named.
         path: String,
@@ -29,7 +29,7 @@ pub enum Place {
         /// Column.
         column: usize,
     },
-    /// In an option, as it was typed.
+    /// Position in an option, as it was typed.
     Option(String),
 }
 
@@ -75,7 +75,7 @@ pub enum Error {
     /// The text is not TOML.
     #[error("{place}: {message}")]
     Syntax {
-        /// Its position.
+        /// Position of the fault.
         place: Place,
         /// The parser's reason.
         message: String,
@@ -83,7 +83,7 @@ pub enum Error {
     /// No table or method has this key.
     #[error("{place}: unknown key `{key}`{hint}")]
     UnknownKey {
-        /// Its position.
+        /// Position of the fault.
         place: Place,
         /// The dotted key.
         key: String,
@@ -93,7 +93,7 @@ pub enum Error {
     /// A value has the wrong type or is out of range.
     #[error("{place}: `{key}` {problem}")]
     Value {
-        /// Its position.
+        /// Position of the fault.
         place: Place,
         /// The dotted key.
         key: String,
@@ -103,7 +103,7 @@ pub enum Error {
     /// Two keys contradict each other, or one that is needed is missing.
     #[error("{place}: {problem}")]
     Conflict {
-        /// Its position.
+        /// Position of the fault.
         place: Place,
         /// Keys with the problem, and what would help.
         problem: String,
@@ -111,7 +111,7 @@ pub enum Error {
     /// No method of that name.
     #[error("{place}: unknown method {name:?}{hint}")]
     UnknownMethod {
-        /// Its position.
+        /// Position of the fault.
         place: Place,
         /// The name.
         name: String,

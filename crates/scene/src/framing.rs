@@ -27,13 +27,13 @@ const CLEARANCE: f64 = 0.1;
 
 /// Returns the scene's camera, and warnings about it.
 ///
-/// Without `eye` the camera looks from `scene.camera.view` (by default from the front's right and above, or a quarter farther around
-/// where the scene is clearly broader), from the
+/// Without `eye` the camera looks from `scene.camera.view` (by default from the front's right and above, or a quarter
+/// farther around where the scene is clearly broader), from the
 /// distance at which every point, as a sphere of its own radius, fits into the image with a margin of 5%. A given view
 /// overrides `eye` and `target`, and `up` then only defines the vertical axis; the clouds' vertical (the argument
-/// `up`) only counts without it. A scene whose points surround its middle, as those of a room do, is looked at from within
-/// unless anything is said of eye, target or view. Default depths: far = 1.001·(z_max + r_max), near = max(0.999·(z_min − r_max),
-/// far·10⁻⁵), z over the corners of the scene's bounds.
+/// `up`) only counts without it. A scene whose points surround its middle, as those of a room do, is looked at from
+/// within unless anything is said of eye, target or view. Default depths: far = 1.001·(z_max + r_max), near =
+/// max(0.999·(z_min − r_max), far·10⁻⁵), z over the corners of the scene's bounds.
 ///
 /// # Errors
 /// No points, coordinates too large for a camera, or an `up` that points along the view.
@@ -304,9 +304,9 @@ impl Spheres<'_> {
         })
     }
 
-    /// Adds those groups of spheres to a state that may change it, where only some points are in memory: what changes most goes first.
-    /// `with` adds a sphere, `gain` tells how much farther a state is than another one. What is farthest of a group is so at a corner of its
-    /// box.
+    /// Adds those groups of spheres to a state that may change it, where only some points are in memory: what changes
+    /// most goes first. `with` adds a sphere, `gain` tells how much farther a state is than another one. What is
+    /// farthest of a group is so at a corner of its box.
     fn with_groups<S: Copy + Send + Sync>(
         &self,
         mut state: S,
@@ -400,10 +400,10 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    /// That of no spheres.
+    /// Extent of no spheres.
     pub const NOTHING: Self = Self { upper: DVec2::NEG_INFINITY, lower: DVec2::INFINITY, nearest: f64::INFINITY };
 
-    /// That of the spheres of both.
+    /// Returns the extent of the spheres of both.
     pub fn union(self, other: Self) -> Self {
         Self {
             upper: self.upper.max(other.upper),
@@ -428,7 +428,7 @@ impl Extent {
     }
 }
 
-/// Near and far: the given ones, else a range that contains the bounds' corners extended by the largest radius.
+/// Returns near and far: the given ones, else a range that contains the bounds' corners extended by the largest radius.
 pub(super) fn depths(
     [near, far]: [Option<f64>; 2],
     eye: DVec3,

@@ -10,11 +10,11 @@ use super::settings::{
 /// A table of the scene file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyTable {
-    /// Its heading in the file, as in `[image]` or `[[cloud]]`.
+    /// Heading of the table in the file, as in `[image]` or `[[cloud]]`.
     pub title: &'static str,
     /// The prefix of its keys in a dotted path, as in `cloud.*`.
     pub path: &'static str,
-    /// Its keys with their defaults.
+    /// Keys of the table with their defaults.
     pub keys: Vec<Key>,
 }
 
@@ -56,7 +56,7 @@ pub(crate) fn owners(key: &str) -> Vec<&'static str> {
     METHODS.iter().copied().filter(|name| method_keys(name).contains(&key)).collect()
 }
 
-/// Returns every key that some method has beside `name`, each once, by the alphabet.
+/// Returns every key that some method has in addition to `name`, each once, by the alphabet.
 pub fn all_method_keys() -> Vec<&'static str> {
     let mut keys: Vec<_> = METHODS.iter().flat_map(|name| method_keys(name)).collect();
     keys.sort_unstable();

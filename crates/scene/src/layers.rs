@@ -4,8 +4,8 @@ use super::settings::Scene;
 use crate::prepare::layer_distance;
 use pellucid_core::points::Points;
 
-/// Says if the default of `method.min_layer_distance`, where that is in force, differs from what the points' spacing suggests
-/// ([`layer_distance::suggest`]) by a factor of more than 3.
+/// Says if the default of `method.min_layer_distance`, where that is in force, differs from what the points' spacing
+/// suggests ([`layer_distance::suggest`]) by a factor of more than 3.
 pub fn note_of_layers(scene: &Scene, points: &Points) -> Option<String> {
     scene.method.fixed()?.filters().filter(|filters| filters.min_layer_distance.is_none())?;
     let default = 0.01 * points.bounds()?.diagonal();
@@ -43,7 +43,8 @@ mod tests {
 
     #[test]
     fn a_default_far_from_the_spacing_is_noted_where_it_counts() {
-        // The diagonal is 4.2. Of 10000 points the spacing is 0.06, of 1000000 it is 0.006; 4.9 times that is suggested.
+        // The diagonal is 4.2. Of 10000 points the spacing is 0.06, of 1000000 it is 0.006; 4.9 times that is
+        // suggested.
         let sparse = note(10_000, &["method.name=image-space"]).unwrap();
         let (says, suggested) = sparse.rsplit_once(' ').unwrap();
         assert_eq!(

@@ -11,8 +11,9 @@ use super::settings::{
 /// The name that leaves the method to the scene.
 pub(super) const AUTO: &str = "auto";
 
-/// Declares the methods: the enum, and what holds of each. A line is `"name" => Variant(Settings), Family, for Purpose;` behind the sentence
-/// that says what the method draws; `also` lists settings, beside the defaults, by which comparisons draw the same thing.
+/// Declares the methods: the enum, and what holds of each. A line is `"name" => Variant(Settings), Family, for
+/// Purpose;` behind the sentence that says what the method draws; `also` lists settings, in addition to the defaults,
+/// by which comparisons draw the same thing.
 macro_rules! methods {
     (
         $(
@@ -97,7 +98,8 @@ methods! {
     "squares" => Squares(ScreenSplats), Opaque, for Opaque;
     /// The nearest disc of each pixel, opaque and facing the screen.
     "circles" => Circles(ScreenSplats), Opaque, for Opaque;
-    /// Like `circles`, but a paraboloid moves fragments toward the viewer, so that splats meet half-way (Schütz and Wimmer 2015).
+    /// Like `circles`, but a paraboloid moves fragments toward the viewer, so that splats meet half-way (Schütz and
+    /// Wimmer 2015).
     "paraboloid" => Paraboloid(Interpolated), Opaque, for Opaque;
     /// Like `paraboloid`, but by a cone.
     "cone" => Cone(Interpolated), Opaque, for Opaque;
@@ -117,11 +119,14 @@ methods! {
     "stochastic" => Stochastic(Stochastic), Discs, for Approximate, also &["alpha_correction=false", "raster=hardware"];
     /// The nearest discs of each pixel exactly, and those behind by their mean (Maule et al. 2013) or by their moments.
     "hybrid" => Hybrid(Hybrid), Discs, for Approximate, also &["tail=moments"];
-    /// A few layers for each pixel; discs come in the order of the files, and the last two layers are merged (Salvi and Vaidyanathan 2014).
+    /// A few layers for each pixel; discs come in the order of the files, and the last two layers are merged (Salvi and
+    /// Vaidyanathan 2014).
     "mlab" => Mlab(Mlab), Discs, for Approximate;
-    /// Discs weighted by the light let through in front of them, as bounded by power moments of each pixel's optical depth (Münstermann et al. 2018).
+    /// Discs weighted by the light let through in front of them, as bounded by power moments of each pixel's optical
+    /// depth (Münstermann et al. 2018).
     "moments" => Moments(Moments), Discs, for Approximate, also &["overestimation=0", "overestimation=0.25"];
-    /// Discs weighted by the light let through in front of them, by wavelets of each pixel's optical depth (Aizenshtein et al. 2022).
+    /// Discs weighted by the light let through in front of them, by wavelets of each pixel's optical depth (Aizenshtein
+    /// et al. 2022).
     "wavelet" => Wavelet(Wavelet), Discs, for Approximate;
     /// Discs averaged with weights that fall with depth (McGuire and Bavoil 2013): an approximation with exact opacity.
     "weighted" => Weighted(Discs), Discs, for Approximate;
@@ -168,9 +173,9 @@ pub enum Family {
     Discs,
     /// Soft spheres before solid points.
     Soft,
-    /// One transparent layer before opaque points.
+    /// Single transparent layer before opaque points.
     OneLayer,
-    /// Points of surfaces that are dealt to ensembles.
+    /// Points of surfaces that are partitioned into ensembles.
     Ensembles,
 }
 
@@ -210,7 +215,7 @@ impl Family {
 pub enum Purpose {
     /// Everything that discs let through, exactly.
     Exact,
-    /// The same with an error, in less time or memory.
+    /// Result of the exact methods with an error, in less time or memory.
     Approximate,
     /// Surfaces that have the opacity asked for, however many points they are made of.
     Surfaces,

@@ -35,10 +35,10 @@ impl Overrides {
         self.add(option.into(), key, text, false)
     }
 
-    /// Like [`Overrides::set`], but the value becomes the last one of the array that the key has.
+    /// Appends a value: like [`Overrides::set`], but the value becomes the last one of the array that the key has.
     ///
     /// # Errors
-    /// Those of [`Overrides::set`].
+    /// Returns the errors of [`Overrides::set`].
     pub fn append(&mut self, option: impl Into<String>, key: &str, text: &str) -> Result<(), Error> {
         self.add(option.into(), key, text, true)
     }
@@ -63,7 +63,7 @@ impl Overrides {
         self.entries.push(Entry { path: key.split('.').map(str::to_owned).collect(), node: value, appended: false });
     }
 
-    /// Like [`Overrides::set`], from `KEY=VALUE`.
+    /// Sets a key like [`Overrides::set`], from `KEY=VALUE`.
     ///
     /// # Errors
     /// A text without `=`, or a key with an empty segment or very many.
@@ -151,7 +151,8 @@ fn insert(at: &mut Node, rest: &[String], entry: &Entry) -> Result<(), Error> {
     }
 }
 
-/// Puts a value in place of another, or behind those of an array. What is neither an array nor new stays, for the reader to refuse.
+/// Puts a value in place of another, or behind those of an array. What is neither an array nor new stays, for the
+/// reader to refuse.
 fn put(at: &mut Node, entry: &Entry) {
     match &mut at.value {
         _ if !entry.appended => *at = entry.node.clone(),

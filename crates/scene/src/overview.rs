@@ -26,8 +26,8 @@ const ROWS: u64 = 1 << 28;
 /// Facts that the automatic view of a cloud meets, at the default size and without any setting.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Overview {
-    /// The median distance of a point to the nearest other place that has one, in the file's units, from at most 2048 places;
-    /// `None` of fewer than two.
+    /// The median distance of a point to the nearest other place that has one, in the file's units, from at most 2048
+    /// places; `None` of fewer than two.
     pub spacing: Option<f64>,
     /// The mean number of splats that cover a covered pixel; `None` if there is no such view, or nothing to see.
     pub layers: Option<f64>,
@@ -35,9 +35,9 @@ pub struct Overview {
     pub inside: bool,
 }
 
-/// Looks at a cloud. Its splats are discs that face the screen, with the file's radii, else those of Eq. 20 (K = 24), which are
-/// found for at most 2048 places and hold for the points after each of them on the Morton curve. Every disc's pixels are counted;
-/// of up to 2048 places the number of layers is exactly that of the picture.
+/// Looks at a cloud. Its splats are discs that face the screen, with the file's radii, else those of Eq. 20 (K = 24),
+/// which are found for at most 2048 places and hold for the points after each of them on the Morton curve. Every disc's
+/// pixels are counted; of up to 2048 places the number of layers is exactly that of the picture.
 pub fn overview(cloud: &Cloud) -> Overview {
     let rule = (DEFAULT_NEIGHBORS, radius::DEFAULT_CAP);
     let Sampled { spacing, positions, radii } = sample(&cloud.positions, cloud.radii.as_deref(), rule);
@@ -101,7 +101,7 @@ struct Pixels {
     size: [u32; 2],
     /// Words in a row of the map.
     words: usize,
-    /// One bit for each pixel, row by row.
+    /// Bits of the pixels, row by row.
     map: Vec<u64>,
     /// Pairs of a disc and a pixel.
     fragments: u64,

@@ -1,4 +1,4 @@
-//! From the tree of keys to a checked [`Scene`].
+//! Turns the tree of keys into a checked [`Scene`].
 
 use std::path::Path;
 
@@ -27,7 +27,7 @@ impl Scene {
         Self::from_toml_with(text, origin, &Overrides::default())
     }
 
-    /// Like [`Scene::from_toml`], with options merged into the file before any check.
+    /// Reads a scene like [`Scene::from_toml`], with options merged into the file before any check.
     ///
     /// # Errors
     /// Invalid text (with line and column) or an invalid option (with its name).
@@ -143,8 +143,8 @@ fn warn_of_fields(cloud: &Table<'_>, method: &MethodChoice) {
     }
 }
 
-/// Refuses eye-dome lighting of a method whose pixels have no depth of a surface. The method that `auto` becomes is only known
-/// once the points are.
+/// Refuses eye-dome lighting of a method whose pixels have no depth of a surface. The method that `auto` becomes is
+/// only known once the points are.
 fn check_edl(root: &Table<'_>, shading: &Shading, method: &MethodChoice) -> Result<(), Error> {
     let Some(method) = method.fixed().filter(|method| shading.edl.edl && !method.takes_edl()) else { return Ok(()) };
     let table = root.table("shading")?;

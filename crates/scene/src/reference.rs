@@ -1,5 +1,5 @@
-//! The reference of the scene file and the table of methods, written from the table of keys. The tests here fail where a
-//! document is stale, and rewrite it where `PELLUCID_UPDATE` is 1.
+//! The reference of the scene file and the table of methods, written from the table of keys. The tests here fail where
+//! a document is stale, and rewrite it where `PELLUCID_UPDATE` is 1.
 
 use std::fmt::Write as _;
 use std::path::Path;

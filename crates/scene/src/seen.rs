@@ -18,8 +18,8 @@ pub(super) fn seen(visible: Option<Vec<bool>>, clips: &Clips, positions: &[DVec3
     Some(positions.par_iter().enumerate().map(is_seen).collect())
 }
 
-/// Drops points that are marked, and those that a huge `scale` or `translate` moved out of float64; sets those apart that are
-/// not `seen`. Returns marks on the remaining ones, or `None` if all remain.
+/// Drops points that are marked, and those that a huge `scale` or `translate` moved out of float64; sets those apart
+/// that are not `seen`. Returns marks on the remaining ones, or `None` if all remain.
 pub(super) fn leave_out(points: &mut Points, seen: Option<&[bool]>, dropped: Option<&[bool]>) -> Option<Vec<bool>> {
     if seen.is_none() && dropped.is_none() && points.positions.par_iter().all(|position| position.is_finite()) {
         return None;

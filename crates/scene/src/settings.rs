@@ -61,7 +61,8 @@ pub struct Scene {
     pub method: MethodChoice,
     /// `[detail]`.
     pub detail: Detail,
-    /// `[shadows]`, if they were asked for and can be: with a light of its own place or direction, shading and an opaque method.
+    /// `[shadows]`, if they were asked for and can be: with a light of its own place or direction, shading and an
+    /// opaque method.
     pub shadows: Option<Shadows>,
     /// Warnings about keys without effect, one sentence each.
     pub warnings: Vec<String>,

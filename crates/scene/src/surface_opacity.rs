@@ -21,15 +21,15 @@ impl Opacity<'_> {
     }
 }
 
-/// Eq. 20's radius is so many times the one at which discs cover their surface once: K points within the distance d of one have
-/// a density of K / (π d²), and discs of radius r = 2d/√K have n = π r² K / (π d²) = 4.
+/// Eq. 20's radius is so many times the one at which discs cover their surface once: K points within the distance d of
+/// one have a density of K / (π d²), and discs of radius r = 2d/√K have n = π r² K / (π d²) = 4.
 const OVERLAP: f64 = 4.0;
 
 /// α of a disc such that n of them, as many as cover each place of the surface, hide the share `surface`:
 /// 1 − (1 − A)^(1/n), n = K r²/d², at least 1.
 ///
-/// `radius` is the disc's, `estimated` that of Eq. 20 without its cap, in the same units; it is 0 where the K neighbors are in
-/// the point's own place, so that K + 1 discs lie over each other.
+/// `radius` is the disc's, `estimated` that of Eq. 20 without its cap, in the same units; it is 0 where the K neighbors
+/// are in the point's own place, so that K + 1 discs lie over each other.
 fn of_disc(surface: f32, radius: f64, estimated: f64, neighbors: usize) -> f32 {
     let ratio = radius / estimated;
     let n = if estimated > 0.0 { (OVERLAP * ratio * ratio).max(1.0) } else { neighbors as f64 + 1.0 };

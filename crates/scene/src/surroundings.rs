@@ -13,7 +13,7 @@ use pellucid_core::points::Points;
 
 /// Points that are looked at, at most.
 const SAMPLES: usize = 1 << 18;
-/// Points below which nothing is told.
+/// Fewest points for which a decision is made.
 const FEWEST: usize = 1000;
 /// Cells of the floor plan along each side.
 const CELLS: usize = 24;
@@ -50,7 +50,8 @@ struct Layout {
 }
 
 impl Layout {
-    /// Of all points, also of those that are clipped or hidden, so that slices of a scene have one camera. `None` of few.
+    /// Surroundings of all points, also of those that are clipped or hidden, so that slices of a scene have one camera.
+    /// `None` of few.
     fn of(points: &Points, vertical: Vertical) -> Option<Self> {
         if points.len() + points.unseen.positions.len() < FEWEST {
             return None;
@@ -248,8 +249,8 @@ fn flat_along_another(layout: &Layout, vertical: Vertical) -> Option<String> {
     ))
 }
 
-/// Says that nearly all points have the background's color, where no shading tells them apart, or that most of them are dark on a
-/// dark background.
+/// Says that nearly all points have the background's color, where no shading tells them apart, or that most of them are
+/// dark on a dark background.
 fn in_the_background(scene: &Scene, points: &Points) -> Option<String> {
     if points.is_empty() {
         return None;
@@ -383,7 +384,7 @@ mod tests {
     }
 
     #[test]
-    fn what_may_be_a_wrong_guess_is_noted() {
+    fn guesses_that_may_be_wrong_are_noted() {
         let mut rng = Pcg64Mcg::seed_from_u64(4);
         let spread = |sides: DVec3, rng: &mut Pcg64Mcg| -> Vec<DVec3> {
             (0..5000).map(|_| DVec3::new(rng.random(), rng.random(), rng.random()) * sides).collect()

@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_toml_value_is_a_string() {
+    fn text_that_is_no_toml_value_is_a_string() {
         let place = Place::Option("--set".into());
         assert!(matches!(parse_value("abuffer", &place).unwrap().value, Value::String(s) if s == "abuffer"));
         assert!(matches!(parse_value(".5", &place).unwrap().value, Value::Float(f) if f == 0.5));

@@ -1,4 +1,4 @@
-//! From where a scene is looked at when no eye is given: `--view`, `--azimuth`, `--elevation`.
+//! Direction from which a scene is looked at when no eye is given: `--view`, `--azimuth`, `--elevation`.
 
 use glam::DVec3;
 
@@ -28,12 +28,12 @@ impl Vertical {
         (0..3).find(|axis| self.0[*axis] != 0.0).unwrap_or(2)
     }
 
-    /// To the right of a viewer before the front: +X, or +Y where X is the vertical.
+    /// Direction to the right of a viewer before the front: +X, or +Y where X is the vertical.
     pub fn right(self) -> DVec3 {
         if self.index() == 0 { DVec3::Y } else { DVec3::X }
     }
 
-    /// Toward a viewer before the front: −Y where Z is up, +Z where Y is.
+    /// Direction toward a viewer before the front: −Y where Z is up, +Z where Y is.
     pub fn front(self) -> DVec3 {
         self.right().cross(self.0)
     }
@@ -46,7 +46,7 @@ impl From<UpAxis> for Vertical {
     }
 }
 
-/// As `--up` has it.
+/// Writes the axis as `--up` has it.
 impl std::fmt::Display for Vertical {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let sign = if self.0[self.index()] < 0.0 { "-" } else { "" };
@@ -57,8 +57,8 @@ impl std::fmt::Display for Vertical {
 /// Declares the named directions with their words and what the words mean.
 macro_rules! view_names {
     ($($Name:ident = $word:literal, $about:literal;)+) => {
-        /// A named direction. Those of a compass look from there at the usual elevation, where +X is east and, with Z up, +Y is
-        /// north.
+        /// A named direction. Those of a compass look from there at the usual elevation, where +X is east and, with Z
+        /// up, +Y is north.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum ViewName {
             $(#[doc = $about] $Name,)+

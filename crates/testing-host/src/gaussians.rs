@@ -11,9 +11,9 @@ use crate::random;
 /// Gaussians around the origin.
 #[derive(Debug, Clone)]
 pub struct Soup {
-    /// Of the generator.
+    /// Seed of the generator.
     pub seed: u64,
-    /// How many.
+    /// Number of Gaussians.
     pub count: usize,
     /// Standard deviations, evenly distributed in their logarithms, each axis by itself.
     pub extents: std::ops::Range<f32>,
@@ -30,12 +30,12 @@ impl Default for Soup {
 }
 
 impl Soup {
-    /// In a cube of side 2, in canonical order.
+    /// Makes the Gaussians in a cube of side 2, in canonical order.
     pub fn points(&self) -> Points {
         order::canonical(self.unordered())
     }
 
-    /// The same, in the order of the generator.
+    /// Makes the Gaussians in the order of the generator.
     pub fn unordered(&self) -> Points {
         let (mut r, count) = (random(self.seed), self.count);
         let mut points = Points::default();

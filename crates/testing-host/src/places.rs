@@ -42,8 +42,8 @@ pub fn clouds() -> Vec<Clouds> {
     [Some(subset), whole].into_iter().flatten().collect()
 }
 
-/// The folder of all real clouds: `PELLUCID_TEST_DATA`, by default `../shared/data` beside the repository. Where it is absent
-/// what needs it is skipped.
+/// The folder of all real clouds: `PELLUCID_TEST_DATA`, by default `../shared/data` beside the repository. Where it is
+/// absent what needs it is skipped.
 #[track_caller]
 pub fn whole_clouds() -> Option<PathBuf> {
     let named = std::env::var_os("PELLUCID_TEST_DATA").map(PathBuf::from);

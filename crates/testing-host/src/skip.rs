@@ -28,17 +28,17 @@ pub const NO_FILE_LIMIT: &str = "no limit on files";
 /// No driver whose manifest can be taken away.
 pub const NO_MANIFEST: &str = "no driver to take away";
 
-/// Reasons that don't count where only a device is required (`PELLUCID_REQUIRE_GPU`): `tools/setup.sh --tests` can't provide
-/// what is missing, or leaves it out.
+/// Reasons that don't count where only a device is required (`PELLUCID_REQUIRE_GPU`): `tools/setup.sh --tests` can't
+/// provide what is missing, or leaves it out.
 const OPTIONAL: [&str; 7] = [NO_DATA, NO_PRESENTING, NO_COMPOSITOR, NO_OPENEXR, NO_MOUNTS, NO_FILE_LIMIT, NO_MANIFEST];
 
-/// Says that a test, or a part of it, is skipped: `skipped: <test>: <reason>: <detail>` on standard error, even if the test's
-/// output is captured. The reason is one of this module's constants.
+/// Says that a test, or a part of it, is skipped: `skipped: <test>: <reason>: <detail>` on standard error, even if the
+/// test's output is captured. The reason is one of this module's constants.
 ///
 /// # Panics
-/// With `PELLUCID_REQUIRE_ALL` at 1, unless the reason is in the list `PELLUCID_ALLOWED_SKIPS`, which has semicolons between
-/// reasons. With `PELLUCID_REQUIRE_GPU` at 1 as well, but without a list the reasons for which nobody can install a remedy
-/// are allowed.
+/// Panics with `PELLUCID_REQUIRE_ALL` at 1, unless the reason is in the list `PELLUCID_ALLOWED_SKIPS`, which has
+/// semicolons between reasons. With `PELLUCID_REQUIRE_GPU` at 1 as well, but without a list the reasons for which
+/// nobody can install a remedy are allowed.
 #[track_caller]
 pub fn skip(reason: &str, detail: &str) {
     let caller = Location::caller();

@@ -36,8 +36,8 @@ pub struct Browser {
 }
 
 impl Browser {
-    /// Starts a browser with a profile of its own, in a folder, and an empty page. The folder is not the system's for temporary
-    /// files, which a snap does not see.
+    /// Starts a browser with a profile of its own, in a folder, and an empty page. The folder is not the system's for
+    /// temporary files, which a snap does not see.
     pub fn start(program: &Path, folder: &Path) -> Self {
         let profile = tempfile::tempdir_in(folder).unwrap();
         let mut process = Command::new(program)
@@ -149,7 +149,7 @@ impl Browser {
         event("mouseReleased", to, 0);
     }
 
-    /// The same by a finger.
+    /// Drags by touch, with a finger.
     pub fn swipe(&mut self, from: [f64; 2], to: [f64; 2]) {
         let mut event = |kind: &str, points: Value| {
             self.call("Input.dispatchTouchEvent", json!({ "type": kind, "touchPoints": points }));

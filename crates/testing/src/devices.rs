@@ -22,16 +22,17 @@ static CHANGED: Condvar = Condvar::new();
 struct Pool {
     /// Devices that no test has.
     idle: Vec<Device>,
-    /// The same, of those that bind at most so many bytes.
+    /// Idle devices that bind at most so many bytes.
     bound: Vec<(u64, Device)>,
-    /// How many devices are still to be opened; `None` before the first one is asked for.
+    /// Number of devices that are still to be opened; `None` before the first one is asked for.
     to_open: Option<usize>,
-    /// Why none can be opened.
+    /// Reason that no device can be opened.
     error: Option<String>,
 }
 
-/// Runs a test on a device with validation and synchronization validation. One test at a time has it, and hands it on with all
-/// its pipelines. Afterwards there must be no message and no allocation left. Without a device the test is skipped.
+/// Runs a test on a device with validation and synchronization validation. One test at a time has it, and hands it on
+/// with all its pipelines. Afterwards there must be no message and no allocation left. Without a device the test is
+/// skipped.
 pub fn with_device(test: impl FnOnce(&Device)) {
     match borrowed() {
         Ok(device) => {
@@ -43,7 +44,7 @@ pub fn with_device(test: impl FnOnce(&Device)) {
     }
 }
 
-/// As [`with_device`], with at most so many bytes in a binding.
+/// Runs a test like [`with_device`], with at most so many bytes in a binding.
 pub fn with_device_that_binds(binding_bytes: Option<u64>, test: impl FnOnce(&Device)) {
     let Some(most) = binding_bytes else { return with_device(test) };
     let idle = {
@@ -60,7 +61,7 @@ pub fn with_device_that_binds(binding_bytes: Option<u64>, test: impl FnOnce(&Dev
     }
 }
 
-/// As [`with_device`], with a device that was never used: for tests of how much memory it reserves.
+/// Runs a test like [`with_device`], with a device that was never used: for tests of how much memory it reserves.
 pub fn with_new_device(test: impl FnOnce(&Device)) {
     match apart(|| open(None)) {
         Ok(device) => {
@@ -71,7 +72,7 @@ pub fn with_new_device(test: impl FnOnce(&Device)) {
     }
 }
 
-/// As [`with_new_device`], with work shaped like this, whatever the device prefers.
+/// Runs a test like [`with_new_device`], with work shaped like this, whatever the device prefers.
 pub fn with_device_that_prefers(prefers: Preferences, test: impl FnOnce(&Device)) {
     let options = DeviceOptions { prefers: Some(prefers), ..DeviceOptions::validated() };
     match apart(|| Device::open(&options).map_err(|error| error.to_string())) {
@@ -83,7 +84,7 @@ pub fn with_device_that_prefers(prefers: Preferences, test: impl FnOnce(&Device)
     }
 }
 
-/// As [`with_new_device`], while no other test of this process uses one: for tests that take all memory.
+/// Runs a test like [`with_new_device`], while no other test of this process uses one: for tests that take all memory.
 pub fn with_only_device(test: impl FnOnce(&Device)) {
     alone(|| {
         let device = open(None).expect("one was opened just now");
@@ -104,8 +105,8 @@ pub fn alone(test: impl FnOnce()) {
     }
 }
 
-/// True if there is a device with validation, the one that `PELLUCID_TEST_DEVICE` names or the best. For tests that run the
-/// binary on it; without one the test is skipped.
+/// True if there is a device with validation, the one that `PELLUCID_TEST_DEVICE` names or the best. For tests that run
+/// the binary on it; without one the test is skipped.
 #[track_caller]
 pub fn has_device() -> bool {
     static FOUND: OnceLock<Result<(), String>> = OnceLock::new();

@@ -19,7 +19,8 @@ pub fn render(device: &Device, points: &Points, frame: &Frame) -> Image {
     rendered(device, points, frame).image
 }
 
-/// Renders with 64-bit atomics where the device has them, then with 32-bit ones, and asserts that the bytes are the same.
+/// Renders with 64-bit atomics where the device has them, then with 32-bit ones, and asserts that the bytes are the
+/// same.
 pub fn rendered_by_both_atomics(device: &Device, points: &Points, frame: &Frame) -> [Rendered; 2] {
     let mut renderer = Renderer::new(device).expect("a renderer");
     let mut cloud = renderer.upload(points).expect("the cloud fits");

@@ -1,5 +1,5 @@
-//! Signals that are ignored from the start stay ignored in whatever is started: SIGHUP under `nohup`, SIGINT in a script's job in
-//! the background.
+//! Signals that are ignored from the start stay ignored in whatever is started: SIGHUP under `nohup`, SIGINT in a
+//! script's job in the background.
 
 use std::ffi::OsStr;
 use std::process::Command;

@@ -92,7 +92,8 @@ impl Write for Draft {
     }
 }
 
-/// For formats that put tables before what they count. A pipe has no places to go back to, which the system says.
+/// Moves the place of the next write, for formats that put tables before what they count. A pipe has no places to go
+/// back to, which the system says.
 impl Seek for Draft {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         self.file().seek(to)
@@ -117,10 +118,10 @@ impl Staged {
         Ok(staged)
     }
 
-    /// Like [`Staged::write`], without flushing to the disk: for data that may be lost in a power failure.
+    /// Writes like [`Staged::write`], without flushing to the disk: for data that may be lost in a power failure.
     ///
     /// # Errors
-    /// The same.
+    /// Returns the errors of [`Staged::write`].
     pub fn write_quickly<W>(path: &Path, write: W) -> io::Result<Self>
     where
         W: FnOnce(&mut Writer) -> io::Result<()>,

@@ -1,20 +1,21 @@
-//! Tells clouds in the frame of a depth camera from others: the camera stands at the origin and looks along +Z, so that points
-//! fill the pyramid that it sees, and −Y is up (the optical frame of the Robot Operating System's REP 103).
+//! Tells clouds in the frame of a depth camera from others: the camera stands at the origin and looks along +Z, so that
+//! points fill the pyramid that it sees, and −Y is up (the optical frame of the Robot Operating System's REP 103).
 
 use glam::DVec3;
 
-/// Points below which nothing is told.
+/// Fewest points for which a decision is made.
 const FEWEST: usize = 1000;
 /// The share of points that lie in the pyramid, at least.
 const MOST: f64 = 0.995;
 /// |x| / z and |y| / z of the pyramid's sides: wide lenses have a little less.
 const WIDE: f64 = 1.2;
-/// The same of its middle. A tenth of the points lies beside it, along either axis: a tower far above the origin fills no pyramid.
+/// Largest such ratio of the pyramid's middle. A tenth of the points lies beside it, along either axis: a tower far
+/// above the origin fills no pyramid.
 const NARROW: f64 = 0.25;
 /// The share of points in each of the four quarters of the image, at least.
 const QUARTER: f64 = 0.05;
-/// The last point but a hundredth is this many times as far as the first but a hundredth, and reaches at least this share of the
-/// larger of width and height into the depth: ground far below or above the origin is flat.
+/// The last point but a hundredth is this many times as far as the first but a hundredth, and reaches at least this
+/// share of the larger of width and height into the depth: ground far below or above the origin is flat.
 const DEEP: (f64, f64) = (2.0, 0.5);
 
 /// Returns `true` for clouds in the frame of a depth camera.
@@ -62,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_depth_camera_sees_is_told() {
+    fn clouds_of_depth_cameras_are_recognized() {
         let seen = |[u, v, w]: [f64; 3]| {
             let z = 0.8 + 2.4 * w;
             DVec3::new((1.2 * u - 0.6) * z, (0.9 * v - 0.45) * z, z)

@@ -14,7 +14,7 @@ pub struct Facts {
     pub points: u64,
     /// The box of the points; `None` without points.
     pub bounds: Option<Bounds>,
-    /// For each class a bit that is set if points have it.
+    /// Bits of the classes: set for those that points have.
     classes: [u64; 4],
     /// `true` if all colors are black; and if there are none.
     pub all_black: bool,

@@ -36,7 +36,7 @@ pub enum Field {
     /// A scalar property: as stored if every value lies in [0, 1], else scaled from the smallest to the largest; a
     /// constant property gives 0. +∞ counts as 1, −∞ as 0, and NaN as 0: solid.
     Property {
-        /// Its name.
+        /// Name of the scalar.
         name: String,
     },
 }
@@ -144,7 +144,7 @@ pub fn scaled(values: &[f64]) -> Vec<f32> {
     scaled_in(values, range(values))
 }
 
-/// The same of some values of a cloud with this range.
+/// Scales some values of a cloud with this range.
 fn scaled_in(values: &[f64], [least, most]: [f64; 2]) -> Vec<f32> {
     let range = most - least;
     if range <= LEAST_RANGE * most.abs().max(least.abs()) {
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_finite_is_at_an_end() {
+    fn values_that_are_not_finite_scale_to_an_end() {
         let (nan, inf) = (f64::NAN, f64::INFINITY);
         assert_eq!(property(&[1.0, 3.0, nan, inf, -inf]), [0.0, 1.0, 0.0, 1.0, 0.0]);
         assert_eq!(property(&[0.5, nan, inf, -inf]), [0.5, 0.0, 1.0, 0.0]);

@@ -3,11 +3,11 @@
 /// The filter that a file of splats names. It is shown, and does not change how they are rendered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Filter {
-    /// That of the original renderer: every splat grows by a fixed variance on the image.
+    /// Filter of the original renderer: every splat grows by a fixed variance on the image.
     Plain,
-    /// That of Mip-Splatting: splats that grow become less opaque.
+    /// Filter of Mip-Splatting: splats that grow become less opaque.
     Mip,
-    /// That of 2D Gaussian splatting: flat splats.
+    /// Filter of 2D Gaussian splatting: flat splats.
     Flat,
 }
 

@@ -1,4 +1,4 @@
-//! Gaussian splats: what each of them has beside its center and its opacity (Kerbl et al. 2023).
+//! Gaussian splats: what each of them has in addition to its center and its opacity (Kerbl et al. 2023).
 
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
@@ -27,8 +27,8 @@ pub fn linear(base: Vec3) -> Vec3 {
     base.clamp(Vec3::ZERO, Vec3::ONE).to_array().map(decode_srgb).into()
 }
 
-/// Columns of Gaussian splats, each as long as the positions of the points that they belong to. A point that is none has extents of
-/// zero, and no harmonics.
+/// Columns of Gaussian splats, each as long as the positions of the points that they belong to. A point that is none
+/// has extents of zero, and no harmonics.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Gaussians {
     /// Standard deviations along the three axes in the unit of positions: finite, at least 0, not all of them 0.
@@ -39,7 +39,8 @@ pub struct Gaussians {
     pub bases: Vec<Vec3>,
     /// The degree of the harmonics, 0 to [`MAX_DEGREE`].
     pub degree: u32,
-    /// Coefficients from degree 1 on, [`Self::coefficients`] for each splat, splat after splat, red, green and blue of each.
+    /// Coefficients from degree 1 on, [`Self::coefficients`] for each splat, splat after splat, red, green and blue of
+    /// each.
     pub harmonics: Vec<Vec3>,
 }
 
@@ -49,7 +50,7 @@ pub fn coefficients(degree: u32) -> usize {
 }
 
 impl Gaussians {
-    /// As many points that are no Gaussians.
+    /// Makes as many points that are no Gaussians.
     pub fn none(count: usize) -> Self {
         Self {
             extents: vec![Vec3::ZERO; count],

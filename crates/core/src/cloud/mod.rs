@@ -82,8 +82,8 @@ pub struct Cloud {
     pub normals: Option<Vec<Vec3>>,
     /// The file's own radii in file units, finite and at least 0.
     pub radii: Option<Vec<f32>>,
-    /// Shape and color of the points of files that hold Gaussian splats; `colors` are then those without harmonics, and `alphas` their
-    /// opacities.
+    /// Shape and color of the points of files that hold Gaussian splats; `colors` are then those without harmonics, and
+    /// `alphas` their opacities.
     pub gaussians: Option<Gaussians>,
     /// The filter that a file of splats names.
     pub filter: Option<Filter>,

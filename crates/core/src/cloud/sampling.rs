@@ -1,5 +1,5 @@
-//! Some points of a cloud that stand for all of them: chosen by where they are, whatever their order and whichever part of the cloud
-//! is at hand.
+//! Some points of a cloud that stand for all of them: chosen by where they are, whatever their order and whichever part
+//! of the cloud is at hand.
 
 use glam::DVec3;
 
@@ -11,13 +11,13 @@ const MOST: u64 = 1 << 17;
 /// Rule that selects points of a cloud of some size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sampling {
-    /// One of so many less one: a power of two.
+    /// Stride of the sample less 1; the stride is a power of two.
     mask: u32,
 }
 
 impl Sampling {
-    /// Of a cloud with so many points: all of up to 2¹⁸, of more of them about 2¹⁶ to 2¹⁷. Whoever is taken of a cloud is taken of any smaller
-    /// one, too.
+    /// Chooses the sample of a cloud with so many points: all of up to 2¹⁸, of more of them about 2¹⁶ to 2¹⁷. Whoever
+    /// is taken of a cloud is taken of any smaller one, too.
     pub fn of(points: u64) -> Self {
         let every = if points <= ALL { 1 } else { points.div_ceil(MOST).next_power_of_two().min(1 << 31) };
         Self { mask: every as u32 - 1 }
@@ -50,8 +50,8 @@ pub fn word(position: DVec3, seed: u64) -> u32 {
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// A number that has nothing to do with where a position lies, the same for equal positions: each coordinate's bits are
-/// multiplied by 2⁶⁴ over the golden ratio, whose high half depends on all of them, and folded (Knuth, The Art of Computer
-/// Programming 3, 6.4); once more by another odd number, since neighbors on a grid are told apart by few bits.
+/// multiplied by 2⁶⁴ over the golden ratio, whose high half depends on all of them, and folded (Knuth, The Art of
+/// Computer Programming 3, 6.4); once more by another odd number, since neighbors on a grid are told apart by few bits.
 fn scattered(position: DVec3) -> u32 {
     (folded(position, 0).wrapping_mul(0xd6e8_feb8_6659_fd93) >> 32) as u32
 }

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::light::Light;
 
-/// Everything that decides which lights reach which of the points: the same casting of the same points is the same texture.
+/// Everything that decides which lights reach which of the points: the same casting of the same points is the same
+/// texture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(into = "CastingRecord")]
 pub struct Casting {

@@ -1,5 +1,5 @@
-//! Tells shapes whose vertical is Z from those whose vertical is Y, where a file can't: ground spreads along X and Y, and what
-//! stands has its centroid above the places that it stands on.
+//! Tells shapes whose vertical is Z from those whose vertical is Y, where a file can't: ground spreads along X and Y,
+//! and what stands has its centroid above the places that it stands on.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::depth_camera::hundredths;
 
-/// Points below which nothing is told.
+/// Fewest points for which a decision is made.
 const FEWEST: usize = 1000;
 /// Ground is lower than this share of its shorter side.
 const FLAT: f64 = 0.2;
@@ -66,7 +66,8 @@ mod tests {
         (0..count).map(|_| place(DVec3::new(random.random(), random.random(), random.random()))).collect()
     }
 
-    /// A table with its vertical along Z, 2 × 4 × 3, whose four legs take as many points as its top, and a lamp beyond its edge.
+    /// A table with its vertical along Z, 2 × 4 × 3, whose four legs take as many points as its top, and a lamp beyond
+    /// its edge.
     fn table() -> Vec<DVec3> {
         let mut table = points(3000, |p| DVec3::new(2.0 * p.x, 4.0 * p.y, 3.0));
         for (x, y) in [(0.3, 0.3), (0.3, 3.7), (1.7, 0.3), (1.7, 3.7)] {

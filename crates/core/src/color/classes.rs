@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-/// Codes from 0 with their names as a scene file writes them, empty for reserved ones, and their colors in sRGB, in hundredths.
+/// Codes from 0 with their names as a scene file writes them, empty for reserved ones, and their colors in sRGB, in
+/// hundredths.
 const CLASSES: [(&str, [u8; 3]); 23] = [
     ("never-classified", [60, 60, 60]),
     ("unclassified", [72, 72, 72]),

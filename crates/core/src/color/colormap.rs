@@ -28,7 +28,7 @@ pub struct Colormap {
 }
 
 impl Colormap {
-    /// From black to white.
+    /// Returns the color map from black to white.
     pub fn grey() -> Self {
         Self { entries: vec![DVec3::ZERO, DVec3::ONE] }
     }

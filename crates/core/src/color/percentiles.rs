@@ -34,7 +34,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_finite_does_not_count() {
+    fn percentiles_ignore_values_that_are_not_finite() {
         let values = vec![f64::NAN, 3.0, f64::INFINITY, 1.0, f64::NEG_INFINITY];
         assert_eq!(percentiles(values, [0.0, 0.5, 1.0]), Some([1.0, 2.0, 3.0]));
         assert_eq!(percentiles(vec![f64::NAN], [0.5]), None);

@@ -1,4 +1,4 @@
-//! From values to places in a color map.
+//! Scales that map values to places in a color map.
 
 use super::percentiles::percentiles;
 
@@ -16,13 +16,13 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// From `low` to `high`; above 0 with `log`.
+    /// Makes the scale from `low` to `high`; above 0 with `log`.
     pub fn between([low, high]: [f64; 2], log: bool) -> Self {
         let scaled = [low, high].map(|value| if log { value.ln() } else { value });
         Self { low, high, scaled, log }
     }
 
-    /// With a range of the values' own where none is given: their percentiles 1 and 99.
+    /// Makes a scale with a range of the values' own where none is given: their percentiles 1 and 99.
     pub fn of(values: &[f64], range: Option<[f64; 2]>, log: bool) -> Self {
         let own = || {
             let counted = values.iter().copied().filter(|value| !log || *value > 0.0);

@@ -53,7 +53,7 @@ impl Decimal {
         }
     }
 
-    /// With a power of ten behind it.
+    /// Writes the number with a power of ten behind it.
     fn with_power(self, power: i32) -> String {
         if self.digits == 0 {
             return "0".to_owned();
@@ -63,9 +63,10 @@ impl Decimal {
 }
 
 impl Scale {
-    /// About `most` numbers within the scale, at least 5: 1, 2 or 5 times a power of ten apart; with a logarithm
-    /// powers of ten, with 2 and 5 between them if there are few. Of a scale without width its one value, and where float64 has
-    /// no round number between the ends, the ends. With `whole` they are whole numbers if two of them fit.
+    /// Chooses about `most` numbers within the scale, at least 5: 1, 2 or 5 times a power of ten apart; with a
+    /// logarithm powers of ten, with 2 and 5 between them if there are few. Of a scale without width its one value, and
+    /// where float64 has no round number between the ends, the ends. With `whole` they are whole numbers if two of them
+    /// fit.
     pub fn ticks(&self, most: usize, whole: bool) -> Vec<Tick> {
         let [low, high] = self.ends();
         let tick = |value: f64, label: String| Some(Tick { value, place: self.place(value)?, label });
@@ -87,8 +88,8 @@ impl Scale {
     }
 }
 
-/// The multiples of the smallest step that has no more than `most` of them from low to high. None where float64 can't tell
-/// them apart.
+/// The multiples of the smallest step that has no more than `most` of them from low to high. None where float64 can't
+/// tell them apart.
 fn linear(low: f64, high: f64, most: usize, least_exponent: i32) -> Vec<Decimal> {
     let share = high / most as f64 - low / most as f64;
     if share <= 16.0 * f64::EPSILON * low.abs().max(high.abs()) {

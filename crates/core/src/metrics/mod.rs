@@ -115,7 +115,7 @@ pub fn difference_picture(a: &[[f32; 3]], b: &[[f32; 3]], factor: f64) -> Vec<[f
     pairs(a, b).map(|(a, b)| differences(a, b).map(|d| (factor * d) as f32)).collect()
 }
 
-/// Both images with equal non-finite values replaced by 0; `None` if a non-finite value meets a different one.
+/// Returns both images with equal non-finite values replaced by 0; `None` if a non-finite value meets a different one.
 fn finite(a: &LinearImage, b: &LinearImage) -> Option<[Vec<[f32; 3]>; 2]> {
     let differ = pairs(&a.pixels, &b.pixels).any(|(a, b)| differences(a, b).iter().any(|d| d.is_infinite()));
     let clean =

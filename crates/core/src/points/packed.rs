@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_packed_is_unpacked() {
+    fn packed_points_unpack_to_the_same_points() {
         let few = Points { normals: None, gaussians: None, ..points(0) };
         let none = Points { normals: Some(Vec::new()), ..Points::default() };
         let all = [points(0), points(3), few, none, Points::default()];

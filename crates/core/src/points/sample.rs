@@ -92,7 +92,7 @@ impl Points {
         Self { unseen: Arc::new(unseen), whole: self.whole, ..one() }
     }
 
-    /// These points as some that stand for a scene; `identity` is the same text for the same points.
+    /// Marks these points as some that stand for a scene; `identity` is the same text for the same points.
     #[must_use]
     pub fn standing_for(self, known: &Known, identity: String) -> Self {
         let splats = known.splats.map(|(count, degree, brightest)| WholeSplats {
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_for_all_is_known_as_all() {
+    fn a_sample_that_stands_for_all_is_known_as_all() {
         let all = points((0..300_000).map(|at| DVec3::new(f64::from(at), 0.0, f64::from(at % 1000))).collect());
         let known = all.known().unwrap();
         let sample = all.sampled_points().standing_for(&known, String::new());

@@ -32,8 +32,8 @@ gpu_struct! {
 }
 
 pass! {
-    /// Puts pixels of an image over a background and encodes them as bytes, those of the PNG, for a window that shows them.
-    /// Coarser drafts are enlarged.
+    /// Puts pixels of an image over a background and encodes them as bytes, those of the PNG, for a window that shows
+    /// them. Coarser drafts are enlarged.
     pub EncodePixels(EncodePush) = "image/encode" in "image/encode" {
         image: Read<[f32; 4]>,
         steps: Read<f32>,
@@ -89,7 +89,7 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// For images on a device.
+    /// Creates the encoder of images on a device.
     ///
     /// # Errors
     /// Vulkan errors.

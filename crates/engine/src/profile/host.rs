@@ -32,7 +32,7 @@ impl Profile {
         times
     }
 
-    /// One line for people: the phases that took time, in milliseconds.
+    /// Returns a line for people: the phases that took time, in milliseconds.
     pub fn host_text(&self) -> String {
         let phase = |(phase, time): (Phase, Duration)| format!("{} {:.1} ms", phase.name(), time.as_secs_f64() * 1e3);
         let phases: Vec<String> = self.shown_phases().map(phase).collect();

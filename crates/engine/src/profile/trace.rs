@@ -13,9 +13,9 @@ const HOST: u32 = 0;
 const DEVICE: u32 = 1;
 
 impl Profile {
-    /// Phases of the host, frames and dispatches in the Chrome trace event format, in microseconds since the first of them. The
-    /// row of the host has the phases, the frames within them, and the pipelines that were made; the row of the device has the
-    /// dispatches.
+    /// Phases of the host, frames and dispatches in the Chrome trace event format, in microseconds since the first of
+    /// them. The row of the host has the phases, the frames within them, and the pipelines that were made; the row of
+    /// the device has the dispatches.
     pub fn to_trace(&self) -> Value {
         let begins = self.host.iter().map(|span| span.begin).chain(self.frames.iter().map(|frame| frame.begin));
         let mut events = Vec::new();

@@ -27,7 +27,7 @@ fn points(keys: &str, cloud: Cloud) -> Points {
     assemble(&scene_of(&text, &Overrides::default()), vec![cloud], true, &Progress::hidden()).unwrap()
 }
 
-/// What a column has for the points in the order of x.
+/// Values of a column for the points in the order of x.
 fn by_x<T: Copy>(points: &Points, column: &[T]) -> Vec<T> {
     let mut places: Vec<usize> = (0..points.len()).collect();
     places.sort_by(|a, b| points.positions[*a].x.total_cmp(&points.positions[*b].x));
@@ -107,7 +107,7 @@ fn entries_of_options_come_behind_those_of_the_file() {
 }
 
 #[test]
-fn what_an_entry_lacks_or_has_too_much_of_is_an_error() {
+fn entries_with_missing_or_surplus_keys_are_errors() {
     for (entry, wanted) in [
         (
             "id = 300\nopacity = 1",

@@ -39,7 +39,8 @@ fn points(scene: &Scene) -> Points {
     assemble(scene, vec![cloud()], true, &Progress::hidden()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Asserts that a scene draws just the points that are `kept`, each with the color and radius that it has without clips.
+/// Asserts that a scene draws just the points that are `kept`, each with the color and radius that it has without
+/// clips.
 #[track_caller]
 fn assert_kept(scene: &Scene, kept: impl Fn(DVec3) -> bool) {
     let (all, found) = (points(&scene_of("")), points(scene));
@@ -132,7 +133,7 @@ fn polygons_come_from_files_beside_the_scene() {
 }
 
 #[test]
-fn what_is_cut_off_does_not_count_for_the_density_of_ensembles() {
+fn clipped_points_do_not_count_for_the_density_of_ensembles() {
     let spbr = |clips: &str| Scene { method: Method::Spbr(Spbr::default()).into(), ..scene_of(clips) };
     let arranged = |scene: &Scene, cloud: Cloud| scene::arrange(scene, vec![cloud], 3, &Progress::hidden()).unwrap();
     let slab = "[[clip]]\nslab = { axis = 'x', max = -1 }";
@@ -178,7 +179,7 @@ fn options_cut_too() {
 }
 
 #[test]
-fn what_is_wrong_with_a_clip_is_said_with_its_place() {
+fn errors_in_clips_name_their_position() {
     for (clip, wanted) in [
         ("invert = true", "s.toml:3:1: a [[clip]] needs one of `box`, `plane`, `slab` and `polygon`, found 0"),
         (

@@ -1,4 +1,5 @@
-//! Colors by what a cloud has, against a float64 reference written from the equations of the scene file's documentation.
+//! Colors by what a cloud has, against a float64 reference written from the equations of the scene file's
+//! documentation.
 
 use glam::{DVec3, Vec3};
 use pellucid_engine::cloud::{Cloud, UpAxis};
@@ -157,7 +158,7 @@ fn auto_takes_the_best_that_there_is() {
     }
     assert_eq!(colors("color = [0.5, 0, 1]", colored(own.clone())), [Vec3::new(0.5, 0.0, 1.0); 4]);
     assert_eq!(colors("color_by = 'uniform'", colored(own)), [Vec3::ONE; 4]);
-    // Two classes besides 0 and 1 are not enough; intensities of 0 only are none.
+    // Two classes other than 0 and 1 are not enough; intensities of 0 only are none.
     let mut high = cloud(4);
     (0..4).for_each(|i| high.positions[i].z = i as f64);
     let few = Cloud { classification: Some(vec![0, 1, 2, 5]), intensity: Some(vec![0.0; 4]), ..high };
@@ -208,7 +209,7 @@ fn the_field_is_a_value_like_others() {
 }
 
 #[test]
-fn what_is_missing_is_an_error_that_says_what_there_is() {
+fn errors_for_missing_columns_list_the_columns_there_are() {
     let a = || Cloud { intensity: Some(vec![1.0; 2]), scalars: vec![("dose".into(), vec![1.0; 2])], ..cloud(2) };
     for (by, wanted) in [
         ("rgb", "a.las: color_by = \"rgb\", but the file has no colors; it has intensity, dose, x, y, z"),

@@ -106,7 +106,8 @@ impl Bytes<'_> {
     }
 }
 
-/// Undoes ZIPS, from OpenEXR's description: sums of what was inflated, less 128 each, and the two halves put between one another.
+/// Undoes ZIPS, from OpenEXR's description: sums of what was inflated, less 128 each, and the two halves put between
+/// one another.
 fn unpacked(packed: &[u8], size: usize) -> Vec<u8> {
     if packed.len() == size {
         return packed.to_vec();
@@ -195,7 +196,7 @@ fn lists(count: usize, volumes: bool) -> Vec<Vec<Sample>> {
 }
 
 #[test]
-fn what_is_written_is_read() {
+fn written_deep_images_are_read_back() {
     let size = [20usize, 12];
     for volumes in [false, true] {
         let lists = lists(240, volumes);

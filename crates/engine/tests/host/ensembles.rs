@@ -1,4 +1,4 @@
-//! The order that ensembles are dealt from, and the density of surfaces by counting spheres.
+//! The order that ensembles are drawn from, and the density of surfaces by counting spheres.
 
 use std::f64::consts::{PI, TAU};
 
@@ -36,7 +36,8 @@ fn density(positions: &[DVec3]) -> f64 {
     dealt.surfaces[0].density
 }
 
-/// As the paper has it, rims, centers and all: every sphere's points, its center among them, over its great circle.
+/// Density as the paper has it, rims, centers and all: every sphere's points, its center among them, over its great
+/// circle.
 fn uncorrected(positions: &[DVec3]) -> f64 {
     let bounds = pellucid_engine::cloud::Bounds::enclosing(positions.iter().copied()).unwrap();
     let radius = bounds.diagonal() / 50.0;
@@ -46,7 +47,7 @@ fn uncorrected(positions: &[DVec3]) -> f64 {
     centers.iter().map(within).sum::<usize>() as f64 / centers.len() as f64 / (PI * radius * radius)
 }
 
-/// Both densities over the true one, less 1; printed, and the corrected one bounded.
+/// Asserts both densities over the true one, less 1; printed, and the corrected one bounded.
 #[track_caller]
 fn assert_density(name: &str, positions: &[DVec3], wanted: f64, bound: f64) {
     let (found, raw) = (density(positions) / wanted - 1.0, uncorrected(positions) / wanted - 1.0);
@@ -102,7 +103,8 @@ fn a_grid_of_points() {
     for side in [50, 100, 300] {
         let step = 1.0 / f64::from(side);
         let grid = (0..side * side).map(|i| DVec3::new(f64::from(i % side) * step, f64::from(i / side) * step, 0.0));
-        // Points on the outer rows stand for cells that reach beyond the rim: the square's area is side², not (side − 1)².
+        // Points on the outer rows stand for cells that reach beyond the rim: the square's area is side², not (side −
+        // 1)².
         assert_density(&format!("grid {side}"), &grid.collect::<Vec<_>>(), f64::from(side * side), 0.04);
     }
 }

@@ -20,8 +20,8 @@ fn cloud() -> Cloud {
     }
 }
 
-/// The legend of clouds `a.las`, `b.las` and so on, one for each text of keys; with and without it the points are the same,
-/// and so is the legend of points that follow a scene.
+/// The legend of clouds `a.las`, `b.las` and so on, one for each text of keys; with and without it the points are the
+/// same, and so is the legend of points that follow a scene.
 fn legend(keys: &[&str], rest: &str) -> Legend {
     let names = ["a.las", "b.las", "c.las"];
     let entries = keys.iter().zip(names);
@@ -97,7 +97,7 @@ fn values_have_the_ends_that_their_colors_have() {
 }
 
 #[test]
-fn clouds_share_what_is_alike_and_have_titles_where_it_is_not() {
+fn clouds_share_equal_entries_and_have_titles_for_different_ones() {
     let titles =
         |found: &Legend| found.entries.iter().map(|entry| found.title(entry).unwrap_or_default()).collect::<Vec<_>>();
     let height = "color_by = 'height'";

@@ -48,7 +48,8 @@ fn every_metric_sees_every_channel_and_every_pixel() {
             assert!(c.psnr < 100.0);
             // 0.25² over 12 values of 0.5².
             assert!((c.nmse - 1.0 / 48.0).abs() < 1e-15);
-            // An even side leaves windows of one pixel, so that three of four are equal, and so are two channels of three.
+            // An even side leaves windows of one pixel, so that three of four are equal, and so are two channels of
+            // three.
             assert!((c.ssim - (11.0 + (0.25 + 1e-4) / (0.3125 + 1e-4)) / 12.0).abs() < 1e-14, "{}", c.ssim);
             assert!(c.flip > 0.01, "{}", c.flip);
             assert_eq!(c.max, Largest { value: 0.25, x: pixel as u32 % 2, y: pixel as u32 / 2 });
@@ -103,18 +104,19 @@ fn disc(x: i32, y: i32, c: i32) -> i32 {
     if inside { gradient(x, y, c) / 2 + 9 * c } else { gradient(x, y, c) }
 }
 
-/// One step of one channel of one pixel brighter.
+/// Single step of one channel of one pixel brighter.
 fn faint(x: i32, y: i32, c: i32) -> i32 {
     gradient(x, y, c) + i32::from((x, y, c) == (11, 7, 1))
 }
 
 #[test]
 fn values_of_other_implementations() {
-    // SSIM: scikit-image 0.26.0, structural_similarity(a, b, gaussian_weights=True, sigma=1.5, use_sample_covariance=False,
-    // data_range=1.0, channel_axis=-1) in float64, which takes no picture smaller than its window. FLIP: flip-evaluator 1.7,
-    // evaluate(a, b, "LDR", inputsRGB=False, applyMagma=False), the mean of its map. Its float32 takes differences of 10⁻⁷ for
-    // features where there are none, as on the last picture, and the root of them: 3·10⁻⁴ in the exponent of the colors'
-    // difference e, which makes e·ln(1/e)·3·10⁻⁴, at most 10⁻⁴; measured 3·10⁻⁶. NMSE: numpy 2.4.6, in float64.
+    // SSIM: scikit-image 0.26.0, structural_similarity(a, b, gaussian_weights=True, sigma=1.5,
+    // use_sample_covariance=False, data_range=1.0, channel_axis=-1) in float64, which takes no picture smaller than its
+    // window. FLIP: flip-evaluator 1.7, evaluate(a, b, "LDR", inputsRGB=False, applyMagma=False), the mean of its map.
+    // Its float32 takes differences of 10⁻⁷ for features where there are none, as on the last picture, and the root of
+    // them: 3·10⁻⁴ in the exponent of the colors' difference e, which makes e·ln(1/e)·3·10⁻⁴, at most 10⁻⁴; measured
+    // 3·10⁻⁶. NMSE: numpy 2.4.6, in float64.
     let cases: [(LinearImage, LinearImage, f64, Option<f64>, f64); 5] = [
         (
             drawn(24, 17, texture),
@@ -188,8 +190,9 @@ fn flip_takes_what_lies_outside_of_0_to_1_as_its_end() {
     let [gray, white, bright, black, negative] = [0.5, 1.0, 7.0, 0.0, -3.0].map(|v| image(4, &[[v; 3]; 16]));
     assert_eq!((flip(&white, &bright), flip(&black, &negative)), (0.0, 0.0));
     assert_eq!(flip(&gray, &white), flip(&gray, &bright));
-    // Without edges or points the color alone counts: black to white is 100 in lightness and nothing else, beyond the knee
-    // at 0.4 of green to blue. From CIELAB of these (87.73, −86.18, 83.18; 32.30, 79.19, −107.86), a and b times L/100:
+    // Without edges or points the color alone counts: black to white is 100 in lightness and nothing else, beyond the
+    // knee at 0.4 of green to blue. From CIELAB of these (87.73, −86.18, 83.18; 32.30, 79.19, −107.86), a and b times
+    // L/100:
     let greatest = (55.43f64 + (25.58f64 + 75.61).hypot(34.84 + 72.97)).powf(0.7);
     let expected = 0.95 + 0.05 * (100f64.powf(0.7) / greatest - 0.4) / 0.6;
     assert!((flip(&black, &white) - expected).abs() < 1e-4, "{} {expected}", flip(&black, &white));

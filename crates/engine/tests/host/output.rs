@@ -176,7 +176,8 @@ fn the_same_image_gives_the_same_bytes() {
             fs::read(path).unwrap()
         };
         let first = bytes();
-        // The EXR encoder's hash map draws a new seed each time: ten runs with six names agree by chance only once in 720⁹.
+        // The EXR encoder's hash map draws a new seed each time: ten runs with six names agree by chance only once in
+        // 720⁹.
         for _ in 0..10 {
             assert!(bytes() == first, "{name}: the bytes differ between runs");
         }

@@ -328,7 +328,7 @@ fn scale_and_place_change_no_field() {
 }
 
 #[test]
-fn a_plane_is_certain_and_noise_is_not() {
+fn a_plane_is_certain_and_noise_is_uncertain() {
     // Around a torus of rows: every point of a closed ring has the same neighborhood.
     let ring: Vec<_> = (0..500)
         .map(|i| {

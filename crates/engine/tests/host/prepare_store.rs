@@ -65,7 +65,7 @@ fn assert_whole(cloud: &Cloud, given: Option<Vec<Vec3>>, request: &Request, abou
     }
 }
 
-/// Points on a plane, in a ball and on a grid with many at one distance, copies of some, and strays far from all.
+/// Points on a plane, in a ball and on a grid with many at one distance, copies of some, and outliers far from all.
 fn cloud(count: usize) -> Cloud {
     let mut random = Pcg64Mcg::seed_from_u64(11);
     let mut number = || random.random::<f64>();

@@ -235,7 +235,7 @@ fn garden_has_its_classes_and_lies_on_the_ground() {
     for (name, cloud) in &scene.clouds {
         let classes = cloud.classification.as_ref().unwrap();
         for (p, class) in cloud.positions.iter().zip(classes).filter(|(_, class)| **class != 7) {
-            // The lot with its fading edge, and the tallest tree; strays may lie anywhere.
+            // The lot with its fading edge, and the tallest tree; outliers may lie anywhere.
             assert!(p.x.abs() < 14.0 && p.y.abs() < 14.0 && (-1.0..9.0).contains(&p.z), "{name}: {class} at {p}");
         }
         let strays = classes.iter().filter(|c| **c == 7).count() as f64 / classes.len() as f64;
@@ -340,7 +340,7 @@ fn distances(count: usize, center: DVec3) -> Volume {
     Volume { dims: [count; 3], values }
 }
 
-/// Its points in cells' sides from the center, and their normals.
+/// Points of the cloud in cells' sides from the center, and their normals.
 fn around(cloud: &Cloud, count: usize, center: DVec3) -> Vec<(DVec3, DVec3)> {
     let half = 0.5 * (count - 1) as f64;
     let normals = cloud.normals.as_ref().unwrap();
@@ -362,19 +362,19 @@ fn surfaces_of_a_volume_are_where_its_values_say() {
     assert!((share - 225.0 / (225.0 + 81.0)).abs() < 0.003, "{share}");
     for (cloud, radius) in clouds.into_iter().zip([15.0f64, 9.0]) {
         let points = around(cloud, count, center);
-        // Between numbers one apart the interpolant of a function is off by an eighth of its second derivatives along the three
-        // axes, together 2/r of a distance; a cell reaches √3 farther in. Its gradient is 1, so that the surface is as far off;
-        // rounding to float32 is 1e-5 of a cell at most.
+        // Between numbers one apart the interpolant of a function is off by an eighth of its second derivatives along
+        // the three axes, together 2/r of a distance; a cell reaches √3 farther in. Its gradient is 1, so that the
+        // surface is as far off; rounding to float32 is 1e-5 of a cell at most.
         let bound = 0.25 / (radius - 3f64.sqrt()) + 1e-4;
         let n = points.len() as f64;
         for (place, normal) in &points {
             assert!((place.length() - radius).abs() < bound, "{place} of {radius}");
-            // Differences two apart are off by a sixth of the third derivatives, at most about 3/r²; their interpolant by 1/(4 r²)
-            // and so on: far less than the twentieth that this allows.
+            // Differences two apart are off by a sixth of the third derivatives, at most about 3/r²; their interpolant
+            // by 1/(4 r²) and so on: far less than the twentieth that this allows.
             assert!(normal.dot(place.normalize()) > 0.995, "{place}: {normal}");
         }
-        // Evenly over the sphere: of each coordinate, uniform on [−r, r] there, 20 bands with the same number of points, within
-        // five standard deviations √(2·19) of their mean 19.
+        // Evenly over the sphere: of each coordinate, uniform on [−r, r] there, 20 bands with the same number of
+        // points, within five standard deviations √(2·19) of their mean 19.
         for axis in 0..3 {
             let mut bands = [0f64; 20];
             for (place, _) in &points {

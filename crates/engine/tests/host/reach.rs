@@ -1,4 +1,4 @@
-//! What a window takes of Gaussians: all that have a fragment in it.
+//! Gaussians of a window: it takes all that have a fragment in it.
 
 use glam::DVec3;
 use pellucid_engine::camera::{Camera, Projection};

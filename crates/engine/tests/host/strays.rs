@@ -32,8 +32,8 @@ fn with_strays(count: usize, strays: usize) -> Vec<DVec3> {
 fn a_stray_gets_a_radius_like_those_around_it() {
     let cloud = with_strays(2000, 3);
     let (plain, capped) = (radii(&cloud, 0.0), radii(&cloud, DEFAULT_CAP));
-    // Its 24 neighbors are in the plane or strays, 22 at least in the plane, where distances are below 0.2: the square
-    // around a point, of 0.1² in a corner, holds 20 points of 2000 on average, of 0.2² 80.
+    // Its 24 neighbors are in the plane or outliers, 22 at least in the plane, where distances are below 0.2: the
+    // square around a point, of 0.1² in a corner, holds 20 points of 2000 on average, of 0.2² 80.
     let largest = plain[..2000].iter().fold(0f32, |most, r| most.max(*r));
     for stray in 2000..2003 {
         assert!(plain[stray] > 0.4, "{}", plain[stray]);

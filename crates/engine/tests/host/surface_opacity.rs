@@ -13,7 +13,7 @@ fn cloud() -> Cloud {
     let mut rng = Pcg64Mcg::seed_from_u64(9);
     let mut positions: Vec<_> =
         (0..300).map(|_| DVec3::new(rng.random(), rng.random(), rng.random::<f64>() * 0.01)).collect();
-    // A stray, whose radius is capped, and six points in one place, more than K.
+    // An outlier, whose radius is capped, and six points in one place, more than K.
     positions.push(DVec3::new(9.0, 9.0, 9.0));
     positions.extend([DVec3::new(-1.0, 0.0, 0.0); 6]);
     Cloud { positions, ..Cloud::default() }

@@ -1,5 +1,5 @@
-//! Landscapes that are written as octrees while they are made: every point once, the same bytes whatever the memory, and runs that end
-//! early.
+//! Landscapes that are written as octrees while they are made: every point once, the same bytes whatever the memory,
+//! and runs that end early.
 
 use std::fs;
 use std::path::Path;

@@ -109,7 +109,7 @@ fn change(r: &mut Pcg64, scene: &mut Scene) {
     }
 }
 
-/// Which columns are others, as far as one can see.
+/// Columns that are others, as far as one can see.
 fn differences(before: &Points, after: &Points) -> Changes {
     let bits = |values: &[f32]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
     Changes {
@@ -247,7 +247,7 @@ fn zeros_of_two_signs_are_two_settings() {
 }
 
 #[test]
-fn what_a_cloud_lacks_changes_nothing() {
+fn requests_for_missing_columns_fail_and_change_nothing() {
     let mut r = Pcg64::seed_from_u64(1);
     let clouds = vec![cloud(&mut r, 20), cloud(&mut r, 20)];
     let (mut scene, mut known, hidden) = (scene(2), vec![DerivedColumns::default(); 2], Progress::hidden());

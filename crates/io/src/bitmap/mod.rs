@@ -1,7 +1,7 @@
 //! PNG, JPEG and TIFF as the samples that they store.
 //!
-//! A [`Decoder`] reads the header first, so that callers can compare its claims with the file's length before [`Decoder::read`]
-//! takes memory for the pixels.
+//! A [`Decoder`] reads the header first, so that callers can compare its claims with the file's length before
+//! [`Decoder::read`] takes memory for the pixels.
 
 mod jpeg;
 mod orientation;
@@ -42,7 +42,7 @@ pub(crate) struct Bitmap {
     pub height: u32,
     /// Samples of a pixel: 1 (gray), 2 (gray, alpha), 3 (red, green, blue) or 4 (red, green, blue, alpha).
     pub channels: usize,
-    /// As many as width × height × channels.
+    /// Samples of all pixels: width × height × channels of them.
     pub samples: Samples,
 }
 
@@ -120,7 +120,7 @@ impl<R: BufRead + Seek> Decoder<R> {
         }
     }
 
-    /// Decodes the pixels. `memory`: bytes that they and what the decoder keeps beside them may take.
+    /// Decodes the pixels. `memory`: bytes that they and what the decoder retains in addition may take.
     pub fn read(self, memory: u64) -> Result<Bitmap, Error> {
         match self {
             Self::Png(decoder) => decoder.read(),

@@ -15,7 +15,7 @@ pub(crate) enum Orientation {
 }
 
 impl Orientation {
-    /// By the tag's value, 1 to 8.
+    /// Returns the orientation with the tag's value, 1 to 8.
     pub fn from_number(number: u16) -> Option<Self> {
         Some(match number {
             1 => Self::Upright,
@@ -30,7 +30,7 @@ impl Orientation {
         })
     }
 
-    /// From the block of Exif data, a small TIFF; `None` where it says nothing valid.
+    /// Reads the orientation from the block of Exif data, a small TIFF; `None` where it says nothing valid.
     pub fn from_exif(block: &[u8]) -> Option<Self> {
         let is_little = match block.get(..4)? {
             b"II*\0" => true,

@@ -6,7 +6,7 @@ use png::{BitDepth, DecodingError, Limits, Reader, Transformations};
 
 use super::{Bitmap, Error, Orientation, Samples};
 
-/// Bytes that chunks beside the pixels may take.
+/// Bytes that chunks other than the pixels may take.
 const CHUNKS: usize = 512 << 20;
 
 pub(crate) struct Decoder<R: BufRead + Seek>(Reader<R>);

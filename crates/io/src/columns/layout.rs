@@ -18,7 +18,7 @@ pub(crate) struct Layout {
     color: Option<Rgb>,
     alpha: Option<Alpha>,
     radius: Option<usize>,
-    /// With the name of the scalar that it is if its values are no codes.
+    /// Column of the classification, with the name of the scalar that it is if its values are no codes.
     pub(super) classification: Option<(usize, String)>,
     intensity: Option<usize>,
     scalars: Vec<(usize, String)>,
@@ -28,7 +28,7 @@ pub(crate) struct Layout {
 #[derive(Debug)]
 enum Rgb {
     Typed([Channel; 3]),
-    /// As they are until the largest is known.
+    /// Columns of the color, whose scale is unknown until the largest value is.
     Measured([usize; 3]),
 }
 
@@ -36,7 +36,7 @@ enum Rgb {
 #[derive(Debug)]
 enum Alpha {
     Typed(Channel),
-    /// As they are until the largest is known.
+    /// Column of values whose scale is unknown until the largest value is.
     Measured(usize),
 }
 

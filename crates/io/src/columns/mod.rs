@@ -1,4 +1,4 @@
-//! From the rows of a table to the columns of a cloud, by the names of the table's columns (the table in `ply`).
+//! Converts the rows of a table to the columns of a cloud, by the names of the table's columns (the table in `ply`).
 
 mod block;
 mod join;

@@ -28,10 +28,10 @@ pub(crate) struct Whole {
 }
 
 impl Whole {
-    /// Of no rows.
+    /// Facts about a table without rows.
     pub const NONE: Self = Self { directed: false, codes: true, largest: [None; 2] };
 
-    /// Of two parts together.
+    /// Merges the facts about two parts of a table.
     #[must_use]
     pub fn and(self, more: Self) -> Self {
         let larger = |a: Option<f32>, b: Option<f32>| match (a, b) {
@@ -122,8 +122,9 @@ impl Table {
         }
     }
 
-    /// Writes all rows on all cores. `write` is given runs of rows and the place of the first of each. It puts the rows that stay at
-    /// the front of the run, and returns the places of the others, which are left out and counted; so does this, in order.
+    /// Writes all rows on all cores. `write` is given runs of rows and the place of the first of each. It puts the rows
+    /// that stay at the front of the run, and returns the places of the others, which are left out and counted; so does
+    /// this, in order.
     pub fn fill<E: Send>(
         &mut self,
         run: usize,

@@ -1,4 +1,4 @@
-//! One scan of an E57 file: maps its values to the rows of the cloud.
+//! A single scan of an E57 file: maps its values to the rows of the cloud.
 
 use std::collections::HashSet;
 

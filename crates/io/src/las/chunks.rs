@@ -17,8 +17,8 @@ const BLOCK: u64 = 1 << 16;
 /// Bytes of points decoded at a time, for point records that are as large as their 16 bits can say.
 const BLOCK_BYTES: u64 = 16 << 20;
 
-/// Bytes of a compressed point record at most: its decoder keeps some 3 kB of models for each extra byte, and has up to four
-/// sets of them.
+/// Bytes of a compressed point record at most: its decoder keeps some 3 kB of models for each extra byte, and has up to
+/// four sets of them.
 const MAX_COMPRESSED_RECORD: usize = 2048;
 
 /// The number of points of this size that are decoded at a time.

@@ -1,4 +1,4 @@
-//! From LAS point records to the columns of a cloud.
+//! Converts LAS point records to the columns of a cloud.
 
 use std::sync::OnceLock;
 
@@ -22,9 +22,9 @@ pub(crate) struct Columns {
     pub classification: Vec<u8>,
     pub return_number: Vec<u8>,
     pub number_of_returns: Vec<u8>,
-    /// If it is asked for.
+    /// Point source IDs, if they are asked for.
     pub source: Option<Vec<u16>>,
-    /// If it is asked for and there, in seconds.
+    /// GPS times in seconds, if they are asked for and there.
     pub gps_time: Option<Vec<f64>>,
     pub extra: Vec<Vec<f32>>,
     pub non_finite: usize,
@@ -159,7 +159,7 @@ fn taken<T: Zeroable + Copy + Send + Sync>(
     joined(parts.iter_mut().map(|part| std::mem::take(column(part))).collect())
 }
 
-/// As [`taken`], of a column that all parts have if the first one has it.
+/// Takes a column as [`taken`] does, but one that all parts have if the first one has it.
 fn taken_optional<T: Zeroable + Copy + Send + Sync>(
     parts: &mut [Columns],
     column: impl Fn(&mut Columns) -> &mut Option<Vec<T>>,
@@ -177,9 +177,9 @@ fn extend<T>(column: &mut Vec<T>, new: impl Iterator<Item = T>, keep: &[bool]) {
     column.extend(new.zip(keep).filter(|(_, keep)| **keep).map(|(value, _)| value));
 }
 
-/// Converts stored colors to linear ones. Many writers put 8-bit values into the 16-bit fields: if the largest value of the file
-/// is at most 255, they count as 8-bit, and others, which a store's description may have missed, as 255. Colors that are all zero are
-/// dropped.
+/// Converts stored colors to linear ones. Many writers put 8-bit values into the 16-bit fields: if the largest value of
+/// the file is at most 255, they count as 8-bit, and others, which a store's description may have missed, as 255.
+/// Colors that are all zero are dropped.
 fn linear(rgb: &[[u16; 3]], largest: u16) -> Option<Vec<Vec3>> {
     if largest == 0 {
         return None;

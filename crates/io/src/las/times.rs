@@ -1,7 +1,8 @@
 //! GPS times of compressed points.
 //!
-//! A file may interleave four sequences of times, as two scanners do. The library's decoder calls itself for each change between them,
-//! as often as a damaged file says, until the stack is full, which ends the process. This one counts the changes.
+//! A file may interleave four sequences of times, as two scanners do. The library's decoder calls itself for each
+//! change between them, as often as a damaged file says, until the stack is full, which ends the process. This one
+//! counts the changes.
 
 use std::io::{Cursor, Error, ErrorKind, Read, Result, Seek};
 
@@ -14,7 +15,8 @@ use laz::record::{FieldDecompressor, LayeredFieldDecompressor};
 /// Changes of the sequence for one time. Writers make one; with three, each of the four sequences is reached.
 const MOST_CHANGES: usize = 3;
 
-/// Codes for the multiples of the last difference: from it up, the difference is a multiple of 500 and more, then negative ones.
+/// Codes for the multiples of the last difference: from it up, the difference is a multiple of 500 and more, then
+/// negative ones.
 const LARGEST_MULTIPLE: u32 = 500;
 /// Least multiple.
 const LEAST_MULTIPLE: i32 = -10;
@@ -179,13 +181,14 @@ const SIZE: usize = 4;
 
 /// Points of LAS 1.4 with times. The library decodes the rest.
 ///
-/// Which points have another time than the one before is known only within the library. So it decodes the coordinates a second time,
-/// with a layer of times that ends at once: it fails at each point that has another time, after all else of the point.
+/// Which points have another time than the one before is known only within the library. So it decodes the coordinates a
+/// second time, with a layer of times that ends at once: it fails at each point that has another time, after all else
+/// of the point.
 #[derive(Default)]
 pub(super) struct Timed<D> {
     points: D,
     changes: D,
-    /// Of the layers, little-endian.
+    /// Sizes of the layers, little-endian.
     sizes: [[u8; SIZE]; LAYERS],
     channel: usize,
     first: i64,
@@ -193,7 +196,7 @@ pub(super) struct Timed<D> {
     times: Option<Times>,
 }
 
-/// Their times.
+/// Decoder of the points' times.
 struct Times {
     decoder: ArithmeticDecoder<Cursor<Vec<u8>>>,
     channel: usize,
@@ -252,7 +255,7 @@ impl<R: Read + Seek, D: LayeredFieldDecompressor<Cursor<Vec<u8>>>> LayeredFieldD
         self.changes.read_layers_sizes(&mut Cursor::new(sizes.as_flattened().to_vec()))
     }
 
-    /// Their sizes were compared with the file's before.
+    /// Reads the layers. The sizes were compared with the file's before.
     fn read_layers(&mut self, src: &mut R) -> Result<()> {
         let lengths = self.sizes.map(|size| u32::from_le_bytes(size) as usize);
         let mut layers = vec![0; lengths.iter().sum()];

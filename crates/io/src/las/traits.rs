@@ -16,7 +16,7 @@ pub(crate) struct Traits {
 }
 
 impl Traits {
-    /// Those of no point.
+    /// Traits of no points.
     pub const NONE: Self = Self { largest_color: 0, most_returns: 0, first_time: f64::INFINITY };
 
     /// Returns those of two parts together.
@@ -34,7 +34,7 @@ impl Traits {
         self.settle(header.format.has_color, asked.gps_time && header.format.has_gps_time, asked.returns)
     }
 
-    /// As [`Self::are_settled`], of points that have colors, have times that are asked for, and keep returns in any case.
+    /// Returns `true` if a file with these columns needs no second look: like [`Self::are_settled`], without a header.
     pub fn settle(&self, has_color: bool, has_times: bool, keeps_returns: bool) -> bool {
         let colors = !has_color || self.largest_color > u16::from(u8::MAX);
         let returns = keeps_returns || self.most_returns > 1;

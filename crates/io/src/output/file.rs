@@ -59,7 +59,7 @@ fn nearest(path: &Path) -> Option<&Path> {
 /// the earlier one.
 ///
 /// # Errors
-/// Those of [`check_folder`], of `write` and of the system.
+/// Returns the errors of [`check_folder`], of `write` and of the system.
 pub fn write_atomically<W>(path: &Path, write: W) -> Result<(), Error>
 where
     W: FnOnce(&mut Writer) -> io::Result<()>,
@@ -77,7 +77,7 @@ impl Files {
     /// Writes one more file under a temporary name.
     ///
     /// # Errors
-    /// Those of [`check_folder`], of `write` and of the system; the other files are then removed.
+    /// Returns the errors of [`check_folder`], of `write` and of the system; the other files are then removed.
     pub fn add<W>(&mut self, path: &Path, write: W) -> Result<(), Error>
     where
         W: FnOnce(&mut Writer) -> io::Result<()>,

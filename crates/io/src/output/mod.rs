@@ -28,7 +28,7 @@ use pellucid_core::image::{Image, LinearImage};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Neither `.png` nor `.exr`.
+    /// Unknown extension: neither `.png` nor `.exr`.
     #[error("{path}: unknown image format; the name must end in .png (8-bit sRGB) or .exr (32-bit float)", path = path.display())]
     UnknownExtension {
         /// The file.
@@ -110,15 +110,15 @@ pub enum Error {
     SizesDiffer {
         /// The first file.
         a: PathBuf,
-        /// Its width.
+        /// Width of the first image.
         a_width: u32,
-        /// Its height.
+        /// Height of the first image.
         a_height: u32,
         /// The other file.
         b: PathBuf,
-        /// Its width.
+        /// Width of the second image.
         b_width: u32,
-        /// Its height.
+        /// Height of the second image.
         b_height: u32,
     },
     /// Frames would overwrite other files.
@@ -210,11 +210,11 @@ pub fn check_target(path: &Path) -> Result<(), Error> {
 /// Writes an image as PNG or EXR, by the extension; the same image and options give the same bytes.
 ///
 /// PNG: 8-bit sRGB, round to nearest, values outside [0, 1] clamped, NaN as 0. EXR: float32 channels R, G, B (composed
-/// over the background), A, Z and, if the image has them, `depth.median`, `depth.mean`, `fragments.Y`, `layers.Y` and `stderr.R`, `stderr.G`,
-/// `stderr.B`; ZIP, which is lossless.
+/// over the background), A, Z and, if the image has them, `depth.median`, `depth.mean`, `fragments.Y`, `layers.Y` and
+/// `stderr.R`, `stderr.G`, `stderr.B`; ZIP, which is lossless.
 ///
 /// # Errors
-/// Those of [`check_target`], and errors of the system while writing; the earlier file then remains.
+/// Returns the errors of [`check_target`], and errors of the system while writing; the earlier file then remains.
 pub fn write_image(path: &Path, image: &Image, options: &WriteOptions) -> Result<(), Error> {
     let format = Format::from_extension(path)?;
     write_atomically(path, |file| match format {
@@ -252,8 +252,8 @@ pub fn png_bytes(image: &Image, options: &WriteOptions) -> std::io::Result<Vec<u
 /// Writes pixels as a PNG, whatever the extension.
 ///
 /// # Errors
-/// A missing folder, a number of bytes that doesn't match the size, and errors of the system while writing; the earlier file
-/// then remains.
+/// A missing folder, a number of bytes that doesn't match the size, and errors of the system while writing; the earlier
+/// file then remains.
 pub fn write_raster(path: &Path, raster: &Raster, metadata: &[(String, String)]) -> Result<(), Error> {
     write_atomically(path, |file| png::encode(file, raster, metadata))
 }

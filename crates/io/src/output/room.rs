@@ -7,8 +7,8 @@ use bytesize::ByteSize;
 use super::Error;
 use pellucid_core::atomic;
 
-/// Refuses a file that may take more than what is free where it goes. The earlier file of that name stays until the new one is complete, so
-/// that its bytes don't count as free.
+/// Refuses a file that may take more than what is free where it goes. The earlier file of that name stays until the new
+/// one is complete, so that its bytes don't count as free.
 ///
 /// # Errors
 /// Too little is free.
@@ -20,7 +20,7 @@ pub fn check(path: &Path, bytes: u64) -> Result<(), Error> {
     check_free(path, bytes, atomic::free_bytes(atomic::folder(path)))
 }
 
-/// The same, given what is free, if that is known.
+/// Checks the room for a file, given what is free, if that is known.
 fn check_free(path: &Path, bytes: u64, free: Option<u64>) -> Result<(), Error> {
     match free {
         Some(free) if bytes > free => {
@@ -35,7 +35,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_does_not_fit_is_refused() {
+    fn files_larger_than_the_free_space_are_refused() {
         let path = Path::new("out/a.exr");
         assert!(check_free(path, 100, Some(100)).is_ok() && check_free(path, u64::MAX, None).is_ok());
         let error = check_free(path, 3 << 30, Some(2 << 30)).unwrap_err();

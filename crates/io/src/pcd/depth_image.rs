@@ -1,10 +1,11 @@
-//! Tells images of depth cameras from other organized clouds: their columns run along +X, their rows along +Y, and +Z is the
-//! direction of view, so that −Y is up (the optical frame of the Robot Operating System's REP 103, and of PCL's grabbers).
+//! Tells images of depth cameras from other organized clouds: their columns run along +X, their rows along +Y, and +Z
+//! is the direction of view, so that −Y is up (the optical frame of the Robot Operating System's REP 103, and of PCL's
+//! grabbers).
 
-/// Of the sums only every so many points count.
+/// Stride of the points that the sums count.
 const STEP: u64 = 7;
 
-/// Points below which nothing is told.
+/// Fewest points for which a decision is made.
 const FEWEST: f64 = 100.0;
 
 /// Largest distance of points from where a pinhole camera has their pixels, root mean square, in pixels.
@@ -21,7 +22,7 @@ pub(super) struct DepthImage {
 }
 
 impl DepthImage {
-    /// For an image of this many columns.
+    /// Starts the sums of an image with this many columns.
     pub fn new(width: u64) -> Self {
         Self { width, index: 0, possible: width > 1, columns: Line::default(), rows: Line::default() }
     }

@@ -40,8 +40,8 @@ pub struct Heights {
     pub scale: f64,
 }
 
-/// Reads a picture. Colors are sRGB-decoded (float pictures hold linear ones), the alpha channel becomes the points' alpha,
-/// and pixels of alpha 0 are left out.
+/// Reads a picture. Colors are sRGB-decoded (float pictures hold linear ones), the alpha channel becomes the points'
+/// alpha, and pixels of alpha 0 are left out.
 pub(super) fn read(source: Source, photo: &Photo, progress: &Progress) -> Result<Cloud, Error> {
     let path = source.path.clone();
     let picture = Picture::read(source)?;

@@ -13,8 +13,8 @@ const LARGEST_RATIO: u64 = 1100;
 /// Bytes of pixels that any file may hold, so that the rule above does not meet tiny flat pictures.
 const ALWAYS_ALLOWED: u64 = 16 << 20;
 
-/// The same of a JPEG, whose decoder makes up what is missing: a header alone would become a picture. Two bits for a block
-/// of 64 samples, or one in a progressive file, are a ratio of at most 1024.
+/// Bytes of pixels that any JPEG may hold, whose decoder makes up what is missing: a header alone would become a
+/// picture. Two bits for a block of 64 samples, or one in a progressive file, are a ratio of at most 1024.
 const ALWAYS_ALLOWED_JPEG: u64 = 1 << 20;
 
 /// A decoded picture, rotated upright (EXIF).
@@ -69,7 +69,7 @@ impl Picture {
             return Err(Error::Truncated { path: path.clone(), what });
         }
         let orientation = decoder.orientation().map_err(failed)?;
-        // The picture, and what its decoder keeps beside it.
+        // The picture, and what its decoder retains in addition.
         let stored = decoder.read(2 * bytes + (64 << 20)).map_err(failed)?;
         let [width, height] = orientation.size([width, height]);
         let linear = |value: u16| decode_srgb(f32::from(value) / f32::from(u16::MAX));

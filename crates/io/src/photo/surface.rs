@@ -50,8 +50,8 @@ impl Surface {
         self.origin + u * self.right + v * self.up + self.height(x, y) * self.normal
     }
 
-    /// Normal of the surface at a pixel, longer than that of the plane by 1 / cos φ: the cross product of its tangents, with
-    /// slopes by central differences, at the rims by one-sided ones.
+    /// Normal of the surface at a pixel, longer than that of the plane by 1 / cos φ: the cross product of its tangents,
+    /// with slopes by central differences, at the rims by one-sided ones.
     fn scaled_normal(&self, x: u32, y: u32) -> DVec3 {
         if self.heights.is_empty() {
             return self.normal;
@@ -135,8 +135,8 @@ mod tests {
         let map: Vec<f32> = (0..16).map(|i| (i % 4) as f32 / 4.0).collect();
         let photo = Photo { edges, ..Photo::default() };
         let surface = Surface::new([4, 4], &photo, &map, [4, 4], 2.0);
-        // Along x at constant y the height grows by 2 over a length of 2, and along y at constant u by nothing: on the way
-        // up the x grows too, so that the gradient is (1, −1) and 1 / cos φ = √3.
+        // Along x at constant y the height grows by 2 over a length of 2, and along y at constant u by nothing: on the
+        // way up the x grows too, so that the gradient is (1, −1) and 1 / cos φ = √3.
         for (x, y) in [(0, 0), (2, 1), (3, 3)] {
             assert!((surface.stretch(x, y) - 3f64.sqrt()).abs() < 1e-12);
             let normal = DVec3::new(-1.0, 1.0, 1.0) / 3f64.sqrt();

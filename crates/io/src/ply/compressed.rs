@@ -1,10 +1,10 @@
-//! Compressed splats in PLY files, by PlayCanvas: 256 splats share a chunk with their ranges, and a splat has four words.
+//! Compressed splats in PLY files, by PlayCanvas: 256 splats share a chunk with their ranges, and a splat has four
+//! words.
 //!
-//! | element | properties |
-//! |---|---|
-//! | `chunk` | floats `min_x` … `max_z`, `min_scale_x` … `max_scale_z`, perhaps `min_r` … `max_b` |
-//! | `vertex` | words `packed_position` and `packed_scale` (11, 10 and 11 bits), `packed_rotation` (the largest of w, x, y, z, then three times 10 bits), `packed_color` (four bytes) |
-//! | `sh`, perhaps | bytes `f_rest_0` … |
+//! - `chunk`: floats `min_x` … `max_z`, `min_scale_x` … `max_scale_z`, perhaps `min_r` … `max_b`.
+//! - `vertex`: words `packed_position` and `packed_scale` (11, 10 and 11 bits), `packed_rotation` (the largest of w, x,
+//!   y, z, then three times 10 bits), `packed_color` (four bytes).
+//! - `sh`, perhaps: bytes `f_rest_0` ….
 
 use glam::{DQuat, DVec3};
 

@@ -2,20 +2,20 @@
 //!
 //! Properties of a vertex are known by the names common tools use; its lists and all other elements are skipped.
 //!
-//! | column | names (any case) | values |
-//! |---|---|---|
-//! | position | `x y z` | any type, world units |
-//! | normal | `nx ny nz`, `normal_x normal_y normal_z`, `normalx normaly normalz` | normalized |
-//! | color | `red green blue`, `r g b`, `diffuse_red diffuse_green diffuse_blue` | sRGB-encoded: `ushort` of 65535, floats of 1 (as other tools write them), other integers of 255 |
-//! | color | `linear_red linear_green linear_blue` | linear |
-//! | alpha | `alpha`, `diffuse_alpha` | integers as colors; floats as they are |
-//! | radius | `radius` | negative and non-finite values count as 0 |
-//! | classification | `classification`, `class`, `label`, and these after `scalar_` | integers in 0–255, else a scalar |
-//! | intensity | `intensity`, `scalar_intensity` | as stored |
+//! - position: `x y z`; any type, world units.
+//! - normal: `nx ny nz`, `normal_x normal_y normal_z`, `normalx normaly normalz`; normalized.
+//! - color: `red green blue`, `r g b`, `diffuse_red diffuse_green diffuse_blue`; sRGB-encoded: `ushort` of 65535,
+//!   floats of 1 (as other tools write them), other integers of 255.
+//! - color: `linear_red linear_green linear_blue`; linear.
+//! - alpha: `alpha`, `diffuse_alpha`; integers as colors; floats as they are.
+//! - radius: `radius`; negative and non-finite values count as 0.
+//! - classification: `classification`, `class`, `label`, and these after `scalar_`; integers in 0–255, else a scalar.
+//! - intensity: `intensity`, `scalar_intensity`; as stored.
 //!
 //! Values out of range are clamped; a color that is not a number is 0. Normals and colors need all three properties;
 //! otherwise, and for any other name, a property is a scalar column of its own name. A comment marks the additions of
-//! `pellucid prepare` (docs/prepared-clouds.md). Gaussian splats are recognized by their properties (`splats`, `compressed`).
+//! `pellucid prepare` (docs/prepared-clouds.md). Gaussian splats are recognized by their properties (`splats`,
+//! `compressed`).
 
 mod compressed;
 mod header;

@@ -1,8 +1,9 @@
 //! Vertices that are Gaussian splats as radiance fields are stored (Kerbl et al. 2023).
 //!
-//! Stored are the degree-0 coefficients of the color in spherical harmonics (`f_dc_0..2`), those of higher degrees (`f_rest_…`, first
-//! all of red), the logit of the opacity (`opacity`), the logarithms of the standard deviations along three axes (`scale_0..2`; flat
-//! splats have two) and those axes (`rot_0..3`: w, x, y, z). Other properties stay what they are, but for normals, which are zeros.
+//! Stored are the degree-0 coefficients of the color in spherical harmonics (`f_dc_0..2`), those of higher degrees
+//! (`f_rest_…`, first all of red), the logit of the opacity (`opacity`), the logarithms of the standard deviations
+//! along three axes (`scale_0..2`; flat splats have two) and those axes (`rot_0..3`: w, x, y, z). Other properties stay
+//! what they are, but for normals, which are zeros.
 
 use std::ops::Range;
 
@@ -35,7 +36,7 @@ pub(crate) struct SplatColumns {
     degree: u32,
     /// Properties that stay as they are.
     kept: Vec<usize>,
-    /// Of a row of the position and those, if there are any.
+    /// Layout of a row of the position and those, if there are any.
     layout: Option<Layout>,
     /// Warning of what is odd.
     warning: Option<String>,

@@ -18,7 +18,8 @@ use pellucid_core::color::{decode_srgb, encode_srgb};
 
 /// Writes a cloud: float positions if they keep every one exactly, else double; colors and alphas as 8 bits (colors
 /// sRGB-encoded), all other columns unchanged. PLY can't store the vertical and the number of dropped points, so they
-/// are lost; white space in the name of a scalar becomes `_`. Gaussian splats are written as such, as other programs read them.
+/// are lost; white space in the name of a scalar becomes `_`. Gaussian splats are written as such, as other programs
+/// read them.
 ///
 /// # Errors
 /// The file can't be written; an earlier file of this name, if any, is unchanged.
@@ -27,7 +28,7 @@ pub fn write(path: &Path, cloud: &Cloud) -> Result<(), Error> {
     written.map_err(|source| Error::Write { path: path.to_path_buf(), source })
 }
 
-/// Like [`write()`], to an open file.
+/// Writes a cloud like [`write()`], to an open file.
 ///
 /// # Errors
 /// Writing to `out` fails.
@@ -41,8 +42,8 @@ pub fn write_to(out: &mut impl Write, cloud: &Cloud) -> std::io::Result<()> {
 
 /// Writes a cloud with its prepared data, so that reading it gives the same points to the bit, the vertical included.
 /// Positions are double; colors and alphas have 8 or 16 bits where that is exact, else they are floats (colors linear
-/// ones). A scalar gets a `_` appended if the reader would take its name for another column. Gaussian splats are written as by
-/// [`write()`]; nothing is prepared of them.
+/// ones). A scalar gets a `_` appended if the reader would take its name for another column. Gaussian splats are
+/// written as by [`write()`]; nothing is prepared of them.
 ///
 /// # Errors
 /// The file can't be written; an earlier file of this name, if any, is unchanged.

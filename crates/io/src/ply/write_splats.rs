@@ -8,8 +8,9 @@ use super::write::{header, narrowest_position, push_position, scalar_names};
 use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::gaussians::{Gaussians, Y0};
 
-/// Writes the splats of a cloud: centers, coefficients of the color, logits of the opacity, logarithms of the extents, rotations. Then
-/// come classes, intensity and scalars. Colors and alphas follow from these. Splats without a third extent have no `scale_2`.
+/// Writes the splats of a cloud: centers, coefficients of the color, logits of the opacity, logarithms of the extents,
+/// rotations. Then come classes, intensity and scalars. Colors and alphas follow from these. Splats without a third
+/// extent have no `scale_2`.
 pub(super) fn write(out: &mut impl Write, cloud: &Cloud, gaussians: &Gaussians) -> std::io::Result<()> {
     let position = narrowest_position(cloud);
     let flat = gaussians.extents.iter().all(|extents| extents.z == 0.0);

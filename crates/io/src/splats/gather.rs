@@ -20,7 +20,7 @@ pub(crate) struct Splat {
     pub center: DVec3,
     /// Standard deviations along the three axes; a sign means nothing.
     pub extents: DVec3,
-    /// Of any length but zero.
+    /// Rotation, a quaternion of any length but zero.
     pub rotation: DQuat,
     /// Color without harmonics of higher degree, as display value.
     pub base: DVec3,
@@ -192,7 +192,7 @@ mod tests {
     };
 
     #[test]
-    fn what_is_no_splat_is_counted() {
+    fn rows_that_are_no_splats_are_counted() {
         let nan = f64::NAN;
         let odd = [
             Splat { extents: DVec3::ZERO, ..PLAIN },

@@ -1,8 +1,8 @@
 //! KSPLAT, the format of the viewer GaussianSplats3D: sections of splats, packed in one of three modes.
 //!
-//! Behind a header of 4096 bytes and one of 1024 bytes for each section stand the sections: sizes of their partial buckets, centers of
-//! their buckets, then rows. Mode 0 has floats. Modes 1 and 2 have the center as offsets from that of a bucket, and the rest as
-//! float16, mode 2 the harmonics as bytes.
+//! Behind a header of 4096 bytes and one of 1024 bytes for each section stand the sections: sizes of their partial
+//! buckets, centers of their buckets, then rows. Mode 0 has floats. Modes 1 and 2 have the center as offsets from that
+//! of a bucket, and the rest as float16, mode 2 the harmonics as bytes.
 
 use glam::{DQuat, DVec3, Vec3};
 
@@ -42,7 +42,7 @@ struct Section<'a> {
     centers: &'a [u8],
     /// Splats of each full bucket, and how many full buckets there are.
     full: [u64; 2],
-    /// For each partial bucket how many splats the section has up to its end.
+    /// Numbers of splats that the section has up to the end of each partial bucket.
     ends: Vec<u64>,
 }
 

@@ -8,8 +8,9 @@
 //! | KSPLAT | [`ksplat`] | its extension |
 //! | glTF with `KHR_gaussian_splatting` | [`gltf`] | `glTF`, or the extension of the text form |
 //!
-//! Each reader checks what the file announces against the bytes that there are, says how many splats it has, and how one of them is
-//! decoded. [`Splats::gather`] does the rest alike for all: it decodes on all cores, leaves out what is no splat, and makes a cloud.
+//! Each reader checks what the file announces against the bytes that there are, says how many splats it has, and how
+//! one of them is decoded. [`Splats::gather`] does the rest alike for all: it decodes on all cores, leaves out what is
+//! no splat, and makes a cloud.
 
 mod bytes;
 mod gather;
@@ -29,8 +30,8 @@ use super::{Error, SharedFile, Source, memory};
 use pellucid_core::cloud::Cloud;
 use pellucid_core::progress::Progress;
 
-/// Splats of a packed file for each of its bytes, at most. Those of real files take several bytes each. A file that announces more is
-/// one that was made to fill the memory.
+/// Splats of a packed file for each of its bytes, at most. Those of real files take several bytes each. A file that
+/// announces more is one that was made to fill the memory.
 const MOST_PER_BYTE: u64 = 32;
 
 /// A format of files that hold nothing but splats.
@@ -85,7 +86,8 @@ fn all_bytes(source: Source) -> Result<(SharedFile, Vec<u8>), Error> {
     Ok((file, bytes))
 }
 
-/// Checks that memory can hold the splats that a file announces, and that a packed file of so many bytes may have as many.
+/// Checks that memory can hold the splats that a file announces, and that a packed file of so many bytes may have as
+/// many.
 fn check_count(file: &SharedFile, place: &str, count: u64, degree: u32, packed: Option<u64>) -> Result<(), Error> {
     if let Some(bytes) = packed.filter(|bytes| count > bytes.saturating_mul(MOST_PER_BYTE)) {
         let cause = format!("{count} splats are announced, more than {MOST_PER_BYTE} for each of the {bytes} bytes");

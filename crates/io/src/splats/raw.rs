@@ -1,7 +1,7 @@
 //! `.splat`: rows of 32 bytes without a header, as the first viewers in browsers had them.
 //!
-//! A row is three floats of the center, three of the extents, red, green, blue and opacity as bytes, and the quaternion (w, x, y, z)
-//! as bytes b, each b/255·2 − 1. There are no harmonics.
+//! A row is three floats of the center, three of the extents, red, green, blue and opacity as bytes, and the quaternion
+//! (w, x, y, z) as bytes b, each b/255·2 − 1. There are no harmonics.
 
 use glam::{DQuat, DVec3};
 

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use pellucid_core::cloud::Bounds;
 
-/// Bits of the coordinates of a grid that is made for a cloud: one less than an `i32` has above zero, for what is rounded.
+/// Bits of the coordinates of a grid that is made for a cloud: one less than an `i32` has above zero, for what is
+/// rounded.
 const BITS: i32 = 30;
 
 /// Bits of a float64.

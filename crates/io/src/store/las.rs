@@ -13,12 +13,13 @@ use pellucid_core::progress::Progress;
 
 /// A LAS or LAZ file, in pieces of about half a million consecutive points each.
 ///
-/// Opening it decodes chunks from the start of the file until what decides about whole columns is known: the first pieces where
-/// colors have 16 bits and pulses several returns, the whole file where colors have 8 bits, where every pulse has one return, where
-/// GPS times are asked for, or where points lie outside of the header's box. Nothing of that pass is kept in memory.
+/// Opening it decodes chunks from the start of the file until what decides about whole columns is known: the first
+/// pieces where colors have 16 bits and pulses several returns, the whole file where colors have 8 bits, where every
+/// pulse has one return, where GPS times are asked for, or where points lie outside of the header's box. Nothing of
+/// that pass is kept in memory.
 ///
-/// A node's box is that of its points if the pass came so far, else the header's. The points of an old LAZ file without chunks are
-/// one node.
+/// A node's box is that of its points if the pass came so far, else the header's. The points of an old LAZ file without
+/// chunks are one node.
 #[derive(Debug)]
 pub struct LasPieces {
     file: LasFile,
@@ -153,8 +154,8 @@ pub(super) struct Survey {
 }
 
 impl Survey {
-    /// Decodes chunks in this order until nothing in the others can matter. `is_fine`, if it is there, says of the box of a chunk's
-    /// points whether it is what it should be; where it isn't, all chunks are decoded.
+    /// Decodes chunks in this order until nothing in the others can matter. `is_fine`, if it is there, says of the box
+    /// of a chunk's points whether it is what it should be; where it isn't, all chunks are decoded.
     pub fn of<'a>(
         file: &LasFile,
         chunks: impl Iterator<Item = &'a Chunk>,
@@ -163,7 +164,8 @@ impl Survey {
         let mut survey = Self { traits: Traits::NONE, boxes: Vec::new() };
         let (boxes, mut fine, mut done) = (is_fine.is_some(), true, 0usize);
         let mut chunks = chunks.peekable();
-        // One, then twice as many each time: most files need few, some all. Independent of the machine, as the nodes' boxes are.
+        // One, then twice as many each time: most files need few, some all. Independent of the machine, as the nodes'
+        // boxes are.
         while chunks.peek().is_some() && !(fine && survey.traits.are_settled(&file.header, file.asked)) {
             let batch: Vec<&Chunk> = chunks.by_ref().take(done.clamp(1, MOST_AT_A_TIME)).collect();
             done += batch.len();

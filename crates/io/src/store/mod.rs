@@ -1,4 +1,5 @@
-//! Clouds in nodes that are read one by one: octrees, tiles, and plain files in pieces. What a scan is too large for, a node is not.
+//! Clouds in nodes that are read one by one: octrees, tiles, and plain files in pieces. What a scan is too large for, a
+//! node is not.
 
 pub mod build;
 mod copc;
@@ -51,7 +52,7 @@ pub trait Store: Debug + Send + Sync {
     /// Returns what follows from all points, if the store has it.
     ///
     /// # Errors
-    /// It can't be read, or is that of another store.
+    /// Returns an error if the survey can't be read, or is that of another store.
     fn survey(&self) -> Result<Option<Survey>, Error> {
         Ok(None)
     }
@@ -81,8 +82,8 @@ pub struct Summary {
     pub ranges: Vec<(String, [f64; 2])>,
     /// The grid that all positions lie on, where the store has one.
     pub grid: Option<Grid>,
-    /// A cloud without points but with everything else that the nodes have in common: the (empty) columns that each of them has,
-    /// how it was prepared, and warnings.
+    /// A cloud without points but with everything else that the nodes have in common: the (empty) columns that each of
+    /// them has, how it was prepared, and warnings.
     pub like: Cloud,
 }
 
@@ -99,17 +100,19 @@ pub struct Node {
     pub points: u64,
     /// Bytes that are read for them.
     pub bytes: u64,
-    /// The typical distance of its points and those of the levels above, in the file's units; 0 if the store has no levels.
+    /// The typical distance of its points and those of the levels above, in the file's units; 0 if the store has no
+    /// levels.
     pub spacing: f64,
-    /// The largest radius of its own points, of Gaussians how far they reach, in the file's units, where the store knows it.
+    /// The largest radius of its own points, of Gaussians how far they reach, in the file's units, where the store
+    /// knows it.
     pub largest_radius: Option<f32>,
 }
 
 /// The points of a node.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Piece {
-    /// They; columns as in [`Summary::like`].
+    /// Points that were read, with columns as in [`Summary::like`].
     pub cloud: Cloud,
-    /// For each point its place among all points of the cloud's source, which tells points apart that are alike.
+    /// Place of each point among all points of the cloud's source, which tells points apart that are alike.
     pub places: Vec<u64>,
 }

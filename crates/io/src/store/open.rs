@@ -8,13 +8,14 @@ use crate::ply::{Vertices, is_prepared};
 use crate::{Error, Format, Hints, NAMES_WITHOUT_EFFECT, Source, load_with, splats};
 use pellucid_core::progress::Progress;
 
-/// Opens a cloud to be read node by node: a folder with an octree of Potree 2.0 (or its `metadata.json`), an EPT folder (or its `ept.json`), COPC, LAS and LAZ files, binary PLY files. All other files
-/// are loaded as a whole, which `progress` follows.
+/// Opens a cloud to be read node by node: a folder with an octree of Potree 2.0 (or its `metadata.json`), an EPT folder
+/// (or its `ept.json`), COPC, LAS and LAZ files, binary PLY files. All other files are loaded as a whole, which
+/// `progress` follows.
 ///
 /// Opening takes as long as each says: [`Octree`], [`Ept`], [`Copc`], [`LasPieces`], [`PlyPieces`].
 ///
 /// # Errors
-/// Those of each, and of [`load_with`].
+/// Returns the errors of each store's `open`, and of [`load_with`].
 pub fn open(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn Store>, Error> {
     if is_ept(path) {
         let mut store = Ept::open(path, hints.las)?;
@@ -62,7 +63,7 @@ pub fn open(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn St
 /// Gaussians; `None` of files that say nothing of it, or that are read as a whole.
 ///
 /// # Errors
-/// It can't be opened.
+/// Returns an error if the file can't be opened.
 pub fn announced(path: &Path, hints: &Hints) -> Result<Option<(u64, Option<u32>)>, Error> {
     if is_ept(path) {
         return Ok(Some((Ept::open(path, hints.las)?.summary().points, None)));
@@ -94,7 +95,7 @@ pub fn is_folder(path: &Path) -> bool {
 /// Returns `true` if a cloud has levels of detail: a folder that is a store, or COPC.
 ///
 /// # Errors
-/// It can't be opened.
+/// Returns an error if the file can't be opened.
 pub fn has_levels(path: &Path, hints: &Hints) -> Result<bool, Error> {
     if is_folder(path) {
         return Ok(true);

@@ -14,8 +14,9 @@ use pellucid_core::progress::Progress;
 
 /// A binary PLY file whose vertices have no lists, in pieces of half a million consecutive points each.
 ///
-/// Opening it reads all of it once, since such a file says nothing of its points: for the boxes of the nodes, the vertical, and what
-/// decides about whole columns. Nothing of that pass is kept in memory but up to 260,000 positions while it runs.
+/// Opening it reads all of it once, since such a file says nothing of its points: for the boxes of the nodes, the
+/// vertical, and what decides about whole columns. Nothing of that pass is kept in memory but up to 260,000 positions
+/// while it runs.
 #[derive(Debug)]
 pub struct PlyPieces {
     rows: VertexRows,

@@ -10,12 +10,12 @@ use pellucid_core::cloud::{Bounds, Cloud, GPS_TIME};
 
 /// Stores one behind the other, whose nodes are nodes of one cloud.
 ///
-/// Points have the columns that any of the stores has. Where a store lacks one, its points are white, opaque, without normal, of class
-/// 0, and have no number (NaN) as intensity and scalars. Radii and what was prepared are kept only if all have them, since there is no
-/// such value for points without.
+/// Points have the columns that any of the stores has. Where a store lacks one, its points are white, opaque, without
+/// normal, of class 0, and have no number (NaN) as intensity and scalars. Radii and what was prepared are kept only if
+/// all have them, since there is no such value for points without.
 ///
-/// The boxes of a file's nodes are that file's own, so files beside each other are told apart before they are read. LAS files are not
-/// looked up in spatial indices (`.lax`).
+/// The boxes of a file's nodes are that file's own, so adjacent files are distinguished before they are read. LAS
+/// files are not looked up in spatial indices (`.lax`).
 #[derive(Debug)]
 pub struct Tiles {
     stores: Vec<Tile>,

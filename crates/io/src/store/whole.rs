@@ -10,7 +10,7 @@ use pellucid_core::progress::Progress;
 /// Returns all points of a store in the order of its source, with what the store knows of all of them.
 ///
 /// # Errors
-/// Those of [`Store::read`].
+/// Returns the errors of [`Store::read`].
 pub fn whole(store: &dyn Store, progress: &Progress) -> Result<Cloud, Error> {
     let summary = store.summary();
     progress.set_length(summary.points);

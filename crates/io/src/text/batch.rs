@@ -94,7 +94,7 @@ impl Batch {
 
 /// The lines of a part of a batch.
 struct Part {
-    /// Those of all rows, one behind the other.
+    /// Values of all rows, one behind the other.
     values: Vec<f64>,
     fields: Fields,
     lines: u64,

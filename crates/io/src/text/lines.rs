@@ -23,7 +23,8 @@ impl<'s> Lines<'s> {
         Self { source, bytes: Vec::new(), number: 0, read: 0 }
     }
 
-    /// Reads the next line that is not blank into `line`, without white space at its ends; false at the end of the file.
+    /// Reads the next line that is not blank into `line`, without white space at its ends; false at the end of the
+    /// file.
     pub fn next(&mut self, line: &mut String) -> Result<bool, Error> {
         loop {
             self.bytes.clear();
@@ -78,7 +79,7 @@ pub(super) fn comment(line: &str) -> Option<&str> {
 /// The separator of the fields of a line.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Delimiter {
-    /// One or more blanks or tabs.
+    /// Blanks or tabs, one or more.
     Blanks,
     /// Exactly one of these.
     Char(char),
@@ -166,7 +167,7 @@ impl Fields {
         others.mark.is_none() || others.mark == mark
     }
 
-    /// Like [`Fields::numbers`], for lines that must have `columns` fields.
+    /// Reads the numbers of a line like [`Fields::numbers`], for lines that must have `columns` fields.
     pub fn row(&mut self, line: &str, columns: usize, row: &mut Vec<f64>) -> Result<(), Fault> {
         self.numbers(line, row)?;
         if row.len() + 1 == columns && matches!(self.delimiter, Delimiter::Char(c) if line.ends_with(c)) {
@@ -204,8 +205,8 @@ pub(super) fn any_number(field: &str) -> Option<f64> {
     number(field).or_else(|| decimal_comma(field))
 }
 
-/// True for three or more numbers between blanks or tabs, at least one with a decimal comma: "1,5 2,5 3". Cut at its commas
-/// it has a field with a blank between numbers.
+/// True for three or more numbers between blanks or tabs, at least one with a decimal comma: "1,5 2,5 3". Cut at its
+/// commas it has a field with a blank between numbers.
 fn has_decimal_commas(line: &str) -> bool {
     let fields: Vec<&str> = line.split_ascii_whitespace().map(bare).collect();
     let decimals = fields.iter().filter(|field| decimal_comma(field).is_some()).count();
@@ -221,8 +222,8 @@ fn decimal_comma(field: &str) -> Option<f64> {
     decimal.then(|| field.replace(',', ".").parse().ok())?
 }
 
-/// A line with quotes as the CSV reader likes it: outside of quotes no white space after a delimiter, since a quote begins
-/// a field only right behind it; and white space that delimits is a single blank.
+/// A line with quotes as the CSV reader likes it: outside of quotes no white space after a delimiter, since a quote
+/// begins a field only right behind it; and white space that delimits is a single blank.
 fn tidy(line: &str, delimiter: char) -> String {
     let mut quoted = false;
     let mut tidy = String::with_capacity(line.len());

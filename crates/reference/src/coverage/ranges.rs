@@ -1,7 +1,7 @@
 //! Coverage where roundings of float32 decide, at which depth, and how far from the center.
 //!
-//! Errors are counted in roundings ([`ROUNDING`]), as the shaders compute: pixel by pixel from the projected center, which is
-//! known as a whole pixel and a rounded fraction of one.
+//! Errors are counted in roundings ([`ROUNDING`]), as the shaders compute: pixel by pixel from the projected center,
+//! which is known as a whole pixel and a rounded fraction of one.
 
 use glam::{DVec2, DVec3};
 
@@ -39,7 +39,7 @@ pub fn possible(camera: &Camera, size: [u32; 2], splat: &Splat, rows: std::ops::
 struct Met {
     z: Range,
     rho: Range,
-    /// Within the rim for sure; and perhaps.
+    /// Coverage within the rim: for sure; and perhaps.
     inside: [bool; 2],
 }
 
@@ -83,7 +83,8 @@ impl Placed<'_> {
         }
     }
 
-    /// The ray o + d t in pixels at the center's depth and relative to the center, where the plane n·(o − d t) = 0 is met.
+    /// The ray o + d t in pixels at the center's depth and relative to the center, where the plane n·(o − d t) = 0 is
+    /// met.
     fn tangent_met(&self, at_px: DVec2, radius: f64, normal: DVec3) -> Met {
         let (u, z) = (ROUNDING, self.position_view.z);
         let scale = self.camera.pixels_per_unit(z, self.size[1]);
@@ -134,8 +135,8 @@ impl Placed<'_> {
     }
 }
 
-/// A flat outline: `distance` decides, `from_center` is what ρ comes from. Half a rounding for the fraction of a pixel and one
-/// for the sum in each coordinate, two for squares and their sum, one for the root.
+/// A flat outline: `distance` decides, `from_center` is what ρ comes from. Half a rounding for the fraction of a pixel
+/// and one for the sum in each coordinate, two for squares and their sum, one for the root.
 fn flat(z: Range, distance: f64, from_center: f64, radius: f64) -> Met {
     let error = ROUNDING * (1.5 + 4.0 * from_center);
     let met = inside(z, distance, error, radius);

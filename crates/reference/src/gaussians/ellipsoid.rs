@@ -1,11 +1,14 @@
-//! The kernel `ellipsoid`: constant density within the semi-axes s (Mai et al. 2025, "EVER: Exact Volumetric Ellipsoid Rendering").
+//! The kernel `ellipsoid`: constant density within the semi-axes s (Mai et al. 2025, "EVER: Exact Volumetric Ellipsoid
+//! Rendering").
 //!
-//! The density per unit of length is σ = −ln(1 − min(o, `alpha_max`)) / (2·min s), so that a ray along the shortest axis meets the opacity of the splat.
-//! Between the places where a ray enters or leaves an ellipsoid, or meets a disc, densities add up: over a length Δ the opacity is
-//! 1 − exp(−Δ·Σσ), and the color Σσc / Σσ. A Gaussian without thickness is a disc of opacity o; of infinite density it is opaque where it is
-//! entered. Rays are cut at near, and not at far.
+//! The density per unit of length is σ = −ln(1 − min(o, `alpha_max`)) / (2·min s), so that a ray along the shortest
+//! axis meets the opacity of the splat. Between the places where a ray enters or leaves an ellipsoid, or meets a disc,
+//! densities add up: over a length Δ the opacity is 1 − exp(−Δ·Σσ), and the color Σσc / Σσ. A Gaussian without
+//! thickness is a disc of opacity o; of infinite density it is opaque where it is entered. Rays are cut at near, and
+//! not at far.
 //!
-//! In coordinates y of the ellipsoid, x = μ + M y, a ray is y = g + s·h, and |y|² ≤ 1 for s within √(|h|² − |g × h|²) / |h|² of −g·h / |h|².
+//! In coordinates y of the ellipsoid, x = μ + M y, a ray is y = g + s·h, and |y|² ≤ 1 for s within √(|h|² − |g × h|²) /
+//! |h|² of −g·h / |h|².
 
 use glam::DVec3;
 
@@ -26,7 +29,7 @@ pub struct Body {
     pub start: f64,
     /// End on the ray; a surface ends where it begins.
     pub end: f64,
-    /// Its effect on light.
+    /// Effect of the ellipsoid on light.
     pub matter: Matter,
 }
 
@@ -52,7 +55,8 @@ impl Body {
 /// A chord of this share of its distance is one place: the difference of its ends has too few digits, its half has all.
 const THIN: f64 = 1e-9;
 
-/// σ per unit of length for an opacity and the shortest semi-axis. Infinite where nothing is seen through it, or without thickness.
+/// σ per unit of length for an opacity and the shortest semi-axis. Infinite where nothing is seen through it, or
+/// without thickness.
 pub fn density(opacity: f64, shortest: f64, settings: &GaussianSettings) -> f64 {
     -(-opacity.min(f64::from(settings.alpha_max))).ln_1p() / (2.0 * shortest)
 }
@@ -141,7 +145,7 @@ pub fn bodies(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -
 /// A piece of a ray, from near to far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Piece {
-    /// Of a length, with the sum of the densities and their mean color.
+    /// Segment of a length, with the sum of the densities and their mean color.
     Dense { start: f64, length: f64, density: f64, color: DVec3 },
     /// A surface.
     Surface { at: f64, opacity: f64, color: DVec3 },

@@ -1,8 +1,10 @@
-//! The kernel `ewa`: a Gaussian's projection, linear around its center (Zwicker et al. 2001, "EWA Splatting"; Kerbl et al. 2023).
+//! The kernel `ewa`: a Gaussian's projection, linear around its center (Zwicker et al. 2001, "EWA Splatting"; Kerbl et
+//! al. 2023).
 //!
-//! Σ′ = P Pᵀ + `dilation`·I with P = J M in pixels. With the columns p_k of P and d from the center to the pixel's center,
-//! det Σ′ = Σ_{j<k} (p_j × p_k)² + dilation·Σ|p_k|² + dilation² (Cauchy and Binet), and
-//! ρ² = dᵀΣ′⁻¹d = (Σ(p_k × d)² + dilation·|d|²) / det Σ′. No term is negative, so nothing cancels however thin a splat is.
+//! Σ′ = P Pᵀ + `dilation`·I with P = J M in pixels. With the columns p_k of P and d from the center to the pixel's
+//! center, det Σ′ = Σ_{j<k} (p_j × p_k)² + dilation·Σ|p_k|² + dilation² (Cauchy and Binet), and
+//! ρ² = dᵀΣ′⁻¹d = (Σ(p_k × d)² + dilation·|d|²) / det Σ′. No term is negative, so nothing cancels however thin a splat
+//! is.
 
 use glam::{DMat3, DVec2, DVec3};
 
@@ -86,8 +88,8 @@ pub(super) fn dilation_factor(ratio: f64) -> f64 {
     ratio.max(LEAST_FACTOR2).sqrt()
 }
 
-/// J, pixels to the right and down by units to the right, up and away, and the slope that it goes along. That follows the center to
-/// 1.3 times the half field of view.
+/// J, pixels to the right and down by units to the right, up and away, and the slope that it goes along. That follows
+/// the center to 1.3 times the half field of view.
 fn jacobian(placed: &Placed) -> (DMat3, DVec2) {
     let scale = placed.camera.pixels_per_unit(placed.center.z, placed.size[1]);
     let across = DMat3::from_diagonal(DVec3::new(scale, -scale, 0.0));

@@ -1,7 +1,8 @@
 //! Colors of Gaussians: real spherical harmonics of the direction from the eye to the center.
 //!
-//! Degrees 0 to 3 have the constants and signs of Kerbl et al. 2023 (`cuda_rasterizer/forward.cu`), degree 4 those of SPZ, which
-//! goes on in the same basis: Y_lm with sin(mφ) for m < 0, the Condon–Shortley phase included, in the order of m.
+//! Degrees 0 to 3 have the constants and signs of Kerbl et al. 2023 (`cuda_rasterizer/forward.cu`), degree 4 those of
+//! SPZ, which goes on in the same basis: Y_lm with sin(mφ) for m < 0, the Condon–Shortley phase included, in the order
+//! of m.
 
 use std::f64::consts::PI;
 

@@ -1,9 +1,9 @@
 //! Gaussian splats (Kerbl et al. 2023): which pixels one covers, with which opacity, and at which depth.
 //!
-//! A Gaussian has a center μ and a covariance Σ = M Mᵀ, whose columns are the axes r_k scaled by the standard deviations s_k.
-//! On a pixel it has the opacity α = min(`alpha_max`, o·exp(−ρ²/2)), and none where that is less than `alpha_min`. ρ follows
-//! from the kernel: [`ewa`] or [`ray`]; [`ellipsoid`] has its own rules. Nothing else bounds a splat: neither tiles nor a number of standard deviations, and the
-//! pixel of its center is not covered for that alone.
+//! A Gaussian has a center μ and a covariance Σ = M Mᵀ, whose columns are the axes r_k scaled by the standard
+//! deviations s_k. On a pixel it has the opacity α = min(`alpha_max`, o·exp(−ρ²/2)), and none where that is less than
+//! `alpha_min`. ρ follows from the kernel: [`ewa`] or [`ray`]; [`ellipsoid`] has its own rules. Nothing else bounds a
+//! splat: neither tiles nor a number of standard deviations, and the pixel of its center is not covered for that alone.
 
 pub mod ellipsoid;
 pub mod ewa;

@@ -1,9 +1,10 @@
-//! The kernel `ray`: a Gaussian's largest density along a pixel's ray (Moënne-Loccoz et al. 2024, "3D Gaussian Ray Tracing").
+//! The kernel `ray`: a Gaussian's largest density along a pixel's ray (Moënne-Loccoz et al. 2024, "3D Gaussian Ray
+//! Tracing").
 //!
 //! With g = S⁻¹Rᵀ(e − μ) and h = S⁻¹Rᵀd that is ρ² = |h×g|² / |h|² at t = −g·h / |h|². Hahlbohm et al. 2024 ("Efficient
-//! Perspective-Correct 3D Gaussian Splatting Using Hybrid Transparency") get the same without an inverse, also of flat splats: the ray is
-//! where two planes meet. In coordinates y of the Gaussian, x = μ + M y, these are aᵢ·y + cᵢ = 0. With k = a₁ × a₂ and
-//! m = c₁a₂ − c₂a₁ the point of the ray nearest to y = 0 is (k × m) / |k|², and ρ² = |m|² / |k|².
+//! Perspective-Correct 3D Gaussian Splatting Using Hybrid Transparency") get the same without an inverse, also of flat
+//! splats: the ray is where two planes meet. In coordinates y of the Gaussian, x = μ + M y, these are aᵢ·y + cᵢ = 0.
+//! With k = a₁ × a₂ and m = c₁a₂ − c₂a₁ the point of the ray nearest to y = 0 is (k × m) / |k|², and ρ² = |m|² / |k|².
 
 use glam::{DMat3, DVec2, DVec3};
 
@@ -13,7 +14,8 @@ use pellucid_scene::{GaussianSettings, Order};
 /// Place at which a Gaussian is densest along a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Densest {
-    /// Distance from the center in standard deviations, squared; not finite where the ray is in the plane of a flat Gaussian.
+    /// Distance from the center in standard deviations, squared; not finite where the ray is in the plane of a flat
+    /// Gaussian.
     pub rho2: f64,
     /// Depth along the viewing axis; of a line, not of a ray that ends at the eye.
     pub depth: f64,

@@ -1,5 +1,5 @@
-//! `image-space` where roundings of float32 decide: of two points the nearer one, whether a neighbor lies more than d̃ before a
-//! pixel, whether an edge is as strong as the threshold.
+//! `image-space` where roundings of float32 decide: of two points the nearer one, whether a neighbor lies more than d̃
+//! before a pixel, whether an edge is as strong as the threshold.
 //!
 //! Points have to be clear of what decides whether they are drawn at all: near and far, and the turn of their normals.
 
@@ -27,7 +27,7 @@ pub struct LayerRange {
 pub struct Home {
     /// The pixel, row by row.
     pub pixel: usize,
-    /// Its depth.
+    /// Depth of the splat.
     pub z: Range,
     /// False if it may be on another pixel.
     pub sure: bool,
@@ -202,8 +202,8 @@ impl LayerRange {
         Self { rgba: (0..self.depth.len()).map(smooth).collect(), ..self.clone() }
     }
 
-    /// See [`super::Layer::edge`]. Four sums are rounded, none of them larger than all depths together; distance, its multiple,
-    /// the quotient and far bring a rounding each.
+    /// See [`super::Layer::edge`]. Four sums are rounded, none of them larger than all depths together; distance, its
+    /// multiple, the quotient and far bring a rounding each.
     pub fn edge(&self, pixel: usize, distance: Range, far: f64) -> Range {
         let far = Range::around(far, ROUNDING * far);
         let known = |depth: Range| match (depth.low.is_finite(), depth.high.is_finite()) {

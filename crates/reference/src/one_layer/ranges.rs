@@ -1,5 +1,5 @@
-//! One-layer transparency where roundings of float32 decide: which splats count, which soft ones lie behind the layer, and
-//! whether the layer lies before the solids.
+//! One-layer transparency where roundings of float32 decide: which splats count, which soft ones lie behind the layer,
+//! and whether the layer lies before the solids.
 
 use glam::DVec3;
 

@@ -1,5 +1,5 @@
-//! Shadow textures where roundings of float32 decide: on which pixel of a light's image a point lies, which of two is nearer to the
-//! light, which is occluded there, where d̃ ends, and on which of two faces of a cube a point is.
+//! Shadow textures where roundings of float32 decide: on which pixel of a light's image a point lies, which of two is
+//! nearer to the light, which is occluded there, where d̃ ends, and on which of two faces of a cube a point is.
 
 use glam::DVec3;
 
@@ -45,9 +45,9 @@ fn depths(camera: &Camera, resolution: u32, points: &Points, distance: Range) ->
     nearest.occluded_replaced(distance).depth
 }
 
-/// How far behind the reference depth a point is lit: `distance` / max(|n_z|, 0.1). The cosine is a sum of three products with
-/// a rounded axis, which leaves four roundings of the product of lengths, and the normal's own length is off by one; the
-/// quotient brings another.
+/// Distance behind the reference depth a point is lit: `distance` / max(|n_z|, 0.1). The cosine is a sum of three
+/// products with a rounded axis, which leaves four roundings of the product of lengths, and the normal's own length is
+/// off by one; the quotient brings another.
 fn reach(points: &Points, index: usize, camera: &Camera, distance: Range) -> Range {
     let normal = points.own_normal(index).and_then(|normal| normal.as_dvec3().try_normalize());
     let cos = normal.map_or(Range::only(1.0), |n: DVec3| {

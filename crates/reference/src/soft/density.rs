@@ -16,7 +16,7 @@ pub struct Strength {
 const OPAQUE: f64 = 1e20;
 
 impl Strength {
-    /// From the density that was asked for, and the median radius of the soft points.
+    /// Finds the density from the one that was asked for, and the median radius of the soft points.
     pub fn new(method: &Method, soft: &Soft, median_radius: f64) -> Self {
         // Optical depth of the central chord of a median sphere, for λ = 1.
         let central = match method {
@@ -58,8 +58,8 @@ pub fn median_radius(points: &Points, threshold: f32) -> f64 {
 
 /// Eq. 6 and 7 in a form that has a limit at d = 0: the integral of r − √(x² + d²) from 0 to `b`, odd in `b`.
 ///
-/// ln(√(b² + d²) + b) − ln d is asinh(b/d). The difference of two of these is off by some 10⁻¹⁶·r², which is what counts
-/// for an opacity; it is not accurate to as many digits where a segment is short.
+/// ln(√(b² + d²) + b) − ln d is asinh(b/d). The difference of two of these is off by some 10⁻¹⁶·r², which is what
+/// counts for an opacity; it is not accurate to as many digits where a segment is short.
 pub fn antiderivative(radius: f64, distance: f64, b: f64) -> f64 {
     let squared = distance * distance;
     let logarithm = if squared > 0.0 { squared * (b / distance).asinh() } else { 0.0 };

@@ -35,8 +35,8 @@ pub fn axis(forward: DVec3) -> (usize, f64) {
     (axis, forward[axis].signum())
 }
 
-/// Soft points from the first to the last along that axis; equal places by index, the last one first where the view goes
-/// against the axis: one order is read both ways.
+/// Soft points from the first to the last along that axis; equal places by index, the last one first where the view
+/// goes against the axis: one order is read both ways.
 fn order(camera: &Camera, points: &Points, threshold: f32) -> Vec<usize> {
     let (axis, sign) = axis(camera.forward);
     let mut order: Vec<usize> = (0..points.fields.len()).filter(|i| points.fields[*i] > threshold).collect();

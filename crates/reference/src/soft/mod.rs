@@ -26,14 +26,14 @@ use pellucid_scene::{MAX_SHELLS, Shells, Soft, SoftMethod};
 pub struct Model {
     /// The method.
     pub method: SoftMethod,
-    /// Its settings.
+    /// Settings of the method.
     pub soft: Soft,
     /// λ and a₀.
     pub strength: Strength,
 }
 
 impl Model {
-    /// Of a method, for some points.
+    /// Prepares a method for some points.
     pub fn new(method: SoftMethod, points: &Points) -> Self {
         let soft = *method.settings();
         let median_radius = density::median_radius(points, soft.threshold);
@@ -108,7 +108,7 @@ impl Pixel {
 /// The scene to render.
 #[derive(Debug, Clone, Copy)]
 pub struct Scene<'a> {
-    /// From where.
+    /// Camera of the picture.
     pub camera: &'a Camera,
     /// Columns and rows of the image.
     pub size: [u32; 2],

@@ -27,7 +27,7 @@ pub struct Chord {
 }
 
 impl Ray {
-    /// Through the center of pixel (x, y).
+    /// Makes the ray through the center of pixel (x, y).
     pub fn new(camera: &Camera, size: [u32; 2], [x, y]: [u32; 2]) -> Self {
         let focal = camera.focal_px(size[1]);
         let right = (f64::from(x) + 0.5 - 0.5 * f64::from(size[0])) / focal;

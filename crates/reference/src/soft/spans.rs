@@ -16,7 +16,7 @@ pub struct Span {
     pub end: f64,
     /// 1 − d/r: the weight of its color.
     pub weight: f64,
-    /// Its color.
+    /// Color of the span.
     pub color: DVec3,
     /// The medium that absorbs its light.
     pub medium: Medium,
@@ -36,7 +36,7 @@ pub enum Medium {
         /// s_m.
         middle: f64,
     },
-    /// The same everywhere: λμ′, Eq. 15.
+    /// Constant density: λμ′, Eq. 15.
     Constant(f64),
 }
 

@@ -1,5 +1,5 @@
-//! Stochastic point-based rendering where roundings of float32 decide: which ensemble draws a point that is smaller than a
-//! pixel, which pixels a square covers, which of two points is nearer.
+//! Stochastic point-based rendering where roundings of float32 decide: which ensemble draws a point that is smaller
+//! than a pixel, which pixels a square covers, which of two points is nearer.
 
 use glam::DVec3;
 
@@ -68,7 +68,7 @@ impl Sums {
         [r, g, b, self.drawn].map(|sum| Range { low: sum.low / ensembles, high: sum.high / ensembles })
     }
 
-    /// As in [`super::render`].
+    /// Returns the standard error, as in [`super::render`].
     fn stderr(&self, ensembles: f64) -> [Range; 3] {
         let error = |squares: f64, sum: f64| {
             ((squares - sum * sum / ensembles).max(0.0) / (ensembles * (ensembles - 1.0))).sqrt()
@@ -143,8 +143,8 @@ struct Side {
 }
 
 impl Side {
-    /// Half the side of the square has half the area's relative error, and a rounding for its root and its half each; it is taken
-    /// from or added to a half, then to the fraction of a pixel, where the sum is below 1.5 more.
+    /// Half the side of the square has half the area's relative error, and a rounding for its root and its half each;
+    /// it is taken from or added to a half, then to the fraction of a pixel, where the sum is below 1.5 more.
     fn new(point: &Drawn, axis: usize, side: u32) -> Self {
         let at = point.at[axis];
         let [small, large] = [-1.0, 1.0].map(|sign| 0.5 * (point.area + sign * point.area_error).max(1.0).sqrt());

@@ -11,7 +11,8 @@ use pellucid_io::polygon::Rings;
 /// The largest number of strips of a polygon. With more of them, a point meets fewer edges.
 const MAX_STRIPS: usize = 4096;
 
-/// The number of strips that an edge may lie in, in the mean, so that strips take no more memory than some copies of the edges.
+/// The number of strips that an edge may lie in, in the mean, so that strips take no more memory than some copies of
+/// the edges.
 const STRIPS_PER_EDGE: usize = 8;
 
 /// Polygons, of which each may have holes.
@@ -77,7 +78,7 @@ impl Polygon {
         ((share * self.strips.len() as f64) as usize).min(self.strips.len() - 1)
     }
 
-    /// By the even-odd rule.
+    /// Tells on which side of the polygon a place is, by the even-odd rule.
     fn side(&self, p: DVec2) -> Side {
         if p.cmplt(self.min).any() || p.cmpgt(self.max).any() {
             return Side::Outside;

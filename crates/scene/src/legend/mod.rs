@@ -36,7 +36,7 @@ pub struct Legend {
 /// The meaning of the colors of some clouds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
-    /// Their numbers in the scene, from 0.
+    /// Numbers of the clouds in the scene, from 0.
     clouds: Vec<usize>,
     /// The names of their files, without folders.
     files: Vec<String>,
@@ -53,7 +53,7 @@ pub struct Entry {
 /// Values and their colors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Values {
-    /// From values to places, 0 to 1.
+    /// Scale that maps values to places, 0 to 1.
     pub scale: Scale,
     /// `true` for values that are whole numbers.
     pub whole: bool,
@@ -112,8 +112,8 @@ impl Legend {
         self.entries.iter().find(|entry| entry.clouds.contains(&cloud))
     }
 
-    /// Adds the meaning of the colors of the scene's next cloud. `fields` as for [`Coloring::colors`]; `dropped` marks points that
-    /// are left out.
+    /// Adds the meaning of the colors of the scene's next cloud. `fields` as for [`Coloring::colors`]; `dropped` marks
+    /// points that are left out.
     ///
     /// # Errors
     /// The cloud lacks what `color_by` or a class is about.
@@ -145,9 +145,9 @@ impl Legend {
 
 /// Facts that are met among the points of a cloud that are drawn.
 struct Met {
-    /// By code: classes whose points have the class's color.
+    /// Classes by code: true for those whose points have the class's color.
     classes: Vec<bool>,
-    /// By rule: those about a scalar that give points their color.
+    /// Rules by index: true for those about a scalar that give points their color.
     rules: Vec<bool>,
     /// Points whose color is that of `color_by`.
     own: bool,

@@ -12,7 +12,7 @@ use pellucid_core::points::Points;
 pub enum Arranged {
     /// Points in canonical order; shared with what renders them, which may have no room for all of them at once.
     Canonical(Arc<Points>),
-    /// Shuffled, cloud after cloud, for methods that deal points to ensembles.
+    /// Shuffled, cloud after cloud, for methods that partition points into ensembles.
     Dealt(Dealt),
     /// Points that come some at a time, from where they are stored.
     Supplied(Supplied),
@@ -25,7 +25,7 @@ pub struct Supplied {
     pub supply: Arc<dyn Supply>,
     /// Some that stand for all, with what is known of all ([`Points::whole`]).
     pub sample: Arc<Points>,
-    /// All of them shuffled, cloud after cloud, for methods that deal points to ensembles.
+    /// All of them shuffled, cloud after cloud, for methods that partition points into ensembles.
     pub dealt: Option<Arc<DealtFile>>,
 }
 

@@ -1,20 +1,21 @@
-//! Estimates the number of points per unit of a surface's area by counting in spheres (Tanaka et al. 2016, Section 3.2.1).
+//! Estimates the number of points per unit of a surface's area by counting in spheres (Tanaka et al. 2016, Section
+//! 3.2.1).
 //!
-//! The paper counts the points in spheres of radius R, a fiftieth of the diagonal of the points' box, around points chosen
-//! at random, and divides the mean by the area πR² of a great circle. That is exact on planes and on spheres alike (a ball
-//! of radius R cuts πR² out of any sphere), except for four effects that are corrected here.
+//! The paper counts the points in spheres of radius R, a fiftieth of the diagonal of the points' box, around points
+//! chosen at random, and divides the mean by the area πR² of a great circle. That is exact on planes and on spheres
+//! alike (a ball of radius R cuts πR² out of any sphere), except for four effects that are corrected here.
 //!
-//! * **The center** is a point itself and would always be counted, so it is excluded. Points that keep their distance, as
-//!   in a thinned cloud, then lack one point around it, and points that were measured twice have one too many. The number
-//!   is the same for each radius, so a third radius reveals it.
-//! * **Rims.** A sphere that extends beyond a rim holds too few points. Over a flat piece of area A and perimeter P the mean
-//!   count is ρ(πr² − 2Pr³/3A) (the slope of the covariogram: Matheron, "Random Sets and Integral Geometry", 1975). The
-//!   relative loss is proportional to r, so two radii reveal it for any outline.
-//! * **Other surfaces and thickness.** Two sheets closer than R count as one; a rough surface whose points scatter by more
-//!   than r doesn't look like a surface to so small a sphere. On a surface the count grows as r², so among R and its halves
-//!   the radius with that growth is chosen (the correlation dimension of Grassberger and Procaccia, 1983, is 2), with a
-//!   penalty for small counts. Sheets that no radius separates count as one, as in the paper. Points that fill a volume have
-//!   no area: their density is that of the sphere of radius R, about as in the paper.
+//! * **The center** is a point itself and would always be counted, so it is excluded. Points that keep their distance,
+//!   as in a thinned cloud, then lack one point around it, and points that were measured twice have one too many. The
+//!   number is the same for each radius, so a third radius reveals it.
+//! * **Rims.** A sphere that extends beyond a rim holds too few points. Over a flat piece of area A and perimeter P the
+//!   mean count is ρ(πr² − 2Pr³/3A) (the slope of the covariogram: Matheron, "Random Sets and Integral Geometry",
+//!   1975). The relative loss is proportional to r, so two radii reveal it for any outline.
+//! * **Other surfaces and thickness.** Two sheets closer than R count as one; a rough surface whose points scatter by
+//!   more than r doesn't look like a surface to so small a sphere. On a surface the count grows as r², so among R and
+//!   its halves the radius with that growth is chosen (the correlation dimension of Grassberger and Procaccia, 1983, is
+//!   2), with a penalty for small counts. Sheets that no radius separates count as one, as in the paper. Points that
+//!   fill a volume have no area: their density is that of the sphere of radius R, about as in the paper.
 //! * **Points in rows** of a grid enter a sphere by whole rows. A point at distance d counts 2(1 − d²/r²) instead of 1,
 //!   which is twice the mean over all spheres up to that area, so that no row enters all at once.
 //!
@@ -40,7 +41,8 @@ const CHEAP_PAIRS: usize = 2_000_000_000;
 const MAX_PAIRS: u64 = 400_000_000;
 /// Points that are counted at most: the first ones.
 pub(super) const COUNTED: usize = 1 << 23;
-/// Points that a radius of a fiftieth is meant for; with a quarter of that it is doubled, up to [`MAX_DOUBLINGS`] times.
+/// Points that a radius of a fiftieth is meant for; with a quarter of that it is doubled, up to [`MAX_DOUBLINGS`]
+/// times.
 const MANY: usize = 40_000;
 /// See [`MANY`].
 const MAX_DOUBLINGS: u32 = 3;
@@ -72,7 +74,8 @@ pub(super) trait Shuffled {
     /// The box around all of them; `None` without any.
     fn bounds(&self) -> Option<Bounds>;
 
-    /// Shows the first `count` of them, some after others, whose number is a multiple of [`BLOCK`] except for the last ones.
+    /// Shows the first `count` of them, some after others, whose number is a multiple of [`BLOCK`] except for the last
+    /// ones.
     fn show(&self, count: usize, see: &mut dyn FnMut(&[DVec3])) -> Result<(), Self::Error>;
 }
 
@@ -93,7 +96,7 @@ impl Shuffled for [DVec3] {
     }
 }
 
-/// Like [`estimate`], of positions that may be somewhere else.
+/// Estimates the density like [`estimate`], from positions that may be somewhere else.
 pub(super) fn estimate_of<S: Shuffled + ?Sized>(shuffled: &S, progress: &Progress) -> Result<f64, S::Error> {
     let count = shuffled.count();
     let Some(frame) = Frame::enclosing(shuffled.bounds(), count) else { return Ok(0.0) };
@@ -117,7 +120,7 @@ pub(super) fn estimate_of<S: Shuffled + ?Sized>(shuffled: &S, progress: &Progres
     Ok(density.min(f64::MAX))
 }
 
-/// Of so many points, of which all together are in `pairs`, those that can be counted within [`MAX_PAIRS`].
+/// Number of points, out of so many that are together in `pairs`, that can be counted within [`MAX_PAIRS`].
 fn affordable(pairs: u64, points: usize) -> usize {
     match pairs {
         0..=MAX_PAIRS => points,
@@ -184,7 +187,7 @@ struct Band {
 /// The centers whose spheres may reach into each cell.
 struct Grid {
     centers: Vec<DVec3>,
-    /// For each cell the start of its centers in `members`, with their number as the last entry.
+    /// Start of each cell's centers in `members`, with their number as the last entry.
     starts: Vec<u32>,
     members: Vec<u32>,
 }
@@ -226,8 +229,9 @@ impl Grid {
         points.par_iter().map(|&p| self.members(frame.cell(frame.local(p))).len() as u64).sum()
     }
 
-    /// Adds to the bands. Band b holds the pairs of a center and another point whose distance d has 2⁻ᵇ⁻¹ ≤ d < 2⁻ᵇ; the last one all
-    /// nearer ones too. `first` points were counted before, a multiple of [`BLOCK`]. The sums don't depend on the number of cores.
+    /// Adds to the bands. Band b holds the pairs of a center and another point whose distance d has 2⁻ᵇ⁻¹ ≤ d < 2⁻ᵇ;
+    /// the last one all nearer ones too. `first` points were counted before, a multiple of [`BLOCK`]. The sums don't
+    /// depend on the number of cores.
     fn count(&self, frame: &Frame, first: usize, points: &[DVec3], all: &mut [Band; RADII]) {
         let count = |(block, points): (usize, &[DVec3])| {
             let mut bands = [Band::default(); RADII];
@@ -287,8 +291,8 @@ fn extrapolate(bands: &[Band; RADII], centers: usize, weight: f64) -> f64 {
         // points it is the square root.
         let chance = (pairs / centers as f64).powf(-2.0 / 3.0) + 2.0 / pairs.sqrt();
         if off + chance < best.0 {
-            // whole = ρ − rim − own, half = ρ − rim/2 − 4 own, quarter = ρ − rim/4 − 16 own. No surface has less than no
-            // rim, and no more than the center itself can be missing, which counts 2.
+            // whole = ρ − rim − own, half = ρ − rim/2 − 4 own, quarter = ρ − rim/4 − 16 own. No surface has less than
+            // no rim, and no more than the center itself can be missing, which counts 2.
             let most = 2.0 * weight * centers as f64 * f64::from(1u32 << (2 * j)) / PI;
             let own = (((half - whole) - 2.0 * (quarter - half)) / 21.0).min(most);
             let rim = (2.0 * (half - whole) + 6.0 * own).max(0.0);

@@ -1,4 +1,4 @@
-//! Points in the order in which they are dealt to ensembles (Tanaka et al. 2016; Uchida et al. 2020).
+//! Points in the order in which they are partitioned into ensembles (Tanaka et al. 2016; Uchida et al. 2020).
 //!
 //! Each cloud's points are in random order, one cloud after the other. M = round(kN) copies of a cloud's N points are
 //! dealt to L ensembles, ⌊(e+1)M/L⌋ − ⌊eM/L⌋ to ensemble e, so that sizes differ by at most one. No copy is stored.
@@ -20,7 +20,7 @@ use super::{density, order};
 use pellucid_core::points::Points;
 use pellucid_core::random::{key, threefry2x32};
 
-/// Told apart from it, the words that shuffle have nothing to do with those that decide what is drawn.
+/// Domain separator of the random words that shuffle, so that they are independent of those that decide what is drawn.
 const SHUFFLE: u32 = 0x7368_7566;
 
 /// Properties of one cloud.
@@ -31,7 +31,8 @@ pub struct Surface {
     /// Middle of the box of its points, in world coordinates: where a point is one pixel wide.
     pub center: DVec3,
     /// Points for each unit of a surface's area (world units squared), by counting spheres (Tanaka et al. 2016, Section
-    /// 3.2.1, less its biases: rims, the spheres' own centers). 0 if the points are too few to tell or all in one place.
+    /// 3.2.1, less its biases: rims, the spheres' own centers). 0 if the points are too few to tell or all in one
+    /// place.
     pub density: f64,
     /// Largest opacity α of its points, in [0, 1]: that of its surface.
     pub opacity: f32,
@@ -53,7 +54,7 @@ pub fn slots(slots: u64, ensembles: u32, ensemble: u32) -> Range<u64> {
     bound(u64::from(ensemble))..bound(u64::from(ensemble) + 1)
 }
 
-/// The dealing of a cloud's points.
+/// The partition into ensembles of a cloud's points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Deal {
     /// N, at least 1.
@@ -68,7 +69,7 @@ pub struct Deal {
     pub seed: u64,
 }
 
-/// Ensembles to which points are dealt but once.
+/// Ensembles to which points are assigned but once.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pass {
     /// Range of ensembles.
@@ -185,17 +186,18 @@ fn scrambled(mut x: u32) -> u32 {
 /// Clouds without points are left out.
 ///
 /// The order of a cloud's points in its file has no effect; its place among the others has. Point i of the canonical
-/// order is sorted by its words: those of [`threefry2x32`] with counter \[id of the point ([`Points::ids`]), place of the cloud\] and the
-/// seed's key, the second word of it exclusive-or 0x73687566; equal words stay in order. So a seed gives the same shuffle on
-/// every machine, and any part of a cloud has the order of the whole. `progress` counts points, each of them twice.
+/// order is sorted by its words: those of [`threefry2x32`] with counter \[id of the point ([`Points::ids`]), place of
+/// the cloud\] and the seed's key, the second word of it exclusive-or 0x73687566; equal words stay in order. So a seed
+/// gives the same shuffle on every machine, and any part of a cloud has the order of the whole. `progress` counts
+/// points, each of them twice.
 pub fn deal(clouds: Vec<Points>, seed: u64, progress: &Progress) -> Dealt {
     deal_traced(clouds, seed, progress, None)
 }
 
-/// The origins of the points of a dealt list.
+/// The origins of the points of a shuffled list.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Trace {
-    /// For each place its point's number in the input: cloud after cloud, in their order.
+    /// Number of the point at each place in the input: cloud after cloud, in their order.
     pub origins: Vec<u32>,
     /// Places of points in the same place, cloud by cloud.
     pub ties: Ties,
@@ -215,7 +217,7 @@ impl Trace {
     }
 }
 
-/// Like [`deal`], and records the origins of points if `trace` is given.
+/// Shuffles points like [`deal`], and records the origins of points if `trace` is given.
 pub(crate) fn deal_traced(clouds: Vec<Points>, seed: u64, progress: &Progress, mut trace: Option<&mut Trace>) -> Dealt {
     progress.set_length(clouds.iter().map(|cloud| 2 * cloud.len() as u64).sum());
     let (mut points, mut surfaces) = (Points::default(), Vec::new());
@@ -279,7 +281,7 @@ impl Shuffle {
     }
 }
 
-/// For each place of a cloud the point to put there, from the points' ids.
+/// Returns the point to put at each place of a cloud, from the points' ids.
 fn shuffle(ids: &[u32], place: u32, seed: u64) -> Vec<u32> {
     let shuffle = Shuffle::new(place, seed);
     // Points are counted in 32 bits: more of them don't fit any device.

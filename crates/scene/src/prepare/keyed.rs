@@ -38,8 +38,8 @@ impl Keyed {
 /// Returns the codes of 63 bits of so many points in ascending order; those of equal codes in the order of
 /// `by_content`, and of equal content in that of their indices.
 ///
-/// Codes are found twice, so that nothing but the result needs memory. Each digit, from the highest on, cuts a run of points into
-/// shorter ones, until these are few enough to be compared.
+/// Codes are found twice, so that nothing but the result needs memory. Each digit, from the highest on, cuts a run of
+/// points into shorter ones, until these are few enough to be compared.
 pub(super) fn sorted(
     count: u32,
     code: impl Fn(u32) -> u64 + Sync,
@@ -121,7 +121,8 @@ fn sort_each(all: &mut [Keyed], lengths: &[usize], left: u32, by_content: &(impl
     runs.into_par_iter().for_each_init(Vec::new, |room, run| sort(run, left, room, by_content));
 }
 
-/// Sorts points that differ in the lowest `left` bits at most. They come in the order of their indices where codes are equal.
+/// Sorts points that differ in the lowest `left` bits at most. They come in the order of their indices where codes are
+/// equal.
 fn sort(run: &mut [Keyed], left: u32, room: &mut Vec<Keyed>, by_content: &(impl Fn(u32, u32) -> Ordering + Sync)) {
     if left == 0 {
         return by_indices(run, by_content);

@@ -70,7 +70,7 @@ impl Request {
 pub enum ShadingNormals {
     /// All.
     All,
-    /// Those of points about a surface, not of foliage.
+    /// Uncertainty of points about a surface, not of foliage.
     Planar,
 }
 
@@ -98,7 +98,7 @@ pub type RadiusKey = (usize, u32);
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldKey {
     definition: Field,
-    /// For the uncertainty.
+    /// Key of the radii that the uncertainty is made from.
     radii: Option<RadiusKey>,
     /// Outliers that get F = 1.
     soft: Option<outliers::Rule>,
@@ -216,8 +216,8 @@ impl Request {
     }
 }
 
-/// Computes the requested data; radii, normals and uncertainty share one pass over the neighbors, outliers have one of their
-/// own. Data in a prepared file is reused.
+/// Computes the requested data; radii, normals and uncertainty share one pass over the neighbors, outliers have one of
+/// their own. Data in a prepared file is reused.
 ///
 /// # Errors
 /// The cloud lacks the property of its field.
@@ -288,7 +288,7 @@ fn shading_normals(cloud: &Cloud, which: ShadingNormals, surface: &surface::Surf
 /// [`write_prepared`](pellucid_io::ply::write_prepared). A shadow texture that it has stays, unless normals are others.
 ///
 /// # Errors
-/// If the cloud lacks what its field is made of.
+/// Returns an error if the cloud lacks the columns that its field is made of.
 pub fn prepared(mut cloud: Cloud, request: &Request, progress: &Progress) -> Result<Cloud, field::Error> {
     // Marks of outliers aren't stored: whoever reads the file may ask for others.
     let request = Request { radii: true, fields: true, soft_outliers: None, ..request.clone() };

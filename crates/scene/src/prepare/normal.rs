@@ -17,8 +17,8 @@ const LANES: usize = 4;
 pub(super) struct SmallestAxis {
     /// A unit vector whose last coordinate that is not 0 is positive.
     ///
-    /// Zero where that is no single direction: all points in one place, on a line, or spread alike in the two directions in
-    /// which they spread least.
+    /// Zero where that is no single direction: all points in one place, on a line, or spread alike in the two
+    /// directions in which they spread least.
     pub direction: Vec3,
     /// `true` if points lie about a surface rather than scattered, as in foliage: if their planarity (σ₂−σ₃)/σ₁ exceeds
     /// their scattering σ₃/σ₁ (Demantké et al. 2011, Dimensionality based scale selection in 3D lidar point clouds), σ
@@ -38,8 +38,8 @@ pub(super) struct Moments {
 impl Moments {
     /// Returns those of points by their offsets from one among them, at which there are `here`.
     ///
-    /// The mean is subtracted from the sums. Where that would cancel more than two digits, as around a stray far from its
-    /// neighbors, it is subtracted from the points.
+    /// The mean is subtracted from the sums. Where that would cancel more than two digits, as around an outlier far
+    /// from its neighbors, it is subtracted from the points.
     pub fn around(here: usize, offsets: impl Iterator<Item = DVec3> + Clone) -> Self {
         let (mut count, mut sum, mut all) = (here, DVec3::ZERO, Self::default());
         for p in offsets.clone() {
@@ -84,7 +84,7 @@ pub(super) fn smallest_axes(moments: &[Moments]) -> Vec<SmallestAxis> {
     found
 }
 
-/// That of the principal axes of a lane.
+/// Returns the smallest of the principal axes of a lane.
 fn smallest_axis(variances: &[Lanes; 3], axes: &[[Lanes; 3]; 3], lane: usize) -> SmallestAxis {
     let mut order = [0, 1, 2];
     for (a, b) in [(0, 1), (1, 2), (0, 1)] {
@@ -108,9 +108,10 @@ fn smallest_axis(variances: &[Lanes; 3], axes: &[[Lanes; 3]; 3], lane: usize) ->
 /// A number of each matrix.
 type Lanes = [f64; LANES];
 
-/// Eigenvalues and unit eigenvectors of symmetric matrices, by Jacobi's method: one rotation after the other makes an element
-/// off the diagonal 0 (Golub, Van Loan, 8.5.2). As accurate for small eigenvalues as for large ones, without special cases.
-/// A matrix needs some thirty divisions and roots, one after the other: side by side, those of several overlap.
+/// Eigenvalues and unit eigenvectors of symmetric matrices, by Jacobi's method: one rotation after the other makes an
+/// element off the diagonal 0 (Golub, Van Loan, 8.5.2). As accurate for small eigenvalues as for large ones, without
+/// special cases. A matrix needs some thirty divisions and roots, one after the other: side by side, those of several
+/// overlap.
 ///
 /// `off` are the elements off the diagonal, each by the index that neither its row nor its column has. The vectors come
 /// by their coordinates.
@@ -165,7 +166,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64Mcg;
 
-    /// The direction of a neighborhood around its first point, beside others.
+    /// The direction of a neighborhood around its first point, among others.
     fn normal(points: &[[f64; 3]]) -> Vec3 {
         let Some(first) = points.first() else { return smallest_axes(&[Moments::default()])[0].direction };
         let offsets = points[1..].iter().map(|p| DVec3::from(*p) - DVec3::from(*first));
@@ -213,7 +214,7 @@ mod tests {
         assert_eq!(normal(&[]), Vec3::ZERO);
         let line: Vec<_> = (0..25).map(|i| [0.1, -0.7, 0.3].map(|x| x * f64::from(i * i))).collect();
         assert_eq!(normal(&line), Vec3::ZERO);
-        // A stray and many points at one place, or about one.
+        // An outlier and many points at one place, or about one.
         let far = [[0.0; 3]].into_iter().chain(std::iter::repeat_n([1.0, 0.7, 0.3], 65_535)).collect::<Vec<_>>();
         assert_eq!(normal(&far), Vec3::ZERO);
         let cross = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

@@ -10,9 +10,9 @@ use super::morton::{self, Cells};
 use pellucid_core::cloud::Bounds;
 use pellucid_core::points::Points;
 
-/// Sorts the points that are drawn along the Morton curve of the scene's bounds, equal cells by the bits of position, color,
-/// opacity, radius, field and normal. Points that tie in all of these are identical, so shuffled input gives the same list; they stay
-/// in the order in which they came.
+/// Sorts the points that are drawn along the Morton curve of the scene's bounds, equal cells by the bits of position,
+/// color, opacity, radius, field and normal. Points that tie in all of these are identical, so shuffled input gives the
+/// same list; they stay in the order in which they came.
 pub fn canonical(mut points: Points) -> Points {
     let Some(bounds) = points.bounds() else { return points };
     // Points are counted in 32 bits from here on: more of them don't fit any device.
@@ -70,7 +70,8 @@ pub(super) fn by_look(a: (&Points, usize), b: (&Points, usize)) -> Ordering {
     color(a).cmp(&color(b)).then_with(|| others(a).cmp(&others(b))).then_with(|| by_gaussian(a, b))
 }
 
-/// By shape and color of Gaussians. A list without any may be part of a scene that has some: its points are none.
+/// Compares points by shape and color of Gaussians. A list without any may be part of a scene that has some: its points
+/// are none.
 fn by_gaussian(a: (&Points, usize), b: (&Points, usize)) -> Ordering {
     match (&a.0.gaussians, &b.0.gaussians) {
         (Some(first), Some(second)) => first.bits(a.1).cmp(second.bits(b.1)),

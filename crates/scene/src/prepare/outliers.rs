@@ -18,11 +18,11 @@ pub struct Rule {
     pub factor: f32,
 }
 
-/// Marks the outliers among finite positions: those whose mean distance to their `k` nearest other points exceeds mean +
-/// factor · standard deviation of these distances over the cloud. The deviation is that of a sample (n − 1).
+/// Marks the outliers among finite positions: those whose mean distance to their `k` nearest other points exceeds mean
+/// + factor · standard deviation of these distances over the cloud. The deviation is that of a sample (n − 1).
 ///
-/// With fewer than k other points k is their number. Sums follow an order by position, so that shuffled points have the same
-/// outliers. Distances that differ only by rounding make none.
+/// With fewer than k other points k is their number. Sums follow an order by position, so that shuffled points have the
+/// same outliers. Distances that differ only by rounding make none.
 pub fn find(positions: &[DVec3], rule: Rule, progress: &Progress) -> Vec<bool> {
     let k = rule.k.min(positions.len().saturating_sub(1));
     let Some(places) = Places::group(positions, None).filter(|_| k > 0) else {

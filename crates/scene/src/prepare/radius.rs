@@ -3,8 +3,8 @@
 //! As printed, Eq. 20 takes the root of a length; scaling a cloud by 1000 must scale its radii by 1000, so the squared
 //! distance belongs under the root: r = 2·sqrt(max|pᵢ−pⱼ|² / K) = 2·max|pᵢ−pⱼ| / sqrt(K).
 //!
-//! A stray is far from everything, so that its radius by Eq. 20 is as large as it is far: one of a thousand of them covers
-//! the picture. A cap keeps each radius within a multiple of the median of its neighbors' radii.
+//! An outlier is far from everything, so that its radius by Eq. 20 is as large as it is far: one of a thousand of them
+//! covers the picture. A cap keeps each radius within a multiple of the median of its neighbors' radii.
 
 use glam::DVec3;
 use pellucid_core::progress::Progress;
@@ -19,8 +19,8 @@ pub const DEFAULT_CAP: f32 = 4.0;
 /// times the median of the radii by Eq. 20 of these neighbors and the point itself; a cap of 0 is none.
 ///
 /// With fewer than K other points K is their number; a single point has radius 0, and so has a point with at least K
-/// others in the same place. Distances are float64 of the positions as given. Radii beyond float32 become `f32::MAX`. The
-/// bar's length is set to the number of distinct places.
+/// others in the same place. Distances are float64 of the positions as given. Radii beyond float32 become `f32::MAX`.
+/// The bar's length is set to the number of distinct places.
 pub fn estimate(positions: &[DVec3], neighbors: usize, cap: f32, progress: &Progress) -> Vec<f32> {
     both(positions, neighbors, cap, progress).capped
 }
@@ -28,13 +28,13 @@ pub fn estimate(positions: &[DVec3], neighbors: usize, cap: f32, progress: &Prog
 /// The radii of points, with the cap and without it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Radii {
-    /// With the cap.
+    /// Radii with the cap.
     pub capped: Vec<f32>,
-    /// Those of Eq. 20.
+    /// Radii of Eq. 20, without the cap.
     pub uncapped: Vec<f32>,
 }
 
-/// Like [`estimate`], with the radii before the cap.
+/// Estimates radii like [`estimate`], with the radii before the cap.
 pub fn both(positions: &[DVec3], neighbors: usize, cap: f32, progress: &Progress) -> Radii {
     let k = neighbors.min(positions.len().saturating_sub(1));
     let Some(places) = Places::group(positions, None).filter(|_| k > 0) else {

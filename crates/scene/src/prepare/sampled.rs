@@ -1,9 +1,9 @@
-//! Spacing and radii of a cloud from the neighbors of some of its points: fast on clouds whose neighbors would take long to
-//! find, and exact on small ones.
+//! Spacing and radii of a cloud from the neighbors of some of its points: fast on clouds whose neighbors would take
+//! long to find, and exact on small ones.
 //!
-//! Points are looked at in equal steps along the Morton curve, so that all regions count by their points, and the same points
-//! give the same numbers whatever their order in the file. A point in between has the radius of the nearest one before it
-//! that was looked at: the density of a scan changes little over so short a way.
+//! Points are looked at in equal steps along the Morton curve, so that all regions count by their points, and the same
+//! points give the same numbers whatever their order in the file. A point in between has the radius of the nearest one
+//! before it that was looked at: the density of a scan changes little over so short a way.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -17,16 +17,17 @@ const SAMPLES: usize = 2048;
 /// Facts about a cloud that the neighbors of some points tell.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sampled {
-    /// The median distance to the nearest point at another place, in the cloud's units; `None` of fewer than two places.
+    /// The median distance to the nearest point at another place, in the cloud's units; `None` of fewer than two
+    /// places.
     pub spacing: Option<f64>,
     /// All positions, along the Morton curve.
     pub positions: Vec<DVec3>,
-    /// For each of these positions its radius: the given one, else that of Eq. 20, in the cloud's units.
+    /// Radius of each of these positions: the given one, else that of Eq. 20, in the cloud's units.
     pub radii: Vec<f32>,
 }
 
-/// Looks at the neighbors of at most 2048 of these finite positions. `own` are their radii if they are known; others are those
-/// of [`radius::estimate`] over K neighbors with this cap.
+/// Looks at the neighbors of at most 2048 of these finite positions. `own` are their radii if they are known; others
+/// are those of [`radius::estimate`] over K neighbors with this cap.
 pub fn sample(positions: &[DVec3], own: Option<&[f32]>, (neighbors, cap): (usize, f32)) -> Sampled {
     sample_by(positions, own, (neighbors, cap), SAMPLES)
 }
@@ -84,7 +85,7 @@ mod tests {
 
     const RULE: (usize, f32) = (DEFAULT_NEIGHBORS, radius::DEFAULT_CAP);
 
-    /// Random points on a unit square, some of them twice, and a stray.
+    /// Random points on a unit square, some of them twice, and an outlier.
     fn square(count: usize) -> Vec<DVec3> {
         let mut random = Pcg64::seed_from_u64(3);
         let mut points: Vec<DVec3> = (0..count).map(|_| DVec3::new(random.random(), random.random(), 0.5)).collect();

@@ -1,5 +1,5 @@
-//! The surface around each point: its normal, and the uncertainty of the point lying on it (Seemann et al., Eq. 21), with the
-//! radii of Eq. 20.
+//! The surface around each point: its normal, and the uncertainty of the point lying on it (Seemann et al., Eq. 21),
+//! with the radii of Eq. 20.
 
 use glam::{DVec3, Vec3};
 use pellucid_core::progress::Progress;
@@ -15,7 +15,7 @@ use pellucid_core::cloud::field;
 pub struct Surface {
     /// Eq. 20 with its cap, as [`radius::estimate`] finds them, to the bit.
     pub radii: Vec<f32>,
-    /// Those of Eq. 20 without its cap.
+    /// Radii of Eq. 20 without its cap.
     pub uncapped: Vec<f32>,
     /// The given normals, with estimated ones in place of missing ones; zero where both are missing.
     pub normals: Vec<Vec3>,
@@ -31,8 +31,8 @@ pub struct Surface {
 /// `normals` are unit vectors, or zero for points without one. A missing normal is estimated as the smallest principal
 /// axis of the point and its K neighbors. If that is not a single direction (all at one position, on a line, equal
 /// spread), the point stays without normal, which counts as perpendicular to every other: such places are no surface.
-/// With fewer than K other points K is their number. Sums follow the Morton order of the neighbors, so that neither the order
-/// of the points nor the sign of a normal changes a bit.
+/// With fewer than K other points K is their number. Sums follow the Morton order of the neighbors, so that neither the
+/// order of the points nor the sign of a normal changes a bit.
 ///
 /// Takes about 4·K + 170 bytes per point; without the 4·K, and slower, if those are more than 2 GiB.
 pub fn estimate(positions: &[DVec3], normals: Option<&[Vec3]>, around: (usize, f32), progress: &Progress) -> Surface {
@@ -70,7 +70,7 @@ fn look(
 /// View of points before F is scaled, in their order.
 #[derive(Debug, Default)]
 pub(super) struct Seen {
-    /// Without F.
+    /// Surface without F.
     pub surface: Surface,
     /// F before it is scaled; empty unless asked for.
     pub spreads: Vec<f64>,
@@ -78,7 +78,7 @@ pub(super) struct Seen {
     pub last: Vec<f64>,
 }
 
-/// Data that is wanted beside radii.
+/// Data that is wanted in addition to radii.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Wants {
     /// Normals in place of missing ones; F needs them, too.

@@ -1,7 +1,7 @@
 //! Points in the same place: all that settings which keep positions can change about the canonical order.
 //!
-//! The order goes by position first ([`order`](super::order)), so only points of equal position trade places when colors,
-//! opacities, radii or fields become others.
+//! The order goes by position first ([`order`](super::order)), so only points of equal position trade places when
+//! colors, opacities, radii or fields become others.
 
 use std::cmp::Ordering;
 

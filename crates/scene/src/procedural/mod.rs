@@ -25,7 +25,7 @@ const MAX_POINTS: f64 = 200e6;
 
 /// A built-in scene: name, summary in one line, parameters.
 pub struct Builtin {
-    /// Its name in `pellucid scene`.
+    /// Name of the scene in `pellucid scene`.
     pub name: &'static str,
     /// A single line for `--list`.
     pub summary: &'static str,
@@ -36,7 +36,7 @@ pub struct Builtin {
 
 /// A number that shapes a built-in scene.
 pub struct Parameter {
-    /// Its key in `--set KEY=VALUE`.
+    /// Name of the key in `--set KEY=VALUE`.
     pub name: &'static str,
     /// The value without `--set`.
     pub default: f64,
@@ -158,7 +158,7 @@ pub enum Error {
         value: f64,
         /// The volume's least value; NaN if it has none.
         least: f64,
-        /// Its greatest.
+        /// Greatest value of the volume; NaN if it has none.
         greatest: f64,
     },
     /// More values than available colors.

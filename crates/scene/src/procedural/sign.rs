@@ -1,5 +1,5 @@
-//! `sign`: lettering and a checker on a sign, scanned with noise (Schütz and Wimmer, Figs. 5 and 7): detail as fine as the points,
-//! that splats tear where they cover each other.
+//! `sign`: lettering and a checker on a sign, scanned with noise (Schütz and Wimmer, Figs. 5 and 7): detail as fine as
+//! the points, that splats tear where they cover each other.
 
 use glam::{DVec2, DVec3};
 

@@ -23,9 +23,9 @@ pub(super) const BUILTIN: Builtin = Builtin {
 const TORI: [(&str, f64, f64, Rgb); 3] =
     [("inner", 0.15, 1.0, [204, 118, 36]), ("middle", 0.30, 0.5, [60, 150, 50]), ("outer", 0.45, 0.3, [50, 80, 170])];
 
-/// Where discs overlap their opacities add up. With this radius the weights exp(−2ρ²) of the discs over a position sum
-/// to 1 on average, π·s²·(1 − e⁻²)/2 = 1, so that a surface is about as opaque as its cloud's setting. No position is
-/// farther from a point than √2/2 spacings, so the surfaces are closed.
+/// Radius of a disc in spacings. Opacities add up where discs overlap. With this radius the weights exp(−2ρ²) of the
+/// discs over a position sum to 1 on average, π·s²·(1 − e⁻²)/2 = 1, so that a surface is about as opaque as its cloud's
+/// setting. No position is farther from a point than √2/2 spacings, so the surfaces are closed.
 const RADIUS_PER_SPACING: f64 = 0.858;
 
 fn generate(given: &Given<'_>, seed: u64) -> Result<Generated, Error> {

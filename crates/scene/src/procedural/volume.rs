@@ -97,7 +97,7 @@ fn solve_radius(positions: &[DVec3], layers: f64) -> Result<f64, Error> {
 
 /// Counts fragments and covered pixels of screen-aligned discs by the coverage rule of the disc methods.
 struct Counter {
-    /// Per pixel the change of the count against its left neighbor; one column more than the image.
+    /// Change of each pixel's count against its left neighbor; one column more than the image.
     changes: Vec<i64>,
 }
 

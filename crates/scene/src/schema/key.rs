@@ -7,9 +7,9 @@ use crate::Setting;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Key {
-    /// Its name inside its table; dotted if it stands in a table of its own there, as `axis.point`.
+    /// Name of the key inside its table; dotted if it stands in a table of its own there, as `axis.point`.
     pub name: &'static str,
-    /// Its description, in a sentence.
+    /// Description of the key, in a sentence.
     pub about: &'static str,
     /// Kind of values that the key takes.
     pub kind: Kind,
@@ -61,13 +61,13 @@ pub enum Kind {
     Number(Range),
     /// A whole number from the first to the second.
     Integer(u32, u32),
-    /// One of some whole numbers.
+    /// Choice from some whole numbers.
     OneOf(&'static [u32]),
     /// True or false.
     Flag,
-    /// One of some words.
+    /// Choice from some words.
     Words(&'static [Word]),
-    /// One of some words, or another string, described by a phrase.
+    /// Choice from some words, or another string, described by a phrase.
     WordsOr(&'static [Word], &'static str),
     /// A word, or else a value of another kind.
     WordOr(&'static str, &'static Kind),
@@ -128,9 +128,9 @@ fn one_of(numbers: &[u32]) -> String {
 /// A word that a key takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Word {
-    /// As the file spells it.
+    /// Name as the file spells it.
     pub name: &'static str,
-    /// Its meaning, in a sentence.
+    /// Meaning of the word, in a sentence.
     pub about: &'static str,
 }
 
@@ -147,7 +147,8 @@ pub enum Slider {
     Lengths(f64, f64),
     /// Whole numbers from the first to the second.
     Count(u32, u32),
-    /// Opacities by powers of ten, from 0.001 to 1: where layers overlap, the small ones differ the most. Its lower end is 0.
+    /// Opacities by powers of ten, from 0.001 to 1: where layers overlap, the small ones differ the most. Its lower end
+    /// is 0.
     Opacity,
 }
 
@@ -156,7 +157,7 @@ pub enum Slider {
 pub struct Ladder {
     /// The steps of a report.
     pub full: &'static [u32],
-    /// For a first look and for CI.
+    /// Values for a first look and for CI.
     pub quick: &'static [u32],
     /// The steps that a choice considers.
     pub fine: &'static [u32],

@@ -2,8 +2,8 @@
 
 /// Declares settings: a struct with its defaults, its reader and the list of its keys.
 ///
-/// A field is declared as `name: Type = default`, behind the sentence that says what the key does. What follows is optional,
-/// and in this order:
+/// A field is declared as `name: Type = default`, behind the sentence that says what the key does. What follows is
+/// optional, and in this order:
 ///
 /// | | |
 /// |---|---|

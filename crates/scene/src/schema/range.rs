@@ -13,9 +13,9 @@ pub struct Range {
 pub(crate) const MAX_COORDINATE: f64 = 1e75;
 
 impl Range {
-    /// From 0 to 1.
+    /// Range from 0 to 1, both included.
     pub const UNIT: Self = Self { min: 0.0, max: 1.0, closed: [true; 2] };
-    /// Above 0.
+    /// Range above 0.
     pub const POSITIVE: Self = Self { min: 0.0, max: f64::INFINITY, closed: [false; 2] };
     /// 0 and above.
     pub const NOT_NEGATIVE: Self = Self { min: 0.0, max: f64::INFINITY, closed: [true; 2] };
@@ -25,17 +25,17 @@ impl Range {
     /// Every number.
     pub const ANY: Self = Self { min: f64::NEG_INFINITY, max: f64::INFINITY, closed: [true; 2] };
 
-    /// Between two numbers, both excluded.
+    /// Makes the range between two numbers, both excluded.
     pub const fn open(min: f64, max: f64) -> Self {
         Self { min, max, closed: [false; 2] }
     }
 
-    /// Between two numbers, both included.
+    /// Makes the range between two numbers, both included.
     pub const fn closed(min: f64, max: f64) -> Self {
         Self { min, max, closed: [true; 2] }
     }
 
-    /// From one number to another, which is excluded.
+    /// Makes the range from one number to another, which is excluded.
     pub const fn below(min: f64, max: f64) -> Self {
         Self { min, max, closed: [true, false] }
     }

@@ -28,7 +28,7 @@ pub(crate) trait Value: Sized {
 
 /// A field of settings: a value with a key of its own, or settings with keys of theirs.
 pub(crate) trait Part {
-    /// As of [`Value`].
+    /// Allowed values, as of [`Value`].
     type Allowed;
 
     /// The keys that set it. `key` is what is declared beside the field.
@@ -174,7 +174,7 @@ impl Value for Vec3 {
 pub(crate) enum Vectors {
     /// All.
     Any,
-    /// Those that have a direction.
+    /// Vectors that have a direction.
     Directions,
 }
 

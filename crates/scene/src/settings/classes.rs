@@ -14,9 +14,9 @@ use pellucid_io::LasColumns;
 /// The points that an entry is about.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Selection {
-    /// Those of a class.
+    /// Points of a class.
     Class(u8),
-    /// Those whose scalar lies in a range, its ends included.
+    /// Points whose scalar lies in a range, its ends included.
     Scalar {
         /// The scalar's name.
         name: String,
@@ -38,10 +38,11 @@ impl Selection {
     }
 }
 
-/// An entry of `[[cloud.class]]`. For each point and key the last entry counts that is about the point and gives the key.
+/// An entry of `[[cloud.class]]`. For each point and key the last entry counts that is about the point and gives the
+/// key.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClassSettings {
-    /// Its points.
+    /// Points that the entry is about.
     pub points: Selection,
     /// Opacity in place of the cloud's; the file's alpha multiplies it.
     pub opacity: Option<f32>,

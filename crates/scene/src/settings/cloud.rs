@@ -20,7 +20,7 @@ settings! {
     pub struct CloudSettings {
         /// File of the points, relative to the folder of the scene file, or the name of a built-in cloud.
         path: PathBuf = PathBuf::new();
-        /// How a file of Gaussian splats is drawn.
+        /// Primitives that a file of Gaussian splats is drawn with.
         primitive: Primitive = Primitive::Gaussians;
         /// Highest degree of the spherical harmonics of Gaussians.
         sh_degree: Option<u32> = None, in 0..=MAX_DEGREE, without "the file's", start 0.0;
@@ -32,7 +32,8 @@ settings! {
         class: Vec<ClassSettings> = Vec::new();
         /// Opacity of each splat, or for spbr of the surface; multiplied by the file's alpha.
         opacity: f32 = 1.0, in Range::UNIT, slider Slider::Opacity, rival "surface_opacity";
-        /// Opacity of the surface that the points lie on, in place of `opacity`: the more discs overlap, the fainter each one is.
+        /// Opacity of the surface that the points lie on, in place of `opacity`: the more discs overlap, the fainter
+        /// each one is.
         surface_opacity: Option<f32> = None, in Range::UNIT, without "by `opacity`", start 0.3, slider Slider::Opacity, rival "opacity";
         /// Radius of all points, not multiplied by `scale`.
         radius: Option<f32> = None, in Range::NOT_NEGATIVE, unit "world units",
@@ -60,9 +61,9 @@ settings! {
 words! {
     /// Kind of points in a file with Gaussian splats.
     pub enum Primitive {
-        /// As Gaussians; files without Gaussians as points.
+        /// Gaussians; files without Gaussians as points.
         Gaussians = "gaussians",
-        /// As points at the centers of the Gaussians.
+        /// Points at the centers of the Gaussians.
         Points = "points",
     }
 }

@@ -27,21 +27,21 @@ settings! {
 words! {
     /// `colormap` of a `[[cloud]]`.
     pub enum ColormapName {
-        /// From dark blue through green to yellow, perceptually even.
+        /// Dark blue through green to yellow, perceptually even.
         Viridis = "viridis",
-        /// From blue to yellow; even with red-green color blindness too.
+        /// Blue to yellow; even with red-green color blindness too.
         Cividis = "cividis",
-        /// From black through purple to pale yellow.
+        /// Black through purple to pale yellow.
         Magma = "magma",
-        /// From black through red to pale yellow.
+        /// Black through red to pale yellow.
         Inferno = "inferno",
-        /// From blue through red to yellow.
+        /// Blue through red to yellow.
         Plasma = "plasma",
         /// A rainbow without false edges.
         Turbo = "turbo",
-        /// From water through green and brown to snow.
+        /// Water through green and brown to snow.
         Terrain = "terrain",
-        /// From black to white, even in sRGB.
+        /// Black to white, even in sRGB.
         Grey = "grey",
     }
 }
@@ -110,7 +110,7 @@ impl ColorBy {
         word("field", "The field F of `field`."),
     ];
 
-    /// Their meanings, in the same order.
+    /// Meanings of the words, in the same order.
     const MEANINGS: [Self; 12] = [
         Self::Auto,
         Self::Rgb,

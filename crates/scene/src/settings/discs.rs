@@ -17,7 +17,7 @@ settings! {
         raster: Raster = Raster::Auto;
         /// Sorting of long lists of fragments; the picture is the same.
         long_lists: LongLists = LongLists::Merge, only &["abuffer", "linked-list"];
-        /// How Gaussians are drawn.
+        /// Footprint and order of Gaussians.
         gaussians: GaussianSettings = GaussianSettings::default();
     }
 }
@@ -38,7 +38,8 @@ settings! {
         dilation: f32 = 0.3, in Range::NOT_NEGATIVE, unit "px²", slider Slider::Linear(0.0, 2.0);
         /// Compensate for the opacity that the dilation adds (ewa).
         antialias: bool = false;
-        /// End a list before the fragment that would leave less than this share of the light; 0 never ends a list early.
+        /// End a list before the fragment that would leave less than this share of the light; 0 never ends a list
+        /// early.
         stop: f32 = 0.0, in Range::below(0.0, 1.0), slider Slider::Powers(0.0, 0.1), only &["auto", "abuffer", "linked-list", "sorted", "peel"];
     }
 }
@@ -49,9 +50,9 @@ const ALPHA_MIN: Range = Range::closed(1e-6, 1.0);
 words! {
     /// Falloff of a Gaussian's opacity over the pixels.
     pub enum Kernel {
-        /// By the Gaussian's projection, linear around its center (Zwicker et al. 2001; Kerbl et al. 2023).
+        /// The Gaussian's projection, linear around its center (Zwicker et al. 2001; Kerbl et al. 2023).
         Ewa = "ewa",
-        /// By its largest value along the pixel's ray (Moënne-Loccoz et al. 2024).
+        /// The Gaussian's largest value along the pixel's ray (Moënne-Loccoz et al. 2024).
         Ray = "ray",
         /// An ellipsoid of constant density that rays pass through (Mai et al. 2025): abuffer and linked-list.
         Ellipsoid = "ellipsoid",
@@ -65,7 +66,7 @@ words! {
         Center = "center",
         /// The distance of their centers from the eye.
         Distance = "distance",
-        /// Where they are densest along the pixel's ray (Radl et al. 2024).
+        /// The place where they are densest along the pixel's ray (Radl et al. 2024).
         Pixel = "pixel",
     }
 }
@@ -105,9 +106,9 @@ words! {
 words! {
     /// Way to sort lists that are too long for one invocation's registers.
     pub enum LongLists {
-        /// In runs by many invocations, which are merged between two buffers.
+        /// Runs that many invocations sort, which are merged between two buffers.
         Merge = "merge",
-        /// In place in the fragment buffer, by one invocation for each list.
+        /// Sorting in place in the fragment buffer, by one invocation for each list.
         InPlace = "in-place",
     }
 }
@@ -119,7 +120,7 @@ settings! {
     /// Settings of depth peeling.
     #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Peel {
-        /// Which discs are peeled.
+        /// The discs that are peeled.
         discs: Discs = Discs::default();
         /// Number of nearest layers that are peeled and blended; 0 means all.
         layers: u32 = 0, in 0..=MAX_LAYERS, slider Slider::Count(0, 256), tried LAYERS;
@@ -142,7 +143,7 @@ settings! {
     /// Settings of multi-sample stochastic transparency.
     #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Stochastic {
-        /// Which discs are sampled.
+        /// The discs that are sampled.
         discs: Discs = Discs::default();
         /// Samples per pixel: more samples have less noise and take longer.
         samples: u32 = 64, in 1..=MAX_SAMPLES, slider Slider::Count(1, 1024), refines true, tried SAMPLES;
@@ -167,7 +168,7 @@ settings! {
     /// Settings of hybrid transparency.
     #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Hybrid {
-        /// Which discs are blended.
+        /// The discs that are blended.
         discs: Discs = Discs::default();
         /// Number of nearest fragments that are exact; those behind are the tail.
         k: u32 = 8, in 1..=MAX_K, tried NEAREST;
@@ -183,7 +184,7 @@ settings! {
 words! {
     /// Way in which `hybrid` composes the fragments behind the exact ones.
     pub enum Tail {
-        /// Their mean color under their exact opacity (Maule et al. 2013).
+        /// The mean color of the tail under its exact opacity (Maule et al. 2013).
         Average = "average",
         /// Each weighted by the light let through in front of it, by power moments, under their exact opacity.
         Moments = "moments",
@@ -206,7 +207,7 @@ settings! {
     /// Settings of multi-layer alpha blending.
     #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Mlab {
-        /// Which discs are blended.
+        /// The discs that are blended.
         discs: Discs = Discs::default();
         /// Layers kept per pixel while discs come in file order; one fragment more than this is still exact.
         nodes: u32 = 4, in 1..=MAX_NODES, tried NODES;
@@ -226,11 +227,11 @@ settings! {
     /// Settings of moment-based transparency.
     #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Moments {
-        /// Which discs are blended.
+        /// The discs that are blended.
         discs: Discs = Discs::default();
         /// Number of power moments of each pixel's optical depth.
         moments: MomentCount = MomentCount::Four, tried MOMENTS;
-        /// Where the light in front of a fragment lies between its bounds: 0 is the most light, 1 the least.
+        /// Place of the light in front of a fragment between its bounds: 0 is the most light, 1 the least.
         overestimation: f32 = 0.1, in Range::UNIT;
         /// Share by which moments are moved toward a smooth distribution: more is smoother, less is sharper.
         bias: Option<f32> = None, in Range::UNIT, without "`5e-7`, `5e-6`, `5e-5` for 4, 6, 8 moments", start 5e-6, slider Slider::Powers(1e-8, 0.1);
@@ -305,7 +306,7 @@ settings! {
     /// Settings of transparency by wavelets.
     #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Wavelet {
-        /// Which discs are blended.
+        /// The discs that are blended.
         discs: Discs = Discs::default();
         /// Rank of the wavelets; each pixel stores 2^(rank + 1) coefficients of its optical depth.
         rank: u32 = 3, in 1..=MAX_RANK, tried RANKS;

@@ -47,7 +47,7 @@ const ENSEMBLES: Ladder = Ladder {
 pub enum Brightness {
     /// Whatever makes the image about as bright as that of a single ensemble.
     Auto,
-    /// This factor, above 0.
+    /// Fixed factor, above 0.
     Factor(f32),
 }
 

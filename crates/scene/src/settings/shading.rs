@@ -13,7 +13,8 @@ settings! {
     /// `[shading]`.
     #[derive(Copy, serde::Serialize, serde::Deserialize)]
     pub struct Shading {
-        /// Shading model: lambert is matte, phong has highlights, none shows plain colors; auto is lambert except on foliage.
+        /// Shading model: lambert is matte, phong has highlights, none shows plain colors; auto is lambert except on
+        /// foliage.
         model: ShadingModel = ShadingModel::Auto;
         /// Ambient light, as a factor on the color.
         ambient: f32 = 0.2, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 1.0);
@@ -143,7 +144,8 @@ settings! {
     pub struct Shadows {
         /// Number of lights that sample an area light; more make smoother edges.
         samples: u32 = 1, in 1..=MAX_SHADOW_SAMPLES, slider Slider::Count(1, 256);
-        /// Radius of the area light: degrees (below 90) around a direction, world units around a position; 0 makes hard shadows.
+        /// Radius of the area light: degrees (below 90) around a direction, world units around a position; 0 makes hard
+        /// shadows.
         light_radius: f32 = 0.0, in Range::NOT_NEGATIVE, slider Slider::Lengths(0.0, 0.25);
         /// Side of the shadow map.
         resolution: u32 = 1024, in 1..=MAX_SIDE, unit "pixels", slider Slider::Count(16, 8192);

@@ -95,10 +95,10 @@ pub const MAX_SHELLS: u32 = 64;
 /// `shells`: concentric spheres that stand for one of `soft-concentric`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub enum Shells {
-    /// As many as its radius in pixels over `pixels_per_shell`, from 1 to [`MAX_SHELLS`].
+    /// Number of shells from the radius in pixels over `pixels_per_shell`, from 1 to [`MAX_SHELLS`].
     #[default]
     Adaptive,
-    /// So many, from 1 to [`MAX_SHELLS`].
+    /// Fixed number, from 1 to [`MAX_SHELLS`].
     Fixed(u32),
 }
 

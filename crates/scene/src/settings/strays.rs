@@ -22,11 +22,11 @@ settings! {
 words! {
     /// `outliers`.
     pub enum Outliers {
-        /// They are drawn like other points.
+        /// Outliers are drawn like other points.
         Keep = "keep",
         /// Methods of soft points draw them as soft: F = 1.
         Soft = "soft",
-        /// They are left out, also when the picture is framed.
+        /// Outliers are left out, also when the picture is framed.
         Drop = "drop",
     }
 }

@@ -19,7 +19,7 @@ pub(super) struct Cache {
 
 #[derive(Debug, Default)]
 struct Held {
-    /// By block; with when they were last used.
+    /// Points by block, with the time of their last use.
     points: HashMap<u32, (Arc<Points>, u64)>,
     /// Blocks by when they were last used.
     used: BTreeMap<u64, u32>,
@@ -121,7 +121,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_used_last_stays() {
+    fn the_cache_retains_the_most_recently_used_blocks() {
         // 24 bytes a block.
         let cache = Cache::new(72);
         let points = || Points { positions: vec![DVec3::ONE], ..Points::default() };

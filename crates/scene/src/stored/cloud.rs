@@ -33,13 +33,13 @@ pub(super) struct Place<'a> {
 #[derive(Debug)]
 pub(super) struct StoredCloud {
     pub store: Arc<dyn Store>,
-    /// Its place in the scene.
+    /// Index of the cloud in the scene.
     index: usize,
     pub facts: Facts,
     known: Known,
     /// Points of the clouds before it.
     first: u64,
-    /// Its box in the scene.
+    /// Bounding box of the cloud in the scene.
     bounds: Bounds,
     pub largest_radius: f32,
     /// The radius that all points have, unless they have their own.
@@ -137,8 +137,8 @@ impl StoredCloud {
         with_points.map(block).collect()
     }
 
-    /// For each node the largest radius of all points that may be in the places of its own: those above and below it. Of Gaussians how
-    /// far its own reach.
+    /// Largest radius, for each node, of all points that may be in the places of its own: those above and below it.
+    /// Of Gaussians how far its own reach.
     fn radii(&self, nodes: &[Node], scene: &Scene) -> Vec<f32> {
         let settings = &scene.clouds[self.index];
         if let Some(radius) = self.fixed_radius {

@@ -6,9 +6,9 @@ use pellucid_io::store::Node;
 /// Returns the branch of each node of a cloud whose lengths are so many times as large in the scene; without levels of
 /// none. Nodes without points are none's parent.
 ///
-/// Points of the levels above are shared out to the nodes below in proportion to all points there. If a node with all below it is left
-/// out, those that are shared out to it stand for all of its place: their discs have the area of all if radii grow by the root of the
-/// ratio of numbers, which is 2 for each level of a surface.
+/// Points of the levels above are shared out to the nodes below in proportion to all points there. If a node with all
+/// below it is left out, those that are shared out to it stand for all of its place: their discs have the area of all
+/// if radii grow by the root of the ratio of numbers, which is 2 for each level of a surface.
 pub(super) fn branches(nodes: &[Node], scale: f64) -> Vec<Option<Branch>> {
     if !nodes.iter().any(|node| node.parent.is_some() && node.spacing > 0.0) {
         return vec![None; nodes.len()];
@@ -22,7 +22,8 @@ pub(super) fn branches(nodes: &[Node], scale: f64) -> Vec<Option<Branch>> {
             below[parent] += all[at];
         }
     }
-    // For each node the block that is nearest above it, with its spacing, and the points above that are shared out to it.
+    // For each node the block that is nearest above it, with its spacing, and the points above that are shared out to
+    // it.
     let mut above: Vec<(Option<(u32, f64)>, f64)> = Vec::with_capacity(nodes.len());
     let mut block_of: Vec<Option<u32>> = Vec::with_capacity(nodes.len());
     let mut blocks = 0;
@@ -58,7 +59,8 @@ mod tests {
 
     #[test]
     fn radii_grow_by_two_for_each_level_of_a_surface() {
-        // A surface that each level covers with four times as many points as all above it: 64, and 3 · 64 more below it, and so on.
+        // A surface that each level covers with four times as many points as all above it: 64, and 3 · 64 more below
+        // it, and so on.
         let mut nodes = vec![node(None, 64, 4.0)];
         nodes.extend((0..4).map(|_| node(Some(0), 48, 2.0)));
         nodes.extend((0..16).map(|i| node(Some(1 + i / 4), 48, 1.0)));
@@ -71,7 +73,8 @@ mod tests {
 
     #[test]
     fn few_points_left_out_make_others_little_larger() {
-        // Of 100 points at the root 75 are shared out to the first child, which brings 27 more, and 25 to the other one.
+        // Of 100 points at the root 75 are shared out to the first child, which brings 27 more, and 25 to the other
+        // one.
         let nodes = [node(None, 100, 4.0), node(Some(0), 27, 2.0), node(Some(0), 9, 2.0)];
         let growth = (102.0f64 / 75.0).sqrt() as f32;
         assert_eq!(branches(&nodes, 1.0).map_growth(), [1.0, growth, (34.0f64 / 25.0).sqrt() as f32]);

@@ -1,8 +1,8 @@
-//! Scenes whose clouds stay where they are stored: nodes are read when a part of the picture needs them, and are points as those of a
-//! scene in memory are.
+//! Scenes whose clouds stay where they are stored: nodes are read when a part of the picture needs them, and are points
+//! as those of a scene in memory are.
 //!
-//! What follows from all points of a cloud together, such as the range of a color map, is found once, in a survey: from facts about
-//! all points, and from some points that stand for all ([`Sampling`]), which a scene in memory takes, too.
+//! What follows from all points of a cloud together, such as the range of a color map, is found once, in a survey: from
+//! facts about all points, and from some points that stand for all ([`Sampling`]), which a scene in memory takes, too.
 
 mod cache;
 mod cloud;
@@ -51,7 +51,8 @@ pub fn open_stores(scene: &Scene, progress: &Progress) -> Result<Stores, io::Err
     scene.clouds.iter().map(open).collect()
 }
 
-/// Bytes of memory for each point that is taken at a time: as it is read, put into order, and taken. Half of the memory keeps nodes.
+/// Bytes of memory for each point that is taken at a time: as it is read, put into order, and taken. Half of the memory
+/// keeps nodes.
 fn taken_bytes(splats: Option<WholeSplats>) -> u64 {
     2 * (150 + splats.map_or(0, |splats| Gaussians::bytes_each(splats.degree)))
 }
@@ -198,8 +199,8 @@ impl Stored {
         })
     }
 
-    /// Returns all points, dealt to ensembles by `seed` into a temporary file in `folder`: for methods that want that
-    /// ([`Method::is_dealt`](super::Method::is_dealt)), which want no radii.
+    /// Returns all points, partitioned into ensembles by `seed` into a temporary file in `folder`: for methods that
+    /// want that ([`Method::is_dealt`](super::Method::is_dealt)), which want no radii.
     ///
     /// # Errors
     /// A node can't be read, there is no room in the folder, memory is too small, or `progress` cancels it; no point is left.
@@ -272,7 +273,7 @@ impl Stored {
     /// Returns the points of a block, which are read and not kept.
     ///
     /// # Errors
-    /// They can't be read.
+    /// Returns an error if the points can't be read.
     pub fn block(&self, block: usize) -> Result<Points, Failure> {
         let (points, bytes) = self.nodes.read(block)?;
         self.nodes.cache.count(bytes);
@@ -391,7 +392,7 @@ fn within(points: &Points, sampling: Sampling) -> (Vec<u32>, Vec<u32>) {
     (takes(&points.positions), takes(&points.unseen.positions))
 }
 
-/// These points as ones that stand for all.
+/// Makes points that stand for all out of these.
 fn stand_ins(points: &Points, seen: &[u32], unseen: &[u32], whole: Whole) -> Points {
     let pick = |at: &u32| (points.unseen.positions[*at as usize], points.unseen.radii[*at as usize]);
     let (positions, radii) = unseen.iter().map(pick).unzip();

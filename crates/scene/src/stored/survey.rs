@@ -56,7 +56,7 @@ impl OpenStore {
         &self.store
     }
 
-    /// Like [`survey`]; points are looked at once for all scenes that want the same of them.
+    /// Surveys like [`survey`]; points are looked at once for all scenes that want the same of them.
     pub(super) fn survey(
         &self,
         settings: &CloudSettings,
@@ -74,8 +74,8 @@ impl OpenStore {
     }
 }
 
-/// Looks at a store's points where a scene places them, unless the store knows; and at the range of what a field is made of, if one is
-/// given.
+/// Looks at a store's points where a scene places them, unless the store knows; and at the range of what a field is
+/// made of, if one is given.
 ///
 /// # Errors
 /// The store can't be read, lacks what the field is made of, or the survey was cancelled.

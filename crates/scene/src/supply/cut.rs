@@ -1,4 +1,5 @@
-//! Levels of detail: which points of a supply a picture can do without, and how much larger the others become.
+//! Levels of detail: which points of an out-of-core stream a picture can do without, and how much larger the others
+//! become.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -24,7 +25,7 @@ pub struct Limits {
 /// The picture that a cut is for.
 #[derive(Clone, Copy)]
 pub struct Picture<'a> {
-    /// Its pixels.
+    /// Scale of the view's pixels.
     pub scale: Scale,
     /// The blocks of which something may be in it.
     pub blocks: &'a [u32],
@@ -36,13 +37,14 @@ pub struct Picture<'a> {
     pub seed: u64,
 }
 
-/// The points of a supply that are drawn of it. Each point has a spacing in pixels at which the picture can do without it: that of the
-/// levels above at the nearest place of its block; without levels that of the points before it in a random order. Those above the
-/// cut's are kept. It follows from camera and size alone, not from windows.
+/// The points of an out-of-core stream that are drawn of it. Each point has a spacing in pixels at which the picture
+/// can do without it: that of the levels above at the nearest place of its block; without levels that of the points
+/// before it in a random order. Those above the cut's are kept. It follows from camera and size alone, not from
+/// windows.
 pub struct Cut {
     whole: Arc<dyn Supply>,
     tree: Tree,
-    /// For each block of the whole, if it is kept.
+    /// True for each block of the whole that is retained.
     kept: Vec<bool>,
     /// The kept blocks, with their numbers in the whole.
     blocks: Vec<Block>,
@@ -90,12 +92,12 @@ impl Random {
 }
 
 impl Cut {
-    /// Returns what limits leave of a supply. `spacing` is the distance between all points of clouds without levels, in
-    /// world units.
+    /// Returns what limits leave of an out-of-core stream. `spacing` is the distance between all points of clouds
+    /// without levels, in world units.
     ///
     /// # Errors
-    /// Points of clouds without levels can't be read to be counted, the coarsest level has more than are allowed, or `progress`
-    /// cancels it.
+    /// Points of clouds without levels can't be read to be counted, the coarsest level has more than are allowed, or
+    /// `progress` cancels it.
     pub fn new(
         whole: Arc<dyn Supply>,
         spacing: f64,
@@ -123,7 +125,7 @@ impl Cut {
         let keeps = |(block, own): (&Block, &Option<f64>)| own.map_or(share(block) > 1e-10, |own| own > px);
         let mut kept: Vec<bool> = all.iter().zip(levels).map(keeps).collect();
         if let Some(first) = kept.first_mut() {
-            // A supply has a block, if one without points.
+            // An out-of-core stream has a block, if one without points.
             *first = true;
         }
         let tree = Tree::new(all);
@@ -208,7 +210,8 @@ impl Supply for Cut {
     }
 }
 
-/// For each block with levels the pixels between points of the levels above it, at its nearest place; never more than above it.
+/// Pixels, for each block with levels, between points of the levels above it, at its nearest place; never more than
+/// above it.
 fn levels_px(blocks: &[Block], scale: &Scale) -> Vec<Option<f64>> {
     let mut found: Vec<Option<f64>> = Vec::with_capacity(blocks.len());
     for block in blocks {

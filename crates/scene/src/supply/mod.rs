@@ -19,9 +19,9 @@ pub use scale::Scale;
 #[doc(hidden)]
 pub use spacing::spacing;
 
-/// A scene's points in blocks. Discs in one place are either in one block, or in blocks of which each holds the largest radius
-/// there: who takes all blocks that reach a part of the image has all discs in a place, or none of those that show. Gaussians are taken by
-/// how far they reach themselves, since a few reach across most scenes.
+/// A scene's points in blocks. Discs in one place are either in one block, or in blocks of which each holds the largest
+/// radius there: taking every block that overlaps a region of the image yields all visible discs of any location in
+/// it. Gaussians are taken by how far they reach themselves, since a few reach across most scenes.
 pub trait Supply: Debug + Send + Sync {
     /// The blocks.
     fn blocks(&self) -> &[Block];
@@ -31,23 +31,23 @@ pub trait Supply: Debug + Send + Sync {
         u64::MAX
     }
 
-    /// About how many points are in places that show; `None` if nothing is known of it.
+    /// Estimates how many points are in places that show; `None` if nothing is known of it.
     fn estimate(&self, _shows: &(dyn Fn(DVec3) -> bool + Sync)) -> Option<u64> {
         None
     }
 
-    /// Those points of some blocks, in ascending order, that `keep` keeps, in canonical order. They have the columns of all points,
-    /// even if they are empty.
+    /// Reads those points of some blocks, in ascending order, that `keep` keeps, in canonical order. They have the
+    /// columns of all points, even if they are empty.
     ///
     /// # Errors
-    /// They can't be read, or `progress` cancels it.
+    /// Returns an error if the points can't be read, or `progress` cancels it.
     fn take(&self, blocks: &[u32], keep: Keep<'_>, progress: &Progress) -> Result<Points, Failure>;
 }
 
 /// Shows all points, about so many at a time.
 ///
 /// # Errors
-/// They can't be read, or `progress` cancels it.
+/// Returns an error if the points can't be read, or `progress` cancels it.
 pub fn each(
     supply: &dyn Supply,
     at_once: u64,
@@ -135,12 +135,12 @@ impl From<Cancelled> for Failure {
 pub struct Block {
     /// A box around them, in world coordinates.
     pub bounds: Bounds,
-    /// The largest radius of all points in that box that aren't farther apart than points in one place, in world units. Of Gaussians the
-    /// farthest that one of its own reaches.
+    /// The largest radius of all points in that box that aren't farther apart than points in one place, in world units.
+    /// Of Gaussians the farthest that one of its own reaches.
     pub radius: f32,
     /// Number of points.
     pub points: u64,
-    /// Its place among the levels of its cloud; `None` if that has no levels.
+    /// Place of the block among the levels of its cloud; `None` if that has no levels.
     pub branch: Option<Branch>,
 }
 
@@ -151,8 +151,8 @@ pub struct Branch {
     pub parent: Option<u32>,
     /// The distance between points of the levels above, in world units; infinite where there are none.
     pub spacing: f64,
-    /// The factor on radii above it that makes up for leaving out this block and all below it: the discs of a place together keep
-    /// their area. At least 1.
+    /// The factor on radii above it that makes up for leaving out this block and all below it: the discs of a place
+    /// together keep their area. At least 1.
     pub growth: f32,
 }
 
@@ -164,7 +164,7 @@ const BLOCK: usize = 1 << 12;
 pub struct Held {
     points: Arc<Points>,
     blocks: Vec<Block>,
-    /// For each block its first point, with their number as the last entry.
+    /// First point of each block, with their number as the last entry.
     starts: Vec<usize>,
 }
 

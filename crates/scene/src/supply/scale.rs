@@ -15,7 +15,7 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// That of a camera's picture with so many rows of pixels.
+    /// Scale of a camera's picture with so many rows of pixels.
     pub fn new(camera: &Camera, rows: u32) -> Self {
         let nearest = match camera.projection {
             Projection::Perspective { .. } => Some(camera.near.max(f64::MIN_POSITIVE)),

@@ -8,16 +8,16 @@ use pellucid_core::cloud::Bounds;
 /// The trees of some blocks.
 #[derive(Debug)]
 pub(super) struct Tree {
-    /// For each block the first of its children in `children`, with their number as the last entry.
+    /// First child of each block in `children`, with their number as the last entry.
     starts: Vec<u32>,
     children: Vec<u32>,
     roots: Vec<u32>,
-    /// For each block the root of its tree; its own number without levels.
+    /// Root of each block's tree; the block's own number without levels.
     root_of: Vec<u32>,
 }
 
 impl Tree {
-    /// That of blocks whose parents come before them.
+    /// Builds the tree of blocks whose parents come before them.
     pub fn new(blocks: &[Block]) -> Self {
         let parent = |block: &Block| block.branch.and_then(|branch| branch.parent);
         let mut starts = vec![0; blocks.len() + 1];

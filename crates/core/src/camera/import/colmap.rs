@@ -1,7 +1,8 @@
 //! COLMAP's sparse models (colmap.github.io/format.html): `cameras` and `images`, `.bin` or `.txt`.
 //!
-//! An image has a unit quaternion w, x, y, z and a vector t that lead from the world to the camera: x_camera = R·x + t, whose
-//! axes are OpenCV's: x right, y down, z forward. So its eye is −Rᵀt, and the rows of R are right, down and forward.
+//! An image has a unit quaternion w, x, y, z and a vector t that lead from the world to the camera: x_camera = R·x + t,
+//! whose axes are OpenCV's: x right, y down, z forward. So its eye is −Rᵀt, and the rows of R are right, down and
+//! forward.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

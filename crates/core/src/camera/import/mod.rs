@@ -35,7 +35,7 @@ pub enum Source {
 /// Pictures' cameras, in the order of nerfstudio's file or of COLMAP's names.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cameras {
-    /// At least one.
+    /// Views of the file, at least one.
     views: Vec<View>,
     /// Width and height in pixels of the pictures; of the first, if they differ.
     size: Option<[u32; 2]>,
@@ -43,7 +43,7 @@ pub struct Cameras {
     warnings: Vec<String>,
 }
 
-/// One imported view: eye in world units, rotation from the camera's axes (x right, y up, −z forward) to the world's.
+/// Imported view: eye in world units, rotation from the camera's axes (x right, y up, −z forward) to the world's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct View {
     eye: DVec3,
@@ -55,7 +55,7 @@ struct View {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Angle {
     Vertical(f64),
-    /// For a picture of unknown size.
+    /// Horizontal field of view, for a picture of unknown size.
     Horizontal(f64),
 }
 

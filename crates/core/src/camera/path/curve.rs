@@ -16,7 +16,7 @@ use super::{CameraPath, Defaults, Pose, Problem};
 #[derive(Debug, Clone)]
 pub struct Curve {
     knots: Vec<Knot>,
-    /// One per knot; a closed path adds the return to the first.
+    /// Times of the knots; a closed path adds the return to the first.
     times: Vec<f64>,
     /// The parameter at these times, and its derivative.
     places: Vec<[f64; 2]>,
@@ -33,7 +33,8 @@ impl Curve {
     /// Returns the motion along a path.
     ///
     /// # Errors
-    /// Those of [`CameraPath::check`], an `up` along the view, perspective and orthographic keys in one path.
+    /// Returns the errors of [`CameraPath::check`], and an error for an `up` along the view, perspective and
+    /// orthographic keys in one path.
     pub fn new(path: &CameraPath, defaults: &Defaults) -> Result<Self, Problem> {
         path.check()?;
         let knots = path.keys.iter().enumerate().map(|(number, key)| Knot::new(number, key, defaults));

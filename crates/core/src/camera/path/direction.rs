@@ -131,7 +131,7 @@ pub fn angle(turn: DQuat) -> f64 {
     log(turn).length()
 }
 
-/// The same angle in (−π, π].
+/// Returns the same angle in (−π, π].
 fn wrapped(angle: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
     let turn = angle.rem_euclid(TAU);

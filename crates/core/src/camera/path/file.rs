@@ -29,7 +29,7 @@ pub struct CameraPath {
     /// `true` if the path returns from the last key to the first; `loop` in the file.
     #[serde(default, rename = "loop", skip_serializing_if = "std::ops::Not::not")]
     pub closed: bool,
-    /// At least one, at most [`MAX_KEYS`].
+    /// Keys of the path: at least one, at most [`MAX_KEYS`].
     pub keys: Vec<Key>,
 }
 
@@ -49,8 +49,8 @@ pub struct Key {
     /// Direction of the image's top, with `target`; by default the scene's vertical.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
-    /// Instead of `target`: the quaternion w, x, y, z, of any length but 0, that turns the camera's axes (x right, y up,
-    /// looking along −z) into those of the world.
+    /// Instead of `target`: the quaternion w, x, y, z, of any length but 0, that turns the camera's axes (x right, y
+    /// up, looking along −z) into those of the world.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orientation: Option<[f64; 4]>,
     /// Full vertical angle in degrees, in (0, 180); by default the scene's.

@@ -9,12 +9,13 @@ use crate::camera::{Camera, Projection};
 #[derive(Debug, Clone, Copy)]
 pub struct Knot {
     pub eye: DVec3,
-    /// Toward the image's right and top, and along the view: as a scene's camera has them, without the rounding of `turn`.
+    /// Axes toward the image's right and top, and along the view: as a scene's camera has them, without the rounding of
+    /// `turn`.
     pub axes: [DVec3; 3],
     pub projection: Projection,
     /// Distance of the target; 0 for a key without one.
     pub reach: f64,
-    /// From the camera's axes (x right, y up, −z forward) to the world's.
+    /// Rotation from the camera's axes (x right, y up, −z forward) to the world's.
     pub turn: DQuat,
     pub lens: Lens,
     pub near: Option<f64>,
@@ -49,7 +50,7 @@ impl Lens {
 }
 
 impl Knot {
-    /// From a validated key.
+    /// Makes a knot from a validated key.
     pub fn new(number: usize, key: &Key, defaults: &Defaults) -> Result<Self, Problem> {
         let eye = DVec3::from(key.eye);
         let projection = match (key.fov_y, key.height) {
@@ -65,7 +66,8 @@ impl Knot {
             (None, target) => {
                 let arm = DVec3::from(target.unwrap_or(key.eye)) - eye;
                 let up = key.up.map_or(defaults.up, DVec3::from);
-                // Step by step as `scene::camera` does, so that a key gives the camera of a scene with its vectors, bit for bit.
+                // Step by step as `scene::camera` does, so that a key gives the camera of a scene with its vectors, bit
+                // for bit.
                 let camera =
                     Camera::look_at(DVec3::ZERO, arm.normalize(), up, projection, 1.0, 2.0).ok_or_else(|| {
                         Problem::of_key(

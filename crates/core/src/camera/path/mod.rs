@@ -53,9 +53,9 @@ pub struct Defaults {
 pub struct Pose {
     /// The eye.
     pub eye: DVec3,
-    /// Toward the image's right.
+    /// Direction toward the image's right.
     pub right: DVec3,
-    /// Toward the image's top.
+    /// Direction toward the image's top.
     pub up: DVec3,
     /// The viewing direction.
     pub forward: DVec3,
@@ -114,9 +114,9 @@ pub enum Error {
     Syntax {
         /// The file.
         path: PathBuf,
-        /// From 1.
+        /// Line, counted from 1.
         line: usize,
-        /// From 1; 1 where only the line is known.
+        /// Column, counted from 1; 1 where only the line is known.
         column: usize,
         /// The defect at this position.
         message: String,

@@ -7,8 +7,8 @@ use glam::{DQuat, DVec3};
 use super::Pose;
 use crate::camera::Camera;
 
-/// A full turn of a camera around an axis through a point: counter-clockwise as seen against the axis, so that the azimuth
-/// of the eye ascends.
+/// A full turn of a camera around an axis through a point: counter-clockwise as seen against the axis, so that the
+/// azimuth of the eye ascends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turntable {
     /// The first camera.

@@ -62,8 +62,8 @@ fn random(seed: &mut u64) -> f64 {
     (*seed >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// The color that the definition of `color_by` gives a value: t = (v - low) / (high - low), of logarithms with log; linear
-/// between the entries that are nearest to t.
+/// The color that the definition of `color_by` gives a value: t = (v - low) / (high - low), of logarithms with log;
+/// linear between the entries that are nearest to t.
 fn defined(map: &Colormap, value: f64, [low, high]: [f64; 2], log: bool, reverse: bool) -> [f64; 3] {
     let f = |x: f64| if log { x.log2() } else { x };
     let t = (f(value) - f(low)) / (f(high) - f(low));
@@ -92,8 +92,8 @@ fn every_tick_is_its_label_and_stands_at_its_color() {
             let reverse = case % 3 == 0;
             let wanted = defined(&map, tick.value, [low, high], log, reverse);
             let found = map.srgb(if reverse { 1.0 - tick.place } else { tick.place }).to_array();
-            // The range is at least 1e-6 of its ends, so that cancellation leaves t exact to some 1e-9; a step between two
-            // entries changes a color by at most 255 * 0.03 per t.
+            // The range is at least 1e-6 of its ends, so that cancellation leaves t exact to some 1e-9; a step between
+            // two entries changes a color by at most 255 * 0.03 per t.
             let off = (0..3).map(|c| (found[c] - wanted[c]).abs()).fold(0.0, f64::max);
             assert!(off < 1e-7, "{low} to {high}: {tick:?} off by {off}");
         }

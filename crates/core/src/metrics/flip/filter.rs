@@ -9,15 +9,15 @@ const FACTORS: [f64; 2] = [34.1, 13.5];
 /// Width of a feature in degrees, two standard deviations.
 const FEATURE: f64 = 0.082;
 
-/// At one place along an axis: of the Gaussians for Y and Cx and of both for Cz; then, for features in Y, of a Gaussian, its
-/// slope and its curvature.
+/// Weights at a place along an axis: of the Gaussians for Y and Cx and of both for Cz; then, for features in Y, of a
+/// Gaussian, its slope and its curvature.
 pub type Weights = [f64; 7];
 
 /// Weights along an axis.
 #[derive(Debug)]
 pub struct Filters {
-    /// An odd number, the middle one for the pixel itself. A Gaussian's weights sum to 1, the positive ones of slope and
-    /// curvature to 1 and the negative ones to −1.
+    /// An odd number, the middle one for the pixel itself. A Gaussian's weights sum to 1, the positive ones of slope
+    /// and curvature to 1 and the negative ones to −1.
     pub taps: Vec<Weights>,
     /// The weights of the two filters of Cz.
     pub shares: [f64; 2],

@@ -1,8 +1,8 @@
 //! LDR-FLIP: how visible the difference of two pictures is to somebody who flips between them.
 //!
-//! Computed here rather than by NVIDIA's C++ (crate nv-flip), whose binding takes 8-bit pictures: in those, what is below
-//! half a step is no difference. Constants and the filters' amplitudes are those of that code, and so are the values, to
-//! float32's rounding, as crates/engine/tests/host/metrics.rs shows.
+//! Computed here rather than by NVIDIA's C++ (crate nv-flip), whose binding takes 8-bit pictures: in those, what is
+//! below half a step is no difference. Constants and the filters' amplitudes are those of that code, and so are the
+//! values, to float32's rounding, as crates/engine/tests/host/metrics.rs shows.
 
 mod color;
 mod filter;
@@ -83,7 +83,8 @@ impl Eye {
         let length = self.filters.taps.len();
         let radius = length / 2;
         let last = pixels.len() / width - 1;
-        // Row `i` of the image is element `i + radius - rows.start`, and so it is with columns: both repeat at the sides.
+        // Row `i` of the image is element `i + radius - rows.start`, and so it is with columns: both repeat at the
+        // sides.
         let padded: Vec<Vec<DVec3>> = (rows.start..rows.end + 2 * radius)
             .map(|row| {
                 let row = row.saturating_sub(radius).min(last) * width;
@@ -111,7 +112,7 @@ impl Eye {
         sums
     }
 
-    /// The same filter along a row, and the resulting features.
+    /// Applies the filter along a row, and the resulting features.
     fn horizontal(&self, columns: &[Weights]) -> PixelFeatures {
         let mut colors = [0.0; 4];
         let (mut edge, mut point) = ([0.0; 2], [0.0; 2]);

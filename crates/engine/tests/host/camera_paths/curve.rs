@@ -35,7 +35,7 @@ fn mixed() -> CameraPath {
     CameraPath::new(keys)
 }
 
-/// The same with orientations instead of targets.
+/// Makes the same path with orientations instead of targets.
 fn oriented(path: &CameraPath) -> CameraPath {
     let poses = curve(path).key_poses();
     let keys = path.keys.iter().zip(&poses).map(|(key, pose)| {

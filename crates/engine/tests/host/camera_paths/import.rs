@@ -79,7 +79,7 @@ fn nerfstudio_by_angle() {
 }
 
 #[test]
-fn what_a_pinhole_lacks_is_said() {
+fn cameras_that_are_no_pinholes_give_notes() {
     let folder = tempfile::tempdir().unwrap();
     let warnings = |head: &str| read(&transforms(&folder, head)).warnings().join("\n");
     let base = r#""fl_x": 100, "fl_y": 100, "w": 200, "h": 100"#;
@@ -285,7 +285,7 @@ fn colmap_binary_by_hand_and_cut_anywhere() {
 }
 
 #[test]
-fn what_is_missing_is_said() {
+fn missing_files_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let empty = Source::read(folder.path()).unwrap_err();
     assert!(empty.exit_status() == 2 && empty.to_string().contains("neither a transforms.json"), "{empty}");

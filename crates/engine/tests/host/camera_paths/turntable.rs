@@ -64,7 +64,7 @@ fn turned(text: &str, points: &Points, up: UpAxis, view: View, count: usize) -> 
     turntable.frames(count).iter().map(|pose| course.camera(pose).unwrap()).collect()
 }
 
-/// How far the nearest disc is from the image's border, as a share of that side; all must be within the depths.
+/// Distance of the nearest disc from the image's border, as a share of that side; all must be within the depths.
 fn margin(camera: &Camera, points: &Points, size: [u32; 2]) -> f64 {
     let mut least = f64::INFINITY;
     for (position, radius) in points.positions.iter().zip(&points.radii) {
@@ -90,9 +90,9 @@ fn all_of_the_scene_is_in_every_frame_and_not_far_from_its_border() {
                 let view = View { name: None, azimuth: Some(33.0), elevation: Some(elevation) };
                 let cameras = turned(&format!("[image]\nsize = {size:?}"), &points, up, view, 720);
                 let least = cameras.iter().map(|camera| margin(camera, &points, size)).fold(f64::INFINITY, f64::min);
-                // 2.5% are left where something comes nearest. A sphere of radius r touches the plane of slope t, but the
-                // disc that is drawn of it ends r·(√(1 + t²) − 1)/z earlier, a share of that over 2t/0.95 of the side. At
-                // half a degree from frame to frame the nearest point is missed by less than 1e-4 of its way.
+                // 2.5% are left where something comes nearest. A sphere of radius r touches the plane of slope t, but
+                // the disc that is drawn of it ends r·(√(1 + t²) − 1)/z earlier, a share of that over 2t/0.95 of the
+                // side. At half a degree from frame to frame the nearest point is missed by less than 1e-4 of its way.
                 let tangent = 0.95 * 22.5f64.to_radians().tan();
                 let slack = |t: f64, z: f64| f64::from(radius) * ((1.0 + t * t).sqrt() - 1.0) / z * 0.95 / (2.0 * t);
                 let nearest = cameras.iter().flat_map(|camera| positions.iter().map(|p| camera.to_view(*p).z));
@@ -149,8 +149,8 @@ fn builtin(name: &str, size: [u32; 2]) -> (Points, String) {
     (arranged.points().clone(), lines.collect::<Vec<_>>().join("\n"))
 }
 
-/// An eye of a scene from which a turn would lose corners goes back along its line of sight, as far as a turn without an eye
-/// stands away: nothing is lost in any frame, and what comes nearest to the border keeps the same margin.
+/// An eye of a scene from which a turn would lose corners goes back along its line of sight, as far as a turn without
+/// an eye stands away: nothing is lost in any frame, and what comes nearest to the border keeps the same margin.
 #[test]
 fn an_eye_goes_back_until_all_of_the_turn_is_in_view() {
     let mut moved = 0;
@@ -185,7 +185,8 @@ fn an_eye_goes_back_until_all_of_the_turn_is_in_view() {
             let slack = tangents.map(|t| radius * ((1.0 + t * t).sqrt() - 1.0) / z * 0.95 / (2.0 * t));
             let most = 0.0252 + slack[0].max(slack[1]);
             assert!(least >= 0.025 - 1e-9 && least < most, "{name}, {size:?}: {least} to {most}");
-            // A sphere that the planes touched may have a disc that did not: with what is between them counted, points were lost.
+            // A sphere that the planes touched may have a disc that did not: with what is between them counted, points
+            // were lost.
             assert!(lost < slack[0].max(slack[1]), "{name}, {size:?}: {lost}");
         }
     }

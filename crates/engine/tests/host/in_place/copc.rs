@@ -120,7 +120,8 @@ fn random_damage_never_panics() {
     for _ in 0..600 {
         let mut bytes = made.bytes.clone();
         for _ in 0..random.random_range(1..4) {
-            // The hierarchy and the records of the header, which are what is read here; the points are those of LAS files.
+            // The hierarchy and the records of the header, which are what is read here; the points are those of LAS
+            // files.
             let (from, to) = if random.random() { (made.pages[0], bytes.len()) } else { (0, 1000) };
             let at = random.random_range(from..to);
             bytes[at] = random.random();

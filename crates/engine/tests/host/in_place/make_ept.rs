@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 
 type Key = [u32; 4];
 
-/// How tiles are stored.
+/// Formats of the tiles.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Tiles {
     Laszip,
@@ -17,8 +17,8 @@ pub enum Tiles {
     Zstandard,
 }
 
-/// Makes a folder of the points of a file: a third of them in the root, another one level below, the rest two levels below. Nodes of the
-/// deepest level stand in hierarchy files of their own.
+/// Makes a folder of the points of a file: a third of them in the root, another one level below, the rest two levels
+/// below. Nodes of the deepest level stand in hierarchy files of their own.
 pub fn make(folder: &Path, file: &Path, tiles: Tiles, statistics: bool) {
     let mut reader = Reader::from_path(file).unwrap();
     let header = reader.header().clone();

@@ -29,7 +29,8 @@ fn the_pieces_of_every_file_are_the_file() {
 /// Rows of a file, more than a piece has.
 const ROWS: u32 = 1_100_000;
 
-/// Vertices of all kinds of numbers. Every 1000th is not finite; only the last two have a normal, and a class that is no code.
+/// Vertices of all kinds of numbers. Every 1000th is not finite; only the last two have a normal, and a class that is
+/// no code.
 fn file(little_endian: bool) -> Vec<u8> {
     let order = if little_endian { "little" } else { "big" };
     let mut bytes = format!(
@@ -64,7 +65,7 @@ fn file(little_endian: bool) -> Vec<u8> {
 }
 
 #[test]
-fn what_only_the_last_points_tell_holds_for_all_pieces() {
+fn facts_from_the_last_points_hold_for_all_pieces() {
     let folder = tempdir().unwrap();
     let path = folder.path().join("any.ply");
     for little_endian in [true, false] {

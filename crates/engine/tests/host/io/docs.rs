@@ -13,7 +13,7 @@ use super::real::FOLDERS;
 /// The heading that the table follows.
 const HEADING: &str = "## Sample files\n";
 
-/// Where each file comes from, as the folder's README has it.
+/// Sources of the files, as the folder's README has it.
 fn sources(readme: &str) -> Vec<(&str, &str)> {
     readme.lines().filter_map(source).collect()
 }
@@ -27,7 +27,7 @@ fn source(line: &str) -> Option<(&str, &str)> {
     }
 }
 
-/// The attributes of a cloud besides positions.
+/// The attributes of a cloud other than positions.
 fn attributes(cloud: &Cloud) -> String {
     let usual = [
         ("color", cloud.colors.is_some()),

@@ -101,7 +101,8 @@ fn times(name: &str, bytes: &[u8]) -> Result<Vec<f32>, String> {
 
 #[test]
 fn compressed_times_are_those_of_the_plain_file() {
-    // Two scanners with clocks of their own, then jumps, repeated times and rising steps, in channels where there are any.
+    // Two scanners with clocks of their own, then jumps, repeated times and rising steps, in channels where there are
+    // any.
     let time = |index: u16| match index % 11 {
         0 => 5e5 + f64::from(index) * 1e-3,
         1..4 => f64::from(index) * 2.5e-4,

@@ -97,7 +97,7 @@ fn points(store: &dyn Store) -> Cloud {
     whole.subset(&order)
 }
 
-/// The same points, except for positions, which may be rounded by `most`.
+/// Asserts that points are the same, except for positions, which may be rounded by `most`.
 fn assert_same(back: Cloud, cloud: &Cloud, most: f64) {
     let moved = back.positions.iter().zip(&cloud.positions).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
     assert!(moved <= most, "{moved}");
@@ -126,7 +126,7 @@ fn memory_changes_no_byte_and_every_point_comes_back() {
     assert!(octree.nodes().len() > 20);
 }
 
-/// Its nodes in another order.
+/// Store with its nodes in another order.
 #[derive(Debug)]
 struct Turned(Octree);
 
@@ -263,7 +263,7 @@ impl Store for Counted {
 }
 
 #[test]
-fn what_was_stopped_goes_on_where_it_was() {
+fn a_stopped_build_resumes_where_it_was() {
     let folder = tempfile::tempdir().unwrap();
     let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name).join("store"));
     write(&[held(cloud(5000, 1))], &whole, TIGHT);
@@ -289,7 +289,7 @@ fn what_was_stopped_goes_on_where_it_was() {
 }
 
 #[test]
-fn what_is_left_of_other_work_is_not_used() {
+fn leftovers_of_other_builds_are_not_used() {
     let folder = tempfile::tempdir().unwrap();
     let [whole, again] = ["whole", "again"].map(|name| folder.path().join(name).join("store"));
     write(&[held(cloud(5000, 1))], &whole, TIGHT);

@@ -154,7 +154,7 @@ fn no_damage_goes_beyond_an_error() {
 
 /// Bytes of a node in hierarchy.bin.
 const NODE: usize = 22;
-/// Its number of points, first byte and number of bytes.
+/// Offset of a node's number of points, first byte and number of bytes.
 const COUNT: usize = 2;
 const OFFSET: usize = 6;
 const BYTES: usize = 14;

@@ -7,7 +7,7 @@ use pellucid_engine::io::ply;
 
 use super::{Folder, load, load_bytes};
 
-/// The same two vertices with one property of each scalar type, between other elements with lists.
+/// File of the same two vertices with one property of each scalar type, between other elements with lists.
 fn file(format: &str, number: impl Fn(&mut Vec<u8>, &str, f64)) -> Vec<u8> {
     let types = ["char", "uint8", "int16", "ushort", "int", "uint32", "float", "float64"];
     let mut bytes = format!("ply\r\nformat {format} 1.0\r\n\r\ncomment caf\u{e9}\r\n").into_bytes();
@@ -114,7 +114,7 @@ fn names_that_tools_use() {
 }
 
 #[test]
-fn what_does_not_fit_a_column_is_a_scalar() {
+fn properties_that_fit_no_column_become_scalars() {
     let cloud = vertices("float x, float y, float z, int label, uchar red, float nx", "0 0 0 -1 7 1\n0 0 0 300 8 0");
     assert_eq!((&cloud.classification, &cloud.colors, &cloud.normals), (&None, &None, &None));
     let names: Vec<_> = cloud.scalars.iter().map(|(name, _)| name.as_str()).collect();
@@ -178,7 +178,7 @@ fn points_that_are_not_finite_are_dropped_from_every_column() {
     assert_eq!(cloud.normals.unwrap().len(), 3);
 }
 
-/// One point for each 8-bit value in each column that is stored so.
+/// Cloud with one point for each 8-bit value in each column that is stored so.
 fn full_cloud(offset: DVec3) -> Cloud {
     let value = |i: u16| f32::from(i) / 255.0;
     Cloud {
@@ -199,7 +199,7 @@ fn full_cloud(offset: DVec3) -> Cloud {
 }
 
 #[test]
-fn what_is_written_is_read_back_exactly() {
+fn written_clouds_are_read_back_exactly() {
     let folder = Folder::new();
     let path = folder.0.path().join("out.ply");
     let plain = Cloud { positions: vec![DVec3::new(0.1, 0.2, 0.3)], ..Cloud::default() };

@@ -137,7 +137,7 @@ fn decimal_commas() {
 }
 
 #[test]
-fn what_is_no_number() {
+fn text_that_is_no_number_is_nan_or_an_error() {
     let cloud =
         load_bytes("a.csv", "x,y,z,i,t\n1,2,3,,\nnan,2,3,4,5\n1,inf,3,4,5\n1,,3,4,5\n1,2,-1.#IND,4,5\n6,7,8,9,10\n")
             .unwrap();

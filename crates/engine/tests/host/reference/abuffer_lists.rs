@@ -87,7 +87,8 @@ fn a_list_ends_before_the_fragment_that_would_leave_too_little() {
         .map(|(alpha, index)| Fragment { z: 1.0, index, alpha: *alpha })
         .collect();
     let length = |stop: f64| abuffer::before_end(&list, stop).len();
-    // 1/2, 1/4, 1/16 and 3/64 are left. What is left may be as little as the least; nothing comes behind an end, were it ever so faint.
+    // 1/2, 1/4, 1/16 and 3/64 are left. What is left may be as little as the least; nothing comes behind an end, were
+    // it ever so faint.
     assert_eq!([0.0, 0.04, 0.05, 0.0625, 0.07, 0.25, 0.3, 0.5, 0.6].map(length), [4, 4, 3, 3, 2, 2, 1, 1, 0]);
     assert_eq!(abuffer::before_end(&[], 0.5).len(), 0);
 }

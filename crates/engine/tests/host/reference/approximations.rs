@@ -95,7 +95,8 @@ fn faint_fragments_are_in_the_tail_of_a_hybrid_wherever_they_lie() {
 
 #[test]
 fn a_tail_by_moments_is_that_method_behind_an_exact_front() {
-    // Three discs of radius 2 over the middle, green, red and blue from near to far, and a fainter white one before all.
+    // Three discs of radius 2 over the middle, green, red and blue from near to far, and a fainter white one before
+    // all.
     let points = Points {
         positions: [4.0, 5.0, 6.0, 3.0].map(|z| -z * DVec3::Z).to_vec(),
         colors: vec![Vec3::ONE; 4],

@@ -30,7 +30,7 @@ fn nothing_is_nothing() {
 }
 
 #[test]
-fn what_lies_within_a_radius_is_blended() {
+fn splats_within_a_radius_are_blended() {
     let list = [fragment(5.0, 0.0, 1.0, 0), fragment(5.75, 0.5, 2.0, 1), fragment(6.25, 0.0, 1.0, 2)];
     assert_eq!(limit(&list, 1.0), 6.0);
     let (a, b) = (1.0, weight(0.5));
@@ -94,7 +94,8 @@ fn the_drawn_radius_is_scaled_and_clamped_in_the_world() {
 
 #[test]
 fn oriented_depths_decide_pixel_by_pixel() {
-    // A disc whose z grows to the right through a flat one that lies at its center's depth: within 0.5 of each other they blend.
+    // A disc whose z grows to the right through a flat one that lies at its center's depth: within 0.5 of each other
+    // they blend.
     let crossing = points(&[-5.0 * DVec3::Z; 2], &[2.2, 2.2], Some(vec![tilted(45.0).as_vec3(), Vec3::ZERO]), &[]);
     let settings = BlendedSplats { blend_depth: 0.25, ..BlendedSplats::default() };
     let picture = splats::render(&orthographic(), SIZE, &crossing, &COLORS[..2], Shape::Oriented, &settings);

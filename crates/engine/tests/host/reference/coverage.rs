@@ -90,7 +90,7 @@ fn only_points_from_near_to_far_are_drawn() {
 }
 
 #[test]
-fn what_lies_outside_the_image_is_cut_off() {
+fn coverage_outside_the_image_is_cut_off() {
     // The center is 2 units left of the image: the centers of columns 0 and 1 are 2.5 and 3.5 away.
     let splat = flat(Shape::Disc, DVec3::new(-6.5, 0.0, -5.0), 3.0);
     let covered = footprint(&orthographic(), SIZE, &splat);

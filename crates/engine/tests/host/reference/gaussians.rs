@@ -1,4 +1,5 @@
-//! Gaussian splats: the footprints of both kernels, what they are ordered by, their colors, and what float32 may make of them.
+//! Gaussian splats: the footprints of both kernels, what they are ordered by, their colors, and what float32 may make
+//! of them.
 
 use glam::{DMat3, DQuat, DVec2, Quat};
 
@@ -19,12 +20,13 @@ mod ray;
 #[derive(Clone, Copy)]
 struct Splatted(DVec3, Vec3, Quat, f32);
 
-/// One that is the same in all directions.
+/// Gaussian that is the same in all directions.
 fn ball(position: DVec3, extent: f32, opacity: f32) -> Splatted {
     Splatted(position, Vec3::splat(extent), Quat::IDENTITY, opacity)
 }
 
-/// A Gaussian without thickness, turned by `degrees` about the vertical: on it z grows by tan(degrees) per unit to the right.
+/// A Gaussian without thickness, turned by `degrees` about the vertical: on it z grows by tan(degrees) per unit to the
+/// right.
 fn pancake(position: DVec3, extent: f32, degrees: f32, opacity: f32) -> Splatted {
     let turned = Quat::from_rotation_y(degrees.to_radians());
     Splatted(position, Vec3::new(extent, extent, 0.0), turned, opacity)

@@ -60,8 +60,8 @@ fn square_holes_are_eaten_from_their_corners() {
     assert_eq!(text(&square_hole(2).filled())[2], "111111");
     let once = square_hole(3).filled();
     assert_eq!(text(&once)[2..5], ["111.111", "11...11", "111.111"]);
-    // After so many iterations, and not one earlier. A hole of n pixels is filled after n only up to 6: the straight sides of
-    // a hole are silhouettes, which stay, and what is eaten from the corners runs along them in turns.
+    // After so many iterations, and not one earlier. A hole of n pixels is filled after n only up to 6: the straight
+    // sides of a hole are silhouettes, which stay, and what is eaten from the corners runs along them in turns.
     let wanted = [1, 1, 2, 3, 5, 6, 8, 9, 11, 12, 14];
     for (side, wanted) in (1..).zip(wanted) {
         let mut layer = square_hole(side);
@@ -116,8 +116,8 @@ fn silhouettes_do_not_grow() {
     for rows in [upright, lying, corner, diagonal, spike, lone] {
         assert_eq!(text(&layer(&rows).filled()), rows);
     }
-    // One that climbs one pixel in two is no straight line of pixels: each step gains the pixel in its inner corner, and then
-    // climbs one pixel in one at both ends of each iteration until it is a diagonal.
+    // One that climbs one pixel in two is no straight line of pixels: each step gains the pixel in its inner corner,
+    // and then climbs one pixel in one at both ends of each iteration until it is a diagonal.
     let flat = ["......99", "....9999", "..999999", "99999999"];
     assert_eq!(text(&layer(&flat).filled()), [".....999", "...99999", ".9999999", "99999999"]);
     // A corner that opens inward is filled.

@@ -1,4 +1,4 @@
-//! How far a splat is from covering other pixels.
+//! Distances of a splat from covering other pixels.
 
 use super::*;
 

@@ -68,7 +68,7 @@ fn of_equal_depths_the_last_to_come_lies_in_front() {
 }
 
 #[test]
-fn what_comes_in_order_is_exact_however_much_it_is() {
+fn fragments_in_order_are_exact_whatever_their_number() {
     let mut random = pellucid_testing::random(5);
     for n in [1, 2, 7, 60] {
         let (list, colors) = stack(&mut random, n, 0.0);

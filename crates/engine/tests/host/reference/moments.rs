@@ -48,7 +48,8 @@ fn roots_of_polynomials() {
     }
 }
 
-/// The even distribution from −1 to 1: its canonical measures are the rules of Gauss and Legendre, where z is one of their places.
+/// The even distribution from −1 to 1: its canonical measures are the rules of Gauss and Legendre, where z is one of
+/// their places.
 #[test]
 fn canonical_measures_of_an_even_distribution() {
     let even = |count: usize| -> Vec<f64> {
@@ -78,8 +79,8 @@ fn canonical_measures_of_an_even_distribution() {
     }
 }
 
-/// The sum of shares is what the papers write as a polynomial through 1 before z, 0 behind it and the overestimation at it, by
-/// Newton's divided differences, with the moments in place of its powers.
+/// The sum of shares is what the papers write as a polynomial through 1 before z, 0 behind it and the overestimation at
+/// it, by Newton's divided differences, with the moments in place of its powers.
 #[test]
 fn shares_equal_the_form_of_newton() {
     let mut random = pellucid_testing::random(3);
@@ -155,8 +156,8 @@ fn nothing_opaque_and_equal_colors() {
     assert!(found.color.x > 0.99 && found.alpha == 1.0, "{found:?}");
 }
 
-/// RMSE of random stacks, computed in float64 from the published formulas beforehand: number of moments, fragments, and, with
-/// gaps of 0.1 between places, errors by the overestimations and biases of the columns.
+/// RMSE of random stacks, computed in float64 from the published formulas beforehand: number of moments, fragments,
+/// and, with gaps of 0.1 between places, errors by the overestimations and biases of the columns.
 #[test]
 fn errors_are_those_of_the_known_answers() {
     let columns = [(0.0, Some(1e-12)), (0.0, None), (0.1, None), (0.25, None)];
@@ -179,7 +180,8 @@ fn errors_are_those_of_the_known_answers() {
         for ((overestimation, bias), wanted) in columns.into_iter().zip(wanted) {
             let settings = settings(count, overestimation, bias);
             let found = rms_error(11, n, 0.1, |list, colors| moments(list, colors, RANGE, &settings));
-            // What is exact but for the bias and rounding is a matter of how near fragments are: nothing but its order of magnitude holds.
+            // What is exact but for the bias and rounding is a matter of how near fragments are: nothing but its order
+            // of magnitude holds.
             let exact = overestimation == 0.0 && n as u32 <= count.get() / 2 + 1;
             let [low, high] =
                 if exact { [0.0, 100.0 * wanted + ROUNDING] } else { [0.3 * wanted, 2.0 * wanted + ROUNDING] };

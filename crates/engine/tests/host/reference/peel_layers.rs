@@ -67,7 +67,7 @@ fn points_of_one_surface_are_one_layer() {
 }
 
 #[test]
-fn what_lies_behind_a_filled_hole_is_not_lost() {
+fn points_behind_a_filled_hole_are_not_lost() {
     // The front has a hole through which the back shows; unfiltered, the back is the first layer there.
     let front: Vec<_> = plane(3.0, 1.0, 0.5).into_iter().filter(|p| (p.0, p.1) != (0, 0)).collect();
     let scene = [front, plane(6.0, 0.0, 0.5)].concat();
@@ -113,7 +113,8 @@ fn a_layer_that_cannot_be_seen_gives_no_depth() {
 
 #[test]
 fn each_layer_is_softened_by_itself() {
-    // A bar in front of a plane, both opaque: beside the bar the first layer is half of a quarter of it, the plane behind.
+    // A bar in front of a plane, both opaque: beside the bar the first layer is half of a quarter of it, the plane
+    // behind.
     let bar = (-4..=4).map(|y| (0, y, 3.0, 1.0, 1.0)).collect();
     let (points, colors) = points(&[bar, plane(6.0, 0.0, 1.0)].concat());
     let filters = ImageSpace { antialias: true, ..NO_FILTER };

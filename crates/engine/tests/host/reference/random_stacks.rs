@@ -5,11 +5,11 @@ use pellucid_engine::reference::moments::place_of;
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
-/// Near and far of the lists.
+/// Depths near and far of the lists.
 pub(super) const RANGE: [f64; 2] = [1.0, 100.0];
 
-/// `n` fragments near to far, by index as well, with places from −1 to 1 that lie more than `gap` apart, opacities of 0.05 to 0.9 and
-/// random colors.
+/// `n` fragments near to far, by index as well, with places from −1 to 1 that lie more than `gap` apart, opacities of
+/// 0.05 to 0.9 and random colors.
 pub(super) fn stack(random: &mut Pcg64, n: usize, gap: f64) -> (Vec<Fragment>, Vec<DVec3>) {
     let places = loop {
         let mut places: Vec<f64> = (0..n).map(|_| random.random_range(-1.0..1.0)).collect();

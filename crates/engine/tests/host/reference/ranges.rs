@@ -130,7 +130,7 @@ fn a_splat_that_roundings_decide_moves_the_mean_by_its_share() {
 }
 
 #[test]
-fn what_is_exact_is_within_and_most_is_not_open() {
+fn ranges_contain_the_exact_values_and_most_are_closed() {
     let all = points(&soup(3, 600, 0.05..0.3, 0.1..0.9, true));
     let camera = Camera::look_at(
         DVec3::new(1.0, 1.5, 4.0),

@@ -13,7 +13,7 @@ const SHADING: Shading = Shading {
 };
 /// Normals are stored in float32.
 const FROM_F32: f64 = 1e-6;
-/// Where the point of most cases is.
+/// Position of the point of most cases.
 const AHEAD: DVec3 = DVec3::new(0.0, 0.0, -2.0);
 
 /// The shaded color of one point of linear color (1, 0.5, 0).

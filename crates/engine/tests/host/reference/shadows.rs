@@ -112,7 +112,7 @@ fn covered(normal: Vec3) -> (Points, impl Fn(DVec3) -> Option<bool>) {
 }
 
 #[test]
-fn what_a_plane_covers_is_dark() {
+fn points_that_a_plane_covers_are_dark() {
     for normal in [Vec3::ZERO, Vec3::Z] {
         let (points, dark) = covered(normal);
         let far = Light::Position(DVec3::new(0.0, 0.0, 1e5));

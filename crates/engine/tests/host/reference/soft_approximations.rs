@@ -51,8 +51,8 @@ fn many_shells_come_to_an_integral() {
 
 #[test]
 fn shells_weigh_colors_by_themselves() {
-    // Two coincident spheres of one and of two shells do not exist in one frame: one sphere inside another does. Red has
-    // r = 4, 2; green r = 2, 1 around the same center, and the ray goes through at d = 0: all weights 1.
+    // Two coincident spheres of one and of two shells do not exist in one frame: one sphere inside another does. Red
+    // has r = 4, 2; green r = 2, 1 around the same center, and the ray goes through at d = 0: all weights 1.
     let two = spheres(&[(-9.0 * DVec3::Z, 4.0, Vec3::X), (-9.0 * DVec3::Z, 2.0, Vec3::Y)]);
     let found = middle(&two, shells(2, 0.125));
     // Densities: red 1/2 from 4, 1 from 2; green 1/2 from 2, 1 from 1. Segments out to in: 2, 1, 2, 1, 2 long.

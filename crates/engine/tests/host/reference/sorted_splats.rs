@@ -29,7 +29,8 @@ fn centers_decide_and_equal_ones_keep_the_order_of_the_points() {
 
 #[test]
 fn crossing_discs_keep_their_places_and_their_own_depths() {
-    // z = 5 + x on the first, 5.5 − x on the second: they cross at x = 0.25, to the right of which the second is nearer.
+    // z = 5 + x on the first, 5.5 − x on the second: they cross at x = 0.25, to the right of which the second is
+    // nearer.
     let points = two([5.0, 5.5], [45.0, -45.0], 0.5);
     let lists = sorted::lists(&orthographic(), SIZE, &points, &oriented_discs());
     for (column, depths) in [(3, [4.0, 6.5]), (5, [6.0, 4.5])] {

@@ -39,7 +39,7 @@ fn white(dealt: &Dealt) -> Vec<DVec3> {
     vec![DVec3::ONE; dealt.points.len()]
 }
 
-/// One pixel per world unit, 32 × 32 of them around the axis.
+/// Camera with one pixel per world unit, 32 × 32 of them around the axis.
 fn wide() -> Camera {
     camera(Projection::Orthographic { height: 32.0 })
 }
@@ -137,7 +137,8 @@ fn the_nearest_point_wins_and_of_equal_ones_the_first() {
     assert_eq!((picture.depth[middle], picture.counts[middle]), (2.0, 4));
     assert_eq!((picture.depth[0], picture.rgba[0]), (f64::INFINITY, [0.0; 4]));
     assert_eq!(stderr[middle], DVec3::INFINITY);
-    // Simplified: two ensembles of one point of each cloud: first red and blue, where blue is nearer, then green and white.
+    // Simplified: two ensembles of one point of each cloud: first red and blue, where blue is nearer, then green and
+    // white.
     let halves = Rule { ensembles: 2, adjust: false, cos_theta: true };
     let (picture, stderr) = render(&camera, SIZE, &dealt, &colors, &halves, 0);
     assert_eq!(picture.rgba[middle], [0.0, 0.5, 0.5, 1.0]);

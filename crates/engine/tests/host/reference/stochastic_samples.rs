@@ -27,7 +27,7 @@ fn a_fragment_is_visible_where_nothing_nearer_is_held() {
 }
 
 #[test]
-fn what_covers_no_sample_is_visible_all_the_same() {
+fn splats_that_cover_no_sample_are_visible_all_the_same() {
     let found = stratum(&three(), &COLORS, &[0, 0, 0b1111], 4);
     // Blue holds all; the others lie before it. The sum is not clamped.
     assert_eq!((found.color, found.alpha, found.depth), (DVec3::new(0.5, 0.25, 1.0), 1.75, 3.0));

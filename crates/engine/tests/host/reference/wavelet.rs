@@ -12,7 +12,8 @@ fn coefficients_by_hand() {
     let of = |place| Absorption::new(&[(place, 1.0)], 1).coefficients().to_vec();
     // All of the light is gone from the start: nothing but the constant.
     assert_eq!(of(0.0), [0.0, 0.0, 0.0, 1.0]);
-    // From 3/4 on: a quarter on average. The widest wavelet sees half of the right half, the finest on the right the right half of its own.
+    // From 3/4 on: a quarter on average. The widest wavelet sees half of the right half, the finest on the right the
+    // right half of its own.
     let quarter = 0.25 * 2f64.sqrt();
     for (found, wanted) in of(1.0).into_iter().zip([0.25, 0.0, quarter, 0.25]) {
         assert_close(found, wanted, ROUNDING);
@@ -27,7 +28,8 @@ fn places_go_from_the_nearest_to_the_farthest() {
     found.iter().zip([0.0, 0.25, 0.5, 1.0]).for_each(|(found, wanted)| assert_close(*found, wanted, ROUNDING));
 }
 
-/// All wavelets together know the mean over each cell, so that nothing but the sums of a cell and of those before it counts.
+/// All wavelets together know the mean over each cell, so that nothing but the sums of a cell and of those before it
+/// counts.
 #[test]
 fn a_place_sees_what_lies_before_it_smoothed_over_cells() {
     let mut random = pellucid_testing::random(3);
@@ -120,7 +122,8 @@ fn images_by_wavelets() {
     let method = Method::Wavelet(Wavelet::default());
     let picture = render(&orthographic(), SIZE, &points, &[DVec3::X, DVec3::Y], &method).unwrap();
     let on = 4 * 9 + 4;
-    // Two fragments are exact: they lie at the first and the last edge. That of the opaque one counts e⁻¹⁰ behind it alone.
+    // Two fragments are exact: they lie at the first and the last edge. That of the opaque one counts e⁻¹⁰ behind it
+    // alone.
     let found = picture.rgba[on];
     assert!(found.iter().zip([0.5, 0.5, 0.0, 1.0]).all(|(a, b)| (a - b).abs() < ROUNDING), "{found:?}");
     assert_eq!((picture.depth[on], picture.counts[on]), (3.0, 2));

@@ -102,7 +102,8 @@ mod tests {
 
     #[test]
     fn differences_by_hand() {
-        // Even places 10, 30, odd ones 20, 15; the first stays, the others are 30 - 10 + 128, 20 - 30 + 128, 15 - 20 + 128.
+        // Even places 10, 30, odd ones 20, 15; the first stays, the others are 30 - 10 + 128, 20 - 30 + 128, 15 - 20 +
+        // 128.
         assert_eq!(differences(&[10, 20, 30, 15]), [10, 148, 118, 123]);
         assert_eq!(differences(&[0, 255, 200]), [0, 72, 183]);
         assert!(differences(&[]).is_empty());
@@ -120,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_shrink_is_stored_as_it_is() {
+    fn incompressible_blocks_are_stored_uncompressed() {
         // Marsaglia's xorshift, which no deflater sees through.
         let mut x = 1u32;
         let mut next = || {

@@ -28,7 +28,8 @@ pub(super) struct Header {
 /// Returns the header of a file, whose longest list is not known.
 ///
 /// # Errors
-/// Names of metadata that are empty, longer than 255 bytes, hold a zero, or are the name of another attribute; values of 2 GiB.
+/// Names of metadata that are empty, longer than 255 bytes, hold a zero, or are the name of another attribute; values
+/// of 2 GiB.
 pub(super) fn bytes(layout: &Layout) -> io::Result<Header> {
     const LONGEST: &str = "maxSamplesPerPixel";
     let [width, height] = layout.size.map(|side| side as i32);

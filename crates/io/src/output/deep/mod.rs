@@ -1,8 +1,8 @@
 //! Deep OpenEXR: for each pixel a list of samples with a depth each, written line by line.
 //!
-//! One part of type `deepscanline`, after OpenEXR's "File Layout"; what samples mean is in its "Interpreting Deep Pixels". A chunk is
-//! one line. Lines are written as they come, and the table of their places and the length of the longest list once all of
-//! them are there, so that no more than the lines in work is ever held.
+//! One part of type `deepscanline`, after OpenEXR's "File Layout"; what samples mean is in its "Interpreting Deep
+//! Pixels". A chunk is one line. Lines are written as they come, and the table of their places and the length of the
+//! longest list once all of them are there, so that no more than the lines in work is ever held.
 
 mod block;
 mod header;
@@ -30,9 +30,9 @@ pub struct Sample {
 /// Order of the samples of a pixel: OpenEXR's `deepImageState`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum State {
-    /// By depth, no two at the same one, volumes split where others begin or end.
+    /// Samples ordered by depth, no two at the same one, volumes split where others begin or end.
     Tidy,
-    /// By depth, each as it was found.
+    /// Samples ordered by depth, each as it was found.
     Sorted,
 }
 
@@ -48,13 +48,13 @@ pub enum Numbers {
 /// Packing of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Packing {
-    /// By ZIPS, without loss.
+    /// ZIPS compression, without loss.
     Zips,
     /// Not at all.
     Raw,
 }
 
-/// Contents of a file beside its samples.
+/// Contents of a file except its samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layout {
     /// Columns and rows, at least 1 each.
@@ -122,7 +122,8 @@ impl<'a, W: Write + Seek> Writer<'a, W> {
     /// Writes the header.
     ///
     /// # Errors
-    /// Those of the system, output that one can't go back in, and metadata that no header can hold.
+    /// Returns the errors of the system, and an error for output that one can't go back in, and metadata that no header
+    /// can hold.
     pub fn begin(mut out: W, layout: &'a Layout) -> io::Result<Self> {
         out.stream_position().map_err(|_| invalid("a deep EXR can't go to a pipe; name a file"))?;
         let header = header::bytes(layout)?;
@@ -147,8 +148,8 @@ impl<'a, W: Write + Seek> Writer<'a, W> {
     /// Takes the next pixels: how many samples each has, and all their samples.
     ///
     /// # Errors
-    /// Those of the system; more pixels than the image has, another number of samples than the lengths say, and a line of 2 GiB or
-    /// more, which OpenEXR does not read.
+    /// Returns the errors of the system, and an error for more pixels than the image has, another number of samples
+    /// than the lengths say, and a line of 2 GiB or more, which OpenEXR does not read.
     pub fn push(&mut self, lengths: &[u32], samples: &[Sample]) -> io::Result<()> {
         if lengths.iter().map(|n| u64::from(*n)).sum::<u64>() != samples.len() as u64 {
             return Err(invalid("the lengths of lists are not those of the samples"));
@@ -186,7 +187,7 @@ impl<'a, W: Write + Seek> Writer<'a, W> {
     /// Writes what stands before the lines.
     ///
     /// # Errors
-    /// Those of the system, and lines that are missing.
+    /// Returns the errors of the system, and an error for lines that are missing.
     pub fn finish(mut self) -> io::Result<Written> {
         if self.table.len() != self.layout.size[1] as usize || !self.lengths.is_empty() {
             return Err(invalid("fewer pixels than the image has"));

@@ -2,7 +2,8 @@
 
 use super::Sample;
 
-/// Composes samples of surfaces at the same depth to one each, the first in front, in float64. Volumes must not overlap, and all be sorted.
+/// Composes samples of surfaces at the same depth to one each, the first in front, in float64. Volumes must not
+/// overlap, and all be sorted.
 pub fn tidy(samples: &mut Vec<Sample>) {
     let mut kept = 0;
     let mut next = 0;

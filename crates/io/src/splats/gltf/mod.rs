@@ -1,7 +1,8 @@
 //! glTF with `KHR_gaussian_splatting`, as text or binary.
 //!
-//! Extents are standard deviations, as the ratified extension has them. Drafts of it had their logarithms, which a file shows by any
-//! below zero. Nodes may move, turn and scale splats alike in all directions; then the harmonics are turned as well.
+//! Extents are standard deviations, as the ratified extension has them. Drafts of it had their logarithms, which a file
+//! shows by any below zero. Nodes may move, turn and scale splats alike in all directions; then the harmonics are
+//! turned as well.
 
 mod accessor;
 mod buffers;

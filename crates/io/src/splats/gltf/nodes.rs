@@ -16,7 +16,7 @@ const TRIANGLES: u64 = 4;
 /// A primitive of splats at a place.
 pub(super) struct Placed<'a> {
     pub mesh: usize,
-    /// Of the primitive in the mesh.
+    /// Index of the primitive in the mesh.
     pub number: usize,
     pub primitive: &'a PrimitiveOf,
     pub transform: Transform,

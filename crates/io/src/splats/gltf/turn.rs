@@ -1,7 +1,7 @@
 //! Harmonics in turned axes.
 //!
-//! A color over directions that is turned is one of harmonics of the same degrees. Its coefficients are integrals over the sphere of
-//! the turned function times each harmonic; Gauss's rule finds them exactly, since both are polynomials.
+//! A color over directions that is turned is one of harmonics of the same degrees. Its coefficients are integrals over
+//! the sphere of the turned function times each harmonic; Gauss's rule finds them exactly, since both are polynomials.
 
 use std::f64::consts::PI;
 

@@ -1,7 +1,9 @@
-//! SOG 2, by PlayCanvas: lossless WebP pictures whose pixels are splats, and `meta.json` that says what the pixels mean.
+//! SOG 2, by PlayCanvas: lossless WebP pictures whose pixels are splats, and `meta.json` that says what the pixels
+//! mean.
 //!
-//! The files lie in a ZIP archive or in a folder. Positions have 16 bits in two pictures and are logarithmic; quaternions have three
-//! bytes and the place of the largest; extents, colors and harmonics are numbers of tables; harmonics also share a palette.
+//! The files lie in a ZIP archive or in a folder. Positions have 16 bits in two pictures and are logarithmic;
+//! quaternions have three bytes and the place of the largest; extents, colors and harmonics are numbers of tables;
+//! harmonics also share a palette.
 
 mod files;
 mod meta;
@@ -155,7 +157,8 @@ impl<'a> Palette<'a> {
     }
 }
 
-/// The quaternion of a pixel: alpha tells which of w, x, y and z is the largest, from 252 on. Other values of alpha mean none.
+/// The quaternion of a pixel: alpha tells which of w, x, y and z is the largest, from 252 on. Other values of alpha
+/// mean none.
 fn rotation([a, b, c, largest]: [u8; 4]) -> DQuat {
     let [a, b, c] = [a, b, c].map(|byte| (f64::from(byte) / 255.0 * 2.0 - 1.0) / SQRT_2);
     let rest = (1.0 - (a * a + b * b + c * c)).max(0.0).sqrt();

@@ -8,7 +8,8 @@ use super::super::MOST_PER_BYTE;
 use super::files::Files;
 use crate::{Error, decoder};
 
-/// Pixels of a picture beyond those of its splats: writers make pictures about square, with sides that are multiples of four.
+/// Pixels of a picture beyond those of its splats: writers make pictures about square, with sides that are multiples of
+/// four.
 const MOST_SPARE: u64 = 1 << 16;
 
 /// Red, green, blue and alpha of pixels.

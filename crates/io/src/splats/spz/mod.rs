@@ -1,8 +1,8 @@
 //! SPZ 1 to 4, by Niantic: planes of bytes, one for each attribute.
 //!
-//! Up to version 3 header and planes are one gzip stream; in version 4 ([`streams`]) the header is plain and each plane is a Zstandard
-//! stream. The planes are the same: positions, opacities, colors, scales, rotations, harmonics. The axes of SPZ are right, up, back,
-//! those of other splats right, down, front; splats get the latter.
+//! Up to version 3 header and planes are one gzip stream; in version 4 ([`streams`]) the header is plain and each plane
+//! is a Zstandard stream. The planes are the same: positions, opacities, colors, scales, rotations, harmonics. The axes
+//! of SPZ are right, up, back, those of other splats right, down, front; splats get the latter.
 
 mod planes;
 mod streams;

@@ -21,7 +21,7 @@ pub(super) struct Planes {
     version: u32,
     /// The length of a step of positions.
     step: f64,
-    /// In the order of [`NAMES`].
+    /// Planes of the file, in the order of [`NAMES`].
     planes: [Vec<u8>; 6],
     /// 1 or −1 for each coefficient from degree 1 on, which turns the axes of SPZ into those of other splats.
     signs: Vec<f32>,
@@ -131,8 +131,8 @@ mod tests {
 
     #[test]
     fn signs_are_those_of_the_polynomials() {
-        // y, z, x; xy, yz, 2z²−x²−y², xz, x²−y²; y(3x²−y²), xyz, y(…z²…), z(…), x(…), z(x²−y²), x(…); of degree 4 xy, yz, xy, yz, 1, xz,
-        // x²−y², xz, 1.
+        // y, z, x; xy, yz, 2z²−x²−y², xz, x²−y²; y(3x²−y²), xyz, y(…z²…), z(…), x(…), z(x²−y²), x(…); of degree 4 xy,
+        // yz, xy, yz, 1, xz, x²−y², xz, 1.
         let expected = [-1, -1, 1, -1, 1, 1, -1, 1, -1, 1, -1, -1, 1, -1, 1, -1, 1, -1, 1, 1, -1, 1, -1, 1];
         assert_eq!(signs(4), expected.map(|sign| sign as f32));
     }

@@ -28,8 +28,8 @@ const SAMPLE: &str = "sample";
 /// Points of a node by default.
 pub const NODE_POINTS: usize = 20_000;
 
-/// An octree in the making: a folder with files that are not yet a store. Memory holds the nodes that are open, at most seven of a
-/// level, and 64 bytes for each node that is written.
+/// An octree in the making: a folder with files that are not yet a store. Memory holds the nodes that are open, at most
+/// seven of a level, and 64 bytes for each node that is written.
 #[derive(Debug)]
 pub struct Assembler {
     folder: PathBuf,
@@ -166,8 +166,8 @@ impl Assembler {
         Ok(())
     }
 
-    /// Writes what is left. The folder then has all files of a store; returns the text of metadata.json, which is to be written
-    /// when the others are in their place.
+    /// Writes what is left. The folder then has all files of a store; returns the text of metadata.json, which is to be
+    /// written when the others are in their place.
     ///
     /// # Errors
     /// A file can't be written; there are no points.

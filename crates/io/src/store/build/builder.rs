@@ -28,7 +28,8 @@ const FINE: f64 = 1e-3;
 pub struct Settings {
     /// Points of a node at most; more only if they are all in one place. At least 1.
     pub node_points: usize,
-    /// Bytes of memory to use beside what a node of an input takes. Less of it makes more temporary files, not another store.
+    /// Memory budget in bytes, in addition to one input node. A smaller budget only creates more temporary files; the
+    /// store is the same.
     pub host_memory: u64,
 }
 
@@ -51,14 +52,15 @@ pub struct Built {
 
 /// Writes some clouds as one octree of Potree 2.0 in a folder, which is made; an octree that is there is replaced.
 ///
-/// The bytes depend on the points, their places in the inputs, and the points of a node, not on memory, threads or the order in which
-/// nodes are read. Positions stay on the grid of the inputs if they share one, else they are put on one of powers of two, as fine as 30
-/// bits allow; Gaussians have exact ones besides. Until it is done everything is in a folder beside, `.NAME.pellucid-unfinished`; if the work ends early, the same
-/// call goes on after the last pass or chunk that was done.
+/// The bytes depend on the points, their places in the inputs, and the points of a node, not on memory, threads or the
+/// order in which nodes are read. Positions stay on the grid of the inputs if they share one, else they are put on one
+/// of powers of two, as fine as 30 bits allow; Gaussians have exact ones in addition. Until it is done everything is in
+/// a folder beside, `.NAME.pellucid-unfinished`; if the work ends early, the same call goes on after the last pass or
+/// chunk that was done.
 ///
 /// # Errors
-/// An input can't be read, or has points outside of the box that it announced; some inputs are Gaussians and others are not; the folder holds something else, or can't be written;
-/// `progress` was cancelled; there are no points.
+/// An input can't be read, or has points outside of the box that it announced; some inputs are Gaussians and others are
+/// not; the folder holds something else, or can't be written; `progress` was cancelled; there are no points.
 pub fn build(
     inputs: &[Box<dyn Store>],
     folder: &Path,
@@ -76,7 +78,8 @@ pub fn build(
     })
 }
 
-/// Refuses Gaussians beside points that are none: a store has the same columns for all, and radii mean nothing to Gaussians.
+/// Refuses Gaussians together with points that are none: a store has the same columns for all, and radii mean nothing
+/// to Gaussians.
 fn check_kind(inputs: &[Box<dyn Store>]) -> Result<(), Error> {
     let find = |are_splats: bool| {
         let summaries = inputs.iter().map(|input| input.summary());

@@ -19,7 +19,7 @@ const NODES: &str = "written.jsonl";
 /// A moment of an assembler.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Checkpoint {
-    /// Of octree.bin.
+    /// Length of octree.bin in bytes.
     pub bytes: u64,
     /// Bytes of the file of nodes.
     pub nodes: u64,
@@ -27,7 +27,7 @@ pub(super) struct Checkpoint {
     pub open: Option<u8>,
     /// Bits of the ranges.
     pub ranges: Vec<[u64; 2]>,
-    /// Of the points so far.
+    /// Facts about the points so far.
     pub facts: Facts,
     /// Bytes of the file of points that stand for all.
     pub sample: u64,

@@ -13,15 +13,15 @@ pub(super) const CODE_LEVELS: u32 = morton::BITS;
 /// Bits of coordinates along an axis.
 const MAX_BITS: u32 = 32;
 
-/// The box of the root: along each axis a power of two of steps of a grid, so that cells end between positions. It is a cube if the
-/// steps of all axes are the same, else its sides are within a factor of 2.
+/// The box of the root: along each axis a power of two of steps of a grid, so that cells end between positions. It is a
+/// cube if the steps of all axes are the same, else its sides are within a factor of 2.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Cube {
     /// The grid.
     pub grid: Grid,
     /// The integers of its least corner.
     pub least: [i32; 3],
-    /// For each axis the binary logarithm of its steps, 1 to 32.
+    /// Binary logarithm of its steps, 1 to 32.
     pub bits: [u32; 3],
 }
 
@@ -132,7 +132,7 @@ impl Cell {
         })
     }
 
-    /// Along the Morton curve, for cells of which neither holds the other.
+    /// Key of the order along the Morton curve, for cells of which neither holds the other.
     pub(super) fn morton_order(self) -> [u128; 2] {
         let aligned = self.at.map(|at| u128::from(at) << (MAX_BITS - self.level));
         let code = (0..MAX_BITS).rev().fold(0, |code, bit| {

@@ -1,4 +1,4 @@
-//! From the columns of a cloud to records.
+//! Converts the columns of a cloud to records.
 
 use glam::{DVec3, Quat, Vec3};
 
@@ -66,7 +66,7 @@ pub fn encode(layout: &Layout, cube: &Cube, cloud: &Cloud, places: &[u64]) -> Re
         }
     }
     if layout.find(&Role::Exact).is_some() {
-        // Beside them those on the grid are for other programs.
+        // In addition to them those on the grid are for other programs.
         rounding = 0.0;
     }
     Ok(Encoded { records, rounding })

@@ -15,7 +15,7 @@ pub(super) const STEP: u32 = 4;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Written {
     pub cell: Cell,
-    /// Of octree.bin.
+    /// Offset of the node's first byte in octree.bin.
     pub offset: u64,
     pub bytes: u64,
     pub points: u32,

@@ -14,7 +14,7 @@ use pellucid_core::progress::Progress;
 #[derive(Debug)]
 pub(super) struct Input<'a> {
     stores: &'a [Box<dyn Store>],
-    /// For each store how many points those before it have.
+    /// Number of points in the stores before each store.
     firsts: Vec<u64>,
     /// A cloud without points that has the columns of all.
     pub like: Cloud,
@@ -37,8 +37,8 @@ impl<'a> Input<'a> {
         Some(Self { stores, firsts, like, notes, points, bounds })
     }
 
-    /// Reads everything in batches of about so many points, on all cores. What `see` makes of the pieces is handed to `take` in
-    /// order.
+    /// Reads everything in batches of about so many points, on all cores. What `see` makes of the pieces is handed to
+    /// `take` in order.
     pub fn each<T: Send>(
         &self,
         batch_points: u64,

@@ -20,11 +20,11 @@ const STATE: &str = "state.json";
 pub(super) struct State {
     /// A hash of inputs and settings.
     key: String,
-    /// After the first pass.
+    /// Result of the first pass, once it is done.
     pub survey: Option<Survey>,
-    /// After the second pass.
+    /// Result of the second pass, once it is done.
     pub scattered: Option<Scattered>,
-    /// In the third pass.
+    /// Progress of the third pass, once it has begun.
     pub assembled: Option<Assembled>,
 }
 
@@ -44,7 +44,8 @@ pub(super) struct Assembled {
 }
 
 impl State {
-    /// That of a folder, if it is of the same inputs and settings; else a new one, and an empty folder.
+    /// Loads the state of a folder, if it is of the same inputs and settings; else makes a new one, and an empty
+    /// folder.
     pub fn load(folder: &Path, key: String) -> Result<Self, Error> {
         let read = || serde_json::from_slice::<Self>(&std::fs::read(folder.join(STATE)).ok()?).ok();
         if let Some(state) = read().filter(|state| state.key == key) {

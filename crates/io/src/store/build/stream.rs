@@ -36,13 +36,14 @@ pub struct Streamed<'a> {
 
 /// Writes a cloud as one octree of Potree 2.0 in a folder, which is made; an octree that is there is replaced.
 ///
-/// The bytes depend on the points and the points of a node, not on memory or threads. A node is read as often as memory makes cells
-/// of the octree smaller than its box, mostly once. Until it is done everything is in a folder beside, `.NAME.pellucid-unfinished`, and
-/// takes no more room than the store; if the work ends early, the same call goes on there.
+/// The bytes depend on the points and the points of a node, not on memory or threads. A node is read as often as memory
+/// makes cells of the octree smaller than its box, mostly once. Until it is done everything is in a folder beside,
+/// `.NAME.pellucid-unfinished`, and takes no more room than the store; if the work ends early, the same call goes on
+/// there.
 ///
 /// # Errors
-/// The cloud can't be read, or has points that are not on the grid or not in the boxes of their nodes; the folder holds something else,
-/// or can't be written; `progress` was cancelled; there are no points.
+/// The cloud can't be read, or has points that are not on the grid or not in the boxes of their nodes; the folder holds
+/// something else, or can't be written; `progress` was cancelled; there are no points.
 pub fn stream(streamed: &Streamed, folder: &Path, settings: &Settings, progress: &Progress) -> Result<Built, Error> {
     let stride = streamed.layout.stride;
     let most = Memory::new(settings.host_memory, stride).chunk_points.min(CHUNK_POINTS);

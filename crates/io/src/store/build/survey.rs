@@ -22,12 +22,12 @@ const BYTES_OF_CELL: u64 = 48;
 pub(super) struct Counts {
     /// Levels below the cell that is divided.
     pub levels: u32,
-    /// By code; those with points.
+    /// Number of points of each cell that has any, by the cell's code.
     cells: HashMap<u64, u64>,
 }
 
 impl Counts {
-    /// Of a cell of this level.
+    /// Starts to count for the division of a cell of this level.
     pub fn new(cube: &Cube, level: u32) -> Self {
         Self { levels: LEVELS.min(cube.levels() - level), cells: HashMap::new() }
     }

@@ -31,8 +31,9 @@ pub fn check_target(folder: &Path) -> Result<(), Error> {
     }
 }
 
-/// Makes the store of a folder in another one beside it, `.NAME.pellucid-unfinished`, and goes on there if an earlier run of the same
-/// key ended early. `run` gets that folder and how far it is. On a full disk `bytes` is what the store needs.
+/// Makes the store of a folder in another one beside it, `.NAME.pellucid-unfinished`, and goes on there if an earlier
+/// run of the same key ended early. `run` gets that folder and how far it is. On a full disk `bytes` is what the store
+/// needs.
 pub(super) fn make(
     folder: &Path,
     key: &str,

@@ -50,7 +50,7 @@ fn cloud(count: usize) -> Cloud {
 struct Source {
     layout: Layout,
     cube: Cube,
-    /// One record each.
+    /// Records of the points, a vector each.
     records: Vec<Vec<u8>>,
     like: Cloud,
 }

@@ -1,8 +1,9 @@
 //! The points of a cell as a tree of nodes.
 //!
-//! What a node holds follows from the points in its cell alone: neither from their order nor from how they came in parts. A cell with
-//! at most as many points as a node may have is a leaf. Any other one takes, for each part of its grid, one of the points that
-//! the cells below it hold: the one with the least hash. Its grid is coarsened until these are few enough for a node.
+//! What a node holds follows from the points in its cell alone: neither from their order nor from how they came in
+//! parts. A cell with at most as many points as a node may have is a leaf. Any other one takes, for each part of its
+//! grid, one of the points that the cells below it hold: the one with the least hash. Its grid is coarsened until these
+//! are few enough for a node.
 
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -39,7 +40,7 @@ pub(super) struct Open {
     pub total: u64,
     /// `true` if there are nodes below.
     pub is_inner: bool,
-    /// Its records, along the Morton curve.
+    /// Records of the node's points, along the Morton curve.
     pub records: Vec<u8>,
 }
 

@@ -45,7 +45,7 @@ impl Narrow {
     }
 }
 
-/// The type of coordinates that stand beside those on the grid.
+/// The type of coordinates that are stored in addition to those on the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Exact {
@@ -86,15 +86,16 @@ fn same(a: DVec3, b: DVec3) -> bool {
 /// The types of the columns that allow several.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Types {
-    /// `true` if 16-bit sRGB rounds a color, so that linear float32 colors stand beside it. Colors of Gaussians follow
-    /// from their bases: true if one doesn't.
+    /// `true` if 16-bit sRGB rounds a color, so that linear float32 colors are stored in addition. Colors of Gaussians
+    /// follow from their bases: true if one doesn't.
     pub linear_colors: bool,
-    /// The exact positions of Gaussians, beside those on the grid: a picture of them is to be that of their file.
+    /// The exact positions of Gaussians, in addition to those on the grid: a picture of them is to be that of their
+    /// file.
     #[serde(default)]
     pub exact: Exact,
     /// The type of the intensity.
     pub intensity: Narrow,
-    /// Those of the scalars.
+    /// Types of the scalars.
     pub scalars: Vec<Narrow>,
 }
 
@@ -192,7 +193,8 @@ impl Types {
 /// Bits of a float32 that don't choose the part of a table.
 const PART_BITS: u32 = 10;
 
-/// Linear values of 16-bit sRGB, in ascending order, and for the first bits of a float32 the first of them that isn't below.
+/// Linear values of 16-bit sRGB, in ascending order, and for the first bits of a float32 the first of them that isn't
+/// below.
 struct Table {
     linear: Vec<f32>,
     first: Vec<u16>,

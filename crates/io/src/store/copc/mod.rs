@@ -1,4 +1,5 @@
-//! COPC files: LAZ files whose chunks are the nodes of an octree, with a hierarchy that says which chunk is which (copc.io, 1.0).
+//! COPC files: LAZ files whose chunks are the nodes of an octree, with a hierarchy that says which chunk is which
+//! (copc.io, 1.0).
 
 mod hierarchy;
 mod info;
@@ -17,9 +18,9 @@ use pellucid_core::cloud::Bounds;
 
 /// A COPC file, read node by node.
 ///
-/// Opening it reads the hierarchy, and decodes nodes from the root on until what decides about whole columns is known: the root where
-/// colors have 16 bits and pulses several returns, all nodes where colors have 8 bits, where every pulse has one return, or where GPS
-/// times are asked for.
+/// Opening it reads the hierarchy, and decodes nodes from the root on until what decides about whole columns is known:
+/// the root where colors have 16 bits and pulses several returns, all nodes where colors have 8 bits, where every pulse
+/// has one return, or where GPS times are asked for.
 #[derive(Debug)]
 pub struct Copc {
     file: LasFile,
@@ -34,8 +35,9 @@ impl Copc {
     /// Opens a COPC file with points. Of the columns that are read only where they are asked for, it has these.
     ///
     /// # Errors
-    /// Those of [`LasPieces::open`](super::LasPieces::open); a file without the record that makes a COPC file of it; a hierarchy that
-    /// is damaged, has loops, names chunks that the file doesn't have, or leaves points out.
+    /// Returns the errors of [`LasPieces::open`](super::LasPieces::open), and an error for a file without the record
+    /// that makes a COPC file of it; a hierarchy that is damaged, has loops, names chunks that the file doesn't have,
+    /// or leaves points out.
     pub fn open(path: &Path, asked: LasColumns) -> Result<Self, Error> {
         Self::new(LasFile::open(Source::open(path)?, asked)?)
     }

@@ -71,7 +71,7 @@ pub(super) enum Tiles {
     Laszip,
     /// Rows of the schema's numbers.
     Rows(Rows),
-    /// The same, compressed.
+    /// Rows of binary values, compressed with Zstandard.
     Zstandard(Rows),
 }
 

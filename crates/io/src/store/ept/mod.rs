@@ -1,4 +1,5 @@
-//! EPT folders: points as files, one for each node of an octree, with a description and a hierarchy in JSON (entwine.io, 1.x).
+//! EPT folders: points as files, one for each node of an octree, with a description and a hierarchy in JSON
+//! (entwine.io, 1.x).
 
 mod hierarchy;
 mod metadata;
@@ -22,9 +23,9 @@ const AT_A_TIME: usize = 16;
 
 /// An EPT folder with tiles in LAZ files or in rows, plain or compressed by Zstandard, read node by node.
 ///
-/// It has the columns that LAS files have: positions, colors, intensity, classes, returns, the columns that are asked for, and dimensions
-/// that LAS doesn't know as scalars. What decides about whole columns is taken from the largest and smallest values in the description;
-/// where they are missing, tiles are read from the root on until it is known.
+/// It has the columns that LAS files have: positions, colors, intensity, classes, returns, the columns that are asked
+/// for, and dimensions that LAS doesn't know as scalars. What decides about whole columns is taken from the largest and
+/// smallest values in the description; where they are missing, tiles are read from the root on until it is known.
 #[derive(Debug)]
 pub struct Ept {
     folder: PathBuf,
@@ -32,18 +33,19 @@ pub struct Ept {
     asked: LasColumns,
     traits: Traits,
     keys: Vec<Key>,
-    /// For each node the places of the nodes before.
+    /// Number of places in the nodes before each node.
     first_places: Vec<u64>,
     nodes: Vec<Node>,
     pub(super) summary: Summary,
 }
 
 impl Ept {
-    /// Opens a folder that has an `ept.json`, or that file. Of the columns that are read only where they are asked for, it has these.
+    /// Opens a folder that has an `ept.json`, or that file. Of the columns that are read only where they are asked for,
+    /// it has these.
     ///
     /// # Errors
-    /// The description or the hierarchy is missing, damaged, has loops or doubts of how many points there are; tiles are missing, too
-    /// small for their points, or in a format that isn't known.
+    /// The description or the hierarchy is missing, damaged, has loops or doubts of how many points there are; tiles
+    /// are missing, too small for their points, or in a format that isn't known.
     pub fn open(path: &Path, asked: LasColumns) -> Result<Self, Error> {
         let folder = if path.is_dir() { path } else { path.parent().unwrap_or(path) };
         let metadata = Metadata::read(&folder.join("ept.json"))?;

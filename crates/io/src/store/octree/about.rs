@@ -7,7 +7,7 @@ use pellucid_core::cloud::field::Field;
 use pellucid_core::cloud::shadow_texture::{CastingRecord, ShadowTexture};
 use pellucid_core::cloud::{Cloud, Prepared, UpAxis};
 
-/// Its version.
+/// Version of this description.
 pub(crate) const VERSION: u64 = 1;
 
 /// Description that `pellucid prepare` adds: facts about a cloud that Potree has no word for.
@@ -15,7 +15,7 @@ pub(crate) const VERSION: u64 = 1;
 pub(crate) struct About {
     pub version: u64,
     pub up: Up,
-    /// For each attribute what it is.
+    /// Role of each attribute.
     pub roles: Vec<Role>,
     /// The largest distance of a position from where it was in the source, in the file's units.
     pub rounding: f64,

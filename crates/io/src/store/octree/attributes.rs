@@ -79,7 +79,7 @@ pub enum Role {
     Position,
     /// Three sRGB-encoded channels.
     Rgb,
-    /// A channel of a linear color, 0 to 2; [`Role::Rgb`] beside them is theirs, rounded.
+    /// A channel of a linear color, 0 to 2; [`Role::Rgb`] in addition to them is theirs, rounded.
     Linear(u8),
     /// Alpha.
     Alpha,
@@ -204,7 +204,7 @@ impl Role {
 /// An attribute of each point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Attribute {
-    /// Its name.
+    /// Name of the attribute.
     pub name: String,
     /// The type of its numbers.
     pub kind: Kind,
@@ -226,7 +226,7 @@ pub(crate) struct SplatAttributes<'a> {
     pub extents: &'a Attribute,
     pub rotation: &'a Attribute,
     pub base: &'a Attribute,
-    /// With their degree; `None` of degree 0.
+    /// Spherical harmonics with their degree; `None` for degree 0.
     pub harmonics: Option<(&'a Attribute, u32)>,
 }
 
@@ -243,7 +243,7 @@ pub(crate) const AS_STORED: [f64; 2] = [1.0, 0.0];
 /// The attributes of a point, one behind the other.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Layout {
-    /// They, in the order of their bytes.
+    /// Attributes in the order of their bytes.
     pub attributes: Vec<Attribute>,
     /// Bytes of a point.
     pub stride: usize,
@@ -264,7 +264,7 @@ impl Layout {
     /// Adds an attribute of a file.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// Returns a description of the fault of an attribute that can't be read.
     pub(crate) fn add_foreign(&mut self, mut attribute: Attribute, bytes_of_element: usize) -> Result<(), String> {
         let Attribute { kind, elements, bytes, .. } = attribute;
         if kind.bytes().is_some_and(|right| right != bytes_of_element) {

@@ -1,4 +1,4 @@
-//! From the bytes of octree.bin to the columns of a cloud.
+//! Converts the bytes of octree.bin to the columns of a cloud.
 
 use glam::{DQuat, DVec3, Quat, Vec3};
 
@@ -123,7 +123,7 @@ impl Decoder {
         }
         let rgb = self.layout.find(&Role::Rgb)?;
         if let Some(splats) = splats {
-            // Beside them `rgb` is for other programs.
+            // In addition to them `rgb` is for other programs.
             return Some(splats.bases.iter().map(|base| linear(*base)).collect());
         }
         let last = self.table.len().checked_sub(1)?;

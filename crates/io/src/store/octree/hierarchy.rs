@@ -25,7 +25,7 @@ pub(super) struct Listed {
     /// The part of the root's box that is its own.
     pub bounds: Bounds,
     pub points: u64,
-    /// In octree.bin.
+    /// Offset of the node's first byte in octree.bin.
     pub offset: u64,
     pub bytes: u64,
 }
@@ -55,7 +55,7 @@ struct Part {
     root: (u32, Option<u32>, Bounds),
 }
 
-/// One of the eight parts of a box; Potree's numbers have x as the highest bit.
+/// Returns one of the eight parts of a box; Potree's numbers have x as the highest bit.
 fn child_bounds(bounds: &Bounds, child: usize) -> Bounds {
     let half = 0.5 * (bounds.max - bounds.min);
     let mut part = *bounds;
@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_is_refused() {
+    fn inconsistent_hierarchies_are_refused() {
         let refused = |records: &[Vec<u8>], first: u64, says: &str| {
             let (place, cause) = read(&records.concat(), first, cube()).unwrap_err();
             assert!(format!("{place}: {cause}").contains(says), "{place}: {cause}");

@@ -1,16 +1,17 @@
-//! Octrees of Potree 2.0: folders of metadata.json, hierarchy.bin and octree.bin, as PotreeConverter 2 and `pellucid prepare` write
-//! them.
+//! Octrees of Potree 2.0: folders of metadata.json, hierarchy.bin and octree.bin, as PotreeConverter 2 and `pellucid
+//! prepare` write them.
 //!
-//! Points are uncompressed records, the position three int32 on a grid. Names of attributes that a cloud has a column for:
+//! Points are uncompressed records, the position three int32 on a grid. Names of attributes that a cloud has a column
+//! for:
 //!
-//! | column | attribute |
-//! |---|---|
-//! | position | `position` |
-//! | color | `rgb`, `rgba`: of 65535, or of 255 if no channel is above; of `pellucid prepare` also `linear_red` … `linear_blue` |
-//! | normal | `NormalX`, `NormalY`, `NormalZ`, or `normal` |
-//! | intensity, classification, alpha, radius | the same names |
-//! | scalars | all others of one number; `gps-time` counts from the first |
-//! | Gaussian | of `pellucid prepare`: `extents`, `rotation`, `base`, `harmonics`, and `exact_position` where the grid rounds |
+//! - position: `position`.
+//! - color: `rgb`, `rgba`: of 65535, or of 255 if no channel is above; of `pellucid prepare` also `linear_red` …
+//!   `linear_blue`.
+//! - normal: `NormalX`, `NormalY`, `NormalZ`, or `normal`.
+//! - intensity, classification, alpha, radius: the same names.
+//! - scalars: all others of one number; `gps-time` counts from the first.
+//! - Gaussian: of `pellucid prepare`: `extents`, `rotation`, `base`, `harmonics`, and `exact_position` where the grid
+//!   rounds.
 //!
 //! What `pellucid prepare` adds stands in an object `pellucid` of metadata.json and in nodes.bin, which Potree ignores.
 
@@ -68,8 +69,9 @@ impl Octree {
     /// Opens a folder, or the metadata.json in it. Reads everything but the points.
     ///
     /// # Errors
-    /// A file is missing or can't be read; the octree is compressed or of Potree 1; what the files say contradicts itself or their
-    /// sizes; nodes overlap; there are no points. Memory use follows the files' sizes, not their claims.
+    /// A file is missing or can't be read; the octree is compressed or of Potree 1; what the files say contradicts
+    /// itself or their sizes; nodes overlap; there are no points. Memory use follows the files' sizes, not their
+    /// claims.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let folder = if path.is_dir() { path } else { pellucid_core::atomic::folder(path) };
         if !folder.join(METADATA).exists() && folder.join("cloud.js").exists() {
@@ -187,7 +189,7 @@ fn missing(error: Error, folder: &Path) -> Error {
     }
 }
 
-/// All bytes of a file beside the points, of which there are few for each node.
+/// All bytes of a file except the points, of which there are few for each node.
 fn whole(path: PathBuf) -> Result<Vec<u8>, Error> {
     let file = SharedFile::open(&path)?;
     file.read(0, file.len())
@@ -277,8 +279,8 @@ fn nodes_of(
     Ok(around_children(nodes))
 }
 
-/// Lets boxes of points grow around those of the nodes below. Nodes without points there and below keep what the one above has of
-/// their part.
+/// Lets boxes of points grow around those of the nodes below. Nodes without points there and below keep what the one
+/// above has of their part.
 fn around_children(mut nodes: Vec<(Node, Option<Bounds>)>) -> Vec<Node> {
     for index in (0..nodes.len()).rev() {
         let (Node { parent, .. }, bounds) = nodes[index];

@@ -86,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nodes_come_back_and_lies_do_not() {
+    fn nodes_are_read_back_and_inconsistent_ones_are_refused() {
         let extent =
             |offset, largest_radius| Extent { offset, largest_radius, corners: [[-1, 2, 3], [4, i32::MAX, 3]] };
         let extents = [extent(0, None), extent(7, Some(0.5))];

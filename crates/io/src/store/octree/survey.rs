@@ -1,5 +1,5 @@
-//! survey.bin: what follows from all points of a store, so that nobody has to read all of them: facts, and the points that stand for
-//! all.
+//! survey.bin: what follows from all points of a store, so that nobody has to read all of them: facts, and the points
+//! that stand for all.
 
 use std::path::Path;
 
@@ -16,8 +16,8 @@ use pellucid_core::cloud::{Bounds, Cloud};
 /// The file's name.
 pub(crate) const SURVEY: &str = "survey.bin";
 
-/// First bytes of the file, the last one of which is the version. The length of the facts follows (u32), these as JSON, and the records
-/// of the points.
+/// First bytes of the file, the last one of which is the version. The length of the facts follows (u32), these as JSON,
+/// and the records of the points.
 const MAGIC: [u8; 8] = *b"pellucs\x01";
 /// Bytes of the facts at most.
 const MAX_FACTS: usize = 1 << 16;
@@ -31,7 +31,7 @@ pub(crate) struct Surveyor {
 }
 
 impl Surveyor {
-    /// For a store of this program with so many points in all.
+    /// Starts the survey of a store of this program with so many points in all.
     pub fn new(mut layout: Layout, grid: Grid, points: u64) -> Self {
         let full = layout.find(&Role::Rgb).and_then(|rgb| full_scale(rgb.kind, None));
         // Facts know nothing of the others.
@@ -66,7 +66,7 @@ pub(crate) fn head(facts: &Facts) -> Result<Vec<u8>, serde_json::Error> {
 /// Reads the file of a store, if it is there.
 ///
 /// # Errors
-/// It can't be read, or can't be of this store.
+/// Returns an error if the survey can't be read, or can't be of this store.
 pub(super) fn read(octree: &Octree) -> Result<Option<Survey>, Error> {
     let folder: &Path = &octree.summary.path;
     if !octree.is_ours || !folder.join(SURVEY).exists() {

@@ -1,9 +1,9 @@
 //! Place at which a Gaussian is densest along a ray, as far as float32 can tell.
 //!
-//! With the columns of P for the kernel `ray`, J not clamped and nothing dilated, Y = P⁺d is where the ray would meet the plane of the
-//! rows of P, were it parallel to the one through the center. Let r hold the depths of the axes, n the unit normal of that plane, z the
-//! center's depth. Then with w = 1 − r·Y/z and D = w² + (n·r/z)²|Y|² the ray has ρ² = |Y|²/D at the depth z w/D. Orthographic rays
-//! are parallel, so that ρ² = |Y|² and the depth is z + r·Y.
+//! With the columns of P for the kernel `ray`, J not clamped and nothing dilated, Y = P⁺d is where the ray would meet
+//! the plane of the rows of P, were it parallel to the one through the center. Let r hold the depths of the axes, n the
+//! unit normal of that plane, z the center's depth. Then with w = 1 − r·Y/z and D = w² + (n·r/z)²|Y|² the ray has ρ² =
+//! |Y|²/D at the depth z w/D. Orthographic rays are parallel, so that ρ² = |Y|² and the depth is z + r·Y.
 
 use glam::{DMat3, DVec2, DVec3};
 
@@ -66,7 +66,7 @@ struct Line {
     shared: Range,
 }
 
-/// At an offset in pixels from the projected center; `None` where roundings leave nothing.
+/// Returns the line at an offset in pixels from the projected center; `None` where roundings leave nothing.
 fn line(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Option<Line> {
     let factor = bounded.depth_factor.as_ref()?;
     let (u, z) = (ROUNDING, bounded.placed.center.z);
@@ -95,7 +95,7 @@ fn line(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Option<Line> {
     Some(Line { met, along, w, across, shared })
 }
 
-/// At an offset in pixels from the projected center.
+/// Returns the possible values at an offset in pixels from the projected center.
 pub(super) fn range(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Possible {
     let Some(Line { met, along, w, shared, .. }) = line(bounded, offset, screen_error) else {
         return Possible::ANYTHING;

@@ -1,25 +1,27 @@
 //! The numbers y = M d, with |y|² = dᵀ(P Pᵀ)⁻¹d, as float32 makes them of two rows P, and of an offset d.
 //!
-//! M is the inverse of the triangular factor of P, which is P times an orthonormal frame. A dilation is two more columns of P. The
-//! columns p_k have errors of at most e_k in each component. With w = (P Pᵀ)⁻¹d, an error E of P Pᵀ makes |y|² smaller by wᵀEw, and by
-//! (M E w)ᵀ(I + M E Mᵀ)⁻¹(M E w) larger. Errors of columns are kept as such: w is across a needle, where |w·p_k| is small however long p_k
-//! is.
+//! M is the inverse of the triangular factor of P, which is P times an orthonormal frame. A dilation is two more
+//! columns of P. The columns p_k have errors of at most e_k in each component. With w = (P Pᵀ)⁻¹d, an error E of P Pᵀ
+//! makes |y|² smaller by wᵀEw, and by (M E w)ᵀ(I + M E Mᵀ)⁻¹(M E w) larger. Errors of columns are kept as such: w is
+//! across a needle, where |w·p_k| is small however long p_k is.
 
 use glam::{DMat2, DVec2, DVec3};
 
 use super::super::super::range::{ROUNDING, Range};
 
-/// Roundings in a component of p_k, over s_k·scale·(1 + |slope|). An entry of the matrix of a quaternion has 4, and 2 more for
-/// the quaternion's own length; three of them are put through an axis of the camera, √3·6 and 5 for the axis, products and
-/// sums; s_k takes one, slope and its product 5, scale and its product 4. That is 26; the rest is for another order of operations.
+/// Roundings in a component of p_k, over s_k·scale·(1 + |slope|). An entry of the matrix of a quaternion has 4, and 2
+/// more for the quaternion's own length; three of them are put through an axis of the camera, √3·6 and 5 for the axis,
+/// products and sums; s_k takes one, slope and its product 5, scale and its product 4. That is 26; the rest is for
+/// another order of operations.
 pub(super) const AXIS: f64 = 40.0;
 
-/// Roundings in the rows of P, over their lengths, where Gram and Schmidt make them orthogonal: 5 in the length of the first, 1 in its
-/// direction, 5 in a product with it, 2 in what is left of the second (Higham, "Accuracy and Stability of Numerical Algorithms", 19.8).
+/// Roundings in the rows of P, over their lengths, where Gram and Schmidt make them orthogonal: 5 in the length of the
+/// first, 1 in its direction, 5 in a product with it, 2 in what is left of the second (Higham, "Accuracy and Stability
+/// of Numerical Algorithms", 19.8).
 const ORTHOGONAL: f64 = 14.0;
 
-/// Roundings in |y|² over itself, beside those of y: of squares and their sum, of the division by the square at the end, of the way from
-/// there to the exponent, and of another form of the same.
+/// Roundings in |y|² over itself, in addition to those of y: of squares and their sum, of the division by the square at
+/// the end, of the way from there to the exponent, and of another form of the same.
 const SQUARE: f64 = 16.0;
 
 /// Two rows of numbers with their errors.
@@ -32,7 +34,7 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    /// Of three columns and a dilation.
+    /// Factorizes the matrix of three columns and a dilation.
     pub fn new([a, b, c]: [DVec2; 3], [e, f, g]: [DVec2; 3], dilation: f64) -> Self {
         let columns = [a, b, c, dilation.sqrt() * DVec2::X, dilation.sqrt() * DVec2::Y];
         let sides = columns.iter().fold(DVec2::ZERO, |sum, p| sum + p * p).map(f64::sqrt);

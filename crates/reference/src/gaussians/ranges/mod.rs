@@ -1,7 +1,8 @@
 //! Gaussians where roundings of float32 decide: the opacities and depths that a pixel may have.
 //!
-//! Errors are counted in roundings ([`ROUNDING`]), as the shaders compute: from the projected center, which is known as a whole pixel
-//! and a rounded fraction of one, and from a few float32 numbers of each splat, linear in the offset of a pixel ([`factor`]).
+//! Errors are counted in roundings ([`ROUNDING`]), as the shaders compute: from the projected center, which is known as
+//! a whole pixel and a rounded fraction of one, and from a few float32 numbers of each splat, linear in the offset of a
+//! pixel ([`factor`]).
 
 mod densest;
 mod factor;
@@ -66,8 +67,8 @@ pub fn possible_chords(
     placed.window(window).filter_map(chord).collect()
 }
 
-/// Roundings in an opacity over itself, beside those of ρ²: two in the exponential, one in its product with the opacity, up to five
-/// in the opacity's factor for the dilation.
+/// Roundings in an opacity over itself, in addition to those of ρ²: two in the exponential, one in its product with the
+/// opacity, up to five in the opacity's factor for the dilation.
 const ALPHA: f64 = 8.0;
 
 /// Roundings in a distance from the eye: of a sum of squares, its root, and the three coordinates.
@@ -142,7 +143,7 @@ impl<'a> Bounded<'a> {
         }
     }
 
-    /// From the projected center to a pixel's, and the error of that.
+    /// Returns the offset from the projected center to a pixel's, and the error of that.
     fn offset(&self, [x, y]: [u32; 2]) -> (DVec2, DVec2) {
         let place = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
         let size = self.placed.size;

@@ -24,7 +24,7 @@ pub(super) struct Words {
 }
 
 impl Words {
-    /// Behind all words.
+    /// End of the range of words: one past the last.
     pub const END: u128 = 1 << 64;
     /// All words.
     pub const ALL: Self = Self { start: 0, end: Self::END };
@@ -46,7 +46,7 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// For about so many points of some words, within so much memory.
+    /// Divides the range of words for about so many points of some words, within so much memory.
     pub fn new(points: u64, words: Words, layout: Layout, memory: u64) -> Self {
         let fit = (memory / 2 / POINT_BYTES).max(LEAST_POINTS);
         // A hundredth more is a matter of chance.
@@ -81,7 +81,7 @@ impl Plan {
 pub(super) struct Buckets<'a> {
     plan: Plan,
     pile: &'a Pile,
-    /// Of each what is written, and what is not yet.
+    /// Flushed extents and pending words of each bucket.
     all: Vec<(Vec<Extent>, Vec<u32>)>,
 }
 

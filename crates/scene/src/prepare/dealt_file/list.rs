@@ -47,7 +47,7 @@ pub(super) struct List {
 struct Head {
     /// The end of its words.
     end: u128,
-    /// Its pieces, each with its first point.
+    /// Pieces of the list, each with its first point.
     pieces: Vec<(u64, Extent)>,
     /// Number of points.
     len: u64,

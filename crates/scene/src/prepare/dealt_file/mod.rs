@@ -1,10 +1,11 @@
-//! Points that are dealt to ensembles in a temporary file, for clouds that memory has no room for: the list that
-//! [`ensembles::deal`](super::ensembles::deal) makes, to the bit, as far as it is asked for. A picture of many points that are hardly
-//! opaque takes few of them.
+//! Points that are partitioned into ensembles in a temporary file, for clouds that memory has no room for: the list
+//! that [`ensembles::deal`](super::ensembles::deal) makes, to the bit, as far as it is asked for. A picture of many
+//! points that are hardly opaque takes few of them.
 //!
-//! The words that shuffle points are numbers at random. So those with the smallest words are put into buckets by them, as many as let
-//! memory hold each, and each bucket is sorted by itself. Points in one place are counted, since their ids differ: places that may have
-//! several are found first, and all points in these are brought together, whatever their words.
+//! The words that shuffle points are numbers at random. So those with the smallest words are put into buckets by them,
+//! as many as let memory hold each, and each bucket is sorted by itself. Points in one place are counted, since their
+//! ids differ: places that may have several are found first, and all points in these are brought together, whatever
+//! their words.
 
 mod buckets;
 mod list;
@@ -57,7 +58,7 @@ impl fmt::Debug for Source {
     }
 }
 
-/// Settings by which clouds are dealt.
+/// Settings by which clouds are shuffled into ensembles.
 #[derive(Debug, Clone)]
 pub struct Settings {
     /// `true` if points have normals.
@@ -94,7 +95,8 @@ pub struct DealtFile {
 }
 
 impl DealtFile {
-    /// Deals clouds as [`ensembles::deal`](super::ensembles::deal) does. `progress` counts points, each of them three times.
+    /// Shuffles clouds as [`ensembles::deal`](super::ensembles::deal) does. `progress` counts points, each of them
+    /// three times.
     ///
     /// # Errors
     /// A block can't be read, the file can't be written, too many points are in one place, or `progress` cancels it.
@@ -137,7 +139,7 @@ impl DealtFile {
         &self.clouds
     }
 
-    /// Their properties alone.
+    /// Returns the properties of the surfaces alone.
     pub fn surfaces(&self) -> &[Surface] {
         &self.surfaces
     }
@@ -150,7 +152,7 @@ impl DealtFile {
     /// Brings the first points of each cloud into the file, as many as `counts` says, unless they are there.
     ///
     /// # Errors
-    /// As of [`deal`](Self::deal).
+    /// Returns the errors of [`deal`](Self::deal).
     pub fn reach(&self, counts: impl IntoIterator<Item = u64>, progress: &Progress) -> Result<(), Error> {
         let mut each = self.lists.iter().zip(counts);
         each.try_for_each(|(list, count)| list.reach(count, &self.pile, progress))
@@ -161,7 +163,7 @@ impl DealtFile {
     /// points of a cloud binds the last ones of another beside them, which it has no use for.
     ///
     /// # Errors
-    /// As of [`deal`](Self::deal).
+    /// Returns the errors of [`deal`](Self::deal).
     pub fn read(&self, range: Range<u64>) -> Result<Points, Error> {
         let mut words = Vec::new();
         for (list, surface) in self.lists.iter().zip(&self.surfaces) {

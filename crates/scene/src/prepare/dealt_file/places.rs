@@ -9,21 +9,22 @@ const POINT_BITS: u64 = 16;
 /// Bits of a word that a place sets.
 const MARKS: u32 = 3;
 
-/// A set of places that may seem to hold others too, but never lacks one of its own: a Bloom filter whose places set bits of one
-/// word each (Putze, Sanders, Singler 2009), so that threads add to it together.
+/// A set of places that may seem to hold others too, but never lacks one of its own: a Bloom filter whose places set
+/// bits of one word each (Putze, Sanders, Singler 2009), so that threads add to it together.
 #[derive(Debug)]
 pub(super) struct Places {
     words: Vec<AtomicU64>,
 }
 
 impl Places {
-    /// No places, for so many points, in at most so many bytes.
+    /// Creates an empty table for `points` points that uses at most `memory` bytes.
     pub fn new(points: u64, memory: u64) -> Self {
         let words = (points.saturating_mul(POINT_BITS) / 64).next_power_of_two().min((memory / 8).max(1));
         Self { words: (0..words).map(|_| AtomicU64::new(0)).collect() }
     }
 
-    /// Adds a place by its number. True if it seems to have been there before: of several threads that add one place, all but one are told.
+    /// Adds a place by its number. True if it seems to have been there before: of several threads that add one place,
+    /// all but one are told.
     pub fn add(&self, place: u64) -> bool {
         let marks = marks(place);
         self.word(place).fetch_or(marks, Ordering::Relaxed) & marks == marks
@@ -68,7 +69,8 @@ mod tests {
     #[test]
     fn no_place_is_missed_and_few_are_mistaken() {
         let count = 100_000;
-        // 138 and 2894 are to be expected: of a word with k marks set a mistake has the chance (k/64)³. Six standard errors more.
+        // 138 and 2894 are to be expected: of a word with k marks set a mistake has the chance (k/64)³. Six standard
+        // errors more.
         for (memory, most_mistaken) in [(1 << 20, 210), (64 << 10, 3250)] {
             let places = Places::new(count, memory);
             let mistaken = (0..count).into_par_iter().filter(|i| places.add(place(*i))).count();

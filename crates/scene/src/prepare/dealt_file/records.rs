@@ -56,7 +56,7 @@ impl Layout {
         }
     }
 
-    /// Their positions alone.
+    /// Decodes the positions of the records alone.
     pub fn positions(self, words: &[u32]) -> Vec<DVec3> {
         words.par_chunks_exact(self.words()).with_min_len(1 << 10).map(position).collect()
     }

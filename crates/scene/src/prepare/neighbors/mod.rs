@@ -1,8 +1,8 @@
 //! The nearest neighbors of every point, independent of the order of the points.
 //!
-//! The K nearest other points, without the point itself, are those of least distance, computed in float64 from the original
-//! positions; of equal distances those of smaller x, then y, then z; of equal positions by normal (up to its sign). They are
-//! listed by rank, so that shuffled points have the same neighbors, in the same sequence, to the bit.
+//! The K nearest other points, without the point itself, are those of least distance, computed in float64 from the
+//! original positions; of equal distances those of smaller x, then y, then z; of equal positions by normal (up to its
+//! sign). They are listed by rank, so that shuffled points have the same neighbors, in the same sequence, to the bit.
 
 mod search;
 mod tree;
@@ -35,7 +35,7 @@ pub(super) struct Places {
     pub order: Vec<usize>,
     /// Positions by rank.
     pub positions: Vec<DVec3>,
-    /// For each place its first rank, with their number as the last entry.
+    /// First rank of each place, with their number as the last entry.
     starts: Vec<u32>,
     /// Places by rank.
     places: Vec<u32>,
@@ -46,8 +46,9 @@ pub(super) struct Places {
     unit: f64,
 }
 
-/// A power of two, of 2⁻⁴⁰⁰ times the size of a cloud or more: it keeps squared distances from overflow, and those of down to
-/// 10⁻²⁷⁰ of that size from underflow, which one stray at 10¹⁷⁰ would cause otherwise. Scaling by it rounds nothing else.
+/// A power of two, of 2⁻⁴⁰⁰ times the size of a cloud or more: it keeps squared distances from overflow, and those of
+/// down to 10⁻²⁷⁰ of that size from underflow, which one outlier at 10¹⁷⁰ would cause otherwise. Scaling by it rounds
+/// nothing else.
 fn unit(bounds: &Bounds) -> f64 {
     let half_side = (0.5 * bounds.max - 0.5 * bounds.min).max_element();
     if half_side > 0.0 { (half_side.log2().floor() - 400.0).clamp(-1022.0, 1023.0).exp2() } else { 1.0 }
@@ -69,8 +70,8 @@ fn normal_key(normal: Vec3) -> [i32; 3] {
     })
 }
 
-/// Puts many points of one Morton code into the order of codes within their own bounds, and so on: a stray a thousand
-/// kilometers away has all others in a few cells.
+/// Puts many points of one Morton code into the order of codes within their own bounds, and so on: an outlier a
+/// thousand kilometers away has all others in a few cells.
 fn refine(cell: &mut [Keyed], positions: &[DVec3], by_content: &(impl Fn(u32, u32) -> Ordering + Sync)) {
     if cell.len() <= LEAF {
         return;
@@ -90,7 +91,8 @@ fn refine(cell: &mut [Keyed], positions: &[DVec3], by_content: &(impl Fn(u32, u3
 }
 
 impl Places {
-    /// From finite positions; `None` if there are none, or 2³² and more, of which no renderer takes as many, either.
+    /// Groups points by place, from finite positions; `None` if there are none, or 2³² and more, of which no renderer
+    /// takes as many, either.
     pub fn group(positions: &[DVec3], normals: Option<&[Vec3]>) -> Option<Self> {
         Self::group_within(positions, normals, &Bounds::of(positions)?)
     }
@@ -169,8 +171,8 @@ impl Places {
         (ranks, distance)
     }
 
-    /// Takes the ranks of [`Places::others`] out of the places that were found, those as near as the k-th other one; the distance
-    /// of the last in units.
+    /// Takes the ranks of [`Places::others`] out of the places that were found, those as near as the k-th other one;
+    /// the distance of the last in units.
     fn take(&self, place: usize, k: usize, found: Found<'_>, ranks: &mut Vec<u32>) -> f64 {
         let Found { places: found, last, .. } = found;
         ranks.clear();
@@ -220,8 +222,8 @@ impl Places {
         places
     }
 
-    /// Calls `see` for each place with [`Places::others`], on all cores, and keeps what it returns. `again`: which lists are
-    /// kept for a second visit, if memory allows.
+    /// Calls `see` for each place with [`Places::others`], on all cores, and keeps what it returns. `again`: which
+    /// lists are kept for a second visit, if memory allows.
     pub fn visit<T: Send>(
         &self,
         k: usize,
@@ -232,7 +234,8 @@ impl Places {
         self.visit_blocks(k, again, progress, see, |seen| seen)
     }
 
-    /// Like [`Places::visit`]; what `see` returns goes through `finish`, the values of some thousand places at a time.
+    /// Visits places like [`Places::visit`]; what `see` returns goes through `finish`, the values of some thousand
+    /// places at a time.
     pub fn visit_blocks<T, U: Send>(
         &self,
         k: usize,
@@ -287,7 +290,7 @@ impl Places {
 pub(super) enum Again {
     No,
     All,
-    /// Those of places that a cap of so many times the median around them may change ([`super::radius::capped`]).
+    /// Neighbors of places that a cap of so many times the median around them may change ([`super::radius::capped`]).
     Capped(f32),
 }
 
@@ -295,9 +298,9 @@ impl Again {
     /// Returns `true` if the neighbors of a place are needed, those found at these squared distances, itself among
     /// them, and the last of the K nearest at this distance.
     ///
-    /// A neighbor at δ has its own K-th one at d − δ or beyond: the ball of that radius around it lies within the ball of radius d
-    /// around this place, whose inside holds fewer than K others. Where d − δ is d / cap or more for so many that their median is, the
-    /// cap changes nothing.
+    /// A neighbor at δ has its own K-th one at d − δ or beyond: the ball of that radius around it lies within the ball
+    /// of radius d around this place, whose inside holds fewer than K others. Where d − δ is d / cap or more for so
+    /// many that their median is, the cap changes nothing.
     fn wants(self, k: usize, squared: &[f64], distance: f64) -> bool {
         match self {
             Self::No => false,
@@ -322,7 +325,7 @@ pub(super) fn least_of_median(k: usize) -> usize {
 #[derive(Default)]
 struct Kept {
     ranks: Vec<u32>,
-    /// By place the first of its neighbors in `ranks`, or [`NOT_NEEDED`].
+    /// Start of each place's neighbors in `ranks`, or [`NOT_NEEDED`].
     starts: Vec<u32>,
 }
 
@@ -340,7 +343,7 @@ impl Kept {
 /// The neighbors elsewhere of places, if they were kept.
 pub(super) struct Lists {
     k: usize,
-    /// By block of places.
+    /// Retained neighbors, by block of places.
     kept: Option<Vec<Kept>>,
 }
 
@@ -362,7 +365,7 @@ pub(super) mod tests {
 
     use super::*;
 
-    /// Returns points on a plane and in a ball, copies of some, and strays far from all.
+    /// Returns points on a plane and in a ball, copies of some, and outliers far from all.
     pub fn cloud(count: usize, seed: u64) -> Vec<DVec3> {
         let mut random = Pcg64::seed_from_u64(seed);
         let mut number = || random.random::<f64>();
@@ -375,7 +378,7 @@ pub(super) mod tests {
         points
     }
 
-    /// By all distances, in the order that the module states.
+    /// Finds the neighbors by all distances, in the order that the module states.
     fn brute_force(places: &Places, place: usize, k: usize) -> (Vec<u32>, f64) {
         let here = places.positions[places.members(place).start];
         let squared = |rank: usize| ((places.positions[rank] - here) / places.unit()).length_squared();

@@ -1,8 +1,8 @@
 //! The nearest places of a place.
 //!
 //! Places are looked for leaf by leaf: those of a leaf have nearly the same neighbors, so that the leaves around it are
-//! gathered once, within a distance that the neighbors of a place nearby bound (the triangle inequality). Where that would be
-//! too many leaves, as around a stray, each place goes through the tree by itself, nearest box first.
+//! gathered once, within a distance that the neighbors of a place nearby bound (the triangle inequality). Where that
+//! would be too many leaves, as around an outlier, each place goes through the tree by itself, nearest box first.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -33,7 +33,7 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// From positions by rank, and the first rank of each place.
+    /// Builds the search from positions by rank, and the first rank of each place.
     pub fn new(positions: &[DVec3], starts: &[u32], unit: f64) -> Self {
         let per_unit = 1.0 / unit;
         let column = |axis: usize| starts.par_iter().map(|&rank| positions[rank as usize][axis] * per_unit).collect();
@@ -83,7 +83,7 @@ pub(super) struct Search<'a> {
 /// The places as near to one as the last one wanted, itself among them. All places if there are no more than wanted.
 #[derive(Clone, Copy)]
 pub(super) struct Found<'a> {
-    /// In ascending order.
+    /// Places of the neighbors, in ascending order.
     pub places: &'a [u32],
     /// The squared distance of each.
     pub squared: &'a [f64],
@@ -101,7 +101,7 @@ struct Around {
     from_leaf: Vec<f64>,
     /// Squared distances from a place.
     squared: Vec<f64>,
-    /// Those of the leaves that are near enough to it.
+    /// Places of the leaves that are near enough to it.
     near: Vec<u32>,
     /// The number of places in them.
     places: usize,
@@ -110,7 +110,7 @@ struct Around {
 }
 
 impl<'a> Search<'a> {
-    /// Returns a search for `wanted` places besides the one that is asked for.
+    /// Returns a search for `wanted` places in addition to the one that is asked for.
     pub fn new(tree: &'a Tree, columns: &'a Columns, wanted: usize) -> Self {
         Self {
             tree,
@@ -159,7 +159,7 @@ impl<'a> Search<'a> {
         self.around.gather(self.tree, &leaf.cuboid, reach * reach * WIDER)
     }
 
-    /// Like [`Search::leaf`] of one place.
+    /// Finds the neighbors of a single place, like [`Search::leaf`].
     pub fn one(&mut self, place: usize) -> Found<'_> {
         self.through_tree(self.columns.position(place));
         let last = self.keep_nearest();
@@ -281,8 +281,8 @@ fn nearest(found: &mut [u32], squared: &mut [f64], moved: &mut Vec<f64>, wanted:
     (kept, squared[..kept].iter().copied().fold(0.0, larger))
 }
 
-/// A number that so many of some distances don't exceed, by counting and interpolating. `None` where it isn't soon found, as
-/// where many are equal.
+/// A number that so many of some distances don't exceed, by counting and interpolating. `None` where it isn't soon
+/// found, as where many are equal.
 fn cut(squared: &[f64], wanted: usize) -> Option<f64> {
     let (mut low, mut high) = ((0.0, 0), (squared.iter().copied().fold(0.0, larger), squared.len()));
     for _ in 0..CUTS {

@@ -57,7 +57,7 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Of distinct places with ascending Morton codes.
+    /// Builds the tree of distinct places with ascending Morton codes.
     pub fn new(columns: &Columns, codes: &[u64]) -> Self {
         let nodes = if codes.is_empty() { Vec::new() } else { branch(columns, codes, 0) };
         let leaves = nodes.iter().enumerate().filter(|(_, node)| node.leaf_len > 0);

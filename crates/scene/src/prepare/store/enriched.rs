@@ -10,11 +10,11 @@ use pellucid_io::store::{Node, Piece, Store, Summary};
 /// Source of F.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Fields {
-    /// It is there.
+    /// Stored column: the store has it.
     Stored,
-    /// From the file of values.
+    /// Column from the file of values.
     Found,
-    /// From columns of this range.
+    /// Column that is made of columns with this range.
     Columns([f64; 2]),
 }
 
@@ -26,7 +26,7 @@ pub(super) struct Enriched {
     pub field: Field,
     pub fields: Fields,
     pub values: Values,
-    /// With the columns that are added.
+    /// Summary of the store, with the columns that are added.
     pub summary: Summary,
 }
 

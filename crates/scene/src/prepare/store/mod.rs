@@ -1,9 +1,11 @@
-//! Radii, normals and fields of clouds that memory doesn't hold: the same bits as [`find`](super::find) computes for the whole cloud.
+//! Radii, normals and fields of clouds that memory doesn't hold: the same bits as [`find`](super::find) computes for
+//! the whole cloud.
 //!
-//! The points are made a store first. Then one region of space after the other is looked at with what is around it. A point's values
-//! are kept if all that they depend on is there: its K nearest neighbors and, for the cap and for the field, theirs. Ranks are those
-//! of the whole cloud, so that sums have the same order. What is left is found point by point in balls, which may be as large as the
-//! cloud but hold few points. At last the store is written anew with the values.
+//! The points are made a store first. Then one region of space after the other is looked at with what is around it. A
+//! point's values are kept if all that they depend on is there: its K nearest neighbors and, for the cap and for the
+//! field, theirs. Ranks are those of the whole cloud, so that sums have the same order. What is left is found point by
+//! point in balls, which may be as large as the cloud but hold few points. At last the store is written anew with the
+//! values.
 
 mod enriched;
 mod regions;
@@ -52,7 +54,7 @@ pub enum Error {
     },
 }
 
-/// Data that is computed of each point, beside the radius.
+/// Data that is computed of each point, in addition to the radius.
 #[derive(Debug, Clone, PartialEq)]
 struct Plan {
     /// K of a cloud with so many points.
@@ -63,13 +65,14 @@ struct Plan {
     wants: Wants,
 }
 
-/// Writes some clouds as one store with radii and the field of [`Request::field`], and with normals if they are asked for, as
-/// [`prepared`](super::prepared) does for a cloud in memory. Positions count as the store has them. Shadows of a prepared input stay
-/// unless normals are asked for. Settings and the rest as in [`build`](build::build); a run that ended early goes on where it was when
-/// points were put into nodes, and computes values anew. Of Gaussian splats nothing is computed.
+/// Writes some clouds as one store with radii and the field of [`Request::field`], and with normals if they are asked
+/// for, as [`prepared`](super::prepared) does for a cloud in memory. Positions count as the store has them. Shadows of
+/// a prepared input stay unless normals are asked for. Settings and the rest as in [`build`](build::build); a run that
+/// ended early goes on where it was when points were put into nodes, and computes values anew. Of Gaussian splats
+/// nothing is computed.
 ///
 /// # Errors
-/// Those of [`build`](build::build); the clouds lack the property of the field.
+/// Returns the errors of [`build`](build::build), and an error if the clouds lack the property of the field.
 pub fn prepare(
     inputs: &[Box<dyn Store>],
     folder: &Path,

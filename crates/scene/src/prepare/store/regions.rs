@@ -28,7 +28,7 @@ pub(super) struct Region {
 }
 
 impl Region {
-    /// For each of some positions if it is in the region.
+    /// Tells for each of some positions if it is in the region.
     pub fn holds(self, positions: &[DVec3], bounds: &Bounds) -> Vec<bool> {
         let codes = morton::codes(positions, bounds);
         codes.into_par_iter().map(|code| code >> (3 * (BITS - self.level)) == self.code).collect()
@@ -47,7 +47,8 @@ impl Region {
     }
 }
 
-/// Regions with at most so many points, as far as cells of the finest level allow. Each cloud of points that is read is shown to `see`.
+/// Regions with at most so many points, as far as cells of the finest level allow. Each cloud of points that is read is
+/// shown to `see`.
 pub(super) fn regions<T: Send>(
     source: &Source,
     most: u64,

@@ -94,7 +94,8 @@ impl Solver<'_> {
         Value { radius: seen.surface.radii[i], normal, spread }
     }
 
-    /// The values of a point that has all neighbors within a distance: from the ball with them, and the balls with theirs.
+    /// The values of a point that has all neighbors within a distance: from the ball with them, and the balls with
+    /// theirs.
     fn alone(&self, place: u64, position: DVec3, within: f64) -> Result<(u64, Value), io::Error> {
         let k = self.plan.k;
         let radius = within.min(self.source.reach(position, k as u64 + 1)) * WIDER + self.source.cell;

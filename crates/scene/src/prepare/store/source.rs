@@ -21,16 +21,16 @@ pub(super) struct Source {
 #[derive(Debug, Default)]
 pub(super) struct Local {
     pub positions: Vec<DVec3>,
-    /// If the cloud has normals.
+    /// Normals, if the cloud has them.
     pub normals: Option<Vec<Vec3>>,
-    /// For each point how many are before it in the store's file.
+    /// Number of points before each point in the store's file.
     pub places: Vec<u64>,
 }
 
 /// A part of space.
 #[derive(Debug)]
 pub(super) enum Shape {
-    /// With its faces.
+    /// Box with its faces.
     Box(Bounds),
     /// Balls by center and radius.
     Balls(Vec<(DVec3, f64)>),

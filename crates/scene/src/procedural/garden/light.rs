@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::scan::Sample;
 
-/// Toward the sun.
+/// Direction toward the sun.
 fn sun() -> DVec3 {
     DVec3::new(-0.62, -0.42, 0.66).normalize()
 }

@@ -50,7 +50,7 @@ const LEAVES: Part = Part { name: "leaves", opacity: 0.25, share: 0.26, overlap:
 /// Standard deviation of the scanner's range, in meters.
 const NOISE: f64 = 0.003;
 
-/// One point in this many is an outlier.
+/// Number of points of which one is an outlier.
 const OUTLIERS: usize = 1200;
 
 /// A part, its points without light, and their spacing.
@@ -106,7 +106,7 @@ fn finish(scanned: &[Scanned], random: &mut Random) -> Result<Generated, Error> 
     Ok(Generated { clouds, scene_toml })
 }
 
-/// The points as the scanner delivers them: with noise along the normal, and a few stray ones.
+/// The points as the scanner delivers them: with noise along the normal, and a few outliers.
 fn cloud(samples: &[Sample], light: impl Fn(&Sample) -> DVec3, random: &mut Random) -> Result<Cloud, Error> {
     let mut builder = CloudBuilder::with_capacity(samples.len())?;
     for sample in samples {

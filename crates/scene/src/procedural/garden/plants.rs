@@ -106,7 +106,7 @@ impl Plants {
         }
     }
 
-    /// Along the back and the left side of the garden.
+    /// Adds the hedge along the back and the left side of the garden.
     fn hedge(&mut self) {
         let mut hedge = Model::new(class::MEDIUM_VEGETATION);
         let green = Paint::leaves([58, 122, 50]);

@@ -1,5 +1,5 @@
-//! `iso`: surfaces of equal value in a volume, as points (Dobrev et al., Figs. 18 and 19). The volume is a file's, or that of a
-//! hydrogen orbital.
+//! `iso`: surfaces of equal value in a volume, as points (Dobrev et al., Figs. 18 and 19). The volume is a file's, or
+//! that of a hydrogen orbital.
 
 mod field;
 mod orbital;
@@ -14,7 +14,7 @@ use field::Field;
 use pellucid_io::volume::Volume;
 use surface::Surface;
 
-/// Its name in `pellucid scene`.
+/// Name of the generator in `pellucid scene`.
 pub const NAME: &str = "iso";
 /// A single line for `--list`.
 pub const SUMMARY: &str = "nested surfaces of equal value in a volume (--volume FILE, or a hydrogen orbital), at --values or at some chosen ones";
@@ -33,7 +33,7 @@ const DIVISORS: [f64; 2] = [3.0, 11.0];
 /// The share of a single one.
 const ENCLOSED_BY_ONE: f64 = 0.08;
 
-/// From the innermost to the outermost; those of three are as in Fig. 19's neighbor, Fig. 17.
+/// Colors from the innermost surface to the outermost; those of three are as in Fig. 19's neighbor, Fig. 17.
 const COLORS: [Rgb; MAX_SURFACES] = [
     [204, 118, 36],
     [60, 150, 50],
@@ -58,8 +58,8 @@ pub fn built_in() -> Volume {
     orbital::orbital()
 }
 
-/// Makes the scene from a volume, whose longest side becomes 2 world units around the origin. `values`: where the field has
-/// surfaces; none: chosen so that they lie within each other.
+/// Makes the scene from a volume, whose longest side becomes 2 world units around the origin. `values`: where the field
+/// has surfaces; none: chosen so that they lie within each other.
 ///
 /// # Errors
 /// A parameter that is unknown or out of range, a value without a surface, too many values, a volume without different

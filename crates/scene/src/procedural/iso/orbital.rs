@@ -4,7 +4,7 @@ use pellucid_io::volume::Volume;
 
 /// Numbers along each side.
 const SIDE: usize = 64;
-/// From the middle to each side, in Bohr radii: density there is at most a ninetieth of the greatest.
+/// Distance from the middle to each side, in Bohr radii: density there is at most a ninetieth of the greatest.
 const REACH: f64 = 20.0;
 
 /// Returns the density |ψ₃₂₀|² around the y axis, which is upward in the picture, over its greatest value: (3y² − r²)²

@@ -6,8 +6,8 @@ use rayon::prelude::*;
 use super::super::random::Random;
 use super::field::Field;
 
-/// Six tetrahedra around a cell's diagonal fill it, and neighbors meet in the same triangles (Freudenthal). Corners are numbers
-/// of three bits: x, y, z.
+/// Six tetrahedra around a cell's diagonal fill it, and neighbors meet in the same triangles (Freudenthal). Corners are
+/// numbers of three bits: x, y, z.
 const TETRAHEDRA: [[usize; 4]; 6] =
     [[0, 1, 3, 7], [0, 1, 5, 7], [0, 2, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 4, 6, 7]];
 
@@ -42,8 +42,8 @@ impl Triangle {
     }
 }
 
-/// The surface on which a field has a value. Its area is that of triangles that marching through tetrahedra gives; its points
-/// are on the trilinear interpolant.
+/// The surface on which a field has a value. Its area is that of triangles that marching through tetrahedra gives; its
+/// points are on the trilinear interpolant.
 pub(super) struct Surface<'a> {
     field: &'a Field<'a>,
     value: f64,
@@ -71,7 +71,7 @@ impl<'a> Surface<'a> {
         Self { field, value, cells }
     }
 
-    /// In squares of cells' sides.
+    /// Area of the surface, in squares of cells' sides.
     pub fn area(&self) -> f64 {
         self.cells.last().map_or(0.0, |(_, end)| *end)
     }
@@ -96,8 +96,9 @@ impl<'a> Surface<'a> {
         }
     }
 
-    /// The place on the trilinear interpolant nearest to one on a triangle: along the gradient (Newton); where that leads away,
-    /// as it may where the gradient jumps from cell to cell, toward a corner on the other side of the surface.
+    /// The place on the trilinear interpolant nearest to one on a triangle: along the gradient (Newton); where that
+    /// leads away, as it may where the gradient jumps from cell to cell, toward a corner on the other side of the
+    /// surface.
     fn moved(&self, start: DVec3, triangle: &Triangle) -> DVec3 {
         let mut place = start;
         for _ in 0..NEWTON_STEPS {
@@ -166,10 +167,12 @@ mod tests {
         let volume = Volume { dims, values: (0..210).map(at).collect() };
         let field = Field::new(&volume);
         let surface = Surface::new(&field, 4.5);
-        // Cut off from the corner: an edge of the triangle ends at z = 1.5, the others at y = 2.25, and x = 4 cuts its tip at 4.5.
+        // Cut off from the corner: an edge of the triangle ends at z = 1.5, the others at y = 2.25, and x = 4 cuts its
+        // tip at 4.5.
         let full = 0.5 * 4.5 * 2.25 * 1.5;
         let cut_off = full / (9.0f64).powi(3);
-        // Three times the volume over the height, which is the value over the length of the gradient; the tip's height is a ninth.
+        // Three times the volume over the height, which is the value over the length of the gradient; the tip's height
+        // is a ninth.
         let height = 4.5 / 14f64.sqrt();
         let area = full / height - cut_off / (height / 9.0);
         assert!((surface.area() - area).abs() < 1e-9, "{} and not {area}", surface.area());

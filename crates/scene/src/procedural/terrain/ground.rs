@@ -131,7 +131,8 @@ pub(super) fn tone(land: &Land, p: DVec2, place: &Place, cover: Cover, spacing: 
     }
 }
 
-/// Asphalt with a dashed line in the middle of main roads and light lines at their edges, if points are close enough to show them.
+/// Asphalt with a dashed line in the middle of main roads and light lines at their edges, if points are close enough to
+/// show them.
 fn road(place: &Place, fine: f64, spacing: f64) -> Tone {
     let across = place.uv.x.abs();
     let dash = across < 0.12 && (place.uv.y / 6.0).rem_euclid(1.0) < 0.5;

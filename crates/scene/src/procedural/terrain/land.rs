@@ -20,7 +20,8 @@ mod layer {
     pub(super) const KNOLLS: i64 = 20;
 }
 
-/// A landscape without anything on it. Lengths in meters; the origin is in the middle of a town, z = 0 the level of the water.
+/// A landscape without anything on it. Lengths in meters; the origin is in the middle of a town, z = 0 the level of the
+/// water.
 #[derive(Debug, Clone)]
 pub(super) struct Land {
     salt: i64,
@@ -39,7 +40,7 @@ pub(super) struct Land {
 /// A position as streets see it: their coordinates, counted from the crossing of roads that the nearest town stands at.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
-    /// Across the main road, and along it.
+    /// Place across the main road, and along it.
     pub(super) uv: DVec2,
     /// Cell of the grid of towns.
     pub(super) town: [i64; 2],

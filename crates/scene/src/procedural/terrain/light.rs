@@ -10,7 +10,7 @@ pub(super) type Tone = DVec3;
 /// Meters along the ground, in x and y, over which a shadow of something one meter high reaches: away from the sun.
 pub(super) const TO_SUN: [f64; 2] = [-0.85, -0.62];
 
-/// Toward the sun.
+/// Direction toward the sun.
 pub(super) fn sun() -> DVec3 {
     DVec3::new(TO_SUN[0], TO_SUN[1], 1.0).normalize()
 }

@@ -1,8 +1,8 @@
 //! `terrain`: a landscape of any size with a river, fields, forests and towns, whose tiles can be made one by one.
 //!
-//! A landscape of n points is a square of 4.47 ∛n meters, nearly: each doubling of the side takes eight times the points, so that
-//! pulses are denser in larger ones: some 4 on a square meter of 10⁶ points, 40 of 10⁹. What stands where follows from the seed and
-//! the side alone; a tile needs no other one.
+//! A landscape of n points is a square of 4.47 ∛n meters, nearly: each doubling of the side takes eight times the
+//! points, so that pulses are denser in larger ones: some 4 on a square meter of 10⁶ points, 40 of 10⁹. What stands
+//! where follows from the seed and the side alone; a tile needs no other one.
 
 mod bins;
 mod buildings;

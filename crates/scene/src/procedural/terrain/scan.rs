@@ -233,7 +233,8 @@ impl Scan<'_> {
         DVec2::from_array(p.to_array().map(|x| self.site.side - (self.site.side - x.abs()).abs()))
     }
 
-    /// Adds a point on the grid, unless there are enough. It stays in the tile: what reaches out is mirrored at the edge.
+    /// Adds a point on the grid, unless there are enough. It stays in the tile: what reaches out is mirrored at the
+    /// edge.
     fn push(&mut self, point: Point) {
         if self.cloud.len() == self.wanted {
             return;

@@ -44,7 +44,7 @@ pub(super) struct Solid {
     pub(super) base: f64,
     /// Height at which walls end.
     pub(super) eave: f64,
-    /// From there to the top.
+    /// Height from the eave to the top.
     pub(super) rise: f64,
     pub(super) roof: Roof,
     pub(super) front: Front,

@@ -25,8 +25,8 @@ const LEAST_COLUMNS: f64 = 12.0;
 const FLOOR: i64 = -8000;
 
 /// A landscape of a given number of points. Tiles are squares of the same size in Morton order, whose points have
-/// coordinates of whole millimeters; z is up. A tile's side is a power of two of millimeters, so that tiles are columns of cells of
-/// an octree on that grid.
+/// coordinates of whole millimeters; z is up. A tile's side is a power of two of millimeters, so that tiles are columns
+/// of cells of an octree on that grid.
 #[derive(Debug, Clone)]
 pub struct Terrain {
     land: Land,
@@ -47,7 +47,8 @@ pub struct Terrain {
 }
 
 impl Terrain {
-    /// Plans a landscape of exactly so many points, from 10⁴ to 10¹⁰: counts and bounds of its tiles are known, no point is made.
+    /// Plans a landscape of exactly so many points, from 10⁴ to 10¹⁰: counts and bounds of its tiles are known, no
+    /// point is made.
     ///
     /// # Errors
     /// Another number of points.
@@ -97,8 +98,9 @@ impl Terrain {
         Cube { grid: grid(), least: [low, low, FLOOR as i32], bits: [self.tile_bits + levels; 3] }
     }
 
-    /// Writes the landscape as an octree of Potree 2.0 in a folder, as [`stream`] does: with positions, colors, classes and radii,
-    /// 23 bytes a point. Normals are left out: they would take half as many bytes again, and the light is in the colors.
+    /// Writes the landscape as an octree of Potree 2.0 in a folder, as [`stream`] does: with positions, colors, classes
+    /// and radii, 23 bytes a point. Normals are left out: they would take half as many bytes again, and the light is in
+    /// the colors.
     ///
     /// # Errors
     /// Those of [`stream`].
@@ -240,7 +242,7 @@ fn grid() -> Grid {
     Grid { scale: DVec3::splat(0.001), offset: DVec3::ZERO }
 }
 
-/// By Newton's method: the standard library's differs between platforms.
+/// Takes the cube root by Newton's method: the standard library's differs between platforms.
 fn cube_root(value: f64) -> f64 {
     (0..100).fold(value, |root, _| (2.0 * root + value / (root * root)) / 3.0)
 }

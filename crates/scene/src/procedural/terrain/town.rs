@@ -37,7 +37,7 @@ pub(super) struct Lot {
     pub(super) storeys: f64,
     /// `true` if it fills its lot.
     pub(super) dense: bool,
-    /// For hashes.
+    /// Key for hashes.
     pub(super) key: [i64; 2],
 }
 
@@ -52,7 +52,7 @@ impl Block {
         DVec2::new(self.at[0] as f64, self.at[1] as f64) * BLOCK
     }
 
-    /// Its number, and one of its parts, for hashes.
+    /// Returns a key for hashes: the number, and one of the parts.
     fn key(&self, part: i64) -> [i64; 2] {
         [self.at[0] * 64 + part, self.at[1] + 4096 * (self.town[0] + 512 * self.town[1])]
     }

@@ -34,7 +34,7 @@ enum Kind {
 pub(super) struct Tree {
     pub(super) foot: DVec3,
     height: f64,
-    /// Of the crown, around the trunk.
+    /// Radius of the crown, around the trunk.
     pub(super) radius: f64,
     kind: Kind,
     tone: Tone,
@@ -132,7 +132,7 @@ impl Tree {
         Some(Leaf { z, normal, up: ((z - low) / (self.top() - low)).clamp(0.0, 1.0) })
     }
 
-    /// In the outer parts of a lobe, most of all its upper half.
+    /// Places a leaf in the outer parts of a lobe, most of all its upper half.
     fn lobe_leaf(&self, p: DVec2, random: &mut Random) -> Option<(f64, DVec3)> {
         let over = |(center, radius): &&(DVec3, f64)| center.truncate().distance_squared(p) < radius * radius;
         let count = self.lobes.iter().filter(over).count();
@@ -144,7 +144,7 @@ impl Tree {
         Some((center.z + rise, d.extend(rise) / *radius))
     }
 
-    /// On drooping whorls, most of all near the surface of the cone.
+    /// Places a needle on drooping whorls, most of all near the surface of the cone.
     fn needle(&self, p: DVec2, random: &mut Random) -> (f64, DVec3) {
         let d = p - self.foot.truncate();
         let r = d.length();

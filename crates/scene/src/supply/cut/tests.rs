@@ -5,7 +5,7 @@ use crate::supply::{Branch, Held};
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::cloud::Bounds;
 
-/// From the origin along x: 50 pixels of a world unit at distance 1.
+/// Camera from the origin along x: 50 pixels of a world unit at distance 1.
 fn camera() -> Camera {
     let projection = Projection::Perspective { fov_y: std::f64::consts::FRAC_PI_2 };
     Camera::look_at(DVec3::ZERO, DVec3::X, DVec3::Z, projection, 0.5, 1e4).expect("a camera")
@@ -54,7 +54,8 @@ impl Supply for Nodes {
     }
 }
 
-/// A row of points from x = 10 to x = 90: each level has every second place of the one below. The second level has two nodes.
+/// A row of points from x = 10 to x = 90: each level has every second place of the one below. The second level has two
+/// nodes.
 fn tree() -> Arc<dyn Supply> {
     let row = |xs: &[f64]| points(xs.iter().map(|x| DVec3::new(*x, 0.0, 0.0)).collect());
     let parts = [row(&[10.0, 50.0, 90.0]), row(&[30.0]), row(&[70.0])];
@@ -88,7 +89,8 @@ fn nodes_are_left_out_where_those_above_are_fine_enough() {
         let limits = Limits { spacing_px, max_points };
         Cut::new(Arc::clone(&whole), 0.0, &limits, &picture(&[0, 1, 2], &|_| true, 0), &Progress::hidden())
     };
-    // Points of the first level are 4 apart: 4 · 50 / 20 = 10 pixels at the near node, 4 · 50 / 55 = 3.64 at the far one.
+    // Points of the first level are 4 apart: 4 · 50 / 20 = 10 pixels at the near node, 4 · 50 / 55 = 3.64 at the far
+    // one.
     let all = cut(3.6, None).unwrap();
     assert_eq!(radii(&all), [10.0, 30.0, 50.0, 70.0, 90.0].map(|x| (x, 0.5)));
     let near = cut(3.7, None).unwrap();

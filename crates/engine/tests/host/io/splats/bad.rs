@@ -1,4 +1,5 @@
-//! Damaged and made-up files of splats: each is refused with a message that says what is wrong, or read as far as it goes.
+//! Damaged and made-up files of splats: each is refused with a message that says what is wrong, or read as far as it
+//! goes.
 
 use std::io::Write;
 

@@ -1,4 +1,5 @@
-//! Files that would become very large. They are refused before that; `crates/cli/tests/fuzz.rs` measures the memory of such files.
+//! Files that would become very large. They are refused before that; `crates/cli/tests/fuzz.rs` measures the memory of
+//! such files.
 
 use std::io::{Cursor, Write};
 

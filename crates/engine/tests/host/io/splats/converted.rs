@@ -1,4 +1,4 @@
-//! The same forty splats in every format (tests/data/splats), as far as each format keeps them.
+//! Compares the same forty splats in every format (tests/data/splats), as far as each format keeps them.
 
 use glam::{DVec3, Quat};
 use pellucid_engine::cloud::filter::Filter;
@@ -10,12 +10,12 @@ use pellucid_engine::progress::Progress;
 use super::super::load;
 use super::folder;
 
-/// How far splats may be from those of `soup.ply`.
+/// Largest distances of splats from those of `soup.ply`.
 struct Bounds {
     position: f64,
-    /// Of the logarithm of an extent.
+    /// Difference of the logarithm of an extent.
     scale: f32,
-    /// Between rotations, in radians.
+    /// Angle between rotations, in radians.
     rotation: f64,
     base: f32,
     alpha: f32,
@@ -29,11 +29,12 @@ const EXACT: Bounds = Bounds { position: 1e-6, scale: 1e-6, rotation: 1e-6, base
 const UNIT: f32 = 0.5 / 255.0 + 1e-6;
 const SIGNED: f32 = 1.0 / 255.0 + 1e-6;
 
-/// Of four parts within a step of 1/511/√2: each of three is off by half of it, the largest by as much as all of them, twice for an
-/// angle.
+/// Largest error of four parts within a step of 1/511/√2: each of three is off by half of it, the largest by as much as
+/// all of them, twice for an angle.
 const SMALLEST_THREE: f64 = 2.0 * 2.0 * 1.732 * 0.5 / 511.0 * 0.707_2;
 
-/// Centers of 24 bits behind 12 of the fraction, logarithms of extents in sixteenths; a byte of color is 0.15/Y₀ of a display value.
+/// Centers of 24 bits behind 12 of the fraction, logarithms of extents in sixteenths; a byte of color is 0.15/Y₀ of a
+/// display value.
 const SPZ: Bounds = Bounds {
     position: 1.7321 * 0.5 / 4096.0,
     scale: 1.0 / 32.0 + 1e-5,
@@ -47,7 +48,7 @@ fn soup() -> Cloud {
     load(&folder().join("soup.ply")).unwrap()
 }
 
-/// For each splat of a cloud the one that is nearest in another.
+/// Finds, for each splat of a cloud, the nearest one in another.
 fn nearest(from: &Cloud, to: &Cloud) -> Vec<usize> {
     let distance = |at: usize, p: DVec3| to.positions[at].distance(p);
     let nearest = |p: &DVec3| (0..to.len()).min_by(|a, b| distance(*a, *p).total_cmp(&distance(*b, *p))).unwrap();
@@ -134,7 +135,8 @@ fn ksplat() {
 
 #[test]
 fn spz() {
-    // w follows from the others, each off by half a step of 1/127.5; near zero it is off by the root of what they are off.
+    // w follows from the others, each off by half a step of 1/127.5; near zero it is off by the root of what they are
+    // off.
     let three = (3.0_f64).sqrt() * 0.5 / 127.5;
     let rotation = 2.0 * (three * three + 2.0 * three).sqrt();
     // Float16 below 4 has steps of 1/512.
@@ -163,8 +165,8 @@ fn compressed_ply() {
     assert_reads_as_soup("soup.compressed.ply", 2, None, &bounds);
 }
 
-/// Tables of extents, colors and harmonics follow from all splats, so that another reader tells what a file holds. It keeps opacities
-/// as logits.
+/// Tables of extents, colors and harmonics follow from all splats, so that another reader tells what a file holds. It
+/// keeps opacities as logits.
 #[test]
 fn sog() {
     for (name, other) in [
@@ -175,8 +177,8 @@ fn sog() {
         let cloud = load(&folder().join(name)).unwrap();
         assert_eq!((cloud.up, cloud.filter, cloud.warnings.len()), (UpAxis::NegativeY, None, 0), "{name}");
         assert_same(&cloud, &load(&folder().join(other)).unwrap(), &EXACT, name);
-        // 16 bits of the logarithms of 1 to 4 of both signs, which their writer cuts; three bytes of √2 of the quaternion,
-        // whose steps are four times those of nine bits and a sign.
+        // 16 bits of the logarithms of 1 to 4 of both signs, which their writer cuts; three bytes of √2 of the
+        // quaternion, whose steps are four times those of nine bits and a sign.
         let position = 1.7321 * 4.0 * 2.0 * 4.0_f64.ln() / 65535.0;
         let loose = Bounds {
             position,

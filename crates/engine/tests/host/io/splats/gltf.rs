@@ -164,7 +164,7 @@ fn two_primitives_of_different_degrees() {
 }
 
 #[test]
-fn what_is_refused_says_why() {
+fn refused_files_give_errors_that_say_why() {
     type Change = fn(&mut Value);
     let cases: [(Change, &[&str]); 19] = [
         (|json| json["nodes"][1]["scale"] = json!([1, 1, 2]), &["node 1", "scales them differently along its axes"]),

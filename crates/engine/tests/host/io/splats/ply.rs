@@ -93,7 +93,7 @@ fn the_last_comment_names_the_filter() {
 }
 
 #[test]
-fn what_is_no_splat_is_left_out_with_its_scalars() {
+fn rows_that_are_no_splats_are_left_out_with_their_scalars() {
     let odd = "nan 2 3 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 1 0 0 0 9\n\
                1 2 3 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 10\n\
                1 2 3 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 nan 0 0 0 1 0 0 0 11\n\

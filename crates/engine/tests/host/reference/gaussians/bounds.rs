@@ -1,4 +1,5 @@
-//! What float32 may make of Gaussians, against float32 itself: the arithmetic that shaders are expected to have, on the host.
+//! Bounds of what float32 makes of Gaussians, against float32 itself: the arithmetic that shaders are expected to have,
+//! on the host.
 
 use pellucid_engine::reference::gaussians::{Possible, possible};
 
@@ -9,7 +10,8 @@ fn aslant(projection: Projection) -> Camera {
     Camera::look_at(DVec3::new(0.3, -0.2, 0.1), DVec3::new(1.0, 0.7, -5.0), DVec3::Y, projection, 0.5, 100.0).unwrap()
 }
 
-/// What shaders know of a splat: axes in camera coordinates, slopes of the center, scale, and place on the screen.
+/// Values that shaders know of a splat: axes in camera coordinates, slopes of the center, scale, and place on the
+/// screen.
 struct Known {
     columns: [[f32; 3]; 3],
     slope: [f32; 2],
@@ -164,7 +166,7 @@ fn check(kernel: Kernel, projection: Projection, thinnest: f64) -> (usize, Vec<f
 }
 
 #[test]
-fn what_float32_makes_is_possible_and_most_is_known_to_four_digits() {
+fn float32_results_are_possible_and_most_are_known_to_four_digits() {
     for projection in [Projection::Perspective { fov_y: 1.4 }, Projection::Orthographic { height: 9.0 }] {
         for kernel in [Kernel::Ewa, Kernel::Ray] {
             let (open, alphas, keys) = check(kernel, projection, 0.1);

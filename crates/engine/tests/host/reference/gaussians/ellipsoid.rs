@@ -15,12 +15,12 @@ fn discs(alpha_max: f32) -> Discs {
     Discs { gaussians, ..Discs::default() }
 }
 
-/// As large as many pixels.
+/// Gaussians as large as many pixels.
 fn large(count: usize, thinnest: f64) -> Vec<Splatted> {
     varied(count, thinnest).iter().map(|s| Splatted(s.0, 3.0 * s.1, s.2, s.3)).collect()
 }
 
-/// Through the middle of the image, by a cap of 1.
+/// Ray through the middle of the image, by a cap of 1.
 fn middle(camera: &Camera, all: &[Splatted], colors: &[DVec3]) -> ([f64; 4], f64, u32) {
     let picture = render(camera, SIZE, &scene(all), colors, &discs(1.0));
     (picture.rgba[MIDDLE], picture.depth[MIDDLE], picture.counts[MIDDLE])
@@ -88,7 +88,7 @@ fn the_cap_is_one_of_density() {
 }
 
 #[test]
-fn near_cuts_and_far_does_not() {
+fn only_the_near_plane_cuts_ellipsoids() {
     let camera = perspective();
     let across = ball(DVec3::new(0.0, 0.0, -camera.near), 1.0, 0.75);
     let ([.., a], depth, _) = middle(&camera, &[across], &[DVec3::ONE]);
@@ -170,7 +170,8 @@ fn median_and_mean_depth_by_hand() {
         let list = bodies(&orthographic(), SIZE, &scene(splats), &discs(1.0)).swap_remove(MIDDLE);
         (median(&list, stretch, 0.5), mean_depth(&list, stretch))
     };
-    // From z = 4 to 6 of optical depth ln 4: a half is left in the middle. The mean is 4 + 2 (1 / x - 1 / (exp(x) - 1)).
+    // From z = 4 to 6 of optical depth ln 4: a half is left in the middle. The mean is 4 + 2 (1 / x - 1 / (exp(x) -
+    // 1)).
     let (half, mean) = of(&all(0.75), 1.0);
     assert_close(half, 5.0, 1e-9);
     assert_close(mean, 4.0 + 2.0 * (1.0 / 4f64.ln() - 1.0 / 3.0), 1e-9);
@@ -211,7 +212,7 @@ fn opacity_is_that_of_all_optical_depths_and_colors_are_means() {
 }
 
 #[test]
-fn what_float32_may_make_of_a_chord_holds_the_chord() {
+fn float32_bounds_of_a_chord_contain_the_chord() {
     let settings = discs(0.99).gaussians;
     for camera in [perspective(), orthographic()] {
         for splat in large(100, 1e-3) {

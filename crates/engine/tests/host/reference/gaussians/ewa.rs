@@ -157,7 +157,7 @@ fn needles_keep_their_digits() {
 }
 
 #[test]
-fn what_has_no_inverse_has_no_fragment() {
+fn projections_without_an_inverse_have_no_fragments() {
     let edge_on = pancake(-5.0 * DVec3::Z, 1.0, 90.0, 1.0);
     let flat = Splatted(edge_on.0, edge_on.1, Quat::from_xyzw(0.0, 0.5f32.sqrt(), 0.0, 0.5f32.sqrt()), 1.0);
     let needle = Splatted(-5.0 * DVec3::Z, Vec3::Z, Quat::IDENTITY, 1.0);

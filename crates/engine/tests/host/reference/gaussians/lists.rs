@@ -143,7 +143,7 @@ fn discs_and_gaussians_share_a_list() {
 }
 
 #[test]
-fn lists_with_gaussians_end_early_and_others_do_not() {
+fn only_lists_with_gaussians_end_early() {
     let points = mixed();
     let colors = [DVec3::X, DVec3::Y, DVec3::ONE, DVec3::Z];
     let ending = |stop: f32| {

@@ -60,7 +60,8 @@ fn orthographic_it_is_the_projection() {
 
 #[test]
 fn without_thickness_it_is_where_the_ray_meets_the_plane() {
-    // The plane z = 9 + x tan 60° meets the ray of column offset dx at z = 9 / (1 − tan 60°·dx/4.5), 2|x| from the center.
+    // The plane z = 9 + x tan 60° meets the ray of column offset dx at z = 9 / (1 − tan 60°·dx/4.5), 2|x| from the
+    // center.
     let splat = pancake(-9.0 * DVec3::Z, 3.0, 60.0, 1.0);
     let hits = footprint(&perspective(), SIZE, &one(splat), &bare(Kernel::Ray), Order::Pixel);
     for dx in [-2.0, -1.0, 0.0, 1.0] {
