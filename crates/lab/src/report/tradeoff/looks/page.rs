@@ -5,7 +5,7 @@ use std::path::Path;
 use maud::{Markup, html};
 use pellucid_engine::output;
 
-use super::super::pictures::{Picture, uri};
+use super::super::pictures::{cropped, read, uri};
 use super::super::{DIFFERENCE_GAIN, Tradeoff};
 use super::text::{name, sentences};
 use super::{Look, Worst, shown};
@@ -24,7 +24,7 @@ impl Crops {
     pub(in super::super) fn read(folder: &Path, report: &Tradeoff) -> Result<Self, output::Error> {
         let crop = |file: &str, Worst { x, y, side, .. }: Worst| {
             let path = folder.join(file);
-            uri(&path, &Picture::read(&path)?.cropped([x, y], side))
+            uri(&path, &cropped(&read(&path)?, [x, y], side))
         };
         let crops = shown(report).into_iter().map(|(_, row, look)| {
             let [truth, own, difference] = [&report.reference.picture, &row.picture, &row.difference];
