@@ -65,7 +65,7 @@ fn decode<T>(path: &Path, decoder: impl FnOnce() -> Result<T, Error>) -> Result<
 }
 
 fn read_png(path: &Path) -> Result<LinearImage, Error> {
-    let failed = |error: ImageError| Error::Decode { path: path.to_owned(), reason: error.to_string() };
+    let failed = |error: ImageError| Error::Decode { path: path.to_owned(), reason: bitmap::reason(&error) };
     let (reader, len) = open(path)?;
     let decoder = PngDecoder::with_limits(reader, bitmap::limits(len)).map_err(failed)?;
     let (width, height) = decoder.dimensions();

@@ -1,15 +1,21 @@
 //! PNG, JPEG and TIFF, decoded by the crate `image`.
 
-use image::{DynamicImage, ImageBuffer, Limits, Pixel};
+use std::error::Error;
 
-/// Signatures of the formats.
-const PNG: &[u8] = b"\x89PNG";
-const JPEG: &[u8] = &[0xff, 0xd8, 0xff];
-const TIFF: [&[u8]; 2] = [b"II*\0", b"MM\0*"];
+use image::error::ImageFormatHint;
+use image::{DynamicImage, ImageBuffer, ImageError, ImageFormat, Limits, Pixel};
 
-/// Returns `true` if a file that starts with these bytes claims to be in one of the formats.
-pub(crate) fn is_bitmap(start: &[u8]) -> bool {
-    [PNG, JPEG].iter().chain(&TIFF).any(|signature| start.starts_with(signature))
+/// The first bytes of files.
+const SIGNATURES: [(&[u8], ImageFormat); 4] = [
+    (b"\x89PNG", ImageFormat::Png),
+    (&[0xff, 0xd8, 0xff], ImageFormat::Jpeg),
+    (b"II*\0", ImageFormat::Tiff),
+    (b"MM\0*", ImageFormat::Tiff),
+];
+
+/// Returns the format that a file claims with its first bytes.
+pub(crate) fn format(start: &[u8]) -> Option<ImageFormat> {
+    SIGNATURES.into_iter().find(|(signature, _)| start.starts_with(signature)).map(|(_, format)| format)
 }
 
 /// Limits under which a header is read: what it says beside the pixels (texts, color profiles) takes little more
@@ -18,6 +24,16 @@ pub(crate) fn limits(len: u64) -> Limits {
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(len.saturating_mul(4).saturating_add(32 << 20));
     limits
+}
+
+/// Cause of a failure, behind the format's name.
+pub(crate) fn reason(error: &ImageError) -> String {
+    if let ImageError::Decoding(failure) = error
+        && let (ImageFormatHint::Exact(format), Some(cause)) = (failure.format_hint(), failure.source())
+    {
+        return format!("{}: {cause}", format!("{format:?}").to_uppercase());
+    }
+    error.to_string()
 }
 
 /// Red, green, blue and alpha of a pixel.

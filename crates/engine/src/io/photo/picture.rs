@@ -1,6 +1,6 @@
 //! PNG, JPEG and TIFF as pixels. A header's claims are compared with the file's length before memory is allocated.
 
-use std::io::ErrorKind;
+use std::io::{BufRead, ErrorKind};
 
 use glam::Vec3;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
@@ -43,7 +43,7 @@ impl Picture {
         })
     }
 
-    fn decode(source: Source) -> Result<Self, Error> {
+    fn decode(mut source: Source) -> Result<Self, Error> {
         let (path, len) = (source.path.clone(), source.len);
         let malformed =
             |place: &str, cause: String| Error::Malformed { path: path.clone(), place: place.into(), cause };
@@ -51,14 +51,13 @@ impl Picture {
             ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => {
                 Error::Truncated { path: path.clone(), what: format!("the pixels continue past the last byte, {len}") }
             }
-            error => malformed("the picture", error.to_string()),
+            error => malformed("the picture", bitmap::reason(&error)),
         };
+        let start = source.reader.fill_buf().map_err(|error| failed(error.into()))?;
         // Files without a known signature, which height maps may be, are the TIFF decoder's to refuse.
-        let mut reader = ImageReader::with_format(source.reader, ImageFormat::Tiff)
-            .with_guessed_format()
-            .map_err(|error| failed(error.into()))?;
+        let format = bitmap::format(start).unwrap_or(ImageFormat::Tiff);
+        let mut reader = ImageReader::with_format(source.reader, format);
         reader.limits(bitmap::limits(len));
-        let is_jpeg = reader.format() == Some(ImageFormat::Jpeg);
         let mut decoder = reader.into_decoder().map_err(failed)?;
         let (width, height) = decoder.dimensions();
         let pixels = u64::from(width) * u64::from(height);
@@ -71,7 +70,7 @@ impl Picture {
             return Err(malformed("the header", cause));
         }
         let bytes = decoder.total_bytes();
-        let allowed = if is_jpeg { ALWAYS_ALLOWED_JPEG } else { ALWAYS_ALLOWED };
+        let allowed = if format == ImageFormat::Jpeg { ALWAYS_ALLOWED_JPEG } else { ALWAYS_ALLOWED };
         if bytes > allowed && bytes / LARGEST_RATIO > len {
             let what = format!("{width} × {height} pixels of {bytes} bytes don't fit in a file of {len} bytes");
             return Err(Error::Truncated { path: path.clone(), what });
