@@ -12,6 +12,8 @@ use std::sync::{Mutex, PoisonError};
 
 use bodies::TARGETS;
 use harness::{Body, MEMORY_LIMIT};
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
 use peak_alloc::PeakAlloc;
 
 /// Counts for the harness.
@@ -19,8 +21,9 @@ use peak_alloc::PeakAlloc;
 static MEMORY: PeakAlloc = PeakAlloc;
 
 /// All allocations in the meantime count, so only one body runs at a time.
+static SERIAL: Mutex<()> = Mutex::new(());
+
 fn run(body: Body, input: &[u8]) -> Result<(), String> {
-    static SERIAL: Mutex<()> = Mutex::new(());
     let _guard = SERIAL.lock().unwrap_or_else(PoisonError::into_inner);
     harness::run(&MEMORY, body, input)
 }
@@ -81,4 +84,20 @@ fn panics_and_too_much_memory_are_noticed() {
     assert_eq!(run(panics, b"abc"), Err("a panic: 3 bytes".to_owned()));
     assert_eq!(run(takes_too_much, b"a"), Ok(()));
     assert_eq!(run(takes_too_much, b"abc"), Err("200 MiB of memory for 3 bytes".to_owned()));
+}
+
+/// A color profile is not used, but the decoder unpacks it, to a thousand times its bytes.
+#[test]
+fn a_color_profile_of_many_zeros_takes_little_memory() {
+    let mut bomb = Vec::new();
+    {
+        let _guard = SERIAL.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut encoder = PngEncoder::new(&mut bomb);
+        encoder.set_icc_profile(vec![0; MEMORY_LIMIT + 1]).unwrap();
+        encoder.write_image(&[7; 3], 1, 1, ExtendedColorType::Rgb8).unwrap();
+    }
+    assert!(bomb.len() < 1 << 20, "{} bytes", bomb.len());
+    for (name, body) in TARGETS.into_iter().filter(|(name, _)| ["photo", "compare"].contains(name)) {
+        assert_eq!(run(body, &bomb), Ok(()), "{name}");
+    }
 }

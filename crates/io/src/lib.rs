@@ -332,7 +332,7 @@ impl Format {
             return Ok(Self::Splats(kind));
         }
         let expected = match extension.as_str() {
-            _ if bitmap::is_bitmap(start) => return Ok(Self::Picture),
+            _ if bitmap::format(start).is_some() => return Ok(Self::Picture),
             _ if start.starts_with(b"LASF") => return Ok(Self::Las),
             _ if start.starts_with(b"ply") => return Ok(Self::Ply),
             _ if start.starts_with(e57::MAGIC) => return Ok(Self::E57),

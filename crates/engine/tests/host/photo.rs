@@ -4,45 +4,26 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder, Rgb32FImage, RgbImage, save_buffer};
 use pellucid_engine::cloud::{Cloud, UpAxis};
 use pellucid_engine::color::decode_srgb;
 use pellucid_engine::io::photo::{Heights, Photo};
 use pellucid_engine::io::{Error, Hints, load, load_with};
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{self, Overrides, Scene};
-use png::{BitDepth, ColorType};
 use tempfile::TempDir;
-use tiff::encoder::{TiffEncoder, colortype};
 
-/// Samples of a picture, row by row from the top.
-enum Samples<'a> {
-    U8(&'a [u8]),
-    U16(&'a [u16]),
-}
-
-fn write(folder: &TempDir, name: &str, size: [u32; 2], color: ColorType, samples: Samples<'_>) -> PathBuf {
+/// A PNG or TIFF, by the name; samples row by row from the top.
+fn write(folder: &TempDir, name: &str, size: [u32; 2], color: ExtendedColorType, samples: &[u8]) -> PathBuf {
     let path = folder.path().join(name);
-    let mut encoder = png::Encoder::new(File::create(&path).unwrap(), size[0], size[1]);
-    encoder.set_color(color);
-    let (depth, bytes) = match samples {
-        Samples::U8(bytes) => (BitDepth::Eight, bytes.to_vec()),
-        Samples::U16(words) => (BitDepth::Sixteen, words.iter().flat_map(|word| word.to_be_bytes()).collect()),
-    };
-    encoder.set_depth(depth);
-    encoder.write_header().unwrap().write_image_data(&bytes).unwrap();
-    path
-}
-
-fn write_tiff(folder: &TempDir, name: &str) -> PathBuf {
-    let path = folder.path().join(name);
-    let mut encoder = TiffEncoder::new(File::create(&path).unwrap()).unwrap();
-    encoder.write_image::<colortype::RGBA8>(2, 2, &FOUR).unwrap();
+    save_buffer(&path, samples, size[0], size[1], color).unwrap();
     path
 }
 
 /// A picture of one color.
 fn flat(folder: &TempDir, name: &str, side: u32) -> PathBuf {
-    write(folder, name, [side; 2], ColorType::Rgb, Samples::U8(&vec![9; (side * side * 3) as usize]))
+    write(folder, name, [side; 2], ExtendedColorType::Rgb8, &vec![9; (side * side * 3) as usize])
 }
 
 fn read(path: &Path, photo: Option<&Photo>) -> Result<Cloud, Error> {
@@ -61,7 +42,7 @@ fn assert_refused(path: &Path, photo: Option<&Photo>, says: &[&str]) {
 const FOUR: [u8; 16] = [255, 0, 0, 255, 128, 128, 128, 51, 9, 9, 9, 0, 255, 255, 255, 255];
 
 fn four(folder: &TempDir, name: &str) -> PathBuf {
-    write(folder, name, [2, 2], ColorType::Rgba, Samples::U8(&FOUR))
+    write(folder, name, [2, 2], ExtendedColorType::Rgba8, &FOUR)
 }
 
 /// 24 × 16 pixels of (200, 100, 50), of quality 75 and without subsampling.
@@ -70,7 +51,7 @@ const FLAT_JPEG: &[u8] = include_bytes!("photo/flat.jpg");
 #[test]
 fn pixels_are_points() {
     let folder = tempfile::tempdir().unwrap();
-    for path in [four(&folder, "a.png"), write_tiff(&folder, "a.tiff")] {
+    for path in [four(&folder, "a.png"), four(&folder, "a.tiff")] {
         let cloud = read(&path, None).unwrap();
         let at = |x: f64, y: f64| DVec3::new(x, y, 0.0);
         assert_eq!(cloud.positions, [at(-0.25, 0.25), at(0.25, 0.25), at(0.25, -0.25)]);
@@ -81,15 +62,16 @@ fn pixels_are_points() {
     }
     // No alpha channel, no alphas; 16 bits in full; four by one pixels of width 1/4.
     let wide: Vec<u16> = (0..4).flat_map(|x| [x * 257 + 1, 0, u16::MAX]).collect();
-    let cloud = read(&write(&folder, "wide.png", [4, 1], ColorType::Rgb, Samples::U16(&wide)), None).unwrap();
+    let cloud =
+        read(&write(&folder, "wide.png", [4, 1], ExtendedColorType::Rgb16, bytemuck::cast_slice(&wide)), None).unwrap();
     assert_eq!((cloud.len(), cloud.alphas.clone()), (4, None));
     assert_eq!(cloud.bounds().unwrap().max, DVec3::new(0.375, 0.0, 0.0));
     let red = decode_srgb((2.0 * 257.0 + 1.0) / 65535.0);
     assert_eq!(cloud.colors.unwrap()[2], Vec3::new(red, 0.0, 1.0));
     // Float pictures are linear.
     let linear = folder.path().join("linear.tiff");
-    let mut encoder = TiffEncoder::new(File::create(&linear).unwrap()).unwrap();
-    encoder.write_image::<colortype::RGB32Float>(2, 1, &[0.25, 0.0, 3.0, 0.25, f32::NAN, 3.0]).unwrap();
+    let floats = vec![0.25, 0.0, 3.0, 0.25, f32::NAN, 3.0];
+    Rgb32FImage::from_vec(2, 1, floats).unwrap().save(&linear).unwrap();
     let cloud = read(&linear, None).unwrap();
     assert_eq!(cloud.colors, Some(vec![Vec3::new(0.25, 0.0, 1.0); 2]));
 }
@@ -157,7 +139,7 @@ fn tiffs_of_bits_of_planes_and_of_inks() {
     ];
     let planes = colors("planes.tiff", tiff_by_hand(&[255, 0, 0, 51, 0, 255], entries));
     assert_eq!(planes, [Vec3::X, Vec3::new(0.0, half, 1.0)]);
-    // Cyan alone leaves no red; a fifth of the light goes through black of 204.
+    // Cyan alone leaves no red; a fifth of the light, 51, is left behind black of 204, in the decoder's float32 50.
     let entries: &[(u16, &[u16])] = &[
         (256, &[2]),
         (257, &[1]),
@@ -170,26 +152,43 @@ fn tiffs_of_bits_of_planes_and_of_inks() {
         (279, &[8]),
     ];
     let inks = colors("inks.tiff", tiff_by_hand(&[255, 0, 0, 0, 0, 0, 0, 204], entries));
-    assert_eq!(inks, [Vec3::new(0.0, 1.0, 1.0), Vec3::splat(half)]);
+    assert_eq!(inks, [Vec3::new(0.0, 1.0, 1.0), Vec3::splat(decode_srgb(50.0 / 255.0))]);
+}
+
+/// Exif data that say how the camera was held, 1 to 8.
+fn exif(orientation: u8) -> Vec<u8> {
+    let mut exif = b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0".to_vec();
+    exif[18] = orientation;
+    exif
+}
+
+fn write_turned(path: &Path, picture: &RgbImage, orientation: u8) {
+    let mut encoder = PngEncoder::new(File::create(path).unwrap());
+    encoder.set_exif_metadata(exif(orientation)).unwrap();
+    picture.write_with_encoder(encoder).unwrap();
 }
 
 /// All formats tell how the camera was held; 6: the stored rows are columns, the first at the right.
 #[test]
 fn pictures_are_turned_upright() {
     let folder = tempfile::tempdir().unwrap();
-    let exif = b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0";
     let pixels = [[255, 0, 0], [0, 255, 0], [0, 0, 255]].concat();
     let png = folder.path().join("a.png");
-    let mut info = png::Info::with_size(3, 1);
-    (info.color_type, info.exif_metadata) = (ColorType::Rgb, Some(exif.into()));
-    info.bit_depth = BitDepth::Eight;
-    let encoder = png::Encoder::with_info(File::create(&png).unwrap(), info).unwrap();
-    encoder.write_header().unwrap().write_image_data(&pixels).unwrap();
+    write_turned(&png, &RgbImage::from_vec(3, 1, pixels.clone()).unwrap(), 6);
     let tiff = folder.path().join("a.tiff");
-    let mut encoder = TiffEncoder::new(File::create(&tiff).unwrap()).unwrap();
-    let mut image = encoder.new_image::<colortype::RGB8>(3, 1).unwrap();
-    image.encoder().write_tag(tiff::tags::Tag::Orientation, 6u16).unwrap();
-    image.write_data(&pixels).unwrap();
+    let entries: &[(u16, &[u16])] = &[
+        (256, &[3]),
+        (257, &[1]),
+        (258, &[8; 3]),
+        (259, &[1]),
+        (262, &[2]),
+        (273, &[8]),
+        (274, &[6]),
+        (277, &[3]),
+        (278, &[1]),
+        (279, &[9]),
+    ];
+    std::fs::write(&tiff, tiff_by_hand(&pixels, entries)).unwrap();
     for path in [png, tiff] {
         let cloud = read(&path, None).unwrap();
         assert_eq!(cloud.colors, Some(vec![Vec3::X, Vec3::Y, Vec3::Z]));
@@ -197,12 +196,49 @@ fn pictures_are_turned_upright() {
         assert_eq!((top.x, bottom.x, top.y, bottom.y), (0.0, 0.0, 1.0, -1.0), "{}", path.display());
     }
     // After a JPEG's first marker, the segment of Exif.
-    let segment = [&[0xff, 0xe1, 0, 8 + exif.len() as u8], b"Exif\0\0".as_slice(), exif].concat();
+    let exif = exif(6);
+    let segment = [&[0xff, 0xe1, 0, 8 + exif.len() as u8], b"Exif\0\0".as_slice(), &exif].concat();
     let jpeg = folder.path().join("a.jpg");
     std::fs::write(&jpeg, [&FLAT_JPEG[..2], &segment, &FLAT_JPEG[2..]].concat()).unwrap();
     let bounds = read(&jpeg, None).unwrap().bounds().unwrap();
     // 16 wide, 24 high; the width is 1.
     assert_eq!((bounds.max.x, bounds.max.y), (0.5 - 1.0 / 32.0, 0.75 - 1.0 / 32.0));
+}
+
+/// Exif (CIPA DC-008, tag 274) names the sides of the picture at which the stored row 0 and column 0 are, of 1 to 8.
+const ROW_AND_COLUMN: [(&str, &str); 8] = [
+    ("top", "left"),
+    ("top", "right"),
+    ("bottom", "right"),
+    ("bottom", "left"),
+    ("left", "top"),
+    ("right", "top"),
+    ("right", "bottom"),
+    ("left", "bottom"),
+];
+
+#[test]
+fn the_first_row_and_column_are_where_exif_has_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.png");
+    // Red tells the stored column, green the stored row.
+    let stored = RgbImage::from_fn(3, 2, |x, y| image::Rgb([100 * x as u8, 100 * y as u8, 0]));
+    for (number, (row, column)) in (1..).zip(ROW_AND_COLUMN) {
+        write_turned(&path, &stored, number);
+        let colors = read(&path, None).unwrap().colors.unwrap();
+        let [width, height] = if number < 5 { [3, 2] } else { [2, 3] };
+        let is_at = |side: &str, x: usize, y: usize| match side {
+            "top" => y == 0,
+            "bottom" => y == height - 1,
+            "left" => x == 0,
+            _ => x == width - 1,
+        };
+        assert_eq!(colors.len(), 6);
+        for (at, color) in colors.iter().enumerate() {
+            let (x, y) = (at % width, at / width);
+            assert_eq!((color.y == 0.0, color.x == 0.0), (is_at(row, x, y), is_at(column, x, y)), "{number}: {x} {y}");
+        }
+    }
 }
 
 #[test]
@@ -223,7 +259,7 @@ fn the_photo_stands_where_it_is_put() {
 /// A ramp of 16 bits along x whose slope is exact: 1/64 per pixel, from 0 to 63/64.
 fn ramp(folder: &TempDir) -> PathBuf {
     let ramp: Vec<u16> = (0..64 * 64).map(|pixel| pixel % 64 * 1024).collect();
-    write(folder, "ramp.png", [64; 2], ColorType::Grayscale, Samples::U16(&ramp))
+    write(folder, "ramp.png", [64; 2], ExtendedColorType::L16, bytemuck::cast_slice(&ramp))
 }
 
 #[test]
@@ -272,7 +308,7 @@ fn a_bump_is_differentiated_by_central_differences() {
     let folder = tempfile::tempdir().unwrap();
     let photo = flat(&folder, "photo.png", 3);
     let bump = [0, 0, 0, 0, 255, 0, 0, 0, 0];
-    let path = write(&folder, "bump.png", [3, 3], ColorType::Grayscale, Samples::U8(&bump));
+    let path = write(&folder, "bump.png", [3, 3], ExtendedColorType::L8, &bump);
     let heights = Some(Heights { path, scale: 0.1 });
     let edges = Some([DVec3::X * 3.0, DVec3::Y * 3.0]);
     let cloud = read(&photo, Some(&Photo { origin: None, edges, heights })).unwrap();
@@ -306,7 +342,7 @@ fn damaged_pictures_and_bombs() {
     for cut in 0..good.len() {
         assert!(read(&named("cut.png", &good[..cut]), None).is_err() || cut > good.len() - 13, "{cut}");
     }
-    let tiff = std::fs::read(write_tiff(&folder, "good.tiff")).unwrap();
+    let tiff = std::fs::read(four(&folder, "good.tiff")).unwrap();
     for at in 0..tiff.len().min(400) {
         let mut bytes = tiff.clone();
         bytes[at] ^= 0xff;
@@ -323,7 +359,7 @@ fn damaged_pictures_and_bombs() {
         bomb.extend([0, 0, 0, 0, b'I', b'D', b'A', b'T', 0x35, 0xaf, 0x06, 0x1e]);
         assert_refused(&named("bomb.png", &bomb), None, &["bomb.png", &side.to_string(), says]);
     }
-    let empty = write(&folder, "empty.png", [3, 3], ColorType::Rgba, Samples::U8(&[7, 7, 7, 0].repeat(9)));
+    let empty = write(&folder, "empty.png", [3, 3], ExtendedColorType::Rgba8, &[7, 7, 7, 0].repeat(9));
     assert_refused(&empty, None, &["the cloud has no points"]);
 }
 

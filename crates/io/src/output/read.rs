@@ -4,14 +4,17 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
+use image::codecs::png::PngDecoder;
+use image::{DynamicImage, ImageDecoder, ImageError};
+
 use super::{Error, Format};
-use crate::bitmap::{self, Bitmap, PngDecoder, Samples};
+use crate::bitmap::{self, Sample};
 use crate::decoder::guard;
 use pellucid_core::color::decode_srgb;
 use pellucid_core::image::{LinearImage, MAX_SIDE};
 
-/// Bytes that one byte of a file may become: Deflate, the strongest of the codings in use, makes at most 1032. A pixel
-/// has at least a byte, but in a PNG it may have a bit.
+/// Bytes that one byte of a file may become: Deflate, the strongest of the codings in use, makes at most 1032. A pixel has at
+/// least a byte, but in a PNG it may have a bit.
 const DEFLATE: u64 = 1100;
 
 /// Pixels that any file may claim.
@@ -20,8 +23,8 @@ const ALWAYS_ALLOWED: u64 = 1 << 20;
 /// Reads a PNG (sRGB-decoded; an alpha channel is composed over black, in linear light) or the R, G, B of an EXR.
 ///
 /// # Errors
-/// An extension other than `.png` and `.exr`, a missing or damaged file, more than 2²⁸ pixels, or more than the file
-/// can hold.
+/// An extension other than `.png` and `.exr`, a missing or damaged file, more than 2²⁸ pixels, or more than the file can
+/// hold.
 pub fn read_image(path: &Path) -> Result<LinearImage, Error> {
     match Format::from_extension(path)? {
         Format::Png => decode(path, || read_png(path)),
@@ -62,22 +65,20 @@ fn decode<T>(path: &Path, decoder: impl FnOnce() -> Result<T, Error>) -> Result<
 }
 
 fn read_png(path: &Path) -> Result<LinearImage, Error> {
-    let failed = |error: bitmap::Error| Error::Decode { path: path.to_owned(), reason: error.to_string() };
+    let failed = |error: ImageError| Error::Decode { path: path.to_owned(), reason: bitmap::reason(&error) };
     let (reader, len) = open(path)?;
-    let decoder = PngDecoder::new(reader).map_err(failed)?;
-    let (width, height) = decoder.size();
+    let decoder = PngDecoder::with_limits(reader, bitmap::limits(len)).map_err(failed)?;
+    let (width, height) = decoder.dimensions();
     check_size(path, width.into(), height.into(), len, 8 * DEFLATE)?;
-    let Bitmap { channels, samples, .. } = decoder.read().map_err(failed)?;
-    let encoded = |pixel: usize| match &samples {
-        Samples::U8(bytes) => bitmap::rgba(bytes, channels, pixel, u8::MAX).map(|v| f32::from(v) / f32::from(u8::MAX)),
-        Samples::U16(words) => {
-            bitmap::rgba(words, channels, pixel, u16::MAX).map(|v| f32::from(v) / f32::from(u16::MAX))
-        }
-        Samples::F32(floats) => bitmap::rgba(floats, channels, pixel, 1.0),
+    let picture = DynamicImage::from_decoder(decoder).map_err(failed)?;
+    let linear = |(x, y): (u32, u32)| {
+        let [r, g, b, a] = match Sample::of(&picture, x, y) {
+            Sample::Encoded(sample) => sample.map(|value| f32::from(value) / f32::from(u16::MAX)),
+            Sample::Linear(sample) => sample,
+        };
+        [r, g, b].map(|value| decode_srgb(value) * a)
     };
-    let linear = |[r, g, b, a]: [f32; 4]| [r, g, b].map(|value| decode_srgb(value) * a);
-    // Both fit: check_size allowed at most MAX_SIDE.
-    let pixels = (0..width as usize * height as usize).map(|pixel| linear(encoded(pixel))).collect();
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(linear).collect();
     Ok(LinearImage { width, height, pixels })
 }
 

@@ -1,9 +1,12 @@
 //! PNG, JPEG and TIFF as pixels. A header's claims are compared with the file's length before memory is allocated.
 
+use std::io::{BufRead, ErrorKind};
+
 use glam::Vec3;
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
 
 use super::{MAX_PIXELS, Source, directory};
-use crate::bitmap::{self, Bitmap, Decoder, Orientation, Samples};
+use crate::bitmap::{self, Sample};
 use crate::{Error, decoder};
 use pellucid_core::color::decode_srgb;
 
@@ -13,8 +16,8 @@ const LARGEST_RATIO: u64 = 1100;
 /// Bytes of pixels that any file may hold, so that the rule above does not meet tiny flat pictures.
 const ALWAYS_ALLOWED: u64 = 16 << 20;
 
-/// Bytes of pixels that any JPEG may hold, whose decoder makes up what is missing: a header alone would become a
-/// picture. Two bits for a block of 64 samples, or one in a progressive file, are a ratio of at most 1024.
+/// The same of a JPEG, whose decoder makes up what is missing: a header alone would become a picture. Two bits for a block
+/// of 64 samples, or one in a progressive file, are a ratio of at most 1024.
 const ALWAYS_ALLOWED_JPEG: u64 = 1 << 20;
 
 /// A decoded picture, rotated upright (EXIF).
@@ -25,8 +28,7 @@ pub struct Picture {
     pub height: u32,
     /// `true` if it has an alpha channel.
     pub has_alpha: bool,
-    stored: Bitmap,
-    orientation: Orientation,
+    upright: DynamicImage,
     /// The linear values of all 2¹⁶ encoded ones.
     linear: Vec<f32>,
 }
@@ -41,18 +43,23 @@ impl Picture {
         })
     }
 
-    fn decode(source: Source) -> Result<Self, Error> {
+    fn decode(mut source: Source) -> Result<Self, Error> {
         let (path, len) = (source.path.clone(), source.len);
         let malformed =
             |place: &str, cause: String| Error::Malformed { path: path.clone(), place: place.into(), cause };
-        let failed = |error: bitmap::Error| match error {
-            bitmap::Error::Read(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
+        let failed = |error: ImageError| match error {
+            ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => {
                 Error::Truncated { path: path.clone(), what: format!("the pixels continue past the last byte, {len}") }
             }
-            error => malformed("the picture", error.to_string()),
+            error => malformed("the picture", bitmap::reason(&error)),
         };
-        let mut decoder = Decoder::new(source.reader).map_err(failed)?;
-        let (width, height) = decoder.size();
+        let start = source.reader.fill_buf().map_err(|error| failed(error.into()))?;
+        // Files without a known signature, which height maps may be, are the TIFF decoder's to refuse.
+        let format = bitmap::format(start).unwrap_or(ImageFormat::Tiff);
+        let mut reader = ImageReader::with_format(source.reader, format);
+        reader.limits(bitmap::limits(len));
+        let mut decoder = reader.into_decoder().map_err(failed)?;
+        let (width, height) = decoder.dimensions();
         let pixels = u64::from(width) * u64::from(height);
         if pixels == 0 {
             return Err(malformed("the header", format!("{width} × {height} pixels, so the picture is empty")));
@@ -62,29 +69,36 @@ impl Picture {
                 format!("{width} × {height} pixels, but at most {MAX_PIXELS} are supported; scale the picture down");
             return Err(malformed("the header", cause));
         }
-        let bytes = decoder.bytes();
-        let allowed = if matches!(decoder, Decoder::Jpeg(_)) { ALWAYS_ALLOWED_JPEG } else { ALWAYS_ALLOWED };
+        let bytes = decoder.total_bytes();
+        let allowed = if format == ImageFormat::Jpeg { ALWAYS_ALLOWED_JPEG } else { ALWAYS_ALLOWED };
         if bytes > allowed && bytes / LARGEST_RATIO > len {
             let what = format!("{width} × {height} pixels of {bytes} bytes don't fit in a file of {len} bytes");
             return Err(Error::Truncated { path: path.clone(), what });
         }
         let orientation = decoder.orientation().map_err(failed)?;
-        // The picture, and what its decoder retains in addition.
-        let stored = decoder.read(2 * bytes + (64 << 20)).map_err(failed)?;
-        let [width, height] = orientation.size([width, height]);
+        // The picture, and what its decoder keeps beside it.
+        let mut limits = bitmap::limits(len);
+        limits.max_alloc = Some(2 * bytes + (64 << 20));
+        decoder.set_limits(limits).map_err(failed)?;
+        let mut upright = DynamicImage::from_decoder(decoder).map_err(failed)?;
+        upright.apply_orientation(orientation);
         let linear = |value: u16| decode_srgb(f32::from(value) / f32::from(u16::MAX));
         let linear = (0..=u16::MAX).map(linear).collect();
-        Ok(Self { width, height, has_alpha: stored.has_alpha(), stored, orientation, linear })
+        let (width, height) = (upright.width(), upright.height());
+        Ok(Self { width, height, has_alpha: upright.color().has_alpha(), upright, linear })
     }
 
     /// Returns the linear color and alpha of a pixel; column from the left, row from the top.
     pub fn pixel(&self, x: u32, y: u32) -> (Vec3, f32) {
-        match self.sample(x, y) {
+        match Sample::of(&self.upright, x, y) {
             Sample::Encoded([r, g, b, a]) => {
                 let decode = |value: u16| self.linear.get(usize::from(value)).copied().unwrap_or_default();
                 (Vec3::new(decode(r), decode(g), decode(b)), f32::from(a) / f32::from(u16::MAX))
             }
-            Sample::Linear([r, g, b, a]) => (Vec3::new(r, g, b), a),
+            Sample::Linear(sample) => {
+                let [r, g, b, a] = sample.map(unit);
+                (Vec3::new(r, g, b), a)
+            }
         }
     }
 
@@ -94,33 +108,12 @@ impl Picture {
         fn mean(r: f64, g: f64, b: f64) -> f32 {
             ((r + g + b) / 3.0) as f32
         }
-        let gray = |x: u32, y: u32| match self.sample(x, y) {
+        let gray = |x: u32, y: u32| match Sample::of(&self.upright, x, y) {
             Sample::Encoded([r, g, b, _]) => mean(r.into(), g.into(), b.into()) / f32::from(u16::MAX),
-            Sample::Linear([r, g, b, _]) => mean(r.into(), g.into(), b.into()),
+            Sample::Linear([r, g, b, _]) => mean(unit(r).into(), unit(g).into(), unit(b).into()),
         };
         (0..self.height).flat_map(|y| (0..self.width).map(move |x| (x, y))).map(|(x, y)| gray(x, y)).collect()
     }
-
-    fn sample(&self, x: u32, y: u32) -> Sample {
-        let Bitmap { width, height, channels, ref samples } = self.stored;
-        let [x, y] = self.orientation.source(x, y, [width, height]);
-        let pixel = y as usize * width as usize + x as usize;
-        match samples {
-            // 255 becomes 65535.
-            Samples::U8(bytes) => {
-                Sample::Encoded(bitmap::rgba(bytes, channels, pixel, u8::MAX).map(|byte| u16::from(byte) * 257))
-            }
-            Samples::U16(words) => Sample::Encoded(bitmap::rgba(words, channels, pixel, u16::MAX)),
-            Samples::F32(floats) => Sample::Linear(bitmap::rgba(floats, channels, pixel, 1.0).map(unit)),
-        }
-    }
-}
-
-/// Red, green, blue and alpha of a pixel.
-enum Sample {
-    /// 8 and 16 bits alike.
-    Encoded([u16; 4]),
-    Linear([f32; 4]),
 }
 
 /// Cut to [0, 1]; 0 for what is no number.

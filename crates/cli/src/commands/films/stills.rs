@@ -4,8 +4,9 @@ use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::PathBuf;
 
+use image::DynamicImage;
+use image::codecs::png::PngDecoder;
 use pellucid_engine::output::{self, Raster};
-use png::{BitDepth, ColorType, Decoder};
 
 /// Frames as PNG files of one size, with or without alpha.
 pub struct Stills<'a> {
@@ -56,18 +57,15 @@ impl<'a> Stills<'a> {
 }
 
 fn read(path: &PathBuf) -> io::Result<Raster> {
-    let mut reader = Decoder::new(BufReader::new(File::open(path)?)).read_info().map_err(io::Error::other)?;
-    let (color, depth) = reader.output_color_type();
-    let alpha = match (color, depth) {
-        (ColorType::Rgb, BitDepth::Eight) => false,
-        (ColorType::Rgba, BitDepth::Eight) => true,
-        _ => return Err(io::Error::other("not a PNG of 8-bit RGB or RGBA, as frames are")),
-    };
-    let length = reader.output_buffer_size().ok_or_else(|| io::Error::other("too large"))?;
-    let mut bytes = vec![0; length];
-    let info = reader.next_frame(&mut bytes).map_err(io::Error::other)?;
-    bytes.truncate(info.buffer_size());
-    Ok(Raster { size: [info.width, info.height], alpha, bytes })
+    let decoder = PngDecoder::new(BufReader::new(File::open(path)?));
+    let picture = decoder.and_then(DynamicImage::from_decoder).map_err(io::Error::other)?;
+    let (size, alpha) = ([picture.width(), picture.height()], picture.color().has_alpha());
+    match picture {
+        DynamicImage::ImageRgb8(_) | DynamicImage::ImageRgba8(_) => {
+            Ok(Raster { size, alpha, bytes: picture.into_bytes() })
+        }
+        _ => Err(io::Error::other("not a PNG of 8-bit RGB or RGBA, as frames are")),
+    }
 }
 
 /// A picture whose sides are even: the last column and the last row are repeated where they have to be.

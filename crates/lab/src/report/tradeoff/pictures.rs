@@ -7,7 +7,8 @@ use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use png::{BitDepth, ColorType, Compression, DecodingError, Filter};
+use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
+use image::{DynamicImage, ImageError, Rgb, RgbImage, imageops};
 use rayon::prelude::*;
 
 use super::Tradeoff;
@@ -22,11 +23,11 @@ const MAX_PIXELS: u64 = 24 << 20;
 /// The pictures of all rows, as data URIs.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Pictures {
-    /// Data URIs of the pictures, every different one once.
+    /// Every different one once.
     pub uris: Vec<String>,
     /// The reference's index in `uris`.
     pub reference: usize,
-    /// Indices of the picture and of the difference picture of each row.
+    /// For each row, the indices of its picture and of its difference picture.
     pub rows: Vec<[usize; 2]>,
     /// Width and height of the pictures as they are embedded.
     pub size: [u32; 2],
@@ -34,7 +35,7 @@ pub(super) struct Pictures {
     pub factor: u32,
 }
 
-/// Rule that reduces a block of pixels to one.
+/// How to reduce a block of pixels to one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Reduce {
     /// The mean of linear light, which looks like the picture seen from farther away.
@@ -80,90 +81,63 @@ fn factor(size: [u32; 2], rows: usize) -> u32 {
 }
 
 fn embedded(path: &Path, factor: u32, how: Reduce) -> Result<String, output::Error> {
-    uri(path, &Picture::read(path)?.reduced(factor, how))
+    uri(path, &reduced(&read(path)?, factor, how))
 }
 
 /// A picture of a file as a data URI.
-pub(super) fn uri(path: &Path, picture: &Picture) -> Result<String, output::Error> {
-    let encoded = picture.encoded().map_err(|source| output::Error::Write { path: path.to_owned(), source })?;
+pub(super) fn uri(path: &Path, picture: &RgbImage) -> Result<String, output::Error> {
+    let encoded = encoded(picture)
+        .map_err(|error| output::Error::Write { path: path.to_owned(), source: std::io::Error::other(error) })?;
     Ok(format!("data:image/png;base64,{}", STANDARD.encode(encoded)))
 }
 
-/// 8 bits of red, green and blue, sRGB-encoded.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Picture {
-    width: u32,
-    height: u32,
-    /// Row by row from the top.
-    pixels: Vec<[u8; 3]>,
+/// Reads a PNG of 8 bits, red, green and blue, sRGB-encoded, as the report writes them.
+pub(super) fn read(path: &Path) -> Result<RgbImage, output::Error> {
+    let unreadable = |source| output::Error::Read { path: path.to_owned(), source };
+    let failed = |error| match error {
+        ImageError::IoError(source) => unreadable(source),
+        other => output::Error::Decode { path: path.to_owned(), reason: other.to_string() },
+    };
+    let file = File::open(path).map_err(unreadable)?;
+    match PngDecoder::new(BufReader::new(file)).and_then(DynamicImage::from_decoder).map_err(failed)? {
+        DynamicImage::ImageRgb8(picture) => Ok(picture),
+        _ => {
+            let reason = "no PNG of 8 bits in red, green and blue, as the report writes them".to_owned();
+            Err(output::Error::Decode { path: path.to_owned(), reason })
+        }
+    }
 }
 
-impl Picture {
-    /// Reads a PNG of 8 bits, red, green and blue, as the report writes them.
-    pub(super) fn read(path: &Path) -> Result<Self, output::Error> {
-        let unreadable = |source| output::Error::Read { path: path.to_owned(), source };
-        let failed = |error: DecodingError| match error {
-            DecodingError::IoError(source) => unreadable(source),
-            other => output::Error::Decode { path: path.to_owned(), reason: other.to_string() },
-        };
-        let file = File::open(path).map_err(unreadable)?;
-        let mut reader = png::Decoder::new(BufReader::new(file)).read_info().map_err(failed)?;
-        let (width, height) = reader.info().size();
-        let bytes = reader.output_buffer_size().unwrap_or(0);
-        if reader.output_color_type() != (ColorType::Rgb, BitDepth::Eight) || bytes == 0 {
-            let reason = "no PNG of 8 bits in red, green and blue, as the report writes them".to_owned();
-            return Err(output::Error::Decode { path: path.to_owned(), reason });
-        }
-        let mut pixels = vec![[0; 3]; bytes / 3];
-        reader.next_frame(pixels.as_flattened_mut()).map_err(failed)?;
-        Ok(Self { width, height, pixels })
-    }
+/// As a PNG.
+fn encoded(picture: &RgbImage) -> Result<Vec<u8>, ImageError> {
+    let mut bytes = Vec::new();
+    let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive);
+    picture.write_with_encoder(encoder)?;
+    Ok(bytes)
+}
 
-    /// Encodes the picture as a PNG.
-    fn encoded(&self) -> std::io::Result<Vec<u8>> {
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
-        encoder.set_color(ColorType::Rgb);
-        encoder.set_depth(BitDepth::Eight);
-        encoder.set_compression(Compression::Balanced);
-        encoder.set_filter(Filter::Adaptive);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(self.pixels.as_flattened())?;
-        writer.finish()?;
-        Ok(bytes)
-    }
+/// A square of a picture, cut off where the picture ends.
+pub(super) fn cropped(picture: &RgbImage, [x, y]: [u32; 2], side: u32) -> RgbImage {
+    imageops::crop_imm(picture, x, y, side, side).to_image()
+}
 
-    /// A square of it, cut off where the picture ends.
-    pub(super) fn cropped(&self, [x, y]: [u32; 2], side: u32) -> Self {
-        let columns = x.min(self.width)..x.saturating_add(side).min(self.width);
-        let rows = y.min(self.height)..y.saturating_add(side).min(self.height);
-        let at = |x: u32, y: u32| self.pixels[y as usize * self.width as usize + x as usize];
-        let pixels = rows.clone().flat_map(|y| columns.clone().map(move |x| at(x, y))).collect();
-        Self { width: columns.len() as u32, height: rows.len() as u32, pixels }
-    }
-
-    /// Returns a pixel for each block of `factor` × `factor`; blocks at the right and lower end are cut off with the
-    /// picture.
-    fn reduced(&self, factor: u32, how: Reduce) -> Self {
-        let linear: Vec<f32> = (0..=255u8).map(|byte| decode_srgb(f32::from(byte) / 255.0)).collect();
-        let block = |x: u32, y: u32| -> [u8; 3] {
-            let columns = x * factor..self.width.min((x + 1) * factor);
-            let rows = y * factor..self.height.min((y + 1) * factor);
-            let at = |x: u32, y: u32| self.pixels[y as usize * self.width as usize + x as usize];
-            let block = || rows.clone().flat_map(|y| columns.clone().map(move |x| at(x, y)));
-            std::array::from_fn(|channel| match how {
-                Reduce::Max => block().map(|pixel| pixel[channel]).max().unwrap_or(0),
-                Reduce::Mean => {
-                    let sum: f32 = block().map(|pixel| linear[usize::from(pixel[channel])]).sum();
-                    // Within [0, 255] by construction.
-                    (255.0 * encode_srgb(sum / (columns.len() * rows.len()) as f32)).round() as u8
-                }
-            })
-        };
-        let (width, height) = (self.width.div_ceil(factor), self.height.div_ceil(factor));
-        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| block(x, y)).collect();
-        Self { width, height, pixels }
-    }
+/// One pixel for each block of `factor` × `factor`; blocks at the right and lower end are cut off with the picture.
+fn reduced(picture: &RgbImage, factor: u32, how: Reduce) -> RgbImage {
+    let linear: Vec<f32> = (0..=255u8).map(|byte| decode_srgb(f32::from(byte) / 255.0)).collect();
+    let (width, height) = picture.dimensions();
+    RgbImage::from_fn(width.div_ceil(factor), height.div_ceil(factor), |x, y| {
+        let columns = x * factor..width.min((x + 1) * factor);
+        let rows = y * factor..height.min((y + 1) * factor);
+        let block = || rows.clone().flat_map(|y| columns.clone().map(move |x| picture.get_pixel(x, y).0));
+        Rgb(std::array::from_fn(|channel| match how {
+            Reduce::Max => block().map(|pixel| pixel[channel]).max().unwrap_or(0),
+            Reduce::Mean => {
+                let sum: f32 = block().map(|pixel| linear[usize::from(pixel[channel])]).sum();
+                // Within [0, 255] by construction.
+                (255.0 * encode_srgb(sum / (columns.len() * rows.len()) as f32)).round() as u8
+            }
+        }))
+    })
 }
 
 #[cfg(test)]
@@ -181,32 +155,32 @@ mod tests {
     #[test]
     fn blocks_become_their_mean_or_their_greatest() {
         // 3 × 2, by 2: a whole block and one of a single column.
-        let pixels = vec![[0, 0, 7], [255, 0, 7], [9, 1, 7], [0, 0, 7], [255, 80, 7], [9, 2, 7]];
-        let picture = Picture { width: 3, height: 2, pixels };
-        let greatest = picture.reduced(2, Reduce::Max);
-        assert_eq!(greatest, Picture { width: 2, height: 1, pixels: vec![[255, 80, 7], [9, 2, 7]] });
+        let pixels = [[0, 0, 7], [255, 0, 7], [9, 1, 7], [0, 0, 7], [255, 80, 7], [9, 2, 7]].concat();
+        let picture = RgbImage::from_vec(3, 2, pixels).unwrap();
+        let greatest = reduced(&picture, 2, Reduce::Max);
+        assert_eq!(greatest, RgbImage::from_vec(2, 1, vec![255, 80, 7, 9, 2, 7]).unwrap());
         // Half of the light is 188 in sRGB, not 128.
-        let mean = picture.reduced(2, Reduce::Mean).pixels;
-        assert_eq!((mean[0][0], mean[0][2], mean[1][0]), (188, 7, 9));
-        assert_eq!(picture.reduced(1, Reduce::Mean), picture);
-        assert_eq!(picture.reduced(1, Reduce::Max), picture);
+        let mean = reduced(&picture, 2, Reduce::Mean);
+        assert_eq!((mean[(0, 0)][0], mean[(0, 0)][2], mean[(1, 0)][0]), (188, 7, 9));
+        assert_eq!(reduced(&picture, 1, Reduce::Mean), picture);
+        assert_eq!(reduced(&picture, 1, Reduce::Max), picture);
     }
 
     #[test]
     fn a_square_is_cut_out() {
-        let picture = Picture { width: 3, height: 2, pixels: (0..6).map(|i| [i, 0, 0]).collect() };
-        let red = |x, y, side| picture.cropped([x, y], side).pixels.iter().map(|pixel| pixel[0]).collect::<Vec<_>>();
+        let picture = RgbImage::from_fn(3, 2, |x, y| Rgb([(3 * y + x) as u8, 0, 0]));
+        let red = |x, y, side| cropped(&picture, [x, y], side).pixels().map(|pixel| pixel[0]).collect::<Vec<_>>();
         assert_eq!((red(1, 0, 2), red(2, 1, 9), red(0, 0, 1)), (vec![1, 2, 4, 5], vec![5], vec![0]));
     }
 
     #[test]
     fn embedded_pictures_keep_their_pixels() {
         let folder = tempfile::tempdir().unwrap();
-        let picture = Picture { width: 2, height: 2, pixels: vec![[1, 2, 3], [4, 5, 6], [7, 8, 9], [255, 0, 128]] };
+        let picture = RgbImage::from_vec(2, 2, vec![1, 2, 3, 4, 5, 6, 7, 8, 9, 255, 0, 128]).unwrap();
         let path = folder.path().join("a.png");
-        std::fs::write(&path, picture.encoded().unwrap()).unwrap();
-        assert_eq!(Picture::read(&path).unwrap(), picture);
+        std::fs::write(&path, encoded(&picture).unwrap()).unwrap();
+        assert_eq!(read(&path).unwrap(), picture);
         std::fs::write(&path, b"no picture").unwrap();
-        assert!(Picture::read(&path).unwrap_err().to_string().contains("a.png"));
+        assert!(read(&path).unwrap_err().to_string().contains("a.png"));
     }
 }

@@ -1,11 +1,11 @@
-//! Section about the parts of errors, on the page of a comparison.
+//! How errors look, on the page of a comparison.
 
 use std::path::Path;
 
 use maud::{Markup, html};
 use pellucid_engine::output;
 
-use super::super::pictures::{Picture, uri};
+use super::super::pictures::{cropped, read, uri};
 use super::super::{DIFFERENCE_GAIN, Tradeoff};
 use super::text::{name, sentences};
 use super::{Look, Worst, shown};
@@ -15,7 +15,7 @@ use crate::report::tradeoff::page::{error, percent};
 /// Pixels of the page across one of a crop.
 const SCALE: u32 = 4;
 
-/// Reference, picture and difference around the worst place, for each approximation that is shown, as data URIs.
+/// For each approximation that is shown, the reference, its picture and their difference around the worst place, as data URIs.
 #[derive(Debug, Clone, PartialEq)]
 pub(in super::super) struct Crops(Vec<[String; 3]>);
 
@@ -24,7 +24,7 @@ impl Crops {
     pub(in super::super) fn read(folder: &Path, report: &Tradeoff) -> Result<Self, output::Error> {
         let crop = |file: &str, Worst { x, y, side, .. }: Worst| {
             let path = folder.join(file);
-            uri(&path, &Picture::read(&path)?.cropped([x, y], side))
+            uri(&path, &cropped(&read(&path)?, [x, y], side))
         };
         let crops = shown(report).into_iter().map(|(_, row, look)| {
             let [truth, own, difference] = [&report.reference.picture, &row.picture, &row.difference];
