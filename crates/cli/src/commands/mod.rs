@@ -48,7 +48,7 @@ use bytesize::ByteSize;
 use clap::{Args, Parser, Subcommand};
 use pellucid_engine::Result;
 
-use console::Console;
+use console::{Console, Streams};
 
 /// Render point clouds you can see through, with exact transparency and every GPU pass timed.
 #[derive(Debug, Parser)]
@@ -175,14 +175,22 @@ pub fn arguments(given: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
     arguments
 }
 
-/// Parses the command line and runs its command.
-pub fn run() -> Result<ExitCode, crate::error::Error> {
-    let cli = Cli::parse_from(arguments(std::env::args_os()));
-    let console = Console::new(cli.quiet, cli.verbose);
-    interrupt::watch();
-    pellucid_engine::io::silence_decoder_panics();
+/// Parses a command line and runs its command.
+pub fn run(given: impl IntoIterator<Item = OsString>, streams: Streams) -> Result<ExitCode, crate::error::Error> {
+    let cli = match Cli::try_parse_from(arguments(given)) {
+        Ok(cli) => cli,
+        Err(stopped) => {
+            streams.print_usage(&stopped);
+            return Ok(ExitCode::from(u8::try_from(stopped.exit_code()).unwrap_or(2)));
+        }
+    };
+    let console = Console::new(cli.quiet, cli.verbose).with_streams(streams);
+    if streams.is_process() {
+        interrupt::watch();
+        pellucid_engine::io::silence_decoder_panics();
+    }
     if cli.command.input().is_some_and(input::InputArgs::lists_presets) {
-        console::print(&presets::list())?;
+        console.print(&presets::list())?;
         return Ok(ExitCode::SUCCESS);
     }
     Ok(match cli.command {
@@ -199,7 +207,7 @@ pub fn run() -> Result<ExitCode, crate::error::Error> {
         Command::View(args) => view::run(args, console)?,
         Command::Devices(args) => devices::run(args, console)?,
         Command::Compare(args) => compare::run(args, console)?,
-        Command::Completions(args) => completions::run(&args)?,
+        Command::Completions(args) => completions::run(&args, console)?,
         Command::Man(args) => man::run(&args, console)?,
     })
 }
