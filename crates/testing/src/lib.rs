@@ -26,7 +26,7 @@ use rand_pcg::Pcg64;
 pub use devices::{
     alone, has_device, with_device, with_device_that_binds, with_device_that_prefers, with_new_device, with_only_device,
 };
-pub use places::{Clouds, clouds, root, whole_clouds};
+pub use places::{Clouds, clouds, root, shader_cache, whole_clouds};
 pub use rendering::{render, rendered, rendered_by_both_atomics};
 
 /// How much a long test does: `short` where `PELLUCID_SHORT_SWEEPS` is 1, as in CI, which runs all of them.

@@ -57,14 +57,13 @@ use pellucid_engine::cloud::Cloud;
 use pellucid_engine::image::Image;
 use pellucid_engine::output::{WriteOptions, write_image};
 use pellucid_engine::scene::{ColorSpace, procedural};
-use pellucid_testing::has_device;
+use pellucid_testing::{has_device, shader_cache};
 use tempfile::TempDir;
 
-/// The binary in `folder`, with validation and a shader cache that only these tests use.
+/// The binary in `folder`, with validation and the tests' own shader cache.
 fn pellucid(folder: &TempDir, args: &[&str]) -> Command {
     let mut command = Command::cargo_bin("pellucid").unwrap();
-    let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli-cache");
-    command.current_dir(folder).env("PELLUCID_VALIDATION", "1").env("PELLUCID_CACHE_DIR", cache).args(args);
+    command.current_dir(folder).env("PELLUCID_VALIDATION", "1").env("PELLUCID_CACHE_DIR", shader_cache()).args(args);
     command
 }
 
