@@ -5,7 +5,11 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-cargo build --locked --release
+# PELLUCID_BINARY names one that is built already.
+if [[ -z ${PELLUCID_BINARY:-} ]]; then
+    cargo build --locked --release
+    PELLUCID_BINARY=${CARGO_TARGET_DIR:-target}/release/pellucid
+fi
 frames=$(mktemp -d)
 trap 'rm -rf "$frames"' EXIT
 export PELLUCID_VALIDATION=1
@@ -13,7 +17,7 @@ export PELLUCID_VALIDATION=1
 methods=$(sed -n '/<!-- methods: generated -->/,/<!-- methods: end -->/s/^| `\([a-z-]*\)`.*/\1/p' docs/methods.md)
 for prefers in cpu gpu; do
     for method in $methods; do
-        PELLUCID_PREFER=$prefers target/release/pellucid -q render --turntable --frames=4 --size 96x64 --method "$method" \
+        PELLUCID_PREFER=$prefers "$PELLUCID_BINARY" -q render --turntable --frames=4 --size 96x64 --method "$method" \
             -o "$frames/$prefers-$method-%03d.png"
     done
 done

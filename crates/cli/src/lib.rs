@@ -6,14 +6,24 @@ mod documents;
 mod error;
 mod legend;
 
-use std::io::Write;
+use std::ffi::OsString;
 use std::process::ExitCode;
+
+#[doc(hidden)]
+pub use commands::console::{Captured, Streams};
 
 /// `pellucid`.
 pub fn main() -> ExitCode {
-    commands::run().unwrap_or_else(|error| {
-        // Without a standard error the message is lost, which is fine.
-        let _ = writeln!(std::io::stderr(), "error: {}", with_causes(&error));
+    run_from(std::env::args_os(), Streams::Process)
+}
+
+/// Runs a command line, whose first argument is the program's name, and returns its exit status.
+///
+/// Tests capture the output and start no process. Then the handlers of signals and panics stay those of the caller.
+#[doc(hidden)]
+pub fn run_from(arguments: impl IntoIterator<Item = OsString>, streams: Streams) -> ExitCode {
+    commands::run(arguments, streams).unwrap_or_else(|error| {
+        streams.print_stderr(format_args!("error: {}", with_causes(&error)));
         ExitCode::from(error.exit_status())
     })
 }

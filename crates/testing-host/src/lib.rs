@@ -16,7 +16,7 @@ use pellucid_scene::{DiscShape, Discs, Falloff, Light, Raster, Shading};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-pub use places::{Clouds, clouds, root, whole_clouds};
+pub use places::{Clouds, clouds, root, shader_cache, whole_clouds};
 
 /// How much a long test does: `short` where `PELLUCID_SHORT_SWEEPS` is 1, as in CI, which runs all of them.
 pub fn long_or<T>(long: T, short: T) -> T {

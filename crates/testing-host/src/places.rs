@@ -9,6 +9,18 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
+/// The folder of compiled shaders that suites share, tests in one process and programs that tests start: `PELLUCID_CACHE_DIR`,
+/// which `tools/test.sh` sets, or else a folder beside the test binaries.
+pub fn shader_cache() -> PathBuf {
+    let named = std::env::var_os("PELLUCID_CACHE_DIR").filter(|folder| !folder.is_empty());
+    let beside = || {
+        let program = std::env::current_exe().expect("this program has a path");
+        // target/debug/deps/cli-…
+        program.ancestors().nth(3).map_or_else(std::env::temp_dir, |target| target.join("shaders"))
+    };
+    named.map_or_else(beside, PathBuf::from)
+}
+
 /// A folder of real clouds.
 pub struct Clouds {
     folder: PathBuf,

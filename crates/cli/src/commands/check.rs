@@ -7,7 +7,7 @@ use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::{Result, scene};
 use pellucid_lab::check::{self, Case, Counts, Finding, Naive, Verdict};
 
-use super::console::{Console, print, print_json};
+use super::console::Console;
 
 #[derive(Debug, Args)]
 pub struct CheckArgs {
@@ -36,7 +36,7 @@ pub fn run(args: CheckArgs, console: Console) -> Result<ExitCode> {
         return Err(scene::Error::Usage(format!("no case matches {names}; `pellucid check --list` lists all")).into());
     }
     if args.list {
-        print(&cases.iter().map(|case| format!("{:<36} {}\n", case.name, case.about)).collect::<String>())?;
+        console.print(&cases.iter().map(|case| format!("{:<36} {}\n", case.name, case.about)).collect::<String>())?;
         return Ok(ExitCode::SUCCESS);
     }
     let device = Device::open(&DeviceOptions { device: args.device, ..DeviceOptions::from_env() })?;
@@ -49,7 +49,7 @@ pub fn run(args: CheckArgs, console: Console) -> Result<ExitCode> {
         let verdict = case.run(&mut stage);
         device.check_validation()?;
         if !args.json && !args.markdown {
-            progress.suspend(|| print(&line(case, &verdict)))?;
+            progress.suspend(|| console.print(&line(case, &verdict)))?;
         }
         results.push((case, verdict));
         progress.inc(1);
@@ -58,11 +58,11 @@ pub fn run(args: CheckArgs, console: Console) -> Result<ExitCode> {
     let info = device.info();
     let counts = Counts::new(results.iter().map(|(_, verdict)| verdict));
     if args.json {
-        print_json(&check::document(&info.name, &info.driver, &counts, &results))?;
+        console.print_json(&check::document(&info.name, &info.driver, &counts, &results))?;
     } else if args.markdown {
-        print(&check::markdown(&results))?;
+        console.print(&check::markdown(&results))?;
     } else {
-        print(&format!("{counts} on {}\n", info.name))?;
+        console.print(&format!("{counts} on {}\n", info.name))?;
     }
     Ok(status(&counts))
 }

@@ -11,7 +11,7 @@ use pellucid_engine::output::{self, read_image};
 use serde_json::json;
 
 use super::compare_profiles;
-use super::console::{Console, print, print_json};
+use super::console::Console;
 use super::limit::{Limit, Slower, usage};
 
 /// Amplification of the difference picture.
@@ -73,7 +73,7 @@ fn value(comparison: &Comparison, metric: &str) -> Option<f64> {
     }
 }
 
-pub fn run(args: CompareArgs, _talk: Console) -> Result<ExitCode> {
+pub fn run(args: CompareArgs, console: Console) -> Result<ExitCode> {
     let limits = Limit::all(&args.fail_above, &args.fail_below)?;
     let slower = args.fail_slower.iter().map(|text| Slower::parse(text)).collect::<Result<Vec<_>, _>>()?;
     let is_profile = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
@@ -81,18 +81,18 @@ pub fn run(args: CompareArgs, _talk: Console) -> Result<ExitCode> {
         (true, true) if args.output.is_some() => {
             return Err(usage("-o: profiles have no difference picture; give two pictures"));
         }
-        (true, true) => compare_profiles::run(&args.a, &args.b, args.json, &limits, &slower)?,
+        (true, true) => compare_profiles::run(&args.a, &args.b, args.json, &limits, &slower, console)?,
         (false, false) if !slower.is_empty() => {
             return Err(usage("--fail-slower: pictures have no passes; give two profiles"));
         }
-        (false, false) => pictures(&args, &limits)?,
+        (false, false) => pictures(&args, &limits, console)?,
         _ => return Err(usage("a picture and a profile can't be compared; give two pictures or two profiles")),
     };
     Ok(if within { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 /// Compares two pictures; false if a limit is broken.
-fn pictures(args: &CompareArgs, limits: &[Limit]) -> Result<bool> {
+fn pictures(args: &CompareArgs, limits: &[Limit], console: Console) -> Result<bool> {
     check_metrics(limits)?;
     if let Some(path) = &args.output {
         check_difference_target(path)?;
@@ -103,11 +103,11 @@ fn pictures(args: &CompareArgs, limits: &[Limit]) -> Result<bool> {
         let picture = metrics::difference_picture(&a.pixels, &b.pixels, AMPLIFY);
         output::write_rgb_png(path, [a.width, a.height], &picture)?;
     }
-    report(&comparison, args.json)?;
+    report(&comparison, args.json, console)?;
     // Every limit is looked at, so that all broken ones are named.
-    let broken = limits
-        .iter()
-        .filter(|limit| value(&comparison, &limit.metric).is_some_and(|measured| limit.is_broken_by(measured)));
+    let broken = limits.iter().filter(|limit| {
+        value(&comparison, &limit.metric).is_some_and(|measured| limit.is_broken_by(measured, console))
+    });
     Ok(broken.count() == 0)
 }
 
@@ -137,11 +137,11 @@ fn sizes_differ(args: &CompareArgs, a: &LinearImage, b: &LinearImage) -> output:
     }
 }
 
-fn report(comparison: &Comparison, json: bool) -> Result<()> {
+fn report(comparison: &Comparison, json: bool, console: Console) -> Result<()> {
     let Comparison { rmse, nmse, psnr, ssim, flip, max, above_1_255 } = comparison;
     if json {
         // JSON has no infinity: serde_json writes null for it.
-        return print_json(&json!({
+        return console.print_json(&json!({
             "rmse": rmse,
             "nmse": nmse,
             "psnr": psnr,
@@ -160,5 +160,5 @@ fn report(comparison: &Comparison, json: bool) -> Result<()> {
         format!("max          {:.9} at ({}, {})", max.value, max.x, max.y),
         format!("above_1_255  {above_1_255:.9}"),
     ];
-    print(&(lines.join("\n") + "\n"))
+    console.print(&(lines.join("\n") + "\n"))
 }

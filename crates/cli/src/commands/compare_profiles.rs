@@ -7,7 +7,7 @@ use pellucid_engine::{Result, output};
 use serde::Deserialize;
 use serde_json::json;
 
-use super::console::{print, print_json};
+use super::console::Console;
 use super::limit::{Limit, Slower};
 use super::noise::{MIN_TIMES, Times, Verdict};
 
@@ -67,7 +67,7 @@ const FRAME: &str = "frame";
 const MIN_SHARE: f64 = 0.01;
 
 /// Compares two profiles; false if a limit is broken.
-pub fn run(a: &Path, b: &Path, json: bool, limits: &[Limit], slower: &[Slower]) -> Result<bool> {
+pub fn run(a: &Path, b: &Path, json: bool, limits: &[Limit], slower: &[Slower], console: Console) -> Result<bool> {
     let rows = rows(&read(a)?, &read(b)?);
     let mut ratios = Vec::new();
     for limit in limits {
@@ -80,13 +80,13 @@ pub fn run(a: &Path, b: &Path, json: bool, limits: &[Limit], slower: &[Slower]) 
         intervals.extend(judged(&rows, limit)?.into_iter().map(|judged| (limit, judged)));
     }
     if json {
-        print_json(&to_json(&rows))?;
+        console.print_json(&to_json(&rows))?;
     } else {
-        print(&to_text(&rows))?;
+        console.print(&to_text(&rows))?;
     }
     // Every limit is looked at, so that all broken ones are named.
-    let broken = ratios.iter().filter(|(limit, ratio)| limit.is_broken_by(*ratio)).count()
-        + intervals.iter().filter(|(limit, (name, interval))| limit.is_broken_by(name, *interval)).count();
+    let broken = ratios.iter().filter(|(limit, ratio)| limit.is_broken_by(*ratio, console)).count()
+        + intervals.iter().filter(|(limit, (name, interval))| limit.is_broken_by(name, *interval, console)).count();
     Ok(broken == 0)
 }
 

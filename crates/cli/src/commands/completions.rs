@@ -7,7 +7,7 @@ use clap_complete::Shell;
 use pellucid_engine::Result;
 
 use super::Cli;
-use super::console::print;
+use super::console::Console;
 
 #[derive(Debug, Args)]
 pub struct CompletionsArgs {
@@ -15,9 +15,9 @@ pub struct CompletionsArgs {
     shell: Shell,
 }
 
-pub fn run(args: &CompletionsArgs) -> Result<ExitCode> {
+pub fn run(args: &CompletionsArgs, console: Console) -> Result<ExitCode> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "pellucid", &mut script);
-    print(&String::from_utf8_lossy(&script))?;
+    console.print(&String::from_utf8_lossy(&script))?;
     Ok(ExitCode::SUCCESS)
 }

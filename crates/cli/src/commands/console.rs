@@ -2,22 +2,95 @@
 
 use std::fmt::Display;
 use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::sync::{Mutex, PoisonError};
 
 use pellucid_engine::{Result, output};
 use pellucid_session::Messages;
 
 use super::bar::Bar;
 
-/// The verbosity of standard error.
+/// The destination of a command's output.
+#[derive(Debug, Clone, Copy)]
+pub enum Streams {
+    /// Standard output and standard error.
+    Process,
+    /// Memory.
+    Captured(&'static Mutex<Captured>),
+}
+
+/// The output of a command that ran inside another program.
+#[derive(Debug, Default)]
+pub struct Captured {
+    /// Results.
+    pub stdout: String,
+    /// Errors, warnings and notes.
+    pub stderr: String,
+}
+
+impl Streams {
+    /// True for the streams of the process.
+    pub fn is_process(self) -> bool {
+        matches!(self, Self::Process)
+    }
+
+    /// Prints a result. A reader that has seen enough (`| head`) is no error.
+    fn print(self, text: &str) -> Result<()> {
+        let mut stdout = match self {
+            Self::Process => io::stdout().lock(),
+            Self::Captured(captured) => {
+                captured.lock().unwrap_or_else(PoisonError::into_inner).stdout.push_str(text);
+                return Ok(());
+            }
+        };
+        match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+            Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(output::Error::Stdout(error).into()),
+            _ => Ok(()),
+        }
+    }
+
+    /// Prints one line on standard error; without a standard error the line is lost.
+    pub fn print_stderr(self, line: impl Display) {
+        match self {
+            Self::Process => {
+                let _ = writeln!(io::stderr(), "{line}");
+            }
+            Self::Captured(captured) => {
+                captured.lock().unwrap_or_else(PoisonError::into_inner).stderr.push_str(&format!("{line}\n"));
+            }
+        }
+    }
+
+    /// Prints a mistake of the command line, or the help or version that it asks for.
+    pub fn print_usage(self, stopped: &clap::Error) {
+        match self {
+            // Without the stream there is nobody to tell.
+            Self::Process => drop(stopped.print()),
+            Self::Captured(captured) => {
+                let mut captured = captured.lock().unwrap_or_else(PoisonError::into_inner);
+                let Captured { stdout, stderr } = &mut *captured;
+                let stream = if stopped.use_stderr() { stderr } else { stdout };
+                stream.push_str(&stopped.render().to_string());
+            }
+        }
+    }
+}
+
+/// The verbosity of standard error, and where it and the results go.
 #[derive(Debug, Clone, Copy)]
 pub struct Console {
     quiet: bool,
     verbose: bool,
+    streams: Streams,
 }
 
 impl Console {
     pub fn new(quiet: bool, verbose: bool) -> Self {
-        Self { quiet, verbose }
+        Self { quiet, verbose, streams: Streams::Process }
+    }
+
+    /// Returns the console with another destination.
+    pub fn with_streams(self, streams: Streams) -> Self {
+        Self { streams, ..self }
     }
 
     /// Returns a console for output that repeats an earlier one: only details.
@@ -28,14 +101,14 @@ impl Console {
     /// Prints a warning unless --quiet is given.
     pub fn warn(self, warning: impl Display) {
         if !self.quiet {
-            print_stderr(format_args!("warning: {warning}"));
+            self.report(format_args!("warning: {warning}"));
         }
     }
 
     /// Prints requested information unless --quiet is given.
     pub fn note(self, note: impl Display) {
         if !self.quiet {
-            print_stderr(note);
+            self.report(note);
         }
     }
 
@@ -47,13 +120,28 @@ impl Console {
     /// A detail for those who asked for more.
     pub fn detail(self, detail: impl Display) {
         if self.verbose {
-            print_stderr(detail);
+            self.report(detail);
         }
+    }
+
+    /// Prints one line on standard error, even with --quiet.
+    pub fn report(self, line: impl Display) {
+        self.streams.print_stderr(line);
+    }
+
+    /// Prints a result on standard output. A reader that has seen enough (`| head`) is no error.
+    pub fn print(self, text: &str) -> Result<()> {
+        self.streams.print(text)
+    }
+
+    /// Prints one JSON document on standard output.
+    pub fn print_json(self, value: &serde_json::Value) -> Result<()> {
+        self.print(&format!("{value:#}\n"))
     }
 
     /// A progress bar: on a terminal only, and only once the work has lasted a second.
     pub fn progress(self) -> Bar {
-        Bar::new(!self.quiet && io::stderr().is_terminal())
+        Bar::new(!self.quiet && self.streams.is_process() && io::stderr().is_terminal())
     }
 }
 
@@ -72,20 +160,19 @@ impl Messages for Console {
 }
 
 /// Prints a line on standard error; without a standard error the line is lost.
+#[cfg(feature = "mpi")]
 pub fn print_stderr(line: impl Display) {
-    let _ = writeln!(io::stderr(), "{line}");
+    Streams::Process.print_stderr(line);
 }
 
 /// A result on standard output. A reader that has seen enough (`| head`) is no error.
+#[cfg(feature = "mpi")]
 pub fn print(text: &str) -> Result<()> {
-    let mut stdout = io::stdout().lock();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(output::Error::Stdout(error).into()),
-        _ => Ok(()),
-    }
+    Streams::Process.print(text)
 }
 
 /// Prints a JSON document on standard output.
+#[cfg(feature = "mpi")]
 pub fn print_json(value: &serde_json::Value) -> Result<()> {
     print(&format!("{value:#}\n"))
 }

@@ -6,7 +6,7 @@ use clap::Args;
 use pellucid_engine::{Result, gpu, methods};
 use serde_json::json;
 
-use super::console::{Console, print, print_json};
+use super::console::Console;
 
 #[derive(Debug, Args)]
 pub struct DevicesArgs {
@@ -28,14 +28,14 @@ fn slow_mesa(driver: &str) -> Option<&str> {
     (major < FAST_MESA).then_some(version)
 }
 
-pub fn run(args: DevicesArgs, _talk: Console) -> Result<ExitCode> {
+pub fn run(args: DevicesArgs, console: Console) -> Result<ExitCode> {
     let (devices, taken) = gpu::devices(args.device.as_deref())?;
     if args.json {
         let list: Vec<_> = devices
             .iter()
             .map(|d| json!({"index": d.index, "name": d.name, "driver": d.driver, "lacks": d.lacks, "taken": taken == Some(d.index)}))
             .collect();
-        print_json(&json!(list))?;
+        console.print_json(&json!(list))?;
         return Ok(ExitCode::SUCCESS);
     }
     let mut text = String::new();
@@ -59,7 +59,7 @@ pub fn run(args: DevicesArgs, _talk: Console) -> Result<ExitCode> {
         }
     }
     text += if taken.is_some() { "* selected\n" } else { "no device can be used\n" };
-    print(&text)?;
+    console.print(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -19,7 +19,7 @@ use pellucid_engine::scene::{Light, Outliers, Strays};
 use serde_json::{Value, json};
 
 use super::bar::Bar;
-use super::console::{Console, print, print_json};
+use super::console::Console;
 use super::limit::usage;
 use facts::Facts;
 
@@ -78,9 +78,9 @@ pub fn run(args: InfoArgs, console: Console) -> Result<ExitCode> {
         cloud.warnings.iter().for_each(|warning| console.warn(format_args!("{}: {warning}", file.display())));
     }
     match (args.json, seen.as_slice()) {
-        (true, [seen]) => print_json(&to_json(seen))?,
-        (true, seen) => print_json(&seen.iter().map(with_file).collect())?,
-        (false, seen) => print(&seen.iter().map(to_text).collect::<Vec<_>>().join("\n"))?,
+        (true, [seen]) => console.print_json(&to_json(seen))?,
+        (true, seen) => console.print_json(&seen.iter().map(with_file).collect())?,
+        (false, seen) => console.print(&seen.iter().map(to_text).collect::<Vec<_>>().join("\n"))?,
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -2,7 +2,7 @@
 
 use pellucid_engine::{Result, scene};
 
-use super::console::print_stderr;
+use super::console::Console;
 
 /// A metric and the largest or the smallest value it may have.
 pub struct Limit {
@@ -37,13 +37,11 @@ impl Limit {
     }
 
     /// Returns true if a measured value breaks the limit, and reports that on standard error.
-    pub fn is_broken_by(&self, measured: f64) -> bool {
+    pub fn is_broken_by(&self, measured: f64, console: Console) -> bool {
         let broken = (self.breaks)(&measured, &self.value);
         if broken {
-            print_stderr(format_args!(
-                "error: {} is {measured}, {} the allowed {}",
-                self.metric, self.side, self.value
-            ));
+            console
+                .report(format_args!("error: {} is {measured}, {} the allowed {}", self.metric, self.side, self.value));
         }
         broken
     }
@@ -76,10 +74,10 @@ impl Slower {
     }
 
     /// Returns true if even the lower end of an interval of B/A breaks the limit, and reports that on standard error.
-    pub fn is_broken_by(&self, name: &str, [low, high]: [f64; 2]) -> bool {
+    pub fn is_broken_by(&self, name: &str, [low, high]: [f64; 2], console: Console) -> bool {
         let broken = low > self.ratio;
         if broken {
-            print_stderr(format_args!(
+            console.report(format_args!(
                 "error: {name} is {low:.3} to {high:.3} times as slow, above the allowed {}",
                 self.ratio
             ));

@@ -40,6 +40,7 @@ mod tradeoff;
 mod view;
 mod view_args;
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -47,7 +48,7 @@ use bytesize::ByteSize;
 use clap::{Args, Parser, Subcommand};
 use pellucid_engine::Result;
 
-use console::Console;
+use console::{Console, Streams};
 
 /// Render point clouds you can see through, with exact transparency and every GPU pass timed.
 #[derive(Debug, Parser)]
@@ -158,14 +159,22 @@ pub fn command_of_ranks() -> clap::Command {
     <mpi_args::Cli as clap::CommandFactory>::command()
 }
 
-/// Parses the command line and runs its command.
-pub fn run() -> Result<ExitCode, crate::error::Error> {
-    let cli = Cli::parse();
-    let console = Console::new(cli.quiet, cli.verbose);
-    interrupt::watch();
-    pellucid_engine::io::silence_decoder_panics();
+/// Parses a command line and runs its command.
+pub fn run(given: impl IntoIterator<Item = OsString>, streams: Streams) -> Result<ExitCode, crate::error::Error> {
+    let cli = match Cli::try_parse_from(given) {
+        Ok(cli) => cli,
+        Err(stopped) => {
+            streams.print_usage(&stopped);
+            return Ok(ExitCode::from(u8::try_from(stopped.exit_code()).unwrap_or(2)));
+        }
+    };
+    let console = Console::new(cli.quiet, cli.verbose).with_streams(streams);
+    if streams.is_process() {
+        interrupt::watch();
+        pellucid_engine::io::silence_decoder_panics();
+    }
     if cli.command.input().is_some_and(input::InputArgs::lists_presets) {
-        console::print(&presets::list())?;
+        console.print(&presets::list())?;
         return Ok(ExitCode::SUCCESS);
     }
     Ok(match cli.command {
@@ -182,7 +191,7 @@ pub fn run() -> Result<ExitCode, crate::error::Error> {
         Command::View(args) => view::run(args, console)?,
         Command::Devices(args) => devices::run(args, console)?,
         Command::Compare(args) => compare::run(args, console)?,
-        Command::Completions(args) => completions::run(&args)?,
+        Command::Completions(args) => completions::run(&args, console)?,
         Command::Man(args) => man::run(&args, console)?,
     })
 }

@@ -8,7 +8,7 @@ use pellucid_session::{FrameRequest, Prepared, Request};
 use serde_json::json;
 
 use super::DeviceArgs;
-use super::console::{Console, print, print_json};
+use super::console::Console;
 use super::input::InputArgs;
 use super::session;
 
@@ -41,10 +41,10 @@ pub fn run(args: PlanArgs, console: Console) -> Result<ExitCode> {
         first.reason = [std::slice::from_ref(&first.reason), &session.assembled().colorings].concat().join("; ");
     }
     if args.json {
-        print_json(&json!(steps))?;
+        console.print_json(&json!(steps))?;
     } else {
         let line = |s: &plan::Step| format!("{:<22} {:<3} {}\n", s.name, if s.on { "on" } else { "off" }, s.reason);
-        print(&steps.iter().map(line).collect::<String>())?;
+        console.print(&steps.iter().map(line).collect::<String>())?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -10,7 +10,7 @@ use pellucid_session::{FrameRequest, Prepared, Request, Session};
 
 use super::along::PathArgs;
 use super::bar::Bar;
-use super::console::{Console, print, print_json};
+use super::console::Console;
 use super::input::InputArgs;
 use super::measured::Measured;
 use super::session;
@@ -134,9 +134,9 @@ pub fn run(args: ProfileArgs, console: Console) -> Result<ExitCode> {
     args.measure.write_profile(&json)?;
     args.measure.write_trace(&profile)?;
     if args.json {
-        print_json(&json)?;
+        console.print_json(&json)?;
     } else {
-        print(&format!("{}\n", pellucid_lab::profile_table(&profile, Some(copy_rate))))?;
+        console.print(&format!("{}\n", pellucid_lab::profile_table(&profile, Some(copy_rate))))?;
     }
     Ok(ExitCode::SUCCESS)
 }

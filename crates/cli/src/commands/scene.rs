@@ -10,7 +10,7 @@ use pellucid_engine::io::volume::{Dims, Scalar};
 use pellucid_engine::scene::procedural::{self, BUILTINS, Generated, iso, terrain};
 use pellucid_engine::{Result, io, output, scene};
 
-use super::console::{Console, print};
+use super::console::Console;
 use super::limit::usage;
 use super::prepare_store;
 
@@ -121,7 +121,7 @@ impl VolumeArgs {
 
 pub fn run(args: SceneArgs, console: Console) -> Result<ExitCode> {
     if args.list {
-        print(&list())?;
+        console.print(&list())?;
         return Ok(ExitCode::SUCCESS);
     }
     if let (Some(name), Some(folder)) = (&args.name, &args.output) {

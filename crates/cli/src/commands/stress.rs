@@ -12,7 +12,7 @@ use pellucid_engine::scene::Method;
 use pellucid_lab::report::stress::{self, Report, Settings, Sweep};
 
 use super::DeviceArgs;
-use super::console::{Console, print, print_json};
+use super::console::Console;
 
 const ABOUT: &str = "\
 Scenes: In both built-in scenes every pixel has one fragment per layer. In `stack` a layer is one disc over the whole image, in \
@@ -106,9 +106,9 @@ pub fn run(args: StressArgs, console: Console) -> Result<ExitCode> {
     let report = Report { sweep: &sweep, settings: &settings, device: device.info(), command: &command };
     stress::write(&args.output, &report)?;
     if args.json {
-        print_json(&report.json())?;
+        console.print_json(&report.json())?;
     } else {
-        print(&summary(&sweep, &args.output))?;
+        console.print(&summary(&sweep, &args.output))?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -19,7 +19,7 @@ use pellucid_session::{Clouds, FrameRequest, Opened, Prepared, Request};
 
 use super::DeviceArgs;
 use super::along::{Along, PathArgs};
-use super::console::{Console, print, print_json};
+use super::console::Console;
 use super::input::InputArgs;
 use super::limit::usage;
 use super::session;
@@ -235,9 +235,9 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
     if args.json {
         let value =
             serde_json::to_value(&report).map_err(|error| output::Error::Report { reason: error.to_string() })?;
-        print_json(&value)?;
+        console.print_json(&value)?;
     } else {
-        print(&summary(&report, &args))?;
+        console.print(&summary(&report, &args))?;
     }
     Ok(ExitCode::SUCCESS)
 }

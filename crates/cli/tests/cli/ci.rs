@@ -3,13 +3,12 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::os::unix::fs::symlink;
-use std::path::Path;
 use std::process::Command;
 
 use tempfile::TempDir;
 
-use pellucid_testing::root;
 use pellucid_testing::skip::{NO_PROGRAM, skip};
+use pellucid_testing::{root, shader_cache};
 
 use crate::{device, done, folder, has_device, inside, run};
 
@@ -48,8 +47,7 @@ fn run_steps(folder: &TempDir, changes: &[(&str, &str)]) -> Vec<(String, i32)> {
         // As GitHub runs `shell: bash`.
         let mut bash = Command::new("bash");
         bash.args(["--noprofile", "--norc", "-eo", "pipefail", "-c", &step.script]).current_dir(folder);
-        let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli-cache");
-        let output = bash.envs(&variables).env("PELLUCID_CACHE_DIR", cache).output().unwrap();
+        let output = bash.envs(&variables).env("PELLUCID_CACHE_DIR", shader_cache()).output().unwrap();
         println!("{}: {output:?}", step.name);
         (step.name, output.status.code().unwrap())
     });

@@ -7,14 +7,13 @@ use assert_cmd::Command;
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::output::read_image;
 use pellucid_engine::progress::Progress;
-use pellucid_testing::{Clouds, clouds, has_device, whole_clouds};
+use pellucid_testing::{Clouds, clouds, has_device, shader_cache, whole_clouds};
 use tempfile::TempDir;
 
 /// Runs the binary; quiet, since what real files deserve a warning for is not this test's business.
 fn pellucid(folder: &TempDir, args: &[&str], file: &Path) -> Output {
     let mut command = Command::cargo_bin("pellucid").unwrap();
-    let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("data-cache");
-    command.current_dir(folder).env("PELLUCID_VALIDATION", "1").env("PELLUCID_CACHE_DIR", cache);
+    command.current_dir(folder).env("PELLUCID_VALIDATION", "1").env("PELLUCID_CACHE_DIR", shader_cache());
     command.args(args).arg("-q").arg(file).output().unwrap()
 }
 

@@ -6,7 +6,7 @@ use pellucid_engine::output::read_image;
 use serde_json::Value;
 
 use super::render::exr;
-use crate::{assert_refused, builtin, done, folder, has_device, inside, run};
+use crate::{assert_refused_with_device, builtin, done, folder, has_device, inside, run};
 
 /// Scene setting that gives about 540 points over each pixel of 24 × 24, and fewer than one copy of each in 100
 /// ensembles.
@@ -179,5 +179,5 @@ fn the_error_falls_as_one_over_the_root_of_ensembles() {
     let picture = read_image(&inside(&folder, "report/reference.png")).unwrap();
     assert_eq!((picture.width, picture.height), (24, 24));
     let simplified = ["tradeoff", &plane, "--method", "spbr-simplified", "-o", "other"];
-    assert_refused(&folder, &simplified, 2, &["spbr-simplified", "--method spbr numbers of ensembles"]);
+    assert_refused_with_device(&folder, &simplified, 2, &["spbr-simplified", "--method spbr numbers of ensembles"]);
 }

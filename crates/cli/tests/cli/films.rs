@@ -7,6 +7,7 @@ use std::path::Path;
 use std::process::Command;
 
 use gif::{ColorOutput, DecodeOptions};
+use pellucid_testing::shader_cache;
 use pellucid_testing::skip::{NO_PROGRAM, skip};
 use tempfile::TempDir;
 
@@ -321,8 +322,7 @@ fn an_interruption_ends_ffmpeg_and_leaves_no_half_film() {
     Command::new("chmod").arg("+x").arg(&slow).status().unwrap();
     for (signal, code) in [("-INT", Some(130)), ("-TERM", None)] {
         let mut command = heeding(assert_cmd::cargo::cargo_bin("pellucid"));
-        let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli-cache");
-        command.current_dir(&folder).env("PELLUCID_CACHE_DIR", cache).env("PELLUCID_FFMPEG", &slow);
+        command.current_dir(&folder).env("PELLUCID_CACHE_DIR", shader_cache()).env("PELLUCID_FFMPEG", &slow);
         command.args(film(&["-o", "turn.mp4"])).stdout(Stdio::null()).stderr(Stdio::null());
         if let Some(device) = crate::device() {
             command.args(["--device", &device]);

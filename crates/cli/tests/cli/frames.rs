@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::{builtin, done, folder, has_device, inside, run};
+use crate::{builtin, done, folder, has_device, inside, run_inside};
 
 use super::render::exr;
 
@@ -72,14 +72,14 @@ fn the_camera_is_that_of_the_whole_scene() {
 fn names_without_a_number_are_refused() {
     let folder = folder();
     let refused = |args: &[&str], says: &str| {
-        let (status, stdout, stderr) = run(&folder, args);
+        let (status, stdout, stderr) = run_inside(&folder, args);
         assert_eq!((status, stdout.as_str()), (2, ""), "{stderr}");
         assert!(stderr.contains(says), "{stderr}");
     };
     refused(&["render", "--frames", "-o", "step.png"], "step_%02d.png");
     refused(&["render", "--frames", "-o", "%d_%d.png"], "more than one number");
     refused(&["render", "--frames", "-o", "step_%02d.gif"], ".png");
-    let (status, _, stderr) = run(&folder, &["render", "--frames", "-o", "none/step_%d.png"]);
+    let (status, _, stderr) = run_inside(&folder, &["render", "--frames", "-o", "none/step_%d.png"]);
     assert!(status == 1 && stderr.contains("no folder none"), "{stderr}");
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 0, "nothing was written");
 }

@@ -1,7 +1,6 @@
 //! Sequences that are cut short, by force or by an interruption, and gone on with.
 
 use std::fs;
-use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
@@ -9,6 +8,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::{device, has_device, inside};
+use pellucid_testing::shader_cache;
 use pellucid_testing::signals::heeding;
 
 use super::sequence::{garden, json, pictures, said, written};
@@ -16,8 +16,12 @@ use super::sequence::{garden, json, pictures, said, written};
 /// Starts a run, waits until some frames are there, and ends it by force or by an interruption; its exit status.
 fn cut_short(folder: &TempDir, args: &[&str], frames: usize, signal: &str) -> Option<i32> {
     let mut command = heeding(assert_cmd::cargo::cargo_bin("pellucid"));
-    let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli-cache");
-    command.current_dir(folder).env("PELLUCID_CACHE_DIR", cache).args(args).stdout(Stdio::null()).stderr(Stdio::null());
+    command
+        .current_dir(folder)
+        .env("PELLUCID_CACHE_DIR", shader_cache())
+        .args(args)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null());
     if let Some(device) = device() {
         command.args(["--device", &device]);
     }

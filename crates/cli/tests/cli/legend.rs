@@ -6,7 +6,7 @@ use glam::DVec3;
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::output::read_image;
 
-use crate::{assert_refused, builtin, device, done, folder, has_device, inside, run};
+use crate::{assert_refused_with_device, builtin, device, done, folder, has_device, inside, run};
 
 fn write_heights(path: &std::path::Path) {
     let positions = (0..400).map(|i| DVec3::new(f64::from(i % 20), f64::from(i / 20), f64::from(i % 7))).collect();
@@ -56,5 +56,5 @@ fn pictures_without_a_legend_say_so() {
     assert!(said(&[&tori, "-o", "tori.png"]).starts_with("--legend draws nothing"));
     assert_eq!(said(&["a.ply", "-o", "a.exr"]), "warning: --legend has no effect on an EXR; write a .png\n");
     let small = ["render", "a.ply", "--size", "120x90", "--legend", "-o", "small.png"];
-    assert_refused(&folder, &small, 2, &["--legend", "120 × 90", "each side must have at least 160"]);
+    assert_refused_with_device(&folder, &small, 2, &["--legend", "120 × 90", "each side must have at least 160"]);
 }

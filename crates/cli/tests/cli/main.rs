@@ -43,23 +43,27 @@ mod splats;
 mod stress;
 mod tradeoff;
 
+use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::{Mutex, PoisonError};
+use std::thread;
 
 use assert_cmd::Command;
 use glam::{DVec3, Vec3};
+use pellucid_cli::{Captured, Streams};
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::image::Image;
 use pellucid_engine::output::{WriteOptions, write_image};
 use pellucid_engine::scene::{ColorSpace, procedural};
-use pellucid_testing::has_device;
+use pellucid_testing::{has_device, shader_cache};
 use tempfile::TempDir;
 
-/// The binary in `folder`, with validation and a shader cache that only these tests use.
+/// The binary in `folder`, with validation and the tests' own shader cache.
 fn pellucid(folder: &TempDir, args: &[&str]) -> Command {
     let mut command = Command::cargo_bin("pellucid").unwrap();
-    let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli-cache");
-    command.current_dir(folder).env("PELLUCID_VALIDATION", "1").env("PELLUCID_CACHE_DIR", cache).args(args);
+    command.current_dir(folder).env("PELLUCID_VALIDATION", "1").env("PELLUCID_CACHE_DIR", shader_cache()).args(args);
     command
 }
 
@@ -68,6 +72,30 @@ fn run(folder: &TempDir, args: &[&str]) -> (i32, String, String) {
     let output = pellucid(folder, args).output().unwrap();
     let text = |bytes| String::from_utf8(bytes).unwrap();
     (output.status.code().expect("no signal ends it"), text(output.stdout), text(output.stderr))
+}
+
+/// Stack of a process's main thread.
+const STACK_BYTES: usize = 8 << 20;
+
+/// Runs a command line in `folder` inside this process; exit status, standard output and standard error. Takes milliseconds
+/// where a process takes tens of them, and longer in debug builds.
+///
+/// The current folder is the process's, so that one thread at a time runs a command, and no test may use a relative path.
+fn run_inside(folder: &TempDir, args: &[&str]) -> (i32, String, String) {
+    static CAPTURED: Mutex<Captured> = Mutex::new(Captured { stdout: String::new(), stderr: String::new() });
+    static CURRENT_FOLDER: Mutex<()> = Mutex::new(());
+    let _alone = CURRENT_FOLDER.lock().unwrap_or_else(PoisonError::into_inner);
+    let here = std::env::current_dir().unwrap();
+    std::env::set_current_dir(folder).unwrap();
+    let line: Vec<OsString> = ["pellucid"].iter().chain(args).map(OsString::from).collect();
+    let command = thread::Builder::new().stack_size(STACK_BYTES);
+    let command = command.spawn(move || pellucid_cli::run_from(line, Streams::Captured(&CAPTURED))).unwrap();
+    let status = command.join();
+    std::env::set_current_dir(here).unwrap();
+    let Captured { stdout, stderr } = std::mem::take(&mut *CAPTURED.lock().unwrap_or_else(PoisonError::into_inner));
+    let status = status.unwrap_or_else(|_| panic!("{args:?} panics: {stderr}"));
+    let code = (0..=u8::MAX).find(|code| ExitCode::from(*code) == status).unwrap();
+    (i32::from(code), stdout, stderr)
 }
 
 /// The device that tests are to run on; the best one if the variable is not set.
@@ -100,8 +128,26 @@ fn inside(folder: &TempDir, name: &str) -> PathBuf {
 }
 
 /// Asserts that a command fails as a failure should: the status, one `error: ` line that names `parts`, nothing on
-/// standard output, no new file.
+/// standard output, no new file. Runs it in this process, so that it must be refused before it opens a device.
+#[track_caller]
 fn assert_refused(folder: &TempDir, args: &[&str], status: i32, parts: &[&str]) {
+    assert_refused_by(run_inside, folder, args, status, parts);
+}
+
+/// Asserts the same of a command that opens a device before it fails, in a process of its own.
+#[track_caller]
+fn assert_refused_with_device(folder: &TempDir, args: &[&str], status: i32, parts: &[&str]) {
+    assert_refused_by(run, folder, args, status, parts);
+}
+
+#[track_caller]
+fn assert_refused_by(
+    run: fn(&TempDir, &[&str]) -> (i32, String, String),
+    folder: &TempDir,
+    args: &[&str],
+    status: i32,
+    parts: &[&str],
+) {
     let files = || fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name()).collect::<Vec<_>>();
     let before = files();
     let (code, stdout, stderr) = run(folder, args);
@@ -220,6 +266,30 @@ fn wrong_options_exit_with_2() {
     }
     assert_refused(&folder, &["profile", "a.ply", "--frames", "0"], 2, &["--frames"]);
     assert_refused(&folder, &["nonsense"], 2, &["nonsense"]);
+}
+
+/// The other refusals are looked at inside this process alone.
+#[test]
+fn a_process_refuses_with_the_same_words() {
+    let folder = folder();
+    write_cloud(&folder.path().join("a.ply"));
+    fs::write(folder.path().join("empty.ply"), "").unwrap();
+    fs::write(folder.path().join("s.toml"), "[[cloud]]\npath = \"a.ply\"\nopactiy = 1\n").unwrap();
+    let cases: [(&[&str], i32); 8] = [
+        (&["render", "empty.ply", "-o", "a.png"], 1),
+        (&["render", "a.ply", "-o", "no/a.png"], 1),
+        (&["plan", "s.toml"], 2),
+        (&["render", "a.ply", "--size", "64"], 2),
+        (&["render", "a.ply", "--view", "behind"], 2),
+        (&["nonsense"], 2),
+        (&["scene", "--list"], 0),
+        (&["render", "--help"], 0),
+    ];
+    for (args, status) in cases {
+        let of_process = run(&folder, args);
+        assert_eq!(of_process.0, status, "{args:?}");
+        assert_eq!(run_inside(&folder, args), of_process, "{args:?}");
+    }
 }
 
 #[test]

@@ -10,7 +10,7 @@ use pellucid_engine::io;
 use pellucid_engine::progress::Progress;
 use tempfile::TempDir;
 
-use crate::{assert_refused, device, done, folder, has_device, inside, run};
+use crate::{assert_refused, assert_refused_with_device, device, done, folder, has_device, inside, run};
 
 const LIGHT: [&str; 10] = [
     "--light",
@@ -228,7 +228,7 @@ fn a_light_that_can_not_be_is_one_error() {
         let args = [&["prepare", "a.ply", "-o", "b.ply"], &small[..]].concat();
         // 1024² pixels of 8 bytes.
         let parts = ["shadows.resolution = 2000 needs", "up to 1024 would do"];
-        assert_refused(&folder, &args, 1, &parts);
+        assert_refused_with_device(&folder, &args, 1, &parts);
     }
 }
 

@@ -4,12 +4,12 @@ mod spread;
 
 use std::ffi::OsString;
 use std::io::{BufRead, BufReader};
-use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use std::{env, fs};
 
 use pellucid_engine::scene::METHODS;
+use pellucid_testing::shader_cache;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -23,8 +23,7 @@ const ENVIRONMENT: [(&str, &str); 5] = [
 ];
 
 fn with_environment(command: &mut Command, folder: &TempDir) {
-    let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli-cache");
-    command.current_dir(folder).envs(ENVIRONMENT).env("PELLUCID_CACHE_DIR", cache).stdin(Stdio::null());
+    command.current_dir(folder).envs(ENVIRONMENT).env("PELLUCID_CACHE_DIR", shader_cache()).stdin(Stdio::null());
 }
 
 /// `PELLUCID_MPIRUN` names another one, as that of MPICH.

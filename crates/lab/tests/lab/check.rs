@@ -7,12 +7,26 @@ use pellucid_engine::scene::Method;
 use pellucid_lab::check::{self, Case, Counts, Verdict};
 use pellucid_testing::{is_llvmpipe, root, updates, with_device};
 
+use crate::by_halves;
+
 /// Cases on llvmpipe, all of which apply there.
 const CASES: usize = 585;
 
-fn run(device: &pellucid_engine::gpu::Device, cases: &[Case]) -> Vec<Verdict> {
-    let mut stage = check::stage(device).expect("a stage");
-    cases.iter().map(|case| case.run(&mut stage)).collect()
+/// Runs every second case on each of two devices; the verdicts in the order of the cases, and whether the devices are llvmpipe.
+/// `None` without a device.
+fn run() -> Option<(Vec<Verdict>, bool)> {
+    let halves = by_halves(|half| {
+        let mut found = None;
+        with_device(|device| {
+            let mut stage = check::stage(device).expect("a stage");
+            let cases = check::cases().into_iter().skip(half).step_by(2);
+            found = Some((cases.map(|case| case.run(&mut stage)).collect::<Vec<_>>(), is_llvmpipe(device)));
+        });
+        found
+    });
+    let [Some((even, is_llvmpipe)), Some((odd, _))] = halves else { return None };
+    let mut odd = odd.into_iter();
+    Some((even.into_iter().flat_map(|verdict| [Some(verdict), odd.next()]).flatten().collect(), is_llvmpipe))
 }
 
 /// Failures on any device.
@@ -65,30 +79,28 @@ fn update(results: &[(&Case, Verdict)]) {
 
 #[test]
 fn every_case_passes_would_notice_the_naive_formula_and_is_no_worse_than_released() {
-    with_device(|device| {
-        let cases = check::cases();
-        let results: Vec<(&Case, Verdict)> = cases.iter().zip(run(device, &cases)).collect();
-        for (case, verdict) in &results {
-            println!("{:<40} {verdict:?}", case.name);
-        }
-        let mut wrong = wrong(&results);
-        if is_llvmpipe(device) {
-            if updates() {
-                update(&results);
-                println!("docs/numerics.md and released.txt were written; the next run compares with them");
-            } else {
-                wrong.extend(worse(&results));
-                let page = std::fs::read_to_string(root().join("docs/numerics.md")).expect("docs/numerics.md");
-                let table = check::markdown(&results);
-                let differ =
-                    rows(&page).into_iter().zip(rows(&table)).filter(|(known, found)| numbers(known) != numbers(found));
-                wrong.extend(differ.map(|(known, found)| {
-                    format!("docs/numerics.md is stale (PELLUCID_UPDATE=1 writes it): {known}, not {found}")
-                }));
-            }
-        }
-        assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    });
+    let cases = check::cases();
+    let Some((verdicts, is_llvmpipe)) = run() else { return };
+    assert_eq!(verdicts.len(), cases.len());
+    let results: Vec<(&Case, Verdict)> = cases.iter().zip(verdicts).collect();
+    for (case, verdict) in &results {
+        println!("{:<40} {verdict:?}", case.name);
+    }
+    let mut wrong = wrong(&results);
+    if is_llvmpipe && updates() {
+        update(&results);
+        println!("docs/numerics.md and released.txt were written; the next run compares with them");
+    } else if is_llvmpipe {
+        wrong.extend(worse(&results));
+        let page = std::fs::read_to_string(root().join("docs/numerics.md")).expect("docs/numerics.md");
+        let table = check::markdown(&results);
+        let differ =
+            rows(&page).into_iter().zip(rows(&table)).filter(|(known, found)| numbers(known) != numbers(found));
+        wrong.extend(differ.map(|(known, found)| {
+            format!("docs/numerics.md is stale (PELLUCID_UPDATE=1 writes it): {known}, not {found}")
+        }));
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 /// The columns of a row that do not depend on how the device of this run rounds: all but the error, the fourth.

@@ -9,16 +9,23 @@ pub mod noise;
 
 /// Stands for the program's standard output and error.
 pub mod console {
-    pub fn print_stderr(text: impl std::fmt::Display) {
-        drop(text.to_string());
-    }
+    use std::fmt::Display;
 
-    pub fn print(text: &str) -> pellucid_engine::Result<()> {
-        print_stderr(text);
-        Ok(())
-    }
+    #[derive(Clone, Copy)]
+    pub struct Console;
 
-    pub fn print_json(json: &serde_json::Value) -> pellucid_engine::Result<()> {
-        print(&json.to_string())
+    impl Console {
+        pub fn report(self, line: impl Display) {
+            drop(line.to_string());
+        }
+
+        pub fn print(self, text: &str) -> pellucid_engine::Result<()> {
+            self.report(text);
+            Ok(())
+        }
+
+        pub fn print_json(self, json: &serde_json::Value) -> pellucid_engine::Result<()> {
+            self.print(&json.to_string())
+        }
     }
 }

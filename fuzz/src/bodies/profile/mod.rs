@@ -3,6 +3,7 @@
 mod cli;
 
 use cli::compare_profiles;
+use cli::console::Console;
 use cli::limit::{Limit, Slower};
 
 use super::with_file;
@@ -17,9 +18,9 @@ pub fn profile(input: &[u8]) {
     with_file("a.json", a, |a| {
         with_file("b.json", b, |b| {
             for json in [false, true] {
-                let _ = compare_profiles::run(a, b, json, &[], &[]);
-                let _ = compare_profiles::run(a, b, json, &limits, &[]);
-                let _ = compare_profiles::run(a, b, json, &[], &slower);
+                let _ = compare_profiles::run(a, b, json, &[], &[], Console);
+                let _ = compare_profiles::run(a, b, json, &limits, &[], Console);
+                let _ = compare_profiles::run(a, b, json, &[], &slower, Console);
             }
         });
     });

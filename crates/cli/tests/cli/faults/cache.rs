@@ -2,14 +2,20 @@
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
+use pellucid_testing::shader_cache;
 use tempfile::TempDir;
 
 use super::{RENDER_EXR, command, files, has_device, place, text};
 
 /// Renders with a cache; the picture, after a run without a word.
 fn picture(folder: &TempDir, cache: &Path) -> Vec<u8> {
-    let mut run = command(folder.path(), RENDER_EXR.args);
+    let run = command(folder.path(), RENDER_EXR.args);
+    picture_of(run, folder, cache)
+}
+
+fn picture_of(mut run: Command, folder: &TempDir, cache: &Path) -> Vec<u8> {
     let output = run.env("PELLUCID_VALIDATION", "1").env("PELLUCID_CACHE_DIR", cache).output().unwrap();
     let what = cache.display();
     assert_eq!((output.status.code(), text(&output.stderr).as_str()), (Some(0), ""), "{what}");
@@ -25,7 +31,11 @@ fn no_cache_changes_a_picture() {
     }
     let folder = place();
     let cache = folder.path().join("cache");
-    let wanted = picture(&folder, &cache);
+    // Neither this program nor the driver has anything cached.
+    let mut cold = command(folder.path(), RENDER_EXR.args);
+    cold.env("MESA_SHADER_CACHE_DIR", folder.path().join("driver"));
+    let wanted = picture_of(cold, &folder, &cache);
+    assert!(picture(&folder, &shader_cache()) == wanted, "caches that other tests filled");
     let kept = files(&cache);
     let of_kind = |kind: &str| kept.keys().filter(|path| path.starts_with(kind)).count();
     assert!(of_kind("spirv") > 3 && of_kind("pipelines") == 1, "something was kept: {:?}", kept.keys());

@@ -6,6 +6,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
+use pellucid_testing::shader_cache;
 use pellucid_testing::signals::heeding;
 
 /// A loaded machine that compiles shaders on the CPU may take long; a test that waits for this has failed.
@@ -89,9 +90,8 @@ impl Drop for Window {
 
 /// The binary with validation and a shader cache that only tests use.
 pub fn command(folder: &Path) -> Command {
-    let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli-cache");
     let mut command = heeding(env!("CARGO_BIN_EXE_pellucid"));
-    command.current_dir(folder).env("PELLUCID_VALIDATION", "1").env("PELLUCID_CACHE_DIR", cache);
+    command.current_dir(folder).env("PELLUCID_VALIDATION", "1").env("PELLUCID_CACHE_DIR", shader_cache());
     command.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").env_remove("DISPLAY");
     command.stderr(Stdio::piped()).stdout(Stdio::piped());
     command
