@@ -14,12 +14,12 @@ use glam::{DVec3, Vec3};
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
-use pellucid_engine::methods::{Factors, Frame, Stop};
+use pellucid_engine::methods::Frame;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::order;
 use pellucid_engine::reference::range::PictureRange;
 use pellucid_engine::reference::{self, Picture};
-use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Falloff, Light, Method, Raster, Shading};
+use pellucid_engine::scene::{DiscShape, Discs, Falloff, Light, Method, Raster, Shading};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -130,24 +130,7 @@ pub fn at_pixel(x: f64, y: f64, depth: f64) -> DVec3 {
 
 /// A frame without shading or budget, in linear color.
 pub fn frame(camera: Camera, size: [u32; 2], method: Method) -> Frame {
-    Frame {
-        camera,
-        size,
-        shading: Shading::NONE,
-        color: ColorSpace::Linear,
-        method,
-        detail: Default::default(),
-        memory_budget: None,
-        fragments: true,
-        depths: false,
-        stop: Stop::Exact,
-        seed: 0,
-        max_error: None,
-        spread: false,
-        ensembles: None,
-        shadows: None,
-        factors: Factors::default(),
-    }
+    Frame { fragments: true, ..Frame::new(camera, size, method) }
 }
 
 pub const SHAPES: [DiscShape; 2] = [DiscShape::Flat, DiscShape::Oriented];

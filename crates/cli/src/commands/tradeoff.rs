@@ -209,22 +209,13 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
         shading.edl.edl = false;
     }
     let frame = Frame {
-        camera: resolved.camera,
-        size: resolved.scene.image.size,
         shading,
         color: resolved.scene.image.color_space(),
-        method: resolved.scene.method.representative(),
-        detail: Default::default(),
         memory_budget: args.device.memory_budget.map(|b| b.as_u64()),
-        fragments: false,
-        depths: false,
-        stop: Stop::Exact,
-        max_error: None,
-        spread: false,
-        ensembles: None,
         shadows: resolved.scene.shadows.filter(|_| matches!(formation, Formation::Surfaces(_))),
         factors,
         seed: resolved.seed,
+        ..Frame::new(resolved.camera, resolved.scene.image.size, resolved.scene.method.representative())
     };
     let background = resolved.scene.image.background;
     let subject = Subject { arranged: &resolved.arranged, frame, background, scene: &resolved.name, cameras: &cameras };
