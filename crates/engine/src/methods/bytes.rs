@@ -2,7 +2,6 @@
 
 use std::time::Duration;
 
-use super::engine::Engine;
 use super::{Facts, Frame, PassProfile, edl, shadows};
 use crate::gpu::PassTime;
 use crate::image::Image;
@@ -80,9 +79,9 @@ impl PassRuns<'_> {
 }
 
 /// Sums the dispatches of each pass of a frame and its image, in order of first appearance, and adds the bytes that each must
-/// move.
+/// move: those of the engine's own passes are `least_bytes`.
 pub(super) fn aggregate(
-    engine: &dyn Engine,
+    least_bytes: impl Fn(&PassRuns<'_>) -> Option<u64>,
     timeline: &[(PassTime, Duration)],
     facts: &Facts,
     (frame, image): (&Frame, &Image),
@@ -97,7 +96,7 @@ pub(super) fn aggregate(
         }
         let runs = timeline.iter().filter(|(other, _)| other.name == time.name).count() as u64;
         let pass = PassRuns { name: time.name, runs, facts, frame, cloud, image };
-        let bytes = pass.common().or_else(|| engine.least_bytes(&pass));
+        let bytes = pass.common().or_else(|| least_bytes(&pass));
         passes.push(PassProfile { name: time.name, gpu: time.gpu, invocations: time.invocations, bytes });
     }
     passes

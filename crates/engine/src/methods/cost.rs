@@ -8,7 +8,7 @@
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::abuffer::ORDERED_AREA;
+use super::lists::ORDERED_AREA;
 use super::{Error, Frame, Renderer};
 use crate::camera::{Camera, Projection};
 use crate::gpu::Device;

@@ -5,10 +5,8 @@ use std::ops::{Deref, Range};
 
 use crate::progress::Progress;
 
-use super::bytes::PassRuns;
-use super::explain::Plan;
+use super::explain::Explain;
 use super::parts::{Plane, SamplePart};
-use super::stochastic::MOST_STRATA;
 use super::{Buffers, Error, Facts, Frame, Outcome, Target, Timeline};
 use crate::gpu::{Device, DeviceInfo};
 use crate::passes::bands::{self, Budget, Window};
@@ -19,10 +17,11 @@ use crate::passes::project::{DeviceCloud, Extent, Projecting, Stats};
 use crate::passes::raster::Walker;
 use crate::passes::tiles::Tiles;
 use crate::random::STRATUM;
+use crate::scene::MAX_LAYERS;
 
-/// A family of methods with the settings of one of them: how its frames are cut into windows, rendered, counted, measured and
-/// explained. Buffers that outlive a frame are in [`Buffers`].
-pub(crate) trait Engine {
+/// A family of methods with the settings of one of them: how its frames are cut into windows, rendered and counted.
+/// Buffers that outlive a frame are in [`Buffers`].
+pub(crate) trait Engine: Explain {
     /// Cuts a frame into windows whose buffers fit the budget, the first one first.
     ///
     /// # Errors
@@ -126,13 +125,6 @@ pub(crate) trait Engine {
     /// # Errors
     /// The device failed.
     fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error>;
-
-    /// Bytes that a pass must at least read and write, from the counts of the frame; cached re-reads are not counted. `None`
-    /// where that is not known.
-    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64>;
-
-    /// Adds the passes of the frame to its plan, in the order of their first run, and those of its own that it leaves out.
-    fn explain(&self, plan: &mut Plan<'_>);
 }
 
 /// Sums that the random samples of a pixel leave before they are resolved.
@@ -151,7 +143,7 @@ impl Sums {
     pub fn step(self) -> u32 {
         match self {
             Self::Ensembles => 1,
-            Self::Samples | Self::Corrected => MOST_STRATA * STRATUM,
+            Self::Samples | Self::Corrected => super::stochastic::MOST_STRATA * STRATUM,
         }
     }
 }
@@ -197,16 +189,24 @@ pub(crate) struct Counts {
 }
 
 /// Features that tests switch off or limit.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Switches {
-    /// `true` if 64-bit atomics are used.
+pub struct Switches {
+    /// `true` if opaque splats and layers use 64-bit atomics.
     pub wide_atomics: bool,
     /// `true` if ensembles are drawn in one go where possible.
     pub single_pass: bool,
-    /// Most bits of a key for epochs of ensembles.
+    /// The largest number of bits of a key for epochs of ensembles.
     pub epoch_bits: u32,
-    /// Layers after which peeling gives up.
+    /// Layers after which `peel` gives up.
     pub max_layers: u32,
+}
+
+impl Switches {
+    /// Returns the switches as every frame has them unless a test changes them.
+    pub(super) fn of(device: &DeviceInfo) -> Self {
+        Self { wide_atomics: device.int64_atomics, single_pass: true, epoch_bits: 31, max_layers: MAX_LAYERS }
+    }
 }
 
 /// A window in work, with everything that all engines need.
@@ -319,7 +319,7 @@ pub(crate) struct Projected {
 pub(crate) struct Found(Place);
 
 impl Found {
-    /// They, by chunk.
+    /// Returns the results by chunk.
     pub fn stats(self, timeline: &Timeline) -> Vec<Stats> {
         stats_of(timeline.found(self.0))
     }

@@ -1,12 +1,23 @@
 //! The plan of a frame: the passes that run, and the fact that decides each. Engines add their own; shared parts are
 //! here.
 
+use super::bytes::PassRuns;
 use super::{Facts, Frame, edl, shadows};
 use crate::gpu::Device;
 use crate::passes::bin::{self, Order};
 use crate::passes::radix::Digits;
 use crate::passes::tiles;
 use crate::scene::ShadingModel;
+
+/// What an engine says about its passes.
+pub(crate) trait Explain {
+    /// Bytes that a pass must at least read and write, from the counts of the frame; cached re-reads are not counted. `None`
+    /// where that is not known.
+    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64>;
+
+    /// Adds the passes of the frame to its plan, in the order of their first run, and those of its own that it leaves out.
+    fn explain(&self, plan: &mut Plan<'_>);
+}
 
 /// A pass of the frame plan.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]

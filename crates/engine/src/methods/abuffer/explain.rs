@@ -57,7 +57,7 @@ pub(crate) fn list_passes() -> Vec<&'static str> {
 }
 
 /// The plan of a frame of lists.
-pub(super) fn lists(plan: &mut Plan<'_>, discs: &Discs, linked: bool) {
+pub(crate) fn lists(plan: &mut Plan<'_>, discs: &Discs, linked: bool) {
     let (facts, why) = (plan.facts, plan.why);
     plan.projected();
     if facts.gaussians > 0 && discs.gaussians.kernel == Kernel::Ellipsoid {
