@@ -17,9 +17,9 @@ pub(crate) struct PassRuns<'a> {
     pub facts: &'a Facts,
     /// The frame.
     pub frame: &'a Frame,
-    /// Its points.
+    /// The points of the frame.
     pub cloud: &'a DeviceCloud,
-    /// Its image.
+    /// The image of the frame.
     pub image: &'a Image,
 }
 
@@ -44,7 +44,8 @@ impl PassRuns<'_> {
         tilted && self.cloud.has_normals()
     }
 
-    /// Every band's store reads the rectangles of all splats again.
+    /// Returns the bytes of a pass that visits all splats once per window: every band's store reads their rectangles
+    /// again.
     pub fn walks(&self, tilted: bool) -> u64 {
         let facts = self.facts;
         facts.points * 8 * facts.windows.max(1) + facts.visible * self.splat(tilted)
@@ -78,8 +79,8 @@ impl PassRuns<'_> {
     }
 }
 
-/// Sums the dispatches of each pass of a frame and its image, in order of first appearance, and adds the bytes that each must
-/// move: those of the engine's own passes are `least_bytes`.
+/// Sums the dispatches of each pass of a frame and its image, in order of first appearance, and adds the bytes that
+/// each must move: those of the engine's own passes are `least_bytes`.
 pub(super) fn aggregate(
     least_bytes: impl Fn(&PassRuns<'_>) -> Option<u64>,
     timeline: &[(PassTime, Duration)],

@@ -43,7 +43,8 @@ pub(crate) trait Engine: Explain {
         }
     }
 
-    /// Brings to the device what frames need of a cloud: its points, and room for their splats. A survey may do with less.
+    /// Brings to the device what frames need of a cloud: its points, and room for their splats. A survey may do with
+    /// less.
     ///
     /// # Errors
     /// No memory for them, or more of them than the device can address.
@@ -56,12 +57,12 @@ pub(crate) trait Engine: Explain {
         Ok(())
     }
 
-    /// False of engines that take points as they are, without splats.
+    /// `false` for engines that take points as they are, without splats.
     fn projects(&self) -> bool {
         true
     }
 
-    /// Finds what is found once for a cloud, before the first frame that needs it.
+    /// Computes the data of a cloud that is computed once, before the first frame that needs it.
     ///
     /// # Errors
     /// No memory for it.
@@ -134,7 +135,7 @@ pub(crate) enum Sums {
     Ensembles,
     /// Float32 numbers of each batch of samples.
     Samples,
-    /// The same, and the exact A, which corrects them.
+    /// Float32 numbers of each batch of samples, and the exact A, which corrects them.
     Corrected,
 }
 
@@ -148,7 +149,7 @@ impl Sums {
     }
 }
 
-/// Values that an engine can count for each pixel, beside color and depth.
+/// Values that an engine can count for each pixel, in addition to color and depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Channels {
     /// Lengths of lists.
@@ -160,11 +161,11 @@ pub(crate) struct Channels {
 /// Source of the lengths of a pixel's lists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Fragments {
-    /// Not at all.
+    /// Lengths are not counted.
     Never,
-    /// In separate passes, if a frame asks for them: images don't need the counts.
+    /// Separate passes count, if a frame asks for it: images don't need the counts.
     Beside,
-    /// By the passes that render.
+    /// The passes that render count.
     Within,
 }
 
@@ -260,8 +261,8 @@ impl Work<'_> {
         project(self.device, cloud, (self.frame, self.window), how, self.timeline)
     }
 
-    /// Makes room for the tiles of large splats, if they are `needed`; the budget beside them, or `None` if the window must be
-    /// cut.
+    /// Makes room for the tiles of large splats, if they are `needed`; the budget beside them, or `None` if the window
+    /// must be cut.
     pub fn reserve_tiles(&self, tiles: &mut Tiles, stats: &[Stats], needed: bool) -> Result<Option<Budget>, Error> {
         let bytes = if needed { Tiles::bytes(stats, self.window) } else { 0 };
         let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());

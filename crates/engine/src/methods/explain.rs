@@ -9,13 +9,14 @@ use crate::passes::radix::Digits;
 use crate::passes::tiles;
 use crate::scene::ShadingModel;
 
-/// What an engine says about its passes.
+/// The statistics and the prose of an engine's passes.
 pub(crate) trait Explain {
-    /// Bytes that a pass must at least read and write, from the counts of the frame; cached re-reads are not counted. `None`
-    /// where that is not known.
+    /// Bytes that a pass must at least read and write, from the counts of the frame; cached re-reads are not counted.
+    /// `None` where that is not known.
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64>;
 
-    /// Adds the passes of the frame to its plan, in the order of their first run, and those of its own that it leaves out.
+    /// Adds the passes of the frame to its plan, in the order of their first run, and those of its own that it leaves
+    /// out.
     fn explain(&self, plan: &mut Plan<'_>);
 }
 
@@ -33,7 +34,7 @@ pub struct Step {
 /// Passes that belong together, and why frames without them leave them out.
 #[derive(Debug, Clone)]
 pub(crate) struct PassGroup {
-    /// Their names, in the order of their first run.
+    /// Names of the passes, in the order of their first run.
     pub names: Vec<&'static str>,
     /// The reason why they don't run, unless an engine gives a more precise one.
     pub absent: Absent,
@@ -42,11 +43,11 @@ pub(crate) struct PassGroup {
 /// Reason why a group of passes doesn't run.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Absent {
-    /// This reason.
+    /// A reason for every frame.
     Always(&'static str),
-    /// This reason, because the current method doesn't need them.
+    /// A reason of the current method, which doesn't need them.
     Method(&'static str),
-    /// The same, but methods without discs have no transparency at all.
+    /// A reason of the current method, if it has discs; methods without discs have no transparency at all.
     Discs(&'static str),
 }
 

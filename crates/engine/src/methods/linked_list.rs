@@ -1,13 +1,14 @@
 //! `linked-list`: the image of `abuffer` through per-pixel linked lists (YHGT10).
 //!
-//! Count, scan and bands are those of `abuffer`, so that all memory is bounded before it is taken: a band has as many nodes
-//! as fragments were counted in it. `linked-list/store` hangs each fragment before its pixel's list, `linked-list/gather`
-//! writes the lists to where `abuffer/store` would have put them, and sorting and blending go on from there: the order of
-//! fragments is total, so that the image has the same bytes. A fragment takes 20 bytes: node and link, 12, and its place in
-//! the fragment buffer, 8; long lists are merged into the memory of the nodes.
+//! Count, scan and bands are those of `abuffer`, so that all memory is bounded before it is taken: a band has as many
+//! nodes as fragments were counted in it. `linked-list/store` hangs each fragment before its pixel's list,
+//! `linked-list/gather` writes the lists to where `abuffer/store` would have put them, and sorting and blending go on
+//! from there: the order of fragments is total, so that the image has the same bytes. A fragment takes 20 bytes: node
+//! and link, 12, and its place in the fragment buffer, 8; long lists are merged into the memory of the nodes.
 //!
-//! Measured on lavapipe: nodes of 16 bytes, read and written at once, are stored no faster and gathered 0 to 40% faster, for
-//! four bytes more of the budget; a counter of nodes for every 64 pixels in place of one for all made the store no faster.
+//! Measured on lavapipe: nodes of 16 bytes, read and written at once, are stored no faster and gathered 0 to 40%
+//! faster, for four bytes more of the budget; a counter of nodes for every 64 pixels in place of one for all made the
+//! store no faster.
 
 use super::abuffer::{self, Blender, Blending, Needs, Room, StoreFragments};
 use super::{Error, Target};
@@ -127,8 +128,8 @@ impl StoreFragments for LinkedLists {
     }
 }
 
-/// Records a band's fragments to their pixels' ranges: `link` puts them into lists, whose nodes are then copied. `longest` is the
-/// length of the longest list.
+/// Records a band's fragments to their pixels' ranges: `link` puts them into lists, whose nodes are then copied.
+/// `longest` is the length of the longest list.
 ///
 /// # Errors
 /// Vulkan errors.

@@ -73,8 +73,8 @@ impl ListEngine {
     /// order, and it only pays for large splats.
     fn in_order(&self, device: &Device, frame: &Frame, job: &bin::Job<'_>) -> bool {
         let visible: u64 = job.raster.stats.iter().map(|s| u64::from(s.visible)).sum();
-        // Only lists of fragments tell other depths than the first, and frames that ask for some go through the lists more than
-        // once, in the same way.
+        // Only lists of fragments tell other depths than the first, and frames that ask for some go through the lists
+        // more than once, in the same way.
         !self.linked
             && self.shown == Shown::First
             && !frame.shading.edl.edl
@@ -120,7 +120,8 @@ impl ListEngine {
 impl Engine for ListEngine {
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
         if self.discs.gaussians.kernel == Kernel::Ellipsoid {
-            // Should there be some: each pixel has a run, whose sums take three times as much of a binding as a pixel's color.
+            // Should there be some: each pixel has a run, whose sums take three times as much of a binding as a pixel's
+            // color.
             let budget = Budget { binding: budget.binding / 4, ..budget };
             return Ok(windows_of(frame, budget, PIXEL_BYTES + RUN_PIXEL_BYTES));
         }

@@ -1,13 +1,14 @@
 //! `abuffer`: exact order-independent transparency (MCTB12): count, scan, store, sort and blend.
 //!
-//! Each pixel's fragments lie together in one buffer of 8 bytes per fragment: depth key and index of the splat. Lists of up
-//! to [`LOCAL_LENGTH`] fragments are sorted and blended by one invocation, in registers or in a local array, each class of
-//! lengths by its own kernel. Longer ones are sorted in runs of that length, merged pairwise between two buffers, blended
-//! run by run and composed, so that no invocation loops longer than a run, however long the list is. Or, if asked for, one
-//! invocation sorts each of them in place, which takes half the memory and bounds their length ([`in_place_length`]).
+//! Each pixel's fragments lie together in one buffer of 8 bytes per fragment: depth key and index of the splat. Lists
+//! of up to [`LOCAL_LENGTH`] fragments are sorted and blended by one invocation, in registers or in a local array, each
+//! class of lengths by its own kernel. Longer ones are sorted in runs of that length, merged pairwise between two
+//! buffers, blended run by run and composed, so that no invocation loops longer than a run, however long the list is.
+//! Or, if asked for, one invocation sorts each of them in place, which takes half the memory and bounds their length
+//! ([`in_place_length`]).
 //!
-//! Count, scan, bands and sorting serve other families too, which store and blend their own fragments ([`StoreFragments`]):
-//! one set of buffers, whichever method a frame takes.
+//! Count, scan, bands and sorting serve other families too, which store and blend their own fragments
+//! ([`StoreFragments`]): one set of buffers, whichever method a frame takes.
 
 mod blend;
 mod bytes;
@@ -58,8 +59,8 @@ pub const FRAGMENT_BYTES: u64 = 8;
 pub const INDEX_BYTES: u64 = 4;
 /// Bytes per pixel of a window: count, offset, their share of the scan's levels, and place in the work list.
 pub const PIXEL_BYTES: u64 = 13;
-/// Bytes per pixel of a window whose lists all go in runs: a run of the list with its sums and what it is composed to, and the
-/// number of bodies.
+/// Bytes per pixel of a window whose lists all go in runs: a run of the list with its sums and what it is composed to,
+/// and the number of bodies.
 pub const RUN_PIXEL_BYTES: u64 = 4 + 12 + 16 + 48 + 32;
 
 /// Returns the footprint of a disc's shape.
@@ -77,7 +78,8 @@ pub struct ABuffer {
     scan: Option<Scan>,
     overflow: Buffer<u32>,
     lengths: Buffer<Lengths>,
-    /// Bodies of each pixel (spheres, ellipsoids, discs), where they are counted in addition to fragments, and their lengths.
+    /// Bodies of each pixel (spheres, ellipsoids, discs), where they are counted in addition to fragments, and their
+    /// lengths.
     bodies: Kept<u32>,
     /// `true` if bodies of the last window were counted.
     beside: bool,
@@ -90,11 +92,11 @@ pub struct ABuffer {
 /// Depth of its list that a pixel gets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shown {
-    /// That of the first fragment with opacity.
+    /// The depth of the first fragment with opacity.
     First,
-    /// That at which half of the light or less is left, +inf where more is left behind all fragments.
+    /// The depth at which half of the light or less is left, +inf where more is left behind all fragments.
     Median,
-    /// The mean of all, weighted by what each adds to A; +inf where A is 0.
+    /// The mean of all depths, weighted by what each fragment adds to A; +inf where A is 0.
     Mean,
 }
 

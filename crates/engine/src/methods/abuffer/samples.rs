@@ -17,7 +17,7 @@ pub(super) const SAMPLE_BYTES: u64 = 2 * (COLOR_BYTES + 8);
 /// Samples of a band at most, unless a pixel has more: 96 MiB of them.
 pub(super) const MOST_SAMPLES: u64 = 1 << 22;
 
-/// Way in which samples are taken.
+/// Settings of samples.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sampling {
     /// `true` if each ellipsoid is one sample, however many of them overlap.
@@ -37,7 +37,7 @@ pub(crate) struct Taken<'a> {
 }
 
 impl Taken<'_> {
-    /// So many pixels without a sample.
+    /// Returns so many pixels without a sample.
     pub fn nothing(pixels: u64) -> Self {
         Self { pixels: [0, pixels as u32], offsets: vec![0; pixels as usize + 1], colors: &[], depths: &[] }
     }
@@ -62,7 +62,7 @@ impl Buffers {
         }
     }
 
-    /// Room for so many, but not for more than the limit.
+    /// Reserves room for so many samples, but not for more than the limit.
     pub fn reserve(&mut self, device: &Device, [samples, limit]: [u64; 2]) -> Result<(), Error> {
         self.colors.reserve_within(device, samples, limit)?;
         self.depths.reserve_within(device, samples, limit)?;
@@ -80,8 +80,9 @@ impl WindowJob<'_> {
 }
 
 impl ABuffer {
-    /// Counts, then stores, sorts and reads back band by band, the window's pixels in their order. With [`Work::survey`] nothing is read.
-    /// Returns how many samples there are at most, or `None` if the window must be cut.
+    /// Counts, then stores, sorts and reads back band by band, the window's pixels in their order. With
+    /// [`Work::survey`] nothing is read. Returns how many samples there are at most, or `None` if the window must be
+    /// cut.
     pub(crate) fn samples(
         &mut self,
         work: &mut Work<'_>,

@@ -18,30 +18,30 @@ pub const SEGMENT_BYTES: u64 = 4;
 
 /// Fills the lists of pixels with what a family of methods draws, and blends them.
 ///
-/// The A-buffer counts, reserves and sorts in the same way for every implementation. It owns the buffers of [`Room`] and of
-/// [`Blender`]; [`Self::needs`] says which of them an implementation uses.
+/// The A-buffer counts, reserves and sorts in the same way for every implementation. It owns the buffers of [`Room`]
+/// and of [`Blender`]; [`Self::needs`] says which of them an implementation uses.
 pub trait StoreFragments {
-    /// The name of the pass that stores.
+    /// Returns the name of the pass that stores.
     fn name(&self) -> &'static str {
         "abuffer/store"
     }
 
-    /// How the bodies of a pixel follow from its fragments.
+    /// Returns how the bodies of a pixel follow from its fragments.
     fn bodies(&self) -> Bodies {
         Bodies::Fragments
     }
 
-    /// The buffers that it uses.
+    /// Returns the buffers that it uses.
     fn needs(&self) -> Needs {
         Needs::default()
     }
 
-    /// Device bytes of a pixel beside those of its list.
+    /// Returns device bytes of a pixel in addition to those of its list.
     fn pixel_bytes(&self) -> u64 {
         0
     }
 
-    /// The number of samples at most of so many fragments and bodies.
+    /// Returns the largest number of samples of so many fragments and bodies.
     fn most_samples(&self, _fragments: u64, bodies: u64) -> u64 {
         bodies
     }
@@ -110,7 +110,7 @@ pub trait StoreFragments {
     }
 }
 
-/// How the bodies of a pixel follow from the fragments of its list.
+/// The relation of a pixel's bodies to the fragments of its list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bodies {
     /// Each fragment is a body.

@@ -1,13 +1,14 @@
 //! Gaussians as ellipsoids of constant density (`kernel = "ellipsoid"`) in the lists of `abuffer` and `linked-list`.
 //!
-//! A pixel's list holds events: where its ray enters and leaves each ellipsoid, and where it meets a surface: a disc, an ellipsoid without
-//! thickness, or one so thin that float32 has one depth for both ends. Counting, scan, bands, sorting and merging are those of other
-//! lists. Each run of 256 sorted events is then composed by itself, of short lists too: between two events the densities of what is
-//! open add up (Mai et al. 2025, "EVER", as Seemann et al. 2018 have it for shells), and the sums before a run follow from what the
-//! runs before add.
+//! A pixel's list holds events: where its ray enters and leaves each ellipsoid, and where it meets a surface: a disc,
+//! an ellipsoid without thickness, or one so thin that float32 has one depth for both ends. Counting, scan, bands,
+//! sorting and merging are those of other lists. Each run of 256 sorted events is then composed by itself, of short
+//! lists too: between two events the densities of what is open add up (Mai et al. 2025, "EVER", as Seemann et al. 2018
+//! have it for shells), and the sums before a run follow from what the runs before add.
 //!
-//! The sums are kept to twice the digits of float32. What an ellipsoid of density σ leaves of itself when it is taken out again is then some 2⁻⁴⁸σ,
-//! and its chord is at least 2⁻²⁴ of the depths: its optical depth is so large wherever the rest shows that nothing is seen behind it.
+//! The sums are kept to twice the digits of float32. What an ellipsoid of density σ leaves of itself when it is taken
+//! out again is then some 2⁻⁴⁸σ, and its chord is at least 2⁻²⁴ of the depths: its optical depth is so large wherever
+//! the rest shows that nothing is seen behind it.
 
 mod passes;
 

@@ -19,9 +19,9 @@ impl Renderer {
         Ok(DeviceCloud::new(&self.device, points)?)
     }
 
-    /// Takes points that were dealt: for `spbr` and `spbr-simplified`, but any method may render them. They go to the device
-    /// with the first frame; points that don't fit [`Frame::memory_budget`] go through it while a frame of these methods is
-    /// rendered. The list stays in the host's memory.
+    /// Takes points that were dealt: for `spbr` and `spbr-simplified`, but any method may render them. They go to the
+    /// device with the first frame; points that don't fit [`Frame::memory_budget`] go through it while a frame of these
+    /// methods is rendered. The list stays in the host's memory.
     pub fn upload_dealt(&self, dealt: &Dealt) -> Result<DeviceCloud, Error> {
         check_dealt(dealt.points.len() as u64)?;
         Ok(DeviceCloud::of_dealt(&self.device, dealt)?)
@@ -63,7 +63,8 @@ impl Renderer {
         Ok(cloud)
     }
 
-    /// Like [`Renderer::upload_lit`], for frames with this detail: where they leave points out, those in memory come some at a time.
+    /// Like [`Renderer::upload_lit`], for frames with this detail: where they leave points out, those in memory come
+    /// some at a time.
     ///
     /// # Errors
     /// No memory for them.

@@ -14,16 +14,17 @@ impl Renderer {
     /// Returns the largest number of samples that the deep image of a frame has, from projecting and counting alone.
     ///
     /// # Errors
-    /// Those of [`Self::deep`].
+    /// The errors of [`Self::deep`].
     pub fn most_samples(&mut self, cloud: &mut DeviceCloud, frame: &Frame, state: State) -> Result<u64, Error> {
         Ok(self.go_through(cloud, frame, state, (true, &mut |_, _| Ok(())))?.1)
     }
 
-    /// Hands the samples of a frame to `sink`, the pixels row by row, whatever the windows: at most those of a band at a time.
+    /// Hands the samples of a frame to `sink`, the pixels row by row, whatever the windows: at most those of a band at
+    /// a time.
     ///
     /// # Errors
-    /// A method without samples ([`crate::methods::deep::check`]), a frame that does not fit, a device that fails, a frame that
-    /// [`Self::progress`] cancels, and the errors of `sink`.
+    /// A method without samples ([`crate::methods::deep::check`]), a frame that does not fit, a device that fails, a
+    /// frame that [`Self::progress`] cancels, and the errors of `sink`.
     pub fn deep(
         &mut self,
         cloud: &mut DeviceCloud,
@@ -34,7 +35,7 @@ impl Renderer {
         Ok(self.go_through(cloud, frame, state, (false, sink))?.0)
     }
 
-    /// The counts of a frame, and how many samples it has at most.
+    /// Returns the counts of a frame, and how many samples it has at most.
     fn go_through(
         &mut self,
         cloud: &mut DeviceCloud,
@@ -45,7 +46,7 @@ impl Renderer {
         frame.check()?;
         let source = Source::of(&frame.method).ok_or(Error::NoSamples { method: frame.method.name() })?;
         let frame = &Frame { fragments: false, ..*frame };
-        // The lifetime of a sink's own borrows is no longer than that of the engine.
+        // A sink's own borrows need not live longer than the engine.
         let mut forward = |lengths: &[u32], samples: &[_]| sink(lengths, samples);
         let engine = DeepEngine { source, state, sink: RefCell::new(&mut forward), most: Cell::new(0) };
         self.make_ready(&engine, cloud, frame, false)?;

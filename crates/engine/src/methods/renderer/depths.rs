@@ -12,8 +12,8 @@ use crate::passes::project::DeviceCloud;
 use crate::scene::Method;
 
 impl Renderer {
-    /// Finds the further depths that a frame asks for, as far as its method has them: means, and medians, which eye-dome lighting
-    /// uses as well.
+    /// Finds the further depths that a frame asks for, as far as its method has them: means, and medians, which
+    /// eye-dome lighting uses as well.
     pub(super) fn find_depths(
         &mut self,
         cloud: &mut DeviceCloud,
@@ -57,7 +57,7 @@ impl Renderer {
     /// Applies eye-dome lighting to an image that was put together from regions ([`Self::region`]).
     ///
     /// # Errors
-    /// Those of [`Self::render`].
+    /// The errors of [`Self::render`].
     pub fn apply_edl(&mut self, cloud: &DeviceCloud, frame: &Frame, image: &mut Image) -> Result<(), Error> {
         let budget = self.budget(engine_of(&frame.method).as_ref(), cloud, frame);
         let (_, shading) = edl::divided(budget, frame);

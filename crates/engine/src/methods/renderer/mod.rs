@@ -27,8 +27,8 @@ use crate::passes::foresight::Foresight;
 use crate::passes::project::DeviceCloud;
 use crate::scene::Method;
 
-/// Frames that take longer are submitted in parts, as they wait for counts: whoever cancels one waits for a submission, and some
-/// drivers end those of a few seconds.
+/// Frames that take longer are submitted in parts, as they wait for counts: whoever cancels one waits for a submission,
+/// and some drivers end those of a few seconds.
 const LONGEST: Duration = Duration::from_secs(1);
 
 /// A rendered frame.
@@ -36,9 +36,9 @@ const LONGEST: Duration = Duration::from_secs(1);
 pub struct Rendered {
     /// The image.
     pub image: Image,
-    /// Its times.
+    /// The times.
     pub profile: FrameProfile,
-    /// Its counts.
+    /// The counts.
     pub facts: Facts,
 }
 
@@ -48,8 +48,9 @@ pub struct Renderer {
     buffers: Buffers,
     target: Target,
     eye_dome: EyeDomeLighting,
-    /// Facts about frames of one kind, and which kind that is.
+    /// Counts of earlier frames of one kind.
     foresight: Foresight,
+    /// The kind of those frames.
     kind: Option<Kind>,
     /// Duration of the submissions of the last frame.
     submitted: Duration,
@@ -57,17 +58,17 @@ pub struct Renderer {
     spare: Option<Image>,
     /// Pixels of the last frame, if their colors are all in `target` as the image has them.
     whole: Option<u64>,
-    /// Counts finished pixels of a frame, and is asked before each submission if the frame may go on; hidden unless the caller
-    /// puts its own here.
+    /// Observer that counts finished pixels of a frame, and may cancel it before each submission. Hidden unless the
+    /// caller sets one.
     pub progress: Progress,
     /// `true` if passes are timed and their invocations counted, so that profiles have them; without, passes that have
     /// nothing to do with one another may run at once.
     pub timed: bool,
-    /// False if nobody needs colors on the host: where the device has those of the whole image at once, they stay there
-    /// ([`Self::colors`]), and [`Image::rgba`] is empty.
+    /// `false` if nobody needs colors on the host. If the device has the colors of the whole image at once, they stay
+    /// there ([`Self::colors`]), and [`Image::rgba`] is empty.
     pub host_colors: bool,
-    /// The pixels that are rendered; `None` means all. Pixels outside are arbitrary in the image. Pixels inside are as in the whole
-    /// image, without eye-dome lighting, which follows from all depths ([`Self::apply_edl`]).
+    /// The pixels that are rendered; `None` means all. Pixels outside are arbitrary in the image. Pixels inside are as
+    /// in the whole image, without eye-dome lighting, which follows from all depths ([`Self::apply_edl`]).
     pub region: Option<Window>,
     /// Features that tests switch off or limit; nothing else changes them.
     #[doc(hidden)]
@@ -100,8 +101,8 @@ impl Renderer {
         &self.device
     }
 
-    /// Takes an image back, whose memory the next frame of its size uses again: memory fresh from the system costs more time
-    /// than the pixels that come into it.
+    /// Takes an image back, whose memory the next frame of its size uses again: memory fresh from the system costs more
+    /// time than the pixels that come into it.
     pub fn recycle(&mut self, image: Image) {
         self.spare = Some(image);
     }
@@ -112,7 +113,7 @@ impl Renderer {
         self.whole.map(|pixels| self.target.image().first(pixels))
     }
 
-    /// Returns a copy of them on the host.
+    /// Returns a copy of [`Self::colors`] on the host.
     ///
     /// # Errors
     /// Vulkan errors.
@@ -121,7 +122,7 @@ impl Renderer {
         self.whole.map(read).transpose()
     }
 
-    /// The device has no colors any more that are those of the last image.
+    /// Notes that the device no longer has the colors of the last image.
     pub(super) fn disown_colors(&mut self) {
         self.whole = None;
     }
@@ -134,8 +135,8 @@ impl Renderer {
     /// Renders a frame.
     ///
     /// # Errors
-    /// A frame that does not fit, a device that fails, and a frame that [`Self::progress`] cancels: within one submission, after
-    /// which the renderer and the cloud serve other frames as before.
+    /// A frame that does not fit, a device that fails, and a frame that [`Self::progress`] cancels: within one
+    /// submission, after which the renderer and the cloud serve other frames as before.
     pub fn render(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Rendered, Error> {
         self.with_timeline(|renderer, timeline| renderer.render_by(cloud, frame, timeline))
     }
@@ -150,7 +151,7 @@ impl Renderer {
         done
     }
 
-    /// The same, by the submissions of a timeline.
+    /// Renders a frame by the submissions of a timeline.
     fn render_by(
         &mut self,
         cloud: &mut DeviceCloud,
@@ -199,7 +200,8 @@ impl Renderer {
         Ok(Rendered { image, profile, facts })
     }
 
-    /// Brings to the device what a frame needs of a cloud, casts its shadows, cuts it into windows, and makes room for them.
+    /// Brings to the device what a frame needs of a cloud, casts its shadows, cuts it into windows, and makes room for
+    /// them.
     fn begin(
         &mut self,
         engine: &dyn Engine,
@@ -224,7 +226,7 @@ impl Renderer {
         Ok(Begun { waits, light_views, budget, shading, windows })
     }
 
-    /// An image to draw into; decides if its colors come to the host.
+    /// Returns an image to draw into, and decides if its colors come to the host.
     fn begin_image(&mut self, engine: &dyn Engine, frame: &Frame) -> Image {
         self.target.keeps_colors =
             !self.host_colors && !frame.shading.edl.edl && !frame.depths && !brightness::is_applied(&frame.method);
@@ -251,7 +253,7 @@ impl Renderer {
         FrameProfile { passes, begin, timeline: runs, submitted, wall, waits }
     }
 
-    /// The windows of a frame, as far as they lie in the region.
+    /// Returns the windows of a frame, as far as they lie in the region.
     fn windows(&self, engine: &dyn Engine, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
         let windows = engine.windows(frame, budget)?;
         Ok(match self.region {
@@ -278,7 +280,7 @@ impl Renderer {
     }
 
     /// Computes the light of each point for the shadows of a frame, unless it has none or the cloud has them already.
-    /// They stay with the cloud, for any camera and method, until others are cast.
+    /// Shadows stay with the cloud, for any camera and method, until others are cast.
     fn cast_shadows(
         &self,
         engine: &dyn Engine,
@@ -301,7 +303,7 @@ impl Renderer {
     /// ([`DeviceCloud::lit`]). Returns its settings, or `None` if such frames have no shadows.
     ///
     /// # Errors
-    /// Those of [`Renderer::render`].
+    /// The errors of [`Renderer::render`].
     pub fn cast(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Option<Casting>, Error> {
         let engine = engine_of(&frame.method);
         self.make_ready(engine.as_ref(), cloud, frame, false)?;
@@ -334,7 +336,7 @@ impl Renderer {
         }
         let streamed = engine.streamed(&self.device, cloud, frame);
         let bytes = frame.memory_budget.unwrap_or_else(|| {
-            // Points that were dealt may only come with the frame.
+            // A cloud in ensembles may come to the device with the frame alone.
             let resident = if streamed.is_some() { 0 } else { cloud.bytes().max(cloud.column_bytes()) };
             // A quarter stays free for the system and for other programs.
             (limits.heap_bytes / 4 * 3).saturating_sub(resident).max(64 << 20)
@@ -355,7 +357,7 @@ struct Begun {
     windows: Vec<Window>,
 }
 
-/// Frames that learn from one another: those of a kind mostly have counts of much the same size.
+/// Frames that predict each other's counts: counts of a kind are mostly of much the same size.
 #[derive(Clone, Copy, PartialEq)]
 struct Kind {
     method: Method,
@@ -364,14 +366,14 @@ struct Kind {
     points: u64,
 }
 
-/// Images through the eyes of a light that a frame of a cloud needs.
+/// Returns the number of images from a light's point of view that a frame of a cloud needs.
 fn light_views(cloud: &DeviceCloud, frame: &Frame) -> u64 {
     let casting = shadows::casting(frame, cloud).filter(|casting| !cloud.has_cast(casting));
     casting.map_or(0, |casting| shadows::image_count(&casting, cloud))
 }
 
-/// An image of a frame's size, in the memory of a spare one if that is as large. Its values are arbitrary: the windows cover all
-/// of it.
+/// Returns an image of a frame's size, in the memory of a spare one if that is as large. The values are arbitrary,
+/// because the windows cover all of it.
 fn blank(spare: Option<Image>, engine: &dyn Engine, frame: &Frame) -> Image {
     let [width, height] = frame.size;
     let pixels = width as usize * height as usize;

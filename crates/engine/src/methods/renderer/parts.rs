@@ -11,9 +11,10 @@ use crate::methods::{DrawnPart, Error, Frame, SamplePart, Timeline, engine_of};
 use crate::passes::project::DeviceCloud;
 
 impl Renderer {
-    /// Draws some random samples of each pixel of a frame, or ensembles, and hands their sums to the host: all parts of a frame, drawn by
-    /// whatever renderers of equal devices with whatever memory budgets, give the image of [`Self::render`] to the byte
-    /// ([`Self::resolve_parts`]). [`Frame::sample_steps`] tells where samples may be cut; a part may be empty.
+    /// Draws some random samples of each pixel of a frame, or ensembles, and hands their sums to the host: all parts of
+    /// a frame, drawn by whatever renderers of equal devices with whatever memory budgets, give the image of
+    /// [`Self::render`] to the byte ([`Self::resolve_parts`]). [`Frame::sample_steps`] tells where samples may be cut;
+    /// a part may be empty.
     ///
     /// # Errors
     /// A frame whose samples can't be drawn in parts, samples that are no part of it, and those of [`Self::render`].

@@ -40,8 +40,8 @@ fn room(device: &Device, cloud: &DeviceCloud, frame: &Frame) -> u64 {
 }
 
 impl Renderer {
-    /// Takes points that come to the device window by window, for any method: more of them than the device has room for at once.
-    /// `points` are all of them, or some that stand for all.
+    /// Takes points that come to the device window by window, for any method: more of them than the device has room for
+    /// at once. `points` are all of them, or some that stand for all.
     ///
     /// # Errors
     /// No memory for small buffers.
@@ -49,7 +49,7 @@ impl Renderer {
         Ok(DeviceCloud::of_supply(&self.device, points, Arc::clone(supply))?)
     }
 
-    /// Returns the same of points in canonical order that stay in the host's memory.
+    /// Takes points in canonical order that come to the device window by window, and stay in the host's memory.
     ///
     /// # Errors
     /// No memory for small buffers.
@@ -78,7 +78,8 @@ impl Renderer {
         Ok(cloud.cut(wanted.as_ref(), &self.progress)?)
     }
 
-    /// Brings the points that may show in a window to the device, unless they are there. A window that too many reach must be cut.
+    /// Brings the points that may show in a window to the device, unless they are there. A window that too many reach
+    /// must be cut.
     pub(super) fn bring(
         &self,
         cloud: &mut DeviceCloud,
@@ -107,12 +108,12 @@ impl Renderer {
         let picked = beam.pick(blocks);
         let [x, y, x1, y1] = window;
         let (alone, is_tile) = (x1 - x == 1 && y1 - y == 1, x1 - x <= TILE && y1 - y <= TILE);
-        // Runs over a tile's splats are composed by themselves, so a window within a tile may have other bytes: as long as the device
-        // can hold them, a tile's points come together.
+        // Runs over a tile's splats are composed by themselves, so a window within a tile may have other bytes: as long
+        // as the device can hold them, a tile's points come together.
         let room = if is_tile { Cut::most(&self.device) } else { room.min(supply.most()) };
         let points = count(&picked);
-        // Nodes are not read in vain where so many points are expected that they won't fit; some more than that are. However many points
-        // the nodes have besides, halves of the window would read most of them twice.
+        // Nodes are not read in vain where so many points are expected that they won't fit; some more than that are.
+        // However many points the nodes have besides, halves of the window would read most of them twice.
         let few = alone
             || points <= room
             || match supply.estimate(&|position| beam.meets_point(position, 0.0)) {

@@ -1,4 +1,4 @@
-//! What is found of a frame without its image.
+//! Counts, costs and lists of a frame, without its image.
 
 use super::Renderer;
 use super::walk::{Job, largest};
@@ -11,7 +11,8 @@ use crate::passes::project::{DeviceCloud, Stats};
 use crate::scene::{Discs, Method};
 
 impl Renderer {
-    /// Finds the expected counts of the frame, from projecting and counting alone: nothing is stored, sorted or blended.
+    /// Finds the expected counts of the frame, from projecting and counting alone: nothing is stored, sorted or
+    /// blended.
     pub fn survey(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Facts, Error> {
         frame.check()?;
         let engine = engine_of(&frame.method);

@@ -11,7 +11,7 @@ use crate::passes::bands::{self, Budget, Window};
 use crate::passes::foresight::Knowledge;
 use crate::passes::project::DeviceCloud;
 
-/// What is done with each window of a frame.
+/// The work on each window of a frame.
 #[derive(Clone)]
 pub(super) struct Job<'a> {
     /// The engine.
@@ -57,8 +57,8 @@ impl Renderer {
         Ok(facts)
     }
 
-    /// Goes through the windows of a frame in their order, and cuts those that turn out too large. Each finished window is handed to
-    /// `done`.
+    /// Goes through the windows of a frame in their order, and cuts those that turn out too large. Each finished window
+    /// is handed to `done`.
     pub(super) fn walk(
         &mut self,
         cloud: &mut DeviceCloud,
@@ -102,8 +102,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// Renders or surveys a window. The counts of a window that must be cut are dropped. A window whose counts were predicted wrongly
-    /// is rendered once more.
+    /// Renders or surveys a window. The counts of a window that must be cut are dropped. A window whose counts were
+    /// predicted wrongly is rendered once more.
     fn window(
         &mut self,
         cloud: &mut DeviceCloud,

@@ -55,7 +55,7 @@ pub struct Stored<'a> {
     pub offsets: Slice<'a, u32>,
     /// The band's fragments.
     pub fragments: Slice<'a, [u32; 2]>,
-    /// Room for them once more, if long lists are merged.
+    /// Room for the fragments once more, if long lists are merged.
     pub spare: Option<Slice<'a, [u32; 2]>>,
     /// Records of fragments; any buffer where there are none.
     pub records: Slice<'a, [u32; 4]>,
@@ -109,7 +109,7 @@ pub struct Runs<'a> {
 }
 
 impl Blender {
-    /// No buffers but the small ones yet.
+    /// Allocates the small buffers alone.
     pub fn new(device: &Device) -> Result<Self, Error> {
         Ok(Self {
             classes: device.buffer("classes", CLASS_WORDS * (CLASSES.len() as u64 + 1), Memory::Device)?,
@@ -123,7 +123,7 @@ impl Blender {
         })
     }
 
-    /// Room for a window of `pixels`, with at most `long` fragments in a band's long lists.
+    /// Reserves room for a window of `pixels`, with at most `long` fragments in a band's long lists.
     pub fn reserve(&mut self, device: &Device, pixels: u64, long: u64) -> Result<(), Error> {
         self.pixels.reserve(device, pixels)?;
         if long > 0 {
@@ -137,7 +137,7 @@ impl Blender {
         Ok(())
     }
 
-    /// Room for a band of so many events in so many pixels' lists, each of which has a run.
+    /// Reserves room for a band of so many events in so many pixels' lists, each of which has a run.
     pub fn reserve_events(&mut self, device: &Device, pixels: u64, events: u64) -> Result<(), super::Error> {
         let runs = pixels + events / u64::from(LOCAL_LENGTH);
         self.runs.reserve(device, runs)?;
@@ -146,8 +146,8 @@ impl Blender {
         Ok(self.long.sums.reserve(device, runs)?)
     }
 
-    /// Room for the sums of long lists with at most `long` fragments, if there are any; and for the segments of at least so many
-    /// fragments, but of no more than the limit.
+    /// Reserves room for the sums of long lists with at most `long` fragments, and for the segments of at least so many
+    /// fragments, but of no more than the limit. Frees both if no list is long.
     pub(super) fn reserve_sums(
         &mut self,
         device: &Device,
@@ -433,8 +433,8 @@ impl Blender {
         Ok(unmerged)
     }
 
-    /// Records long lists sorted where they lie: runs as for the merge, then merges level by level, each list by one invocation,
-    /// in as few dispatches as the loops allow; returns where the sorted lists are.
+    /// Records long lists sorted where they lie: runs as for the merge, then merges level by level, each list by one
+    /// invocation, in as few dispatches as the loops allow; returns where the sorted lists are.
     fn record_in_place_sort<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
@@ -476,8 +476,9 @@ pub(crate) fn occurring(
     classes.take_while(move |(index, _)| longest > lower_bound(*index))
 }
 
-/// The variant of a kernel that sorts and blends whole lists, from the one that composes; `stop` holds for depths of first
-/// fragments alone. Behind what changes no bit of A the median has no fragment; the mean may have some that are very far away.
+/// The variant of a kernel that sorts and blends whole lists, from the one that composes; `stop` holds for depths of
+/// first fragments alone. Behind what changes no bit of A the median has no fragment; the mean may have some that are
+/// very far away.
 fn resolving_variant(compose: Variant, shown: Shown, stop: u32) -> Variant {
     match shown {
         Shown::First => compose.with("STOP", stop),

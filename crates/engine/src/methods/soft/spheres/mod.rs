@@ -1,13 +1,15 @@
 //! Soft points as spheres in the A-buffer: `soft-base` and `soft-concentric`.
 //!
-//! A pixel's list holds events: where its ray enters and leaves each sphere, or each of its shells, cut at near and at the
-//! solid points. An event is a fragment of the A-buffer, depth key and index, the latter with the shell and a bit that tells
-//! exits. All else follows from the sphere while blending, so that counting, storing and sorting are those of other lists.
+//! A pixel's list holds events: where its ray enters and leaves each sphere, or each of its shells, cut at near and at
+//! the solid points. An event is a fragment of the A-buffer, depth key and index, the latter with the shell and a bit
+//! that tells exits. All else follows from the sphere while blending, so that counting, storing and sorting are those
+//! of other lists.
 //!
-//! Short lists are gone through by one invocation. `soft-base` keeps the open spheres in an array that half of the events fill
-//! at most; `soft-concentric` needs sums only. Of long lists, each run is composed by itself: colors and constant densities
-//! are running sums, whose value before each run follows from what the runs before add; the integrals of `soft-base` are
-//! taken for each segment from all spheres that may reach it, wherever they lie in the list.
+//! Short lists are gone through by one invocation. `soft-base` keeps the open spheres in an array that half of the
+//! events fill at most; `soft-concentric` needs sums only. Of long lists, each run is composed by itself: colors and
+//! constant densities are running sums, whose value before each run follows from what the runs before add; the
+//! integrals of `soft-base` are taken for each segment from all spheres that may reach it, wherever they lie in the
+//! list.
 
 mod interior;
 mod long_lists;
@@ -58,7 +60,7 @@ pub(crate) const CONSTANTS: [(&str, u32); 2] = [("MODEL_BASE", MODEL_BASE), ("MO
 /// The soft points of a window.
 #[derive(Clone, Copy)]
 pub struct Spheres<'a> {
-    /// Their kind.
+    /// The kind of spheres.
     pub kind: Kind,
     /// Model of the density of spheres.
     pub model: SoftModel,
