@@ -18,9 +18,9 @@ use std::process::ExitCode;
 use clap::Parser;
 use pellucid_engine::Result;
 use pellucid_engine::gpu::{Device, DeviceOptions};
-use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
+use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::scene::{ColorSpace, ImageSpace, Method, PeelLayers, Shadows};
+use pellucid_engine::scene::{ImageSpace, Method, PeelLayers, Shadows};
 use pellucid_lab::report::stress::Spread;
 
 use scenes::Subject;
@@ -130,24 +130,8 @@ impl Stage {
         // The first one pays for shaders and buffers.
         for number in 0..=self.frames as u64 {
             let seed = self.seed.wrapping_add(number);
-            let frame = Frame {
-                camera: subject.camera,
-                size: [side; 2],
-                shading: subject.shading,
-                color: ColorSpace::Linear,
-                method,
-                memory_budget: None,
-                fragments: false,
-                depths: false,
-                stop: Stop::default(),
-                seed,
-                max_error: None,
-                spread: false,
-                ensembles: None,
-                shadows,
-                factors: Factors::default(),
-                detail: Default::default(),
-            };
+            let frame =
+                Frame { shading: subject.shading, seed, shadows, ..Frame::new(subject.camera, [side; 2], method) };
             let rendered = self.renderer.render(cloud, &frame)?;
             self.renderer.recycle(rendered.image);
             if number > 0 {

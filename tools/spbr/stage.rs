@@ -5,7 +5,7 @@ use pellucid_engine::Result;
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::image::Image;
-use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
+use pellucid_engine::methods::{Factors, Frame, Renderer};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::ensembles;
@@ -66,22 +66,10 @@ impl Stage {
 
     fn frame(&self, camera: Camera, size: [u32; 2], method: Method) -> Frame {
         Frame {
-            camera,
-            size,
             shading: Shading::default(),
             color: ColorSpace::Encoded,
-            method,
-            memory_budget: None,
-            fragments: false,
-            depths: false,
-            stop: Stop::Exact,
             seed: self.seed,
-            max_error: None,
-            spread: false,
-            ensembles: None,
-            shadows: None,
-            factors: Factors::default(),
-            detail: Default::default(),
+            ..Frame::new(camera, size, method)
         }
     }
 }

@@ -121,7 +121,7 @@ impl Base {
         let mut frame = Frame { shadows: None, ..Frame::of_scene(&scene, camera, 0) };
         // Not all methods have it.
         frame.shading.edl.edl = false;
-        frame.method = settings::formation(&frame.method, arranged.points())?.exact();
+        frame.method = candidates::formation(&frame.method, arranged.points())?.exact();
         let Arranged::Canonical(points) = arranged else { return Ok(None) };
         let layers = matches!(known.source, Source::Layers).then_some(target);
         // Places of points on a device are 32-bit numbers.

@@ -18,7 +18,7 @@
 //!
 //! ```
 //! use pellucid_engine::gpu::{Device, DeviceOptions};
-//! use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
+//! use pellucid_engine::methods::{Frame, Renderer};
 //! use pellucid_engine::plan;
 //! use pellucid_engine::progress::Progress;
 //! use pellucid_engine::scene::{self, Scene, procedural};
@@ -42,24 +42,7 @@
 //! let device = Device::open(&DeviceOptions::from_env())?;
 //! let mut renderer = Renderer::new(&device)?;
 //! let mut cloud = renderer.upload(&points)?;
-//! let frame = Frame {
-//!     camera,
-//!     size: scene.image.size,
-//!     shading: scene.shading,
-//!     color: scene.image.color_space(),
-//!     detail: scene.detail,
-//!     method,
-//!     memory_budget: None,
-//!     fragments: true,
-//!     depths: false,
-//!     stop: Stop::Exact,
-//!     seed: 0,
-//!     max_error: None,
-//!     spread: false,
-//!     ensembles: None,
-//!     shadows: None,
-//!     factors: Factors::default(),
-//! };
+//! let frame = Frame { fragments: true, ..Frame::new(camera, scene.image.size, method) };
 //! let rendered = renderer.render(&mut cloud, &frame)?;
 //!
 //! // Every pixel has three fragments, which let 0.95³ of the light through; float32 rounds at 6e-8.

@@ -16,7 +16,7 @@ use std::time::Instant;
 
 use pellucid_engine::Result;
 use pellucid_engine::gpu::{Device, DeviceOptions};
-use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
+use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{self, Overrides, Scene, procedural};
@@ -65,22 +65,9 @@ fn compare(device: &Device, name: &str, keys: &[(&str, &str)]) -> Result<()> {
     let arranged = scene::arrange(&scene, clouds, 0, &Progress::hidden())?;
     let (camera, _) = scene::camera(&scene, arranged.points(), up)?;
     let frame = Frame {
-        camera,
-        size: scene.image.size,
         shading: scene.shading,
         color: scene.image.color_space(),
-        method: scene.method.representative(),
-        detail: Default::default(),
-        memory_budget: None,
-        fragments: false,
-        depths: false,
-        stop: Stop::Exact,
-        max_error: None,
-        spread: false,
-        ensembles: None,
-        shadows: None,
-        factors: Factors::default(),
-        seed: 0,
+        ..Frame::new(camera, scene.image.size, scene.method.representative())
     };
     let start = Instant::now();
     let table = search(

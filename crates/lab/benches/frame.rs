@@ -23,7 +23,7 @@ use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::gpu::{Buffer, Device, DeviceOptions, Memory};
 use pellucid_engine::methods::opaque::Nearest;
-use pellucid_engine::methods::{Factors, Frame, Rendered, Renderer, Stop};
+use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_engine::passes::bands::Band;
 use pellucid_engine::passes::project::{DeviceCloud, Footprint, Part, Projecting};
 use pellucid_engine::passes::raster::{self, Chunk, Walker};
@@ -125,22 +125,9 @@ fn print_passes(device: &Device, scene: Scene, clouds: Vec<Cloud>, frames: usize
     let points = scene::assemble(&scene, clouds, scene.method.needs_radii(), &Progress::hidden())?;
     let (camera, _) = scene::camera(&scene, &points, up)?;
     let frame = Frame {
-        camera,
-        size: scene.image.size,
         shading: scene.shading,
         color: scene.image.color_space(),
-        method: plan::resolve(scene.method, &points).0,
-        detail: Default::default(),
-        memory_budget: None,
-        fragments: false,
-        depths: false,
-        stop: Stop::Exact,
-        seed: 0,
-        max_error: None,
-        spread: false,
-        ensembles: None,
-        shadows: None,
-        factors: Factors::default(),
+        ..Frame::new(camera, scene.image.size, plan::resolve(scene.method, &points).0)
     };
     let mut renderer = Renderer::new(device)?;
     let mut cloud = renderer.upload(&points)?;
@@ -275,24 +262,7 @@ fn discs(diameter: f64) -> Points {
 fn frame(method: Method) -> Frame {
     let projection = Projection::Orthographic { height: SIDE.into() };
     let camera = Camera::look_at(DVec3::new(0.0, 0.0, 2.0), DVec3::ZERO, DVec3::Y, projection, 0.5, 2.5);
-    Frame {
-        camera: camera.expect("Y is not along the view"),
-        size: [SIDE; 2],
-        shading: Shading::NONE,
-        color: ColorSpace::Linear,
-        method,
-        detail: Default::default(),
-        memory_budget: None,
-        fragments: false,
-        depths: false,
-        stop: Stop::Exact,
-        seed: 0,
-        max_error: None,
-        spread: false,
-        ensembles: None,
-        shadows: None,
-        factors: Factors::default(),
-    }
+    Frame::new(camera.expect("Y is not along the view"), [SIDE; 2], method)
 }
 
 /// The passes that only compute needs, for large splats; the prefix sums are shared with other work and left out.

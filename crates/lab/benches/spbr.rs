@@ -22,7 +22,7 @@ use pellucid_engine::Result;
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::gpu::{Buffer, Device, DeviceOptions, Memory};
 use pellucid_engine::methods::opaque::Nearest;
-use pellucid_engine::methods::{Factors, Frame, Rendered, Renderer, Stop};
+use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_engine::passes::bands::Band;
 use pellucid_engine::passes::project::{DeviceCloud, Footprint, Part, Projecting};
 use pellucid_engine::passes::raster::{self, Chunk, Walker};
@@ -206,22 +206,5 @@ fn frame(method: Method, perspective: bool) -> Frame {
         Projection::Orthographic { height: side }
     };
     let camera = Camera::look_at(DVec3::Z * 2.0 * side, DVec3::ZERO, DVec3::Y, projection, 0.5 * side, 4.0 * side);
-    Frame {
-        camera: camera.expect("Y is not along the view"),
-        size: [SIDE; 2],
-        shading: Shading::NONE,
-        color: ColorSpace::Linear,
-        method,
-        detail: Default::default(),
-        memory_budget: None,
-        fragments: false,
-        depths: false,
-        stop: Stop::Exact,
-        seed: 0,
-        max_error: None,
-        spread: false,
-        ensembles: None,
-        shadows: None,
-        factors: Factors::default(),
-    }
+    Frame::new(camera.expect("Y is not along the view"), [SIDE; 2], method)
 }

@@ -56,7 +56,7 @@ pub fn plan(session: &mut Session) -> Result<String, Failure> {
     // Count lists as `profile` does, except for methods without lists.
     let frame = Frame { fragments: !session.frame.counts_on_demand(), ..session.frame };
     let facts = session.renderer.survey(&mut session.uploaded.cloud, &frame)?;
-    let mut steps = plan::plan(&session.device, &frame, &facts, session.renderer.wide_atomics, &session.why);
+    let mut steps = plan::plan(&session.device, &frame, &facts, session.renderer.switches.wide_atomics, &session.why);
     if let Some(first) = steps.iter_mut().find(|step| step.on) {
         first.reason = [std::slice::from_ref(&first.reason), &session.assembled().colorings].concat().join("; ");
     }

@@ -8,8 +8,8 @@ mod rendering;
 
 use pellucid_engine::camera::Camera;
 use pellucid_engine::gpu::Device;
-use pellucid_engine::methods::{Factors, Frame, Stop};
-use pellucid_engine::scene::{ColorSpace, Method, Shading};
+use pellucid_engine::methods::Frame;
+use pellucid_engine::scene::Method;
 
 pub use devices::{
     alone, has_device, with_device, with_device_that_binds, with_device_that_prefers, with_new_device, with_only_device,
@@ -24,22 +24,5 @@ pub fn is_llvmpipe(device: &Device) -> bool {
 
 /// A frame without shading or budget, in linear color.
 pub fn frame(camera: Camera, size: [u32; 2], method: Method) -> Frame {
-    Frame {
-        camera,
-        size,
-        shading: Shading::NONE,
-        color: ColorSpace::Linear,
-        method,
-        detail: Default::default(),
-        memory_budget: None,
-        fragments: true,
-        depths: false,
-        stop: Stop::Exact,
-        seed: 0,
-        max_error: None,
-        spread: false,
-        ensembles: None,
-        shadows: None,
-        factors: Factors::default(),
-    }
+    Frame { fragments: true, ..Frame::new(camera, size, method) }
 }

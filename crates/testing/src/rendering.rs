@@ -25,7 +25,7 @@ pub fn rendered_by_both_atomics(device: &Device, points: &Points, frame: &Frame)
     let mut renderer = Renderer::new(device).expect("a renderer");
     let mut cloud = renderer.upload(points).expect("the cloud fits");
     let wide = renderer.render(&mut cloud, frame).expect("the frame renders");
-    renderer.wide_atomics = false;
+    renderer.switches.wide_atomics = false;
     let narrow = renderer.render(&mut cloud, frame).expect("the frame renders");
     assert!(bits(&wide.image) == bits(&narrow.image), "the two kinds of atomics differ");
     assert_eq!((&wide.image.layers, wide.facts.layers), (&narrow.image.layers, narrow.facts.layers));

@@ -326,7 +326,7 @@ impl Stage {
     /// The passes of a frame and their reasons.
     pub fn plan(&self, picture: &TakenPicture) -> Vec<plan::Step> {
         let TakenPicture { rendered, frame, why, .. } = picture;
-        plan::plan(self.renderer.device(), frame, &rendered.facts, self.renderer.wide_atomics, why)
+        plan::plan(self.renderer.device(), frame, &rendered.facts, self.renderer.switches.wide_atomics, why)
     }
 }
 

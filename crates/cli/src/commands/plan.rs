@@ -35,7 +35,8 @@ pub fn run(args: PlanArgs, console: Console) -> Result<ExitCode> {
     session.frame.fragments = !session.frame.counts_on_demand();
     let facts = session.renderer.survey(&mut session.uploaded.cloud, &session.frame)?;
     progress.finish_and_clear();
-    let mut steps = plan::plan(&session.device, &session.frame, &facts, session.renderer.wide_atomics, &session.why);
+    let mut steps =
+        plan::plan(&session.device, &session.frame, &facts, session.renderer.switches.wide_atomics, &session.why);
     // The first pass takes the points, and their colors.
     if let Some(first) = steps.iter_mut().find(|step| step.on) {
         first.reason = [std::slice::from_ref(&first.reason), &session.assembled().colorings].concat().join("; ");

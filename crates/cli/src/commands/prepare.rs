@@ -10,7 +10,7 @@ use clap::{ArgGroup, Args};
 use pellucid_engine::cloud::shadow_texture::ShadowTexture;
 use pellucid_engine::cloud::{Cloud, Prepared};
 use pellucid_engine::gpu::{Device, DeviceOptions};
-use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
+use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::scene::{self, CloudSettings, Overrides, Scene};
 use pellucid_engine::{Result, io, output, prepare};
 
@@ -188,22 +188,12 @@ impl PrepareArgs {
         let options = DeviceOptions { device: self.device.device.clone(), ..DeviceOptions::from_env() };
         let device = Device::open(&options)?;
         let frame = Frame {
-            camera,
-            size: scene.image.size,
             shading: scene.shading,
             shadows: scene.shadows,
             color: scene.image.color_space(),
-            method: scene.method.representative(),
-            detail: Default::default(),
             memory_budget: self.device.memory_budget.map(|budget| budget.as_u64()),
-            fragments: false,
-            depths: false,
-            stop: Stop::Exact,
             seed: self.seed.unwrap_or(0),
-            max_error: None,
-            spread: false,
-            ensembles: None,
-            factors: Factors::default(),
+            ..Frame::new(camera, scene.image.size, scene.method.representative())
         };
         let mut renderer = Renderer::new(&device)?;
         let mut uploaded = renderer.upload(&points)?;

@@ -2,7 +2,6 @@
 
 use std::time::Duration;
 
-use super::engine::Engine;
 use super::{Facts, Frame, PassProfile, edl, shadows};
 use crate::gpu::PassTime;
 use crate::image::Image;
@@ -20,7 +19,7 @@ pub(crate) struct PassRuns<'a> {
     pub frame: &'a Frame,
     /// The points of the frame.
     pub cloud: &'a DeviceCloud,
-    /// The rendered image.
+    /// The image of the frame.
     pub image: &'a Image,
 }
 
@@ -45,7 +44,8 @@ impl PassRuns<'_> {
         tilted && self.cloud.has_normals()
     }
 
-    /// Every band's store reads the rectangles of all splats again.
+    /// Returns the bytes of a pass that visits all splats once per window: every band's store reads their rectangles
+    /// again.
     pub fn walks(&self, tilted: bool) -> u64 {
         let facts = self.facts;
         facts.points * 8 * facts.windows.max(1) + facts.visible * self.splat(tilted)
@@ -80,9 +80,9 @@ impl PassRuns<'_> {
 }
 
 /// Sums the dispatches of each pass of a frame and its image, in order of first appearance, and adds the bytes that
-/// each must move.
+/// each must move: those of the engine's own passes are `least_bytes`.
 pub(super) fn aggregate(
-    engine: &dyn Engine,
+    least_bytes: impl Fn(&PassRuns<'_>) -> Option<u64>,
     timeline: &[(PassTime, Duration)],
     facts: &Facts,
     (frame, image): (&Frame, &Image),
@@ -97,7 +97,7 @@ pub(super) fn aggregate(
         }
         let runs = timeline.iter().filter(|(other, _)| other.name == time.name).count() as u64;
         let pass = PassRuns { name: time.name, runs, facts, frame, cloud, image };
-        let bytes = pass.common().or_else(|| engine.least_bytes(&pass));
+        let bytes = pass.common().or_else(|| least_bytes(&pass));
         passes.push(PassProfile { name: time.name, gpu: time.gpu, invocations: time.invocations, bytes });
     }
     passes

@@ -8,14 +8,14 @@
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::abuffer::ORDERED_AREA;
-use super::{Error, Factors, Frame, Renderer, Stop};
+use super::lists::ORDERED_AREA;
+use super::{Error, Frame, Renderer};
 use crate::camera::{Camera, Projection};
 use crate::gpu::Device;
 use crate::passes::project::DeviceCloud;
 use crate::points::Points;
 use crate::prepare::order;
-use crate::scene::{ColorSpace, Discs, Falloff, Method, Shading};
+use crate::scene::{Discs, Falloff, Method};
 
 /// The factors of a frame's cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -172,24 +172,7 @@ fn frame(side: u32, method: Method) -> Frame {
     let projection = Projection::Orthographic { height: side.into() };
     let camera = Camera::look_at(center, center - DVec3::Z, DVec3::Y, projection, 0.5, 3.0)
         .expect("eye, target and up are apart");
-    Frame {
-        camera,
-        size: [side; 2],
-        shading: Shading::NONE,
-        color: ColorSpace::Linear,
-        method,
-        detail: Default::default(),
-        memory_budget: None,
-        fragments: false,
-        depths: false,
-        stop: Stop::Exact,
-        seed: 0,
-        max_error: None,
-        spread: false,
-        ensembles: None,
-        shadows: None,
-        factors: Factors::default(),
-    }
+    Frame::new(camera, [side; 2], method)
 }
 
 /// Least milliseconds of some frames after one that pays for pipelines and buffers.

@@ -5,10 +5,8 @@ use std::ops::{Deref, Range};
 
 use crate::progress::Progress;
 
-use super::bytes::PassRuns;
-use super::explain::Plan;
+use super::explain::Explain;
 use super::parts::{Plane, SamplePart};
-use super::stochastic::MOST_STRATA;
 use super::{Buffers, Error, Facts, Frame, Outcome, Target, Timeline};
 use crate::gpu::{Device, DeviceInfo};
 use crate::passes::bands::{self, Budget, Window};
@@ -19,10 +17,11 @@ use crate::passes::project::{DeviceCloud, Extent, Projecting, Stats};
 use crate::passes::raster::Walker;
 use crate::passes::tiles::Tiles;
 use crate::random::STRATUM;
+use crate::scene::MAX_LAYERS;
 
-/// A family of methods with the settings of one of them: how its frames are cut into windows, rendered, counted, measured and
-/// explained. Buffers that outlive a frame are in [`Buffers`].
-pub(crate) trait Engine {
+/// A family of methods with the settings of one of them: how its frames are cut into windows, rendered and counted.
+/// Buffers that outlive a frame are in [`Buffers`].
+pub(crate) trait Engine: Explain {
     /// Cuts a frame into windows whose buffers fit the budget, the first one first.
     ///
     /// # Errors
@@ -44,7 +43,8 @@ pub(crate) trait Engine {
         }
     }
 
-    /// Brings to the device what frames need of a cloud: its points, and room for their splats. A survey may do with less.
+    /// Brings to the device what frames need of a cloud: its points, and room for their splats. A survey may do with
+    /// less.
     ///
     /// # Errors
     /// No memory for them, or more of them than the device can address.
@@ -57,12 +57,12 @@ pub(crate) trait Engine {
         Ok(())
     }
 
-    /// False of engines that take points as they are, without splats.
+    /// `false` for engines that take points as they are, without splats.
     fn projects(&self) -> bool {
         true
     }
 
-    /// Finds what is found once for a cloud, before the first frame that needs it.
+    /// Computes the data of a cloud that is computed once, before the first frame that needs it.
     ///
     /// # Errors
     /// No memory for it.
@@ -126,13 +126,6 @@ pub(crate) trait Engine {
     /// # Errors
     /// The device failed.
     fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error>;
-
-    /// Bytes that a pass must at least read and write, from the counts of the frame; cached re-reads are not counted. `None`
-    /// where that is not known.
-    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64>;
-
-    /// Adds the passes of the frame to its plan, in the order of their first run, and those of its own that it leaves out.
-    fn explain(&self, plan: &mut Plan<'_>);
 }
 
 /// Sums that the random samples of a pixel leave before they are resolved.
@@ -142,7 +135,7 @@ pub(crate) enum Sums {
     Ensembles,
     /// Float32 numbers of each batch of samples.
     Samples,
-    /// The same, and the exact A, which corrects them.
+    /// Float32 numbers of each batch of samples, and the exact A, which corrects them.
     Corrected,
 }
 
@@ -151,12 +144,12 @@ impl Sums {
     pub fn step(self) -> u32 {
         match self {
             Self::Ensembles => 1,
-            Self::Samples | Self::Corrected => MOST_STRATA * STRATUM,
+            Self::Samples | Self::Corrected => super::stochastic::MOST_STRATA * STRATUM,
         }
     }
 }
 
-/// Values that an engine can count for each pixel, beside color and depth.
+/// Values that an engine can count for each pixel, in addition to color and depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Channels {
     /// Lengths of lists.
@@ -168,11 +161,11 @@ pub(crate) struct Channels {
 /// Source of the lengths of a pixel's lists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Fragments {
-    /// Not at all.
+    /// Lengths are not counted.
     Never,
-    /// In separate passes, if a frame asks for them: images don't need the counts.
+    /// Separate passes count, if a frame asks for it: images don't need the counts.
     Beside,
-    /// By the passes that render.
+    /// The passes that render count.
     Within,
 }
 
@@ -197,16 +190,24 @@ pub(crate) struct Counts {
 }
 
 /// Features that tests switch off or limit.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Switches {
-    /// `true` if 64-bit atomics are used.
+pub struct Switches {
+    /// `true` if opaque splats and layers use 64-bit atomics.
     pub wide_atomics: bool,
     /// `true` if ensembles are drawn in one go where possible.
     pub single_pass: bool,
-    /// Most bits of a key for epochs of ensembles.
+    /// The largest number of bits of a key for epochs of ensembles.
     pub epoch_bits: u32,
-    /// Layers after which peeling gives up.
+    /// Layers after which `peel` gives up.
     pub max_layers: u32,
+}
+
+impl Switches {
+    /// Returns the switches as every frame has them unless a test changes them.
+    pub(super) fn of(device: &DeviceInfo) -> Self {
+        Self { wide_atomics: device.int64_atomics, single_pass: true, epoch_bits: 31, max_layers: MAX_LAYERS }
+    }
 }
 
 /// A window in work, with everything that all engines need.
@@ -260,8 +261,8 @@ impl Work<'_> {
         project(self.device, cloud, (self.frame, self.window), how, self.timeline)
     }
 
-    /// Makes room for the tiles of large splats, if they are `needed`; the budget beside them, or `None` if the window must be
-    /// cut.
+    /// Makes room for the tiles of large splats, if they are `needed`; the budget beside them, or `None` if the window
+    /// must be cut.
     pub fn reserve_tiles(&self, tiles: &mut Tiles, stats: &[Stats], needed: bool) -> Result<Option<Budget>, Error> {
         let bytes = if needed { Tiles::bytes(stats, self.window) } else { 0 };
         let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
@@ -319,7 +320,7 @@ pub(crate) struct Projected {
 pub(crate) struct Found(Place);
 
 impl Found {
-    /// They, by chunk.
+    /// Returns the results by chunk.
     pub fn stats(self, timeline: &Timeline) -> Vec<Stats> {
         stats_of(timeline.found(self.0))
     }

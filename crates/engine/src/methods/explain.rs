@@ -1,12 +1,24 @@
 //! The plan of a frame: the passes that run, and the fact that decides each. Engines add their own; shared parts are
 //! here.
 
+use super::bytes::PassRuns;
 use super::{Facts, Frame, edl, shadows};
 use crate::gpu::Device;
 use crate::passes::bin::{self, Order};
 use crate::passes::radix::Digits;
 use crate::passes::tiles;
 use crate::scene::ShadingModel;
+
+/// The statistics and the prose of an engine's passes.
+pub(crate) trait Explain {
+    /// Bytes that a pass must at least read and write, from the counts of the frame; cached re-reads are not counted.
+    /// `None` where that is not known.
+    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64>;
+
+    /// Adds the passes of the frame to its plan, in the order of their first run, and those of its own that it leaves
+    /// out.
+    fn explain(&self, plan: &mut Plan<'_>);
+}
 
 /// A pass of the frame plan.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
@@ -31,11 +43,11 @@ pub(crate) struct PassGroup {
 /// Reason why a group of passes doesn't run.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Absent {
-    /// The text as it is.
+    /// A reason for every frame.
     Always(&'static str),
-    /// The text, because the current method doesn't need the passes.
+    /// A reason of the current method, which doesn't need them.
     Method(&'static str),
-    /// The text, unless the method has no discs: then it has no transparency at all.
+    /// A reason of the current method, if it has discs; methods without discs have no transparency at all.
     Discs(&'static str),
 }
 

@@ -64,26 +64,38 @@ impl Default for Factors {
 }
 
 impl Frame {
-    /// Returns a frame of a scene by a camera and a seed, to the last bit, with all available memory. `auto` becomes
-    /// the A-buffer; [`crate::plan::choose`] finds a cheaper method.
-    pub fn of_scene(scene: &Scene, camera: Camera, seed: u64) -> Self {
+    /// Returns a frame of unshaded points in linear light: everything exact, all available memory, seed 0.
+    pub fn new(camera: Camera, size: [u32; 2], method: Method) -> Self {
         Self {
             camera,
-            size: scene.image.size,
-            shading: scene.shading,
-            shadows: scene.shadows,
-            color: scene.image.color_space(),
-            method: scene.method.representative(),
-            detail: scene.detail,
+            size,
+            shading: Shading::NONE,
+            shadows: None,
+            color: ColorSpace::Linear,
+            method,
+            detail: Detail::default(),
             memory_budget: None,
             fragments: false,
             depths: false,
             stop: Stop::Exact,
-            seed,
+            seed: 0,
             max_error: None,
             spread: false,
             ensembles: None,
             factors: Factors::default(),
+        }
+    }
+
+    /// Returns a frame of a scene by a camera and a seed, to the last bit, with all available memory. `auto` becomes
+    /// the A-buffer; [`crate::plan::choose`] finds a cheaper method.
+    pub fn of_scene(scene: &Scene, camera: Camera, seed: u64) -> Self {
+        Self {
+            shading: scene.shading,
+            shadows: scene.shadows,
+            color: scene.image.color_space(),
+            detail: scene.detail,
+            seed,
+            ..Self::new(camera, scene.image.size, scene.method.representative())
         }
     }
 

@@ -10,15 +10,14 @@
 //! faster, for four bytes more of the budget; a counter of nodes for every 64 pixels in place of one for all made the
 //! store no faster.
 
+use super::abuffer::{self, Blender, Blending, Needs, Room, StoreFragments};
+use super::{Error, Target};
 use crate::gpu::shader::Shader;
-use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
-use crate::methods::ellipsoids;
+use crate::gpu::{Dispatch, Expected, Recorder, Run, Slice, Variant};
 use crate::passes::bands::Band;
 use crate::passes::raster::{self, Chunk, ChunkGroup, Raster, RasterPush};
 use crate::{gpu_struct, pass};
 
-/// Bytes of a node's link to the next.
-pub const LINK_BYTES: u64 = 4;
 /// Links that one invocation of `linked-list/gather` follows; longer lists are gathered by several runs.
 const GATHER_STEP: u32 = 32_768;
 /// The end of a list.
@@ -62,77 +61,104 @@ fn gather_variant(counted: bool) -> Variant {
     Variant::plain().with("STEP", GATHER_STEP).with("COUNTED", u32::from(counted))
 }
 
-/// Buffers of linked lists besides those of the A-buffer.
-pub struct LinkedList {
-    node_count: Buffer<u32>,
-    links: Kept<u32>,
-}
+/// Stores fragments through linked lists.
+#[derive(Debug, Clone, Copy)]
+pub struct LinkedLists;
 
-/// Buffers of the A-buffer that the lists of a band go through.
+/// Buffers of a pass that puts nodes before the lists of pixels.
 #[derive(Clone, Copy)]
-pub struct Through<'a> {
-    /// Prefix sums of the window's list lengths.
-    pub offsets: Slice<'a, u32>,
-    /// One word for each pixel of the window.
+pub struct Linking<'a> {
+    /// The first node of each pixel of the window.
     pub heads: Slice<'a, u32>,
-    /// Room for the band's fragments.
+    /// Counter of nodes.
+    pub node_count: Slice<'a, u32>,
+    /// The nodes of the band.
     pub nodes: Slice<'a, [u32; 2]>,
-    /// Buffer that the lists end up in.
-    pub fragments: Slice<'a, [u32; 2]>,
+    /// Links to the next node.
+    pub links: Slice<'a, u32>,
 }
 
-impl LinkedList {
-    /// No buffers but the small one yet.
-    pub fn new(device: &Device) -> Result<Self, Error> {
-        let node_count = device.buffer("node count", 1, Memory::Device)?;
-        Ok(Self { node_count, links: Kept::new("list links", Memory::Device) })
+impl StoreFragments for LinkedLists {
+    fn needs(&self) -> Needs {
+        Needs { links: true, ..Needs::default() }
     }
 
-    /// Reserves room for `most` nodes, and for at most `limit`.
-    pub fn reserve(&mut self, device: &Device, most: u64, limit: u64) -> Result<(), Error> {
-        self.links.reserve_within(device, most, limit)
-    }
-
-    /// Frees the buffers of [`Self::reserve`].
-    pub fn release(&mut self) {
-        self.links.release();
-    }
-
-    /// Records the fragments of a band to their pixels' ranges, or the events of ellipsoids; `longest` is the length of
-    /// the longest list.
-    pub fn record<'a>(
+    fn record_count<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
         raster: &Raster<'a>,
-        (through, events): (Through<'a>, bool),
+        counts: Slice<'a, u32>,
+        _bodies: Slice<'a, u32>,
+    ) -> Result<(), Error> {
+        abuffer::record_fragment_count(recorder, raster, counts)
+    }
+
+    fn record_store<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        raster: &Raster<'a>,
         band: &Band,
+        room: &'a Room,
         longest: u32,
     ) -> Result<(), Error> {
-        let Through { offsets, heads, nodes, fragments } = through;
-        let (node_count, links) = (self.node_count.all(), self.links.get().all());
-        let pixels = u64::from(band.pixels[1] - band.pixels[0]);
-        recorder.fill("linked-list/clear", heads.skip(band.pixels[0].into()).first(pixels), NONE)?;
-        recorder.fill("linked-list/clear", node_count, 0)?;
-        if events {
-            let link = |chunk: Chunk<'a>| ellipsoids::Link { chunk, heads, node_count, nodes, links };
-            raster.record(recorder, band, link)?;
-        } else {
-            raster.record(recorder, band, |chunk: Chunk<'a>| Store { chunk, heads, node_count, nodes, links })?;
-        }
-        for done in (0..longest).step_by(GATHER_STEP as usize) {
-            let [band_start, band_end] = band.pixels;
-            let push = GatherPush { band_start, band_end, first_fragment: band.first_fragment, done };
-            let run = Run::new(Dispatch::Invocations(pixels)).variant(gather_variant(cfg!(debug_assertions)));
-            recorder.run(&Gather { offsets, heads, nodes, links, fragments }, push, &run)?;
-        }
-        let offset = |pixel: u32| offsets.skip(pixel.into()).first(1);
-        let stored = Expected::Below { ends: offset(band.pixels[1]), counts: offset(band.pixels[0]) };
-        recorder.agree("linked-list/store", "counter", node_count, stored)?;
-        // Heads are lengths now.
-        let of_band = |slice: Slice<'a, u32>| slice.skip(band.pixels[0].into()).first(pixels);
-        let lengths = Expected::Below { ends: of_band(offsets.skip(1)), counts: of_band(offsets) };
-        recorder.agree("linked-list/gather", "pixel", of_band(heads), lengths)
+        record(recorder, room, (band, longest), |recorder, Linking { heads, node_count, nodes, links }| {
+            Ok(raster.record(recorder, band, |chunk: Chunk<'a>| Store { chunk, heads, node_count, nodes, links })?)
+        })
     }
+
+    fn record_blend<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        blender: &'a Blender,
+        blending: &Blending<'a>,
+        target: &'a Target,
+    ) -> Result<(), Error> {
+        blender.record_fragments(recorder, blending, target)
+    }
+
+    fn record_samples<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        blender: &'a Blender,
+        blending: &Blending<'a>,
+        _bodies: bool,
+        to: (Slice<'a, [f32; 4]>, Slice<'a, [f32; 2]>),
+    ) -> Result<(), Error> {
+        blender.record_fragment_samples(recorder, blending, to)
+    }
+}
+
+/// Records a band's fragments to their pixels' ranges: `link` puts them into lists, whose nodes are then copied.
+/// `longest` is the length of the longest list.
+///
+/// # Errors
+/// Vulkan errors.
+pub fn record<'a>(
+    recorder: &mut Recorder<'a>,
+    room: &'a Room,
+    (band, longest): (&Band, u32),
+    link: impl FnOnce(&mut Recorder<'a>, Linking<'a>) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let (offsets, heads) = (room.offsets.get().all(), room.counts.get().all());
+    let (nodes, fragments) = (room.spare.get().all(), room.fragments.get().all());
+    let (node_count, links) = (room.node_count.all(), room.links.get().all());
+    let pixels = u64::from(band.pixels[1] - band.pixels[0]);
+    recorder.fill("linked-list/clear", heads.skip(band.pixels[0].into()).first(pixels), NONE)?;
+    recorder.fill("linked-list/clear", node_count, 0)?;
+    link(recorder, Linking { heads, node_count, nodes, links })?;
+    for done in (0..longest).step_by(GATHER_STEP as usize) {
+        let [band_start, band_end] = band.pixels;
+        let push = GatherPush { band_start, band_end, first_fragment: band.first_fragment, done };
+        let run = Run::new(Dispatch::Invocations(pixels)).variant(gather_variant(cfg!(debug_assertions)));
+        recorder.run(&Gather { offsets, heads, nodes, links, fragments }, push, &run)?;
+    }
+    let offset = |pixel: u32| offsets.skip(pixel.into()).first(1);
+    let stored = Expected::Below { ends: offset(band.pixels[1]), counts: offset(band.pixels[0]) };
+    recorder.agree("linked-list/store", "counter", node_count, stored)?;
+    // Heads are lengths now.
+    let of_band = |slice: Slice<'a, u32>| slice.skip(band.pixels[0].into()).first(pixels);
+    let lengths = Expected::Below { ends: of_band(offsets.skip(1)), counts: of_band(offsets) };
+    Ok(recorder.agree("linked-list/gather", "pixel", of_band(heads), lengths)?)
 }
 
 /// Returns the passes with their variants.

@@ -19,6 +19,7 @@ mod frame;
 mod frame_profile;
 pub mod image_space;
 pub mod linked_list;
+mod lists;
 pub mod one_layer;
 pub mod opaque;
 mod parts;
@@ -40,6 +41,8 @@ mod tiled;
 mod told;
 mod walker;
 
+#[doc(hidden)]
+pub use engine::Switches;
 pub use error::Error;
 pub use explain::Step;
 pub use facts::{Facts, ThinCloud};
@@ -79,8 +82,8 @@ pub(crate) fn engine_of(method: &Method) -> Box<dyn Engine> {
         Method::Squares(splats) => nearest(splats, Footprint::Square),
         Method::Circles(splats) | Method::Sphere(splats) => nearest(splats, Footprint::Disc),
         Method::Paraboloid(settings) | Method::Cone(settings) => outlined(settings),
-        Method::ABuffer(discs) => Box::new(abuffer::ListEngine { discs, linked: false, shown: Shown::First }),
-        Method::LinkedList(discs) => Box::new(abuffer::ListEngine { discs, linked: true, shown: Shown::First }),
+        Method::ABuffer(discs) => Box::new(lists::ListEngine { discs, linked: false, shown: Shown::First }),
+        Method::LinkedList(discs) => Box::new(lists::ListEngine { discs, linked: true, shown: Shown::First }),
         Method::Sorted(discs) => Box::new(sorted::SortedEngine { discs }),
         Method::Peel(peel) => Box::new(peel::PeelEngine { peel }),
         Method::Stochastic(settings) => Box::new(stochastic::StochasticEngine { settings }),
@@ -140,11 +143,11 @@ pub(crate) struct Buffers {
     /// Tiles of large splats, for passes that visit splats one by one.
     pub tiles: Tiles,
     /// All others.
-    pub machines: Machines,
+    pub resources: Resources,
 }
 
 /// The building blocks of engines. Several engines share the first ones.
-pub(crate) struct Machines {
+pub(crate) struct Resources {
     /// Lists of fragments.
     pub lists: abuffer::ABuffer,
     /// Tiles of ordered splats.
@@ -181,7 +184,7 @@ impl Buffers {
     /// # Errors
     /// Out of memory.
     pub fn new(device: &Device) -> Result<Self, Error> {
-        let machines = Machines {
+        let resources = Resources {
             lists: abuffer::ABuffer::new(device)?,
             bins: Bins::new(device)?,
             splatter: splats::Splatter::default(),
@@ -197,7 +200,7 @@ impl Buffers {
             soft_counted: false,
             ensembles: spbr::Ensembles::default(),
         };
-        Ok(Self { tiles: Tiles::new(device)?, machines })
+        Ok(Self { tiles: Tiles::new(device)?, resources })
     }
 }
 

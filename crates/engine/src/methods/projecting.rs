@@ -1,8 +1,8 @@
 //! The projection settings of a frame's splats.
 
-use super::{Frame, shadows};
+use super::{Frame, abuffer, shadows};
 use crate::passes::project::{DeviceCloud, Drawing, Footprint, Part, Projecting};
-use crate::scene::{Raster, ScreenSplats, SplatShape};
+use crate::scene::{DiscShape, Discs, Kernel, Order, Raster, ScreenSplats, SplatShape};
 
 /// Radii as they are.
 pub(super) const UNCLAMPED: ScreenSplats = ScreenSplats { size: 1.0, max_pixel_radius: f32::MAX, raster: Raster::Auto };
@@ -44,4 +44,18 @@ impl Frame {
     pub(super) fn projecting_points(&self, cloud: &DeviceCloud) -> Projecting {
         self.projecting(cloud, Footprint::Point, UNCLAMPED, Part::All)
     }
+}
+
+/// Returns the conversion of a cloud's discs and Gaussians to splats.
+pub(super) fn discs(frame: &Frame, cloud: &DeviceCloud, discs: &Discs) -> Projecting {
+    let of_discs = frame.projecting(cloud, abuffer::footprint(discs.shape), UNCLAMPED, Part::All);
+    if !cloud.has_gaussians() {
+        return of_discs;
+    }
+    let (settings, order) = (discs.gaussians, frame.method.order());
+    let shape = if of_discs.footprint == Footprint::Oriented { DiscShape::Oriented } else { DiscShape::Flat };
+    let flat = shape == DiscShape::Flat && settings.kernel == Kernel::Ewa && order != Order::Pixel;
+    let footprint = if flat { Footprint::FlatGaussian } else { Footprint::Gaussian };
+    let relative_depth = settings.kernel == Kernel::Ellipsoid;
+    Projecting { footprint, relative_depth, gaussians: Drawing { settings, order, discs: shape }, ..of_discs }
 }

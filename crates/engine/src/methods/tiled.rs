@@ -1,11 +1,11 @@
 //! Common parts of the methods over tiles of ordered splats: `sorted`, `stochastic` and the approximations.
 
-use super::abuffer::{self, Storing};
+use super::abuffer;
 use super::bytes::PassRuns;
 use super::engine::{Counts, Work};
 use super::explain::{Absent, NOTHING, ORDER, PRESORTED, PassGroup, Plan};
 use super::walker::walker;
-use super::{Buffers, Error, Facts, Frame, Machines, Outcome, sorted};
+use super::{Buffers, Error, Facts, Frame, Outcome, Resources, sorted};
 use crate::gpu::Device;
 use crate::passes::bands::{self, Window};
 use crate::passes::bin::{self, Bins, Order, RECORD_BYTES};
@@ -48,7 +48,7 @@ pub(crate) trait Stage {
     /// Returns an error if [`Bins::bin`] or the drawing fails.
     fn draw(
         &self,
-        machines: &mut Machines,
+        resources: &mut Resources,
         work: &mut Work<'_>,
         bin: bin::Job<'_>,
         max_color: f32,
@@ -64,11 +64,11 @@ pub(super) fn counted_bytes(frame: &Frame) -> u64 {
 pub(super) fn render(
     stage: &impl Stage,
     cloud: &mut DeviceCloud,
-    Buffers { tiles, machines }: &mut Buffers,
+    Buffers { tiles, resources }: &mut Buffers,
     work: &mut Work<'_>,
 ) -> Result<Outcome, Error> {
     let (device, frame, window, discs) = (work.device, work.frame, work.window, stage.discs());
-    let how = abuffer::projecting(frame, cloud, &discs);
+    let how = super::projecting::discs(frame, cloud, &discs);
     let stats = work.project(cloud, &how)?;
     let walker = stage.walker(device, window)?;
     // Splats are visited one by one only to be counted.
@@ -82,19 +82,19 @@ pub(super) fn render(
         let lists = abuffer::WindowJob {
             raster,
             discs,
-            storing: Storing::Slots,
+            storing: &abuffer::Slots,
             stop,
             shown: abuffer::Shown::First,
             budget,
             samples: None,
         };
-        if machines.lists.tally(work, &lists)? == Outcome::Overflow {
+        if resources.lists.tally(work, &lists)? == Outcome::Overflow {
             return Ok(Outcome::Overflow);
         }
         counted_bytes += pixels * abuffer::PIXEL_BYTES;
     }
     let bin = bin::Job { raster, order: stage.order(), depth_range: frame.key_range(), budget, counted_bytes };
-    let outcome = if work.survey { stage.survey(work, &bin)? } else { stage.draw(machines, work, bin, max_color)? };
+    let outcome = if work.survey { stage.survey(work, &bin)? } else { stage.draw(resources, work, bin, max_color)? };
     if outcome == Outcome::Done {
         work.finish();
         work.note(&stats, walker);
@@ -104,7 +104,7 @@ pub(super) fn render(
 
 /// List lengths of the window that was counted last, if the frame asks for them.
 pub(super) fn counts(buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
-    buffers.machines.lists.counts(frame, window)
+    buffers.resources.lists.counts(frame, window)
 }
 
 /// The stages that go through tiles of ordered splats.

@@ -149,8 +149,8 @@ fn parts_of_ensembles_are_the_whole() {
         ] {
             // In several windows, in one, with and without atomics of 64 bits, in one go and in two stages.
             let mut ranks = dealt_ranks(device, &list, &[None, Some(200_000), None, None, Some(3_000_000)]);
-            ranks[2].renderer.wide_atomics = false;
-            ranks[3].renderer.single_pass = false;
+            ranks[2].renderer.switches.wide_atomics = false;
+            ranks[3].renderer.switches.single_pass = false;
             let frame = frame(camera(2.2, true), SIZE, method);
             let frame = Frame { shading, spread, ensembles, fragments: false, seed: 11, ..frame };
             assert!(ranks[1].draw(&frame, 0..1).facts.windows > 1);
@@ -182,7 +182,7 @@ fn parts_of_ensembles_whose_epochs_run_out_are_the_whole() {
         let list = dealt(&[plane(10, 300_000, sides, DVec3::ZERO, Vec3::ONE, 0.99)]);
         let mut ranks = dealt_ranks(device, &list, &[None, None]);
         let frame = frame(camera(4.0, true), SIZE, Method::Spbr(Spbr { ensembles: 5, ..Spbr::default() }));
-        ranks[1].renderer.epoch_bits = 1;
+        ranks[1].renderer.switches.epoch_bits = 1;
         let drawn = ranks[1].draw(&frame, 0..4).facts;
         assert!(drawn.renewed && drawn.form == Some(Form::Single), "{drawn:?}");
         compare(&mut ranks, &frame, "epochs");

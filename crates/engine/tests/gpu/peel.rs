@@ -216,7 +216,7 @@ fn too_many_layers_are_an_error_that_names_the_limit() {
         // Within a batch, at its end, and beyond it.
         for limit in [5u32, 15, 16, 20] {
             let mut renderer = Renderer::new(device).expect("a renderer");
-            renderer.max_layers = limit;
+            renderer.switches.max_layers = limit;
             let mut fitting = renderer.upload(&stack(limit as usize)).expect("fits");
             let rendered = renderer.render(&mut fitting, &pixel(all_layers())).expect("as many as allowed");
             assert_eq!(rendered.facts.layers, limit);

@@ -20,8 +20,8 @@ fn assert_same_as_dots(device: &Device, points: &Points, frame: &Frame) -> usize
     let mut renderer = Renderer::new(device).expect("a renderer");
     let mut cloud = renderer.upload(points).expect("fits");
     let dots = renderer.render(&mut cloud, &Frame { method: DOTS, ..*frame }).expect("renders");
-    for wide in [renderer.wide_atomics, false] {
-        renderer.wide_atomics = wide;
+    for wide in [renderer.switches.wide_atomics, false] {
+        renderer.switches.wide_atomics = wide;
         let found = renderer.render(&mut cloud, &Frame { method: Method::Points, ..*frame }).expect("renders");
         assert!(bits(&found.image) == bits(&dots.image), "wide atomics: {wide}, {frame:?}");
         assert_eq!(found.facts.visible, dots.facts.visible);

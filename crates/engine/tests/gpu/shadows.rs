@@ -479,7 +479,7 @@ fn a_texture_is_cast_once_and_belongs_to_its_light() {
             jumble.shuffle(&mut random(5));
             assert!(bits(&render(device, &scene(&jumble), &frame)) == first);
             let mut renderer = Renderer::new(device).expect("a renderer");
-            renderer.wide_atomics = false;
+            renderer.switches.wide_atomics = false;
             let mut cloud = renderer.upload(&points).expect("fits");
             assert!(bits(&renderer.render(&mut cloud, &frame).expect("renders").image) == first);
             // Nor does a budget that cuts the image.

@@ -275,11 +275,11 @@ fn all_forms(renderer: &mut Renderer, list: &Dealt, frame: &Frame) -> Vec<(Optio
     let wide = renderer.device().info().int64_atomics;
     let mut found = Vec::new();
     for (wide, single) in [(wide, true), (wide, false), (false, false)] {
-        (renderer.wide_atomics, renderer.single_pass) = (wide, single);
+        (renderer.switches.wide_atomics, renderer.switches.single_pass) = (wide, single);
         let rendered = render_on(renderer, list, frame);
         found.push((rendered.facts.form, rendered.image));
     }
-    (renderer.wide_atomics, renderer.single_pass) = (wide, true);
+    (renderer.switches.wide_atomics, renderer.switches.single_pass) = (wide, true);
     found
 }
 
@@ -385,7 +385,7 @@ fn a_cloud_may_change_between_the_device_and_the_host() {
             assert_eq!(cloud.bytes() >= point, streamed.is_none());
             // In two stages, each of which goes over the whole cloud in each window.
             assert!(found.facts.uploaded_bytes <= 2 * point * found.facts.windows);
-            let steps = plan(device, &frame, &surveyed, renderer.wide_atomics, "asked for");
+            let steps = plan(device, &frame, &surveyed, renderer.switches.wide_atomics, "asked for");
             let mut ran: Vec<&str> = found.profile.passes.iter().map(|pass| pass.name).collect();
             let mut planned: Vec<&str> = steps.iter().filter(|step| step.on).map(|step| step.name).collect();
             ran.sort_unstable();
@@ -428,7 +428,7 @@ fn epochs_that_run_out_change_nothing() {
         let many = render_on(&mut renderer, &list, &frame);
         assert!(!many.facts.renewed);
         for (epoch_bits, single_pass) in [(2, true), (1, true), (0, true), (2, false)] {
-            (renderer.epoch_bits, renderer.single_pass) = (epoch_bits, single_pass);
+            (renderer.switches.epoch_bits, renderer.switches.single_pass) = (epoch_bits, single_pass);
             let few = render_on(&mut renderer, &list, &frame);
             assert_eq!(few.facts.renewed, single_pass);
             assert!(bits(&few.image) == bits(&many.image), "{epoch_bits} bits");
@@ -562,7 +562,7 @@ fn the_plan_lists_the_passes_that_run() {
             let frame = Frame { shading, ..frame(camera(distance, true), SIZE, method(9)) };
             let mut cloud = renderer.upload_dealt(&list).expect("fits");
             let surveyed = renderer.survey(&mut cloud, &frame).expect("surveyed");
-            let steps = plan(device, &frame, &surveyed, renderer.wide_atomics, "asked for");
+            let steps = plan(device, &frame, &surveyed, renderer.switches.wide_atomics, "asked for");
             let found = renderer.render(&mut cloud, &frame).expect("renders");
             let mut ran: Vec<&str> = found.profile.passes.iter().map(|pass| pass.name).collect();
             let mut planned: Vec<&str> = steps.iter().filter(|step| step.on).map(|step| step.name).collect();

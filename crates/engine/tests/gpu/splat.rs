@@ -16,12 +16,12 @@ fn render_both(device: &Device, points: &Points, frame: &Frame) -> Image {
     let mut renderer = Renderer::new(device).expect("a renderer");
     let mut cloud = renderer.upload(points).expect("fits");
     let native = renderer.render(&mut cloud, frame).expect("renders").image;
-    renderer.wide_atomics = false;
+    renderer.switches.wide_atomics = false;
     let narrow = renderer.render(&mut cloud, frame).expect("renders").image;
     assert!(bits(&native) == bits(&narrow), "the two kinds of atomics differ");
     if let Some(method) = rasterized(frame.method) {
         for wide in [device.info().int64_atomics, false] {
-            renderer.wide_atomics = wide;
+            renderer.switches.wide_atomics = wide;
             let drawn = renderer.render(&mut cloud, &Frame { method, ..*frame }).expect("renders").image;
             assert!(bits(&native) == bits(&drawn), "{method:?}: the rasterizer finds other fragments");
         }

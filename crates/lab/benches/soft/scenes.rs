@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use pellucid_engine::Result;
 use pellucid_engine::cloud::Cloud;
-use pellucid_engine::methods::{Factors, Frame, Stop};
+use pellucid_engine::methods::Frame;
 use pellucid_engine::points::Points;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{self, Method, OneLayer, Overrides, Scene, Soft, procedural};
@@ -45,22 +45,9 @@ impl Subject {
         let is_default = given == Soft::default();
         let soft = if is_default { Soft { threshold: middle(&points.fields), ..given } } else { given };
         let frame = Frame {
-            camera,
-            size: scene.image.size,
             shading: scene.shading,
             color: scene.image.color_space(),
-            method: Method::SoftExpress(soft),
-            detail: Default::default(),
-            memory_budget: None,
-            fragments: false,
-            depths: false,
-            stop: Stop::Exact,
-            max_error: None,
-            spread: false,
-            ensembles: None,
-            shadows: None,
-            factors: Factors::default(),
-            seed: 0,
+            ..Frame::new(camera, scene.image.size, Method::SoftExpress(soft))
         };
         let count = points.fields.iter().filter(|field| **field > soft.threshold).count();
         println!("\n== {name}: {} points, {count} of them soft (threshold {})", points.len(), soft.threshold);

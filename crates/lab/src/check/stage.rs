@@ -5,11 +5,11 @@ use glam::{DVec3, Vec3};
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
-use pellucid_engine::methods::{Error, Factors, Frame, Rendered, Renderer, Stop};
+use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::order;
 use pellucid_engine::reference::abuffer::{Fragment, composite};
-use pellucid_engine::scene::{ColorSpace, Method, Shading};
+use pellucid_engine::scene::Method;
 
 /// Half a unit in the last place, relative: the largest error of a rounding to float32.
 pub const HALF_ULP: f64 = f32::EPSILON as f64 / 2.0;
@@ -113,24 +113,7 @@ pub fn at(x: u32, y: u32, depth: f64) -> DVec3 {
 
 /// A frame without shading or budget, in linear color.
 pub fn frame(camera: Camera, size: [u32; 2], method: Method) -> Frame {
-    Frame {
-        camera,
-        size,
-        shading: Shading::NONE,
-        shadows: None,
-        color: ColorSpace::Linear,
-        method,
-        detail: Default::default(),
-        memory_budget: None,
-        fragments: false,
-        depths: false,
-        stop: Stop::Exact,
-        seed: 0,
-        max_error: None,
-        spread: false,
-        ensembles: None,
-        factors: Factors::default(),
-    }
+    Frame::new(camera, size, method)
 }
 
 /// Bytes in which two images differ, depths included.

@@ -311,9 +311,9 @@ fn streamed(device: &Device, all: &[Baseline], wrong: &mut Wrong) -> usize {
 fn otherwise(device: &Device, all: &[Baseline], wrong: &mut Wrong) {
     type Change = fn(&mut Renderer);
     let changes: [(&str, Change); 3] = [
-        ("32-bit atomics", |renderer| renderer.wide_atomics = false),
-        ("two stages", |renderer| renderer.single_pass = false),
-        ("few epochs", |renderer| renderer.epoch_bits = 2),
+        ("32-bit atomics", |renderer| renderer.switches.wide_atomics = false),
+        ("two stages", |renderer| renderer.switches.single_pass = false),
+        ("few epochs", |renderer| renderer.switches.epoch_bits = 2),
     ];
     for known in all {
         for (how, change) in changes {

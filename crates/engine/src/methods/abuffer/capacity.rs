@@ -1,12 +1,12 @@
 //! Number of fragments that the memory has room for, and the bands of pixels that follow from it.
 
 use super::samples::{COLOR_BYTES, MOST_SAMPLES, SAMPLE_BYTES};
-use super::{ABuffer, Counted, FRAGMENT_BYTES, INDEX_BYTES, PIXEL_BYTES, Storing, WindowJob, in_place_length};
+use super::{
+    ABuffer, Counted, FRAGMENT_BYTES, LINK_BYTES, PIXEL_BYTES, RECORD_BYTES, SEGMENT_BYTES, WindowJob, in_place_length,
+};
 use crate::gpu::{self, Device};
 use crate::methods::Error;
 use crate::methods::engine::Work;
-use crate::methods::linked_list;
-use crate::methods::soft::{self, Interior};
 use crate::passes::bands::{self, Band, Budget};
 use crate::scene::LongLists;
 
@@ -16,7 +16,7 @@ impl ABuffer {
         let pixel_bytes = PIXEL_BYTES + job.storing.pixel_bytes() + job.run_bytes();
         let left = job.budget.left(bands::pixels(job.raster.window) * pixel_bytes);
         let need = Need::for_window(job, counted);
-        let widest = if need.records { soft::RECORD_BYTES } else { need.fragment };
+        let widest = if need.records { RECORD_BYTES } else { need.fragment };
         let widest = widest.max(need.samples * COLOR_BYTES);
         // Samples are on the host as well, more than once while they are packed.
         let most = match need.samples {
@@ -42,7 +42,7 @@ impl ABuffer {
             return Ok(vec![Band::whole(window, u64::from(counted.total))]);
         }
         work.progress.check()?;
-        let offsets = self.offsets.get().read(0, bands::pixels(window) + 1)?;
+        let offsets = self.room.offsets.get().read(0, bands::pixels(window) + 1)?;
         bands::bands(&offsets, capacity).map_err(|_| {
             let (pixel, length) = bands::longest(&offsets);
             let [x, y] = bands::place(window, pixel);
@@ -72,37 +72,37 @@ impl ABuffer {
         let need = Need::for_window(job, counted);
         // Buffers that this frame does not need go first, since the budget is for all of them.
         if !need.spare {
-            self.spare.release();
+            self.room.spare.release();
         }
         if !need.links {
-            self.linked.release();
+            self.room.links.release();
         }
         // In records of eight bytes.
         let records = |fragments: u64| (fragments * need.fragment).div_ceil(FRAGMENT_BYTES);
-        self.fragments.reserve_within(device, records(most), records(limit))?;
+        self.room.fragments.reserve_within(device, records(most), records(limit))?;
         if need.records {
-            self.records.reserve_within(device, most, limit)?;
+            self.room.records.reserve_within(device, most, limit)?;
         } else {
             // Bound, but not looked at.
-            self.records.release();
-            self.records.reserve(device, 1)?;
+            self.room.records.release();
+            self.room.records.reserve(device, 1)?;
         }
         if need.spare {
-            self.spare.reserve_within(device, most, limit)?;
+            self.room.spare.reserve_within(device, most, limit)?;
         }
         if need.links {
-            self.linked.reserve(device, most, limit)?;
+            self.room.links.reserve_within(device, most, limit)?;
         }
         let pixels = bands::pixels(job.raster.window);
         if let Some(samples) = job.samples {
             self.taken.reserve(device, [most, limit].map(|fragments| fragments * u64::from(samples)))?;
         }
-        if job.storing.are_ellipsoids() || job.samples.is_some() {
+        if job.storing.needs().every_run || job.samples.is_some() {
             return self.blender.reserve_events(device, pixels, most);
         }
         let long = if need.runs { most.min(counted.lengths.in_long_lists.into()) } else { 0 };
         let events = if need.segments { [most, limit] } else { [0, 0] };
-        self.blender.reserve_spheres(device, job.storing.spheres().filter(|_| need.runs).map(|_| long), events)?;
+        self.blender.reserve_sums(device, (need.runs && job.storing.needs().sums).then_some(long), events)?;
         Ok(self.blender.reserve(device, pixels, long)?)
     }
 }
@@ -128,28 +128,26 @@ pub(super) struct Need {
 
 impl Need {
     pub(super) fn for_window(job: &WindowJob<'_>, counted: &Counted) -> Self {
-        let links = job.storing.are_linked();
-        let sorted = matches!(job.storing, Storing::Ordered(..));
-        let runs = !sorted && counted.lengths.in_long_lists > 0;
-        let fragment = if sorted { INDEX_BYTES } else { FRAGMENT_BYTES };
-        let segments = runs && job.storing.spheres().is_some_and(|spheres| spheres.kind.interior.is_integrated());
-        let records = job.storing.spheres().is_some_and(|spheres| spheres.kind.interior == Interior::Packed);
+        let needs = job.storing.needs();
+        let (links, records) = (needs.links, needs.records);
+        let runs = !needs.in_order && counted.lengths.in_long_lists > 0;
+        let (fragment, segments) = (needs.fragment(), runs && needs.segments);
         let spare = links || (runs && job.discs.long_lists == LongLists::Merge);
         Self { fragment, spare, links, runs, segments, records, samples: job.samples.unwrap_or(0).into() }
     }
 
     /// Returns the number of bytes of so many fragments as they are stored.
     pub(super) fn stored_bytes(self, fragments: u64) -> u64 {
-        let records = if self.records { fragments * soft::RECORD_BYTES } else { 0 };
+        let records = if self.records { fragments * RECORD_BYTES } else { 0 };
         (fragments * self.fragment).next_multiple_of(FRAGMENT_BYTES) + records
     }
 
     /// Bytes for each fragment of a band, those in the fragment buffer included.
     fn bytes(self) -> u64 {
         let spare = if self.spare { FRAGMENT_BYTES } else { 0 };
-        let links = if self.links { linked_list::LINK_BYTES } else { 0 };
-        let segments = if self.segments { soft::SEGMENT_BYTES } else { 0 };
-        let records = if self.records { soft::RECORD_BYTES } else { 0 };
+        let links = if self.links { LINK_BYTES } else { 0 };
+        let segments = if self.segments { SEGMENT_BYTES } else { 0 };
+        let records = if self.records { RECORD_BYTES } else { 0 };
         let samples = self.samples * SAMPLE_BYTES;
         self.fragment + spare + links + segments + records + samples + u64::from(self.runs)
     }

@@ -1,13 +1,12 @@
 //! Counts a window's fragments, and finds where each pixel's list begins.
 
 use super::capacity::Need;
-use super::passes::{Count, CountPush, CountTiles, Lengths, Measure};
-use super::{ABuffer, LOCAL_LENGTH, Storing, WindowJob};
+use super::passes::{CountPush, Lengths, Measure};
+use super::{ABuffer, Bodies, LOCAL_LENGTH, WindowJob};
 use crate::gpu::{Device, Dispatch, Run, Variant};
-use crate::methods::{Error, Facts, Timeline, ellipsoids};
+use crate::methods::{Error, Facts, Timeline};
 use crate::passes::bands::{self, Band};
 use crate::passes::foresight::Place;
-use crate::passes::raster::Chunk;
 use crate::passes::scan::Scan;
 
 /// Pixels of one invocation of `abuffer/measure`.
@@ -19,7 +18,7 @@ pub(super) struct Counted {
     pub(super) overflow: bool,
     pub(super) total: u32,
     pub(super) lengths: Lengths,
-    /// As the last two, but a sphere counts once, however many events it has.
+    /// The total of bodies; a sphere counts once, however many events it has.
     pub(super) bodies: u32,
     most_bodies: u32,
     /// Place at which the counts are found.
@@ -27,13 +26,13 @@ pub(super) struct Counted {
 }
 
 impl Counted {
-    /// From the words of the answer; `events` says of spheres whether they were counted beside their events.
-    fn new(words: &[u32], place: Place, events: Option<bool>) -> Self {
+    /// Returns the counts in the words of an answer.
+    fn new(words: &[u32], place: Place, bodies_of: Bodies) -> Self {
         let (longest, total) = (words[1], words[3]);
-        let [most_bodies, bodies] = match events {
-            Some(true) => [words[4], words[5]],
-            Some(false) => [longest / 2, total / 2],
-            None => [longest, total],
+        let [most_bodies, bodies] = match bodies_of {
+            Bodies::Counted => [words[4], words[5]],
+            Bodies::Halves => [longest / 2, total / 2],
+            Bodies::Fragments => [longest, total],
         };
         let lengths = Lengths { longest, in_long_lists: words[2] };
         Self { overflow: words[0] != 0, lengths, total, bodies, most_bodies, place }
@@ -41,9 +40,9 @@ impl Counted {
 
     /// Returns a closure that adds the counts themselves to those of the frame.
     pub(super) fn noting(&self, job: &WindowJob<'_>, bands: Vec<Band>) -> impl FnOnce(&mut Facts, &Timeline) + 'static {
-        let (place, events, need) = (self.place, job.storing.counted_beside(), Need::for_window(job, self));
+        let (place, bodies_of, need) = (self.place, job.storing.bodies(), Need::for_window(job, self));
         move |facts, timeline| {
-            let found = Self::new(timeline.found(place), place, events);
+            let found = Self::new(timeline.found(place), place, bodies_of);
             found.note(&bands, facts);
             let most = match bands[..] {
                 [_] => u64::from(found.total),
@@ -71,44 +70,30 @@ impl ABuffer {
         timeline: &mut Timeline,
     ) -> Result<Counted, Error> {
         let pixels = bands::pixels(job.raster.window);
-        self.counts.reserve(device, pixels + 1)?;
-        self.offsets.reserve(device, pixels + 1)?;
+        self.room.counts.reserve(device, pixels + 1)?;
+        self.room.offsets.reserve(device, pixels + 1)?;
         // A smaller one is freed before a larger one is made.
         let kept = self.scan.take().filter(|s| s.capacity() > pixels);
         let scan = &*self.scan.insert(match kept {
             Some(scan) => scan,
             None => Scan::new(device, pixels + 1)?,
         });
-        let beside = job.storing.counted_beside() == Some(true);
+        let beside = job.storing.bodies() == Bodies::Counted;
         self.beside = beside;
         self.bodies.reserve(device, if beside { pixels } else { 1 })?;
         self.told_offsets.reserve(device, if told { pixels + 1 } else { 0 })?;
         self.told_bodies.reserve(device, if told && beside { pixels } else { 0 })?;
-        let (counts, offsets) = (self.counts.get(), self.offsets.get());
+        let (counts, offsets) = (self.room.counts.get(), self.room.offsets.get());
 
         let mut recorder = timeline.recorder(device)?;
         recorder.fill("abuffer/clear", counts.slice(0, pixels + 1), 0)?;
         recorder.fill("abuffer/clear", self.overflow.all(), 0)?;
         recorder.fill("abuffer/clear", self.lengths.all(), 0)?;
-        let whole = Band::whole(job.raster.window, 0);
-        if let Storing::Ordered(bins, binned) = job.storing {
-            let counts = counts.all();
-            let tiles = bins.record_tiles(&mut recorder, job.raster.cloud, binned)?;
-            tiles.record(&mut recorder, job.raster.window, &whole, |tiles| CountTiles { tiles, counts })?;
-        } else if let Some(spheres) = job.storing.spheres() {
+        if job.storing.bodies() != Bodies::Fragments {
             recorder.fill("abuffer/clear", self.bodies.get().all(), 0)?;
             recorder.fill("abuffer/clear", self.body_lengths.all(), 0)?;
-            job.raster.record_tiles(&mut recorder)?;
-            spheres.record_count(&mut recorder, &job.raster, counts.all(), self.bodies.get().all())?;
-        } else if job.storing.are_ellipsoids() {
-            recorder.fill("abuffer/clear", self.bodies.get().all(), 0)?;
-            recorder.fill("abuffer/clear", self.body_lengths.all(), 0)?;
-            job.raster.record_tiles(&mut recorder)?;
-            ellipsoids::record_count(&mut recorder, &job.raster, counts.all(), self.bodies.get().all())?;
-        } else {
-            job.raster.record_tiles(&mut recorder)?;
-            job.raster.record(&mut recorder, &whole, |chunk: Chunk<'_>| Count { chunk, counts: counts.all() })?;
         }
+        job.storing.record_count(&mut recorder, &job.raster, counts.all(), self.bodies.get().all())?;
         let measure = Run::new(Dispatch::Invocations(pixels.div_ceil(MEASURE_RUN)));
         let push = CountPush { count: pixels as u32 };
         if beside {
@@ -119,7 +104,7 @@ impl ABuffer {
         let measure = measure.variant(measure_variant(LOCAL_LENGTH));
         recorder.run(&Measure { counts: counts.all(), lengths: self.lengths.all() }, push, &measure)?;
         scan.record(&mut recorder, counts.slice(0, pixels + 1), offsets.slice(0, pixels + 1), self.overflow.all())?;
-        if !job.storing.are_linked() {
+        if !job.storing.needs().links {
             // From here on the counts are the cursors that hand out slots.
             recorder.copy("abuffer/cursors", offsets.slice(0, pixels + 1), counts.slice(0, pixels + 1))?;
         }
@@ -131,7 +116,7 @@ impl ABuffer {
         }
         let names = ("abuffer/summary", "abuffer/count and scan");
         let answer = timeline.ask(device, recorder, names, &words)?;
-        Ok(Counted::new(&answer.words, answer.place, job.storing.counted_beside()))
+        Ok(Counted::new(&answer.words, answer.place, job.storing.bodies()))
     }
 }
 

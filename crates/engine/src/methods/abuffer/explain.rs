@@ -12,7 +12,8 @@ pub(crate) const COUNT: [&str; 5] =
 pub(crate) const BY_LENGTH: [&str; 3] = ["abuffer/classify", "abuffer/groups", "abuffer/order"];
 /// The passes that put fragments into lists.
 const STORE: [&str; 4] = ["abuffer/store", "linked-list/clear", "linked-list/store", "linked-list/gather"];
-/// The passes of lists that are too long for one invocation, and the way of sorting them that each belongs to, if to one.
+/// The passes of lists that are too long for one invocation, and the way of sorting them that each belongs to, if to
+/// one.
 const LONG: [(&str, Option<LongLists>); 7] = [
     ("abuffer/split", None),
     ("abuffer/run-groups", None),
@@ -57,7 +58,7 @@ pub(crate) fn list_passes() -> Vec<&'static str> {
 }
 
 /// The plan of a frame of lists.
-pub(super) fn lists(plan: &mut Plan<'_>, discs: &Discs, linked: bool) {
+pub(crate) fn lists(plan: &mut Plan<'_>, discs: &Discs, linked: bool) {
     let (facts, why) = (plan.facts, plan.why);
     plan.projected();
     if facts.gaussians > 0 && discs.gaussians.kernel == Kernel::Ellipsoid {
@@ -145,7 +146,8 @@ fn ellipsoids(plan: &mut Plan<'_>, long_lists: LongLists, linked: bool) {
     plan.add("ellipsoids/median", any && wanted, if wanted { runs } else { NO_MEDIANS.to_owned() });
 }
 
-/// The lengths of lists, counted beside what the method does if they are asked for; `others` are elements of its prefix sums.
+/// The lengths of lists, counted beside what the method does if they are asked for; `others` are elements of its prefix
+/// sums.
 pub(crate) fn counted_beside(plan: &mut Plan<'_>, others: u64) {
     if plan.frame.fragments {
         count(plan, "the lengths of lists were requested", true, others, false);

@@ -1,47 +1,54 @@
 //! `abuffer`: exact order-independent transparency (MCTB12): count, scan, store, sort and blend.
 //!
-//! Each pixel's fragments lie together in one buffer of 8 bytes per fragment: depth key and index of the splat. Lists of up
-//! to [`LOCAL_LENGTH`] fragments are sorted and blended by one invocation, in registers or in a local array, each class of
-//! lengths by its own kernel. Longer ones are sorted in runs of that length, merged pairwise between two buffers, blended
-//! run by run and composed, so that no invocation loops longer than a run, however long the list is. Or, if asked for, one
-//! invocation sorts each of them in place, which takes half the memory and bounds their length ([`in_place_length`]).
+//! Each pixel's fragments lie together in one buffer of 8 bytes per fragment: depth key and index of the splat. Lists
+//! of up to [`LOCAL_LENGTH`] fragments are sorted and blended by one invocation, in registers or in a local array, each
+//! class of lengths by its own kernel. Longer ones are sorted in runs of that length, merged pairwise between two
+//! buffers, blended run by run and composed, so that no invocation loops longer than a run, however long the list is.
+//! Or, if asked for, one invocation sorts each of them in place, which takes half the memory and bounds their length
+//! ([`in_place_length`]).
 //!
-//! Everything but the store serves `linked-list` too ([`Storing`]): one set of buffers, whichever method a frame takes.
+//! Count, scan, bands and sorting serve other families too, which store and blend their own fragments
+//! ([`StoreFragments`]): one set of buffers, whichever method a frame takes.
 
 mod blend;
+mod bytes;
 mod capacity;
 mod count;
-mod engine;
 mod explain;
 mod passes;
 mod samples;
+mod storing;
 
-pub use blend::{CLASSES, in_place_length, least_bytes, long_groups, lower_bound, record_nothing};
-pub(crate) use blend::{CONSTANTS, Sorting, composing_variant};
-pub use engine::projecting;
-pub(crate) use engine::{ListEngine, ORDERED_AREA, list_bytes};
-pub(crate) use explain::{BY_LENGTH, COUNT, count_group, counted_beside, ellipsoid_group, list_group, list_passes};
+pub use blend::{
+    Blender, Blending, CLASSES, Runs, in_place_length, least_bytes, long_groups, lower_bound, record_nothing,
+};
+pub(crate) use blend::{CONSTANTS, Sorting, composing_variant, occurring};
+pub(crate) use bytes::list_bytes;
+pub(crate) use explain::{
+    BY_LENGTH, COUNT, count_group, counted_beside, ellipsoid_group, list_group, list_passes, lists,
+};
 pub use passes::*;
 pub(crate) use samples::{Sampling, Taken};
+pub use storing::{
+    Bodies, InOrder, LINK_BYTES, Needs, RECORD_BYTES, Room, RunBuffers, SEGMENT_BYTES, Slots, StoreFragments,
+    record_fragment_count,
+};
 
-use self::blend::{Blender, Stored};
+use self::blend::Stored;
 use self::capacity::Need;
 use self::count::{Counted, measure_variant};
-use super::ellipsoids;
-use super::engine::Work;
-use super::linked_list::{self, LinkedList};
-use super::soft::Spheres;
+use super::engine::{Counts, Work};
 use super::told::Told;
-use super::{Error, Outcome, Timeline};
+use super::{Error, Frame, Outcome, Timeline};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Expected, Kept, Memory, Recorder};
 use crate::passes::bands::{self, Band, Budget, Window};
-use crate::passes::bin::{self, Binned, Bins, Lanes};
+use crate::passes::bin::{self, Lanes};
 use crate::passes::compose::Cut;
 use crate::passes::foresight::Knowledge;
 use crate::passes::project::Footprint;
-use crate::passes::raster::{self, Chunk, Raster};
+use crate::passes::raster::{self, Raster};
 use crate::passes::scan::Scan;
 use crate::scene::{DiscShape, Discs};
 
@@ -53,6 +60,9 @@ pub const FRAGMENT_BYTES: u64 = 8;
 pub const INDEX_BYTES: u64 = 4;
 /// Bytes per pixel of a window: count, offset, their share of the scan's levels, and place in the work list.
 pub const PIXEL_BYTES: u64 = 13;
+/// Bytes per pixel of a window whose lists all go in runs: a run of the list with its sums and what it is composed to,
+/// and the number of bodies.
+pub const RUN_PIXEL_BYTES: u64 = 4 + 12 + 16 + 48 + 32;
 
 /// Returns the footprint of a disc's shape.
 pub fn footprint(shape: DiscShape) -> Footprint {
@@ -64,24 +74,18 @@ pub fn footprint(shape: DiscShape) -> Footprint {
 
 /// Buffers of the A-buffer, kept from frame to frame.
 pub struct ABuffer {
-    counts: Kept<u32>,
-    offsets: Kept<u32>,
+    room: Room,
     told_offsets: Told<u32>,
     scan: Option<Scan>,
     overflow: Buffer<u32>,
     lengths: Buffer<Lengths>,
-    fragments: Kept<[u32; 2]>,
-    /// Room for the fragments once more: nodes of linked lists, and what long lists are merged into.
-    spare: Kept<[u32; 2]>,
-    /// Records of packed events of spheres, at their fragments' slots.
-    records: Kept<[u32; 4]>,
-    /// Bodies of each pixel that events are of (spheres, ellipsoids, discs), where they are counted beside, and their lengths.
+    /// Bodies of each pixel (spheres, ellipsoids, discs), where they are counted in addition to fragments, and their
+    /// lengths.
     bodies: Kept<u32>,
-    /// `true` if they were, of the last window.
+    /// `true` if bodies of the last window were counted.
     beside: bool,
     told_bodies: Told<u32>,
     body_lengths: Buffer<Lengths>,
-    linked: LinkedList,
     blender: Blender,
     taken: samples::Buffers,
 }
@@ -89,65 +93,12 @@ pub struct ABuffer {
 /// Depth of its list that a pixel gets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shown {
-    /// That of the first fragment with opacity.
+    /// The depth of the first fragment with opacity.
     First,
-    /// That at which half of the light or less is left, +inf where more is left behind all fragments.
+    /// The depth at which half of the light or less is left, +inf where more is left behind all fragments.
     Median,
-    /// The mean of all, weighted by what each adds to A; +inf where A is 0.
+    /// The mean of all depths, weighted by what each fragment adds to A; +inf where A is 0.
     Mean,
-}
-
-/// Way in which fragments get to their pixels' ranges of the buffer.
-#[derive(Clone, Copy)]
-pub enum Storing<'a> {
-    /// Each into a slot that its pixel hands out.
-    Slots,
-    /// Tile by tile, in the order of blending: flat discs alone have one.
-    Ordered(&'a Bins, Binned),
-    /// Through linked lists: `linked-list`.
-    Links,
-    /// Events of soft spheres, into slots as they come.
-    Spheres(Spheres<'a>),
-    /// Events of ellipsoids and surfaces, into slots, or through linked lists.
-    Ellipsoids {
-        /// Through linked lists.
-        linked: bool,
-    },
-}
-
-impl<'a> Storing<'a> {
-    fn spheres(&self) -> Option<&Spheres<'a>> {
-        match self {
-            Self::Spheres(spheres) => Some(spheres),
-            _ => None,
-        }
-    }
-
-    fn are_ellipsoids(&self) -> bool {
-        matches!(self, Self::Ellipsoids { .. })
-    }
-
-    fn are_linked(&self) -> bool {
-        matches!(self, Self::Links | Self::Ellipsoids { linked: true })
-    }
-
-    /// Of events, whether what they are of is counted beside them: where some have two, and others another number.
-    fn counted_beside(&self) -> Option<bool> {
-        match self {
-            Self::Spheres(spheres) => Some(spheres.kind.interior.counted()),
-            Self::Ellipsoids { .. } => Some(true),
-            _ => None,
-        }
-    }
-
-    /// Device bytes of a pixel beside those of lists.
-    fn pixel_bytes(&self) -> u64 {
-        match self {
-            Self::Spheres(spheres) => spheres.pixel_bytes(),
-            Self::Ellipsoids { .. } => ellipsoids::PIXEL_BYTES,
-            _ => 0,
-        }
-    }
 }
 
 /// Everything that stays the same while a window is rendered.
@@ -157,8 +108,8 @@ pub struct WindowJob<'a> {
     pub raster: Raster<'a>,
     /// Shape, falloff, and how long lists are sorted.
     pub discs: Discs,
-    /// Way in which fragments are stored.
-    pub storing: Storing<'a>,
+    /// The way in which fragments are stored.
+    pub storing: &'a dyn StoreFragments,
     /// The value of `STOP` in WGSL, and the bound on colors that goes with it.
     pub stop: (u32, f32),
     /// The depths that pixels get.
@@ -182,20 +133,15 @@ impl ABuffer {
     /// No buffers but the small ones yet.
     pub fn new(device: &Device) -> Result<Self, Error> {
         Ok(Self {
-            counts: Kept::new("fragment counts", Memory::Device),
-            offsets: Kept::new("fragment offsets", Memory::Device),
+            room: Room::new(device)?,
             told_offsets: Told::new("fragment offsets, host"),
             scan: None,
             overflow: device.buffer("scan overflow", 1, Memory::Device)?,
             lengths: device.buffer("list lengths", 1, Memory::Device)?,
-            fragments: Kept::new("fragments", Memory::Device),
-            spare: Kept::new("spare fragments", Memory::Device),
-            records: Kept::new("event records", Memory::Device),
             bodies: Kept::new("sphere counts", Memory::Device),
             beside: false,
             told_bodies: Told::new("sphere counts, host"),
             body_lengths: device.buffer("sphere lengths", 1, Memory::Device)?,
-            linked: LinkedList::new(device)?,
             blender: Blender::new(device)?,
             taken: samples::Buffers::new(),
         })
@@ -214,13 +160,7 @@ impl ABuffer {
         }
         self.reserve_fragments(device, job, &bands, &counted)?;
         let cut = Cut::of(device, job.raster.cloud, job.raster.footprint)?;
-        let stored = Stored {
-            cut,
-            offsets: self.offsets.get().all(),
-            fragments: self.fragments.get().all(),
-            spare: Need::for_window(job, &counted).spare.then(|| self.spare.get().all()),
-            records: self.records.get().all(),
-        };
+        let stored = Stored::of(&self.room, cut, Need::for_window(job, &counted).spare);
         for (i, band) in bands.iter().enumerate() {
             let mut recorder = work.timeline.recorder(device)?;
             if i == 0 {
@@ -228,13 +168,12 @@ impl ABuffer {
             }
             if band.fragments > 0 {
                 self.record_store(&mut recorder, job, band, &counted)?;
-                self.blender.record(&mut recorder, job, stored, target, band, &counted)?;
+                let blending = Blending { job: *job, stored, band: *band, lengths: counted.lengths };
+                job.storing.record_blend(&mut recorder, &self.blender, &blending, target)?;
             }
             if i + 1 == bands.len() {
                 let pixels = bands::pixels(job.raster.window);
-                if let Some(spheres) = job.storing.spheres() {
-                    spheres.record_compose(&mut recorder, target, pixels)?;
-                }
+                job.storing.record_behind(&mut recorder, target, pixels)?;
                 target.record_read_back(&mut recorder, pixels)?;
             }
             work.timeline.submit(recorder, "abuffer/store and blend")?;
@@ -267,7 +206,7 @@ impl ABuffer {
 
     /// Fragment counts of every pixel of the window, in its order; what the last count left, read from the prefix sums.
     pub fn read_counts(&self, window: Window) -> Result<Vec<u32>, Error> {
-        let offsets = self.told_offsets.read(self.offsets.get(), bands::pixels(window) + 1)?;
+        let offsets = self.told_offsets.read(self.room.offsets.get(), bands::pixels(window) + 1)?;
         Ok(offsets.windows(2).map(|w| w[1] - w[0]).collect())
     }
 
@@ -289,8 +228,8 @@ impl ABuffer {
         self.record_store(&mut recorder, job, &band, &counted)?;
         timeline.submit(recorder, "abuffer/store")?;
         Ok(Lists {
-            offsets: self.offsets.get().read(0, pixels + 1)?,
-            fragments: self.fragments.get().read(0, u64::from(counted.total))?,
+            offsets: self.room.offsets.get().read(0, pixels + 1)?,
+            fragments: self.room.fragments.get().read(0, u64::from(counted.total))?,
         })
     }
 
@@ -302,42 +241,24 @@ impl ABuffer {
         band: &Band,
         counted: &Counted,
     ) -> Result<(), Error> {
-        let (counts, fragments) = (self.counts.get().all(), self.fragments.get().all());
-        match job.storing {
-            Storing::Slots => {
-                job.raster.record(recorder, band, |chunk: Chunk<'a>| Store { chunk, cursors: counts, fragments })?;
-            }
-            Storing::Spheres(spheres) => {
-                let to = (fragments, self.records.get().all());
-                spheres.record_store(recorder, &job.raster, band, counts, to)?;
-            }
-            Storing::Ordered(bins, binned) => {
-                let tiles = bins.tiles(job.raster.cloud, binned);
-                tiles.record(recorder, job.raster.window, band, |tiles| StoreTiles {
-                    tiles,
-                    cursors: counts,
-                    indices: fragments.cast(),
-                })?;
-            }
-            Storing::Ellipsoids { linked: false } => {
-                ellipsoids::record_store(recorder, &job.raster, band, counts, fragments)?;
-            }
-            Storing::Links | Storing::Ellipsoids { linked: true } => {
-                let (offsets, nodes) = (self.offsets.get().all(), self.spare.get().all());
-                let through = linked_list::Through { offsets, heads: counts, nodes, fragments };
-                let through = (through, job.storing.are_ellipsoids());
-                return Ok(self.linked.record(recorder, &job.raster, through, band, counted.lengths.longest)?);
-            }
+        job.storing.record_store(recorder, &job.raster, band, &self.room, counted.lengths.longest)?;
+        if job.storing.needs().links {
+            return Ok(());
         }
         let [start, end] = band.pixels.map(u64::from);
-        let (ends, next) =
-            (self.counts.get().slice(start, end - start), self.offsets.get().slice(start + 1, end - start));
-        let name = match job.storing {
-            Storing::Spheres(_) => "soft/store",
-            Storing::Ellipsoids { .. } => "ellipsoids/store",
-            _ => "abuffer/store",
+        let ends = self.room.counts.get().slice(start, end - start);
+        let next = self.room.offsets.get().slice(start + 1, end - start);
+        Ok(recorder.agree(job.storing.name(), "pixel", ends, Expected::Words(next))?)
+    }
+
+    /// List lengths of the window that was counted last, if the frame asks for them.
+    pub(crate) fn counts(&self, frame: &Frame, window: Window) -> Result<Counts, Error> {
+        let fragments = match frame.fragments {
+            true if self.beside => Some(self.read_bodies(window)?),
+            true => Some(self.read_counts(window)?),
+            false => None,
         };
-        Ok(recorder.agree(name, "pixel", ends, Expected::Words(next))?)
+        Ok(Counts { fragments, ..Counts::default() })
     }
 }
 

@@ -362,3 +362,31 @@ pass! {
         sample_depths: ReadWrite<[f32; 2]>,
     }
 }
+
+gpu_struct! {
+    /// Running sums of a run of a long list.
+    pub struct RunSums {
+        high: [f32; 4],
+        low: [f32; 4],
+        rest: [f32; 4],
+    }
+}
+
+gpu_struct! {
+    /// Push constants: a band of pixels, and its first event.
+    pub struct SplitPush {
+        band_start: u32,
+        band_end: u32,
+        first_fragment: u32,
+    }
+}
+
+pass! {
+    /// Puts the runs of 256 of each list, and those of a shorter one, into a work list.
+    pub SplitEvery(SplitPush) = "ellipsoids/split" {
+        offsets: Read<u32>,
+        work: ReadWrite<LongWork>,
+        runs: ReadWrite<ListRun>,
+        lists: ReadWrite<LongList>,
+    }
+}

@@ -2,10 +2,10 @@
 
 use super::blend::Stored;
 use super::capacity::Need;
-use super::{ABuffer, Storing, WindowJob};
+use super::{ABuffer, Blending, RUN_PIXEL_BYTES, WindowJob};
 use crate::gpu::{Device, Kept, Memory};
+use crate::methods::Error;
 use crate::methods::engine::Work;
-use crate::methods::{Error, ellipsoids};
 use crate::passes::bands::{self, Band};
 use crate::passes::compose::Cut;
 
@@ -17,7 +17,7 @@ pub(super) const SAMPLE_BYTES: u64 = 2 * (COLOR_BYTES + 8);
 /// Samples of a band at most, unless a pixel has more: 96 MiB of them.
 pub(super) const MOST_SAMPLES: u64 = 1 << 22;
 
-/// Way in which samples are taken.
+/// Settings of samples.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sampling {
     /// `true` if each ellipsoid is one sample, however many of them overlap.
@@ -37,7 +37,7 @@ pub(crate) struct Taken<'a> {
 }
 
 impl Taken<'_> {
-    /// So many pixels without a sample.
+    /// Returns so many pixels without a sample.
     pub fn nothing(pixels: u64) -> Self {
         Self { pixels: [0, pixels as u32], offsets: vec![0; pixels as usize + 1], colors: &[], depths: &[] }
     }
@@ -62,7 +62,7 @@ impl Buffers {
         }
     }
 
-    /// Room for so many, but not for more than the limit.
+    /// Reserves room for so many samples, but not for more than the limit.
     pub fn reserve(&mut self, device: &Device, [samples, limit]: [u64; 2]) -> Result<(), Error> {
         self.colors.reserve_within(device, samples, limit)?;
         self.depths.reserve_within(device, samples, limit)?;
@@ -75,13 +75,14 @@ impl Buffers {
 impl WindowJob<'_> {
     /// Returns the number of device bytes of a pixel for the runs of its list, where every list has some.
     pub(super) fn run_bytes(&self) -> u64 {
-        if self.samples.is_some() && !self.storing.are_ellipsoids() { ellipsoids::PIXEL_BYTES } else { 0 }
+        if self.samples.is_some() && !self.storing.needs().every_run { RUN_PIXEL_BYTES } else { 0 }
     }
 }
 
 impl ABuffer {
-    /// Counts, then stores, sorts and reads back band by band, the window's pixels in their order. With [`Work::survey`] nothing is read.
-    /// Returns how many samples there are at most, or `None` if the window must be cut.
+    /// Counts, then stores, sorts and reads back band by band, the window's pixels in their order. With
+    /// [`Work::survey`] nothing is read. Returns how many samples there are at most, or `None` if the window must be
+    /// cut.
     pub(crate) fn samples(
         &mut self,
         work: &mut Work<'_>,
@@ -95,25 +96,16 @@ impl ABuffer {
             return Ok(None);
         }
         let each = u64::from(job.samples.unwrap_or(1));
-        let most = match job.storing {
-            Storing::Spheres(_) => counted.total.into(),
-            // Two pieces of the ray begin at an ellipsoid; a surface parts one.
-            _ => u64::from(counted.bodies) * each,
-        };
+        let most = job.storing.most_samples(counted.total.into(), counted.bodies.into()) * each;
         if work.survey {
             counted.note(&[], work.facts);
             return Ok(Some(most));
         }
         let bands = self.plan_bands(work, job, &counted)?;
         self.reserve_fragments(device, job, &bands, &counted)?;
-        let offsets = self.offsets.get().read(0, bands::pixels(job.raster.window) + 1)?;
-        let stored = Stored {
-            cut: Cut::of(device, job.raster.cloud, job.raster.footprint)?,
-            offsets: self.offsets.get().all(),
-            fragments: self.fragments.get().all(),
-            spare: Need::for_window(job, &counted).spare.then(|| self.spare.get().all()),
-            records: self.records.get().all(),
-        };
+        let offsets = self.room.offsets.get().read(0, bands::pixels(job.raster.window) + 1)?;
+        let cut = Cut::of(device, job.raster.cloud, job.raster.footprint)?;
+        let stored = Stored::of(&self.room, cut, Need::for_window(job, &counted).spare);
         for band in &bands {
             let count = band.fragments * each;
             if count > 0 {
@@ -121,8 +113,8 @@ impl ABuffer {
                 let mut recorder = work.timeline.recorder(device)?;
                 self.record_store(&mut recorder, job, band, &counted)?;
                 let to = (colors.all(), depths.all());
-                let listed = (band, counted.lengths.longest);
-                self.blender.record_samples(&mut recorder, (job, how.bodies), stored, listed, to)?;
+                let blending = Blending { job: *job, stored, band: *band, lengths: counted.lengths };
+                job.storing.record_samples(&mut recorder, &self.blender, &blending, how.bodies, to)?;
                 recorder.copy_untimed(colors.slice(0, count), self.taken.colors_host.get().slice(0, count));
                 recorder.copy_untimed(depths.slice(0, count), self.taken.depths_host.get().slice(0, count));
                 work.timeline.submit(recorder, "abuffer/samples")?;

@@ -4,12 +4,14 @@ use std::cell::{Cell, RefCell};
 
 use super::lists::{self, Wanted};
 use super::{Sink, Source};
-use crate::methods::abuffer::{self, Sampling, Shown, Storing, Taken, WindowJob, projecting};
+use crate::methods::abuffer::{self, Sampling, Shown, Slots, StoreFragments, Taken, WindowJob};
 use crate::methods::bytes::PassRuns;
+use crate::methods::ellipsoids::Ellipsoids;
 use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
-use crate::methods::explain::Plan;
+use crate::methods::explain::{Explain, Plan};
+use crate::methods::projecting::discs as projecting;
 use crate::methods::soft::Solids;
-use crate::methods::{Buffers, Error, Frame, Machines, Outcome, ellipsoids, sorted};
+use crate::methods::{Buffers, Error, Frame, Outcome, Resources, sorted};
 use crate::output::deep::State;
 use crate::passes::bands::{Budget, Window};
 use crate::passes::project::DeviceCloud;
@@ -40,7 +42,7 @@ impl DeepEngine<'_> {
     fn discs(
         &self,
         cloud: &mut DeviceCloud,
-        Buffers { tiles, machines: Machines { lists, .. } }: &mut Buffers,
+        Buffers { tiles, resources: Resources { lists, .. } }: &mut Buffers,
         work: &mut Work<'_>,
         (discs, layers): (Discs, u32),
     ) -> Result<Option<u64>, Error> {
@@ -50,14 +52,14 @@ impl DeepEngine<'_> {
         let Some(budget) = work.reserve_tiles(tiles, &stats, true)? else { return Ok(None) };
         let raster = Raster { cloud, stats: &stats, tiles, walker: Walker::Compute, footprint: how.footprint, window };
         let gaussians = cloud.has_gaussians().then_some(discs.gaussians);
-        let (storing, stop) = match gaussians {
-            Some(settings) if settings.kernel == Kernel::Ellipsoid => (Storing::Ellipsoids { linked: false }, 0.0),
-            Some(settings) => (Storing::Slots, settings.stop),
-            None => (Storing::Slots, 0.0),
+        let (storing, stop): (&dyn StoreFragments, f32) = match gaussians {
+            Some(settings) if settings.kernel == Kernel::Ellipsoid => (&Ellipsoids { linked: false }, 0.0),
+            Some(settings) => (&Slots, settings.stop),
+            None => (&Slots, 0.0),
         };
         let bodies = self.state == State::Sorted;
         // Of an event a surface, and what lies behind it.
-        let each = if matches!(storing, Storing::Ellipsoids { .. }) && !bodies { 2 } else { 1 };
+        let each = if storing.needs().every_run && !bodies { 2 } else { 1 };
         let ends = sorted::stop(sorted::Stop::Exact, frame.color, 1.0);
         let job = WindowJob { raster, discs, storing, stop: ends, shown: Shown::First, budget, samples: Some(each) };
         let wanted = Wanted { state: self.state, layers, stop };
@@ -75,7 +77,7 @@ impl Engine for DeepEngine<'_> {
             Source::Discs(..) => {
                 // Each pixel has a run, whose sums take three times as much of a binding as a pixel's color.
                 let budget = Budget { binding: budget.binding / 4, ..budget };
-                Ok(windows_of(frame, budget, abuffer::PIXEL_BYTES + ellipsoids::PIXEL_BYTES))
+                Ok(windows_of(frame, budget, abuffer::PIXEL_BYTES + abuffer::RUN_PIXEL_BYTES))
             }
             Source::Shells(spheres) => {
                 let budget = Budget { binding: budget.binding / 4, bytes: budget.bytes / 2, ..budget };
@@ -104,7 +106,9 @@ impl Engine for DeepEngine<'_> {
     fn counts(&self, _buffers: &Buffers, _frame: &Frame, _window: Window) -> Result<Counts, Error> {
         Ok(Counts::default())
     }
+}
 
+impl Explain for DeepEngine<'_> {
     fn least_bytes(&self, _pass: &PassRuns<'_>) -> Option<u64> {
         None
     }

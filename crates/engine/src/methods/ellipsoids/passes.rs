@@ -1,19 +1,9 @@
 //! The passes.
 
-use crate::methods::abuffer::{ListRun, LongList, LongWork, Partial};
-use crate::methods::soft::RunSums;
+use crate::methods::abuffer::{ListRun, LongList, LongWork, Partial, RunSums};
+use crate::pass;
 use crate::passes::compose::ComposingGroup;
 use crate::passes::raster::{ChunkGroup, RasterPush};
-use crate::{gpu_struct, pass};
-
-gpu_struct! {
-    /// Push constants: a band of pixels, and its first event.
-    pub struct SplitPush {
-        band_start: u32,
-        band_end: u32,
-        first_fragment: u32,
-    }
-}
 
 pass! {
     /// Counts the events of each pixel, and what they are of: an ellipsoid that its ray enters and leaves, or a surface.
@@ -41,16 +31,6 @@ pass! {
         node_count: ReadWrite<u32>,
         nodes: ReadWrite<[u32; 2]>,
         links: ReadWrite<u32>,
-    }
-}
-
-pass! {
-    /// Puts the runs of 256 of each list, and those of a shorter one, into a work list.
-    pub Split(SplitPush) = "ellipsoids/split" {
-        offsets: Read<u32>,
-        work: ReadWrite<LongWork>,
-        runs: ReadWrite<ListRun>,
-        lists: ReadWrite<LongList>,
     }
 }
 

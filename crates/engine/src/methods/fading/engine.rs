@@ -4,9 +4,9 @@ use super::{Fading, WindowJob, least_bytes, most_pixels};
 use crate::gpu::DeviceInfo;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work};
-use crate::methods::explain::Plan;
+use crate::methods::explain::{Explain, Plan};
 use crate::methods::tiled::{self, Stage};
-use crate::methods::{Buffers, Error, Frame, Machines, Outcome};
+use crate::methods::{Buffers, Error, Frame, Outcome, Resources};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Order};
 use crate::passes::project::DeviceCloud;
@@ -31,7 +31,7 @@ impl Stage for FadingEngine {
 
     fn draw(
         &self,
-        Machines { bins, fadings, .. }: &mut Machines,
+        Resources { bins, fadings, .. }: &mut Resources,
         work: &mut Work<'_>,
         bin: bin::Job<'_>,
         _max_color: f32,
@@ -61,7 +61,9 @@ impl Engine for FadingEngine {
     fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
         tiled::counts(buffers, frame, window)
     }
+}
 
+impl Explain for FadingEngine {
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
         let tilted = pass.is_tilted(self.discs.shape == DiscShape::Oriented);
         let own = || least_bytes(pass.name, pass.facts, self.fading, tilted, pass.pixels());

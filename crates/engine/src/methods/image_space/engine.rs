@@ -3,7 +3,7 @@
 use super::{Filter, WindowJob, halo, least_bytes, windows};
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work};
-use crate::methods::explain::{Absent, PassGroup, Plan};
+use crate::methods::explain::{Absent, Explain, PassGroup, Plan};
 use crate::methods::points;
 use crate::methods::{Buffers, Error, Frame, Outcome};
 use crate::passes::bands::{Budget, Window};
@@ -44,7 +44,7 @@ impl Engine for ImageSpaceEngine {
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let how = work.frame.projecting_points(cloud);
         let job = self.filtering().job(cloud, work, &how);
-        buffers.machines.filterer.render(work, &job)?;
+        buffers.resources.filterer.render(work, &job)?;
         finish(cloud, work);
         Ok(Outcome::Done)
     }
@@ -52,7 +52,9 @@ impl Engine for ImageSpaceEngine {
     fn counts(&self, _buffers: &Buffers, _frame: &Frame, _window: Window) -> Result<Counts, Error> {
         Ok(Counts::default())
     }
+}
 
+impl Explain for ImageSpaceEngine {
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
         least_bytes(pass.name, pass.facts, pass.cloud, self.filters.cull)
     }

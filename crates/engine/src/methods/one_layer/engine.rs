@@ -2,10 +2,10 @@
 
 use super::record;
 use crate::gpu::DeviceInfo;
-use crate::methods::abuffer::{self, Storing, list_bytes};
+use crate::methods::abuffer::{self, list_bytes};
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
-use crate::methods::explain::{Absent, PassGroup, Plan};
+use crate::methods::explain::{Absent, Explain, PassGroup, Plan};
 use crate::methods::splats::{self, Drawing, Onto, SOLID_BYTES, solid_projecting};
 use crate::methods::{Buffers, Error, Frame, Outcome, sorted, tiled};
 use crate::passes::bands::{Budget, Window};
@@ -38,7 +38,7 @@ fn draw(
 /// Counts the splats of each pixel.
 fn count(
     cloud: &DeviceCloud,
-    Buffers { tiles, machines }: &mut Buffers,
+    Buffers { tiles, resources }: &mut Buffers,
     work: &mut Work<'_>,
     (stats, footprint): Splats<'_>,
 ) -> Result<Outcome, Error> {
@@ -49,13 +49,13 @@ fn count(
     let job = abuffer::WindowJob {
         raster,
         discs: Discs::default(),
-        storing: Storing::Slots,
+        storing: &abuffer::Slots,
         stop,
         shown: abuffer::Shown::First,
         budget,
         samples: None,
     };
-    machines.lists.tally(work, &job)
+    resources.lists.tally(work, &job)
 }
 
 impl Engine for OneLayerEngine {
@@ -85,7 +85,7 @@ impl Engine for OneLayerEngine {
             let how = solid_projecting(work.frame, cloud, Part::Soft { threshold, modulation: None });
             let stats = work.project(cloud, &how)?;
             if !work.survey {
-                buffers.machines.layer.reserve(work.device, work.pixels())?;
+                buffers.resources.layer.reserve(work.device, work.pixels())?;
             }
             if draw(cloud, buffers, work, (&stats, how.footprint), Onto::Layer)? == Outcome::Overflow {
                 return Ok(Outcome::Overflow);
@@ -114,7 +114,7 @@ impl Engine for OneLayerEngine {
         work.note(&stats, Walker::Compute);
         if layered && !work.survey {
             let mut recorder = work.timeline.recorder(work.device)?;
-            let layer = &buffers.machines.layer;
+            let layer = &buffers.resources.layer;
             record(&mut recorder, layer.pixels(), work.target.pixels(), work.window, softness)?;
             work.timeline.go_on(recorder, "one-layer/compose")?;
         }
@@ -125,7 +125,9 @@ impl Engine for OneLayerEngine {
     fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
         tiled::counts(buffers, frame, window)
     }
+}
 
+impl Explain for OneLayerEngine {
     /// The number of solid splats is unknown.
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
         let counted = || list_bytes(pass, false).filter(|_| pass.name != "abuffer/count");

@@ -3,7 +3,7 @@
 use super::PIXEL_BYTES;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
-use crate::methods::explain::{Absent, COUNTERS, NOTHING, PassGroup, Plan, TILES};
+use crate::methods::explain::{Absent, COUNTERS, Explain, NOTHING, PassGroup, Plan, TILES};
 use crate::methods::walker::walker;
 use crate::methods::{Buffers, Error, Frame, Outcome};
 use crate::passes::bands::{Budget, Window};
@@ -37,7 +37,7 @@ impl Engine for NearestEngine {
     fn render(
         &self,
         cloud: &mut DeviceCloud,
-        Buffers { tiles, machines }: &mut Buffers,
+        Buffers { tiles, resources }: &mut Buffers,
         work: &mut Work<'_>,
     ) -> Result<Outcome, Error> {
         let window = work.window;
@@ -49,7 +49,7 @@ impl Engine for NearestEngine {
         }
         if !work.survey {
             let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
-            machines.opaque.render(work, &raster, self.relief)?;
+            resources.opaque.render(work, &raster, self.relief)?;
             work.finish();
         }
         work.note(&stats, walker);
@@ -59,7 +59,9 @@ impl Engine for NearestEngine {
     fn counts(&self, _buffers: &Buffers, _frame: &Frame, _window: Window) -> Result<Counts, Error> {
         Ok(Counts::default())
     }
+}
 
+impl Explain for NearestEngine {
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
         match pass.name {
             "project/clear" => Some(pass.pixels() * 8),

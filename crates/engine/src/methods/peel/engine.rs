@@ -1,10 +1,10 @@
 //! The engine of `peel`.
 
 use super::{WindowJob, pixel_bytes};
-use crate::methods::abuffer;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Fragments, Work, windows_of};
-use crate::methods::explain::{Absent, NOTHING, PassGroup, Plan};
+use crate::methods::explain::{Absent, Explain, NOTHING, PassGroup, Plan};
+use crate::methods::projecting;
 use crate::methods::walker::walker;
 use crate::methods::{Buffers, Error, Frame, Outcome};
 use crate::passes::bands::{Budget, Window};
@@ -30,11 +30,11 @@ impl Engine for PeelEngine {
     fn render(
         &self,
         cloud: &mut DeviceCloud,
-        Buffers { tiles, machines }: &mut Buffers,
+        Buffers { tiles, resources }: &mut Buffers,
         work: &mut Work<'_>,
     ) -> Result<Outcome, Error> {
         let (peel, window) = (self.peel, work.window);
-        let how = abuffer::projecting(work.frame, cloud, &peel.discs);
+        let how = projecting::discs(work.frame, cloud, &peel.discs);
         let stats = work.project(cloud, &how)?;
         let walker = walker(work.device, peel.discs.raster, window)?;
         if work.reserve_tiles(tiles, &stats, walker == Walker::Compute)?.is_none() {
@@ -44,9 +44,9 @@ impl Engine for PeelEngine {
         let (counted, switches) = (work.frame.fragments, work.switches);
         let job = WindowJob { raster, peel, counted, wide: switches.wide_atomics, limit: switches.max_layers };
         if work.survey {
-            machines.peeler.survey(work, &job)?;
+            resources.peeler.survey(work, &job)?;
         } else {
-            machines.peeler.render(work, &job)?;
+            resources.peeler.render(work, &job)?;
         }
         work.note(&stats, walker);
         Ok(Outcome::Done)
@@ -56,10 +56,12 @@ impl Engine for PeelEngine {
         if !frame.fragments {
             return Ok(Counts::default());
         }
-        let [lengths, layers] = buffers.machines.peeler.read_counts(window)?;
+        let [lengths, layers] = buffers.resources.peeler.read_counts(window)?;
         Ok(Counts { fragments: Some(lengths), layers: Some(layers), stderr: None })
     }
+}
 
+impl Explain for PeelEngine {
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
         let tilted = self.peel.discs.shape == DiscShape::Oriented;
         match pass.name {

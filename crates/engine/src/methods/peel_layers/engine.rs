@@ -3,9 +3,9 @@
 use super::LayersJob;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work};
-use crate::methods::explain::{Absent, PassGroup, Plan};
+use crate::methods::explain::{Absent, Explain, PassGroup, Plan};
 use crate::methods::image_space::{self, Filtering};
-use crate::methods::{Buffers, Error, Frame, Machines, Outcome};
+use crate::methods::{Buffers, Error, Frame, Outcome, Resources};
 use crate::passes::bands::{Budget, Window};
 use crate::passes::project::{DeviceCloud, Extent};
 use crate::scene::PeelLayers;
@@ -48,17 +48,19 @@ impl Engine for PeelLayersEngine {
         let how = work.frame.projecting_points(cloud);
         let image = self.filtering().job(cloud, work, &how);
         let (layers, counted, read_back) = (self.settings.layers, work.frame.fragments, !work.survey);
-        let Machines { filterer, layer_peeler, .. } = &mut buffers.machines;
+        let Resources { filterer, layer_peeler, .. } = &mut buffers.resources;
         layer_peeler.render(filterer, work, &LayersJob { image, layers, counted, read_back })?;
         image_space::finish(cloud, work);
         Ok(Outcome::Done)
     }
 
     fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
-        let layers = if frame.fragments { Some(buffers.machines.layer_peeler.read_layers(window)?) } else { None };
+        let layers = if frame.fragments { Some(buffers.resources.layer_peeler.read_layers(window)?) } else { None };
         Ok(Counts { layers, ..Counts::default() })
     }
+}
 
+impl Explain for PeelLayersEngine {
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
         image_space::least_bytes(pass.name, pass.facts, pass.cloud, self.settings.filters.cull)
     }

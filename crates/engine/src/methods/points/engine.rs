@@ -3,7 +3,7 @@
 use super::NEAREST;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
-use crate::methods::explain::{Absent, PassGroup, Plan};
+use crate::methods::explain::{Absent, Explain, PassGroup, Plan};
 use crate::methods::{Buffers, Error, Frame, Outcome, opaque};
 use crate::passes::bands::{Budget, Window};
 use crate::passes::project::{DeviceCloud, Extent};
@@ -33,7 +33,7 @@ impl Engine for PointsEngine {
     fn render(
         &self,
         cloud: &mut DeviceCloud,
-        Buffers { tiles, machines }: &mut Buffers,
+        Buffers { tiles, resources }: &mut Buffers,
         work: &mut Work<'_>,
     ) -> Result<Outcome, Error> {
         let how = work.frame.projecting_points(cloud);
@@ -45,7 +45,7 @@ impl Engine for PointsEngine {
             stats.to_vec()
         } else {
             cloud.set_view(&work.frame.camera, work.frame.size, work.window, &how);
-            machines.opaque.render_points(work, cloud, &how)?
+            resources.opaque.render_points(work, cloud, &how)?
         };
         work.finish();
         work.facts.note(&stats, Walker::Compute);
@@ -55,7 +55,9 @@ impl Engine for PointsEngine {
     fn counts(&self, _buffers: &Buffers, _frame: &Frame, _window: Window) -> Result<Counts, Error> {
         Ok(Counts::default())
     }
+}
 
+impl Explain for PointsEngine {
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
         let (facts, pixels) = (pass.facts, pass.pixels());
         match pass.name {

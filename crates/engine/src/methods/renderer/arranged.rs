@@ -1,13 +1,41 @@
 //! Points to the device, in whichever order they are.
 
+use std::sync::Arc;
+
 use super::{Error, Renderer};
 use crate::cloud::shadow_texture::ShadowTexture;
 use crate::passes::compose::Cut;
 use crate::passes::project::DeviceCloud;
+use crate::points::Points;
+use crate::prepare::dealt_file::DealtFile;
+use crate::prepare::ensembles::Dealt;
 use crate::prepare::{Arranged, Supplied};
 use crate::scene::Detail;
 
 impl Renderer {
+    /// Uploads a scene's points.
+    pub fn upload(&self, points: &Points) -> Result<DeviceCloud, Error> {
+        Cut::new(&self.device, points.len() as u64)?;
+        Ok(DeviceCloud::new(&self.device, points)?)
+    }
+
+    /// Takes points that were dealt: for `spbr` and `spbr-simplified`, but any method may render them. They go to the
+    /// device with the first frame; points that don't fit [`Frame::memory_budget`] go through it while a frame of these
+    /// methods is rendered. The list stays in the host's memory.
+    pub fn upload_dealt(&self, dealt: &Dealt) -> Result<DeviceCloud, Error> {
+        check_dealt(dealt.points.len() as u64)?;
+        Ok(DeviceCloud::of_dealt(&self.device, dealt)?)
+    }
+
+    /// Takes points that were dealt into a file, where they stay; `sample` stands for them, with what is known of all.
+    ///
+    /// # Errors
+    /// More points than an index tells apart, or no memory for small buffers.
+    pub fn upload_dealt_file(&self, sample: &Points, file: &Arc<DealtFile>) -> Result<DeviceCloud, Error> {
+        check_dealt(file.len())?;
+        Ok(DeviceCloud::of_dealt_file(&self.device, sample, file)?)
+    }
+
     /// Uploads points as [`Renderer::upload`] does, or, if they were dealt, with their clouds.
     ///
     /// # Errors
@@ -35,7 +63,8 @@ impl Renderer {
         Ok(cloud)
     }
 
-    /// Like [`Renderer::upload_lit`], for frames with this detail: where they leave points out, those in memory come some at a time.
+    /// Like [`Renderer::upload_lit`], for frames with this detail: where they leave points out, those in memory come
+    /// some at a time.
     ///
     /// # Errors
     /// No memory for them.
@@ -64,4 +93,10 @@ impl Renderer {
         }
         Ok(())
     }
+}
+
+/// Refuses more points than an index tells apart: it has 32 bits, and all ones marks none of them.
+fn check_dealt(points: u64) -> Result<(), Error> {
+    let limit = u64::from(u32::MAX);
+    if points > limit { Err(Error::TooManyPoints { points, limit }) } else { Ok(()) }
 }

@@ -2,28 +2,29 @@
 
 use std::cell::{Cell, RefCell};
 
-use super::{Part, Renderer, last_first};
+use super::Renderer;
+use super::walk::Job;
 use crate::methods::deep::{DeepEngine, Sink, Source};
 use crate::methods::engine::Engine;
-use crate::methods::{Error, Facts, Frame, Outcome, Timeline};
+use crate::methods::{Error, Facts, Frame, Timeline};
 use crate::output::deep::State;
-use crate::passes::bands;
 use crate::passes::project::DeviceCloud;
 
 impl Renderer {
     /// Returns the largest number of samples that the deep image of a frame has, from projecting and counting alone.
     ///
     /// # Errors
-    /// Those of [`Self::deep`].
+    /// The errors of [`Self::deep`].
     pub fn most_samples(&mut self, cloud: &mut DeviceCloud, frame: &Frame, state: State) -> Result<u64, Error> {
         Ok(self.go_through(cloud, frame, state, (true, &mut |_, _| Ok(())))?.1)
     }
 
-    /// Hands the samples of a frame to `sink`, the pixels row by row, whatever the windows: at most those of a band at a time.
+    /// Hands the samples of a frame to `sink`, the pixels row by row, whatever the windows: at most those of a band at
+    /// a time.
     ///
     /// # Errors
-    /// A method without samples ([`crate::methods::deep::check`]), a frame that does not fit, a device that fails, a frame that
-    /// [`Self::progress`] cancels, and the errors of `sink`.
+    /// A method without samples ([`crate::methods::deep::check`]), a frame that does not fit, a device that fails, a
+    /// frame that [`Self::progress`] cancels, and the errors of `sink`.
     pub fn deep(
         &mut self,
         cloud: &mut DeviceCloud,
@@ -34,7 +35,7 @@ impl Renderer {
         Ok(self.go_through(cloud, frame, state, (false, sink))?.0)
     }
 
-    /// The counts of a frame, and how many samples it has at most.
+    /// Returns the counts of a frame, and how many samples it has at most.
     fn go_through(
         &mut self,
         cloud: &mut DeviceCloud,
@@ -45,10 +46,10 @@ impl Renderer {
         frame.check()?;
         let source = Source::of(&frame.method).ok_or(Error::NoSamples { method: frame.method.name() })?;
         let frame = &Frame { fragments: false, ..*frame };
-        // The lifetime of a sink's own borrows is no longer than that of the engine.
+        // A sink's own borrows need not live longer than the engine.
         let mut forward = |lengths: &[u32], samples: &[_]| sink(lengths, samples);
         let engine = DeepEngine { source, state, sink: RefCell::new(&mut forward), most: Cell::new(0) };
-        self.place(&engine, cloud, frame, false)?;
+        self.make_ready(&engine, cloud, frame, false)?;
         self.disown_colors();
         self.device.reset_peak();
         let mut timeline = Timeline::new(&self.progress);
@@ -60,19 +61,9 @@ impl Renderer {
         self.progress.set_position(0);
         let (points, gaussians) = (cloud.drawn(), cloud.gaussian_count());
         let mut facts = Facts { points, gaussians, ..Facts::default() };
-        let mut windows = last_first(&windows);
-        while let Some(window) = windows.pop() {
-            let (samples, sums) = (0..0, None);
-            let part = Part { engine: &engine, frame, window, budget, samples, sums, survey, learns: false };
-            match self.window(cloud, &part, &mut timeline, &mut facts)? {
-                Outcome::Done => self.progress.check()?,
-                // By rows first, whatever is cheaper: pixels come row by row.
-                Outcome::Overflow => {
-                    let halves = bands::halves(window).ok_or(Error::PixelOverflow { x: window[0], y: window[1] })?;
-                    windows.extend(halves.into_iter().rev());
-                }
-            }
-        }
+        let job = Job { survey, by_rows: true, ..Job::new(&engine, frame, budget) };
+        let done = |renderer: &mut Self, _| Ok(renderer.progress.check()?);
+        self.walk(cloud, &job, &windows, &mut timeline, &mut facts, done)?;
         facts.peak_device_bytes = self.device.peak_bytes();
         Ok((facts, engine.most.get()))
     }

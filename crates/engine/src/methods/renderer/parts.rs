@@ -3,16 +3,18 @@
 use std::cell::RefCell;
 use std::ops::Range;
 
-use super::{Begun, Part, Rendered, Renderer, edl, is_whole, largest};
+use super::walk::{Job, is_whole, largest};
+use super::{Begun, Rendered, Renderer, edl};
 use crate::image::Image;
 use crate::methods::parts::{Layout, Plane};
 use crate::methods::{DrawnPart, Error, Frame, SamplePart, Timeline, engine_of};
 use crate::passes::project::DeviceCloud;
 
 impl Renderer {
-    /// Draws some random samples of each pixel of a frame, or ensembles, and hands their sums to the host: all parts of a frame, drawn by
-    /// whatever renderers of equal devices with whatever memory budgets, give the image of [`Self::render`] to the byte
-    /// ([`Self::resolve_parts`]). [`Frame::sample_steps`] tells where samples may be cut; a part may be empty.
+    /// Draws some random samples of each pixel of a frame, or ensembles, and hands their sums to the host: all parts of
+    /// a frame, drawn by whatever renderers of equal devices with whatever memory budgets, give the image of
+    /// [`Self::render`] to the byte ([`Self::resolve_parts`]). [`Frame::sample_steps`] tells where samples may be cut;
+    /// a part may be empty.
     ///
     /// # Errors
     /// A frame whose samples can't be drawn in parts, samples that are no part of it, and those of [`Self::render`].
@@ -47,9 +49,9 @@ impl Renderer {
             begun.windows.clear();
         }
         let sums = RefCell::new(SamplePart::new(layout, samples.clone()));
-        let drawing = begun.drawing(engine, frame, false, Some(&sums));
+        let job = Job { samples, sums: Some(&sums), ..Job::new(engine, frame, begun.budget) };
         let mut image = nothing(frame);
-        let mut facts = self.draw(cloud, &drawing, samples, &mut image, timeline)?;
+        let mut facts = self.draw(cloud, &job, &begun.windows, &mut image, timeline)?;
         let part = sums.into_inner();
         image.fragments = part.all(Plane::Lengths).map(<[u32]>::to_vec);
         let profile = self.end(engine, &begun, timeline, &mut facts, (frame, &image), cloud);
@@ -90,11 +92,9 @@ impl Renderer {
         let mut facts = self.begin_windows(cloud, frame);
         // Lengths of lists came with the parts.
         let of_window = Frame { fragments: false, ..spreading(frame) };
+        let job = Job { samples: 0..layout.steps().total, ..Job::new(engine, &of_window, budget) };
         for window in begun.windows.iter().copied() {
-            let (samples, sums) = (0..layout.steps().total, None);
-            let (survey, learns) = (false, false);
-            let part = Part { engine, frame: &of_window, window, budget, samples, sums, survey, learns };
-            let (mut work, buffers) = self.work(&part, timeline, &mut facts);
+            let (mut work, buffers) = self.work(&job, window, timeline, &mut facts);
             engine.resolve(cloud, buffers, &mut work, parts)?;
             self.deliver(engine, &of_window, window, &mut image)?;
         }

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use super::{Error, Outcome, Part, Renderer};
+use super::walk::Job;
+use super::{Error, Renderer};
 use crate::cloud::shadow_texture::Casting;
 use crate::gpu::Device;
-use crate::methods::{Frame, Timeline, engine_of, shadows};
+use crate::methods::{Frame, Outcome, Timeline, engine_of, shadows};
 use crate::passes::bands::Window;
 use crate::passes::compose::Cut;
 use crate::passes::project::{Beam, CutFor, DeviceCloud, Footprint, Present};
@@ -39,8 +40,8 @@ fn room(device: &Device, cloud: &DeviceCloud, frame: &Frame) -> u64 {
 }
 
 impl Renderer {
-    /// Takes points that come to the device window by window, for any method: more of them than the device has room for at once.
-    /// `points` are all of them, or some that stand for all.
+    /// Takes points that come to the device window by window, for any method: more of them than the device has room for
+    /// at once. `points` are all of them, or some that stand for all.
     ///
     /// # Errors
     /// No memory for small buffers.
@@ -48,7 +49,7 @@ impl Renderer {
         Ok(DeviceCloud::of_supply(&self.device, points, Arc::clone(supply))?)
     }
 
-    /// Returns the same of points in canonical order that stay in the host's memory.
+    /// Takes points in canonical order that come to the device window by window, and stay in the host's memory.
     ///
     /// # Errors
     /// No memory for small buffers.
@@ -77,17 +78,19 @@ impl Renderer {
         Ok(cloud.cut(wanted.as_ref(), &self.progress)?)
     }
 
-    /// Brings the points that may show in a window to the device, unless they are there. A window that too many reach must be cut.
+    /// Brings the points that may show in a window to the device, unless they are there. A window that too many reach
+    /// must be cut.
     pub(super) fn bring(
         &self,
         cloud: &mut DeviceCloud,
-        part: &Part<'_>,
+        job: &Job<'_>,
+        window: Window,
         timeline: &mut Timeline,
     ) -> Result<Outcome, Error> {
         let Some(supply) = cloud.supply() else { return Ok(Outcome::Done) };
-        let (frame, blocks, room) = (part.frame, supply.blocks(), room(&self.device, cloud, part.frame));
+        let (frame, blocks, room) = (job.frame, supply.blocks(), room(&self.device, cloud, job.frame));
         let count = |picked: &[u32]| picked.iter().map(|i| blocks[*i as usize].points).sum::<u64>();
-        let beam = Beam::new(&frame.camera, frame.size, part.window, part.engine.extent(frame, cloud));
+        let beam = Beam::new(&frame.camera, frame.size, window, job.engine.extent(frame, cloud));
         let wanted = Present { within: Some(beam) };
         // A region is for others to render the rest: its points alone are projected.
         let is_whole = self.region.is_none();
@@ -99,18 +102,18 @@ impl Renderer {
             // They stay for the windows and frames to come. A count of points without levels may be a little too low.
             let all: Vec<u32> = (0..blocks.len() as u32).collect();
             if cloud.bring(&self.device, (&all, Present::ALL, room), &self.progress)? {
-                return self.ready(cloud, part, timeline);
+                return self.ready(cloud, job, timeline);
             }
         }
         let picked = beam.pick(blocks);
-        let [x, y, x1, y1] = part.window;
+        let [x, y, x1, y1] = window;
         let (alone, is_tile) = (x1 - x == 1 && y1 - y == 1, x1 - x <= TILE && y1 - y <= TILE);
-        // Runs over a tile's splats are composed by themselves, so a window within a tile may have other bytes: as long as the device
-        // can hold them, a tile's points come together.
+        // Runs over a tile's splats are composed by themselves, so a window within a tile may have other bytes: as long
+        // as the device can hold them, a tile's points come together.
         let room = if is_tile { Cut::most(&self.device) } else { room.min(supply.most()) };
         let points = count(&picked);
-        // Nodes are not read in vain where so many points are expected that they won't fit; some more than that are. However many points
-        // the nodes have besides, halves of the window would read most of them twice.
+        // Nodes are not read in vain where so many points are expected that they won't fit; some more than that are.
+        // However many points the nodes have besides, halves of the window would read most of them twice.
         let few = alone
             || points <= room
             || match supply.estimate(&|position| beam.meets_point(position, 0.0)) {
@@ -118,18 +121,18 @@ impl Renderer {
                 None => points <= READ * room,
             };
         if few && cloud.bring(&self.device, (&picked, wanted, room), &self.progress)? {
-            return self.ready(cloud, part, timeline);
+            return self.ready(cloud, job, timeline);
         }
         if alone { Err(Error::PointsOfPixel { x, y, points, limit: room }) } else { Ok(Outcome::Overflow) }
     }
 
     /// Finds what a window needs of the points that were brought.
-    fn ready(&self, cloud: &mut DeviceCloud, part: &Part<'_>, timeline: &mut Timeline) -> Result<Outcome, Error> {
-        if part.engine.projects() {
+    fn ready(&self, cloud: &mut DeviceCloud, job: &Job<'_>, timeline: &mut Timeline) -> Result<Outcome, Error> {
+        if job.engine.projects() {
             cloud.make_room(&self.device)?;
         }
-        self.share_light(cloud, part.frame, timeline)?;
-        part.engine.prepare(&self.device, cloud, part.frame)?;
+        self.share_light(cloud, job.frame, timeline)?;
+        job.engine.prepare(&self.device, cloud, job.frame)?;
         Ok(Outcome::Done)
     }
 

@@ -5,13 +5,13 @@
 use super::express::{self, COUNT_BYTES};
 use super::{Interior, Kind, Layer, SoftModel, Spheres, explain, pixel_bytes, record_compose};
 use crate::gpu::Device;
-use crate::methods::abuffer::{self, ABuffer, Sampling, Storing, Taken, list_bytes, record_nothing};
+use crate::methods::abuffer::{self, ABuffer, Sampling, Taken, list_bytes, record_nothing};
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
-use crate::methods::explain::Plan;
+use crate::methods::explain::{Explain, Plan};
 use crate::methods::projecting::UNCLAMPED;
 use crate::methods::splats::{self, Onto, solid_projecting};
-use crate::methods::{Buffers, Error, Frame, Machines, Outcome, sorted, tiled};
+use crate::methods::{Buffers, Error, Frame, Outcome, Resources, sorted, tiled};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Bins, Order};
 use crate::passes::project::{DeviceCloud, Footprint, Part, Parts, Projecting, Stats};
@@ -43,10 +43,10 @@ impl SpheresEngine {
     fn soft_points<T>(
         &self,
         cloud: &mut DeviceCloud,
-        Buffers { tiles, machines }: &mut Buffers,
+        Buffers { tiles, resources }: &mut Buffers,
         work: &mut Work<'_>,
         parts: Parts,
-        go_on: impl FnOnce(&mut ABuffer, &mut Work<'_>, &abuffer::WindowJob<'_>) -> Result<T, Error>,
+        go_on: impl FnOnce(&mut ABuffer, &mut Work<'_>, &abuffer::WindowJob<'_>, Option<&Layer>) -> Result<T, Error>,
     ) -> Result<Option<T>, Error> {
         let (frame, window, interior) = (work.frame, work.window, self.interior);
         let model = SoftModel::new(&frame.method, &self.soft, parts.median_radius * frame.factors.radius);
@@ -58,18 +58,18 @@ impl SpheresEngine {
         let Some(mut budget) = work.reserve_tiles(tiles, &stats, true)? else { return Ok(None) };
         let solid = parts.solid > 0;
         if solid {
-            budget.tiles += machines.bins.bytes();
+            budget.tiles += resources.bins.bytes();
         }
         let (walker, footprint) = (Walker::Compute, how.footprint);
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint, window };
-        let layer = solid.then_some(&machines.layer);
+        let layer = solid.then_some(&resources.layer);
         let spheres = Spheres { kind, model, max_radius, origin: cloud.depth_origin(), layer };
         spheres.check(&frame.method, cloud.len())?;
         let stop = sorted::stop(frame.stop, frame.color, cloud.max_color(&how));
-        let (discs, storing, shown) = (Discs::default(), Storing::Spheres(spheres), abuffer::Shown::First);
-        let job = abuffer::WindowJob { raster, discs, storing, stop, shown, budget, samples: None };
-        let found = go_on(&mut machines.lists, work, &job)?;
-        machines.soft_counted = true;
+        let (discs, shown) = (Discs::default(), abuffer::Shown::First);
+        let job = abuffer::WindowJob { raster, discs, storing: &spheres, stop, shown, budget, samples: None };
+        let found = go_on(&mut resources.lists, work, &job, layer)?;
+        resources.soft_counted = true;
         let seen = stats.found;
         work.note_later(move |facts, timeline| {
             let stats = seen.stats(timeline);
@@ -98,13 +98,12 @@ impl SpheresEngine {
         let most_solid = if parts.solid > 0 { pixels } else { 0 };
         if parts.soft == 0 {
             if !survey {
-                let found = Solids::read(&buffers.machines.layer, [0, pixels], origin, parts)?;
+                let found = Solids::read(&buffers.resources.layer, [0, pixels], origin, parts)?;
                 take(&Taken::nothing(pixels), found.as_ref())?;
             }
             return Ok(Some(most_solid));
         }
-        let found = self.soft_points(cloud, buffers, work, parts, |lists, work, job| {
-            let Storing::Spheres(Spheres { layer, .. }) = job.storing else { return Ok(Some(0)) };
+        let found = self.soft_points(cloud, buffers, work, parts, |lists, work, job, layer| {
             let job = abuffer::WindowJob { samples: Some(1), ..*job };
             lists.samples(work, &job, Sampling { bodies: false }, &mut |taken| {
                 let [start, end] = taken.pixels.map(u64::from);
@@ -156,11 +155,12 @@ impl Engine for SpheresEngine {
             return Ok(Outcome::Overflow);
         }
         match parts.soft {
-            0 => only_solids(cloud, &buffers.machines.layer, work),
+            0 => only_solids(cloud, &buffers.resources.layer, work),
             _ => {
-                let render = |lists: &mut ABuffer, work: &mut Work<'_>, job: &abuffer::WindowJob<'_>| {
-                    if work.survey { lists.survey(work, job) } else { lists.render(work, job) }
-                };
+                let render =
+                    |lists: &mut ABuffer, work: &mut Work<'_>, job: &abuffer::WindowJob<'_>, _: Option<&Layer>| {
+                        if work.survey { lists.survey(work, job) } else { lists.render(work, job) }
+                    };
                 let found = self.soft_points(cloud, buffers, work, parts, render)?;
                 Ok(found.unwrap_or(Outcome::Overflow))
             }
@@ -168,12 +168,14 @@ impl Engine for SpheresEngine {
     }
 
     fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
-        let Machines { lists, soft_counted, .. } = &buffers.machines;
+        let Resources { lists, soft_counted, .. } = &buffers.resources;
         let asked = frame.fragments && *soft_counted;
         let fragments = if asked { Some(lists.read_bodies(window)?) } else { None };
         Ok(Counts { fragments, ..Counts::default() })
     }
+}
 
+impl Explain for SpheresEngine {
     /// The number of solid splats is unknown.
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
         match pass.name {
@@ -193,7 +195,7 @@ impl ExpressEngine {
     fn soft_points(
         &self,
         cloud: &mut DeviceCloud,
-        Buffers { tiles, machines }: &mut Buffers,
+        Buffers { tiles, resources }: &mut Buffers,
         work: &mut Work<'_>,
         parts: Parts,
     ) -> Result<Outcome, Error> {
@@ -214,13 +216,13 @@ impl ExpressEngine {
                 bin,
                 model: SoftModel::new(&frame.method, soft, parts.median_radius * frame.factors.radius),
                 modulated: soft.modulation.is_some(),
-                layer: (parts.solid > 0).then_some(&machines.layer),
+                layer: (parts.solid > 0).then_some(&resources.layer),
                 max_color: cloud.max_color(&how),
             };
-            machines.soft_discs.render(&mut machines.bins, work, &job)?
+            resources.soft_discs.render(&mut resources.bins, work, &job)?
         };
         if outcome == Outcome::Done {
-            machines.soft_counted = true;
+            resources.soft_counted = true;
             let found = stats.found;
             work.note_later(move |facts, timeline| facts.soft_visible += visible(&found.stats(timeline)));
             work.finish();
@@ -253,17 +255,19 @@ impl Engine for ExpressEngine {
             return Ok(Outcome::Overflow);
         }
         match parts.soft {
-            0 => only_solids(cloud, &buffers.machines.layer, work),
+            0 => only_solids(cloud, &buffers.resources.layer, work),
             _ => self.soft_points(cloud, buffers, work, parts),
         }
     }
 
     fn counts(&self, buffers: &Buffers, frame: &Frame, _window: Window) -> Result<Counts, Error> {
-        let Machines { soft_discs, soft_counted, .. } = &buffers.machines;
+        let Resources { soft_discs, soft_counted, .. } = &buffers.resources;
         let fragments = (frame.fragments && *soft_counted).then(|| soft_discs.counts().to_vec());
         Ok(Counts { fragments, ..Counts::default() })
     }
+}
 
+impl Explain for ExpressEngine {
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
         if pass.name == "soft/compose" {
             return Some(pass.pixels() * 3 * 20);
@@ -303,14 +307,14 @@ fn draw_solids(
     (parts, how, drawn): (Parts, &Projecting, bool),
 ) -> Result<Outcome, Error> {
     work.facts.solid_points = parts.solid;
-    buffers.machines.soft_counted = false;
+    buffers.resources.soft_counted = false;
     if parts.solid == 0 {
         return Ok(Outcome::Done);
     }
     let survey = work.survey;
     work.survey = survey && !drawn;
     if !work.survey {
-        buffers.machines.layer.reserve(work.device, work.pixels())?;
+        buffers.resources.layer.reserve(work.device, work.pixels())?;
     }
     let stats = work.project(cloud, how)?;
     let outcome = splats::draw_solid(cloud, buffers, work, (&stats, how.footprint, Onto::Layer))?;

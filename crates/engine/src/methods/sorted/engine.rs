@@ -4,9 +4,9 @@ use super::{WindowJob, render};
 use crate::gpu::DeviceInfo;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work};
-use crate::methods::explain::Plan;
+use crate::methods::explain::{Explain, Plan};
 use crate::methods::tiled::{self, Stage};
-use crate::methods::{Buffers, Error, Frame, Machines, Outcome};
+use crate::methods::{Buffers, Error, Frame, Outcome, Resources};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Order};
 use crate::passes::project::DeviceCloud;
@@ -29,12 +29,12 @@ impl Stage for SortedEngine {
 
     fn draw(
         &self,
-        machines: &mut Machines,
+        resources: &mut Resources,
         work: &mut Work<'_>,
         bin: bin::Job<'_>,
         max_color: f32,
     ) -> Result<Outcome, Error> {
-        render(&mut machines.bins, work, &WindowJob { bin, discs: self.discs, max_color })
+        render(&mut resources.bins, work, &WindowJob { bin, discs: self.discs, max_color })
     }
 }
 
@@ -63,7 +63,9 @@ impl Engine for SortedEngine {
     fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
         tiled::counts(buffers, frame, window)
     }
+}
 
+impl Explain for SortedEngine {
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
         tiled::disc_bytes(pass, &self.discs)
     }

@@ -6,7 +6,7 @@ use crate::camera::Projection;
 use crate::gpu::Device;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Sums, Work};
-use crate::methods::explain::{Absent, PassGroup, Plan};
+use crate::methods::explain::{Absent, Explain, PassGroup, Plan};
 use crate::methods::{Buffers, Error, Frame, Outcome, SamplePart};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::project::{DeviceCloud, Projecting};
@@ -96,7 +96,7 @@ impl Engine for EnsembleEngine {
         };
         work.facts.renewed |= job.is_renewed();
         if !work.survey {
-            let met = buffers.machines.ensembles.render(work, &job)?;
+            let met = buffers.resources.ensembles.render(work, &job)?;
             work.facts.visible += met.visible;
             work.facts.uploaded_bytes += met.uploaded;
             work.finish();
@@ -114,7 +114,7 @@ impl Engine for EnsembleEngine {
     ) -> Result<(), Error> {
         work.facts.ensembles = work.samples.end;
         let scale = Scale::new(self.ensembles, cloud.max_color(&work.frame.projecting_points(cloud)));
-        buffers.machines.ensembles.resolve(work, scale, sums)?;
+        buffers.resources.ensembles.resolve(work, scale, sums)?;
         work.finish();
         work.facts.note(&[], Walker::Compute);
         Ok(())
@@ -122,10 +122,12 @@ impl Engine for EnsembleEngine {
 
     fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
         let spread = frame.wants_spread();
-        let stderr = if spread { Some(buffers.machines.ensembles.read_stderr(window)?) } else { None };
+        let stderr = if spread { Some(buffers.resources.ensembles.read_stderr(window)?) } else { None };
         Ok(Counts { stderr, ..Counts::default() })
     }
+}
 
+impl Explain for EnsembleEngine {
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
         least_bytes(pass.name, pass.facts, pass.frame.wants_spread(), pass.pixels())
     }

@@ -4,9 +4,9 @@ use super::{PASSES, PIXEL_BYTES, WindowJob, least_bytes, survey};
 use crate::gpu::DeviceInfo;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
-use crate::methods::explain::{Absent, EACH_PIXEL, NOTHING, PassGroup, Plan};
+use crate::methods::explain::{Absent, EACH_PIXEL, Explain, NOTHING, PassGroup, Plan};
 use crate::methods::soft::Layer;
-use crate::methods::{Buffers, Error, Facts, Frame, Machines, Outcome, tiled};
+use crate::methods::{Buffers, Error, Facts, Frame, Outcome, Resources, tiled};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Order};
 use crate::passes::project::{DeviceCloud, Extent, Footprint, Part, Projecting, Stats};
@@ -55,7 +55,9 @@ impl Engine for SplatsEngine {
     fn counts(&self, _buffers: &Buffers, _frame: &Frame, _window: Window) -> Result<Counts, Error> {
         Ok(Counts::default())
     }
+}
 
+impl Explain for SplatsEngine {
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
         let tilted = self.footprint == Footprint::Oriented;
         let binned = Facts { bands: pass.facts.splatted, ..pass.facts.clone() };
@@ -98,7 +100,7 @@ pub(crate) enum Onto {
 /// Draws a window's projected splats, or decides only how they are binned; nothing is read back.
 pub(crate) fn draw(
     cloud: &DeviceCloud,
-    Buffers { tiles, machines }: &mut Buffers,
+    Buffers { tiles, resources }: &mut Buffers,
     work: &mut Work<'_>,
     drawing: &Drawing<'_>,
 ) -> Result<Outcome, Error> {
@@ -111,7 +113,7 @@ pub(crate) fn draw(
     if work.survey {
         return survey(work.device, &bin, work.facts);
     }
-    let Machines { bins, splatter, layer, .. } = machines;
+    let Resources { bins, splatter, layer, .. } = resources;
     let (into, behind) = match onto {
         Onto::Target => (work.target.pixels(), None),
         Onto::TargetBehindLayer => (work.target.pixels(), Some(layer.depths())),

@@ -8,11 +8,11 @@ use crate::gpu::{Device, DeviceInfo};
 use crate::methods::abuffer::counted_beside;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Sums, Work};
-use crate::methods::explain::{Absent, EACH_PIXEL, NOTHING, ORDER, PassGroup, Plan};
+use crate::methods::explain::{Absent, EACH_PIXEL, Explain, NOTHING, ORDER, PassGroup, Plan};
 use crate::methods::parts::Plane;
 use crate::methods::tiled::{self, Stage};
 use crate::methods::walker::sampling_walker;
-use crate::methods::{Buffers, Error, Frame, Machines, Outcome, SamplePart, abuffer};
+use crate::methods::{Buffers, Error, Frame, Outcome, Resources, SamplePart, abuffer};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Bins, Order};
 use crate::passes::project::DeviceCloud;
@@ -54,7 +54,7 @@ impl Stage for StochasticEngine {
 
     fn draw(
         &self,
-        Machines { bins, sampler, .. }: &mut Machines,
+        Resources { bins, sampler, .. }: &mut Resources,
         work: &mut Work<'_>,
         bin: bin::Job<'_>,
         _max_color: f32,
@@ -115,7 +115,7 @@ impl Engine for StochasticEngine {
     ) -> Result<(), Error> {
         work.facts.samples = work.samples.end;
         let kind = Kind { exact: self.settings.alpha_correction, spread: work.frame.wants_spread() };
-        buffers.machines.sampler.resolve(work, kind, sums)?;
+        buffers.resources.sampler.resolve(work, kind, sums)?;
         work.finish();
         work.facts.note(&[], Walker::Compute);
         Ok(())
@@ -123,10 +123,12 @@ impl Engine for StochasticEngine {
 
     fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
         let spread = frame.wants_spread();
-        let stderr = if spread { Some(buffers.machines.sampler.read_stderr(window)?) } else { None };
+        let stderr = if spread { Some(buffers.resources.sampler.read_stderr(window)?) } else { None };
         Ok(Counts { stderr, ..tiled::counts(buffers, frame, window)? })
     }
+}
 
+impl Explain for StochasticEngine {
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
         let Stochastic { samples, alpha_correction: exact, discs } = self.settings;
         if !pass.name.starts_with("stochastic/") {

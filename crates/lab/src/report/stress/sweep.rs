@@ -9,7 +9,7 @@ use crate::report::truth::Truth;
 use pellucid_engine::Result;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::gpu::Device;
-use pellucid_engine::methods::{self, Factors, Frame, FrameProfile, Rendered, Renderer, Stop};
+use pellucid_engine::methods::{self, Frame, FrameProfile, Rendered, Renderer};
 use pellucid_engine::points::Points;
 use pellucid_engine::scene::{self, Method, Scene, procedural};
 
@@ -66,22 +66,9 @@ impl Place {
         }
         let (points, camera) = self.scene(settings.seed)?;
         let frame = |method| Frame {
-            camera,
-            size: [self.side; 2],
             shading: Default::default(),
-            color: Default::default(),
-            method,
-            stop: Stop::Exact,
-            seed: 0,
-            max_error: None,
-            spread: false,
-            ensembles: None,
-            shadows: None,
-            factors: Factors::default(),
-            detail: Default::default(),
             memory_budget: settings.memory_budget,
-            fragments: false,
-            depths: false,
+            ..Frame::new(camera, [self.side; 2], method)
         };
         let mut renderer = Renderer::new(device)?;
         let mut cloud = match renderer.upload(&points) {

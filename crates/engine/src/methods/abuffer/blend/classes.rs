@@ -3,11 +3,11 @@
 use crate::gpu::Variant;
 use crate::methods::abuffer::LOCAL_LENGTH;
 
-/// Lists of up to this length are sorted in registers on a CPU, and the blocks that longer ones begin with. A network for twice
-/// as many has three times the code: it would take a third of the time in which all kernels compile.
+/// Lists of up to this length are sorted in registers on a CPU, and the blocks that longer ones begin with. A network
+/// for twice as many has three times the code: it would take a third of the time in which all kernels compile.
 const BLOCK_LENGTH: u32 = 16;
-/// Lists of up to this length are sorted in registers where invocations share work. Twice as many would take more registers than
-/// a workgroup should.
+/// Lists of up to this length are sorted in registers where invocations share work. Twice as many would take more
+/// registers than a workgroup should.
 const NETWORK_LENGTH: u32 = 32;
 
 /// Upper bounds of the classes of list lengths, and the names of their kernels; longer lists make one class more.
@@ -21,8 +21,8 @@ pub const CLASSES: [(u32, &str); 7] = [
     (LOCAL_LENGTH, "abuffer/resolve-256"),
 ];
 
-/// Words of a class in the table of classes: workgroups x, y, z; number of pixels; where its pixels begin in the work list; how
-/// many of them are in place; two unused.
+/// Words of a class in the table of classes: workgroups x, y, z; number of pixels; where its pixels begin in the work
+/// list; how many of them are in place; two unused.
 pub(super) const CLASS_WORDS: u64 = 8;
 /// Place of the number of pixels among a class's words.
 pub(super) const CLASS_TOTAL: u64 = 3;
@@ -36,12 +36,12 @@ pub fn lower_bound(class: usize) -> u32 {
     class.checked_sub(1).map_or(0, |i| CLASSES[i].0)
 }
 
-/// Way in which the lists of a class are sorted.
+/// Kernels that sort the lists of a class.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sorting {
-    /// By the kernel that blends them, in registers.
+    /// The kernel that blends them sorts in registers.
     Network,
-    /// By the kernel that blends them, in an array of the invocation's own.
+    /// The kernel that blends them sorts in an array of the invocation's own.
     Merge,
     /// Before the kernel, in the memory of a workgroup.
     Group,
@@ -104,8 +104,8 @@ pub(super) fn sort_runs_variant() -> Variant {
     local_sort(Variant::plain())
 }
 
-/// Adds the constants of shaders/shared/local_sort.wgsl. One kernel serves all classes: an array that is longer than its list
-/// costs nothing.
+/// Adds the constants of shaders/shared/local_sort.wgsl. One kernel serves all classes: an array that is longer than
+/// its list costs nothing.
 fn local_sort(variant: Variant) -> Variant {
     variant.constant("CAPACITY", LOCAL_LENGTH).constant("BLOCK", BLOCK_LENGTH).network(BLOCK_LENGTH)
 }

@@ -13,13 +13,12 @@ pub use least_bytes::least_bytes;
 use self::classes::{CLASS_PLACED, CLASS_START, CLASS_TOTAL, CLASS_WORDS, class_variant, sort_runs_variant};
 use self::in_place::in_place_merges;
 use super::passes::*;
-use super::{Counted, LOCAL_LENGTH, Shown, Storing, WindowJob};
+use super::{LOCAL_LENGTH, Room, RunBuffers, Shown, WindowJob};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
-use crate::methods::soft::{self, LongSpheres, Spheres};
+use crate::methods::Target;
 use crate::methods::sorted::{STOP_EXACT, STOP_NEVER, STOPS};
-use crate::methods::{Target, ellipsoids};
 use crate::passes::bands::{self, Band};
 use crate::passes::bin::OrderedTiles;
 use crate::passes::compose::{self, Composing, Cut};
@@ -43,8 +42,7 @@ pub struct Blender {
     lists: Kept<LongList>,
     partials: Kept<Partial>,
     work: Buffer<LongWork>,
-    spheres: LongSpheres,
-    ellipsoids: ellipsoids::Sums,
+    long: RunBuffers,
     /// `true` if workgroups share lists.
     shared: bool,
 }
@@ -58,14 +56,61 @@ pub struct Stored<'a> {
     pub offsets: Slice<'a, u32>,
     /// The band's fragments.
     pub fragments: Slice<'a, [u32; 2]>,
-    /// Room for them once more, if long lists are merged.
+    /// Room for the fragments once more, if long lists are merged.
     pub spare: Option<Slice<'a, [u32; 2]>>,
-    /// Records of packed events of spheres; any buffer where no events are packed.
+    /// Records of fragments; any buffer where there are none.
     pub records: Slice<'a, [u32; 4]>,
 }
 
+impl<'a> Stored<'a> {
+    /// Returns the buffers of a band, with the spare one if `merged`.
+    pub(super) fn of(room: &'a Room, cut: Cut, merged: bool) -> Self {
+        Self {
+            cut,
+            offsets: room.offsets.get().all(),
+            fragments: room.fragments.get().all(),
+            spare: merged.then(|| room.spare.get().all()),
+            records: room.records.get().all(),
+        }
+    }
+}
+
+/// The blending of a band.
+#[derive(Clone, Copy)]
+pub struct Blending<'a> {
+    /// The window.
+    pub job: WindowJob<'a>,
+    /// The stored fragments.
+    pub stored: Stored<'a>,
+    /// The band.
+    pub band: Band,
+    /// Lengths of the window's lists.
+    pub lengths: Lengths,
+}
+
+/// A band's lists, sorted, and their runs.
+#[derive(Clone, Copy)]
+pub struct Runs<'a> {
+    /// Way to reach the splats.
+    pub composing: Composing<'a>,
+    /// Way in which the splats are cut into bindings.
+    pub cut: Cut,
+    /// Counts and indirect arguments.
+    pub work: Slice<'a, LongWork>,
+    /// The runs.
+    pub runs: Slice<'a, ListRun>,
+    /// The lists.
+    pub lists: Slice<'a, LongList>,
+    /// Buffer of their fragments.
+    pub fragments: Slice<'a, [u32; 2]>,
+    /// Records of fragments; any buffer where there are none.
+    pub records: Slice<'a, [u32; 4]>,
+    /// Buffer that the composed runs are written to.
+    pub partials: Slice<'a, Partial>,
+}
+
 impl Blender {
-    /// No buffers but the small ones yet.
+    /// Allocates the small buffers alone.
     pub fn new(device: &Device) -> Result<Self, Error> {
         Ok(Self {
             classes: device.buffer("classes", CLASS_WORDS * (CLASSES.len() as u64 + 1), Memory::Device)?,
@@ -74,13 +119,12 @@ impl Blender {
             lists: Kept::new("long lists", Memory::Device),
             partials: Kept::new("partial sums", Memory::Device),
             work: device.buffer("long work", 1, Memory::Device)?,
-            spheres: LongSpheres::default(),
-            ellipsoids: ellipsoids::Sums::default(),
+            long: RunBuffers::default(),
             shared: device.info().prefers.shared_work,
         })
     }
 
-    /// Room for a window of `pixels`, with at most `long` fragments in a band's long lists.
+    /// Reserves room for a window of `pixels`, with at most `long` fragments in a band's long lists.
     pub fn reserve(&mut self, device: &Device, pixels: u64, long: u64) -> Result<(), Error> {
         self.pixels.reserve(device, pixels)?;
         if long > 0 {
@@ -94,62 +138,53 @@ impl Blender {
         Ok(())
     }
 
-    /// Room for a band of so many events in so many pixels' lists, each of which has a run.
+    /// Reserves room for a band of so many events in so many pixels' lists, each of which has a run.
     pub fn reserve_events(&mut self, device: &Device, pixels: u64, events: u64) -> Result<(), super::Error> {
         let runs = pixels + events / u64::from(LOCAL_LENGTH);
         self.runs.reserve(device, runs)?;
         self.lists.reserve(device, pixels)?;
         self.partials.reserve(device, runs)?;
-        self.ellipsoids.reserve(device, runs)
+        Ok(self.long.sums.reserve(device, runs)?)
     }
 
-    /// Room for what long lists of spheres need besides: in them at most `long` events, if there are any; and for the segments
-    /// of at least so many events, but of no more than the limit.
-    pub fn reserve_spheres(
+    /// Reserves room for the sums of long lists with at most `long` fragments, and for the segments of at least so many
+    /// fragments, but of no more than the limit. Frees both if no list is long.
+    pub(super) fn reserve_sums(
         &mut self,
         device: &Device,
         long: Option<u64>,
-        [events, limit]: [u64; 2],
+        [fragments, limit]: [u64; 2],
     ) -> Result<(), super::Error> {
-        match long {
-            Some(long) => self.spheres.reserve(device, soft::long_runs(long), events, limit),
-            None => {
-                self.spheres.release();
-                Ok(())
-            }
-        }
+        let Some(long) = long else {
+            self.long.segments.release();
+            self.long.sums.release();
+            return Ok(());
+        };
+        self.long.sums.reserve(device, (2 * long).div_ceil(u64::from(LOCAL_LENGTH)).max(1))?;
+        self.long.segments.reserve_within(device, fragments.max(1), limit.max(1))?;
+        Ok(())
+    }
+
+    /// Returns the buffers of running sums and segments; there must have been a reserve.
+    pub(in crate::methods) fn long(&self) -> &RunBuffers {
+        &self.long
     }
 
     /// Records everything from a band's stored fragments to its pixels in the target.
-    pub fn record<'a>(
+    pub(in crate::methods) fn record_fragments<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
-        stored: Stored<'a>,
+        blending: &Blending<'a>,
         target: &'a Target,
-        band: &Band,
-        counted: &Counted,
     ) -> Result<(), super::Error> {
-        let Stored { cut, offsets, fragments, .. } = stored;
+        let Blending { ref job, stored, ref band, lengths } = *blending;
+        let cut = stored.cut;
         let variant = compose::variant(cut, job.raster.footprint, job.discs.falloff);
         let composing = Composing::new(job.raster.cloud, cut);
         let (image, depths) = (target.image(), target.depths());
-        if let Storing::Ordered(bins, binned) = job.storing {
-            let tiles = bins.tiles(job.raster.cloud, binned);
-            return Ok(Self::record_ordered(recorder, job, stored, &tiles, target, band, counted)?);
-        }
-        if let Storing::Spheres(spheres) = &job.storing {
-            return self.record_spheres(recorder, job, stored, spheres, target, band, counted);
-        }
-        if job.storing.are_ellipsoids() {
-            return self.record_ellipsoids(recorder, job, stored, target, band, counted);
-        }
-        self.record_classes(recorder, offsets, band)?;
-        let (classes, pixels) = (self.classes.all(), self.pixels.get().all());
-        let lists = Resolving { composing, offsets, classes, pixels, fragments, image, depths };
         let stopping = resolving_variant(variant.clone(), job.shown, job.stop.0);
-        let classes = || occurring(CLASSES.into_iter().enumerate(), counted.lengths.longest);
-        self.record_sort_lists(recorder, classes(), stored, band)?;
+        let classes = || occurring(CLASSES.into_iter().enumerate(), lengths.longest);
+        let lists = self.record_sorted_classes(recorder, blending, classes(), target)?;
         for (index, (capacity, name)) in classes() {
             let push = ResolvePush {
                 class_index: index as u32,
@@ -157,7 +192,7 @@ impl Blender {
                 max_opacity: job.raster.cloud.max_opacity(),
                 max_color: job.stop.1,
             };
-            let sorting = Sorting::of(capacity, self.shared);
+            let sorting = self.sorting(capacity);
             let run = self.over_class(index).label(name).variant(sorting.resolve_variant(stopping.clone(), capacity));
             match sorting {
                 Sorting::Network => recorder.run(&ResolveNetwork { lists }, push, &run)?,
@@ -165,18 +200,17 @@ impl Blender {
                 Sorting::Group => recorder.run(&ResolveSorted { lists }, push, &run)?,
             }
         }
-        if counted.lengths.in_long_lists == 0 {
+        if lengths.in_long_lists == 0 {
             return Ok(());
         }
 
         self.record_split(recorder, stored, band)?;
-        let sorted = self.record_sort(recorder, job, stored, counted.lengths.longest)?;
+        let sorted = self.record_sort(recorder, job, stored, lengths.longest)?;
         let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
         let partials = self.partials.get().all();
         let blend = BlendRuns { composing, work, runs, fragments: sorted, partials };
         recorder.run(&blend, (), &self.over_runs().variant(composing_variant(variant.clone(), job.shown)))?;
-        let combine = self.over_lists().variant(composing_variant(Variant::plain(), job.shown));
-        recorder.run(&Combine { work, lists, partials, image, depths }, (), &combine)?;
+        self.record_combine(recorder, job.shown, target)?;
         if job.discs.gaussians.stop > 0.0 {
             let end = End { composing, work, lists, runs, fragments: sorted, partials, image, depths };
             recorder.run(&end, (), &self.over_lists().variant(composing_variant(variant.clone(), job.shown)))?;
@@ -188,102 +222,94 @@ impl Blender {
         Ok(())
     }
 
-    /// Records the sorting and blending of events of ellipsoids: every list goes in runs.
-    fn record_ellipsoids<'a>(
+    /// Records the image of composed runs of lists.
+    pub(in crate::methods) fn record_combine<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
-        stored: Stored<'a>,
+        shown: Shown,
         target: &'a Target,
-        band: &Band,
-        counted: &Counted,
     ) -> Result<(), super::Error> {
-        let longest = counted.lengths.longest;
-        let sorted = self.record_every_list(recorder, job, stored, band, longest)?;
-        self.ellipsoids.record(recorder, &sorted, longest > LOCAL_LENGTH, job.shown)?;
-        let ellipsoids::Sorted { work, lists, partials, .. } = sorted;
+        let (work, lists, partials) = (self.work.all(), self.lists.get().all(), self.partials.get().all());
         let (image, depths) = (target.image(), target.depths());
-        let combine = self.over_lists().variant(composing_variant(Variant::plain(), job.shown));
-        recorder.run(&Combine { work, lists, partials, image, depths }, (), &combine)?;
-        if job.shown == Shown::Median {
-            self.ellipsoids.record_medians(recorder, &sorted, depths)?;
-        }
-        Ok(())
+        let combine = self.over_lists().variant(composing_variant(Variant::plain(), shown));
+        Ok(recorder.run(&Combine { work, lists, partials, image, depths }, (), &combine)?)
     }
 
     /// Records every list in sorted runs, short ones too.
-    fn record_every_list<'a>(
+    pub(in crate::methods) fn record_every_list<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
-        stored: Stored<'a>,
-        band: &Band,
-        longest: u32,
-    ) -> Result<ellipsoids::Sorted<'a>, super::Error> {
-        let (cut, falloff) = (stored.cut, job.discs.falloff);
+        blending: &Blending<'a>,
+    ) -> Result<Runs<'a>, super::Error> {
+        let Blending { ref job, stored, ref band, lengths } = *blending;
         let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
         recorder.fill("abuffer/clear", work, 0)?;
-        ellipsoids::record_split(recorder, ellipsoids::Split { offsets: stored.offsets, work, runs, lists }, band)?;
+        let [band_start, band_end] = band.pixels;
+        let push = SplitPush { band_start, band_end, first_fragment: band.first_fragment };
+        let over_pixels = Run::new(Dispatch::Invocations(u64::from(band_end - band_start)));
+        recorder.run(&SplitEvery { offsets: stored.offsets, work, runs, lists }, push, &over_pixels)?;
         recorder.run(&RunGroups { work }, (), &Run::new(Dispatch::Groups(1)))?;
-        let fragments = self.record_sort(recorder, job, stored, longest)?;
-        let (composing, partials) = (Composing::new(job.raster.cloud, cut), self.partials.get().all());
-        Ok(ellipsoids::Sorted { composing, cut, falloff, work, runs, lists, fragments, partials })
+        let fragments = self.record_sort(recorder, job, stored, lengths.longest)?;
+        Ok(self.runs_of(blending, fragments))
     }
 
-    /// Records the sorting and blending of events of soft spheres.
-    #[expect(clippy::too_many_arguments, reason = "as the others, and the spheres")]
-    fn record_spheres<'a>(
+    /// Records the long lists in sorted runs, merged through the spare buffer; `None` if no list is long.
+    pub(in crate::methods) fn record_long_lists<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
-        stored: Stored<'a>,
-        spheres: &Spheres<'a>,
-        target: &'a Target,
-        band: &Band,
-        counted: &Counted,
-    ) -> Result<(), super::Error> {
-        let Stored { cut, offsets, fragments, records, .. } = stored;
-        let composing = Composing::new(job.raster.cloud, cut);
-        let (image, depths) = (target.image(), target.depths());
-        self.record_classes(recorder, offsets, band)?;
-        let (classes, pixels) = (self.classes.all(), self.pixels.get().all());
-        let lists = Resolving { composing, offsets, classes, pixels, fragments, image, depths };
-        let longest = counted.lengths.longest;
-        // There is no list of one event.
-        let classes = || occurring(soft::classes(), longest);
-        self.record_sort_lists(recorder, classes(), stored, band)?;
-        for (index, (capacity, name)) in classes() {
-            let push = spheres.push(index as u32, band.first_fragment, job.stop.1);
-            let sorting = Sorting::of(capacity, self.shared);
-            let kernel = spheres.resolve_variant(cut, job.stop.0, sorting, capacity);
-            let run = self.over_class(index).label(name).variant(kernel);
-            match sorting {
-                Sorting::Network => recorder.run(&soft::ResolveNetwork { lists, records }, push, &run)?,
-                Sorting::Merge => recorder.run(&soft::ResolveMerge { lists, records }, push, &run)?,
-                Sorting::Group => recorder.run(&soft::ResolveSorted { lists, records }, push, &run)?,
-            }
-        }
-        let (true, Some(spare)) = (counted.lengths.in_long_lists > 0, stored.spare) else { return Ok(()) };
-
+        blending: &Blending<'a>,
+    ) -> Result<Option<Runs<'a>>, super::Error> {
+        let Blending { stored, ref band, lengths, .. } = *blending;
+        let (true, Some(spare)) = (lengths.in_long_lists > 0, stored.spare) else { return Ok(None) };
         self.record_split(recorder, stored, band)?;
-        let fragments = self.record_merge_sort(recorder, fragments, spare, longest)?;
-        let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
-        let partials = self.partials.get().all();
-        let sorted = soft::Sorted { composing, cut, work, runs, lists, fragments, records, partials };
-        self.spheres.record(recorder, spheres, &sorted, longest)?;
-        Ok(recorder.run(&Combine { work, lists, partials, image, depths }, (), &self.over_lists())?)
+        let fragments = self.record_merge_sort(recorder, stored.fragments, spare, lengths.longest)?;
+        Ok(Some(self.runs_of(blending, fragments)))
+    }
+
+    fn runs_of<'a>(&'a self, blending: &Blending<'a>, fragments: Slice<'a, [u32; 2]>) -> Runs<'a> {
+        let Stored { cut, records, .. } = blending.stored;
+        Runs {
+            composing: Composing::new(blending.job.raster.cloud, cut),
+            cut,
+            work: self.work.all(),
+            runs: self.runs.get().all(),
+            lists: self.lists.get().all(),
+            fragments,
+            records,
+            partials: self.partials.get().all(),
+        }
+    }
+
+    /// Records the work lists of the classes, and sorts those whose kernels only blend. Returns what the kernels bind.
+    pub(in crate::methods) fn record_sorted_classes<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        blending: &Blending<'a>,
+        classes: impl Iterator<Item = (usize, (u32, &'static str))>,
+        target: &'a Target,
+    ) -> Result<Resolving<'a>, Error> {
+        let Blending { ref job, stored, ref band, .. } = *blending;
+        let Stored { cut, offsets, fragments, .. } = stored;
+        let composing = Composing::new(job.raster.cloud, cut);
+        self.record_classes(recorder, offsets, band)?;
+        self.record_sort_lists(recorder, classes, stored, band)?;
+        let (classes, pixels) = (self.classes.all(), self.pixels.get().all());
+        Ok(Resolving { composing, offsets, classes, pixels, fragments, image: target.image(), depths: target.depths() })
+    }
+
+    /// Returns how lists of up to `capacity` fragments are sorted on this device.
+    pub(in crate::methods) fn sorting(&self, capacity: u32) -> Sorting {
+        Sorting::of(capacity, self.shared)
     }
 
     /// Records the blending of lists that were stored in order: nothing is sorted.
-    fn record_ordered<'a>(
+    pub(super) fn record_ordered<'a>(
         recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
-        stored: Stored<'a>,
+        blending: &Blending<'a>,
         tiles: &OrderedTiles<'a>,
         target: &'a Target,
-        band: &Band,
-        counted: &Counted,
     ) -> Result<(), Error> {
+        let Blending { ref job, stored, ref band, lengths } = *blending;
         let cloud = job.raster.cloud;
         let resolve = ResolveOrdered {
             splats: tiles.tiled.splats,
@@ -292,7 +318,7 @@ impl Blender {
             image: target.image(),
             depths: target.depths(),
         };
-        for segment in 0..counted.lengths.longest.div_ceil(ORDERED_TAKEN) {
+        for segment in 0..lengths.longest.div_ceil(ORDERED_TAKEN) {
             let push = OrderedPush {
                 band_start: band.pixels[0],
                 band_end: band.pixels[1],
@@ -408,8 +434,8 @@ impl Blender {
         Ok(unmerged)
     }
 
-    /// Records long lists sorted where they lie: runs as for the merge, then merges level by level, each list by one invocation,
-    /// in as few dispatches as the loops allow; returns where the sorted lists are.
+    /// Records long lists sorted where they lie: runs as for the merge, then merges level by level, each list by one
+    /// invocation, in as few dispatches as the loops allow; returns where the sorted lists are.
     fn record_in_place_sort<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
@@ -424,11 +450,12 @@ impl Blender {
         Ok(fragments)
     }
 
-    fn over_class(&self, index: usize) -> Run<'_> {
+    /// Returns a dispatch over the lists of a class.
+    pub(in crate::methods) fn over_class(&self, index: usize) -> Run<'_> {
         Run::new(Dispatch::Indirect(self.classes.all().skip(CLASS_WORDS * index as u64).first(3)))
     }
 
-    fn over_runs(&self) -> Run<'_> {
+    pub(super) fn over_runs(&self) -> Run<'_> {
         Run::new(long_groups(self.work.all(), 0))
     }
 
@@ -442,16 +469,17 @@ pub fn long_groups(work: Slice<'_, LongWork>, word: u64) -> Dispatch<'_> {
     Dispatch::Indirect(work.cast().skip(word).first(3))
 }
 
-/// The classes that lists of up to `longest` fragments are in, by their numbers.
-fn occurring(
+/// Returns the classes that lists of up to `longest` fragments are in, by their numbers.
+pub(crate) fn occurring(
     classes: impl Iterator<Item = (usize, (u32, &'static str))>,
     longest: u32,
 ) -> impl Iterator<Item = (usize, (u32, &'static str))> {
     classes.take_while(move |(index, _)| longest > lower_bound(*index))
 }
 
-/// The variant of a kernel that sorts and blends whole lists, from the one that composes; `stop` holds for depths of first
-/// fragments alone. Behind what changes no bit of A the median has no fragment; the mean may have some that are very far away.
+/// The variant of a kernel that sorts and blends whole lists, from the one that composes; `stop` holds for depths of
+/// first fragments alone. Behind what changes no bit of A the median has no fragment; the mean may have some that are
+/// very far away.
 fn resolving_variant(compose: Variant, shown: Shown, stop: u32) -> Variant {
     match shown {
         Shown::First => compose.with("STOP", stop),

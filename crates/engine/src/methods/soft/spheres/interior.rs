@@ -16,11 +16,11 @@ const MODEL_CONCENTRIC: u32 = 1;
 /// The inside of a sphere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Interior {
-    /// It falls off linearly: `soft-base`.
+    /// Density that falls off linearly: `soft-base`.
     Linear,
-    /// The same, from what the paper stores of events.
+    /// Density that falls off linearly, from the record that the paper stores of an event.
     Packed,
-    /// That of concentric shells: `soft-concentric`.
+    /// Concentric shells of constant density: `soft-concentric`.
     Shells(Shells, f32),
 }
 
@@ -47,8 +47,8 @@ impl Interior {
         self.most_shells() > 1
     }
 
-    /// Large splats of a tile that one workgroup stores: an invocation has four pixels of each, and a loop of up to 16 turns
-    /// over the shells in each pixel.
+    /// Large splats of a tile that one workgroup stores: an invocation has four pixels of each, and a loop of up to 16
+    /// turns over the shells in each pixel.
     pub(super) fn segment(self) -> u32 {
         if self.counted() { SHELLS_SEGMENT } else { SEGMENT }
     }

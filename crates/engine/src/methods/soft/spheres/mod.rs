@@ -1,20 +1,21 @@
 //! Soft points as spheres in the A-buffer: `soft-base` and `soft-concentric`.
 //!
-//! A pixel's list holds events: where its ray enters and leaves each sphere, or each of its shells, cut at near and at the
-//! solid points. An event is a fragment of the A-buffer, depth key and index, the latter with the shell and a bit that tells
-//! exits. All else follows from the sphere while blending, so that counting, storing and sorting are those of other lists.
+//! A pixel's list holds events: where its ray enters and leaves each sphere, or each of its shells, cut at near and at
+//! the solid points. An event is a fragment of the A-buffer, depth key and index, the latter with the shell and a bit
+//! that tells exits. All else follows from the sphere while blending, so that counting, storing and sorting are those
+//! of other lists.
 //!
-//! Short lists are gone through by one invocation. `soft-base` keeps the open spheres in an array that half of the events fill
-//! at most; `soft-concentric` needs sums only. Of long lists, each run is composed by itself: colors and constant densities
-//! are running sums, whose value before each run follows from what the runs before add; the integrals of `soft-base` are
-//! taken for each segment from all spheres that may reach it, wherever they lie in the list.
+//! Short lists are gone through by one invocation. `soft-base` keeps the open spheres in an array that half of the
+//! events fill at most; `soft-concentric` needs sums only. Of long lists, each run is composed by itself: colors and
+//! constant densities are running sums, whose value before each run follows from what the runs before add; the
+//! integrals of `soft-base` are taken for each segment from all spheres that may reach it, wherever they lie in the
+//! list.
 
 mod interior;
 mod long_lists;
 mod passes;
 
 pub use interior::{Interior, Kind};
-pub use long_lists::{LongSpheres, Sorted, long_runs, record_samples};
 pub use passes::*;
 
 use self::interior::MODEL_BASE;
@@ -23,7 +24,9 @@ use super::{Layer, SoftModel};
 use crate::choices::Choices;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Dispatch, Recorder, Run, Slice, Variant};
-use crate::methods::abuffer::{self, Sorting};
+use crate::methods::abuffer::{
+    self, Blender, Blending, Bodies, LOCAL_LENGTH, Needs, Room, Sorting, StoreFragments, occurring,
+};
 use crate::methods::sorted::STOPS;
 use crate::methods::{Error, Target, splats};
 use crate::passes::bands::Band;
@@ -49,10 +52,6 @@ pub fn classes() -> impl Iterator<Item = (usize, (u32, &'static str))> {
     names.enumerate().skip(1)
 }
 
-/// Device bytes of an event of a band with long lists, of `soft-base`.
-pub const SEGMENT_BYTES: u64 = 4;
-/// Device bytes of a packed event's record.
-pub const RECORD_BYTES: u64 = 16;
 /// Device bytes per pixel of the number of spheres, where these have shells.
 pub const SPHERES_BYTES: u64 = 4;
 
@@ -62,7 +61,7 @@ pub(crate) const CONSTANTS: [(&str, u32); 2] = [("MODEL_BASE", MODEL_BASE), ("MO
 /// The soft points of a window.
 #[derive(Clone, Copy)]
 pub struct Spheres<'a> {
-    /// Their kind.
+    /// The kind of spheres.
     pub kind: Kind,
     /// Model of the density of spheres.
     pub model: SoftModel,
@@ -74,7 +73,7 @@ pub struct Spheres<'a> {
     pub layer: Option<&'a Layer>,
 }
 
-impl<'a> Spheres<'a> {
+impl Spheres<'_> {
     /// Refuses more points than events can tell apart.
     pub fn check(&self, method: &Method, points: u64) -> Result<(), Error> {
         let limit = self.kind.interior.most_points();
@@ -85,19 +84,50 @@ impl<'a> Spheres<'a> {
         Ok(())
     }
 
-    /// Returns device bytes per pixel beside those of lists.
-    pub fn pixel_bytes(&self) -> u64 {
+    /// Push constants of the kernels.
+    pub fn push(&self, class_index: u32, first_fragment: u32, max_color: f32) -> SoftPush {
+        let SoftModel { lambda, peak } = self.model;
+        SoftPush { class_index, first_fragment, max_color, lambda, peak, max_radius: self.max_radius, first: 0 }
+    }
+
+    /// Depths of the solid points; anything where there are none, since nobody reads it then.
+    fn solids<'b>(&'b self, other: Slice<'b, u32>) -> Slice<'b, f32> {
+        self.layer.map_or(other.cast(), Layer::depths)
+    }
+}
+
+impl StoreFragments for Spheres<'_> {
+    fn name(&self) -> &'static str {
+        "soft/store"
+    }
+
+    fn bodies(&self) -> Bodies {
+        if self.kind.interior.counted() { Bodies::Counted } else { Bodies::Halves }
+    }
+
+    fn needs(&self) -> Needs {
+        let interior = self.kind.interior;
+        let (records, segments) = (interior == Interior::Packed, interior.is_integrated());
+        Needs { records, sums: true, segments, ..Needs::default() }
+    }
+
+    fn pixel_bytes(&self) -> u64 {
         pixel_bytes(self.kind.interior, self.layer.is_some())
     }
 
-    /// Records the count; `spheres` is anything if they are not [`Interior::counted`].
-    pub fn record_count(
-        &self,
+    /// A sample may begin at each event.
+    fn most_samples(&self, fragments: u64, _bodies: u64) -> u64 {
+        fragments
+    }
+
+    fn record_count<'a>(
+        &'a self,
         recorder: &mut Recorder<'a>,
         raster: &Raster<'a>,
         counts: Slice<'a, u32>,
         spheres: Slice<'a, u32>,
     ) -> Result<(), Error> {
+        raster.record_tiles(recorder)?;
         let whole = Band::whole(raster.window, 0);
         let solids = self.solids(counts);
         let stage = |chunk: Chunk<'a>| Count { chunk, solids, counts, spheres };
@@ -105,16 +135,16 @@ impl<'a> Spheres<'a> {
         Ok(raster.record_variant(recorder, &whole, stage, SEGMENT, with)?)
     }
 
-    /// Records a band's store.
-    pub fn record_store(
-        &self,
+    fn record_store<'a>(
+        &'a self,
         recorder: &mut Recorder<'a>,
         raster: &Raster<'a>,
         band: &Band,
-        cursors: Slice<'a, u32>,
-        (fragments, records): (Slice<'a, [u32; 2]>, Slice<'a, [u32; 4]>),
+        room: &'a Room,
+        _longest: u32,
     ) -> Result<(), Error> {
-        let solids = self.solids(cursors);
+        let (cursors, fragments) = (room.counts.get().all(), room.fragments.get().all());
+        let (solids, records) = (self.solids(cursors), room.records.get().all());
         let stage = |chunk: Chunk<'a>| {
             let colors = raster.colors_of(&chunk);
             Store { chunk, solids, cursors, fragments, colors, records }
@@ -123,28 +153,52 @@ impl<'a> Spheres<'a> {
         Ok(raster.record_variant(recorder, band, stage, self.kind.interior.segment(), with)?)
     }
 
-    /// Records the solid points of a window behind the pixels of the target.
-    pub fn record_compose(&self, recorder: &mut Recorder<'a>, target: &'a Target, pixels: u64) -> Result<(), Error> {
+    fn record_blend<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        blender: &'a Blender,
+        blending: &Blending<'a>,
+        target: &'a Target,
+    ) -> Result<(), Error> {
+        let (longest, stop, records) = (blending.lengths.longest, blending.job.stop, blending.stored.records);
+        // There is no list of one event.
+        let present = || occurring(classes(), longest);
+        let lists = blender.record_sorted_classes(recorder, blending, present(), target)?;
+        for (index, (capacity, name)) in present() {
+            let push = self.push(index as u32, blending.band.first_fragment, stop.1);
+            let sorting = blender.sorting(capacity);
+            let kernel = resolve_variant(self.kind, blending.stored.cut, stop.0, sorting, capacity);
+            let run = blender.over_class(index).label(name).variant(kernel);
+            match sorting {
+                Sorting::Network => recorder.run(&ResolveNetwork { lists, records }, push, &run)?,
+                Sorting::Merge => recorder.run(&ResolveMerge { lists, records }, push, &run)?,
+                Sorting::Group => recorder.run(&ResolveSorted { lists, records }, push, &run)?,
+            }
+        }
+        let Some(sorted) = blender.record_long_lists(recorder, blending)? else { return Ok(()) };
+        long_lists::record(recorder, self, &sorted, blender.long(), longest)?;
+        blender.record_combine(recorder, abuffer::Shown::First, target)
+    }
+
+    fn record_samples<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        blender: &'a Blender,
+        blending: &Blending<'a>,
+        _bodies: bool,
+        to: (Slice<'a, [f32; 4]>, Slice<'a, [f32; 2]>),
+    ) -> Result<(), Error> {
+        let sorted = blender.record_every_list(recorder, blending)?;
+        let sums = (blending.lengths.longest > LOCAL_LENGTH, blender.long().sums.get().all());
+        long_lists::record_samples(recorder, self, &sorted, sums, to)
+    }
+
+    /// Solid points are behind all soft ones of their pixels.
+    fn record_behind<'a>(&'a self, recorder: &mut Recorder<'a>, target: &'a Target, pixels: u64) -> Result<(), Error> {
         match self.layer {
             Some(layer) => record_compose(recorder, layer, target, pixels, self.origin),
             None => Ok(()),
         }
-    }
-
-    /// Push constants of the kernels.
-    pub fn push(&self, class_index: u32, first_fragment: u32, max_color: f32) -> SoftPush {
-        let SoftModel { lambda, peak } = self.model;
-        SoftPush { class_index, first_fragment, max_color, lambda, peak, max_radius: self.max_radius, first: 0 }
-    }
-
-    /// Returns the variant of the kernel for lists of up to `capacity` events.
-    pub(crate) fn resolve_variant(&self, cut: Cut, stop: u32, sorting: Sorting, capacity: u32) -> Variant {
-        resolve_variant(self.kind, cut, stop, sorting, capacity)
-    }
-
-    /// Depths of the solid points; anything where there are none, since nobody reads it then.
-    fn solids(&self, other: Slice<'a, u32>) -> Slice<'a, f32> {
-        self.layer.map_or(other.cast(), Layer::depths)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The passes.
 
-use crate::methods::abuffer::{ListRun, LongList, LongWork, Partial, ResolvingGroup};
+use crate::methods::abuffer::{ListRun, LongList, LongWork, Partial, ResolvingGroup, RunSums};
 use crate::passes::compose::ComposingGroup;
 use crate::passes::raster::{ChunkGroup, RasterPush};
 use crate::{gpu_struct, pass};
@@ -15,15 +15,6 @@ gpu_struct! {
         peak: f32,
         max_radius: f32,
         first: u32,
-    }
-}
-
-gpu_struct! {
-    /// Running sums of a run of a long list.
-    pub struct RunSums {
-        high: [f32; 4],
-        low: [f32; 4],
-        rest: [f32; 4],
     }
 }
 

@@ -1,35 +1,27 @@
 //! The engine of lists of fragments: `abuffer` and `linked-list`.
 
-use super::{ABuffer, Lists, PIXEL_BYTES, Shown, Storing, WindowJob, explain, footprint};
+use std::cell::OnceCell;
+
+use super::abuffer::{
+    self, InOrder, Lists, PIXEL_BYTES, RUN_PIXEL_BYTES, Shown, Slots, StoreFragments, WindowJob, list_bytes,
+};
+use super::ellipsoids::Ellipsoids;
+use super::linked_list::LinkedLists;
+use super::projecting::discs as projecting;
 use crate::gpu::Device;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work, project, windows_of};
-use crate::methods::explain::Plan;
-use crate::methods::projecting::UNCLAMPED;
+use crate::methods::explain::{Explain, Plan};
 use crate::methods::walker::walker;
-use crate::methods::{Buffers, Error, Frame, Machines, Outcome, Timeline, ellipsoids, linked_list, sorted, tiled};
+use crate::methods::{Buffers, Error, Frame, Outcome, Resources, Timeline, sorted, tiled};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Bin, Bins, Order};
-use crate::passes::project::{DeviceCloud, Drawing, Footprint, Part, Projecting, Stats};
+use crate::passes::project::{DeviceCloud, Footprint, Stats};
 use crate::passes::raster::{Raster, Walker};
-use crate::scene::{DiscShape, Discs, Kernel, LongLists, Method, Order as GaussianOrder, Peel, Raster as Way};
+use crate::scene::{DiscShape, Discs, Kernel, LongLists, Method, Peel, Raster as Way};
 
 /// Pixels of a splat's rectangle, on average, from which on an A-buffer is filled tile by tile (measured on lavapipe).
 pub const ORDERED_AREA: u64 = 32;
-
-/// Returns the conversion of a cloud's discs and Gaussians to splats.
-pub fn projecting(frame: &Frame, cloud: &DeviceCloud, discs: &Discs) -> Projecting {
-    let of_discs = frame.projecting(cloud, footprint(discs.shape), UNCLAMPED, Part::All);
-    if !cloud.has_gaussians() {
-        return of_discs;
-    }
-    let (settings, order) = (discs.gaussians, frame.method.order());
-    let shape = if of_discs.footprint == Footprint::Oriented { DiscShape::Oriented } else { DiscShape::Flat };
-    let flat = shape == DiscShape::Flat && settings.kernel == Kernel::Ewa && order != GaussianOrder::Pixel;
-    let footprint = if flat { Footprint::FlatGaussian } else { Footprint::Gaussian };
-    let relative_depth = settings.kernel == Kernel::Ellipsoid;
-    Projecting { footprint, relative_depth, gaussians: Drawing { settings, order, discs: shape }, ..of_discs }
-}
 
 /// Lists of fragments, each pixel's sorted and blended.
 pub(crate) struct ListEngine {
@@ -59,11 +51,12 @@ impl ListEngine {
         Some(Self { discs, linked, shown })
     }
 
-    fn storing(&self, cloud: &DeviceCloud) -> Storing<'static> {
-        match self.linked {
-            linked if self.are_ellipsoids(cloud) => Storing::Ellipsoids { linked },
-            true => Storing::Links,
-            false => Storing::Slots,
+    fn storing(&self, cloud: &DeviceCloud) -> &'static dyn StoreFragments {
+        match (self.linked, self.are_ellipsoids(cloud)) {
+            (true, true) => &Ellipsoids { linked: true },
+            (false, true) => &Ellipsoids { linked: false },
+            (true, false) => &LinkedLists,
+            (false, false) => &Slots,
         }
     }
 
@@ -80,8 +73,8 @@ impl ListEngine {
     /// order, and it only pays for large splats.
     fn in_order(&self, device: &Device, frame: &Frame, job: &bin::Job<'_>) -> bool {
         let visible: u64 = job.raster.stats.iter().map(|s| u64::from(s.visible)).sum();
-        // Only lists of fragments tell other depths than the first, and frames that ask for some go through the lists more than
-        // once, in the same way.
+        // Only lists of fragments tell other depths than the first, and frames that ask for some go through the lists
+        // more than once, in the same way.
         !self.linked
             && self.shown == Shown::First
             && !frame.shading.edl.edl
@@ -120,16 +113,17 @@ impl ListEngine {
             budget,
             samples: None,
         };
-        buffers.machines.lists.lists(device, &job, timeline)
+        buffers.resources.lists.lists(device, &job, timeline)
     }
 }
 
 impl Engine for ListEngine {
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
         if self.discs.gaussians.kernel == Kernel::Ellipsoid {
-            // Should there be some: each pixel has a run, whose sums take three times as much of a binding as a pixel's color.
+            // Should there be some: each pixel has a run, whose sums take three times as much of a binding as a pixel's
+            // color.
             let budget = Budget { binding: budget.binding / 4, ..budget };
-            return Ok(windows_of(frame, budget, PIXEL_BYTES + ellipsoids::PIXEL_BYTES));
+            return Ok(windows_of(frame, budget, PIXEL_BYTES + RUN_PIXEL_BYTES));
         }
         Ok(windows_of(frame, budget, PIXEL_BYTES))
     }
@@ -141,7 +135,7 @@ impl Engine for ListEngine {
     fn render(
         &self,
         cloud: &mut DeviceCloud,
-        Buffers { tiles, machines: Machines { lists, bins, .. } }: &mut Buffers,
+        Buffers { tiles, resources: Resources { lists, bins, .. } }: &mut Buffers,
         work: &mut Work<'_>,
     ) -> Result<Outcome, Error> {
         let (device, frame, window) = (work.device, work.frame, work.window);
@@ -158,12 +152,13 @@ impl Engine for ListEngine {
         let mut job = WindowJob { raster, discs: self.discs, storing, stop, shown, budget, samples: None };
         let counted_bytes = bands::pixels(window) * PIXEL_BYTES;
         let bin = bin::Job { raster, order: Order::Depth, depth_range: frame.key_range(), budget, counted_bytes };
-        let mut ordered = 0;
+        let (mut ordered, in_order) = (0, OnceCell::new());
         if self.in_order(device, frame, &bin)
             && let Bin::Done(binned) = bins.bin(device, &bin, work.timeline)?
         {
             work.note_binned(binned);
-            job.storing = Storing::Ordered(bins, binned);
+            let bins: &Bins = bins;
+            job.storing = in_order.get_or_init(|| InOrder { bins, binned });
             job.budget.tiles += bins.bytes();
             ordered = 1;
         }
@@ -176,51 +171,18 @@ impl Engine for ListEngine {
     }
 
     fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
-        buffers.machines.lists.counts(frame, window)
+        buffers.resources.lists.counts(frame, window)
     }
+}
 
+impl Explain for ListEngine {
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
         let tilted = self.discs.shape == DiscShape::Oriented;
-        let lists = || list_bytes(pass, tilted).or_else(|| super::least_bytes(pass.name, pass.lengths()));
+        let lists = || list_bytes(pass, tilted).or_else(|| abuffer::least_bytes(pass.name, pass.lengths()));
         pass.projected(tilted).or_else(|| tiled::binned_bytes(pass)).or_else(lists)
     }
 
     fn explain(&self, plan: &mut Plan<'_>) {
-        explain::lists(plan, &self.discs, self.linked);
-    }
-}
-
-impl ABuffer {
-    /// List lengths of the window that was counted last, if the frame asks for them.
-    pub(crate) fn counts(&self, frame: &Frame, window: Window) -> Result<Counts, Error> {
-        let fragments = match frame.fragments {
-            true if self.beside => Some(self.read_bodies(window)?),
-            true => Some(self.read_counts(window)?),
-            false => None,
-        };
-        Ok(Counts { fragments, ..Counts::default() })
-    }
-}
-
-/// Returns the least number of bytes that a pass over lists must move, for any lengths; `tilted` if discs lie in their
-/// tangent planes.
-pub(crate) fn list_bytes(pass: &PassRuns<'_>, tilted: bool) -> Option<u64> {
-    let (facts, pixels) = (pass.facts, pass.pixels());
-    let stored = |fragment: u64| {
-        let splats = facts.points * 8 * facts.bands + facts.visible * pass.splat(tilted);
-        splats + facts.fragments * (8 + fragment)
-    };
-    match pass.name {
-        "abuffer/clear" | "abuffer/measure" | "abuffer/classify" => Some(pixels * 4),
-        "abuffer/cursors" | "abuffer/order" => Some(pixels * 8),
-        "abuffer/count" => Some(pass.walks(tilted) + facts.fragments * 8),
-        "abuffer/store" => Some(stored(super::FRAGMENT_BYTES)),
-        // Besides the node, its link and the counter of nodes, read and written.
-        "linked-list/store" => Some(stored(super::FRAGMENT_BYTES + linked_list::LINK_BYTES + 8)),
-        // Every run looks at all offsets.
-        "linked-list/gather" => {
-            Some(pixels * 8 + facts.fragments * (2 * super::FRAGMENT_BYTES + linked_list::LINK_BYTES))
-        }
-        _ => None,
+        abuffer::lists(plan, &self.discs, self.linked);
     }
 }

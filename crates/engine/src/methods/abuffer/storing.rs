@@ -1,0 +1,317 @@
+//! The ways in which fragments get into the lists of pixels, and out of them again.
+
+use super::blend::{Blender, Blending};
+use super::passes::{Count, CountTiles, RunSums, Store, StoreTiles};
+use super::{FRAGMENT_BYTES, INDEX_BYTES};
+use crate::gpu::{Buffer, Device, Kept, Memory, Recorder, Slice};
+use crate::methods::{Error, Target};
+use crate::passes::bands::Band;
+use crate::passes::bin::{Binned, Bins};
+use crate::passes::raster::{Chunk, Raster};
+
+/// Bytes of a node's link to the next.
+pub const LINK_BYTES: u64 = 4;
+/// Bytes of a fragment's record.
+pub const RECORD_BYTES: u64 = 16;
+/// Device bytes of a fragment's segment.
+pub const SEGMENT_BYTES: u64 = 4;
+
+/// Fills the lists of pixels with what a family of methods draws, and blends them.
+///
+/// The A-buffer counts, reserves and sorts in the same way for every implementation. It owns the buffers of [`Room`]
+/// and of [`Blender`]; [`Self::needs`] says which of them an implementation uses.
+pub trait StoreFragments {
+    /// Returns the name of the pass that stores.
+    fn name(&self) -> &'static str {
+        "abuffer/store"
+    }
+
+    /// Returns how the bodies of a pixel follow from its fragments.
+    fn bodies(&self) -> Bodies {
+        Bodies::Fragments
+    }
+
+    /// Returns the buffers that it uses.
+    fn needs(&self) -> Needs {
+        Needs::default()
+    }
+
+    /// Returns device bytes of a pixel in addition to those of its list.
+    fn pixel_bytes(&self) -> u64 {
+        0
+    }
+
+    /// Returns the largest number of samples of so many fragments and bodies.
+    fn most_samples(&self, _fragments: u64, bodies: u64) -> u64 {
+        bodies
+    }
+
+    /// Records the count of a window's fragments. `bodies` is counted only with [`Bodies::Counted`].
+    ///
+    /// # Errors
+    /// Vulkan errors.
+    fn record_count<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        raster: &Raster<'a>,
+        counts: Slice<'a, u32>,
+        bodies: Slice<'a, u32>,
+    ) -> Result<(), Error>;
+
+    /// Records a band's fragments to their pixels' ranges; `longest` is the length of the longest list.
+    ///
+    /// # Errors
+    /// Vulkan errors.
+    fn record_store<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        raster: &Raster<'a>,
+        band: &Band,
+        room: &'a Room,
+        longest: u32,
+    ) -> Result<(), Error>;
+
+    /// Records everything from a band's stored fragments to its pixels in the target.
+    ///
+    /// # Errors
+    /// Vulkan errors.
+    fn record_blend<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        blender: &'a Blender,
+        blending: &Blending<'a>,
+        target: &'a Target,
+    ) -> Result<(), Error>;
+
+    /// Records the samples of a band's stored fragments, of every list in order. `bodies` asks for one per body.
+    ///
+    /// # Errors
+    /// Vulkan errors.
+    fn record_samples<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        blender: &'a Blender,
+        blending: &Blending<'a>,
+        bodies: bool,
+        to: (Slice<'a, [f32; 4]>, Slice<'a, [f32; 2]>),
+    ) -> Result<(), Error>;
+
+    /// Records what lies behind all lists of a window.
+    ///
+    /// # Errors
+    /// Vulkan errors.
+    fn record_behind<'a>(
+        &'a self,
+        _recorder: &mut Recorder<'a>,
+        _target: &'a Target,
+        _pixels: u64,
+    ) -> Result<(), Error> {
+        Ok(())
+    }
+}
+
+/// The relation of a pixel's bodies to the fragments of its list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bodies {
+    /// Each fragment is a body.
+    Fragments,
+    /// A body has two fragments.
+    Halves,
+    /// The count pass counts them, because bodies differ in their number of fragments.
+    Counted,
+}
+
+/// The buffers that a way of storing uses.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Needs {
+    /// `true` if fragments are stored in the order of blending, as indices: nothing is sorted.
+    pub in_order: bool,
+    /// `true` if fragments are stored through linked lists, whose heads are in place of the cursors.
+    pub links: bool,
+    /// `true` if each fragment has a record.
+    pub records: bool,
+    /// `true` if long lists have running sums.
+    pub sums: bool,
+    /// `true` if long lists have a value for each segment.
+    pub segments: bool,
+    /// `true` if every list goes in runs, short ones too.
+    pub every_run: bool,
+}
+
+impl Needs {
+    /// Bytes of a fragment itself.
+    pub(super) fn fragment(self) -> u64 {
+        if self.in_order { INDEX_BYTES } else { FRAGMENT_BYTES }
+    }
+}
+
+/// Buffers that fragments are stored in, kept from frame to frame.
+pub struct Room {
+    /// Counts of the pixels of a window, and then the cursors that hand out slots, or the heads of linked lists.
+    pub counts: Kept<u32>,
+    /// Prefix sums of the window's list lengths.
+    pub offsets: Kept<u32>,
+    /// The fragments of a band.
+    pub fragments: Kept<[u32; 2]>,
+    /// Room for the fragments once more: nodes of linked lists, and what long lists are merged into.
+    pub spare: Kept<[u32; 2]>,
+    /// Records of fragments, at their slots.
+    pub records: Kept<[u32; 4]>,
+    /// Links of the nodes of linked lists.
+    pub links: Kept<u32>,
+    /// Counter of those nodes.
+    pub node_count: Buffer<u32>,
+}
+
+impl Room {
+    pub(super) fn new(device: &Device) -> Result<Self, Error> {
+        Ok(Self {
+            counts: Kept::new("fragment counts", Memory::Device),
+            offsets: Kept::new("fragment offsets", Memory::Device),
+            fragments: Kept::new("fragments", Memory::Device),
+            spare: Kept::new("spare fragments", Memory::Device),
+            records: Kept::new("event records", Memory::Device),
+            links: Kept::new("list links", Memory::Device),
+            node_count: device.buffer("node count", 1, Memory::Device)?,
+        })
+    }
+}
+
+/// Running sums of long lists, and values of their segments, kept from frame to frame.
+pub struct RunBuffers {
+    /// Sums of runs.
+    pub sums: Kept<RunSums>,
+    /// Values of segments.
+    pub segments: Kept<f32>,
+}
+
+impl Default for RunBuffers {
+    fn default() -> Self {
+        Self { sums: Kept::new("sums of runs", Memory::Device), segments: Kept::new("segments", Memory::Device) }
+    }
+}
+
+/// Stores each fragment in a slot that its pixel hands out: `abuffer`.
+#[derive(Debug, Clone, Copy)]
+pub struct Slots;
+
+impl StoreFragments for Slots {
+    fn record_count<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        raster: &Raster<'a>,
+        counts: Slice<'a, u32>,
+        _bodies: Slice<'a, u32>,
+    ) -> Result<(), Error> {
+        record_fragment_count(recorder, raster, counts)
+    }
+
+    fn record_store<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        raster: &Raster<'a>,
+        band: &Band,
+        room: &'a Room,
+        _longest: u32,
+    ) -> Result<(), Error> {
+        let (cursors, fragments) = (room.counts.get().all(), room.fragments.get().all());
+        Ok(raster.record(recorder, band, |chunk: Chunk<'a>| Store { chunk, cursors, fragments })?)
+    }
+
+    fn record_blend<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        blender: &'a Blender,
+        blending: &Blending<'a>,
+        target: &'a Target,
+    ) -> Result<(), Error> {
+        blender.record_fragments(recorder, blending, target)
+    }
+
+    fn record_samples<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        blender: &'a Blender,
+        blending: &Blending<'a>,
+        _bodies: bool,
+        to: (Slice<'a, [f32; 4]>, Slice<'a, [f32; 2]>),
+    ) -> Result<(), Error> {
+        blender.record_fragment_samples(recorder, blending, to)
+    }
+}
+
+/// Stores fragments tile by tile, in the order of blending. Only flat discs have one.
+#[derive(Clone, Copy)]
+pub struct InOrder<'a> {
+    /// The buffers of the binned splats.
+    pub bins: &'a Bins,
+    /// The binned splats.
+    pub binned: Binned,
+}
+
+impl StoreFragments for InOrder<'_> {
+    fn needs(&self) -> Needs {
+        Needs { in_order: true, ..Needs::default() }
+    }
+
+    fn record_count<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        raster: &Raster<'a>,
+        counts: Slice<'a, u32>,
+        _bodies: Slice<'a, u32>,
+    ) -> Result<(), Error> {
+        let tiles = self.bins.record_tiles(recorder, raster.cloud, self.binned)?;
+        let whole = Band::whole(raster.window, 0);
+        Ok(tiles.record(recorder, raster.window, &whole, |tiles| CountTiles { tiles, counts })?)
+    }
+
+    fn record_store<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        raster: &Raster<'a>,
+        band: &Band,
+        room: &'a Room,
+        _longest: u32,
+    ) -> Result<(), Error> {
+        let (cursors, indices) = (room.counts.get().all(), room.fragments.get().all().cast());
+        let tiles = self.bins.tiles(raster.cloud, self.binned);
+        Ok(tiles.record(recorder, raster.window, band, |tiles| StoreTiles { tiles, cursors, indices })?)
+    }
+
+    fn record_blend<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        _blender: &'a Blender,
+        blending: &Blending<'a>,
+        target: &'a Target,
+    ) -> Result<(), Error> {
+        let tiles = self.bins.tiles(blending.job.raster.cloud, self.binned);
+        Ok(Blender::record_ordered(recorder, blending, &tiles, target)?)
+    }
+
+    fn record_samples<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        blender: &'a Blender,
+        blending: &Blending<'a>,
+        _bodies: bool,
+        to: (Slice<'a, [f32; 4]>, Slice<'a, [f32; 2]>),
+    ) -> Result<(), Error> {
+        blender.record_fragment_samples(recorder, blending, to)
+    }
+}
+
+/// Records the count of the fragments of a window that are visited splat by splat.
+///
+/// # Errors
+/// Vulkan errors.
+pub fn record_fragment_count<'a>(
+    recorder: &mut Recorder<'a>,
+    raster: &Raster<'a>,
+    counts: Slice<'a, u32>,
+) -> Result<(), Error> {
+    raster.record_tiles(recorder)?;
+    let whole = Band::whole(raster.window, 0);
+    Ok(raster.record(recorder, &whole, |chunk: Chunk<'a>| Count { chunk, counts })?)
+}

@@ -1,0 +1,229 @@
+//! The walk over the windows of a frame.
+
+use std::cell::RefCell;
+use std::ops::Range;
+
+use super::{LONGEST, Renderer};
+use crate::image::Image;
+use crate::methods::engine::{Counts, Engine, Work};
+use crate::methods::{Buffers, Error, Facts, Frame, Outcome, SamplePart, Timeline};
+use crate::passes::bands::{self, Budget, Window};
+use crate::passes::foresight::Knowledge;
+use crate::passes::project::DeviceCloud;
+
+/// The work on each window of a frame.
+#[derive(Clone)]
+pub(super) struct Job<'a> {
+    /// The engine.
+    pub engine: &'a dyn Engine,
+    /// The frame.
+    pub frame: &'a Frame,
+    /// The memory that may be used.
+    pub budget: Budget,
+    /// Samples or ensembles to draw.
+    pub samples: Range<u32>,
+    /// Place for sums of samples, which then are not resolved to an image.
+    pub sums: Option<&'a RefCell<SamplePart>>,
+    /// `true` if counting is enough.
+    pub survey: bool,
+    /// `true` if windows learn their counts from earlier frames.
+    pub learns: bool,
+    /// `true` if windows are cut by rows first, because pixels are handed on row by row.
+    pub by_rows: bool,
+}
+
+impl<'a> Job<'a> {
+    /// Returns the rendering of a frame that learns nothing from earlier ones, without samples.
+    pub fn new(engine: &'a dyn Engine, frame: &'a Frame, budget: Budget) -> Self {
+        Self { engine, frame, budget, samples: 0..0, sums: None, survey: false, learns: false, by_rows: false }
+    }
+}
+
+impl Renderer {
+    /// Renders the windows of a frame into an image, or keeps their sums.
+    pub(super) fn draw(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        job: &Job<'_>,
+        windows: &[Window],
+        image: &mut Image,
+        timeline: &mut Timeline,
+    ) -> Result<Facts, Error> {
+        let mut facts = self.begin_windows(cloud, job.frame);
+        self.walk(cloud, job, windows, timeline, &mut facts, |renderer, window| match job.sums {
+            Some(_) => Ok(renderer.progress.check()?),
+            None => renderer.deliver(job.engine, job.frame, window, image),
+        })?;
+        Ok(facts)
+    }
+
+    /// Goes through the windows of a frame in their order, and cuts those that turn out too large. Each finished window
+    /// is handed to `done`.
+    pub(super) fn walk(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        job: &Job<'_>,
+        windows: &[Window],
+        timeline: &mut Timeline,
+        facts: &mut Facts,
+        mut done: impl FnMut(&mut Self, Window) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let mut left: Vec<Window> = windows.iter().rev().copied().collect();
+        while let Some(window) = left.pop() {
+            self.target.keeps_colors &= is_whole(window, job.frame);
+            match self.window(cloud, job, window, timeline, facts)? {
+                Outcome::Done => done(self, window)?,
+                Outcome::Overflow => split(job, cloud, window, &mut left)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Begins to go through the windows of a frame. Returns its first counts.
+    pub(super) fn begin_windows(&mut self, cloud: &DeviceCloud, frame: &Frame) -> Facts {
+        self.progress.set_length(u64::from(frame.size[0]) * u64::from(frame.size[1]));
+        self.progress.set_position(0);
+        self.whole = None;
+        Facts { points: cloud.drawn(), gaussians: cloud.gaussian_count(), ..Default::default() }
+    }
+
+    /// Copies a window that is in the target into the image, with its counts.
+    pub(super) fn deliver(
+        &mut self,
+        engine: &dyn Engine,
+        frame: &Frame,
+        window: Window,
+        image: &mut Image,
+    ) -> Result<(), Error> {
+        self.progress.check()?;
+        self.whole = is_whole(window, frame).then(|| bands::pixels(window));
+        self.target.deliver(window, image);
+        copy_counts(frame, window, engine.counts(&self.buffers, frame, window)?, image);
+        Ok(())
+    }
+
+    /// Renders or surveys a window. The counts of a window that must be cut are dropped. A window whose counts were
+    /// predicted wrongly is rendered once more.
+    fn window(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        job: &Job<'_>,
+        window: Window,
+        timeline: &mut Timeline,
+        facts: &mut Facts,
+    ) -> Result<Outcome, Error> {
+        timeline.foresight.begin(!job.learns || self.submitted > LONGEST);
+        loop {
+            let before = facts.clone();
+            let outcome = self.attempt(cloud, job, window, timeline, facts);
+            timeline.drop_paused();
+            let waited = timeline.foresight.knowledge() == Knowledge::None;
+            match outcome {
+                Ok(Outcome::Done) => {
+                    if job.learns {
+                        timeline.foresight.finish();
+                    }
+                    return outcome;
+                }
+                // An upper bound may not fit where a count does.
+                Ok(Outcome::Overflow) if !waited => {}
+                Err(ref error) if !waited && error.is_refusal() => {}
+                _ => {
+                    *facts = before;
+                    return outcome;
+                }
+            }
+            *facts = before;
+            timeline.foresight.miss();
+        }
+    }
+
+    /// Renders or surveys a window once, with the counts that are known or predicted.
+    fn attempt(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        job: &Job<'_>,
+        window: Window,
+        timeline: &mut Timeline,
+        facts: &mut Facts,
+    ) -> Result<Outcome, Error> {
+        if self.bring(cloud, job, window, timeline)? == Outcome::Overflow {
+            return Ok(Outcome::Overflow);
+        }
+        let (mut work, buffers) = self.work(job, window, timeline, facts);
+        let outcome = job.engine.render(cloud, buffers, &mut work)?;
+        if outcome == Outcome::Done {
+            for note in std::mem::take(&mut work.later) {
+                note(work.facts, work.timeline);
+            }
+        }
+        Ok(outcome)
+    }
+
+    /// Returns a window in work, and the buffers for it.
+    pub(super) fn work<'a>(
+        &'a mut self,
+        job: &Job<'a>,
+        window: Window,
+        timeline: &'a mut Timeline,
+        facts: &'a mut Facts,
+    ) -> (Work<'a>, &'a mut Buffers) {
+        let work = Work {
+            device: &self.device,
+            frame: job.frame,
+            window,
+            budget: job.budget,
+            samples: job.samples.clone(),
+            sums: job.sums,
+            target: &self.target,
+            timeline,
+            facts,
+            progress: &self.progress,
+            switches: self.switches,
+            survey: job.survey,
+            later: Vec::new(),
+        };
+        (work, &mut self.buffers)
+    }
+}
+
+/// Returns `true` for the window that is the whole image.
+pub(super) fn is_whole(window: Window, frame: &Frame) -> bool {
+    window == [0, 0, frame.size[0], frame.size[1]]
+}
+
+/// Returns the number of pixels of the largest window.
+pub(super) fn largest(windows: &[Window]) -> u64 {
+    windows.iter().map(|w| bands::pixels(*w)).max().unwrap_or(1)
+}
+
+/// Puts the halves of a window that overflowed back on the list.
+fn split(job: &Job<'_>, cloud: &DeviceCloud, window: Window, windows: &mut Vec<Window>) -> Result<(), Error> {
+    let halves = if job.by_rows {
+        bands::halves(window)
+    } else if cloud.supply().is_some() {
+        // Points at the border of two windows come with both.
+        bands::square_halves(window)
+    } else {
+        job.engine.halves(window)
+    };
+    let [a, b] = halves.ok_or(Error::PixelOverflow { x: window[0], y: window[1] })?;
+    windows.extend([b, a]);
+    Ok(())
+}
+
+/// Copies a window's counts into those of the image.
+fn copy_counts(frame: &Frame, window: Window, counts: Counts, image: &mut Image) {
+    copy_values(frame, window, counts.fragments, image.fragments.as_mut());
+    copy_values(frame, window, counts.layers, image.layers.as_mut());
+    copy_values(frame, window, counts.stderr, image.stderr.as_mut());
+}
+
+fn copy_values<T: Copy>(frame: &Frame, window: Window, values: Option<Vec<T>>, image: Option<&mut Vec<T>>) {
+    let (Some(values), Some(image)) = (values, image) else { return };
+    let width = (window[2] - window[0]) as usize;
+    for (row, values) in values.chunks(width).enumerate() {
+        let to = (window[1] as usize + row) * frame.size[0] as usize + window[0] as usize;
+        image[to..to + width].copy_from_slice(values);
+    }
+}
