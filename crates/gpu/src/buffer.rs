@@ -9,7 +9,7 @@ use ash::vk::{self, Handle};
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 
-use super::paused::Grave;
+use super::graves::Grave;
 use super::{Context, Error, GpuType, Recorder, guard};
 
 /// Bytes of the staging buffer that uploads and read-backs pass through.

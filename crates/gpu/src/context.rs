@@ -9,9 +9,9 @@ use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 
-use super::device::{DeviceInfo, DeviceOptions, Limits, has_extension, queue_family};
+use super::graves::Graves;
 use super::instance::Instance;
-use super::paused::Graves;
+use super::limits::{DeviceInfo, DeviceOptions, Limits, has_extension, queue_family};
 use super::pipeline::{Compilation, Made, Pipeline, PipelineKey};
 use super::{Error, cache, compiled, guard};
 

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use ash::vk::{self, Handle};
 
-use super::recorder::full_barrier;
+use super::barriers::full_barrier;
 use super::{Buffer, Context, Error, Memory, RawSlice};
 
 /// Bytes behind each buffer, and behind each bound range of one: more than three of the largest elements. None in

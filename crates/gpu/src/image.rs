@@ -9,8 +9,8 @@ use ash::vk::{self, Handle};
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 
+use super::graves::Grave;
 use super::instance::Instance;
-use super::paused::Grave;
 use super::{Context, Device, Error, Resource};
 
 /// Samples per pixel of multisampled attachments: the number that every device with such attachments supports.

@@ -5,6 +5,7 @@
 //! timestamps and dispatches.
 
 mod agree;
+mod barriers;
 mod buffer;
 pub mod cache;
 mod compiled;
@@ -14,11 +15,13 @@ mod error;
 #[doc(hidden)]
 pub mod fault;
 mod foresee;
+mod graves;
 mod guard;
 mod image;
 mod instance;
 mod kept;
 pub mod layout;
+mod limits;
 mod pass;
 mod paused;
 mod pipeline;
@@ -31,13 +34,14 @@ mod surface;
 pub use agree::{Agree, Expected};
 pub use buffer::{Buffer, Memory, RawSlice, Slice};
 pub use compiled::{Compiled, Executable};
-pub use device::{Device, DeviceInfo, DeviceOptions, Limits, ValidationLog, devices};
+pub use device::{Device, ValidationLog, devices};
 pub use error::Error;
 pub use foresee::Foresee;
 pub use guard::BYTES as GUARD_BYTES;
 pub use image::{Attachment, DepthSamples, Format, KeptAttachment, NumberSamples, Pixels, SAMPLES, Texture};
 pub use kept::Kept;
 pub use layout::{GpuType, Member, Shape};
+pub use limits::{DeviceInfo, DeviceOptions, Limits};
 pub use pass::{Access, Binding, Group, PARTS, Pass, PushConstants, Resource};
 pub use paused::Paused;
 pub use pipeline::{Blend, Compilation, Made, Outputs};

@@ -4,9 +4,9 @@
 use std::sync::Arc;
 
 use ash::vk::{self, Handle};
-use gpu_allocator::vulkan::Allocation;
 
 use super::context::lock;
+use super::graves::Grave;
 use super::{Context, Recorder};
 
 /// A recording that goes on later.
@@ -29,19 +29,6 @@ impl Recorder<'_> {
         // SAFETY: the lifetime only says that what was recorded outlives the recording, which `held` sees to.
         Paused(unsafe { std::mem::transmute::<Recorder<'_>, Recorder<'static>>(self) })
     }
-}
-
-/// Handles and memory that nobody but an interrupted recording may need.
-pub enum Grave {
-    Buffer(vk::Buffer, Option<Allocation>),
-    Image(vk::Image, vk::ImageView, Option<Allocation>),
-}
-
-/// Resources that wait for the end of interrupted recordings, and the number of those recordings.
-#[derive(Default)]
-pub struct Graves {
-    recordings: usize,
-    waiting: Vec<Grave>,
 }
 
 /// While there is one, nothing is destroyed.

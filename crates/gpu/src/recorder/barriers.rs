@@ -8,7 +8,7 @@ use ash::vk;
 
 use super::Recorder;
 use crate::RawSlice;
-use crate::context::Context;
+use crate::barriers::full_barrier;
 
 /// Accesses of a command to a buffer.
 #[derive(Debug, Clone, Copy)]
@@ -66,19 +66,6 @@ impl Recorder<'_> {
         // SAFETY: the command buffer is recording outside of a render pass; the barrier has no resources.
         unsafe { self.context.device.cmd_pipeline_barrier2(self.commands, &dependency) };
     }
-}
-
-/// Makes everything written before visible to everything that comes after.
-pub(crate) fn full_barrier(context: &Context, commands: vk::CommandBuffer) {
-    let all = vk::PipelineStageFlags2::ALL_COMMANDS;
-    let barrier = [vk::MemoryBarrier2::default()
-        .src_stage_mask(all)
-        .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
-        .dst_stage_mask(all)
-        .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)];
-    let dependency = vk::DependencyInfo::default().memory_barriers(&barrier);
-    // SAFETY: the command buffer is recording outside of a render pass; the barrier has no resources.
-    unsafe { context.device.cmd_pipeline_barrier2(commands, &dependency) };
 }
 
 #[cfg(test)]

@@ -11,7 +11,6 @@ mod dispatch;
 mod draw;
 mod times;
 
-pub(crate) use barriers::full_barrier;
 pub use dispatch::Dispatch;
 pub use draw::{Draw, Targets, Vertices};
 pub use times::PassTime;
