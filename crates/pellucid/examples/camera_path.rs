@@ -8,7 +8,7 @@ pub(crate) fn main() -> Result<()> {
     let along = |i: i32| f64::from(i) / f64::from(side - 1) - 0.5;
     let positions: Vec<[f64; 3]> =
         (0..side * side * side).map(|i| [along(i % side), along(i / side % side), along(i / side / side)]).collect();
-    let scene = Scene::from_clouds([Cloud::from_positions(&positions)?.with_opacity(0.15)?])?;
+    let scene = Scene::from_clouds([Cloud::from_positions(positions).opacity(0.15).build()?])?;
     let renderer = Renderer::open()?;
     let mut loaded = renderer.load(&scene)?;
 

@@ -8,8 +8,7 @@ pub(crate) fn main() -> Result<()> {
     let at = |i: i32| turns * f64::from(i) / 5000.0;
     let positions: Vec<[f64; 3]> = (0..5000).map(|i| [at(i).cos(), 0.08 * at(i) - 1.25, at(i).sin()]).collect();
     let colors: Vec<[f32; 3]> = (0..5000).map(|i| [i as f32 / 5000.0, 0.4, 1.0 - i as f32 / 5000.0]).collect();
-    let cloud =
-        Cloud::from_positions(&positions)?.with_colors(&colors)?.with_radii(&[0.05; 5000])?.with_opacity(0.4)?;
+    let cloud = Cloud::from_positions(positions).colors(colors).radius(0.05).opacity(0.4).build()?;
 
     let renderer = Renderer::open()?;
     let mut loaded = renderer.load(&Scene::from_clouds([cloud])?)?;

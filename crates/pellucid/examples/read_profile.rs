@@ -1,16 +1,16 @@
 //! Reads the profile of a frame: time, invocations and bytes of each pass.
 
-use pellucid::{Cloud, Renderer, Result, Scene};
+use pellucid::{Cloud, Method, Renderer, Result, Scene};
 
 pub(crate) fn main() -> Result<()> {
     // A slab of points that lie behind each other.
     let positions: Vec<[f64; 3]> =
         (0..20_000).map(|i| [f64::from(i % 50), f64::from(i / 50 % 50), f64::from(i / 2500)]).collect();
-    let mut scene = Scene::from_clouds([Cloud::from_positions(&positions)?.with_opacity(0.1)?])?;
-    scene.set("method.name", "abuffer")?.set("image.size", [400, 400])?;
+    let mut scene = Scene::from_clouds([Cloud::from_positions(positions).opacity(0.1).build()?])?;
+    scene.set("image.size", [400, 400])?;
 
     let renderer = Renderer::open()?;
-    let picture = renderer.load(&scene)?.frame().counts().render()?;
+    let picture = renderer.load(&scene)?.frame().method(Method::ABuffer).counts().render()?;
     let profile = picture.profile();
     for pass in profile.passes() {
         let rate =

@@ -9,14 +9,15 @@ use std::path::PathBuf;
 use pellucid::{Cloud, Renderer, Result, Scene};
 
 pub(crate) fn main() -> Result<()> {
-    let scene = match std::env::args_os().nth(1).map(PathBuf::from).filter(|path| path.exists()) {
-        Some(path) => Scene::from_clouds([Cloud::read(path)?.with_opacity(0.2)?])?,
+    let mut scene = match std::env::args_os().nth(1).map(PathBuf::from).filter(|path| path.exists()) {
+        Some(path) => Scene::read(path)?,
         None => Scene::from_clouds([
             sphere(1.0, [0.9, 0.5, 0.2])?,
             sphere(0.7, [0.2, 0.7, 0.4])?,
             sphere(0.4, [0.2, 0.3, 0.9])?,
         ])?,
     };
+    scene.set_see_through(0.5);
     let renderer = Renderer::open()?;
     let mut loaded = renderer.load(&scene)?;
     println!("{} points on {}, method {}: {}", loaded.len(), renderer.device_name(), loaded.method(), loaded.reason());
@@ -38,5 +39,5 @@ fn sphere(radius: f64, color: [f32; 3]) -> Result<Cloud> {
         [radius * ring * cos, radius * y, radius * ring * sin]
     };
     let positions: Vec<[f64; 3]> = (0..count).map(position).collect();
-    Cloud::from_positions(&positions)?.with_colors(&[color; 4000])?.with_opacity(0.06)
+    Cloud::from_positions(positions).color(color).opacity(0.06).build()
 }

@@ -32,7 +32,7 @@ impl Camera {
     /// Limits drawing to depths from `near` to `far` along the view, in world units. `near` must be above 0 and below
     /// `far`.
     #[must_use]
-    pub fn depths(self, near: f64, far: f64) -> Self {
+    pub fn clip(self, near: f64, far: f64) -> Self {
         Self(CameraSettings { near: Some(near), far: Some(far), ..self.0 })
     }
 

@@ -67,18 +67,17 @@ impl std::error::Error for Error {
     }
 }
 
-impl<E: Into<pellucid_engine::Error>> From<E> for Error {
-    fn from(error: E) -> Self {
-        use pellucid_engine::Error as Engine;
-        let error = error.into();
-        let kind = match &error {
-            Engine::Load(_) => ErrorKind::Read,
-            Engine::Scene(_) | Engine::Path(_) => ErrorKind::Scene,
-            Engine::Output(_) => ErrorKind::Write,
-            Engine::Render(pellucid_engine::methods::Error::Cancelled) => ErrorKind::Cancelled,
-            Engine::Gpu(_) | Engine::Render(pellucid_engine::methods::Error::Gpu(_)) => ErrorKind::Device,
-            _ => ErrorKind::Render,
-        };
-        Self { kind, cause: Cause::Engine(error) }
-    }
+/// Returns an error of the engine as one of this crate.
+pub(crate) fn of_engine(error: impl Into<pellucid_engine::Error>) -> Error {
+    use pellucid_engine::Error as Engine;
+    let error = error.into();
+    let kind = match &error {
+        Engine::Load(_) => ErrorKind::Read,
+        Engine::Scene(_) | Engine::Path(_) => ErrorKind::Scene,
+        Engine::Output(_) => ErrorKind::Write,
+        Engine::Render(pellucid_engine::methods::Error::Cancelled) => ErrorKind::Cancelled,
+        Engine::Gpu(_) | Engine::Render(pellucid_engine::methods::Error::Gpu(_)) => ErrorKind::Device,
+        _ => ErrorKind::Render,
+    };
+    Error { kind, cause: Cause::Engine(error) }
 }

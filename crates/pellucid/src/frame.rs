@@ -1,23 +1,41 @@
 //! Single frame of a loaded scene.
 
-use pellucid_engine::methods::brightness;
-use pellucid_engine::methods::{Error, Frame};
-use pellucid_engine::scene::camera_at;
+use std::time::Duration;
 
-use crate::{Camera, Loaded, Picture, Result};
+use pellucid_engine::methods::Stop;
+use pellucid_engine::scene::camera_at;
+use pellucid_session::FrameRequest;
+
+use crate::error::of_engine;
+use crate::{Camera, Error, Loaded, Method, Picture, Profile, Result};
 
 /// Settings of a frame; [`render`](Self::render) renders it.
 #[must_use]
 pub struct FrameBuilder<'a> {
     loaded: &'a mut Loaded,
-    frame: Frame,
+    frame: FrameRequest,
     camera: Option<Camera>,
+    size: Option<[u32; 2]>,
+    method: Option<Method>,
+    largest_rmse: Option<f64>,
+    longest_time: Option<Duration>,
+}
+
+/// Accuracy of a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Accuracy {
+    /// Every fragment that changes a bit is blended.
+    #[default]
+    Exact,
+    /// Blending ends once no 8-bit value would change by more than a quarter of a step, as in a PNG of `pellucid render`.
+    EightBit,
 }
 
 impl<'a> FrameBuilder<'a> {
     pub(crate) fn new(loaded: &'a mut Loaded) -> Self {
-        let frame = loaded.frame;
-        Self { loaded, frame, camera: None }
+        let frame = FrameRequest::default();
+        Self { loaded, frame, camera: None, size: None, method: None, largest_rmse: None, longest_time: None }
     }
 
     /// Sets the camera.
@@ -26,9 +44,32 @@ impl<'a> FrameBuilder<'a> {
     }
 
     /// Sets the width and height in pixels, each from 1 to 16384.
-    pub fn size(mut self, width: u32, height: u32) -> Self {
-        self.frame.size = [width, height];
+    pub fn size(self, width: u32, height: u32) -> Self {
+        Self { size: Some([width, height]), ..self }
+    }
+
+    /// Sets the method; its settings are those of the scene.
+    pub fn method(self, method: Method) -> Self {
+        Self { method: Some(method), ..self }
+    }
+
+    /// Sets the accuracy, [`Accuracy::Exact`] by default.
+    pub fn accuracy(mut self, accuracy: Accuracy) -> Self {
+        self.frame.stop = match accuracy {
+            Accuracy::Exact => Stop::Exact,
+            Accuracy::EightBit => Stop::EightBit { transparent: false },
+        };
         self
+    }
+
+    /// Takes the fastest method and settings with at most this RMSE on linear R, G, B, measured on this frame.
+    pub fn largest_rmse(self, rmse: f64) -> Self {
+        Self { largest_rmse: Some(rmse), ..self }
+    }
+
+    /// Takes the most accurate method and settings with at most this device time, measured on this frame.
+    pub fn longest_time(self, time: Duration) -> Self {
+        Self { longest_time: Some(time), ..self }
     }
 
     /// Limits device memory, other than that of points and image, to this number of bytes.
@@ -39,21 +80,21 @@ impl<'a> FrameBuilder<'a> {
 
     /// Requests the number of fragments of each pixel, and for methods that peel, the number of layers.
     pub fn counts(mut self) -> Self {
-        self.frame.fragments = true;
+        self.frame.counts = true;
         self
     }
 
     /// Requests the median and the mean depth of each pixel. Methods that have them sort lists of all fragments:
     /// `abuffer`, `linked-list`, `peel` of all layers and `sorted` of flat discs. Each depth takes the time of another
     /// picture.
-    pub fn depths(mut self) -> Self {
+    pub fn depth_channels(mut self) -> Self {
         self.frame.depths = true;
         self
     }
 
     /// Ends stochastic methods before they have taken all samples of their settings, once the standard error of the
     /// image (root mean square over pixels and R, G, B) is at most `error`.
-    pub fn max_error(mut self, error: f32) -> Self {
+    pub fn standard_error(mut self, error: f32) -> Self {
         self.frame.max_error = Some(error);
         self
     }
@@ -72,21 +113,40 @@ impl<'a> FrameBuilder<'a> {
     /// a frame that does not fit in the device or the budget, if the device fails, and if an observer canceled the
     /// work.
     pub fn render(self) -> Result<Picture> {
-        let Self { loaded, mut frame, camera } = self;
-        if let (Some(camera), Some(bounds)) = (camera, &loaded.bounds) {
-            let settings = camera.0;
-            let found = camera.is_valid().then(|| camera_at(&settings, bounds, loaded.radius)).flatten();
-            frame.camera = found.ok_or_else(|| {
-                crate::Error::argument(
+        let Self { loaded, frame, camera, size, method, largest_rmse, longest_time } = self;
+        let Loaded { session, scene, watcher } = loaded;
+        let mut request = scene.request()?;
+        if let Some(method) = method {
+            request.scene = scene.with_method(method)?;
+        }
+        if let Some(size) = size {
+            request.scene.image.size = size;
+        }
+        if let (Some(camera), Some(bounds)) = (camera, &session.prepared.bounds) {
+            let radius = session.points().largest_radius();
+            let found = camera.is_valid().then(|| camera_at(&camera.0, bounds, radius)).flatten();
+            if found.is_none() {
+                return Err(Error::argument(
                     "camera: expected an eye apart from its target, `up` not along the view, an angle above 0° and below 180° or \
                      a height above 0, and 0 < near < far",
-                )
-            })?;
+                ));
+            }
+            request.scene.camera = camera.0;
         }
-        let Loaded { renderer, cloud, .. } = loaded;
-        let mut rendered = renderer.render(cloud, &frame)?;
-        brightness::apply(renderer, cloud, &frame, &mut rendered.image)?;
-        renderer.device().check_validation().map_err(Error::from)?;
-        Ok(Picture::new(rendered, &frame, loaded))
+        request.frame = frame;
+        request.choice.wish.max_error = largest_rmse;
+        request.choice.wish.budget_ms = longest_time.map(|time| time.as_secs_f64() * 1e3);
+        request.choice.only = method.filter(|method| *method != Method::Auto).map(|method| method.name().to_owned());
+        if session.update(request, watcher, &watcher.progress()).map_err(of_engine)? {
+            session.warn(watcher);
+        }
+        let mut rendered = session.render().map_err(of_engine)?;
+        session.judge(&rendered.image, watcher).map_err(of_engine)?;
+        let brightness = session.brighten(&mut rendered, watcher).map_err(of_engine)?;
+        let options = session.write_options(brightness.as_ref(), Vec::new());
+        let mut profile = session.profile();
+        profile.add(&rendered);
+        let method = (session.frame.method.name(), session.why.clone());
+        Ok(Picture::new(rendered.image, options, method, Profile(profile)))
     }
 }

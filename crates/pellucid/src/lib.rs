@@ -3,18 +3,18 @@
 //! ```no_run
 //! # fn main() -> pellucid::Result<()> {
 //! # let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-//! let cloud = pellucid::Cloud::from_positions(&positions)?.with_opacity(0.2)?;
+//! let cloud = pellucid::Cloud::from_positions(positions).opacity(0.2).build()?;
 //! let scene = pellucid::Scene::from_clouds([cloud])?;
 //! pellucid::render(&scene)?.save("cloud.png")?;
 //! # Ok(())
 //! # }
 //! ```
 //!
-//! - A [`Cloud`] holds points, from arrays or from a file.
-//! - A [`Scene`] holds clouds and settings. Settings have the names that they have in a scene file, as in
+//! - A [`Cloud`] holds points from arrays.
+//! - A [`Scene`] holds clouds, from arrays or from files, and settings. Settings have the names that they have in a scene file, as in
 //!   `scene.set("method.name", "stochastic")`; docs/scene-file.md lists them.
 //! - A [`Renderer`] is a device. It takes a scene once ([`Renderer::load`]) and renders any number of frames of it
-//!   ([`Loaded::frame`]), each with a [`Camera`] and a size of its own.
+//!   ([`Loaded::frame`]), each with a [`Camera`], a [`Method`] and a size of its own.
 //! - A [`Picture`] holds linear color, opacity and depth, and the [`Profile`] of the frame: what each pass took.
 //!
 //! The same points with the same settings give the same bytes. Neither the order of the points nor the scheduling on
@@ -34,7 +34,7 @@
 //! # fn main() -> pellucid::Result<()> {
 //! // Three layers that each let 0.75 of the light through.
 //! let positions: Vec<[f64; 3]> = (0..3).map(|layer| [0.0, 0.0, f64::from(layer)]).collect();
-//! let cloud = Cloud::from_positions(&positions)?.with_radii(&[2.0; 3])?.with_opacity(0.25)?;
+//! let cloud = Cloud::from_positions(positions).radius(2.0).opacity(0.25).build()?;
 //! let mut scene = Scene::from_clouds([cloud])?;
 //! scene.set("image.size", [64, 64])?;
 //!
@@ -59,6 +59,8 @@ mod camera;
 mod cloud;
 mod error;
 mod frame;
+mod method;
+mod observer;
 mod picture;
 mod profile;
 mod renderer;
@@ -71,15 +73,15 @@ mod tests;
 extern crate self as pellucid;
 
 pub use camera::Camera;
-pub use cloud::Cloud;
+pub use cloud::{Cloud, CloudBuilder};
 pub use error::{Error, ErrorKind, Result};
-pub use frame::FrameBuilder;
-pub use pellucid_engine::progress::Observer;
-pub use pellucid_engine::scene::Setting;
+pub use frame::{Accuracy, FrameBuilder};
+pub use method::Method;
+pub use observer::Observer;
 pub use picture::Picture;
 pub use profile::{Pass, Profile};
 pub use renderer::{Loaded, Renderer, devices};
-pub use scene::Scene;
+pub use scene::{Scene, Setting};
 
 /// Renders a scene on the best device, with the scene's camera or one that sees all of the scene.
 ///

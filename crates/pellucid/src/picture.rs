@@ -4,34 +4,44 @@ use std::path::Path;
 
 use pellucid_engine::color::encode_srgb;
 use pellucid_engine::image::Image;
-use pellucid_engine::methods::{Frame, Rendered};
-use pellucid_engine::output::{WriteOptions, linear, to_byte, write_image};
-use pellucid_engine::profile::Profile as Frames;
+use pellucid_engine::output::{WriteOptions, linear, png_bytes, to_byte, write_image};
 
-use crate::{Loaded, Profile, Result};
+use crate::error::of_engine;
+use crate::{Error, Profile, Result};
 
 /// Picture: linear color, opacity and depth of each pixel, row by row from the top, and the frame's profile.
 pub struct Picture {
     image: Image,
     options: WriteOptions,
+    method: &'static str,
+    reason: String,
     profile: Profile,
 }
 
 impl Picture {
-    pub(crate) fn new(rendered: Rendered, frame: &Frame, loaded: &Loaded) -> Self {
-        let mut frames = Frames::new(loaded.renderer.device(), frame);
-        frames.add(&rendered);
-        let device = &loaded.renderer.device().info().name;
-        let metadata =
-            pellucid_engine::output::tags("", frame.method.name(), &loaded.settings.settings, device, frame.seed);
-        let settings = &loaded.settings.image;
-        let options = WriteOptions {
-            background: settings.background,
-            color: settings.color_space(),
-            transparent: false,
-            metadata,
-        };
-        Self { image: rendered.image, options, profile: Profile(frames) }
+    pub(crate) fn new(
+        image: Image,
+        options: WriteOptions,
+        (method, reason): (&'static str, String),
+        profile: Profile,
+    ) -> Self {
+        Self { image, options, method, reason, profile }
+    }
+
+    /// Returns the name of the method.
+    pub fn method(&self) -> &'static str {
+        self.method
+    }
+
+    /// Returns the reason for the method.
+    pub fn reason(&self) -> &str {
+        &self.reason
+    }
+
+    /// Returns keys and values that files of the picture hold: settings, method, device, version, and whatever was
+    /// decided, such as the opacity that was found.
+    pub fn metadata(&self) -> &[(String, String)] {
+        &self.options.metadata
     }
 
     /// Returns the width in pixels.
@@ -57,7 +67,7 @@ impl Picture {
     }
 
     /// Returns the depth of each pixel at which half of the light or less is left, in world units along the view;
-    /// infinity where opacity is less than 1/2. `None` unless [`depths`](crate::FrameBuilder::depths) were requested
+    /// infinity where opacity is less than 1/2. `None` unless [`depth_channels`](crate::FrameBuilder::depth_channels) were requested
     /// and the method has them.
     pub fn median_depth(&self) -> Option<&[f32]> {
         self.image.depth_median.as_deref()
@@ -97,7 +107,16 @@ impl Picture {
     /// Returns an error for another extension, a missing folder, and errors of the system while writing. An earlier
     /// file then remains unchanged.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
-        Ok(write_image(path.as_ref(), &self.image, &self.options)?)
+        write_image(path.as_ref(), &self.image, &self.options).map_err(of_engine)
+    }
+
+    /// Returns the bytes of the PNG that [`save`](Self::save) writes.
+    ///
+    /// # Errors
+    /// Returns an error if the picture can't be encoded.
+    pub fn to_png(&self) -> Result<Vec<u8>> {
+        let bytes = png_bytes(&self.image, &self.options);
+        bytes.map_err(|error| Error::argument(format!("the picture can't be encoded as PNG: {error}")))
     }
 
     /// Returns the cost of the frame.

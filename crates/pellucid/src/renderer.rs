@@ -1,17 +1,11 @@
 //! Device, and scenes on it.
 
-use std::sync::Arc;
-
-use pellucid_engine::cloud::Bounds;
 use pellucid_engine::gpu::{self, Device, DeviceOptions};
-use pellucid_engine::methods::{self, Frame};
-use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::plan;
-use pellucid_engine::prepare::Arranged;
-use pellucid_engine::progress::{Observer, Progress};
-use pellucid_engine::scene as engine;
+use pellucid_session::{Prepared, Session};
 
-use crate::{FrameBuilder, Result, Scene};
+use crate::error::of_engine;
+use crate::observer::Watcher;
+use crate::{FrameBuilder, Observer, Result, Scene};
 
 /// Returns the names of the Vulkan devices of this machine, in the order in which [`Renderer::open_device`] counts
 /// them.
@@ -19,7 +13,7 @@ use crate::{FrameBuilder, Result, Scene};
 /// # Errors
 /// Returns an error if the Vulkan loader is missing. The message names the package to install.
 pub fn devices() -> Result<Vec<String>> {
-    let (devices, _) = gpu::devices(None)?;
+    let (devices, _) = gpu::devices(None).map_err(of_engine)?;
     Ok(devices.into_iter().map(|device| device.name).collect())
 }
 
@@ -27,7 +21,7 @@ pub fn devices() -> Result<Vec<String>> {
 #[derive(Clone)]
 pub struct Renderer {
     device: Device,
-    progress: Progress,
+    watcher: Watcher,
 }
 
 impl Renderer {
@@ -48,16 +42,16 @@ impl Renderer {
     }
 
     fn open_with(device: Option<String>) -> Result<Self> {
-        let device = Device::open(&DeviceOptions { device, ..DeviceOptions::from_env() })?;
-        Ok(Self { device, progress: Progress::hidden() })
+        let options = DeviceOptions { device, ..DeviceOptions::from_env() };
+        Ok(Self { device: Device::open(&options).map_err(of_engine)?, watcher: Watcher::default() })
     }
 
-    /// Reports the progress of loading and rendering to an observer. The observer may cancel a frame, which ends within
-    /// one submission to the device, and loading between its steps. Scenes loaded before keep rendering as if nothing
-    /// had been canceled.
+    /// Reports progress, warnings and notes of loading and rendering to an observer. The observer may cancel a frame,
+    /// which ends within one submission to the device, and loading between its steps. Scenes loaded before keep
+    /// rendering as if nothing had been canceled.
     #[must_use]
     pub fn observed_by(self, observer: impl Observer + 'static) -> Self {
-        Self { progress: Progress::observed(observer), ..self }
+        Self { watcher: Watcher::new(observer), ..self }
     }
 
     /// Returns the device's name.
@@ -70,51 +64,25 @@ impl Renderer {
         &self.device.info().driver
     }
 
-    /// Returns an error if the observer cancels the work.
-    fn go_on(&self) -> Result<()> {
-        Ok(self.progress.check().map_err(methods::Error::from)?)
-    }
-
-    /// Loads a scene on the device: estimates missing radii, orders the points and uploads them. If the scene's method
-    /// is `auto`, the method is decided here.
+    /// Loads a scene on the device: reads files, estimates missing radii, orders the points and uploads them. The method is
+    /// decided here, and so is the opacity of a scene that asks for a share of light.
     ///
     /// # Errors
-    /// Returns an error if the scene has no points, its settings contradict each other, or the device has no room for
-    /// it, and if an observer canceled the work.
+    /// Returns an error if a file can't be read, if the scene has no points, if its settings contradict each other, if the
+    /// device has no room for it, and if an observer canceled the work.
     pub fn load(&self, scene: &Scene) -> Result<Loaded> {
-        self.go_on()?;
-        let mut settings = scene.document.scene()?;
-        settings.settle(&scene.clouds);
-        let (texture, _) = engine::shadow_texture(&settings, &scene.clouds, scene.seed);
-        let up = engine::up_axis(&scene.clouds);
-        let arranged = engine::arrange(&settings, scene.clouds.clone(), scene.seed, &self.progress)?;
-        self.go_on()?;
-        let (camera, _) = engine::camera(&settings, arranged.points(), up)?;
-        let mut renderer = methods::Renderer::new(&self.device)?;
-        renderer.progress = self.progress.clone();
-        let mut cloud = renderer.upload_for(&settings.detail, &arranged, texture.as_ref())?;
-        let mut frame = Frame::of_scene(&settings, camera, scene.seed);
-        let (method, reason) = plan::choose(&mut renderer, &mut cloud, arranged.points(), settings.method, &frame)?;
-        frame.method = method;
-        let radius = arranged.points().largest_radius();
-        let bounds = arranged.points().bounds();
-        let arranged = Arc::new(arranged);
-        Ok(Loaded { renderer, cloud, frame, reason, settings, arranged, bounds, radius })
+        let (progress, watcher) = (self.watcher.progress(), self.watcher.clone());
+        let prepared = Prepared::new(scene.request()?, &watcher, &progress).map_err(of_engine)?;
+        let session = Session::open(&self.device, prepared, &watcher, &progress).map_err(of_engine)?;
+        Ok(Loaded { session, scene: scene.clone(), watcher })
     }
 }
 
 /// Scene on a device, ready to render any number of frames.
 pub struct Loaded {
-    pub(crate) renderer: methods::Renderer,
-    pub(crate) cloud: DeviceCloud,
-    pub(crate) frame: Frame,
-    pub(crate) reason: String,
-    pub(crate) settings: engine::Scene,
-    /// Points that are partitioned into ensembles stay on the host, too.
-    #[allow(dead_code, reason = "kept for what the device reads of it")]
-    arranged: Arc<Arranged>,
-    pub(crate) bounds: Option<Bounds>,
-    pub(crate) radius: f64,
+    pub(crate) session: Session,
+    pub(crate) scene: Scene,
+    pub(crate) watcher: Watcher,
 }
 
 impl Loaded {
@@ -123,19 +91,30 @@ impl Loaded {
         FrameBuilder::new(self)
     }
 
-    /// Returns the method in force.
+    /// Takes over changed settings of the scene: makes again only what depends on them.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Renderer::load`].
+    pub fn update(&mut self, scene: &Scene) -> Result<()> {
+        let (request, progress) = (scene.request()?, self.watcher.progress());
+        self.session.update(request, &self.watcher, &progress).map_err(of_engine)?;
+        self.scene = scene.clone();
+        Ok(())
+    }
+
+    /// Returns the name of the method in force.
     pub fn method(&self) -> &'static str {
-        self.frame.method.name()
+        self.session.frame.method.name()
     }
 
     /// Returns the reason for the method in force.
     pub fn reason(&self) -> &str {
-        &self.reason
+        &self.session.why
     }
 
     /// Returns the number of points, those without finite coordinates left out.
     pub fn len(&self) -> u64 {
-        self.cloud.total()
+        self.session.uploaded.cloud.total()
     }
 
     /// Returns `true` if there are no points.

@@ -36,7 +36,7 @@ impl Observer for Watch {
 
 fn scene() -> Result<Scene> {
     let positions: Vec<[f64; 3]> = (0..200).map(|i| f64::from(i) * 0.1).map(|a| [a.cos(), a.sin(), 0.05 * a]).collect();
-    let cloud = Cloud::from_positions(&positions)?.with_radii(&[0.2; 200])?.with_opacity(0.5)?;
+    let cloud = Cloud::from_positions(positions).radius(0.2).opacity(0.5).build()?;
     let mut scene = Scene::from_clouds([cloud])?;
     scene.set("image.size", [48, 36])?;
     Ok(scene)
