@@ -174,7 +174,7 @@ impl Turn<'_> {
         }
         if session.frame.shading.edl.edl {
             let Session { renderer, uploaded, frame, .. } = session;
-            renderer.apply_edl(&mut uploaded.cloud, frame, &mut own.image)?;
+            renderer.apply_edl(&uploaded.cloud, frame, &mut own.image)?;
         }
         Ok((own, begin.elapsed().saturating_sub(self.ranks.traffic().waited - waited)))
     }
