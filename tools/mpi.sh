@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs MPI (tools/setup.sh --mpi), builds pellucid-mpi in release, lints it and runs its tests with up to 4 ranks, however few
-# cores there are. With CI=true the build is that of tools/release.sh.
+# Installs MPI (tools/setup.sh --mpi), builds pellucid-mpi in release, lints it and runs its tests with up to 4 ranks,
+# however few cores there are. With CI=true the build is that of tools/release.sh.
 # PELLUCID_MPIRUN names another mpirun than the one in the PATH; MPICC then has to name its compiler, as in
 #   MPICC=mpicc.mpich PELLUCID_MPIRUN=mpirun.mpich tools/mpi.sh
 # Arguments go to the tests.

@@ -80,7 +80,8 @@ if [[ $mode == wheel ]]; then
     exit 0
 fi
 say "maturin build"
-# With the features of everything that tools/release.sh built, so that no crate is compiled again. No other code gets in.
+# With the features of everything that tools/release.sh built, so that no crate is compiled again. No other code gets
+# in.
 if [[ $mode == test && ${CI:-} == true ]]; then build_wheel --features unified; else build_wheel; fi
 "$environment/bin/pip" install -q --disable-pip-version-check --force-reinstall --no-deps "$wheel"
 if [[ $mode == install ]]; then exit 0; fi

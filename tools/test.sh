@@ -6,13 +6,13 @@
 #   tools/test.sh ARGUMENTS     `cargo test` with these arguments
 #   CI=true tools/test.sh       everything that CI demands; PARTS says which of it (below)
 #
-# A machine without a Vulkan device fails: set PELLUCID_REQUIRE_GPU=0 to run the others there. What is skipped is printed, as
-# `skipped: <test>: <reason>`.
+# A machine without a Vulkan device fails: set PELLUCID_REQUIRE_GPU=0 to run the others there. What is skipped is
+# printed, as `skipped: <test>: <reason>`.
 #
-# CI demands lints (tools/check.sh), the book (tools/book.sh), the suites with the long tests in a short form, and of one release
-# build (tools/release.sh) the barriers, the budget of registers on a GPU, the Python package and pellucid-mpi. No skip is allowed
-# but for the reasons that are named below. PARTS="lints suites release" is all of it; "gpu lab host" and "cli window fuzz" are
-# the two halves of the suites.
+# CI demands lints (tools/check.sh), the book (tools/book.sh), the suites with the long tests in a short form, and of
+# one release build (tools/release.sh) the barriers, the budget of registers on a GPU, the Python package and
+# pellucid-mpi. No skip is allowed but for the reasons that are named below. PARTS="lints suites release" is all of it;
+# "gpu lab host" and "cli window fuzz" are the two halves of the suites.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -70,8 +70,8 @@ binaries() {
 
 # Suites that use the device all the time, in the order in which they run.
 device_suites=(gpu lab cli)
-# Suites that run beside them: on the host alone, or waiting for windows most of the time. Units and examples are among them.
-# `cargo test` without any target would build all examples, which clippy does faster.
+# Suites that run beside them: on the host alone, or waiting for windows most of the time. Units and examples are among
+# them. `cargo test` without any target would build all examples, which clippy does faster.
 units=(--lib --bins --example drivers --example gpu-shape --example study)
 other_suites=()
 for name in $(binaries | sort -u); do

@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn every_pass_lists_its_variants_in_one_order_for_all_sizes_of_subgroups() {
-        // What depends on the size is derived from it: without that, the lists must be the same.
+        // Constants that depend on the size are derived from it: without them, the lists must be the same.
         let plain = |variant: &Variant| {
             let derived = ["LANE_COLUMNS", "LANE_ROWS", "PICKED", "REGION_COLUMNS"];
             let mut variant = Variant { subgroup: None, network: None, counts: Vec::new(), ..variant.clone() };

@@ -1,5 +1,5 @@
-//! Types and functions that all crates of pellucid share: clouds, points, cameras, images, color, light, random numbers, progress,
-//! and files that are whole or absent.
+//! Types and functions that all crates of pellucid share: clouds, points, cameras, images, color, light, random
+//! numbers, progress, and files that are whole or absent.
 
 pub mod atomic;
 pub mod camera;

@@ -125,7 +125,7 @@ pub struct Anchor {
 }
 
 impl Anchor {
-    /// Of a scene within these bounds and points that stand for all of its points.
+    /// Creates the anchor of a scene from its bounds and points that stand for all of its points.
     #[doc(hidden)]
     pub fn new(sampled: &[DVec3], bounds: Option<Bounds>) -> Self {
         let side = bounds.map_or(0.0, |bounds| (0.5 * bounds.max - 0.5 * bounds.min).max_element());

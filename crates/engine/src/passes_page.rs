@@ -1,5 +1,5 @@
-//! Every pass with the first sentence of its comment, every fill and every copy: docs/internals/passes.md, a page that only the book
-//! has (tools/book.sh).
+//! Every pass with the first sentence of its comment, every fill and every copy: docs/internals/passes.md, a page that
+//! only the book has (tools/book.sh).
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;

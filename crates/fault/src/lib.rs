@@ -1,20 +1,22 @@
 //! Faults on demand, for tests of what a failure leaves: in debug builds alone, by the environment variable
 //! `PELLUCID_FAULT`. A release build has neither the variable nor the checks.
 //!
-//! Its value is `ACTION@POINT` or `ACTION@POINT:N`, as in `device-lost@wait:3`: when the point is passed for the N-th time
-//! (by default the first), the action happens, once. With `N,M,…` it happens again at the M-th time and so on. Points:
+//! Its value is `ACTION@POINT` or `ACTION@POINT:N`, as in `device-lost@wait:3`: when the point is passed for the N-th
+//! time (by default the first), the action happens, once. With `N,M,…` it happens again at the M-th time and so on.
+//! Points:
 //!
 //! | point | what is counted |
 //! |---|---|
 //! | `allocate` | allocations of device memory |
-//! | `submit`, `wait` | submissions to the device, before they are made and after they are done; not those of a window |
+//! | `submit`, `wait` | submissions to the device, before and after they are done; not those of a window |
 //! | `show` | frames of a window, before they are submitted |
-//! | `output/create`, `output/rename`, `output/renamed` | output files: before the temporary file is made, before and after it gets its name |
+//! | `output/create` | output files, before the temporary file is made |
+//! | `output/rename`, `output/renamed` | output files, before and after the temporary file gets its name |
 //! | `output/byte` | bytes of output files: the N-th and what follows is not written |
 //! | `cache/rename` | files of the caches, before they get their name |
 //!
-//! Actions: `device-lost` and `out-of-memory` are what Vulkan answers; `disk-full` is what the system answers; `kill` is
-//! SIGKILL; `hang` says so on standard error and waits two minutes for a signal.
+//! Actions: `device-lost` and `out-of-memory` are what Vulkan answers; `disk-full` is what the system answers; `kill`
+//! is SIGKILL; `hang` says so on standard error and waits two minutes for a signal.
 
 use std::io::{self, Write};
 
@@ -117,7 +119,7 @@ mod armed {
     struct Plan {
         action: Action,
         point: String,
-        /// From 1, ascending.
+        /// Passes of the point at which the action happens, counted from 1, in ascending order.
         at: Vec<u64>,
         passed: AtomicU64,
     }

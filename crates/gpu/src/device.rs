@@ -169,7 +169,8 @@ impl Device {
     /// extensions of the instance.
     ///
     /// # Errors
-    /// Those of [`Self::open`] and of `surface`, and [`Error::NoSurface`] if no driver knows the extensions.
+    /// Returns the errors of [`Self::open`] and of `surface`, and [`Error::NoSurface`] if no driver knows the
+    /// extensions.
     #[doc(hidden)]
     pub fn open_for(
         options: &DeviceOptions,

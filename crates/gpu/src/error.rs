@@ -164,7 +164,7 @@ impl Error {
         }
     }
 
-    /// For `map_err`: an error that names the failed call.
+    /// Returns a function for `map_err` that makes an error which names the failed call.
     #[doc(hidden)]
     pub fn call(call: &'static str) -> impl FnOnce(vk::Result) -> Self {
         move |result| match result {

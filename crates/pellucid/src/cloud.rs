@@ -106,8 +106,8 @@ impl CloudBuilder {
     /// Checks the columns.
     ///
     /// # Errors
-    /// Returns an error if a column has another length than the positions, if a coordinate or a normal is not finite, or
-    /// if a color, a radius or an opacity is out of range.
+    /// Returns an error if a column has another length than the positions, if a coordinate or a normal is not finite,
+    /// or if a color, a radius or an opacity is out of range.
     pub fn build(self) -> Result<Cloud> {
         let unit = |x: &f32| (0.0..=1.0).contains(x);
         let not_negative = |x: &f32| *x >= 0.0 && x.is_finite();

@@ -28,7 +28,8 @@ pub enum Accuracy {
     /// Every fragment that changes a bit is blended.
     #[default]
     Exact,
-    /// Blending ends once no 8-bit value would change by more than a quarter of a step, as in a PNG of `pellucid render`.
+    /// Blending ends once no 8-bit value would change by more than a quarter of a step, as in a PNG of
+    /// `pellucid render`.
     EightBit,
 }
 

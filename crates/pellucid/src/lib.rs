@@ -11,8 +11,8 @@
 //! ```
 //!
 //! - A [`Cloud`] holds points from arrays.
-//! - A [`Scene`] holds clouds, from arrays or from files, and settings. Settings have the names that they have in a scene file, as in
-//!   `scene.set("method.name", "stochastic")`; docs/scene-file.md lists them.
+//! - A [`Scene`] holds clouds, from arrays or from files, and settings. Settings have the names that they have in a
+//!   scene file, as in `scene.set("method.name", "stochastic")`; docs/scene-file.md lists them.
 //! - A [`Renderer`] is a device. It takes a scene once ([`Renderer::load`]) and renders any number of frames of it
 //!   ([`Loaded::frame`]), each with a [`Camera`], a [`Method`] and a size of its own.
 //! - A [`Picture`] holds linear color, opacity and depth, and the [`Profile`] of the frame: what each pass took.

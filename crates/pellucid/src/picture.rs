@@ -67,8 +67,8 @@ impl Picture {
     }
 
     /// Returns the depth of each pixel at which half of the light or less is left, in world units along the view;
-    /// infinity where opacity is less than 1/2. `None` unless [`depth_channels`](crate::FrameBuilder::depth_channels) were requested
-    /// and the method has them.
+    /// infinity where opacity is less than 1/2. `None` unless [`depth_channels`](crate::FrameBuilder::depth_channels)
+    /// were requested and the method has them.
     pub fn median_depth(&self) -> Option<&[f32]> {
         self.image.depth_median.as_deref()
     }

@@ -64,12 +64,12 @@ impl Renderer {
         &self.device.info().driver
     }
 
-    /// Loads a scene on the device: reads files, estimates missing radii, orders the points and uploads them. The method is
-    /// decided here, and so is the opacity of a scene that asks for a share of light.
+    /// Loads a scene on the device: reads files, estimates missing radii, orders the points and uploads them. The
+    /// method is decided here, and so is the opacity of a scene that asks for a share of light.
     ///
     /// # Errors
-    /// Returns an error if a file can't be read, if the scene has no points, if its settings contradict each other, if the
-    /// device has no room for it, and if an observer canceled the work.
+    /// Returns an error if a file can't be read, if the scene has no points, if its settings contradict each other, if
+    /// the device has no room for it, and if an observer canceled the work.
     pub fn load(&self, scene: &Scene) -> Result<Loaded> {
         let (progress, watcher) = (self.watcher.progress(), self.watcher.clone());
         let prepared = Prepared::new(scene.request()?, &watcher, &progress).map_err(of_engine)?;

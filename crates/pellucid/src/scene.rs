@@ -98,7 +98,8 @@ impl Scene {
         self
     }
 
-    /// Has the opacity found at which half of the covered pixels let at least this share of the light through, from 0 to 1.
+    /// Has the opacity found at which half of the covered pixels let at least this share of the light through, from 0
+    /// to 1.
     pub fn set_see_through(&mut self, share: f64) -> &mut Self {
         self.see_through = Some(share);
         self

@@ -1,10 +1,10 @@
 //! Points of a cloud that each ensemble gets.
 //!
-//! The definition (Tanaka et al. 2016; Uchida et al. 2020) asks for ensembles whose sizes differ by one point at most, that are
-//! random parts of the points, and for copies of a point in different ensembles. It leaves open which copy goes where. Here
-//! the rule that [`pellucid_scene::prepare::ensembles`] describes is written from the points to the hands: blocks are given out one
-//! after the other, as a dealer does, where the renderer goes from an ensemble to its n-th point. The two share no function;
-//! they do share the rule, since images are compared to the point.
+//! The definition (Tanaka et al. 2016; Uchida et al. 2020) asks for ensembles whose sizes differ by one point at most,
+//! that are random parts of the points, and for copies of a point in different ensembles. It leaves open which copy
+//! goes where. Here the rule that [`pellucid_scene::prepare::ensembles`] describes is written from the points to the
+//! hands: blocks are given out one after the other, as a dealer does, where the renderer goes from an ensemble to its
+//! n-th point. The two share no function; they do share the rule, since images are compared to the point.
 
 use pellucid_core::random::{key, threefry2x32};
 use pellucid_scene::prepare::ensembles::Deal;

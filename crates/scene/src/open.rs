@@ -1,4 +1,4 @@
-//! From the inputs of a command to a scene and its clouds.
+//! Opens a scene and its clouds from the inputs of a command.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -34,11 +34,11 @@ pub struct Opened {
 /// Where the clouds of a scene are. Clones share what is in memory.
 #[derive(Debug, Clone)]
 pub enum Input {
-    /// In the files that the scene names.
+    /// Clouds in the files that the scene names.
     Files,
-    /// In memory, by the names in a built-in scene.
+    /// Generated clouds in memory, by their names in a built-in scene.
     Generated(Arc<Generated>),
-    /// In memory, in the scene's order.
+    /// Clouds in memory, in the scene's order.
     Clouds(Arc<[Arc<Cloud>]>),
 }
 
@@ -55,8 +55,8 @@ impl Input {
         }
     }
 
-    /// Returns the bytes of memory that all points of a scene take, as far as its files say how many they have; `None` for
-    /// clouds that are in memory already.
+    /// Returns the bytes of memory that all points of a scene take, as far as its files say how many they have; `None`
+    /// for clouds that are in memory already.
     ///
     /// # Errors
     /// Returns an error if a file can't be opened.

@@ -1,6 +1,7 @@
 //! The table of what a changed key of a scene makes again: points, stored shadows, or only a frame.
 //!
-//! [`Recipe::of`] and [`Lighting::of`] name every key of a scene. A new key does not compile until it has its place here.
+//! [`Recipe::of`] and [`Lighting::of`] name every key of a scene. A new key does not compile until it has its place
+//! here.
 
 use glam::DVec3;
 
@@ -10,7 +11,8 @@ use super::{ColorSpace, MethodChoice};
 use crate::prepare::ShadingNormals;
 use pellucid_core::cloud::UpAxis;
 
-/// Everything that the points of a scene follow from. Scenes of the same clouds with equal recipes have the same points.
+/// Everything that the points of a scene follow from. Scenes of the same clouds with equal recipes have the same
+/// points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recipe {
     clouds: Vec<CloudSettings>,
@@ -27,8 +29,8 @@ pub struct Recipe {
 }
 
 impl Recipe {
-    /// Returns the recipe of a scene. `up` is the vertical of its clouds, and `has_gaussians` says if some of them are files
-    /// of Gaussians.
+    /// Returns the recipe of a scene. `up` is the vertical of its clouds, and `has_gaussians` says if some of them are
+    /// files of Gaussians.
     pub fn of(scene: &Scene, seed: u64, up: UpAxis, has_gaussians: bool) -> Self {
         let Scene { image, camera, shading: _, clouds, clips, method, detail, shadows: _, warnings: _, settings: _ } =
             scene;

@@ -71,8 +71,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Settles what its clouds decide: scenes of Gaussians alone are blended in display values, in which they are trained, unless the
-    /// scene says otherwise. Returns true if they decided it.
+    /// Settles what its clouds decide: scenes of Gaussians alone are blended in display values, in which they are
+    /// trained, unless the scene says otherwise. Returns true if they decided it.
     pub fn settle(&mut self, clouds: &[impl Borrow<Cloud>]) -> bool {
         self.settle_for(|cloud| clouds.get(cloud).is_some_and(|cloud| cloud.borrow().gaussians.is_some()))
     }

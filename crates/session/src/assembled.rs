@@ -1,4 +1,4 @@
-//! From the clouds of a scene to its points on the host, with notes about them.
+//! Assembles the points of a scene on the host from its clouds, with notes about them.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -24,7 +24,8 @@ pub struct Wanted {
     pub seed: u64,
     /// `true` if the meaning of colors is wanted.
     pub legend: bool,
-    /// `true` for radii and canonical order even if the scene's method does without. Stored points are as the method wants them.
+    /// `true` for radii and canonical order even if the scene's method does without. Stored points are as the method
+    /// wants them.
     pub radii: bool,
     /// `true` if points in memory are to follow changed keys; clouds and derived columns are then retained.
     pub is_edited: bool,
@@ -75,7 +76,8 @@ impl Assembled {
     /// Makes points of a scene's clouds. Unless they are edited, clouds in memory are consumed.
     ///
     /// # Errors
-    /// Returns an error if no point is left, if a cloud lacks what the scene needs, or if a temporary file can't be written.
+    /// Returns an error if no point is left, if a cloud lacks what the scene needs, or if a temporary file can't be
+    /// written.
     pub fn new(
         sources: &mut Sources,
         scene: &Scene,
@@ -230,7 +232,8 @@ impl Assembled {
         }
     }
 
-    /// Gives another scene of the same clouds what these decide: the color space of Gaussians, and no shading without normals.
+    /// Gives another scene of the same clouds what these decide: the color space of Gaussians, and no shading without
+    /// normals.
     pub fn settle(&self, scene: &mut Scene) {
         if self.settled.is_encoded && scene.image.color.is_none() {
             scene.image.color = self.scene.image.color;
@@ -240,8 +243,8 @@ impl Assembled {
         }
     }
 
-    /// Turns the points into those of another scene of the same clouds. Returns the columns that changed, or `None`, with
-    /// everything unchanged, if they must be made again.
+    /// Turns the points into those of another scene of the same clouds. Returns the columns that changed, or `None`,
+    /// with everything unchanged, if they must be made again.
     ///
     /// # Errors
     /// Returns an error if a cloud lacks the columns of its field or colors; nothing changes.

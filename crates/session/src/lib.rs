@@ -1,10 +1,11 @@
-//! From a request to a picture: the road that the program, the library, the window, the Python package and the ranks of MPI
-//! share.
+//! The way from a request to a picture that the program, the library, the window, the Python package and the ranks of
+//! MPI share.
 //!
 //! - A [`Request`] is plain data, made once from arguments, keywords or the state of a window.
 //! - [`Prepared`] is a request with its clouds read, its points arranged and its camera found. It needs no device.
-//! - A [`Session`] is a prepared request on a device. It decides method and opacity, renders, and [updates](Session::update)
-//!   to other requests: [`Recipe`](pellucid_engine::scene::Recipe) is the one table of what a changed key makes again.
+//! - A [`Session`] is a prepared request on a device. It decides method and opacity, renders, and
+//!   [updates](Session::update) to other requests: [`Recipe`](pellucid_engine::scene::Recipe) is the one table of what
+//!   a changed key makes again.
 //! - [`Messages`] receives warnings and notes on the way.
 
 mod assembled;

@@ -12,8 +12,8 @@ use serde_json::{Value, json};
 
 use crate::ensemble_warnings;
 
-/// A sentence for each setting and each cloud that doesn't come out as asked; `names` are those of the clouds that have points, `why`
-/// the reason for the frame's method.
+/// A sentence for each setting and each cloud that doesn't come out as asked; `names` are those of the clouds that have
+/// points, `why` the reason for the frame's method.
 pub fn warnings(names: &[String], arranged: &Arranged, cloud: &DeviceCloud, frame: &Frame, why: &str) -> Vec<String> {
     // Other methods, and points that were not dealt, need no warning.
     let shares = spbr::shares(cloud, frame).unwrap_or_default();
@@ -43,8 +43,8 @@ pub fn empty(image: &Image, points: &Points) -> Option<String> {
     Some(format!("the picture is empty: {why}"))
 }
 
-/// Key and JSON of all that was decided for a frame: the brightness that was `applied`, the opacity that was `found`, and the points
-/// that were left out.
+/// Key and JSON of all that was decided for a frame: the brightness that was `applied`, the opacity that was `found`,
+/// and the points that were left out.
 pub fn decisions(
     frame: &Frame,
     cloud: &DeviceCloud,

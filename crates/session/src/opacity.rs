@@ -1,4 +1,5 @@
-//! Messages about opacities: the one that a share of light asked for, and pictures that show nothing, or surfaces alone.
+//! Messages about opacities: the one that a share of light asked for, and pictures that show nothing, or surfaces
+//! alone.
 
 use pellucid_engine::Result;
 use pellucid_engine::image::Image;
@@ -113,7 +114,8 @@ fn opacity_to_try(factor: f32, prepared: &Prepared) -> String {
     said(factor, prepared, |opacity| format!("{opacity:.1e}").parse().unwrap_or(opacity))
 }
 
-/// Returns `true` if surfaces or classes have opacities, so that points of a cloud have several, which one option doesn't set.
+/// Returns `true` if surfaces or classes have opacities, so that points of a cloud have several, which one option
+/// doesn't set.
 fn has_own_opacities(prepared: &Prepared) -> bool {
     let of_classes = |cloud: &CloudSettings| cloud.class.iter().any(|entry| entry.opacity.is_some());
     prepared.scene().clouds.iter().any(|cloud| cloud.surface_opacity.is_some() || of_classes(cloud))

@@ -20,7 +20,7 @@ use crate::sources::Sources;
 pub struct Opened {
     /// The request.
     pub request: Request,
-    /// Its clouds.
+    /// The clouds of the request.
     pub sources: Sources,
 }
 
@@ -52,7 +52,8 @@ impl Opened {
         self.prepare_by(|scene, points, up| find_camera(scene, points, up, messages), messages, progress)
     }
 
-    /// Makes points of the clouds, and has the camera found for these and the clouds' vertical. `find` returns warnings as well.
+    /// Makes points of the clouds, and has the camera found for these and the clouds' vertical. `find` returns warnings
+    /// as well.
     ///
     /// # Errors
     /// Returns the errors of [`Self::prepare`] and of `find`.

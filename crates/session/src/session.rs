@@ -109,12 +109,13 @@ impl Session {
         })
     }
 
-    /// Makes everything ready for the frame of another request of the same clouds: makes again only what depends on keys that
-    /// changed ([`Recipe`](pellucid_engine::scene::Recipe)).
+    /// Makes everything ready for the frame of another request of the same clouds: makes again only what depends on
+    /// keys that changed ([`Recipe`](pellucid_engine::scene::Recipe)).
     /// Returns `true` if method and opacity were decided anew.
     ///
     /// # Errors
-    /// Returns the errors of [`Opened::prepare`](crate::Opened::prepare) and [`Self::open`]. The next request is then decided anew.
+    /// Returns the errors of [`Opened::prepare`](crate::Opened::prepare) and [`Self::open`]. The next request is then
+    /// decided anew.
     pub fn update(&mut self, request: Request, messages: &dyn Messages, progress: &Progress) -> Result<bool> {
         request.check(messages)?;
         self.renderer.progress = progress.clone();
@@ -360,8 +361,8 @@ impl Session {
         Ok(rendered)
     }
 
-    /// Says so where a picture is empty, or where nearly all of it looks opaque or empty though the points don't. Looks at the
-    /// first picture of a decision only.
+    /// Says so where a picture is empty, or where nearly all of it looks opaque or empty though the points don't. Looks
+    /// at the first picture of a decision only.
     ///
     /// # Errors
     /// Returns an error if a trial frame can't be rendered.

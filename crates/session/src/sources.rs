@@ -23,7 +23,8 @@ pub enum Residence {
     Levels,
     /// None stays.
     Memory,
-    /// Octrees stay, for a method that is given: each of several processes reads the nodes that its part of the picture shows.
+    /// Octrees stay, for a method that is given: each of several processes reads the nodes that its part of the picture
+    /// shows.
     Octrees,
     /// All that are read in parts stay: points go to other processes part by part.
     Parts,
@@ -85,7 +86,8 @@ pub struct Sources {
 }
 
 impl Sources {
-    /// Returns the sources of clouds that were read, from files or not. Clouds that stay there take at most `memory` bytes.
+    /// Returns the sources of clouds that were read, from files or not. Clouds that stay there take at most `memory`
+    /// bytes.
     pub fn new(clouds: Clouds, memory: u64, is_in_files: bool) -> Self {
         let count = clouds.len();
         let derived = match &clouds {
@@ -167,7 +169,8 @@ impl Sources {
         self.read.truncate(count);
     }
 
-    /// Returns `true` if some points have other classes than 0 and 1, which LAS files give to points that nobody classified.
+    /// Returns `true` if some points have other classes than 0 and 1, which LAS files give to points that nobody
+    /// classified.
     pub fn are_classified(&self) -> bool {
         let Clouds::Held(clouds) = &self.clouds else { return false };
         clouds.iter().any(|cloud| cloud.classification.iter().flatten().any(|code| *code > 1))

@@ -22,8 +22,8 @@ pub struct Uploaded {
 }
 
 impl Uploaded {
-    /// Brings points to the device, with the shadows that were stored with them. Frames of this detail may leave points out.
-    /// With `by_windows` points in memory come to the device window by window.
+    /// Brings points to the device, with the shadows that were stored with them. Frames of this detail may leave points
+    /// out. With `by_windows` points in memory come to the device window by window.
     ///
     /// # Errors
     /// Returns an error if the device has no room for the points.
@@ -46,12 +46,12 @@ impl Uploaded {
         Ok(())
     }
 
-    /// Turns the points into those of another scene of the same clouds. Returns the changes since the last success, or `None`
-    /// if points must be made again.
+    /// Turns the points into those of another scene of the same clouds. Returns the changes since the last success, or
+    /// `None` if points must be made again.
     ///
     /// # Errors
-    /// Returns an error if a cloud lacks the columns of its field or colors: nothing changes. If the device failed or was
-    /// stopped, the next call uploads the rest.
+    /// Returns an error if a cloud lacks the columns of its field or colors: nothing changes. If the device failed or
+    /// was stopped, the next call uploads the rest.
     pub fn follow(
         &mut self,
         renderer: &Renderer,

@@ -135,7 +135,8 @@ pub fn exact(points: &Points, camera: &Camera, size: [u32; 2], discs: &Discs) ->
     reference::abuffer::render(camera, size, points, &colors(points), discs)
 }
 
-/// Keeps the points whose every coverage decision is clear in float32 too: 0.02 pixels from any rim, pixel border or depth limit.
+/// Keeps the points whose every coverage decision is clear in float32 too: 0.02 pixels from any rim, pixel border or
+/// depth limit.
 pub fn safe(points: &[P], camera: &Camera, size: [u32; 2], shape: DiscShape) -> Vec<P> {
     let all = scene_in_order(points);
     let clear =
@@ -188,13 +189,13 @@ pub fn picked(points: &Points, keep: impl Fn(usize) -> bool) -> Points {
     }
 }
 
-/// Those of some points of which float32 too can say which pixel they are on, whether they look at the viewer, and on which
-/// side of them the light is. In canonical order.
+/// Returns, in canonical order, the points of which float32 too can say which pixel they are on, whether they look at
+/// the viewer, and on which side of them the light is.
 pub fn clear_points(points: &[P], camera: &Camera, size: [u32; 2], shading: &Shading) -> Points {
     clear_of(&scene(points), camera, size, shading)
 }
 
-/// As [`clear_points`], of points in canonical order.
+/// Selects points like [`clear_points`], from points that are in canonical order already.
 pub fn clear_of(all: &Points, camera: &Camera, size: [u32; 2], shading: &Shading) -> Points {
     picked(all, |i| {
         let normal = all.normals.as_ref().map_or(DVec3::ZERO, |normals| normals[i].as_dvec3());
@@ -211,9 +212,9 @@ pub fn clear_of(all: &Points, camera: &Camera, size: [u32; 2], shading: &Shading
     })
 }
 
-/// Compares an image with what roundings of float32 may make of its reference: depths within their ranges, R, G, B and A off
-/// theirs by at most `slack`, which is for the arithmetic of colors alone. An error names the first wrong pixel and how many
-/// there are.
+/// Compares an image with what roundings of float32 may make of its reference: depths within their ranges, R, G, B and
+/// A off theirs by at most `slack`, which is for the arithmetic of colors alone. An error names the first wrong pixel
+/// and how many there are.
 pub fn compare_ranges(image: &Image, wanted: &PictureRange, slack: f64) -> Result<(), String> {
     assert_eq!(image.rgba.len(), wanted.rgba.len());
     let is_off = |pixel: &usize| {

@@ -9,8 +9,8 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// The folder of compiled shaders that suites share, tests in one process and programs that tests start: `PELLUCID_CACHE_DIR`,
-/// which `tools/test.sh` sets, or else a folder beside the test binaries.
+/// The folder of compiled shaders that suites share, tests in one process and programs that tests start:
+/// `PELLUCID_CACHE_DIR`, which `tools/test.sh` sets, or else a folder beside the test binaries.
 pub fn shader_cache() -> PathBuf {
     let named = std::env::var_os("PELLUCID_CACHE_DIR").filter(|folder| !folder.is_empty());
     let beside = || {

@@ -19,9 +19,9 @@ pub struct Placed {
     pub assembled: Assembled,
     /// The points on the device.
     pub uploaded: Uploaded,
-    /// Fewer of them, for coarser pictures.
+    /// A smaller number of the points, for coarser pictures.
     pub thinned: Option<ThinnedCloud>,
-    /// Their box, largest radius and vertical.
+    /// The points' box, largest radius and vertical.
     pub subject: Subject,
 }
 
@@ -67,8 +67,8 @@ impl Placed {
     /// or `None` if points must be made again.
     ///
     /// # Errors
-    /// Returns an error if a cloud lacks the columns of its field or colors: nothing changes. If the device failed or was
-    /// stopped, the next call uploads the rest.
+    /// Returns an error if a cloud lacks the columns of its field or colors: nothing changes. If the device failed or
+    /// was stopped, the next call uploads the rest.
     pub fn follow(
         &mut self,
         renderer: &Renderer,

@@ -34,9 +34,9 @@ const NEARLY_WHOLE: f64 = 0.5;
 pub enum Pose {
     /// The scene's own camera.
     Scene,
-    /// Such that everything fits, from a side, with perspective.
+    /// A camera with perspective that sees everything from the direction of a view.
     View(View),
-    /// From here: eye, target and up are given.
+    /// A camera whose eye, target and up are given.
     At(CameraSettings),
 }
 
@@ -330,7 +330,8 @@ impl Stage {
     }
 }
 
-/// Renders about so many points of a cloud that stays in its file: its levels, or, if it has none, those that stand for all.
+/// Renders about so many points of a cloud that stays in its file: its levels, or, if it has none, those that stand for
+/// all.
 fn draw_some(renderer: &mut Renderer, placed: &mut Placed, mut frame: Frame, points: u32) -> Result<Rendered> {
     let has_levels = |cloud: &DeviceCloud| {
         cloud.supply().is_some_and(|supply| supply.blocks().iter().all(|block| block.branch.is_some()))

@@ -96,8 +96,8 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// Starts the thread, with tasks that it has already. Its pictures are for a screen that has blue first in memory, or red.
-    /// `wake` is called after each piece of news.
+    /// Starts the thread, with tasks that it has already. Its pictures are for a screen that has blue first in memory,
+    /// or red. `wake` is called after each piece of news.
     pub fn start(
         device: &Device,
         workload: Workload,
@@ -370,7 +370,8 @@ impl Work {
         Ok(News::Picture(Box::new(picture)))
     }
 
-    /// Brings the colors of the last picture to the host if the next one is of the same view: a better one will tell their error.
+    /// Brings the colors of the last picture to the host if the next one is of the same view: a better one will tell
+    /// their error.
     fn supply(&mut self, scene: &Scene, pose: Pose) -> Result<()> {
         let Some(size) = self.unread.take().filter(|_| self.history.is_of(scene, pose)) else { return Ok(()) };
         if let Some(rgba) = self.stage.renderer().read_colors()? {

@@ -1,7 +1,7 @@
 //! A window's images: a picture copied into them, and egui's drawing on top.
 //!
-//! [`open`] opens a device for a window. A [`Screen`] belongs to one thread, while another one may render. The queue is shared under the submission lock;
-//! everything else belongs to the screen.
+//! [`open`] opens a device for a window. A [`Screen`] belongs to one thread, while another one may render. The queue is
+//! shared under the submission lock; everything else belongs to the screen.
 
 mod panel;
 mod screen;

@@ -42,7 +42,7 @@ fn surface(entry: &ash::Entry, instance: &ash::Instance, window: Handle) -> Resu
 /// [`Screen`](crate::Screen) shows them.
 ///
 /// # Errors
-/// Those of [`Device::open`], and [`Error::NoSurface`] if no driver can present to windows of this kind.
+/// Returns the errors of [`Device::open`], and [`Error::NoSurface`] if no driver can present to windows of this kind.
 pub fn open(options: &DeviceOptions, window: Handle) -> Result<Device, Error> {
     let wanted = extensions(&window)?;
     Device::open_for(options, wanted, |entry, instance| surface(entry, instance, window))

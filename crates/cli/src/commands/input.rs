@@ -24,14 +24,14 @@ use super::view_args::ViewArgs;
 pub struct InputArgs {
     /// A scene file (.toml), or one or more point clouds; without any the built-in scene `garden`.
     ///
-    /// Point clouds are PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV and TXT files, octrees, and Gaussian splats. A picture
-    /// (PNG, JPEG, TIFF) becomes a cloud with a point for each pixel.
+    /// Point clouds are PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV and TXT files, octrees, and Gaussian splats.
+    /// A picture (PNG, JPEG, TIFF) becomes a cloud with a point for each pixel.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
     /// Recipe: canopy, building, indoor, heritage or model; `list` prints them.
     ///
-    /// A recipe sets keys of the scene file, and some also set --see-through and --view. It overrides the scene file; other
-    /// options override the recipe.
+    /// A recipe sets keys of the scene file, and some also set --see-through and --view. It overrides the scene file;
+    /// other options override the recipe.
     #[arg(long, value_name = "NAME", value_parser = presets::asked)]
     preset: Option<Asked>,
     /// Size of the image in pixels, as in 1024x768.
@@ -60,8 +60,8 @@ pub struct InputArgs {
     pub surface_opacity: Option<String>,
     /// Find the opacity that lets this share of light through, from 0 to 1.
     ///
-    /// With the opacity found, half of the covered pixels let at least this share of the light behind them through. The program
-    /// prints it. If clouds have opacities of their own, one factor multiplies all of them.
+    /// With the opacity found, half of the covered pixels let at least this share of the light behind them through. The
+    /// program prints it. If clouds have opacities of their own, one factor multiplies all of them.
     #[arg(long, value_name = "T", value_parser = share, conflicts_with = "opacity", help_heading = APPEARANCE)]
     pub see_through: Option<f64>,
     /// Radius of every point in world units.
@@ -71,14 +71,15 @@ pub struct InputArgs {
     radius: Option<String>,
     /// Source of the colors, as in height, classification or intensity.
     ///
-    /// One of auto, rgb, height, intensity, classification, return, source, gps-time, normal, cloud, uniform, field, or the name
-    /// of a scalar in the file. Default: the scene file's, else auto, which takes the file's colors, else classes, else height;
-    /// `pellucid plan` prints the choice and its reason.
+    /// One of auto, rgb, height, intensity, classification, return, source, gps-time, normal, cloud, uniform, field, or
+    /// the name of a scalar in the file. Default: the scene file's, else auto, which takes the file's colors, else
+    /// classes, else height; `pellucid plan` prints the choice and its reason.
     #[arg(long, value_name = "WHAT", help_heading = APPEARANCE)]
     color_by: Option<String>,
     /// Colormap for values, as in turbo.
     ///
-    /// One of viridis, cividis, magma, inferno, plasma, turbo, terrain and gray. Default: the scene file's, else viridis.
+    /// One of viridis, cividis, magma, inferno, plasma, turbo, terrain and gray. Default: the scene file's, else
+    /// viridis.
     #[arg(long, value_name = "NAME", help_heading = APPEARANCE)]
     colormap: Option<String>,
     /// Background color, as in white, "#80c0ff" or 0.1,0.1,0.1.
@@ -102,7 +103,8 @@ pub struct InputArgs {
     slice: Vec<String>,
     /// Thin out points that are closer than PX pixels to each other.
     ///
-    /// The radii of the remaining points grow to cover the gaps. Default: the scene file's, else 0, which keeps all points.
+    /// The radii of the remaining points grow to cover the gaps. Default: the scene file's, else 0, which keeps all
+    /// points.
     #[arg(long, value_name = "PX", allow_hyphen_values = true, help_heading = POINTS)]
     detail: Option<String>,
     /// Draw at most N of the points in view, coarsest levels first.
@@ -112,17 +114,17 @@ pub struct InputArgs {
     max_points: Option<String>,
     /// Columns of a text file, as in x,y,z,-,r,g,b.
     ///
-    /// For PTS, PTX, XYZ, CSV and TXT. Other names: a (alpha), i (intensity), nx, ny, nz, radius, class; `-` skips a column, and
-    /// any other word names a scalar. Default: the scene file's, else the header line of the file, else a guess from the number
-    /// and the values of the columns.
+    /// For PTS, PTX, XYZ, CSV and TXT. Other names: a (alpha), i (intensity), nx, ny, nz, radius, class; `-` skips a
+    /// column, and any other word names a scalar. Default: the scene file's, else the header line of the file, else a
+    /// guess from the number and the values of the columns.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, help_heading = POINTS)]
     columns: Option<String>,
     #[command(flatten)]
     pub view: ViewArgs,
     /// Main memory for points, as in 4GiB.
     ///
-    /// Default: half of the free memory. Larger clouds stay on disk, and each part of the picture reads only the points that it
-    /// shows. That works for octrees (Potree, EPT, COPC), LAS, LAZ and PLY.
+    /// Default: half of the free memory. Larger clouds stay on disk, and each part of the picture reads only the points
+    /// that it shows. That works for octrees (Potree, EPT, COPC), LAS, LAZ and PLY.
     #[arg(long, value_name = "SIZE", help_heading = DEVICE)]
     pub host_memory: Option<ByteSize>,
     /// Rule by which clouds stay in their files even if memory has room for them.
@@ -269,7 +271,8 @@ impl InputArgs {
         short.iter().any(|(known, value)| *known == key && value.is_some()) || of_clouds.any(|(_, known)| known == key)
     }
 
-    /// Returns the request for frames of these inputs; `size` counts where `--size` is not given. Begins the phase of reading.
+    /// Returns the request for frames of these inputs; `size` counts where `--size` is not given. Begins the phase of
+    /// reading.
     pub fn request(&self, size: Option<[u32; 2]>, progress: &Bar, console: Console) -> Result<Request> {
         let overrides = self.overrides(size)?;
         progress.begin(Phase::Read);

@@ -8,7 +8,8 @@ use super::render::RenderArgs;
 
 /// Render point clouds you can see through on many machines.
 ///
-/// Every rank that `mpirun` starts renders a part. The first rank writes the picture, with the same bytes as `pellucid`.
+/// Every rank that `mpirun` starts renders a part. The first rank writes the picture, with the same bytes as
+/// `pellucid`.
 #[derive(Debug, Parser)]
 #[command(name = "pellucid-mpi", version, max_term_width = 100)]
 pub struct Cli {
@@ -59,9 +60,9 @@ pub enum Command {
 pub struct SharingArgs {
     /// Work that the ranks share; the picture has the same bytes in any case.
     ///
-    /// `windows`: parts of the image, of about the same expected cost. `ensembles`: the ensembles of spbr, or the samples of
-    /// stochastic. `frames`: the frames of a path or turntable. `auto`: whatever a cost model expects to be fastest, as
-    /// `pellucid-mpi plan` prints it.
+    /// `windows`: parts of the image, of about the same expected cost. `ensembles`: the ensembles of spbr, or the
+    /// samples of stochastic. `frames`: the frames of a path or turntable. `auto`: whatever a cost model expects to be
+    /// fastest, as `pellucid-mpi plan` prints it.
     #[arg(long, value_name = "WHAT", value_enum, default_value = "auto")]
     pub share: Wanted,
 }
@@ -80,9 +81,9 @@ pub enum Wanted {
 pub struct SpreadArgs {
     /// Distribute the points over the memory of the ranks.
     ///
-    /// For clouds larger than the memory of one machine, and for machines without a shared file system. Only the first rank reads
-    /// files. Each rank keeps a part of the points and receives the others that its part of the picture needs. Not available for
-    /// spbr, shadows and levels of detail.
+    /// For clouds larger than the memory of one machine, and for machines without a shared file system. Only the first
+    /// rank reads files. Each rank keeps a part of the points and receives the others that its part of the picture
+    /// needs. Not available for spbr, shadows and levels of detail.
     #[arg(long)]
     pub spread: bool,
 }

@@ -37,12 +37,12 @@ pub struct RenderArgs {
     pub measure: MeasureArgs,
     /// Picture to write: .png (8-bit sRGB) or .exr (32-bit float R, G, B, A, Z).
     ///
-    /// Default: the name of the first input with .png, in the current folder. Z is the distance of the nearest surface along the
-    /// viewing axis, in scene units, and +inf where no surface is. For a PNG the methods sorted and abuffer blend until no
-    /// 8-bit value would change by more than a quarter of a step, for an EXR until no bit would change.
+    /// Default: the name of the first input with .png, in the current folder. Z is the distance of the nearest surface
+    /// along the viewing axis, in scene units, and +inf where no surface is. For a PNG the methods sorted and abuffer
+    /// blend until no 8-bit value would change by more than a quarter of a step, for an EXR until no bit would change.
     ///
-    /// With --path or --turntable also a film or an animation: .mp4 (H.264) and .webm (VP9), which need the program ffmpeg, .gif, or
-    /// .apng.
+    /// With --path or --turntable also a film or an animation: .mp4 (H.264) and .webm (VP9), which need the program
+    /// ffmpeg, .gif, or .apng.
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
     /// EXR: add channels of list lengths, layers, errors and depths
@@ -69,11 +69,13 @@ pub struct RenderArgs {
     legend: bool,
     /// Number of frames for --path or --turntable; without a number a time series.
     ///
-    /// Frames count from 0. Unless the output is a film, its name needs a number, as in frame_%04d.png (default: the name of the
-    /// first input with _%04d.png). Existing frames of the same scene, path and settings are not rendered again.
+    /// Frames count from 0. Unless the output is a film, its name needs a number, as in frame_%04d.png (default: the
+    /// name of the first input with _%04d.png). Existing frames of the same scene, path and settings are not rendered
+    /// again.
     ///
-    /// Without a number the option stands behind the inputs, or before another option. A time series is a picture of the first cloud of the scene, one of the first two, and so on, all with the camera that
-    /// shows the whole scene. Pictures count from 1, as in step_%02d.png (default: the name of the first input with _%02d.png).
+    /// Without a number the option stands behind the inputs, or before another option. A time series is a picture of
+    /// the first cloud of the scene, one of the first two, and so on, all with the camera that shows the whole scene.
+    /// Pictures count from 1, as in step_%02d.png (default: the name of the first input with _%02d.png).
     #[arg(long, value_name = "N", num_args = 0..=1, value_parser = number_of_frames, help_heading = FRAMES)]
     frames: Option<Option<u32>>,
     #[command(flatten)]
@@ -82,9 +84,9 @@ pub struct RenderArgs {
     films: FilmArgs,
     /// With --path or --turntable: write how the error changes from frame to frame.
     ///
-    /// Every frame is also rendered by the exact method: abuffer (for Gaussians with order = "pixel"), or soft-base for soft
-    /// spheres. Each line of the table has the RMSE of a frame, and RMSE and FLIP of the change of its error since the previous
-    /// frame, on linear R, G, B over the background. Existing frames are rendered again but not written.
+    /// Every frame is also rendered by the exact method: abuffer (for Gaussians with order = "pixel"), or soft-base for
+    /// soft spheres. Each line of the table has the RMSE of a frame, and RMSE and FLIP of the change of its error since
+    /// the previous frame, on linear R, G, B over the background. Existing frames are rendered again but not written.
     #[arg(long, value_name = "FILE.csv", help_heading = FRAMES)]
     pub popping: Option<PathBuf>,
     /// With --path or --turntable: replace frames of another sequence.
@@ -104,15 +106,15 @@ const MOST_FRAMES: u32 = 100_000;
 struct ChoiceArgs {
     /// Take the fastest method and settings with an RMSE of at most E on this image.
     ///
-    /// The RMSE is measured on linear R, G, B over the background, against abuffer, against soft-base for soft spheres, or
-    /// against the limit of many ensembles for spbr. With --method only the settings of that method are tried. The method of a
-    /// scene file only selects the kind of discs.
+    /// The RMSE is measured on linear R, G, B over the background, against abuffer, against soft-base for soft spheres,
+    /// or against the limit of many ensembles for spbr. With --method only the settings of that method are tried. The
+    /// method of a scene file only selects the kind of discs.
     #[arg(long, value_name = "E", value_parser = not_negative, help_heading = METHOD)]
     max_error: Option<f64>,
     /// Take the most accurate method and settings with a frame time of at most MS.
     ///
-    /// The time in milliseconds is the measured median on the device, as in `pellucid tradeoff`. If nothing is fast enough, the
-    /// fastest is taken. --max-error has priority; a warning tells if the time is then exceeded.
+    /// The time in milliseconds is the measured median on the device, as in `pellucid tradeoff`. If nothing is fast
+    /// enough, the fastest is taken. --max-error has priority; a warning tells if the time is then exceeded.
     #[arg(long, value_name = "MS", value_parser = not_negative, help_heading = METHOD)]
     budget: Option<f64>,
     /// With --max-error or --budget: repeat measurements already known for this scene and device.
@@ -411,8 +413,8 @@ fn picture(
     Ok(())
 }
 
-/// Brightens a rendered image if its method is to do so, and writes it with its metadata, `own` among it. List lengths and
-/// layers are as they were afterwards, if they are written or were counted for a profile.
+/// Brightens a rendered image if its method is to do so, and writes it with its metadata, `own` among it. List lengths
+/// and layers are as they were afterwards, if they are written or were counted for a profile.
 pub fn finish(
     args: &RenderArgs,
     session: &mut Session,

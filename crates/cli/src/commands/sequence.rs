@@ -38,7 +38,7 @@ pub struct Frames {
 
 /// Frames to render.
 pub struct Due<'a> {
-    /// Their numbers.
+    /// Numbers of the frames.
     pub numbers: &'a mut dyn Iterator<Item = usize>,
     /// How many they are at most.
     pub count: usize,
@@ -123,8 +123,8 @@ impl Frames {
     /// Finds the frames that exist, and removes those to be replaced.
     ///
     /// # Errors
-    /// Files with these names, or with numbers after the last one, that don't belong to the sequence, unless `overwrite` says that they
-    /// may be replaced.
+    /// Files with these names, or with numbers after the last one, that don't belong to the sequence, unless
+    /// `overwrite` says that they may be replaced.
     pub fn find(&mut self, overwrite: bool, pattern: &Pattern) -> Result<()> {
         // Whoever makes a film of the frames would take those that follow for the rest of it.
         let after = (self.files.len()..).map(|number| pattern.file(number)).take_while(|file| is_taken(file));
@@ -156,7 +156,8 @@ impl Frames {
         self.cameras[number]
     }
 
-    /// Renders frames and returns how many were written. If errors are followed, those that are there are rendered for it alone.
+    /// Renders frames and returns how many were written. If errors are followed, those that are there are rendered for
+    /// it alone.
     #[allow(clippy::too_many_arguments, reason = "what a command has at hand")]
     pub fn render(
         &self,

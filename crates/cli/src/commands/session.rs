@@ -21,7 +21,8 @@ pub fn open(args: &DeviceArgs, prepared: Prepared, progress: &Bar, console: Cons
     Ok(session)
 }
 
-/// Opens the device and brings a prepared request to it; the method is the scene's, or for `auto` one of the same image.
+/// Opens the device and brings a prepared request to it; the method is the scene's, or for `auto` one of the same
+/// image.
 pub fn upload(args: &DeviceArgs, prepared: Prepared, by_windows: bool, progress: &Bar) -> Result<Session> {
     progress.begin(Phase::Upload);
     progress.stage("uploading");

@@ -45,7 +45,7 @@ fn section(program: &str, command: &Command, known: &[&Arg]) -> String {
     usage = usage.trim_start_matches("Usage: ").trim().to_owned();
     let mut text = format!("\n## {program} {name}\n\n{}\n\n```text\n{usage}\n```\n", sentence(&about));
     let is_known = |arg: &Arg| known.iter().any(|other| other.get_id() == arg.get_id());
-    // What every command has stands at the top of the page.
+    // Arguments that every command has stand at the top of the page.
     let is_own = |arg: &&Arg| !arg.is_hide_set() && !arg.is_global_set() && *arg.get_id() != "help" && !is_known(arg);
     let own: Vec<&Arg> = command.get_arguments().filter(is_own).collect();
     // As in `--help`: those without a heading come first.

@@ -77,10 +77,11 @@ fn run(folder: &TempDir, args: &[&str]) -> (i32, String, String) {
 /// Stack of a process's main thread.
 const STACK_BYTES: usize = 8 << 20;
 
-/// Runs a command line in `folder` inside this process; exit status, standard output and standard error. Takes milliseconds
-/// where a process takes tens of them, and longer in debug builds.
+/// Runs a command line in `folder` inside this process; exit status, standard output and standard error. Takes
+/// milliseconds where a process takes tens of them, and longer in debug builds.
 ///
-/// The current folder is the process's, so that one thread at a time runs a command, and no test may use a relative path.
+/// The current folder is the process's, so that one thread at a time runs a command, and no test may use a relative
+/// path.
 fn run_inside(folder: &TempDir, args: &[&str]) -> (i32, String, String) {
     static CAPTURED: Mutex<Captured> = Mutex::new(Captured { stdout: String::new(), stderr: String::new() });
     static CURRENT_FOLDER: Mutex<()> = Mutex::new(());

@@ -19,8 +19,8 @@ const FALLS: f64 = PI + FRAC_PI_2;
 /// See [`FALLS`].
 const STANDS: f64 = 0.9 * PI;
 
-/// The reason why Z is up, as the end of a sentence: a shape with Y up would stand on its edge, as ground does, or fall over, and
-/// would not with Z up.
+/// The reason why Z is up, as the end of a sentence: a shape with Y up would stand on its edge, as ground does, or fall
+/// over, and would not with Z up.
 #[doc(hidden)]
 pub fn reason_for_z(positions: &[DVec3]) -> Option<&'static str> {
     let count = positions.len();

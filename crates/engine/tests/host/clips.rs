@@ -79,7 +79,7 @@ fn borders_are_kept_on_both_sides() {
 
 #[test]
 fn a_frame_does_not_know_of_clips() {
-    // What a method does follows from the frame and the points: no pass, and no shader, can depend on clips.
+    // A method knows the frame and the points alone: no pass, and no shader, can depend on clips.
     let frame = |clips: &str| {
         let scene = scene_of(clips);
         let camera = scene::camera(&scene, &points(&scene), UpAxis::Z).unwrap().0;

@@ -18,6 +18,9 @@ const QUESTIONS: &[&str] = &["What", "Whether"];
 /// Headings whose sections begin with a sentence that stands alone as well.
 const HEADINGS: &[&str] = &["# Errors", "# Panics"];
 
+/// Attributes that make the documentation before them a help text, which is shown under the name of an argument.
+const HELP: &[&str] = &["#[arg", "#[command"];
+
 /// Returns the marker of a line that is a comment, and the text behind it.
 fn comment<'a>(line: &'a str, extension: &str) -> Option<(&'static str, &'a str)> {
     let markers: &[&'static str] = match extension {
@@ -34,13 +37,21 @@ fn begins_with(text: &str, words: &[&str]) -> bool {
     words.iter().any(|word| text.strip_prefix(*word).is_some_and(ends))
 }
 
+/// Returns `true` if the lines begin with documentation that is directly followed by an attribute of [`HELP`].
+fn is_help(lines: &[&str]) -> bool {
+    let next = lines.iter().map(|line| line.trim()).find(|line| !line.starts_with("///"));
+    next.is_some_and(|line| HELP.iter().any(|attribute| line.starts_with(attribute)))
+}
+
 /// Finds comments that break a rule: number of the line, from 1, and the line with the rule. Only lengths matter where
-/// comments begin with `#`. A line of a single word, as of an address, can't be wrapped and may be long.
+/// comments begin with `#`, and in help texts. A line of a single word, as of an address, can't be wrapped and may be
+/// long.
 fn offenders(text: &str, extension: &str) -> Vec<(usize, String)> {
     let mut found = Vec::new();
+    let lines: Vec<&str> = text.lines().collect();
     let mut last = "";
     let mut opens = false;
-    for (at, line) in text.lines().enumerate() {
+    for (at, line) in lines.iter().copied().enumerate() {
         let Some((marker, said)) = comment(line, extension) else {
             last = "";
             continue;
@@ -54,7 +65,7 @@ fn offenders(text: &str, extension: &str) -> Vec<(usize, String)> {
             continue;
         }
         let words = if marker == "//" { QUESTIONS } else { OPENINGS };
-        if opens && begins_with(said, words) {
+        if opens && begins_with(said, words) && !(marker == "///" && is_help(&lines[at..])) {
             found.push((at + 1, format!("doesn't stand alone: {}", line.trim())));
         }
         opens = marker != "//" && HEADINGS.contains(&said);
@@ -113,6 +124,11 @@ fn planted_words_are_found() {
     assert_eq!(lines_of("/// Renders.\n///\n/// # Errors\n///\n/// Those of rendering."), [5]);
     assert_eq!(lines_of("/// A number.\nn: u32,\n/// Its unit.\nunit: u32,"), [3]);
     assert_eq!(lines_of("// What is kept.\n// Whether it is.\nlet a = 1;\n// Whether it is."), [1, 4]);
+    // Only an attribute of an argument, directly behind it, makes documentation a help text.
+    assert_eq!(lines_of("/// With --deep: type of color.\ndeep: bool,"), [1]);
+    assert_eq!(lines_of("/// With --deep: type of color.\n#[serde(skip)]\ndeep: bool,"), [1]);
+    assert_eq!(lines_of("/// With --deep: type of color.\n\n#[arg(long)]\ndeep: bool,"), [1]);
+    assert_eq!(lines_of("// What it is.\n#[arg(long)]\ndeep: bool,"), [1]);
     assert_eq!(offenders("// What remains.\nfn f() {}", "wgsl").len(), 1);
 }
 
@@ -139,6 +155,8 @@ fn other_comments_are_let_through() {
         "/// `From` a type.",
         "/// One uniform color.",
         "/// Renders.\n/// From there it goes on: only the first line counts.",
+        "    /// With --deep: type of color.\n    ///\n    /// More.\n    #[arg(long)]\n    deep: bool,",
+        "/// For tests.\n#[command(flatten)]\nchoice: Choice,",
         "// They are plain comments.",
         "// In these only questions count.",
         "let a = \"/// Those of rendering.\";",

@@ -47,7 +47,8 @@ fn used(code: &str, path: &[&str]) -> BTreeSet<String> {
     found
 }
 
-/// Reads what the rooms in a folder of a crate's sources use of each other. `path` leads from the root of the crate to the folder.
+/// Reads what the rooms in a folder of a crate's sources use of each other. `path` leads from the root of the crate to
+/// the folder.
 fn read(sources: &Path, path: &[&str]) -> Uses {
     let mut uses = Uses::new();
     let folder = path.iter().fold(sources.to_owned(), |folder, name| folder.join(name));

@@ -250,7 +250,7 @@ impl<R: Read + Seek, D: LayeredFieldDecompressor<Cursor<Vec<u8>>>> LayeredFieldD
         self.points.read_layers_sizes(&mut Cursor::new(self.sizes.as_flattened().to_vec()))?;
         let mut sizes = [[0; SIZE]; LAYERS];
         sizes[0] = self.sizes[0];
-        // What a decoder reads before the first symbol.
+        // The bytes that a decoder reads before the first symbol.
         sizes[LAYERS - 1] = (SIZE as u32).to_le_bytes();
         self.changes.read_layers_sizes(&mut Cursor::new(sizes.as_flattened().to_vec()))
     }

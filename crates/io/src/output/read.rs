@@ -13,8 +13,8 @@ use crate::decoder::guard;
 use pellucid_core::color::decode_srgb;
 use pellucid_core::image::{LinearImage, MAX_SIDE};
 
-/// Bytes that one byte of a file may become: Deflate, the strongest of the codings in use, makes at most 1032. A pixel has at
-/// least a byte, but in a PNG it may have a bit.
+/// Bytes that one byte of a file may become: Deflate, the strongest of the codings in use, makes at most 1032. A pixel
+/// has at least a byte, but in a PNG it may have a bit.
 const DEFLATE: u64 = 1100;
 
 /// Pixels that any file may claim.
@@ -23,8 +23,8 @@ const ALWAYS_ALLOWED: u64 = 1 << 20;
 /// Reads a PNG (sRGB-decoded; an alpha channel is composed over black, in linear light) or the R, G, B of an EXR.
 ///
 /// # Errors
-/// An extension other than `.png` and `.exr`, a missing or damaged file, more than 2²⁸ pixels, or more than the file can
-/// hold.
+/// Returns an error if the extension is neither `.png` nor `.exr`, if the file is missing or damaged, or if it claims
+/// more than 2²⁸ pixels or more than it can hold.
 pub fn read_image(path: &Path) -> Result<LinearImage, Error> {
     match Format::from_extension(path)? {
         Format::Png => decode(path, || read_png(path)),

@@ -16,8 +16,9 @@ const LARGEST_RATIO: u64 = 1100;
 /// Bytes of pixels that any file may hold, so that the rule above does not meet tiny flat pictures.
 const ALWAYS_ALLOWED: u64 = 16 << 20;
 
-/// The same of a JPEG, whose decoder makes up what is missing: a header alone would become a picture. Two bits for a block
-/// of 64 samples, or one in a progressive file, are a ratio of at most 1024.
+/// Bytes of pixels that any JPEG may hold, fewer than other files, since its decoder makes up what is missing: a header
+/// alone would become a picture. Two bits for a block of 64 samples, or one in a progressive file, are a ratio of at
+/// most 1024.
 const ALWAYS_ALLOWED_JPEG: u64 = 1 << 20;
 
 /// A decoded picture, rotated upright (EXIF).

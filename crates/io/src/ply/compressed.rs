@@ -117,7 +117,7 @@ fn splat(words: &Records, at: usize, ranges: &Records, has_colors: bool) -> Spla
     let [red, green, blue, alpha] = [24, 16, 8, 0].map(|shift| bits(color, shift, 8));
     let (logarithms, color) = (between(1, three(scale)), DVec3::new(red, green, blue));
     Splat {
-        // What was compressed was float32.
+        // Positions were float32 before they were compressed.
         center: between(0, three(position)).as_vec3().as_dvec3(),
         extents: DVec3::new(logarithms.x.exp(), logarithms.y.exp(), logarithms.z.exp()),
         rotation: quaternion(rotation),

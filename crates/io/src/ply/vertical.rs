@@ -12,7 +12,7 @@ const SURVEY: f64 = 1e4;
 /// Points that the vertical is told from, at most twice as many: places of hundredths among them are those among all.
 const SAMPLE: u64 = 1 << 17;
 
-/// Of a file with so many points every how many'th finite one tells the vertical.
+/// Returns n such that every n-th finite point of a file with `points` points tells the vertical.
 pub(crate) fn step(points: u64) -> usize {
     (points / SAMPLE).max(1) as usize
 }

@@ -33,8 +33,8 @@ impl LasPieces {
     /// Opens a file with points. Of the columns that are read only where they are asked for, it has these.
     ///
     /// # Errors
-    /// Those of [`io::load`](crate::load), in so far as they show before the points are read; coordinates that the header
-    /// makes infinite.
+    /// Returns the errors of [`io::load`](crate::load) that show before the points are read, and an error if the header
+    /// makes coordinates infinite.
     pub fn open(path: &Path, asked: LasColumns) -> Result<Self, Error> {
         Self::new(LasFile::open(Source::open(path)?, asked)?)
     }

@@ -31,8 +31,8 @@ impl PlyPieces {
     /// Opens a file with points.
     ///
     /// # Errors
-    /// Those of [`io::load`](crate::load); a file that has to be read as a whole: text, vertices with lists, Gaussian splats, and
-    /// what `pellucid prepare` wrote.
+    /// Returns the errors of [`io::load`](crate::load), and an error for a file that has to be read as a whole: text,
+    /// vertices with lists, Gaussian splats, or points that `pellucid prepare` wrote.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let mut source = Source::open(path)?;
         let start = source.peek()?;

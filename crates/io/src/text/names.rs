@@ -124,7 +124,7 @@ const UNIT_TOLERANCE: f64 = 0.02;
 
 /// Returns `true` if all three numbers are unit vectors or zero, and not all zero.
 fn is_normal(parts: &[Vec<f64>], columns: usize, at: usize) -> bool {
-    // Whether a part has unit vectors; `None` if it has others.
+    // `true` if a part has unit vectors, `false` if all of its vectors are zero; `None` if it has others.
     let has_units = |part: &Vec<f64>| {
         part.chunks_exact(columns).try_fold(false, |has_units, row| {
             let length = row[at..at + 3].iter().map(|value| value * value).sum::<f64>().sqrt();

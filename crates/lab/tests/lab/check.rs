@@ -12,8 +12,8 @@ use crate::by_halves;
 /// Cases on llvmpipe, all of which apply there.
 const CASES: usize = 585;
 
-/// Runs every second case on each of two devices; the verdicts in the order of the cases, and whether the devices are llvmpipe.
-/// `None` without a device.
+/// Runs every second case on each of two devices; the verdicts in the order of the cases, and whether the devices are
+/// llvmpipe. `None` without a device.
 fn run() -> Option<(Vec<Verdict>, bool)> {
     let halves = by_halves(|half| {
         let mut found = None;

@@ -174,9 +174,9 @@ fn reordered(device: &Device, all: &[Baseline], seeds: u32, wrong: &mut Wrong) {
     }
 }
 
-/// A budget that cuts the image into windows or its fragments into bands: the known one, or where that cuts nothing on this
-/// device, one between a budget that is enough for all and one that is enough for nothing, found by bisection. Each image on
-/// the way is compared. Returns the budgets that were searched for.
+/// A budget that cuts the image into windows or its fragments into bands: the known one, or where that cuts nothing on
+/// this device, one between a budget that is enough for all and one that is enough for nothing, found by bisection.
+/// Each image on the way is compared. Returns the budgets that were searched for.
 fn budgeted(device: &Device, all: &[Baseline], wrong: &mut Wrong) -> Budgets {
     let mut renderer = fresh(device);
     let (kept, mut searched) = (Budgets::read(), Budgets::default());

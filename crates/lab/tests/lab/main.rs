@@ -10,8 +10,8 @@ mod tradeoff_page;
 use std::panic::resume_unwind;
 use std::thread;
 
-/// Runs both halves of a long test at the same time, so that no core idles where such a test is the last one. Returns their
-/// results; a panic of one becomes that of the test.
+/// Runs both halves of a long test at the same time, so that no core idles where such a test is the last one. Returns
+/// their results; a panic of one becomes that of the test.
 fn by_halves<T: Send>(run: impl Fn(usize) -> T + Sync) -> [T; 2] {
     // Skipped tests print the name of their thread.
     let name = thread::current().name().unwrap_or("main").to_owned();

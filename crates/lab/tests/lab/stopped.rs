@@ -14,8 +14,8 @@ use crate::by_halves;
 /// Frames that are stopped on llvmpipe, for all subjects together.
 const STOPS: u64 = 103;
 
-/// The buffers that a frame uses, and with shadows. A stopped frame leaves nothing behind but what lies in buffers, so that
-/// one subject for each does.
+/// The buffers that a frame uses, and with shadows. A stopped frame leaves nothing behind but what lies in buffers, so
+/// that one subject for each does.
 fn buffers(frame: &Frame) -> (&'static str, bool) {
     let is_of = |kernel| frame.method.discs().is_some_and(|discs| discs.gaussians.kernel == kernel);
     let of_discs = |lists| if is_of(Kernel::Ellipsoid) { "ellipsoids" } else { lists };

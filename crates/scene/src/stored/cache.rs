@@ -141,7 +141,7 @@ mod tests {
         assert!(!get(0) && !get(1) && !get(3) && get(2));
         assert!(get(0), "the one that was not used for longest");
         assert_eq!(cache.bytes_read(), 60);
-        // What fits nowhere is not kept.
+        // A block that is larger than the cache is not kept.
         let small = Cache::new(20);
         for _ in 0..2 {
             small.get(0, || Ok((points(), 10))).unwrap();

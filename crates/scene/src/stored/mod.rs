@@ -117,7 +117,8 @@ impl Stored {
     /// Unless the stores know what is known of all their points, all are read once.
     ///
     /// # Errors
-    /// A store can't be read; a cloud lacks what the scene asks for, or it would have to be found from neighbors; no point is left.
+    /// Returns an error if a store can't be read, if a cloud lacks what the scene asks for or it would have to be
+    /// found from neighbors, or if no point is left.
     pub fn new(
         scene: &Scene,
         stores: &[OpenStore],
@@ -203,7 +204,8 @@ impl Stored {
     /// want that ([`Method::is_dealt`](super::Method::is_dealt)), which want no radii.
     ///
     /// # Errors
-    /// A node can't be read, there is no room in the folder, memory is too small, or `progress` cancels it; no point is left.
+    /// Returns an error if a node can't be read, if there is no room in the folder, if memory is too small, if
+    /// `progress` cancels the work, or if no point is left.
     pub fn dealt(&self, seed: u64, folder: &Path, progress: &Progress) -> Result<Arranged, crate::OpenError> {
         progress.begin(Phase::Order);
         progress.reset();

@@ -10,13 +10,13 @@ use crate::prepare::{self, FieldKey, RadiusKey, Request, ShadingNormals};
 use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::field;
 
-/// Radii and field of a cloud's points, in its order and units, and the outliers: those that were last asked for. Also the
-/// colors of points that have other ones than the file's. At most 37 bytes a point.
+/// Radii and field of a cloud's points, in its order and units, and the outliers: those that were last asked for. Also
+/// the colors of points that have other ones than the file's. At most 37 bytes a point.
 #[derive(Debug, Clone, Default)]
 pub struct DerivedColumns {
     colors: Option<(ColorKey, Colors)>,
     radii: Option<(RadiusKey, Vec<f32>)>,
-    /// With K.
+    /// Radii of Eq. 20 without a cap, with their K.
     uncapped: Option<(usize, Vec<f32>)>,
     fields: Option<(FieldKey, Vec<f32>)>,
     dropped: Option<(Rule, Vec<bool>)>,

@@ -45,7 +45,7 @@ pub struct Tracked {
     arranged: Arranged,
     placement: PlacementKey,
     column_keys: Vec<ColumnKey>,
-    /// For points that were dealt; others have it in [`Points::file_order`].
+    /// Number of the point in each place, if points were dealt; otherwise [`Points::file_order`] has it.
     dealt: Vec<u32>,
     ties: Ties,
     origins: Origins,
@@ -119,12 +119,12 @@ impl PlacementKey {
 struct ColumnKey {
     color: ColorKey,
     opacity: u32,
-    /// That of the surface, and K if it depends on neighbors.
+    /// Opacity of the surface, and K if the opacities of its points depend on neighbors.
     surface_opacity: Option<(u32, Option<usize>)>,
     classes: Vec<ClassSettings>,
     /// Given radius, factor, and how radii are estimated if they are asked for.
     radius: (Option<u32>, u32, Option<RadiusKey>),
-    /// If it is asked for.
+    /// Key of the field, if the method needs it.
     field: Option<FieldKey>,
 }
 
@@ -144,11 +144,11 @@ struct CloudView<'a> {
     /// Radii of Eq. 20, and K, if opacities depend on them.
     uncapped: Option<&'a [f32]>,
     neighbors: usize,
-    /// Those of the file, or with estimated ones.
+    /// Normals of the file, or with estimated ones.
     normals: Option<&'a [Vec3]>,
     /// Marks the points that are not there.
     dropped: Option<&'a [bool]>,
-    /// Of a cloud that is drawn as such.
+    /// Gaussians of a cloud that is drawn as such.
     gaussians: Option<&'a Gaussians>,
 }
 
@@ -274,7 +274,7 @@ fn views<'a>(
 /// Returns what the colors of a scene's points mean; `derived` is that of the points of this scene.
 ///
 /// # Errors
-/// Those of [`Tracked::new`].
+/// Returns the errors of [`Tracked::new`].
 pub fn legend(scene: &Scene, clouds: &[impl Borrow<Cloud>], derived: &[DerivedColumns]) -> Result<Legend, Error> {
     let (mut legend, clips) = (Legend::default(), Clips::load(&scene.clips)?);
     for (index, (cloud, derived)) in clouds.iter().map(Borrow::borrow).zip(derived).take(scene.clouds.len()).enumerate()
@@ -290,7 +290,8 @@ impl Tracked {
     /// with earlier results.
     ///
     /// # Errors
-    /// No point is left, a cloud lacks the property of its field or its colors, or the polygons of a clip can't be read.
+    /// Returns an error if no point is left, if a cloud lacks the property of its field or its colors, or if the
+    /// polygons of a clip can't be read.
     pub fn new(
         scene: &Scene,
         clouds: &[impl Borrow<Cloud>],
@@ -381,7 +382,7 @@ impl Tracked {
 /// An update of the columns whose keys changed.
 struct ColumnUpdate<'a> {
     origins: &'a Origins,
-    /// For each place the number of its point.
+    /// Number of the point in each place.
     order: &'a [u32],
     clouds: &'a [CloudView<'a>],
     before: &'a [ColumnKey],

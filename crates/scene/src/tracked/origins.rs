@@ -1,4 +1,4 @@
-//! From the number of a point among all of a scene to its cloud and its place there.
+//! Finds the cloud of a point, and its place there, from its number among all points of a scene.
 
 /// The number of points of each cloud in the scene, and their indices.
 #[derive(Debug, Clone, Default)]

@@ -12,7 +12,8 @@ pub struct Setting<'a> {
     pub share: Wanted,
 }
 
-/// The device of a rank: the one that is asked for, or, where the host has several GPUs, that of the rank's number on the host.
+/// The device of a rank: the one that is asked for, or, where the host has several GPUs, that of the rank's number on
+/// the host.
 pub fn device_of(asked: &DeviceArgs, ranks: &Ranks) -> Result<Option<String>> {
     if asked.device.is_some() {
         return Ok(asked.device.clone());

@@ -181,8 +181,8 @@ impl Stage {
     }
 }
 
-/// Cuts samples into a range for each rank, and ranges on demand, which have a share of all together. Each but the last begins and ends
-/// at a multiple of `step`; none is empty unless there are more ranks than steps.
+/// Cuts samples into a range for each rank, and ranges on demand, which have a share of all together. Each but the last
+/// begins and ends at a multiple of `step`; none is empty unless there are more ranks than steps.
 fn parted(total: u32, step: u32, ranks: usize, more: Option<(usize, f64)>) -> Vec<Range<u32>> {
     let steps = total.div_ceil(step.max(1));
     let kept = more.map_or(steps, |(_, rest)| ((1.0 - rest) * f64::from(steps)).ceil() as u32);

@@ -7,7 +7,8 @@ use pellucid_engine::Result;
 use super::ranks::Ranks;
 use crate::commands::console::print_stderr;
 
-/// Returns the result of a rank once all others have theirs: an error of one is an error of all, and the first rank prints it.
+/// Returns the result of a rank once all others have theirs: an error of one is an error of all, and the first rank
+/// prints it.
 ///
 /// # Errors
 /// The exit status.

@@ -21,7 +21,7 @@ pub struct Shared {
     pub rendered: Rendered,
     /// Work of each rank.
     pub work: Vec<Work>,
-    /// From the moment at which all ranks began until the image was whole.
+    /// Time from the moment at which all ranks began until the image was whole.
     pub wall: Duration,
     /// The first rank's time for bringing the parts together, without that of waiting for them.
     pub gather: Duration,
@@ -92,8 +92,8 @@ impl Turn<'_> {
         sum
     }
 
-    /// Brings the sums of all ranks to the first one, by a tree: in each round half of the ranks that are left hand theirs to another
-    /// one. Sums are exact, so that their order changes nothing.
+    /// Brings the sums of all ranks to the first one, by a tree: in each round half of the ranks that are left hand
+    /// theirs to another one. Sums are exact, so that their order changes nothing.
     fn sum_of_all(&self, mut own: Option<SamplePart>) -> Option<SamplePart> {
         let (rank, count) = (self.ranks.own(), self.ranks.count());
         for distance in (0..).map(|power| 1 << power).take_while(|distance| *distance < count) {

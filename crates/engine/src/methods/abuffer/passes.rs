@@ -207,9 +207,9 @@ group! {
 }
 
 pass! {
-    /// Sorts each list of a class and blends it: up to 16 fragments in registers by Batcher's network, longer ones in an array
-    /// of the invocation's own; where the device prefers shared work, up to 32 in registers and longer ones in the memory of a
-    /// workgroup. Its label ends with the longest length of the class.
+    /// Sorts each list of a class and blends it: up to 16 fragments in registers by Batcher's network, longer ones in
+    /// an array of the invocation's own; where the device prefers shared work, up to 32 in registers and longer ones in
+    /// the memory of a workgroup. Its label ends with the longest length of the class.
     pub ResolveNetwork(ResolvePush) = "abuffer/resolve" in "abuffer/resolve_network" {
         lists: Shared<ResolvingGroup>,
     }
@@ -290,8 +290,8 @@ pass! {
 }
 
 pass! {
-    /// Merges the sorted runs of each long list in place by Batcher's odd-even merge: as many steps as the iterations of
-    /// an invocation allow, repeated.
+    /// Merges the sorted runs of each long list in place by Batcher's odd-even merge: as many steps as the iterations
+    /// of an invocation allow, repeated.
     pub MergeInPlace(InPlacePush) = "abuffer/merge-in-place" in "abuffer/merge_in_place" {
         work: ReadWrite<LongWork>,
         runs: Read<ListRun>,
@@ -312,8 +312,8 @@ pass! {
 }
 
 pass! {
-    /// Finds the depth at which each long list first lets through half of the light or less, for eye-dome lighting and where
-    /// that depth is asked for, from its composed runs and the fragments of one.
+    /// Finds the depth at which each long list first lets through half of the light or less, for eye-dome lighting and
+    /// where that depth is asked for, from its composed runs and the fragments of one.
     pub Median = "abuffer/median" {
         composing: Shared<ComposingGroup>,
         work: ReadWrite<LongWork>,
@@ -326,8 +326,8 @@ pass! {
 }
 
 pass! {
-    /// Composes each long list of Gaussians that ends early once more, up to its end, from its composed runs and the fragments of one, where
-    /// an early end is asked for.
+    /// Composes each long list of Gaussians that ends early once more, up to its end, from its composed runs and the
+    /// fragments of one, where an early end is asked for.
     pub End = "abuffer/end" {
         composing: Shared<ComposingGroup>,
         work: ReadWrite<LongWork>,

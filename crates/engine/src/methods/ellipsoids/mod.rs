@@ -111,7 +111,7 @@ impl StoreFragments for Ellipsoids {
         Ok(())
     }
 
-    /// With `bodies` each ellipsoid is one sample, however many of them overlap.
+    /// Records the samples of a deep EXR. With `bodies` each ellipsoid is one sample, however many of them overlap.
     fn record_samples<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,

@@ -6,7 +6,8 @@ use crate::passes::compose::ComposingGroup;
 use crate::passes::raster::{ChunkGroup, RasterPush};
 
 pass! {
-    /// Counts the events of each pixel, and what they are of: an ellipsoid that its ray enters and leaves, or a surface.
+    /// Counts the events of each pixel, and what they are of: an ellipsoid that its ray enters and leaves, or a
+    /// surface.
     pub Count(RasterPush) = "ellipsoids/count" {
         chunk: Shared<ChunkGroup>,
         counts: ReadWrite<u32>,
@@ -46,8 +47,8 @@ pass! {
 }
 
 pass! {
-    /// Finds the depth at which each list first lets through half of the light or less, for eye-dome lighting and `depth.median`, from its
-    /// composed runs and the events of one.
+    /// Finds the depth at which each list first lets through half of the light or less, for eye-dome lighting and
+    /// `depth.median`, from its composed runs and the events of one.
     pub Median = "ellipsoids/median" {
         composing: Shared<ComposingGroup>,
         work: ReadWrite<LongWork>,
@@ -73,8 +74,8 @@ pass! {
 }
 
 pass! {
-    /// Writes the surfaces of each run of a sorted list and the pieces of the ray between events, for a deep EXR; or each ellipsoid as a
-    /// whole, where no sample is to be split.
+    /// Writes the surfaces of each run of a sorted list and the pieces of the ray between events, for a deep EXR; or
+    /// each ellipsoid as a whole, where no sample is to be split.
     pub Samples = "ellipsoids/samples" {
         composing: Shared<ComposingGroup>,
         work: ReadWrite<LongWork>,

@@ -45,7 +45,7 @@ fn a_box_that_lies_is_found_or_refused() {
         std::fs::write(&path, with_box(sample(2, 3, compressed, 300), ends)).unwrap();
         assert_same(&joined(&LasPieces::open(&path, ALL).unwrap()), &load(&path, ALL).unwrap(), "a box of nothing");
     }
-    // What decides about columns is known long before the point that lies outside.
+    // The values that decide about columns are known long before the point that lies outside.
     let mut builder = builder(2, 2, true);
     builder.point_format.is_compressed = false;
     let format = builder.point_format;

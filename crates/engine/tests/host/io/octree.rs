@@ -154,7 +154,7 @@ fn a_store_made_of_a_store_is_the_same() {
     write(&[held(cloud(5000, 1))], &first, ROOMY);
     write(&[Box::new(Turned(Octree::open(&first).unwrap()))], &second, TIGHT);
     let (mut a, mut b) = (bytes(&first), bytes(&second));
-    // What was rounded is not rounded again.
+    // Rounded values are not rounded again.
     let text = |bytes: Vec<u8>| serde_json::from_slice::<serde_json::Value>(&bytes).unwrap();
     let (mut c, mut d) = (text(a.pop().unwrap()), text(b.pop().unwrap()));
     assert!(c["pellucid"]["rounding"].take().as_f64() > d["pellucid"]["rounding"].take().as_f64());

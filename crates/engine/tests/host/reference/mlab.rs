@@ -51,7 +51,7 @@ fn a_late_fragment_lies_behind_all_of_a_layer_or_before_it() {
 fn opacities_of_0_and_1_and_nothing() {
     assert_composite(mlab(&[], &[], &[], 4), [0.0; 3], 0.0, f64::INFINITY);
     assert_composite(mlab(&list([0.0; 3]), &COLORS, &[], 4), [0.0; 3], 0.0, f64::INFINITY);
-    // What has no opacity takes no layer from the two others.
+    // A fragment without opacity takes no layer from the two others.
     assert_composite(mlab(&list([0.0, 0.5, 0.5]), &COLORS, &[1, 2, 0], 1), [0.0, 0.5, 0.25], 0.75, 2.0);
     assert_composite(mlab(&list([0.5, 1.0, 1.0]), &COLORS, &[2, 1, 0], 1), [0.5, 0.5, 0.0], 1.0, 1.0);
     let faint = mlab(&list([1e-20; 3]), &COLORS, &[2, 0, 1], 1);

@@ -180,8 +180,8 @@ fn errors_are_those_of_the_known_answers() {
         for ((overestimation, bias), wanted) in columns.into_iter().zip(wanted) {
             let settings = settings(count, overestimation, bias);
             let found = rms_error(11, n, 0.1, |list, colors| moments(list, colors, RANGE, &settings));
-            // What is exact but for the bias and rounding is a matter of how near fragments are: nothing but its order
-            // of magnitude holds.
+            // The error of results that are exact but for the bias and rounding depends on how near fragments are:
+            // nothing but its order of magnitude holds.
             let exact = overestimation == 0.0 && n as u32 <= count.get() / 2 + 1;
             let [low, high] =
                 if exact { [0.0, 100.0 * wanted + ROUNDING] } else { [0.3 * wanted, 2.0 * wanted + ROUNDING] };

@@ -95,7 +95,7 @@ fn unzipped(file: &SharedFile, bytes: &[u8]) -> Result<(Header, Planes), Error> 
     }
     header.check(file, Some(bytes.len() as u64))?;
     let content = take(planes::lengths(&header).iter().sum())?;
-    // What may follow is an extension. If nothing does, the checksum is compared.
+    // An extension may follow. If nothing does, the checksum is compared.
     take(1)?;
     let planes = Planes::cut(&header, &content);
     let planes = planes.map_err(|lacking| file.truncated(format!("{lacking} of {} splats", header.count)))?;

@@ -101,7 +101,7 @@ impl Kept {
 
     /// Removes the files, which are no part of a store.
     pub fn remove(&self, folder: &Path) {
-        // What can't be removed is in nobody's way.
+        // A file that can't be removed is in nobody's way.
         let _ = std::fs::remove_file(folder.join(NODES));
         (0..2).for_each(|number| drop(std::fs::remove_file(open_path(folder, number))));
     }

@@ -48,7 +48,7 @@ pub(super) fn make(
     if made.is_err() && !State::is_there(&work) {
         state::clear(&work)?;
     }
-    // What was left of an earlier run is not whole: it is done anew.
+    // The files that an earlier run left are not whole: the work is done anew.
     let is_lost = |error: &Error| match error {
         Error::Read { path, .. } | Error::Truncated { path, .. } => path.starts_with(&work),
         Error::Write { path, source } => path.starts_with(&work) && source.kind() == ErrorKind::UnexpectedEof,

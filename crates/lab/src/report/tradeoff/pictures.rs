@@ -27,7 +27,7 @@ pub(super) struct Pictures {
     pub uris: Vec<String>,
     /// The reference's index in `uris`.
     pub reference: usize,
-    /// For each row, the indices of its picture and of its difference picture.
+    /// Indices in `uris` of each row's picture and of its difference picture.
     pub rows: Vec<[usize; 2]>,
     /// Width and height of the pictures as they are embedded.
     pub size: [u32; 2],
@@ -108,7 +108,7 @@ pub(super) fn read(path: &Path) -> Result<RgbImage, output::Error> {
     }
 }
 
-/// As a PNG.
+/// Encodes a picture as PNG.
 fn encoded(picture: &RgbImage) -> Result<Vec<u8>, ImageError> {
     let mut bytes = Vec::new();
     let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive);

@@ -42,8 +42,8 @@ impl Budgets {
     }
 }
 
-/// Prints the budgets that had to be searched for, because the known ones cut nothing. On llvmpipe, for which they are known,
-/// a few may be stale, which costs a search; more are an error. An update writes them.
+/// Prints the budgets that had to be searched for, because the known ones cut nothing. On llvmpipe, for which they are
+/// known, a few may be stale, which costs a search; more are an error. An update writes them.
 pub fn judge(searched: Budgets, subjects: usize, is_llvmpipe: bool) {
     if searched.0.is_empty() {
         return;

@@ -103,7 +103,7 @@ impl Terrain {
     /// the colors.
     ///
     /// # Errors
-    /// Those of [`stream`].
+    /// Returns the errors of [`stream`].
     pub fn write(&self, folder: &Path, settings: &Settings, progress: &Progress) -> Result<Built, pellucid_io::Error> {
         // Colors have 8 bits.
         let layout = Types::default().columns(&Cloud { normals: None, ..self.summary.like.clone() });

@@ -32,14 +32,14 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// How the points were dealt, for people.
+    /// Describes how the points were dealt, for people.
     pub fn described(&self) -> String {
         let points: Vec<String> = self.dealt.iter().map(u64::to_string).collect();
         let mib = self.sent as f64 / f64::from(1 << 20);
         format!("points were spread over {} ranks: {} ({mib:.1} MiB sent)", points.len(), points.join(", "))
     }
 
-    /// The same for programs.
+    /// Returns how the points were dealt as JSON, for programs.
     pub fn to_json(&self) -> Value {
         json!({"points": self.dealt, "sent": self.sent, "read": self.read})
     }

@@ -21,8 +21,8 @@ gpu_struct! {
 pass! {
     /// Counts two events in each pixel of a soft sphere's silhouette for each of its shells that the ray meets between
     /// near and the solid points. Spheres with shells count once more for the sphere. From an optical depth of 1000 on,
-    /// this pass and all that follow place a sphere in two floats (`Footprint::ExactSphere`): a ray that the sphere lets
-    /// through passes so near its rim that float32 would show.
+    /// this pass and all that follow place a sphere in two floats (`Footprint::ExactSphere`): a ray that the sphere
+    /// lets through passes so near its rim that float32 would show.
     pub Count(RasterPush) = "soft/count" {
         chunk: Shared<ChunkGroup>,
         solids: Read<f32>,
@@ -44,9 +44,9 @@ pass! {
 }
 
 pass! {
-    /// Sorts the events of each list of a class and blends the segments between them: up to 16 in registers, more in an array
-    /// of the invocation's own; where the device prefers shared work, up to 32 in registers and more in the memory of a
-    /// workgroup. Its label ends with the longest length of the class.
+    /// Sorts the events of each list of a class and blends the segments between them: up to 16 in registers, more in an
+    /// array of the invocation's own; where the device prefers shared work, up to 32 in registers and more in the
+    /// memory of a workgroup. Its label ends with the longest length of the class.
     pub ResolveNetwork(SoftPush) = "soft/resolve" in "soft/resolve_network" {
         lists: Shared<ResolvingGroup>,
         records: Read<[u32; 4]>,
@@ -118,7 +118,8 @@ pass! {
 }
 
 pass! {
-    /// Writes the pieces of the ray between the events of each run of a sorted list of concentric shells, for a deep EXR.
+    /// Writes the pieces of the ray between the events of each run of a sorted list of concentric shells, for a deep
+    /// EXR.
     pub Samples(SoftPush) = "soft/samples" {
         composing: Shared<ComposingGroup>,
         work: ReadWrite<LongWork>,

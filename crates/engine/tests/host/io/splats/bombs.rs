@@ -34,7 +34,7 @@ fn gzip_streams() {
     let bomb = gzip(&header(2, 10_000_000), 200 << 20);
     assert!(bomb.len() < 300_000);
     assert_refused("a.spz", bomb, &["byte 8 of the header", "10000000 splats are announced, more than 32 for each"]);
-    // What the header doesn't announce is not unpacked: splats of zeros have no place beside each other, but an extent.
+    // Data that the header doesn't announce is not unpacked: splats of zeros all lie at one place, but have an extent.
     let cloud = load_bytes("a.spz", gzip(&header(3, 4), 64 << 20)).unwrap();
     assert_eq!(cloud.len(), 4);
 }

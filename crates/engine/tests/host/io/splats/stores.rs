@@ -95,7 +95,7 @@ fn every_format_comes_back_to_the_bit() {
         let (_folder, target, built) = written(&[store], &settings(8, ROOMY));
         let (cloud, back) = (load(&path).unwrap(), load(&target).unwrap());
         assert!(bits(&back) == bits(&cloud), "{name}");
-        // What the source said of the points that it left out is not kept.
+        // Warnings of the source about points that it left out are not kept.
         assert_eq!(Cloud { warnings: back.warnings.clone(), ..cloud }, back, "{name}");
         assert_eq!((built.points, built.rounding), (back.len() as u64, 0.0), "{name}");
         let octree = Octree::open(&target).unwrap();

@@ -15,7 +15,7 @@ use crate::report::tradeoff::page::{error, percent};
 /// Pixels of the page across one of a crop.
 const SCALE: u32 = 4;
 
-/// For each approximation that is shown, the reference, its picture and their difference around the worst place, as data URIs.
+/// Reference, picture and difference of each approximation that is shown, around its worst place, as data URIs.
 #[derive(Debug, Clone, PartialEq)]
 pub(in super::super) struct Crops(Vec<[String; 3]>);
 
