@@ -15,7 +15,7 @@ pub struct Image {
     /// Height in pixels.
     pub height: u32,
     /// Premultiplied R, G, B and A = 1 − T per pixel, row by row; empty if they stayed on the device
-    /// ([`crate::methods::Renderer::host_colors`]).
+    /// (`methods::Renderer::host_colors`).
     pub rgba: Vec<[f32; 4]>,
     /// z of the first fragment with α > 0, +inf if none has.
     pub depth: Vec<f32>,

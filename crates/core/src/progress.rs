@@ -15,7 +15,7 @@ pub trait Observer: Send + Sync {
     fn advanced(&self, _done: u64, _total: Option<u64>) {}
 
     /// Returns `true` if the work should end early. A renderer asks before each submission to the device, and then
-    /// fails with [`Cancelled`](crate::methods::Error::Cancelled).
+    /// fails with `Cancelled`.
     fn is_cancelled(&self) -> bool {
         false
     }
@@ -144,7 +144,7 @@ impl Progress {
 
     /// Returns the phases so far, one after another; the one that runs goes on, and is there up to now.
     /// [`Phase::Compile`] is for those who know a device to tell apart
-    /// ([`Device::compilations`](crate::gpu::Device::compilations)).
+    /// (`Device::compilations`).
     pub fn spans(&self) -> Vec<Span> {
         let clock = self.0.clock.lock().unwrap_or_else(PoisonError::into_inner);
         let running = clock.running(Instant::now());

@@ -1,6 +1,6 @@
 //! Lists of all values by which variants of shaders differ.
 
-/// A property by which variants of shaders differ, with a list of all its values. [`choices!`](crate::choices) makes it
+/// A property by which variants of shaders differ, with a list of all its values. [`choices!`](macro@crate::choices) makes it
 /// and forgets none.
 pub trait Choices: Sized {
     /// Every value once.

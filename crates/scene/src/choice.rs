@@ -6,7 +6,7 @@ use super::schema::{Key, Settings};
 use super::settings::Discs;
 use super::table::Table;
 
-/// `[method]`: the request of a scene. [`crate::plan::choose`] turns it into a [`Method`] once points and device are
+/// `[method]`: the request of a scene. `plan::choose` turns it into a [`Method`] once points and device are
 /// known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MethodChoice {

@@ -259,7 +259,7 @@ impl Method {
     }
 
     /// Returns `true` if its image is exact except for rounding. `crossing`: true if splats have a depth for each
-    /// pixel, and so may cross ([`crate::plan::may_cross`]).
+    /// pixel, and so may cross (`plan::may_cross`).
     pub fn is_exact(&self, crossing: bool) -> bool {
         match self {
             Self::ABuffer(_) | Self::LinkedList(_) => true,

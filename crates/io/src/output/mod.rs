@@ -168,7 +168,7 @@ pub struct WriteOptions {
 }
 
 /// Returns the metadata of an image: the inputs as named by the user, the method used, the scene's keys as JSON
-/// ([`Scene::settings`](crate::scene::Scene::settings)), the device's name and the seed.
+/// (`Scene::settings`), the device's name and the seed.
 pub fn tags(name: &str, method: &str, settings: &str, device: &str, seed: u64) -> Vec<(String, String)> {
     let entry = |key: &str, value: &str| (format!("pellucid:{key}"), value.to_owned());
     vec![

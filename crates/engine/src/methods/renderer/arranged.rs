@@ -20,8 +20,9 @@ impl Renderer {
     }
 
     /// Takes points that were dealt: for `spbr` and `spbr-simplified`, but any method may render them. They go to the
-    /// device with the first frame; points that don't fit [`Frame::memory_budget`] go through it while a frame of these
-    /// methods is rendered. The list stays in the host's memory.
+    /// device with the first frame; points that don't fit
+    /// [`Frame::memory_budget`](crate::methods::Frame::memory_budget) go through it while a frame of these methods is
+    /// rendered. The list stays in the host's memory.
     pub fn upload_dealt(&self, dealt: &Dealt) -> Result<DeviceCloud, Error> {
         check_dealt(dealt.points.len() as u64)?;
         Ok(DeviceCloud::of_dealt(&self.device, dealt)?)
