@@ -17,6 +17,7 @@ mod measures;
 mod picture;
 mod request;
 mod scene;
+mod session;
 mod stress;
 mod talk;
 mod threads;

@@ -5,10 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use numpy::PyArray1;
 use pellucid_engine::image::Image;
-use pellucid_engine::methods::see_through;
 use pellucid_engine::output::WriteOptions;
-use pellucid_engine::scene::Scene as Parsed;
-use pellucid_session::{Prepared, Request, Session};
+use pellucid_session::Session;
 use pyo3::prelude::*;
 
 use crate::arrays;
@@ -17,54 +15,11 @@ use crate::failure::Failure;
 use crate::fork::Kept;
 use crate::measures::{self, Extent};
 use crate::picture::{self, CameraNumbers, Moved, Picture};
-use crate::request::{self, Ask, Changes};
-use crate::scene::{Scene, State};
+use crate::request::Ask;
+use crate::scene::Scene;
+use crate::session::Work;
 use crate::talk::Talk;
 use crate::work;
-
-/// Session with the scene that its requests change.
-pub struct Work {
-    pub session: Session,
-    state: State,
-    /// `true` if points have radii whatever the method.
-    radii: bool,
-    /// Tables and keys that were changed last, and the keys then.
-    parsed: Option<((Vec<String>, Changes), Parsed)>,
-}
-
-impl Work {
-    /// Makes everything ready for the frame that is asked for.
-    pub fn prepare(&mut self, ask: &Ask, talk: &Talk) -> Result<(), Failure> {
-        ask.check()?;
-        let request = request(&self.state, &mut self.parsed, ask)?;
-        let request = Request { radii: self.radii, ..request };
-        if self.session.update(request, talk, &talk.progress)? {
-            self.session.warn(talk);
-        }
-        Ok(())
-    }
-}
-
-/// Returns the request of a call. Keys are parsed again only if other ones change than in the call before.
-fn request(
-    state: &State,
-    parsed: &mut Option<((Vec<String>, Changes), Parsed)>,
-    ask: &Ask,
-) -> Result<Request, Failure> {
-    let by = (ask.drop.clone(), ask.changes.clone());
-    let scene = match parsed {
-        Some((last, scene)) if *last == by => scene.clone(),
-        _ => {
-            let scene = request::lay_over(&mut state.document.clone(), &ask.drop, &ask.changes)?;
-            *parsed = Some((by, scene.clone()));
-            scene
-        }
-    };
-    if let (Some(share), Some(reason)) = (ask.see_through, see_through::refusal(scene.method)) {
-        return Err(Failure::Value(format!("see_through={share}: {reason}")));
-    }
-    ask.request(state, scene)
-}
 
 /// Scene on a device; one frame at a time.
 #[pyclass(frozen, module = "pellucid._pellucid")]
@@ -85,15 +40,7 @@ impl Loaded {
     ) -> PyResult<Self> {
         let device = device.device().map_err(|failure| failure.raise(py))?;
         let state = scene.state().clone();
-        let session = work::run(py, listener, move |talk| {
-            ask.check()?;
-            let mut parsed = None;
-            let request = Request { radii: with_radii, ..request(&state, &mut parsed, &ask)? };
-            let prepared = Prepared::new(request, talk, &talk.progress)?;
-            talk.go_on()?;
-            let session = Session::upload(&device, prepared, false, &talk.progress)?;
-            Ok(Work { session, state, radii: with_radii, parsed })
-        })?;
+        let session = work::run(py, listener, move |talk| Work::open(&device, state, &ask, with_radii, talk))?;
         Ok(Self(Mutex::new(Kept::new("scene", Arc::new(Mutex::new(session))))))
     }
 

@@ -13,8 +13,8 @@ use pyo3::prelude::*;
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::loaded::Work;
 use crate::request::Ask;
+use crate::session::Work;
 use crate::talk::Talk;
 
 /// Renders a first frame, which pays for pipelines and buffers, then those that count.

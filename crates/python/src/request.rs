@@ -2,13 +2,12 @@
 
 use pellucid_engine::io;
 use pellucid_engine::methods::{Factors, Stop};
-use pellucid_engine::scene::{Document, Method, Overrides, Scene, View, ViewName};
+use pellucid_engine::scene::{Document, Input, Method, Overrides, Scene, View, ViewName};
 use pellucid_session::choice::Wish;
 use pellucid_session::{ChoiceRequest, FrameRequest, Limits, Request, Residence, SeeThrough, SeeThroughBy};
 use pyo3::prelude::*;
 
 use crate::failure::Failure;
-use crate::scene::State;
 
 /// Changes of keys, like the options of the command line: the option as errors name it, the dotted key, the value as
 /// TOML, and `true` if it is appended to an array.
@@ -102,12 +101,17 @@ impl Ask {
     ///
     /// # Errors
     /// Returns an error if there is less memory for points than a reader needs.
-    pub fn request(&self, state: &State, parsed: Scene) -> Result<Request, Failure> {
+    pub fn request(
+        &self,
+        (name, input): (String, Input),
+        (view, seed): (View, u64),
+        parsed: Scene,
+    ) -> Result<Request, Failure> {
         let limits = Limits { memory: self.host_memory()?, residence: Residence::Levels };
-        let seed = self.seed.unwrap_or(state.seed);
-        let mut request = Request::of_scene(state.name.clone(), parsed, state.input.clone(), limits, seed);
+        let seed = self.seed.unwrap_or(seed);
+        let mut request = Request::of_scene(name, parsed, input, limits, seed);
         if self.framed {
-            request.scene.camera.view = state.view;
+            request.scene.camera.view = view;
         }
         request.see_through = self.see_through.map(|share| SeeThrough { share, by: SeeThroughBy::Option });
         request.opacity_given =

@@ -110,7 +110,7 @@ fn every_command_of_the_pages_is_one_that_the_program_takes() {
 
 #[test]
 fn every_command_of_pellucid_mpi_is_one_that_it_takes() {
-    assert_all_parse("pellucid-mpi", &command_of_ranks(), 6);
+    assert_all_parse("pellucid-mpi", &command_of_ranks(), 5);
 }
 
 #[test]

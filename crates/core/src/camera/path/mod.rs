@@ -5,8 +5,8 @@
 //!
 //! ```
 //! use glam::DVec3;
-//! use pellucid_engine::camera::Projection;
-//! use pellucid_engine::camera::path::{CameraPath, Curve, Defaults, Key};
+//! use pellucid_core::camera::Projection;
+//! use pellucid_core::camera::path::{CameraPath, Curve, Defaults, Key};
 //!
 //! let key = |eye| Key { target: Some([0.0; 3]), ..Key::at(eye) };
 //! let path = CameraPath::new(vec![key([4.0, 0.0, 1.0]), key([0.0, 4.0, 1.0])]);

@@ -1,0 +1,62 @@
+//! Session with the scene of its requests.
+
+use pellucid_engine::gpu::Device;
+use pellucid_engine::methods::see_through;
+use pellucid_engine::scene::Scene;
+use pellucid_session::{Prepared, Request, Session};
+
+use crate::failure::Failure;
+use crate::request::{self, Ask, Changes};
+use crate::scene::State;
+use crate::talk::Talk;
+
+/// Session with the scene that its requests change.
+pub struct Work {
+    pub session: Session,
+    state: State,
+    /// `true` if points have radii whatever the method.
+    radii: bool,
+    /// Tables and keys that were changed last, and the keys then.
+    parsed: Option<((Vec<String>, Changes), Scene)>,
+}
+
+impl Work {
+    /// Reads, arranges and uploads the points of a scene; with radii, if they are wanted, whatever the method.
+    pub fn open(device: &Device, state: State, ask: &Ask, radii: bool, talk: &Talk) -> Result<Self, Failure> {
+        ask.check()?;
+        let mut parsed = None;
+        let request = Request { radii, ..request(&state, &mut parsed, ask)? };
+        let prepared = Prepared::new(request, talk, &talk.progress)?;
+        talk.go_on()?;
+        let session = Session::upload(device, prepared, false, &talk.progress)?;
+        Ok(Self { session, state, radii, parsed })
+    }
+
+    /// Makes everything ready for the frame that is asked for.
+    pub fn prepare(&mut self, ask: &Ask, talk: &Talk) -> Result<(), Failure> {
+        ask.check()?;
+        let request = request(&self.state, &mut self.parsed, ask)?;
+        let request = Request { radii: self.radii, ..request };
+        if self.session.update(request, talk, &talk.progress)? {
+            self.session.warn(talk);
+        }
+        Ok(())
+    }
+}
+
+/// Returns the request of a call. Keys are parsed again only if other ones change than in the call before.
+fn request(state: &State, parsed: &mut Option<((Vec<String>, Changes), Scene)>, ask: &Ask) -> Result<Request, Failure> {
+    let by = (ask.drop.clone(), ask.changes.clone());
+    let scene = match parsed {
+        Some((last, scene)) if *last == by => scene.clone(),
+        _ => {
+            let scene = request::lay_over(&mut state.document.clone(), &ask.drop, &ask.changes)?;
+            *parsed = Some((by, scene.clone()));
+            scene
+        }
+    };
+    if let (Some(share), Some(reason)) = (ask.see_through, see_through::refusal(scene.method)) {
+        return Err(Failure::Value(format!("see_through={share}: {reason}")));
+    }
+    ask.request((state.name.clone(), state.input.clone()), (state.view, state.seed), scene)
+}
