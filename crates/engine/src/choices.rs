@@ -1,7 +1,7 @@
 //! Lists of all values by which variants of shaders differ.
 
-/// A property by which variants of shaders differ, with a list of all its values. [`choices!`](macro@crate::choices) makes it
-/// and forgets none.
+/// A property by which variants of shaders differ, with a list of all its values.
+/// [`choices!`](macro@crate::choices) makes it and forgets none.
 pub trait Choices: Sized {
     /// Every value once.
     fn all() -> Vec<Self>;
