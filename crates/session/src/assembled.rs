@@ -11,7 +11,7 @@ use pellucid_engine::prepare::Arranged;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::legend::Legend;
 use pellucid_engine::scene::stored::Stored;
-use pellucid_engine::scene::tracked::{self, Tracked};
+use pellucid_engine::scene::tracked::{self, DerivedColumns, Tracked};
 use pellucid_engine::scene::{self, Lighting, Method, Recipe, Scene, ScreenSplats, ShadingModel};
 
 use crate::messages::Messages;
@@ -86,14 +86,17 @@ impl Assembled {
         progress: &Progress,
     ) -> Result<Self> {
         let is_classified = sources.are_classified();
-        let made = match &mut sources.clouds {
+        let Sources { clouds, derived, memory, .. } = sources;
+        let made = match clouds {
             Clouds::Held(clouds) if !wanted.is_edited => {
                 let clouds = std::mem::take(clouds);
                 Self::of_clouds(scene.clone(), clouds, wanted, is_classified, messages, progress)?
             }
-            Clouds::Held(_) => Self::tracked(scene.clone(), sources, wanted, is_classified, messages, progress)?,
+            Clouds::Held(clouds) => {
+                Self::tracked(scene.clone(), (clouds, derived), wanted, is_classified, messages, progress)?
+            }
             Clouds::Stored(stores) => {
-                let stored = Stored::new(scene, stores, sources.memory, progress)?;
+                let stored = Stored::new(scene, stores, *memory, progress)?;
                 Self::of_stores(scene, stored, wanted, messages, progress)?
             }
         };
@@ -124,15 +127,12 @@ impl Assembled {
 
     fn tracked(
         mut scene: Scene,
-        sources: &mut Sources,
+        (clouds, derived): (&[Arc<Cloud>], &mut [DerivedColumns]),
         wanted: Wanted,
         is_classified: bool,
         messages: &dyn Messages,
         progress: &Progress,
     ) -> Result<Self> {
-        let Sources { clouds: Clouds::Held(clouds), derived, .. } = sources else {
-            unreachable!("clouds in files are not tracked")
-        };
         let facts = facts(&mut scene, clouds, wanted, messages);
         let with_radii = for_points(&scene, wanted);
         let tracked = Tracked::new(&with_radii, clouds, derived, wanted.seed, progress)?;
