@@ -63,7 +63,7 @@ done
 generated=(docs/command-reference.md docs/internals/passes.md)
 features=()
 # The build of the tests that CI makes as well.
-if [[ ${CI:-} == true ]]; then features=(--features pellucid-cli/mpi); fi
+if [[ ${CI:-} == true ]]; then features=(--features pellucid-cli/mpi,pellucid-python/unified); fi
 PELLUCID_BOOK=$source cargo test --locked --quiet --workspace "${features[@]}" --lib the_book_has_every >/dev/null
 for made in "${generated[@]}"; do
     [[ -f $source/$made ]] || fail "no test has written $made"

@@ -2,17 +2,17 @@
 # Runs the tests.
 #
 #   tools/test.sh               everything that one needs to trust a change
-#   tools/test.sh --all         the long sweeps as well, and the barriers of the release build; takes an hour
+#   tools/test.sh --all         the long sweeps as well, and the barriers of a release build; takes an hour
 #   tools/test.sh ARGUMENTS     `cargo test` with these arguments
 #   CI=true tools/test.sh       everything that CI demands; PARTS says which of it (below)
 #
 # A machine without a Vulkan device fails: set PELLUCID_REQUIRE_GPU=0 to run the others there. What is skipped is
 # printed, as `skipped: <test>: <reason>`.
 #
-# CI demands lints (tools/check.sh), the book (tools/book.sh), the suites with the long tests in a short form, and of
-# one release build (tools/release.sh) the barriers, the budget of registers on a GPU, the Python package and
-# pellucid-mpi. No skip is allowed but for the reasons that are named below. PARTS="lints suites release" is all of it;
-# "gpu lab host" and "cli window fuzz" are the two halves of the suites.
+# CI demands lints (tools/check.sh), the book (tools/book.sh), the suites with the long tests in a short form, and of the
+# programs the barriers, the budget of registers on a GPU, the Python package and pellucid-mpi. Everything is one debug
+# build with one set of features. No skip is allowed but for the reasons that are named below. PARTS="lints suites
+# programs" is all of it; "gpu lab host" and "cli window fuzz" are the two halves of the suites.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -47,12 +47,14 @@ workspace=(--locked --workspace)
 # Arguments for the tests themselves.
 run=()
 if $in_ci; then
-    workspace+=(--features pellucid-cli/mpi)
+    # Cargo compiles a crate anew for each set of features of what it depends on. With these the wheel of tools/python.sh
+    # is made of what the tests are made of; crates/python/Cargo.toml explains `unified`.
+    workspace+=(--features pellucid-cli/mpi,pellucid-python/unified)
     # Nobody has the real clouds but some developers; tests/data stands in for them.
     export PELLUCID_REQUIRE_ALL=1 PELLUCID_ALLOWED_SKIPS="${PELLUCID_ALLOWED_SKIPS:-no real clouds}"
     export PELLUCID_SHORT_SWEEPS=1
-    # 20 sweeps of determinism have no short form but the one that runs anyway.
-    run=(--include-ignored --skip gpu_assisted_validation --skip twenty_times)
+    # 20 sweeps of determinism and all variants of shaders have no short form but the one that runs anyway.
+    run=(--include-ignored --skip gpu_assisted_validation --skip twenty_times --skip in_every_variant)
 elif $all; then
     # GPU-assisted validation needs layers that no distribution has yet: CONTRIBUTING.md says how it is run.
     run=(--include-ignored --skip gpu_assisted_validation)
@@ -80,7 +82,7 @@ done
 doc=true
 
 # Picks from both lists what PARTS names.
-parts=" ${PARTS:-lints suites release} "
+parts=" ${PARTS:-lints suites programs} "
 has() { [[ $parts == *" $1 "* ]]; }
 if ! has suites; then
     picked=()
@@ -99,36 +101,63 @@ fi
 tests() { cargo test "${workspace[@]}" --no-fail-fast "$@" -- "${run[@]}"; }
 names() { printf -- '--test\n%s\n' "$@"; }
 
-# Runs the other suites in the background, with their output in a file, beside those on the device.
+# both NAME FUNCTION NAME FUNCTION: runs the first function in the background, with its output in a file that is printed
+# at the end, and the second one beside it.
+both() {
+    local log status=0 other
+    step "$3; beside it $1"
+    log=$(mktemp)
+    # A group of its own, which ends with this script.
+    set -m
+    "$2" >"$log" 2>&1 </dev/null &
+    other=$!
+    set +m
+    # shellcheck disable=SC2064
+    trap "kill -- -$other 2>/dev/null || true; rm -f '$log'" EXIT
+    "$4" || status=1
+    wait "$other" || status=1
+    step "$1"
+    cat "$log"
+    if ((status != 0)); then
+        echo "error: failed:" >&2
+        grep -hE '^test .* FAILED$|^error: ' "$log" >&2 || true
+    fi
+    return $status
+}
+
+# Suites on the host and on the device, all of them even if one fails.
+others=() devices=()
+run_others() {
+    local status=0
+    if ((${#others[@]} > 0)); then tests "${others[@]}" || status=1; fi
+    if $doc; then tests --doc || status=1; fi
+    return $status
+}
+run_devices() {
+    if ((${#devices[@]} > 0)); then tests "${devices[@]}"; fi
+}
 suites() {
-    local others=() devices=() log status=0 other="" beside="${other_suites[*]}"
+    local beside="${other_suites[*]}"
     if $doc; then beside+=" units documentation"; fi
     others=("${units[@]}")
     if ((${#other_suites[@]} > 0)); then mapfile -t -O ${#others[@]} others < <(names "${other_suites[@]}"); fi
     if ((${#device_suites[@]} > 0)); then mapfile -t devices < <(names "${device_suites[@]}"); fi
     step "building the tests"
     cargo test "${workspace[@]}" --no-run "${others[@]}" "${devices[@]}"
-    log=$(mktemp)
-    # A group of its own, which ends with this script.
-    set -m
-    {
-        if ((${#others[@]} > 0)); then tests "${others[@]}" || status=1; fi
-        if $doc; then tests --doc || status=1; fi
-        exit $status
-    } >"$log" 2>&1 </dev/null &
-    other=$!
-    set +m
-    # shellcheck disable=SC2064
-    trap "kill -- -$other 2>/dev/null || true; rm -f '$log'" EXIT
-    step "${device_suites[*]}; beside them $beside"
-    if ((${#devices[@]} > 0)); then tests "${devices[@]}" || status=1; fi
-    wait "$other" || status=1
-    step "$beside"
-    cat "$log"
-    if ((status != 0)); then
-        echo "error: tests failed:" >&2
-        grep -hE '^test .* FAILED$|^error: ' "$log" >&2 || true
-    fi
+    both "$beside" run_others "${device_suites[*]}" run_devices
+}
+
+# What CI demands of the programs. PELLUCID_CHECKS=0: shaders as a release build has them.
+shaders_of_programs() {
+    local status=0
+    PELLUCID_CHECKS=0 "$target/debug/examples/gpu-shape" --check || status=1
+    tools/barriers.sh || status=1
+    return $status
+}
+guests() {
+    local status=0
+    tools/python.sh || status=1
+    tools/mpi.sh || status=1
     return $status
 }
 
@@ -147,16 +176,9 @@ if has lints; then
     tools/book.sh
 fi
 if ((${#device_suites[@]} + ${#other_suites[@]} > 0)); then suites; fi
-if has release; then
-    step "the release build"
-    tools/release.sh
-    export PELLUCID_BINARY=$target/release/pellucid
-    step "registers, scratch and code size on a GPU's compiler"
-    "$target/release/examples/gpu-shape" --check
-    step "barriers of the release build"
-    tools/barriers.sh
-    step "Python"
-    tools/python.sh
-    step "MPI"
-    tools/mpi.sh
+if has programs; then
+    step "building the programs"
+    cargo build "${workspace[@]}" --bins --example gpu-shape
+    export PELLUCID_BINARY=$target/debug/pellucid
+    both "registers and barriers" shaders_of_programs "Python and MPI" guests
 fi

@@ -5,8 +5,9 @@ use pellucid_engine::gpu::{Blend, Device, DeviceOptions, Format, Made, Outputs, 
 use pellucid_engine::methods::{Frame, FrameProfile, Renderer};
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{self, Method, Overrides, Scene, procedural};
-use pellucid_engine::{NUMBERS, key_without_numbers, plan};
+use pellucid_engine::{NUMBERS, gpu, key_without_numbers, plan};
 use pellucid_lab::check::{self, Lack, Subject};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// A pipeline, in the form in which one process sends it to another.
@@ -35,15 +36,27 @@ pub struct Recording {
 
 /// All passes.
 pub fn shaders() -> Vec<Shader> {
-    pellucid_engine::shaders().into_iter().chain(pellucid_engine::gpu::shaders()).collect()
+    pellucid_engine::shaders().into_iter().chain(gpu::shaders()).collect()
 }
+
+/// Devices that share the recording: lavapipe keeps less than a core busy in scenes as small as these.
+const DEVICES: usize = 2;
 
 /// Pipelines of the scenes of all methods and of `pellucid check`.
 pub fn everything() -> Result<Vec<Recorded>, String> {
+    if gpu::checks() {
+        return Err("a debug build checks the device's work, which changes its shaders: set PELLUCID_CHECKS=0".into());
+    }
     eprintln!("recording the scenes of all methods and of `pellucid check`");
+    let shares = (0..DEVICES).into_par_iter().map(share).collect::<Result<Vec<_>, _>>()?;
+    Ok(shares.concat())
+}
+
+/// Pipelines of one of [`DEVICES`] shares.
+fn share(first: usize) -> Result<Vec<Recorded>, String> {
     let device = open()?;
     let mut renderer = Renderer::new(&device).map_err(|e| e.to_string())?;
-    for subject in check::subjects() {
+    for subject in check::subjects().into_iter().skip(first).step_by(DEVICES) {
         match subject.render(&mut renderer) {
             Err(error) if Lack::in_error(&error).is_none() => return Err(format!("{}: {error}", subject.name)),
             _ => {}
@@ -51,7 +64,7 @@ pub fn everything() -> Result<Vec<Recorded>, String> {
     }
     drop(renderer);
     let mut stage = check::stage(&device).map_err(|e| e.to_string())?;
-    for case in check::cases() {
+    for case in check::cases().into_iter().skip(first).step_by(DEVICES) {
         case.run(&mut stage);
     }
     of_device(&device)

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::{Buffer, Context, Dispatch, Error, Memory, Recorder, Run, Slice};
+use super::{Buffer, Context, Dispatch, Error, Memory, Recorder, Run, Slice, guard};
 use crate::{gpu_struct, pass};
 
 /// The expected words after a pass.
@@ -107,7 +107,7 @@ impl<'a> Recorder<'a> {
         stored: Slice<'a, u32>,
         expected: Expected<'a>,
     ) -> Result<(), Error> {
-        if !cfg!(debug_assertions) || stored.is_empty() {
+        if !guard::checks() || stored.is_empty() {
             return Ok(());
         }
         let (ends, counts, mode, value) = match expected {

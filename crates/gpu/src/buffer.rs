@@ -58,7 +58,7 @@ impl<T: GpuType> Buffer<T> {
             return Err(too_large(bytes, allowed, "maxMemoryAllocationSize"));
         }
         // The limit leaves room for the guard.
-        let bytes = bytes + guard::BYTES;
+        let bytes = bytes + guard::bytes();
         let conditional = vk::BufferUsageFlags::CONDITIONAL_RENDERING_EXT;
         let usage = if context.conditional.is_some() { conditional } else { vk::BufferUsageFlags::empty() }
             | vk::BufferUsageFlags::STORAGE_BUFFER

@@ -388,7 +388,7 @@ fn limits(instance: &Instance, physical: vk::PhysicalDevice) -> (Limits, String)
         binding_bytes: u64::from(basic.limits.max_storage_buffer_range),
         range_bytes: u64::from(basic.limits.max_storage_buffer_range),
         // The guard is part of each allocation.
-        allocation_bytes: maintenance3.max_memory_allocation_size.saturating_sub(guard::BYTES),
+        allocation_bytes: maintenance3.max_memory_allocation_size.saturating_sub(guard::bytes()),
         offset_alignment: basic.limits.min_storage_buffer_offset_alignment.max(16),
         groups_x: basic.limits.max_compute_work_group_count[0],
         shared_bytes: basic.limits.max_compute_shared_memory_size,

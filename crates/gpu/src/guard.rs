@@ -8,20 +8,32 @@
 //!
 //! No guard precedes a buffer: indices are unsigned, so a shader can't reach anything before its binding.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use ash::vk::{self, Handle};
 
 use super::barriers::full_barrier;
 use super::{Buffer, Context, Error, Memory, RawSlice};
 
-/// Bytes behind each buffer, and behind each bound range of one: more than three of the largest elements. None in
-/// release builds.
-pub const BYTES: u64 = if cfg!(debug_assertions) { 256 } else { 0 };
+/// Bytes of a guard: more than three of the largest elements.
+const BYTES: u64 = 256;
 /// The guard's content, which is unlike any count, float of a scene, or index.
 const WORD: u32 = 0xfade_d0c5;
 /// Guards whose words one buffer on the host takes.
 const PAGE: u64 = 32;
+
+/// Returns whether the device's work is checked: guard words, counts that passes must agree on, shared memory that is
+/// never zero by chance. A debug build does so, unless `PELLUCID_CHECKS=0` asks for the work of a release build.
+pub fn checks() -> bool {
+    static WANTED: LazyLock<bool> =
+        LazyLock::new(|| std::env::var_os("PELLUCID_CHECKS").is_none_or(|value| value != "0"));
+    cfg!(debug_assertions) && *WANTED
+}
+
+/// Bytes behind each buffer, and behind each bound range of one: none where nothing is checked.
+pub fn bytes() -> u64 {
+    if checks() { BYTES } else { 0 }
+}
 
 /// The words behind a range that a pass may write to.
 struct Guard {
@@ -48,7 +60,7 @@ pub struct Guards {
 impl Guards {
     /// A command writes to this range.
     pub fn note_write(&mut self, slice: RawSlice) {
-        if BYTES > 0 {
+        if checks() {
             self.written.push(slice);
         }
     }
@@ -62,7 +74,7 @@ impl Guards {
         names: (&'static str, &'static str),
         slice: RawSlice,
     ) -> Result<bool, Error> {
-        if BYTES == 0 {
+        if !checks() {
             return Ok(false);
         }
         let (pass, binding) = names;

@@ -37,7 +37,7 @@ pub use compiled::{Compiled, Executable};
 pub use device::{Device, ValidationLog, devices};
 pub use error::Error;
 pub use foresee::Foresee;
-pub use guard::BYTES as GUARD_BYTES;
+pub use guard::{bytes as guard_bytes, checks};
 pub use image::{Attachment, DepthSamples, Format, KeptAttachment, NumberSamples, Pixels, SAMPLES, Texture};
 pub use kept::Kept;
 pub use layout::{GpuType, Member, Shape};

@@ -53,9 +53,8 @@ fn emit(out: &mut Vec<u32>, opcode: u32, operands: &[u32]) {
 
 /// Returns all corrections.
 pub fn correct(words: &[u32]) -> Vec<u32> {
-    let spoil = cfg!(debug_assertions);
-    let words = forbid_contraction(&correct_sample_mask(&drop_array_initializers(words, spoil)));
-    if guard::BYTES > 0 { hide_bytes(&words, guard::BYTES) } else { words }
+    let words = forbid_contraction(&correct_sample_mask(&drop_array_initializers(words, guard::checks())));
+    if guard::checks() { hide_bytes(&words, guard::bytes()) } else { words }
 }
 
 /// Subtracts `bytes` from the length of every runtime-sized array: bound ranges end with a guard that is invisible to

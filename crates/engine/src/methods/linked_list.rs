@@ -13,7 +13,7 @@
 use super::abuffer::{self, Blender, Blending, Needs, Room, StoreFragments};
 use super::{Error, Target};
 use crate::gpu::shader::Shader;
-use crate::gpu::{Dispatch, Expected, Recorder, Run, Slice, Variant};
+use crate::gpu::{self, Dispatch, Expected, Recorder, Run, Slice, Variant};
 use crate::passes::bands::Band;
 use crate::passes::raster::{self, Chunk, ChunkGroup, Raster, RasterPush};
 use crate::{gpu_struct, pass};
@@ -149,7 +149,7 @@ pub fn record<'a>(
     for done in (0..longest).step_by(GATHER_STEP as usize) {
         let [band_start, band_end] = band.pixels;
         let push = GatherPush { band_start, band_end, first_fragment: band.first_fragment, done };
-        let run = Run::new(Dispatch::Invocations(pixels)).variant(gather_variant(cfg!(debug_assertions)));
+        let run = Run::new(Dispatch::Invocations(pixels)).variant(gather_variant(gpu::checks()));
         recorder.run(&Gather { offsets, heads, nodes, links, fragments }, push, &run)?;
     }
     let offset = |pixel: u32| offsets.skip(pixel.into()).first(1);

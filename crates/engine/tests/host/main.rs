@@ -17,6 +17,7 @@ mod photo;
 mod prepare;
 mod prepare_store;
 mod procedural;
+mod profiles;
 mod reach;
 mod reference;
 mod rooms;

@@ -46,7 +46,7 @@ impl Recorder<'_> {
                     {
                         self.touch_more();
                     }
-                    let guard = if binding.access == Access::Uniform { 0 } else { guard::BYTES };
+                    let guard = if binding.access == Access::Uniform { 0 } else { guard::bytes() };
                     // A buffer that fills the device's limit goes without, which only makes its `arrayLength` too
                     // short.
                     let range = (bytes + guard).min(self.context.limits.range_bytes.max(bytes));

@@ -75,7 +75,7 @@ fn compile_stage<P: Pass>(stem: &str, variant: &Variant, all_bindings: bool) -> 
     // The declaration is part of the key: a cached shader was compared with the same one.
     let (version, key) = ((env!("CARGO_PKG_VERSION"), spirv::REVISION), variant.key());
     let identity =
-        format!("{version:?}\n{}\n{source}\n{key}\n{:?}\n{:?}", guard::BYTES, P::bindings(), P::Push::push_shape());
+        format!("{version:?}\n{}\n{source}\n{key}\n{:?}\n{:?}", guard::bytes(), P::bindings(), P::Push::push_shape());
     let key = blake3::hash(identity.as_bytes()).to_hex().to_string();
     if let Some(words) =
         cache::load("spirv", &key).and_then(|bytes| bytemuck::try_cast_slice(&bytes).map(<[u32]>::to_vec).ok())

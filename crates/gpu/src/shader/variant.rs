@@ -122,6 +122,26 @@ impl Shader {
         (self.check)(&self.variants)
     }
 
+    /// Returns the pass in fewer variants: for each text those in which a value of an override, or a pair of values of
+    /// two, occurs first.
+    pub fn in_pairs_of_choices(self) -> Self {
+        let mut known = HashSet::new();
+        let mut is_new = |variant: &Variant| {
+            let text = Variant { overrides: Vec::new(), ..variant.clone() }.key();
+            let choices: Vec<(&str, u64)> =
+                variant.overrides.iter().map(|(name, value)| (*name, value.to_bits())).collect();
+            let mut is_new = known.insert((text.clone(), None, None));
+            for (i, a) in choices.iter().enumerate() {
+                // A choice pairs with itself, so that a single override counts too.
+                for b in &choices[i..] {
+                    is_new |= known.insert((text.clone(), Some(*a), Some(*b)));
+                }
+            }
+            is_new
+        };
+        Self { variants: self.variants.into_iter().filter(|variant| is_new(variant)).collect(), ..self }
+    }
+
     /// Entry point and overrides of a variant.
     ///
     /// # Errors
@@ -136,5 +156,42 @@ impl Shader {
     /// The shader does not compile, or the device has no statistics.
     pub fn compiled(&self, device: &Device, variant: &Variant, outputs: Option<Outputs>) -> Result<Compiled, Error> {
         (self.compiled)(device, variant, outputs)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fewer_variants_have_every_pair_of_choices_of_each_text() {
+        let choices = |names: &'static [&'static str]| {
+            (0..1u32 << names.len()).map(move |bits| {
+                let on = |i: usize| f64::from(bits >> i & 1);
+                names.iter().enumerate().fold(Variant::plain(), |variant, (i, name)| variant.with(name, on(i)))
+            })
+        };
+        let five = ["A", "B", "C", "D", "E"];
+        let walked = choices(&five[..2]).map(|variant| variant.walker("walk"));
+        let all = Shader {
+            name: "pass",
+            stem: "pass",
+            variants: choices(&five).chain(walked).chain([Variant::plain()]).collect(),
+            check: |_| Ok(()),
+            reflection: |_| unreachable!(),
+            compiled: |_, _, _| unreachable!(),
+        };
+        let fewer = all.in_pairs_of_choices().variants;
+        for (i, a) in five.iter().enumerate() {
+            for b in &five[i + 1..] {
+                for pair in [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]] {
+                    let has =
+                        |v: &Variant| v.overrides.contains(&(*a, pair[0])) && v.overrides.contains(&(*b, pair[1]));
+                    assert!(fewer.iter().any(has), "{a} {b} {pair:?}");
+                }
+            }
+        }
+        assert_eq!(fewer.iter().filter(|v| v.walker.is_some()).count(), 4);
+        assert!(fewer.contains(&Variant::plain()) && fewer.len() < 32, "{}", fewer.len());
     }
 }

@@ -23,7 +23,7 @@ impl ABuffer {
             0 => u64::MAX,
             samples => (MOST_SAMPLES / samples).max(counted.lengths.longest.into()),
         };
-        (left / need.bytes()).min(most).min(device.limits().binding_bytes.saturating_sub(gpu::GUARD_BYTES) / widest)
+        (left / need.bytes()).min(most).min(device.limits().binding_bytes.saturating_sub(gpu::guard_bytes()) / widest)
     }
 
     pub(super) fn plan_bands(
