@@ -171,19 +171,19 @@ mod tests {
                 names.iter().enumerate().fold(Variant::plain(), |variant, (i, name)| variant.with(name, on(i)))
             })
         };
-        let five = ["A", "B", "C", "D", "E"];
-        let walked = choices(&five[..2]).map(|variant| variant.walker("walk"));
+        const FIVE: &[&str] = &["A", "B", "C", "D", "E"];
+        let walked = choices(&FIVE[..2]).map(|variant| variant.walker("walk"));
         let all = Shader {
             name: "pass",
             stem: "pass",
-            variants: choices(&five).chain(walked).chain([Variant::plain()]).collect(),
+            variants: choices(FIVE).chain(walked).chain([Variant::plain()]).collect(),
             check: |_| Ok(()),
             reflection: |_| unreachable!(),
             compiled: |_, _, _| unreachable!(),
         };
         let fewer = all.in_pairs_of_choices().variants;
-        for (i, a) in five.iter().enumerate() {
-            for b in &five[i + 1..] {
+        for (i, a) in FIVE.iter().enumerate() {
+            for b in &FIVE[i + 1..] {
                 for pair in [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]] {
                     let has =
                         |v: &Variant| v.overrides.contains(&(*a, pair[0])) && v.overrides.contains(&(*b, pair[1]));
