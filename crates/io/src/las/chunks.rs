@@ -9,6 +9,7 @@ use laz::{DecompressionSelection, LazItemType, LazVlr};
 
 use super::header::Header;
 use super::times::{GpsTime, Timed};
+use crate::number::word;
 use crate::{Error, Source, decoder};
 
 /// Points decoded at a time. Memory is allocated block by block, so that a false count costs nothing.
@@ -257,7 +258,7 @@ fn check_layers(header: &Header, laz: &LazVlr, bytes: &[u8]) -> Result<(), Strin
     let Some(sizes) = bytes.get(sizes_start..sizes_start + 4 * layers) else {
         return Err(format!("{} bytes are too few for the sizes of its {layers} layers", bytes.len()));
     };
-    let total: u64 = sizes.chunks_exact(4).map(|b| u64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]]))).sum();
+    let total: u64 = sizes.chunks_exact(4).map(|size| u64::from(word(size, 0))).sum();
     let left = (bytes.len() - sizes_start - 4 * layers) as u64;
     if total > left { Err(format!("its layers take {total} bytes, but only {left} are left")) } else { Ok(()) }
 }

@@ -12,7 +12,6 @@
 //! one of them is decoded. [`Splats::gather`] does the rest alike for all: it decodes on all cores, leaves out what is
 //! no splat, and makes a cloud.
 
-mod bytes;
 mod gather;
 mod gltf;
 mod ksplat;
@@ -20,7 +19,6 @@ mod raw;
 mod sog;
 mod spz;
 
-pub(super) use bytes::{float, short, word};
 pub(super) use gather::{Splat, Splats, from_coefficient, left_out, reason};
 pub(super) use sog::{META, is_folder};
 

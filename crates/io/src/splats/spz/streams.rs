@@ -4,11 +4,10 @@ use std::io::Read;
 
 use ruzstd::decoding::StreamingDecoder;
 
-use super::super::bytes::long;
-use super::super::word;
 use super::planes::{NAMES, Planes, lengths};
 use super::{Error, Header, SharedFile};
 use crate::decoder;
+use crate::number::{long, word};
 
 /// Bytes of the header.
 const HEADER: u64 = 32;

@@ -9,6 +9,7 @@ use serde::de::DeserializeOwned;
 
 use super::rows::{MOST_FOR_ONE, Rows};
 use crate::las::{MAX_POINTS_PER_BYTE, Traits};
+use crate::number::Class;
 use crate::{Error, LasColumns, Source};
 use pellucid_core::cloud::{Bounds, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER};
 
@@ -30,22 +31,13 @@ struct Json {
 pub(super) struct Dimension {
     pub name: String,
     #[serde(rename = "type")]
-    pub kind: Kind,
+    pub class: Class,
     /// Bytes.
     pub size: usize,
     pub scale: Option<f64>,
     pub offset: Option<f64>,
     minimum: Option<f64>,
     maximum: Option<f64>,
-}
-
-/// Type of a number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum Kind {
-    Signed,
-    Unsigned,
-    Float,
 }
 
 /// The checked description.

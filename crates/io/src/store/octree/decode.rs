@@ -4,6 +4,7 @@ use glam::{DQuat, DVec3, Quat, Vec3};
 
 use super::attributes::{Attribute, Kind, Layout, Role};
 use crate::columns::unit_or_zero;
+use crate::number::{at, word};
 use crate::store::Grid;
 use pellucid_core::cloud::gaussians::{Gaussians, coefficients, linear};
 use pellucid_core::cloud::{Cloud, GPS_TIME, Prepared};
@@ -128,20 +129,13 @@ impl Decoder {
         }
         let last = self.table.len().checked_sub(1)?;
         let size = rgb.kind.bytes()?;
-        let channel = |bytes: &[u8], i: usize| {
-            let stored = match rgb.kind {
-                Kind::Uint8 => usize::from(bytes[i]),
-                _ => usize::from(u16::from_le_bytes([bytes[size * i], bytes[size * i + 1]])),
-            };
-            self.table[stored.min(last)]
-        };
+        let channel = |bytes: &[u8], i: usize| self.table[(rgb.kind.read(&bytes[size * i..]) as usize).min(last)];
         Some(columns.each(rgb).map(|bytes| Vec3::from([0, 1, 2].map(|i| channel(bytes, i)))).collect())
     }
 
     fn normals(&self, columns: &Columns) -> Option<Vec<Vec3>> {
         if let Some(vector) = self.layout.find(&Role::NormalVector) {
-            let coordinate = |bytes: &[u8], axis: usize| Kind::Float.read(&bytes[4 * axis..]) as f32;
-            let normal = |bytes: &[u8]| unit_or_zero(Vec3::from([0, 1, 2].map(|axis| coordinate(bytes, axis))));
+            let normal = |bytes: &[u8]| unit_or_zero(singles(bytes).into());
             return Some(columns.each(vector).map(normal).collect());
         }
         let three = self.layout.three(Role::Normal)?;
@@ -184,7 +178,7 @@ pub(super) fn splats_of(cloud: &Cloud) -> Option<Vec<u32>> {
 
 /// The first float32 numbers of some bytes, of which there are enough.
 fn singles<const N: usize>(bytes: &[u8]) -> [f32; N] {
-    std::array::from_fn(|at| f32::from_le_bytes(std::array::from_fn(|i| bytes[4 * at + i])))
+    std::array::from_fn(|i| f32::from_le_bytes(at(bytes, 4 * i)))
 }
 
 /// A unit quaternion as it is stored, or the one of another length; `None` of zero and of what is not finite.
@@ -199,7 +193,7 @@ fn rotation(stored: Quat) -> Option<Quat> {
 
 /// Returns the three integers of a position.
 pub(crate) fn integers(bytes: &[u8]) -> [i32; 3] {
-    std::array::from_fn(|axis| i32::from_le_bytes(std::array::from_fn(|i| bytes[4 * axis + i])))
+    std::array::from_fn(|axis| word(bytes, 4 * axis).cast_signed())
 }
 
 /// An alpha as readers of other formats give it.
@@ -229,14 +223,14 @@ impl<'a> Columns<'a> {
         let (kind, [factor, summand]) = (attribute.kind, attribute.transform);
         if kind == Kind::Float && attribute.transform == super::attributes::AS_STORED {
             // The bits of what isn't a number, too.
-            return self.each(attribute).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+            return self.each(attribute).map(|bytes| f32::from_le_bytes(at(bytes, 0))).collect();
         }
         self.each(attribute).map(|bytes| (kind.read(bytes) * factor + summand) as f32).collect()
     }
 
     fn vectors(&self, attributes: [&Attribute; 3]) -> impl Iterator<Item = Vec3> {
         let [x, y, z] = attributes.map(|attribute| self.each(attribute));
-        let float = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+        let float = |bytes: &[u8]| f32::from_le_bytes(at(bytes, 0));
         x.zip(y).zip(z).map(move |((x, y), z)| Vec3::new(float(x), float(y), float(z)))
     }
 }
