@@ -12,6 +12,7 @@ use std::sync::Arc;
 use bytemuck::{NoUninit, bytes_of};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::cloud::Bounds;
 use crate::cloud::gaussians::{Gaussians, MAX_DEGREE};
@@ -77,7 +78,7 @@ pub struct Whole {
 }
 
 /// Count and bounds of all Gaussians of a scene that are not in one list.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct WholeSplats {
     /// Number of spheres.
     pub count: u64,
