@@ -29,12 +29,24 @@ enum Scale {
     Float,
     /// Linear values, as stored.
     Linear,
+    /// Any, which stay as they are until the largest of them is known.
+    Measured,
 }
 
 impl Channel {
     /// Returns the channel of linear floats at a place of the row.
     pub fn linear_float(at: usize) -> Self {
         Self { at, scale: Scale::Linear, table: Vec::new() }
+    }
+
+    /// Returns the channel of numbers at a place of the row whose range is that of all of them.
+    pub fn of_any_range(at: usize) -> Self {
+        Self { at, scale: Scale::Measured, table: Vec::new() }
+    }
+
+    /// Returns `true` if the range is that of all values, which are stored until it is known.
+    pub fn is_measured(&self) -> bool {
+        matches!(self.scale, Scale::Measured)
     }
 
     /// Returns the channel at a place of the row, by the type that it is stored as.
@@ -51,7 +63,7 @@ impl Channel {
             Scale::Integer { largest, .. } => {
                 (0..=largest).map(|value| decode_srgb(f32::from(value) / f32::from(largest))).collect()
             }
-            Scale::Float | Scale::Linear => Vec::new(),
+            _ => Vec::new(),
         };
         Self { at, scale, table }
     }
@@ -64,7 +76,7 @@ impl Channel {
         (value as u16).min(largest)
     }
 
-    /// Returns the linear value of an sRGB-encoded channel.
+    /// Returns the linear value of an sRGB-encoded channel, or what is stored if its range is not known yet.
     #[inline]
     pub fn linear(&self, value: f64) -> f32 {
         match self.scale {
@@ -79,10 +91,11 @@ impl Channel {
                 let value = value as f32;
                 if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) }
             }
+            Scale::Measured => value as f32,
         }
     }
 
-    /// Returns the value clamped to [0, 1]; NaN counts as 1.
+    /// Returns the value clamped to [0, 1]; NaN counts as 1. One whose range is not known yet stays as it is.
     #[inline]
     pub fn unit(&self, value: f64) -> f32 {
         match self.scale {
@@ -93,6 +106,7 @@ impl Channel {
                 let value = value as f32;
                 if value.is_nan() { 1.0 } else { value.clamp(0.0, 1.0) }
             }
+            Scale::Measured => value as f32,
         }
     }
 }

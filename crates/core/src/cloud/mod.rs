@@ -47,7 +47,8 @@ pub fn same_scalar(a: &str, b: &str) -> bool {
 }
 
 /// Axis of a file that points up; decides the automatic camera.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum UpAxis {
     /// Models (PLY): +Y is up.
     #[default]
@@ -55,6 +56,7 @@ pub enum UpAxis {
     /// Surveys and scans (all other point clouds): +Z is up.
     Z,
     /// Clouds in the frame of a depth camera, whose rows run along +Y: −Y is up.
+    #[serde(rename = "-y")]
     NegativeY,
 }
 

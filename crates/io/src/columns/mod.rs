@@ -7,7 +7,7 @@ mod rows;
 mod table;
 
 pub(super) use block::Block;
-pub(super) use join::joined;
+pub(super) use join::{taken, taken_optional};
 pub(super) use layout::Layout;
 pub use layout::unit_or_zero;
 pub(super) use ply_rs_bw::ply::ScalarType;

@@ -5,7 +5,7 @@ use bytemuck::allocation::zeroed_vec;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{Layout, Rows, joined};
+use super::{Layout, Rows, taken, taken_optional};
 use crate::channel;
 use pellucid_core::cloud::Cloud;
 
@@ -72,29 +72,22 @@ impl Table {
     /// Returns the rows of parts that have the columns of this layout, one part behind the other. Each column of the
     /// parts is gone once it is joined.
     pub fn join(layout: &Layout, mut parts: Vec<Self>) -> Self {
-        fn join_optional<T: Zeroable + Copy + Send + Sync>(
-            column: &mut Option<Vec<T>>,
-            parts: &mut [Table],
-            of: impl Fn(&mut Table) -> &mut Option<Vec<T>>,
-        ) {
-            if let Some(column) = column {
-                *column = joined(parts.iter_mut().filter_map(|part| of(part).take()).collect());
-            }
-        }
-        let (mut all, parts) = (Self::new(layout, 0), parts.as_mut_slice());
-        let cloud = &mut all.cloud;
-        cloud.positions = joined(parts.iter_mut().map(|part| std::mem::take(&mut part.cloud.positions)).collect());
-        join_optional(&mut cloud.colors, parts, |part| &mut part.cloud.colors);
-        join_optional(&mut cloud.normals, parts, |part| &mut part.cloud.normals);
-        join_optional(&mut cloud.alphas, parts, |part| &mut part.cloud.alphas);
-        join_optional(&mut cloud.radii, parts, |part| &mut part.cloud.radii);
-        join_optional(&mut cloud.intensity, parts, |part| &mut part.cloud.intensity);
-        join_optional(&mut all.codes, parts, |part| &mut part.codes);
-        for (at, (_, column)) in cloud.scalars.iter_mut().enumerate() {
-            *column = joined(parts.iter_mut().map(|part| std::mem::take(&mut part.cloud.scalars[at].1)).collect());
-        }
-        cloud.non_finite = parts.iter().map(|part| part.cloud.non_finite).sum();
-        all
+        let (empty, parts) = (Self::new(layout, 0), parts.as_mut_slice());
+        let Some(first) = parts.first() else { return empty };
+        let scalars =
+            first.cloud.scalars.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>().into_iter().enumerate();
+        let cloud = Cloud {
+            positions: taken(parts, |part| &mut part.cloud.positions),
+            colors: taken_optional(parts, |part| &mut part.cloud.colors),
+            normals: taken_optional(parts, |part| &mut part.cloud.normals),
+            alphas: taken_optional(parts, |part| &mut part.cloud.alphas),
+            radii: taken_optional(parts, |part| &mut part.cloud.radii),
+            intensity: taken_optional(parts, |part| &mut part.cloud.intensity),
+            scalars: scalars.map(|(at, name)| (name, taken(parts, |part| &mut part.cloud.scalars[at].1))).collect(),
+            non_finite: parts.iter().map(|part| part.cloud.non_finite).sum(),
+            ..empty.cloud
+        };
+        Self { cloud, codes: taken_optional(parts, |part| &mut part.codes) }
     }
 
     /// Adds a row, or counts it if its position is not finite.

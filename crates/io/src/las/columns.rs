@@ -2,7 +2,6 @@
 
 use std::sync::OnceLock;
 
-use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 use las::PointDataBuilder;
 use rayon::prelude::*;
@@ -10,7 +9,7 @@ use rayon::prelude::*;
 use super::header::Header;
 use super::traits::Traits;
 use crate::LasColumns;
-use crate::columns::joined;
+use crate::columns::{taken, taken_optional};
 use pellucid_core::cloud::{Bounds, Cloud, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER, UpAxis};
 use pellucid_core::color::decode_srgb;
 
@@ -149,23 +148,6 @@ impl Columns {
             ..Cloud::default()
         }
     }
-}
-
-/// Takes a column of each part.
-fn taken<T: Zeroable + Copy + Send + Sync>(
-    parts: &mut [Columns],
-    column: impl Fn(&mut Columns) -> &mut Vec<T>,
-) -> Vec<T> {
-    joined(parts.iter_mut().map(|part| std::mem::take(column(part))).collect())
-}
-
-/// Takes a column as [`taken`] does, but one that all parts have if the first one has it.
-fn taken_optional<T: Zeroable + Copy + Send + Sync>(
-    parts: &mut [Columns],
-    column: impl Fn(&mut Columns) -> &mut Option<Vec<T>>,
-) -> Option<Vec<T>> {
-    column(parts.first_mut()?).as_ref()?;
-    Some(taken(parts, |part| column(part).get_or_insert_default()))
 }
 
 /// Times in seconds since the first; those that are not finite stay as they are.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Grid, Node, Piece, Store, Summary};
+use super::{Node, Piece, Store, Summary};
 use crate::Error;
 use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::gaussians::reach;
@@ -34,23 +34,8 @@ impl Held {
     }
 }
 
-impl Held {
-    /// Returns the same cloud, all of whose positions lie on a grid.
-    #[must_use]
-    pub fn on_grid(mut self, grid: Option<Grid>) -> Self {
-        self.summary.grid = grid;
-        self
-    }
-}
-
 impl Store for Held {
-    fn summary(&self) -> &Summary {
-        &self.summary
-    }
-
-    fn nodes(&self) -> &[Node] {
-        &self.nodes
-    }
+    known!();
 
     fn read(&self, _node: usize) -> Result<Piece, Error> {
         Ok(Piece { cloud: self.cloud.clone(), places: (0..self.summary.points).collect() })

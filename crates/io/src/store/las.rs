@@ -69,13 +69,7 @@ impl LasPieces {
 }
 
 impl Store for LasPieces {
-    fn summary(&self) -> &Summary {
-        &self.summary
-    }
-
-    fn nodes(&self) -> &[Node] {
-        &self.nodes
-    }
+    known!();
 
     fn read(&self, node: usize) -> Result<Piece, Error> {
         let chunks = &self.file.chunks[self.pieces[node].clone()];

@@ -1,6 +1,5 @@
 //! The description of an EPT folder, `ept.json`.
 
-use std::io::Read;
 use std::path::Path;
 
 use glam::DVec3;
@@ -89,9 +88,7 @@ impl Tiles {
 /// Reads a JSON file.
 pub(super) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, Error> {
     let mut source = Source::open(path)?;
-    let mut bytes = Vec::new();
-    let read = source.reader.by_ref().take(source.len).read_to_end(&mut bytes);
-    read.map_err(|e| source.read_error(e))?;
+    let bytes = source.all()?;
     serde_json::from_slice(&bytes).map_err(|e| match e.is_eof() {
         true => source.truncated(format!("the JSON ends too early, in line {}", e.line())),
         false => source.malformed(format!("line {}, column {}", e.line(), e.column()), e.to_string()),

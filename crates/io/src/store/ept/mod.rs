@@ -5,7 +5,6 @@ mod hierarchy;
 mod metadata;
 mod rows;
 
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -161,13 +160,7 @@ impl Ept {
 }
 
 impl Store for Ept {
-    fn summary(&self) -> &Summary {
-        &self.summary
-    }
-
-    fn nodes(&self) -> &[Node] {
-        &self.nodes
-    }
+    known!();
 
     fn read(&self, node: usize) -> Result<Piece, Error> {
         let (columns, names) = self.tile(node)?;
@@ -184,11 +177,7 @@ fn tile_path(folder: &Path, metadata: &Metadata, key: Key) -> PathBuf {
 
 fn node(folder: &Path, metadata: &Metadata, key: Key, points: u64, parent: Option<u32>) -> Result<Node, Error> {
     let path = tile_path(folder, metadata, key);
-    let bytes = match std::fs::metadata(&path) {
-        Ok(found) => found.len(),
-        Err(e) if e.kind() == ErrorKind::NotFound => return Err(Error::Missing { path }),
-        Err(source) => return Err(Error::Read { path, source }),
-    };
+    let bytes = std::fs::metadata(&path).map_err(Error::opening(&path))?.len();
     let most = metadata.tiles.most_points(bytes);
     if points > most {
         let what = format!("the hierarchy says {points} points, but {bytes} bytes hold at most {most}");

@@ -1,9 +1,6 @@
 //! Tiles of an EPT folder that are plain rows of the schema's numbers, little-endian and without gaps.
 
-use std::io::Read;
-
 use glam::DVec3;
-use ruzstd::decoding::StreamingDecoder;
 
 use super::metadata::Dimension;
 use crate::las::Columns;
@@ -61,20 +58,6 @@ impl Number {
     }
 }
 
-/// The bytes that are compressed as these, at most so many, or what is wrong with them.
-fn decompressed(bytes: &[u8], most: u64) -> Result<Vec<u8>, String> {
-    let mut all = Vec::new();
-    let decode = || -> Result<usize, String> {
-        let decoder = StreamingDecoder::new(bytes).map_err(|e| e.to_string())?;
-        decoder.take(most.saturating_add(1)).read_to_end(&mut all).map_err(|e| e.to_string())
-    };
-    decoder::guard(decode)??;
-    if all.len() as u64 > most {
-        return Err(format!("more than {most} bytes come from {} compressed ones", bytes.len()));
-    }
-    Ok(all)
-}
-
 impl Rows {
     /// Returns the rows of a schema, or what is wrong with it.
     pub fn new(schema: &[Dimension]) -> Result<Self, String> {
@@ -115,13 +98,15 @@ impl Rows {
         asked: LasColumns,
         compressed: bool,
     ) -> Result<(Columns, Vec<String>), Error> {
-        let mut bytes = Vec::new();
-        let read = source.reader.by_ref().take(source.len).read_to_end(&mut bytes);
-        read.map_err(|e| source.read_error(e))?;
+        let mut bytes = source.all()?;
         if compressed {
             let most = points.saturating_mul(self.len as u64);
             let fail = |cause| source.malformed("zstandard", format!("{cause}; the hierarchy says {points} points"));
-            bytes = decompressed(&bytes, most).map_err(fail)?;
+            let packed = bytes.len();
+            bytes = decoder::zstandard(&bytes, most).map_err(fail)?;
+            if bytes.len() as u64 > most {
+                return Err(fail(format!("more than {most} bytes come from {packed} compressed ones")));
+            }
         }
         if bytes.len() % self.len != 0 {
             return Err(source.truncated(format!(

@@ -23,14 +23,13 @@ pub(crate) mod metadata;
 pub(crate) mod nodes;
 pub(crate) mod survey;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DVec3;
 
 use super::keys::cut;
 use super::{Node, Piece, Store, Summary, Survey};
-use crate::{Error, SharedFile};
-use about::About;
+use crate::{Error, SharedFile, Source};
 use attributes::Role;
 pub(crate) use decode::integers;
 use decode::{Decoder, full_scale, splats_of};
@@ -155,13 +154,7 @@ impl Octree {
 }
 
 impl Store for Octree {
-    fn summary(&self) -> &Summary {
-        &self.summary
-    }
-
-    fn nodes(&self) -> &[Node] {
-        &self.nodes
-    }
+    known!();
 
     fn read(&self, node: usize) -> Result<Piece, Error> {
         let records = self.records(node)?;
@@ -184,20 +177,14 @@ fn missing(error: Error, folder: &Path) -> Error {
             let cause = format!("it has no {METADATA}, which a Potree 2.0 octree needs");
             malformed(folder, "folder", cause)
         }
-        Error::Read { source, path } if source.kind() == std::io::ErrorKind::NotFound => Error::Missing { path },
+        Error::Read { source, path } if source.kind() == std::io::ErrorKind::NotFound => Error::Missing(path),
         error => error,
     }
 }
 
-/// All bytes of a file except the points, of which there are few for each node.
-fn whole(path: PathBuf) -> Result<Vec<u8>, Error> {
-    let file = SharedFile::open(&path)?;
-    file.read(0, file.len())
-}
-
 /// The nodes of the hierarchy.
 fn list(folder: &Path, checked: &Checked) -> Result<Vec<Listed>, Error> {
-    let bytes = whole(folder.join(HIERARCHY))?;
+    let bytes = Source::open(&folder.join(HIERARCHY))?.all()?;
     let read = hierarchy::read(&bytes, checked.metadata.hierarchy.first_chunk_size, checked.bounds);
     read.map_err(|(place, cause)| malformed(folder, &place, cause))
 }
@@ -238,7 +225,7 @@ fn extents(folder: &Path, is_ours: bool) -> Result<Option<Vec<Extent>>, Error> {
     if !is_ours || !folder.join(NODES).exists() {
         return Ok(None);
     }
-    let bytes = whole(folder.join(NODES))?;
+    let bytes = Source::open(&folder.join(NODES))?.all()?;
     nodes::read(&bytes).map(Some).map_err(|(place, cause)| malformed(folder, &place, cause))
 }
 
@@ -316,7 +303,7 @@ fn decoder(checked: &Checked, points: u64) -> Result<(Decoder, Cloud), String> {
     let prepared = prepared.map(|record| record.prepared(has(&Role::Lit))).transpose()?;
     let decoder = Decoder::new(layout.clone(), *grid, full, first_time, prepared);
     let mut like = decoder.cloud(&[]);
-    like.up = about.as_ref().map_or(UpAxis::Z, |About { up, .. }| (*up).into());
+    like.up = about.as_ref().map_or(UpAxis::Z, |about| about.up);
     // A file may claim any number, and those of several files are added.
     like.non_finite = about.as_ref().map_or(0, |about| about.non_finite.min(MOST_DROPPED) as usize);
     like.filter = about.as_ref().and_then(|about| Filter::named(about.filter.as_deref()?));
