@@ -68,8 +68,7 @@ impl Columns {
 
     /// Returns the cloud, its vertical +Y. Normals that are all zero are dropped.
     pub fn finish(self) -> Cloud {
-        let whole = self.table.whole(&self.layout);
-        self.table.finish(&self.layout, &whole)
+        self.table.into_cloud(&self.layout)
     }
 }
 

@@ -166,6 +166,12 @@ impl Table {
         }
     }
 
+    /// Returns the cloud of all rows of a table.
+    pub fn into_cloud(self, layout: &Layout) -> Cloud {
+        let whole = self.whole(layout);
+        self.finish(layout, &whole)
+    }
+
     /// Returns the cloud of some rows of a table of which all rows together tell this; its vertical is +Y. Normals that
     /// are all zero are dropped.
     pub fn finish(self, layout: &Layout, whole: &Whole) -> Cloud {
@@ -184,8 +190,7 @@ impl Table {
         }
         if alphas {
             let full = channel::full_scale(whole.largest[1]).unwrap_or(1.0);
-            let unit = |value: &mut f32| *value = if value.is_nan() { 1.0 } else { (*value / full).clamp(0.0, 1.0) };
-            cloud.alphas.iter_mut().flatten().for_each(unit);
+            cloud.alphas.iter_mut().flatten().for_each(|value| *value = channel::unit_or(1.0, *value / full));
         }
         cloud.normals = cloud.normals.filter(|_| whole.directed);
         cloud

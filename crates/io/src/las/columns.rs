@@ -1,7 +1,5 @@
 //! Converts LAS point records to the columns of a cloud.
 
-use std::sync::OnceLock;
-
 use glam::{DVec3, Vec3};
 use las::PointDataBuilder;
 use rayon::prelude::*;
@@ -11,7 +9,7 @@ use super::traits::Traits;
 use crate::LasColumns;
 use crate::columns::{taken, taken_optional};
 use pellucid_core::cloud::{Bounds, Cloud, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER, UpAxis};
-use pellucid_core::color::decode_srgb;
+use pellucid_core::color::linear_values;
 
 /// Columns of a part of the file, as they are stored: before what only the whole file tells ([`Traits`]) is known.
 pub(crate) struct Columns {
@@ -166,17 +164,15 @@ fn linear(rgb: &[[u16; 3]], largest: u16) -> Option<Vec<Vec3>> {
     if largest == 0 {
         return None;
     }
-    static EIGHT_BITS: OnceLock<Vec<f32>> = OnceLock::new();
-    static SIXTEEN_BITS: OnceLock<Vec<f32>> = OnceLock::new();
-    let (table, full) = if largest <= 255 { (&EIGHT_BITS, 255) } else { (&SIXTEEN_BITS, u16::MAX) };
-    let table =
-        table.get_or_init(|| (0..=full).map(|stored| decode_srgb(f32::from(stored) / f32::from(full))).collect());
+    let full = if largest <= 255 { 255 } else { u16::MAX };
+    let table = linear_values(full);
     Some(rgb.par_iter().map(|color| Vec3::from(color.map(|stored| table[usize::from(stored.min(full))]))).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pellucid_core::color::decode_srgb;
 
     #[test]
     fn times_count_from_the_first() {

@@ -251,9 +251,7 @@ impl Places {
     }
 
     fn finish(&self, parts: Vec<columns::Table>) -> Cloud {
-        let table = columns::Table::join(&self.layout, parts);
-        let whole = table.whole(&self.layout);
-        table.finish(&self.layout, &whole)
+        columns::Table::join(&self.layout, parts).into_cloud(&self.layout)
     }
 }
 

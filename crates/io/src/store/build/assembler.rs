@@ -230,7 +230,7 @@ impl Assembler {
             offset: grid.offset.to_array(),
             scale: grid.scale.to_array(),
             spacing: (bounds.max - bounds.min).max_element() * (-f64::from(self.rules.grid_bits)).exp2(),
-            bounding_box: metadata::corners(bounds.min, bounds.max),
+            bounding_box: metadata::Corners { min: bounds.min.to_array(), max: bounds.max.to_array() },
             encoding: "DEFAULT".to_owned(),
             attributes: attributes.collect(),
             pellucid: serde_json::to_value(about).ok(),

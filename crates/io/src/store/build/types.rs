@@ -10,7 +10,7 @@ use super::super::Grid;
 use super::super::octree::attributes::{Kind, Layout, Role};
 use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::gaussians::linear;
-use pellucid_core::color::{decode_srgb, encode_srgb};
+use pellucid_core::color::{encode_srgb, linear_values};
 
 /// The type of a column of float32 numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
@@ -193,31 +193,19 @@ impl Types {
 /// Bits of a float32 that don't choose the part of a table.
 const PART_BITS: u32 = 10;
 
-/// Linear values of 16-bit sRGB, in ascending order, and for the first bits of a float32 the first of them that isn't
-/// below.
-struct Table {
-    linear: Vec<f32>,
-    first: Vec<u16>,
-}
-
-fn table() -> &'static Table {
-    static TABLE: OnceLock<Table> = OnceLock::new();
-    TABLE.get_or_init(|| {
-        let largest = f32::from(u16::MAX);
-        let linear: Vec<f32> = (0..=u16::MAX).map(|stored| decode_srgb(f32::from(stored) / largest)).collect();
-        let first = |part: u32| linear.partition_point(|value| value.to_bits() < part << PART_BITS) as u16;
-        let first = (0..=1.0_f32.to_bits() >> PART_BITS).map(first).collect();
-        Table { linear, first }
-    })
+/// Returns for the first bits of a float32 the first of the linear values of 16-bit sRGB, which ascend, that isn't below.
+fn firsts(linear: &[f32]) -> &'static [u16] {
+    static FIRSTS: OnceLock<Vec<u16>> = OnceLock::new();
+    let first = |part: u32| linear.partition_point(|value| value.to_bits() < part << PART_BITS) as u16;
+    FIRSTS.get_or_init(|| (0..=1.0_f32.to_bits() >> PART_BITS).map(first).collect())
 }
 
 /// Returns the 16-bit sRGB number whose linear value this is, to the bit.
 pub(super) fn exact_srgb(linear: f32) -> Option<u16> {
-    let table = table();
-    let bits = linear.to_bits();
-    let first = usize::from(*table.first.get((bits >> PART_BITS) as usize)?);
-    let at = table.linear[first..].iter().position(|value| value.to_bits() >= bits)?;
-    (table.linear[first + at].to_bits() == bits).then_some((first + at) as u16)
+    let (all, bits) = (linear_values(u16::MAX), linear.to_bits());
+    let first = usize::from(*firsts(all).get((bits >> PART_BITS) as usize)?);
+    let at = all[first..].iter().position(|value| value.to_bits() >= bits)?;
+    (all[first + at].to_bits() == bits).then_some((first + at) as u16)
 }
 
 /// Returns the 16-bit sRGB number nearest to a linear value.
@@ -229,6 +217,7 @@ pub(super) fn nearest_srgb(linear: f32) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pellucid_core::color::decode_srgb;
 
     #[test]
     fn colors_of_16_bits_are_found() {

@@ -3,12 +3,13 @@
 use glam::{DQuat, DVec3, Quat, Vec3};
 
 use super::attributes::{Attribute, Kind, Layout, Role};
+use crate::channel::unit_or;
 use crate::columns::unit_or_zero;
 use crate::number::{at, word};
 use crate::store::Grid;
 use pellucid_core::cloud::gaussians::{Gaussians, coefficients, linear};
 use pellucid_core::cloud::{Cloud, GPS_TIME, Prepared};
-use pellucid_core::color::decode_srgb;
+use pellucid_core::color::linear_values;
 
 /// Largest difference of the square of a quaternion's length from 1. Those of our own stores are as close as float32
 /// allows.
@@ -23,7 +24,7 @@ pub(super) struct Decoder {
     layout: Layout,
     grid: Grid,
     /// Linear values of stored channels; empty without colors.
-    table: Vec<f32>,
+    table: &'static [f32],
     /// The time that counts as 0.
     first_time: f64,
     prepared: Option<Prepared>,
@@ -32,9 +33,7 @@ pub(super) struct Decoder {
 impl Decoder {
     /// `full`: the channel of full intensity, if colors are [`Role::Rgb`].
     pub fn new(layout: Layout, grid: Grid, full: Option<u16>, first_time: f64, prepared: Option<Prepared>) -> Self {
-        let linear = |full: u16| move |stored: u16| decode_srgb(f32::from(stored) / f32::from(full));
-        let table = full.map(|full| (0..=full).map(linear(full)).collect()).unwrap_or_default();
-        Self { layout, grid, table, first_time, prepared }
+        Self { layout, grid, table: full.map_or(&[], linear_values), first_time, prepared }
     }
 
     /// Returns the number of bytes of a point.
@@ -53,7 +52,7 @@ impl Decoder {
         let gaussians = self.gaussians(&columns, &positions, alphas.as_deref());
         Cloud {
             colors: self.colors(&columns, gaussians.as_ref()),
-            alphas: alphas.map(|alphas| alphas.into_iter().map(unit).collect()),
+            alphas: alphas.map(|alphas| alphas.into_iter().map(|alpha| unit_or(1.0, alpha)).collect()),
             positions,
             gaussians,
             normals: self.normals(&columns),
@@ -118,8 +117,7 @@ impl Decoder {
 
     fn colors(&self, columns: &Columns, splats: Option<&Gaussians>) -> Option<Vec<Vec3>> {
         if let Some(linear) = self.layout.three(Role::Linear) {
-            let color =
-                |color: Vec3| Vec3::from(color.to_array().map(|x| if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) }));
+            let color = |color: Vec3| Vec3::from(color.to_array().map(|x| unit_or(0.0, x)));
             return Some(columns.vectors(linear).map(color).collect());
         }
         let rgb = self.layout.find(&Role::Rgb)?;
@@ -166,7 +164,7 @@ impl Decoder {
     /// Numbers in [0, 1], whatever is stored; 0 for what is none.
     fn unit_floats(&self, columns: &Columns, role: &Role) -> Vec<f32> {
         let values = self.layout.find(role).map(|attribute| columns.floats(attribute)).unwrap_or_default();
-        values.into_iter().map(|value| if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) }).collect()
+        values.into_iter().map(|value| unit_or(0.0, value)).collect()
     }
 }
 
@@ -194,11 +192,6 @@ fn rotation(stored: Quat) -> Option<Quat> {
 /// Returns the three integers of a position.
 pub(crate) fn integers(bytes: &[u8]) -> [i32; 3] {
     std::array::from_fn(|axis| word(bytes, 4 * axis).cast_signed())
-}
-
-/// An alpha as readers of other formats give it.
-fn unit(value: f32) -> f32 {
-    if value.is_nan() { 1.0 } else { value.clamp(0.0, 1.0) }
 }
 
 /// A radius as readers of other formats give it.

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::about::{About, VERSION};
@@ -237,9 +236,4 @@ pub(crate) fn describe(attribute: &Attribute, ranges: &[[f64; 2]]) -> Described 
         scale: None,
         offset: None,
     }
-}
-
-/// Returns the corners of a box.
-pub(crate) fn corners(min: DVec3, max: DVec3) -> Corners {
-    Corners { min: min.to_array(), max: max.to_array() }
 }
