@@ -23,13 +23,13 @@ enum Scale {
     Integer {
         largest: u16,
         signed_byte: bool,
-        /// Their linear values.
+        /// Linear values of all of them.
         linear: &'static [f32],
     },
     Float,
     /// Linear values, as stored.
     Linear,
-    /// Any, which stay as they are until the largest of them is known.
+    /// Numbers that stay as they are until the largest of them is known.
     Measured,
 }
 

@@ -179,6 +179,11 @@ pub enum Error {
 }
 
 impl Error {
+    /// Makes an error of a place in a file that breaks the rules.
+    pub(crate) fn malformed(path: &Path, place: impl Into<String>, cause: impl Into<String>) -> Self {
+        Self::Malformed { path: path.to_path_buf(), place: place.into(), cause: cause.into() }
+    }
+
     /// Makes an error of what the system says against opening a file.
     pub(crate) fn opening(path: &Path) -> impl Fn(std::io::Error) -> Self {
         move |source| match (source.kind(), path.to_path_buf()) {
@@ -407,7 +412,7 @@ impl Source {
     }
 
     fn malformed(&self, place: impl Into<String>, cause: impl Into<String>) -> Error {
-        Error::Malformed { path: self.path.clone(), place: place.into(), cause: cause.into() }
+        Error::malformed(&self.path, place, cause)
     }
 
     fn truncated(&self, what: impl Into<String>) -> Error {

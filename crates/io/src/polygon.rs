@@ -19,9 +19,8 @@ const MAX_BYTES: u64 = 64 << 20;
 /// # Errors
 /// The file is missing, too large, no GeoJSON, or has no polygon.
 pub fn read(path: &Path) -> Result<Vec<Rings>, Error> {
-    let owned = || path.to_path_buf();
     let failed = Error::opening(path);
-    let malformed = |cause: String| Error::Malformed { path: owned(), place: "polygons".to_owned(), cause };
+    let malformed = |cause: String| Error::malformed(path, "polygons", cause);
     let mut text = String::new();
     File::open(path).map_err(&failed)?.take(MAX_BYTES + 1).read_to_string(&mut text).map_err(&failed)?;
     if text.len() as u64 > MAX_BYTES {

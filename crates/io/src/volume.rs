@@ -87,7 +87,7 @@ pub fn read(path: &Path, dims: Option<Dims>, scalar: Option<Scalar>) -> Result<V
     let parts = || name.rsplit('_');
     let unknown = |option: &str| {
         let cause = format!("does not give size and type, as hydrogen_64x64x64_float32.raw does; use {option}");
-        Error::Malformed { path: path.to_owned(), place: "its name".to_owned(), cause }
+        Error::malformed(path, "its name", cause)
     };
     let dims = dims.or_else(|| parts().find_map(|part| part.parse().ok()));
     let dims = dims.ok_or_else(|| unknown("--dims XxYxZ"))?;
@@ -103,7 +103,7 @@ pub fn read(path: &Path, dims: Option<Dims>, scalar: Option<Scalar>) -> Result<V
             scalar.name(),
             source.len
         );
-        return Err(Error::Malformed { path: path.to_owned(), place: "its size".to_owned(), cause });
+        return Err(Error::malformed(path, "its size", cause));
     }
     let values = values(&mut source, scalar)?;
     Ok(Volume { dims: dims.0, values })
@@ -112,11 +112,9 @@ pub fn read(path: &Path, dims: Option<Dims>, scalar: Option<Scalar>) -> Result<V
 /// All numbers of a file whose size is a multiple of theirs.
 fn values(source: &mut Source, scalar: Scalar) -> Result<Vec<f32>, Error> {
     let count = source.len / scalar.bytes() as u64;
-    let too_large = || Error::Malformed {
-        path: source.path.clone(),
-        place: "its size".to_owned(),
-        cause: format!("{count} numbers need {} bytes, more than can be allocated", count.saturating_mul(4)),
-    };
+    let bytes = count.saturating_mul(4);
+    let cause = || format!("{count} numbers need {bytes} bytes, more than can be allocated");
+    let too_large = || Error::malformed(&source.path, "its size", cause());
     let mut values = Vec::new();
     let wanted = usize::try_from(count).map_err(|_| too_large())?;
     values.try_reserve_exact(wanted).map_err(|_| too_large())?;

@@ -15,8 +15,9 @@ use crate::cloud::sampling::Sampling;
 pub struct Known {
     count: u64,
     bounds: Bounds,
-    /// Both may be infinite, which no JSON is.
+    /// World units; may be infinite, as the next one may, which no JSON is.
     largest_radius: f32,
+    /// The largest component of a color, linear.
     brightest: f32,
     is_transparent: bool,
     splats: Option<WholeSplats>,

@@ -1,6 +1,5 @@
 //! Columns of rows, before what only all rows tell is known.
 
-use bytemuck::Zeroable;
 use bytemuck::allocation::zeroed_vec;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -14,6 +13,18 @@ pub(crate) struct Table {
     pub(super) cloud: Cloud,
     /// Values of the column that is a classification if they are codes.
     pub(super) codes: Option<Vec<f32>>,
+}
+
+/// Does the same to every column of a table.
+macro_rules! each_column {
+    ($table:expr, |$column:ident| $what:expr) => {{
+        let Table { cloud, codes } = $table;
+        let $column = &mut cloud.positions;
+        $what;
+        cloud.colors.iter_mut().chain(&mut cloud.normals).for_each(|$column| $what);
+        let ones = [&mut cloud.alphas, &mut cloud.radii, &mut cloud.intensity, codes].into_iter().flatten();
+        ones.chain(cloud.scalars.iter_mut().map(|(_, column)| column)).for_each(|$column| $what);
+    }};
 }
 
 /// Facts that only all rows of a table tell.
@@ -49,24 +60,15 @@ impl Whole {
 impl Table {
     /// Returns columns of so many rows, all zero. Memory is taken as they are written.
     pub fn new(layout: &Layout, rows: usize) -> Self {
-        fn sized<T: Zeroable>(column: &mut Vec<T>, rows: usize) {
-            *column = zeroed_vec(rows);
-        }
-        let mut cloud = layout.empty();
-        sized(&mut cloud.positions, rows);
-        cloud.colors.iter_mut().chain(&mut cloud.normals).for_each(|column| sized(column, rows));
-        let single = [&mut cloud.alphas, &mut cloud.radii, &mut cloud.intensity].into_iter().flatten();
-        single.chain(cloud.scalars.iter_mut().map(|(_, column)| column)).for_each(|column| sized(column, rows));
-        Self { cloud, codes: layout.classification.as_ref().map(|_| zeroed_vec(rows)) }
+        let codes = layout.classification.as_ref().map(|_| Vec::new());
+        let mut table = Self { cloud: layout.empty(), codes };
+        each_column!(&mut table, |column| *column = zeroed_vec(rows));
+        table
     }
 
     /// Makes room for this many more rows.
     pub fn reserve(&mut self, rows: usize) {
-        let cloud = &mut self.cloud;
-        cloud.positions.reserve_exact(rows);
-        cloud.colors.iter_mut().chain(&mut cloud.normals).for_each(|column| column.reserve_exact(rows));
-        let single = [&mut cloud.alphas, &mut cloud.radii, &mut cloud.intensity, &mut self.codes].into_iter().flatten();
-        single.chain(cloud.scalars.iter_mut().map(|(_, column)| column)).for_each(|column| column.reserve_exact(rows));
+        each_column!(self, |column| column.reserve_exact(rows));
     }
 
     /// Returns the rows of parts that have the columns of this layout, one part behind the other. Each column of the
@@ -139,11 +141,7 @@ impl Table {
 
     /// Moves the first rows of each run together.
     fn keep(&mut self, run: usize, kept: &[usize]) {
-        let cloud = &mut self.cloud;
-        compact(&mut cloud.positions, run, kept);
-        cloud.colors.iter_mut().chain(&mut cloud.normals).for_each(|column| compact(column, run, kept));
-        let single = [&mut cloud.alphas, &mut cloud.radii, &mut cloud.intensity, &mut self.codes].into_iter().flatten();
-        single.chain(cloud.scalars.iter_mut().map(|(_, column)| column)).for_each(|column| compact(column, run, kept));
+        each_column!(self, |column| compact(column, run, kept));
     }
 
     /// Returns the points so far; colors, alphas and classes may be as they are stored.

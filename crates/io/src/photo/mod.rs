@@ -55,12 +55,11 @@ pub(super) fn read(source: Source, photo: &Photo, progress: &Progress) -> Result
     };
     let copies = surface.expected_points();
     if !copies.is_finite() || copies > MAX_PIXELS as f64 {
-        let place = "photo.heights".to_owned();
         let cause = format!(
             "so steep that the picture would become {copies:.1e} points, but {MAX_PIXELS} is the most; \
              a smaller height_scale or a smoother map would help"
         );
-        return Err(Error::Malformed { path, place, cause });
+        return Err(Error::malformed(&path, "photo.heights", cause));
     }
     points(&path, &picture, &surface, copies, progress)
 }
@@ -77,10 +76,9 @@ fn points(
     progress.set_length(u64::from(picture.width) * u64::from(picture.height));
     let columns =
         || Some((column(room)?, column(room)?, column(room)?, column(if picture.has_alpha { room } else { 0 })?));
-    let (mut positions, mut normals, mut colors, mut alphas) = columns().ok_or_else(|| Error::Malformed {
-        path: path.to_owned(),
-        place: "the picture".into(),
-        cause: format!("there is not enough memory for its {room} points; scale the picture down"),
+    let (mut positions, mut normals, mut colors, mut alphas) = columns().ok_or_else(|| {
+        let cause = format!("there is not enough memory for its {room} points; scale the picture down");
+        Error::malformed(path, "the picture", cause)
     })?;
     for y in 0..picture.height {
         for x in 0..picture.width {

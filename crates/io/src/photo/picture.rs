@@ -39,14 +39,13 @@ impl Picture {
         directory::check(&mut source)?;
         let path = source.path.clone();
         decoder::guard(|| Self::decode(source)).unwrap_or_else(|panic| {
-            Err(Error::Malformed { path, place: "the picture".into(), cause: format!("the decoder gave up: {panic}") })
+            Err(Error::malformed(&path, "the picture", format!("the decoder gave up: {panic}")))
         })
     }
 
     fn decode(mut source: Source) -> Result<Self, Error> {
         let (path, len) = (source.path.clone(), source.len);
-        let malformed =
-            |place: &str, cause: String| Error::Malformed { path: path.clone(), place: place.into(), cause };
+        let malformed = |place: &str, cause: String| Error::malformed(&path, place, cause);
         let failed = |error: ImageError| match error {
             ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => {
                 Error::Truncated { path: path.clone(), what: format!("the pixels continue past the last byte, {len}") }

@@ -1,7 +1,7 @@
 //! Clouds in nodes that are read one by one: octrees, tiles, and plain files in pieces. What a scan is too large for, a
 //! node is not.
 
-/// What a store knows, in its fields `summary` and `nodes`.
+/// Methods of a store with the fields `summary` and `nodes`.
 macro_rules! known {
     () => {
         fn summary(&self) -> &$crate::store::Summary {

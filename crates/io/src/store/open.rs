@@ -40,13 +40,13 @@ pub fn open(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn St
     }
 }
 
-/// What a path leads to.
+/// Target of a path.
 enum Found {
     Ept,
     Octree,
     Las(Source),
     Ply(Source),
-    /// What is read as a whole.
+    /// A file or folder that is read as a whole.
     Whole,
 }
 

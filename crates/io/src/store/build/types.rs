@@ -144,47 +144,32 @@ impl Types {
     /// Returns the same without the place in the source, for points whose source has no order.
     pub fn columns(&self, like: &Cloud) -> Layout {
         let mut layout = Layout::default();
-        layout.add(Role::Position, Kind::Int32);
-        if like.colors.is_some() {
-            layout.add(Role::Rgb, Kind::Uint16);
-        }
-        if like.intensity.is_some() {
-            layout.add(Role::Intensity, self.intensity.kind());
-        }
-        if like.classification.is_some() {
-            layout.add(Role::Classification, Kind::Uint8);
-        }
+        let mut add = |is_there: bool, role: Role, kind: Kind| {
+            if is_there {
+                layout.add(role, kind);
+            }
+        };
+        add(true, Role::Position, Kind::Int32);
+        add(like.colors.is_some(), Role::Rgb, Kind::Uint16);
+        add(like.intensity.is_some(), Role::Intensity, self.intensity.kind());
+        add(like.classification.is_some(), Role::Classification, Kind::Uint8);
         for (index, (name, _)) in like.scalars.iter().enumerate() {
             let narrow = self.scalars.get(index).copied().unwrap_or(Narrow::Float);
-            layout.add(Role::Scalar(name.clone()), narrow.kind());
+            add(true, Role::Scalar(name.clone()), narrow.kind());
         }
-        if like.normals.is_some() {
-            (0..3).for_each(|axis| layout.add(Role::Normal(axis), Kind::Float));
-        }
-        if like.alphas.is_some() {
-            layout.add(Role::Alpha, Kind::Float);
-        }
-        if like.radii.is_some() {
-            layout.add(Role::Radius, Kind::Float);
-        }
-        if let Some(prepared) = &like.prepared {
-            layout.add(Role::Field, Kind::Float);
-            if prepared.shadows.is_some() {
-                layout.add(Role::Lit, Kind::Float);
-            }
-        }
-        if like.colors.is_some() && self.linear_colors {
-            (0..3).for_each(|axis| layout.add(Role::Linear(axis), Kind::Float));
-        }
-        if let Some(splats) = &like.gaussians {
-            let shape = [Role::Extents, Role::Rotation, Role::Base];
-            shape.into_iter().for_each(|role| layout.add(role, Kind::Float));
-            if splats.degree > 0 {
-                layout.add(Role::Harmonics(splats.degree as u8), Kind::Float);
-            }
-        }
+        (0..3).for_each(|axis| add(like.normals.is_some(), Role::Normal(axis), Kind::Float));
+        add(like.alphas.is_some(), Role::Alpha, Kind::Float);
+        add(like.radii.is_some(), Role::Radius, Kind::Float);
+        add(like.prepared.is_some(), Role::Field, Kind::Float);
+        add(like.prepared.as_ref().is_some_and(|prepared| prepared.shadows.is_some()), Role::Lit, Kind::Float);
+        let is_linear = like.colors.is_some() && self.linear_colors;
+        (0..3).for_each(|axis| add(is_linear, Role::Linear(axis), Kind::Float));
+        let degree = like.gaussians.as_ref().map(|splats| splats.degree as u8);
+        let shape = [Role::Extents, Role::Rotation, Role::Base];
+        shape.into_iter().for_each(|role| add(degree.is_some(), role, Kind::Float));
+        add(degree > Some(0), Role::Harmonics(degree.unwrap_or(0)), Kind::Float);
         if let Some(kind) = self.exact.kind() {
-            layout.add(Role::Exact, kind);
+            add(true, Role::Exact, kind);
         }
         layout
     }
@@ -193,7 +178,8 @@ impl Types {
 /// Bits of a float32 that don't choose the part of a table.
 const PART_BITS: u32 = 10;
 
-/// Returns for the first bits of a float32 the first of the linear values of 16-bit sRGB, which ascend, that isn't below.
+/// Returns for the first bits of a float32 the first of the linear values of 16-bit sRGB, which ascend, that isn't
+/// below.
 fn firsts(linear: &[f32]) -> &'static [u16] {
     static FIRSTS: OnceLock<Vec<u16>> = OnceLock::new();
     let first = |part: u32| linear.partition_point(|value| value.to_bits() < part << PART_BITS) as u16;

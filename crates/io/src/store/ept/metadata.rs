@@ -98,11 +98,7 @@ pub(super) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, Error> {
 impl Metadata {
     pub fn read(path: &Path) -> Result<Self, Error> {
         let json: Json = read_json(path)?;
-        let malformed = |place: &str, cause: String| Error::Malformed {
-            path: path.to_path_buf(),
-            place: format!("`{place}`"),
-            cause,
-        };
+        let malformed = |place: &str, cause: String| Error::malformed(path, format!("`{place}`"), cause);
         let cube =
             corners(json.bounds).ok_or_else(|| malformed("bounds", format!("{:?} is not a box", json.bounds)))?;
         let conforming = json.bounds_conforming.unwrap_or(json.bounds);

@@ -75,7 +75,9 @@ impl Ept {
         let folder = folder.to_path_buf();
         let mut ept = Self { folder, metadata, asked, traits: Traits::NONE, keys, first_places, nodes, summary };
         ept.traits = ept.survey()?;
-        ept.summary.like = ept.empty()?;
+        // The columns of all tiles are those of the first.
+        let (columns, names) = ept.tile(0)?;
+        ept.summary.like = ept.finish(columns, &names).subset(&[]);
         Ok(ept)
     }
 
@@ -119,12 +121,6 @@ impl Ept {
         }
     }
 
-    /// A cloud of no points with the columns of all tiles, which are those of the first.
-    fn empty(&self) -> Result<Cloud, Error> {
-        let (columns, names) = self.tile(0)?;
-        Ok(self.finish(columns, &names).subset(&[]))
-    }
-
     fn finish(&self, columns: Columns, names: &[String]) -> Cloud {
         let cloud = columns.finish(names.iter().map(|name| &**name), self.asked, &self.traits);
         match &self.metadata.tiles {
@@ -136,8 +132,7 @@ impl Ept {
     fn check(&self, node: usize, cloud: &Cloud) -> Result<(), Error> {
         let Node { points, bounds, .. } = &self.nodes[node];
         let fail = |cause: String| {
-            let path = tile_path(&self.folder, &self.metadata, self.keys[node]);
-            Err(Error::Malformed { path, place: "tile".to_owned(), cause })
+            Err(Error::malformed(&tile_path(&self.folder, &self.metadata, self.keys[node]), "tile", cause))
         };
         if cloud.len() as u64 != *points {
             return fail(format!(
@@ -185,7 +180,7 @@ fn node(folder: &Path, metadata: &Metadata, key: Key, points: u64, parent: Optio
     }
     let Some(bounds) = cut(metadata.widened(key.cube(&metadata.cube)), metadata.widened(metadata.conforming)) else {
         let cause = format!("node {key} lies outside `boundsConforming`");
-        return Err(Error::Malformed { path: folder.join("ept.json"), place: "hierarchy".to_owned(), cause });
+        return Err(Error::malformed(&folder.join("ept.json"), "hierarchy", cause));
     };
     let spacing = metadata.spacing / (1u64 << key.level) as f64;
     Ok(Node { level: key.level, parent, bounds, points, bytes, spacing, largest_radius: None })

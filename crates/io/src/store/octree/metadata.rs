@@ -121,8 +121,7 @@ pub(crate) struct Checked {
 
 /// Reads the file.
 pub(crate) fn read(path: &Path) -> Result<Checked, Error> {
-    let malformed =
-        |place: &str, cause: String| Error::Malformed { path: path.to_path_buf(), place: place.to_owned(), cause };
+    let malformed = |place: &str, cause: String| Error::malformed(path, place, cause);
     let failed = |source| Error::Read { path: path.to_path_buf(), source };
     let bytes = std::fs::metadata(path).map_err(failed)?.len();
     if bytes > MAX_BYTES {
