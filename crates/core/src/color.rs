@@ -6,6 +6,8 @@ pub mod percentiles;
 pub mod scale;
 pub mod ticks;
 
+use std::sync::OnceLock;
+
 use glam::Vec3;
 
 /// The space in which blending runs.
@@ -21,6 +23,13 @@ pub enum ColorSpace {
 /// Returns the linear value of an sRGB-encoded one. Values outside [0, 1] follow the same curve.
 pub fn decode_srgb(encoded: f32) -> f32 {
     decode_srgb_f64(f64::from(encoded)) as f32
+}
+
+/// Returns the linear values of all sRGB-encoded integers from 0 to `full`, which is 255 or 65535.
+pub fn linear_values(full: u16) -> &'static [f32] {
+    static VALUES: [OnceLock<Vec<f32>>; 2] = [const { OnceLock::new() }; 2];
+    let linear = |encoded: u16| decode_srgb(f32::from(encoded) / f32::from(full));
+    VALUES[usize::from(full > 255)].get_or_init(|| (0..=full).map(linear).collect())
 }
 
 /// sRGB-encoded value of a linear one. Negative values stay on the linear part.

@@ -12,10 +12,11 @@ use std::sync::Arc;
 use bytemuck::{NoUninit, bytes_of};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::cloud::Bounds;
 use crate::cloud::gaussians::{Gaussians, MAX_DEGREE};
-use crate::cloud::sampling::Sampling;
+use crate::cloud::sampling::{Sampling, mix};
 pub use packed::Unreadable;
 pub use sample::Known;
 
@@ -77,7 +78,7 @@ pub struct Whole {
 }
 
 /// Count and bounds of all Gaussians of a scene that are not in one list.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct WholeSplats {
     /// Number of spheres.
     pub count: u64,
@@ -168,13 +169,8 @@ fn middle(positions: &[DVec3]) -> DVec3 {
 /// Ids that one thread finds at a time.
 const IDS_AT_ONCE: usize = 1 << 14;
 
-/// The id of the `nth` point in a place, counted from 0. Each word is multiplied by 2⁶⁴ over the golden ratio, whose
-/// high half depends on all of its bits, and folded (Knuth, The Art of Computer Programming 3, 6.4).
+/// The id of the `nth` point in a place, counted from 0: all words mixed.
 fn id(place: [u64; 3], nth: u64) -> u32 {
-    let mix = |all: u64, word: u64| {
-        let product = (all ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        product ^ product >> 32
-    };
     let mixed = mix(place.into_iter().fold(nth, mix), 0);
     (mixed ^ mixed >> 32) as u32
 }

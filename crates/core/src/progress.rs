@@ -51,15 +51,7 @@ impl Phase {
 
     /// Returns the name that profiles use.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Read => "read",
-            Self::Prepare => "prepare",
-            Self::Order => "order",
-            Self::Upload => "upload",
-            Self::Compile => "compile",
-            Self::Frame => "frame",
-            Self::Write => "write",
-        }
+        ["read", "prepare", "order", "upload", "compile", "frame", "write"][self as usize]
     }
 }
 

@@ -4,7 +4,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::columns::ScalarType;
-use pellucid_core::color::decode_srgb;
+use pellucid_core::color::{decode_srgb, linear_values};
 
 /// Floats up to this limit are meant to be at most 1; the excess is rounding.
 const UNIT: f32 = 1.0 + 1e-3;
@@ -15,8 +15,6 @@ pub(super) struct Channel {
     /// Index of the column in a row.
     pub at: usize,
     scale: Scale,
-    /// Linear values of the integers of that type; empty for floats.
-    table: Vec<f32>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -25,35 +23,43 @@ enum Scale {
     Integer {
         largest: u16,
         signed_byte: bool,
+        /// Linear values of all of them.
+        linear: &'static [f32],
     },
     Float,
     /// Linear values, as stored.
     Linear,
+    /// Numbers that stay as they are until the largest of them is known.
+    Measured,
 }
 
 impl Channel {
     /// Returns the channel of linear floats at a place of the row.
     pub fn linear_float(at: usize) -> Self {
-        Self { at, scale: Scale::Linear, table: Vec::new() }
+        Self { at, scale: Scale::Linear }
+    }
+
+    /// Returns the channel of numbers at a place of the row whose range is that of all of them.
+    pub fn of_any_range(at: usize) -> Self {
+        Self { at, scale: Scale::Measured }
+    }
+
+    /// Returns `true` if the range is that of all values, which are stored until it is known.
+    pub fn is_measured(&self) -> bool {
+        matches!(self.scale, Scale::Measured)
     }
 
     /// Returns the channel at a place of the row, by the type that it is stored as.
     pub fn new(at: usize, scalar: &ScalarType) -> Self {
         let scale = match scalar {
             ScalarType::Float | ScalarType::Double => Scale::Float,
-            ScalarType::UShort => Scale::Integer { largest: u16::MAX, signed_byte: false },
-            ScalarType::Char => Scale::Integer { largest: 255, signed_byte: true },
-            ScalarType::UChar | ScalarType::Short | ScalarType::Int | ScalarType::UInt => {
-                Scale::Integer { largest: 255, signed_byte: false }
+            integer => {
+                let largest = if *integer == ScalarType::UShort { u16::MAX } else { 255 };
+                let (signed_byte, linear) = (*integer == ScalarType::Char, linear_values(largest));
+                Scale::Integer { largest, signed_byte, linear }
             }
         };
-        let table = match scale {
-            Scale::Integer { largest, .. } => {
-                (0..=largest).map(|value| decode_srgb(f32::from(value) / f32::from(largest))).collect()
-            }
-            Scale::Float | Scale::Linear => Vec::new(),
-        };
-        Self { at, scale, table }
+        Self { at, scale }
     }
 
     /// The stored integer, clamped to its range.
@@ -64,37 +70,36 @@ impl Channel {
         (value as u16).min(largest)
     }
 
-    /// Returns the linear value of an sRGB-encoded channel.
+    /// Returns the linear value of an sRGB-encoded channel, or what is stored if its range is not known yet.
     #[inline]
     pub fn linear(&self, value: f64) -> f32 {
         match self.scale {
-            Scale::Integer { largest, signed_byte } => {
-                self.table[usize::from(Self::integer(value, largest, signed_byte))]
+            Scale::Integer { largest, signed_byte, linear } => {
+                linear[usize::from(Self::integer(value, largest, signed_byte))]
             }
-            Scale::Float => {
-                let value = value as f32;
-                if value.is_nan() { 0.0 } else { decode_srgb(value.clamp(0.0, 1.0)) }
-            }
-            Scale::Linear => {
-                let value = value as f32;
-                if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) }
-            }
+            Scale::Float => decode_srgb(unit_or(0.0, value as f32)),
+            Scale::Linear => unit_or(0.0, value as f32),
+            Scale::Measured => value as f32,
         }
     }
 
-    /// Returns the value clamped to [0, 1]; NaN counts as 1.
+    /// Returns the value clamped to [0, 1]; NaN counts as 1. One whose range is not known yet stays as it is.
     #[inline]
     pub fn unit(&self, value: f64) -> f32 {
         match self.scale {
-            Scale::Integer { largest, signed_byte } => {
+            Scale::Integer { largest, signed_byte, .. } => {
                 f32::from(Self::integer(value, largest, signed_byte)) / f32::from(largest)
             }
-            Scale::Float | Scale::Linear => {
-                let value = value as f32;
-                if value.is_nan() { 1.0 } else { value.clamp(0.0, 1.0) }
-            }
+            Scale::Float | Scale::Linear => unit_or(1.0, value as f32),
+            Scale::Measured => value as f32,
         }
     }
+}
+
+/// Returns a value clamped to [0, 1], and another one in place of NaN.
+#[inline]
+pub(super) fn unit_or(other: f32, value: f32) -> f32 {
+    if value.is_nan() { other } else { value.clamp(0.0, 1.0) }
 }
 
 /// Returns the largest finite value.

@@ -1,7 +1,10 @@
 //! Keeps a panic inside a decoder library from ending the program.
 
 use std::cell::Cell;
+use std::io::Read;
 use std::panic;
+
+use ruzstd::decoding::StreamingDecoder;
 
 thread_local! {
     /// True while this thread runs a decoder.
@@ -32,6 +35,16 @@ pub(crate) fn guard<T>(decode: impl FnOnce() -> T) -> Result<T, String> {
         let text = payload.downcast_ref::<String>().map(String::as_str).or(payload.downcast_ref::<&str>().copied());
         text.unwrap_or("unknown cause").to_owned()
     })
+}
+
+/// Unpacks a Zstandard stream, of which no more is unpacked than a byte beyond so many.
+pub(crate) fn zstandard(stream: &[u8], most: u64) -> Result<Vec<u8>, String> {
+    guard(|| {
+        let mut all = Vec::new();
+        let decoder = StreamingDecoder::new(stream).map_err(|e| e.to_string())?;
+        decoder.take(most.saturating_add(1)).read_to_end(&mut all).map_err(|e| e.to_string())?;
+        Ok(all)
+    })?
 }
 
 #[cfg(test)]

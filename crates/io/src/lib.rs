@@ -49,17 +49,11 @@ const START: u64 = 512;
 #[non_exhaustive]
 pub enum Error {
     /// The file doesn't exist.
-    #[error("{}: no such file", path.display())]
-    Missing {
-        /// The file asked for.
-        path: PathBuf,
-    },
+    #[error("{}: no such file", .0.display())]
+    Missing(PathBuf),
     /// The path names a folder.
-    #[error("{}: a folder, not a point cloud", path.display())]
-    Folder {
-        /// The path asked for.
-        path: PathBuf,
-    },
+    #[error("{}: a folder, not a point cloud", .0.display())]
+    Folder(PathBuf),
     /// The system refused to open or read the file.
     #[error("{}: {source}", path.display())]
     Read {
@@ -69,11 +63,8 @@ pub enum Error {
         source: std::io::Error,
     },
     /// The file has no bytes at all.
-    #[error("{}: empty file (0 bytes)", path.display())]
-    Empty {
-        /// The file.
-        path: PathBuf,
-    },
+    #[error("{}: empty file (0 bytes)", .0.display())]
+    Empty(PathBuf),
     /// Unknown format: neither the first bytes nor the extension belong to a known format.
     #[error("{}: unknown format; expected a point cloud (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, or a table of numbers as \
          in XYZ, CSV and TXT), Gaussian splats (PLY, SPLAT, SPZ, SOG, KSPLAT, glTF) or a picture (PNG, JPEG, TIFF); the file starts with {start:?}", path.display())]
@@ -84,11 +75,8 @@ pub enum Error {
         start: String,
     },
     /// A point cloud was given a place that only pictures have.
-    #[error("{}: `photo` places a picture (PNG, JPEG, TIFF) in the world, but this is a point cloud; use `translate` and `scale`", path.display())]
-    NoPicture {
-        /// The file.
-        path: PathBuf,
-    },
+    #[error("{}: `photo` places a picture (PNG, JPEG, TIFF) in the world, but this is a point cloud; use `translate` and `scale`", .0.display())]
+    NoPicture(PathBuf),
     /// The file is whole but no point is left to draw.
     #[error("{}: the cloud has no points{}", path.display(), non_finite_note(*.non_finite))]
     NoPoints {
@@ -148,11 +136,8 @@ pub enum Error {
         path: PathBuf,
     },
     /// A folder holds something else than what is to be written.
-    #[error("{}: the folder has other files; name a new or empty folder, or one with an octree to replace", path.display())]
-    Occupied {
-        /// The folder.
-        path: PathBuf,
-    },
+    #[error("{}: the folder has other files; name a new or empty folder, or one with an octree to replace", .0.display())]
+    Occupied(PathBuf),
     /// The file could not be written; an earlier file of this name is unchanged.
     #[error("{}: not written: {source}{}", path.display(), pellucid_core::atomic::remedy(source))]
     Write {
@@ -191,6 +176,21 @@ pub enum Error {
         /// Bytes that they take.
         needed: u64,
     },
+}
+
+impl Error {
+    /// Makes an error of a place in a file that breaks the rules.
+    pub(crate) fn malformed(path: &Path, place: impl Into<String>, cause: impl Into<String>) -> Self {
+        Self::Malformed { path: path.to_path_buf(), place: place.into(), cause: cause.into() }
+    }
+
+    /// Makes an error of what the system says against opening a file.
+    pub(crate) fn opening(path: &Path) -> impl Fn(std::io::Error) -> Self {
+        move |source| match (source.kind(), path.to_path_buf()) {
+            (ErrorKind::NotFound, path) => Self::Missing(path),
+            (_, path) => Self::Read { path, source },
+        }
+    }
 }
 
 fn non_finite_note(count: usize) -> String {
@@ -283,7 +283,7 @@ pub fn load_with(path: &Path, hints: Hints, progress: &Progress) -> Result<Cloud
     let path = source.path.clone();
     let format = Format::detect(&source, &start);
     if hints.photo.is_some() && !matches!(format, Ok(Format::Picture)) {
-        return Err(Error::NoPicture { path });
+        return Err(Error::NoPicture(path));
     }
     let format = format?;
     let mut cloud = match format {
@@ -292,7 +292,7 @@ pub fn load_with(path: &Path, hints: Hints, progress: &Progress) -> Result<Cloud
         Format::Ply => ply::read(source, progress)?,
         Format::E57 => e57::read(&mut source, progress)?,
         Format::Pcd => pcd::read(&mut source, progress)?,
-        Format::Splats(kind) => splats::read(source, kind, progress)?,
+        Format::Splats(read) => read(source, progress)?,
         Format::Text(kind) => text::read(&mut source, &start, kind, hints.columns, progress)?,
     };
     if hints.columns.is_some() && !matches!(format, Format::Text(_)) {
@@ -319,7 +319,7 @@ enum Format {
     Ply,
     E57,
     Pcd,
-    Splats(splats::Kind),
+    Splats(splats::Reader),
     Text(text::Kind),
 }
 
@@ -328,8 +328,8 @@ impl Format {
     /// numbers.
     fn detect(source: &Source, start: &[u8]) -> Result<Self, Error> {
         let extension = source.path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-        if let Some(kind) = splats::Kind::detect(&source.path, &extension, start) {
-            return Ok(Self::Splats(kind));
+        if let Some(reader) = splats::reader(&source.path, &extension, start) {
+            return Ok(Self::Splats(reader));
         }
         let expected = match extension.as_str() {
             _ if bitmap::format(start).is_some() => return Ok(Self::Picture),
@@ -365,7 +365,7 @@ impl Format {
 pub fn is_cloud(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     matches!(extension.as_str(), "ply" | "las" | "laz" | "e57" | "pcd")
-        || splats::Kind::has_extension(&extension)
+        || splats::has_extension(&extension)
         || text::Kind::of_extension(&extension).is_some()
 }
 
@@ -379,22 +379,15 @@ struct Source {
 
 impl Source {
     fn open(path: &Path) -> Result<Self, Error> {
-        let owned = path.to_path_buf();
-        let file = match File::open(path) {
-            Ok(file) => file,
-            Err(e) if e.kind() == ErrorKind::NotFound => return Err(Error::Missing { path: owned }),
-            Err(source) => return Err(Error::Read { path: owned, source }),
-        };
-        let metadata = match file.metadata() {
-            Ok(metadata) => metadata,
-            Err(source) => return Err(Error::Read { path: owned, source }),
-        };
+        let (owned, failed) = (path.to_path_buf(), Error::opening(path));
+        let file = File::open(path).map_err(&failed)?;
+        let metadata = file.metadata().map_err(&failed)?;
         if metadata.is_dir() {
-            return Err(Error::Folder { path: owned });
+            return Err(Error::Folder(owned));
         }
         // A pipe or a device has no length to check claims against.
         if metadata.len() == 0 {
-            return Err(Error::Empty { path: owned });
+            return Err(Error::Empty(owned));
         }
         Ok(Self { reader: BufReader::with_capacity(1 << 20, file), path: owned, len: metadata.len() })
     }
@@ -407,12 +400,19 @@ impl Source {
         Ok(start)
     }
 
+    /// All bytes of the file, from its start.
+    fn all(&mut self) -> Result<Vec<u8>, Error> {
+        let mut bytes = Vec::new();
+        let read = self.reader.by_ref().take(self.len).read_to_end(&mut bytes);
+        read.map_err(|e| self.read_error(e)).map(|_| bytes)
+    }
+
     fn read_error(&self, source: std::io::Error) -> Error {
         Error::Read { path: self.path.clone(), source }
     }
 
     fn malformed(&self, place: impl Into<String>, cause: impl Into<String>) -> Error {
-        Error::Malformed { path: self.path.clone(), place: place.into(), cause: cause.into() }
+        Error::malformed(&self.path, place, cause)
     }
 
     fn truncated(&self, what: impl Into<String>) -> Error {

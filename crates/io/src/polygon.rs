@@ -19,14 +19,10 @@ const MAX_BYTES: u64 = 64 << 20;
 /// # Errors
 /// The file is missing, too large, no GeoJSON, or has no polygon.
 pub fn read(path: &Path) -> Result<Vec<Rings>, Error> {
-    let owned = || path.to_path_buf();
-    let failed = |source: std::io::Error| match source.kind() {
-        std::io::ErrorKind::NotFound => Error::Missing { path: owned() },
-        _ => Error::Read { path: owned(), source },
-    };
-    let malformed = |cause: String| Error::Malformed { path: owned(), place: "polygons".to_owned(), cause };
+    let failed = Error::opening(path);
+    let malformed = |cause: String| Error::malformed(path, "polygons", cause);
     let mut text = String::new();
-    File::open(path).map_err(failed)?.take(MAX_BYTES + 1).read_to_string(&mut text).map_err(failed)?;
+    File::open(path).map_err(&failed)?.take(MAX_BYTES + 1).read_to_string(&mut text).map_err(&failed)?;
     if text.len() as u64 > MAX_BYTES {
         return Err(malformed(format!("the file is larger than {} MiB", MAX_BYTES >> 20)));
     }

@@ -46,7 +46,7 @@ impl SharedFile {
     }
 
     pub fn malformed(&self, place: impl Into<String>, cause: impl Into<String>) -> Error {
-        Error::Malformed { path: self.path.clone(), place: place.into(), cause: cause.into() }
+        Error::malformed(&self.path, place, cause)
     }
 
     pub fn truncated(&self, what: impl Into<String>) -> Error {

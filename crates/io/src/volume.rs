@@ -5,71 +5,34 @@ use std::io::Read;
 use std::path::Path;
 use std::str::FromStr;
 
+use super::number::Kind;
 use super::{Error, Source};
 
-/// The type of a volume's numbers; little-endian.
+/// The type of a volume's numbers, little-endian: `uint8`, `int8`, `uint16`, `int16`, `uint32`, `int32`, `float32` or
+/// `float64`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scalar {
-    /// `uint8`
-    U8,
-    /// `int8`
-    I8,
-    /// `uint16`
-    U16,
-    /// `int16`
-    I16,
-    /// `uint32`
-    U32,
-    /// `int32`
-    I32,
-    /// `float32`
-    F32,
-    /// `float64`
-    F64,
-}
+pub struct Scalar(Kind);
 
 /// All of them with their names.
-const SCALARS: [(&str, Scalar); 8] = [
-    ("uint8", Scalar::U8),
-    ("int8", Scalar::I8),
-    ("uint16", Scalar::U16),
-    ("int16", Scalar::I16),
-    ("uint32", Scalar::U32),
-    ("int32", Scalar::I32),
-    ("float32", Scalar::F32),
-    ("float64", Scalar::F64),
+const SCALARS: [(&str, Kind); 8] = [
+    ("uint8", Kind::Uint8),
+    ("int8", Kind::Int8),
+    ("uint16", Kind::Uint16),
+    ("int16", Kind::Int16),
+    ("uint32", Kind::Uint32),
+    ("int32", Kind::Int32),
+    ("float32", Kind::Float),
+    ("float64", Kind::Double),
 ];
 
 impl Scalar {
     /// Returns the number of bytes of one number.
     pub fn bytes(self) -> usize {
-        match self {
-            Self::U8 | Self::I8 => 1,
-            Self::U16 | Self::I16 => 2,
-            Self::U32 | Self::I32 | Self::F32 => 4,
-            Self::F64 => 8,
-        }
+        self.0.bytes().unwrap_or(1)
     }
 
     fn name(self) -> &'static str {
-        SCALARS.iter().find(|(_, scalar)| *scalar == self).map_or("", |(name, _)| name)
-    }
-
-    /// The nearest float32 of the number in these bytes.
-    fn decode(self, bytes: &[u8]) -> f32 {
-        let at = |i: usize| bytes.get(i).copied().unwrap_or_default();
-        let two = [at(0), at(1)];
-        let four = [at(0), at(1), at(2), at(3)];
-        match self {
-            Self::U8 => f32::from(at(0)),
-            Self::I8 => f32::from(at(0) as i8),
-            Self::U16 => f32::from(u16::from_le_bytes(two)),
-            Self::I16 => f32::from(i16::from_le_bytes(two)),
-            Self::U32 => u32::from_le_bytes(four) as f32,
-            Self::I32 => i32::from_le_bytes(four) as f32,
-            Self::F32 => f32::from_le_bytes(four),
-            Self::F64 => f64::from_le_bytes(std::array::from_fn(at)) as f32,
-        }
+        SCALARS.iter().find(|(_, kind)| *kind == self.0).map_or("", |(name, _)| name)
     }
 }
 
@@ -77,7 +40,7 @@ impl FromStr for Scalar {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let found = SCALARS.iter().find(|(name, _)| *name == text).map(|(_, scalar)| *scalar);
+        let found = SCALARS.iter().find(|(name, _)| *name == text).map(|(_, kind)| Self(*kind));
         let known = || SCALARS.map(|(name, _)| name).join(", ");
         found.ok_or_else(|| format!("unknown type {text:?}; expected one of {}", known()))
     }
@@ -124,7 +87,7 @@ pub fn read(path: &Path, dims: Option<Dims>, scalar: Option<Scalar>) -> Result<V
     let parts = || name.rsplit('_');
     let unknown = |option: &str| {
         let cause = format!("does not give size and type, as hydrogen_64x64x64_float32.raw does; use {option}");
-        Error::Malformed { path: path.to_owned(), place: "its name".to_owned(), cause }
+        Error::malformed(path, "its name", cause)
     };
     let dims = dims.or_else(|| parts().find_map(|part| part.parse().ok()));
     let dims = dims.ok_or_else(|| unknown("--dims XxYxZ"))?;
@@ -140,7 +103,7 @@ pub fn read(path: &Path, dims: Option<Dims>, scalar: Option<Scalar>) -> Result<V
             scalar.name(),
             source.len
         );
-        return Err(Error::Malformed { path: path.to_owned(), place: "its size".to_owned(), cause });
+        return Err(Error::malformed(path, "its size", cause));
     }
     let values = values(&mut source, scalar)?;
     Ok(Volume { dims: dims.0, values })
@@ -149,11 +112,9 @@ pub fn read(path: &Path, dims: Option<Dims>, scalar: Option<Scalar>) -> Result<V
 /// All numbers of a file whose size is a multiple of theirs.
 fn values(source: &mut Source, scalar: Scalar) -> Result<Vec<f32>, Error> {
     let count = source.len / scalar.bytes() as u64;
-    let too_large = || Error::Malformed {
-        path: source.path.clone(),
-        place: "its size".to_owned(),
-        cause: format!("{count} numbers need {} bytes, more than can be allocated", count.saturating_mul(4)),
-    };
+    let bytes = count.saturating_mul(4);
+    let cause = || format!("{count} numbers need {bytes} bytes, more than can be allocated");
+    let too_large = || Error::malformed(&source.path, "its size", cause());
     let mut values = Vec::new();
     let wanted = usize::try_from(count).map_err(|_| too_large())?;
     values.try_reserve_exact(wanted).map_err(|_| too_large())?;
@@ -162,7 +123,7 @@ fn values(source: &mut Source, scalar: Scalar) -> Result<Vec<f32>, Error> {
         let part = (wanted - values.len()).min(1 << 16) * scalar.bytes();
         let failed = |error| Error::Read { path: source.path.clone(), source: error };
         source.reader.read_exact(&mut chunk[..part]).map_err(failed)?;
-        values.extend(chunk[..part].chunks_exact(scalar.bytes()).map(|bytes| scalar.decode(bytes)));
+        values.extend(chunk[..part].chunks_exact(scalar.bytes()).map(|bytes| scalar.0.read(bytes) as f32));
     }
     Ok(values)
 }
@@ -207,7 +168,7 @@ mod tests {
     fn names_say_what_options_don_t() {
         let (_folder, path) = file("a_b_3x2x2_int16.raw", &[0; 24]);
         assert_eq!(read(&path, None, None).unwrap().dims, [3, 2, 2]);
-        assert_eq!(read(&path, Some(Dims([2, 3, 4])), Some(Scalar::U8)).unwrap().dims, [2, 3, 4]);
+        assert_eq!(read(&path, Some(Dims([2, 3, 4])), Some(Scalar(Kind::Uint8))).unwrap().dims, [2, 3, 4]);
     }
 
     #[test]

@@ -41,7 +41,14 @@ pub(super) struct Temporary(Option<NamedTempFile>);
 impl Temporary {
     /// Returns a new one with the permissions that any new file gets.
     pub(super) fn make(folder: &Path) -> io::Result<Self> {
-        let file = named(folder)?;
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".pellucid-").suffix(".tmp");
+        // Temporary files are private by default.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let mut list = lock();
+        let file = builder.tempfile_in(folder)?;
+        list.push(file.path().to_owned());
         Ok(Self(Some(file)))
     }
 
@@ -67,18 +74,6 @@ impl Drop for Temporary {
             forget(&mut lock(), &path);
         }
     }
-}
-
-fn named(folder: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".pellucid-").suffix(".tmp");
-    // Temporary files are private by default.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut list = lock();
-    let file = builder.tempfile_in(folder)?;
-    list.push(file.path().to_owned());
-    Ok(file)
 }
 
 /// A folder that is there now, with those above it. Those of them that are new and still empty when this is dropped go

@@ -12,7 +12,7 @@ pub mod shadow_texture;
 #[doc(hidden)]
 pub mod upright;
 
-use glam::{DVec3, Vec3};
+use glam::{BVec3, DVec3, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -47,7 +47,8 @@ pub fn same_scalar(a: &str, b: &str) -> bool {
 }
 
 /// Axis of a file that points up; decides the automatic camera.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum UpAxis {
     /// Models (PLY): +Y is up.
     #[default]
@@ -55,6 +56,7 @@ pub enum UpAxis {
     /// Surveys and scans (all other point clouds): +Z is up.
     Z,
     /// Clouds in the frame of a depth camera, whose rows run along +Y: −Y is up.
+    #[serde(rename = "-y")]
     NegativeY,
 }
 
@@ -184,12 +186,7 @@ impl Bounds {
 
     /// Returns the bounding box of some points; `None` if there are none.
     pub fn enclosing(points: impl IntoIterator<Item = DVec3>) -> Option<Self> {
-        points.into_iter().fold(None, |bounds: Option<Self>, p| {
-            Some(match bounds {
-                None => Self { min: p, max: p },
-                Some(b) => Self { min: b.min.min(p), max: b.max.max(p) },
-            })
-        })
+        points.into_iter().map(|p| Self { min: p, max: p }).reduce(Self::union)
     }
 
     /// Returns the smallest box around both.
@@ -215,12 +212,8 @@ impl Bounds {
     /// Returns the eight corners.
     pub fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|i| {
-            let pick = |bit: usize, lo: f64, hi: f64| if i >> bit & 1 == 0 { lo } else { hi };
-            DVec3::new(
-                pick(0, self.min.x, self.max.x),
-                pick(1, self.min.y, self.max.y),
-                pick(2, self.min.z, self.max.z),
-            )
+            let is_high = BVec3::from_array([0, 1, 2].map(|bit| i >> bit & 1 == 1));
+            DVec3::select(is_high, self.max, self.min)
         })
     }
 }

@@ -50,17 +50,20 @@ pub fn word(position: DVec3, seed: u64) -> u32 {
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// A number that has nothing to do with where a position lies, the same for equal positions: each coordinate's bits are
-/// multiplied by 2⁶⁴ over the golden ratio, whose high half depends on all of them, and folded (Knuth, The Art of
-/// Computer Programming 3, 6.4); once more by another odd number, since neighbors on a grid are told apart by few bits.
+/// mixed, and multiplied once more by another odd number, since neighbors on a grid are told apart by few bits.
 fn scattered(position: DVec3) -> u32 {
     (folded(position, 0).wrapping_mul(0xd6e8_feb8_6659_fd93) >> 32) as u32
 }
 
 fn folded(position: DVec3, first: u64) -> u64 {
-    position.to_array().into_iter().fold(first, |all: u64, x| {
-        let product = (all ^ x.to_bits()).wrapping_mul(GOLDEN);
-        product ^ product >> 32
-    })
+    position.to_array().into_iter().map(f64::to_bits).fold(first, mix)
+}
+
+/// A number that depends on all bits of another one and of a word: their product with 2⁶⁴ over the golden ratio, whose
+/// high half does so, folded (Knuth, The Art of Computer Programming 3, 6.4).
+pub(crate) fn mix(all: u64, word: u64) -> u64 {
+    let product = (all ^ word).wrapping_mul(GOLDEN);
+    product ^ product >> 32
 }
 
 #[cfg(test)]

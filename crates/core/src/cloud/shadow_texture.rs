@@ -6,8 +6,8 @@ use crate::light::Light;
 
 /// Everything that decides which lights reach which of the points: the same casting of the same points is the same
 /// texture.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(into = "CastingRecord")]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(from = "CastingRecord", into = "CastingRecord")]
 pub struct Casting {
     /// The light, its direction of length 1; not a headlight.
     pub light: Light,
@@ -51,8 +51,7 @@ pub struct ShadowTexture {
 
 /// A [`Casting`] in the form of a prepared file.
 #[derive(Serialize, Deserialize)]
-#[doc(hidden)]
-pub struct CastingRecord {
+struct CastingRecord {
     #[serde(flatten)]
     light: LightRecord,
     samples: u32,
@@ -71,13 +70,7 @@ enum LightRecord {
 
 impl From<Casting> for CastingRecord {
     fn from(casting: Casting) -> Self {
-        Self::from(&casting)
-    }
-}
-
-impl From<&Casting> for CastingRecord {
-    fn from(casting: &Casting) -> Self {
-        let Casting { light, samples, light_radius, resolution, min_layer_distance, seed } = *casting;
+        let Casting { light, samples, light_radius, resolution, min_layer_distance, seed } = casting;
         let light = match light {
             Light::Position(position) => LightRecord::Position(position.to_array()),
             Light::Direction(direction) => LightRecord::Direction(direction.to_array()),
@@ -88,10 +81,10 @@ impl From<&Casting> for CastingRecord {
     }
 }
 
-impl From<&CastingRecord> for Casting {
-    fn from(record: &CastingRecord) -> Self {
-        let CastingRecord { samples, light_radius, resolution, min_layer_distance, seed, .. } = *record;
-        let light = match record.light {
+impl From<CastingRecord> for Casting {
+    fn from(record: CastingRecord) -> Self {
+        let CastingRecord { light, samples, light_radius, resolution, min_layer_distance, seed } = record;
+        let light = match light {
             LightRecord::Direction(direction) => Light::Direction(direction.into()),
             LightRecord::Position(position) => Light::Position(position.into()),
         };

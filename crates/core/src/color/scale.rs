@@ -43,13 +43,8 @@ impl Scale {
 
     /// t from 0 to 1; `None` for values that are not finite, and with a logarithm for those up to 0.
     pub fn place(&self, value: f64) -> Option<f64> {
-        let value = if self.log && value > 0.0 {
-            value.ln()
-        } else if self.log {
-            f64::NAN
-        } else {
-            value
-        };
+        // Of values up to 0 the logarithm is infinite or none.
+        let value = if self.log { value.ln() } else { value };
         let [low, high] = self.scaled;
         if !value.is_finite() {
             None

@@ -6,18 +6,7 @@ use super::{Points, Unseen};
 use crate::cloud::gaussians::{Gaussians, MAX_DEGREE, coefficients};
 
 /// Marks packed points: of another version or another byte order it is another number.
-const MARK: u64 = 0x0001_7374_6e69_6f70;
-
-/// Columns that a list may have or not, by their bits.
-const COLORS: u64 = 1;
-const OPACITIES: u64 = 2;
-const RADII: u64 = 4;
-const NORMALS: u64 = 8;
-const FILE_ORDER: u64 = 16;
-const DEALT_IDS: u64 = 32;
-const FIELDS: u64 = 64;
-const GAUSSIANS: u64 = 128;
-const ALL: u64 = 255;
+const MARK: u64 = 0x0002_7374_6e69_6f70;
 
 /// Bytes that are no packed points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -37,23 +26,14 @@ impl Points {
         let Self {
             positions, colors, opacities, radii, normals, file_order, dealt_ids, fields, gaussians, unseen, ..
         } = self;
-        let has = |bit: u64, has: bool| if has { bit } else { 0 };
-        let columns = has(COLORS, !colors.is_empty())
-            | has(OPACITIES, !opacities.is_empty())
-            | has(RADII, !radii.is_empty())
-            | has(NORMALS, normals.is_some())
-            | has(FILE_ORDER, !file_order.is_empty())
-            | has(DEALT_IDS, !dealt_ids.is_empty())
-            | has(FIELDS, !fields.is_empty())
-            | has(GAUSSIANS, gaussians.is_some());
-        let degree = gaussians.as_ref().map_or(0, |all| u64::from(all.degree));
-        put(to, &[MARK, positions.len() as u64, unseen.positions.len() as u64, columns, degree]);
+        let splats = gaussians.as_ref().map_or(0, |all| 1 + u64::from(all.degree));
+        let has_normals = normals.is_some().into();
+        put(to, &[MARK, positions.len() as u64, unseen.positions.len() as u64, has_normals, splats]);
         put(to, positions);
-        put(to, colors);
-        [opacities, radii].into_iter().for_each(|column| put(to, column));
+        put_column(to, colors);
+        [opacities, radii, fields].into_iter().for_each(|column| put_column(to, column));
+        [file_order, dealt_ids].into_iter().for_each(|column| put_column(to, column));
         normals.iter().for_each(|normals| put(to, normals));
-        [file_order, dealt_ids].into_iter().for_each(|column| put(to, column));
-        put(to, fields);
         if let Some(Gaussians { extents, rotations, bases, harmonics, .. }) = gaussians {
             put(to, extents);
             put(to, rotations);
@@ -69,33 +49,25 @@ impl Points {
     /// # Errors
     /// The bytes end too early, were packed by something else, or have positions that are not finite.
     pub fn unpack(bytes: &mut &[u8]) -> Result<Self, Unreadable> {
-        let [mark, count, unseen, columns, degree] = taken::<u64>(bytes, 5)?[..] else {
+        let [mark, count, unseen, has_normals, splats] = taken::<u64>(bytes, 5)?[..] else {
             return Err(Unreadable("no header"));
         };
-        if mark != MARK || columns > ALL || degree > u64::from(MAX_DEGREE) {
+        if mark != MARK || has_normals > 1 || splats > 1 + u64::from(MAX_DEGREE) {
             return Err(Unreadable("another header"));
         }
         let [count, unseen] = [count, unseen].map(|count| usize::try_from(count).unwrap_or(usize::MAX));
-        let has = |bit: u64| if columns & bit == 0 { 0 } else { count };
-        let positions = taken(bytes, count)?;
-        let colors = taken(bytes, has(COLORS))?;
-        let (opacities, radii) = (taken(bytes, has(OPACITIES))?, taken(bytes, has(RADII))?);
-        let normals = if columns & NORMALS == 0 { None } else { Some(taken(bytes, count)?) };
-        let (file_order, dealt_ids) = (taken(bytes, has(FILE_ORDER))?, taken(bytes, has(DEALT_IDS))?);
-        let fields = taken(bytes, has(FIELDS))?;
-        let gaussians = if columns & GAUSSIANS == 0 { None } else { Some(gaussians(bytes, count, degree as u32)?) };
-        let unseen = Unseen { positions: taken(bytes, unseen)?, radii: taken(bytes, unseen)? };
+        // In the order of the bytes.
         let points = Self {
-            positions,
-            colors,
-            opacities,
-            radii,
-            normals,
-            file_order,
-            dealt_ids,
-            fields,
-            gaussians,
-            unseen: unseen.into(),
+            positions: taken(bytes, count)?,
+            colors: taken_column(bytes, count)?,
+            opacities: taken_column(bytes, count)?,
+            radii: taken_column(bytes, count)?,
+            fields: taken_column(bytes, count)?,
+            file_order: taken_column(bytes, count)?,
+            dealt_ids: taken_column(bytes, count)?,
+            normals: (has_normals == 1).then(|| taken(bytes, count)).transpose()?,
+            gaussians: splats.checked_sub(1).map(|degree| gaussians(bytes, count, degree as u32)).transpose()?,
+            unseen: Unseen { positions: taken(bytes, unseen)?, radii: taken(bytes, unseen)? }.into(),
             whole: None,
         };
         let mut places = points.positions.iter().chain(&points.unseen.positions);
@@ -118,6 +90,21 @@ fn gaussians(bytes: &mut &[u8], count: usize, degree: u32) -> Result<Gaussians, 
 #[doc(hidden)]
 pub fn put<T: NoUninit>(to: &mut Vec<u8>, column: &[T]) {
     to.extend_from_slice(cast_slice(column));
+}
+
+/// Appends the bytes of a column that may be empty.
+fn put_column<T: NoUninit>(to: &mut Vec<u8>, column: &[T]) {
+    put(to, &[column.len() as u64]);
+    put(to, column);
+}
+
+/// Returns a column of so many values, or an empty one.
+fn taken_column<T: NoUninit + AnyBitPattern>(bytes: &mut &[u8], count: usize) -> Result<Vec<T>, Unreadable> {
+    match taken::<u64>(bytes, 1)?[..] {
+        [0] => Ok(Vec::new()),
+        [length] if length == count as u64 => taken(bytes, count),
+        _ => Err(Unreadable("a column of another length")),
+    }
 }
 
 /// Returns the first values of some bytes.

@@ -15,12 +15,12 @@ use crate::cloud::sampling::Sampling;
 pub struct Known {
     count: u64,
     bounds: Bounds,
-    /// Bits of the largest radius and of the largest component of a color, which may be infinite.
-    largest_radius: u32,
-    brightest: u32,
+    /// World units; may be infinite, as the next one may, which no JSON is.
+    largest_radius: f32,
+    /// The largest component of a color, linear.
+    brightest: f32,
     is_transparent: bool,
-    /// Count, degree and bits of the brightest value of Gaussians.
-    splats: Option<(u64, u32, u32)>,
+    splats: Option<WholeSplats>,
 }
 
 impl Known {
@@ -54,15 +54,14 @@ impl Points {
     pub fn known(&self) -> Option<Known> {
         let brightest = || self.colors.par_iter().map(|color| color.max_element()).reduce(|| 1.0, f32::max);
         let whole = self.whole.as_ref();
-        let splats = self.splats().map(|all| (all.count, all.degree, all.brightest.to_bits()));
         let is_transparent = || self.opacities.par_iter().any(|opacity| *opacity < 1.0);
         Some(Known {
             count: self.count(),
             bounds: self.bounds()?,
-            largest_radius: (self.largest_radius() as f32).to_bits(),
-            brightest: whole.map_or_else(brightest, |whole| whole.brightest).to_bits(),
+            largest_radius: self.largest_radius() as f32,
+            brightest: whole.map_or_else(brightest, |whole| whole.brightest),
             is_transparent: whole.map_or_else(is_transparent, |whole| whole.is_transparent),
-            splats,
+            splats: self.splats(),
         })
     }
 
@@ -95,21 +94,9 @@ impl Points {
     /// Marks these points as some that stand for a scene; `identity` is the same text for the same points.
     #[must_use]
     pub fn standing_for(self, known: &Known, identity: String) -> Self {
-        let splats = known.splats.map(|(count, degree, brightest)| WholeSplats {
-            count,
-            degree,
-            brightest: f32::from_bits(brightest),
-        });
-        let whole = Whole {
-            count: known.count,
-            bounds: known.bounds,
-            largest_radius: f32::from_bits(known.largest_radius),
-            brightest: f32::from_bits(known.brightest),
-            is_transparent: known.is_transparent,
-            identity,
-            splats,
-            spheres: Arc::new(Elsewhere),
-        };
+        let Known { count, bounds, largest_radius, brightest, is_transparent, splats } = *known;
+        let spheres = Arc::new(Elsewhere);
+        let whole = Whole { count, bounds, largest_radius, brightest, is_transparent, identity, splats, spheres };
         Self { whole: Some(Arc::new(whole)), ..self }
     }
 }

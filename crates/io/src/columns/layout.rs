@@ -15,29 +15,13 @@ const UNIT_TOLERANCE: f32 = 1e-6;
 pub(crate) struct Layout {
     position: [usize; 3],
     normal: Option<[usize; 3]>,
-    color: Option<Rgb>,
-    alpha: Option<Alpha>,
+    color: Option<[Channel; 3]>,
+    alpha: Option<Channel>,
     radius: Option<usize>,
     /// Column of the classification, with the name of the scalar that it is if its values are no codes.
     pub(super) classification: Option<(usize, String)>,
     intensity: Option<usize>,
     scalars: Vec<(usize, String)>,
-}
-
-/// The source of colors.
-#[derive(Debug)]
-enum Rgb {
-    Typed([Channel; 3]),
-    /// Columns of the color, whose scale is unknown until the largest value is.
-    Measured([usize; 3]),
-}
-
-/// The source of alphas.
-#[derive(Debug)]
-enum Alpha {
-    Typed(Channel),
-    /// Column of values whose scale is unknown until the largest value is.
-    Measured(usize),
 }
 
 impl Layout {
@@ -51,19 +35,18 @@ impl Layout {
         };
         let normal = names.take_three(&NORMAL);
         let linear = names.take_three(&LINEAR_COLOR).map(|at| at.map(Channel::linear_float));
-        let color = linear.map(Rgb::Typed).or_else(|| {
+        let is_measured = |at: &usize| full_scale == FullScale::Measured && columns[*at].kind != ScalarType::UChar;
+        let channel = |at: usize| Channel::new(at, &columns[at].kind);
+        let color = linear.or_else(|| {
             let at = names.take_three(&COLOR)?;
-            let measured = full_scale == FullScale::Measured && at.iter().any(|&at| !names.is_byte(at));
-            Some(if measured { Rgb::Measured(at) } else { Rgb::Typed(at.map(|at| names.channel(at))) })
+            Some(if at.iter().any(is_measured) { at.map(Channel::of_any_range) } else { at.map(channel) })
         });
-        let alpha = names.take(&ALPHA).map(|at| {
-            let measured = full_scale == FullScale::Measured && !names.is_byte(at);
-            if measured { Alpha::Measured(at) } else { Alpha::Typed(names.channel(at)) }
-        });
+        let alpha = names.take(&ALPHA);
+        let alpha = alpha.map(|at| if is_measured(&at) { Channel::of_any_range(at) } else { channel(at) });
         let radius = names.take(&RADIUS);
-        let classification = names.take(&CLASSIFICATION_NAMES).map(|at| (at, names.original[at].clone()));
+        let classification = names.take(&CLASSIFICATION_NAMES).map(|at| (at, columns[at].name.clone()));
         let intensity = names.take(&INTENSITY_NAMES);
-        let scalars = names.rest().map(|at| (at, names.original[at].clone())).collect();
+        let scalars = names.rest().map(|at| (at, columns[at].name.clone())).collect();
         Ok(Self { position, normal, color, alpha, radius, classification, intensity, scalars })
     }
 
@@ -91,7 +74,8 @@ impl Layout {
 
     /// Returns `true` if the range of colors and the range of alphas is that of all values.
     pub(super) fn measures(&self) -> [bool; 2] {
-        [matches!(self.color, Some(Rgb::Measured(_))), matches!(self.alpha, Some(Alpha::Measured(_)))]
+        let color = self.color.as_ref().is_some_and(|[red, ..]| red.is_measured());
+        [color, self.alpha.as_ref().is_some_and(Channel::is_measured)]
     }
 
     /// Returns the position, if it is finite.
@@ -109,19 +93,14 @@ impl Layout {
     /// Returns the linear color, or what is stored if the range is not known yet.
     #[inline]
     pub(super) fn color(&self, value: impl Fn(usize) -> f64) -> Option<Vec3> {
-        Some(match self.color.as_ref()? {
-            Rgb::Typed([r, g, b]) => Vec3::new(r.linear(value(r.at)), g.linear(value(g.at)), b.linear(value(b.at))),
-            Rgb::Measured([r, g, b]) => Vec3::new(value(*r) as f32, value(*g) as f32, value(*b) as f32),
-        })
+        let [r, g, b] = self.color.as_ref()?;
+        Some(Vec3::new(r.linear(value(r.at)), g.linear(value(g.at)), b.linear(value(b.at))))
     }
 
     /// Returns the alpha, or what is stored if the range is not known yet.
     #[inline]
     pub(super) fn alpha(&self, value: impl Fn(usize) -> f64) -> Option<f32> {
-        Some(match self.alpha.as_ref()? {
-            Alpha::Typed(channel) => channel.unit(value(channel.at)),
-            Alpha::Measured(at) => value(*at) as f32,
-        })
+        self.alpha.as_ref().map(|channel| channel.unit(value(channel.at)))
     }
 
     #[inline]
@@ -164,18 +143,12 @@ pub fn unit_or_zero(normal: Vec3) -> Vec3 {
 
 /// The columns of a table that are not assigned yet.
 struct Names {
-    original: Vec<String>,
     lower: Vec<Option<String>>,
-    types: Vec<ScalarType>,
 }
 
 impl Names {
     fn new(columns: &[Column]) -> Self {
-        Self {
-            original: columns.iter().map(|column| column.name.clone()).collect(),
-            lower: columns.iter().map(|column| Some(column.name.to_ascii_lowercase())).collect(),
-            types: columns.iter().map(|column| column.kind.clone()).collect(),
-        }
+        Self { lower: columns.iter().map(|column| Some(column.name.to_ascii_lowercase())).collect() }
     }
 
     fn find(&self, name: &str) -> Option<usize> {
@@ -194,14 +167,6 @@ impl Names {
             self.lower[at] = None;
         }
         Some(at)
-    }
-
-    fn is_byte(&self, at: usize) -> bool {
-        self.types[at] == ScalarType::UChar
-    }
-
-    fn channel(&self, at: usize) -> Channel {
-        Channel::new(at, &self.types[at])
     }
 
     fn rest(&self) -> impl Iterator<Item = usize> {

@@ -7,7 +7,7 @@ mod rows;
 mod table;
 
 pub(super) use block::Block;
-pub(super) use join::joined;
+pub(super) use join::{taken, taken_optional};
 pub(super) use layout::Layout;
 pub use layout::unit_or_zero;
 pub(super) use ply_rs_bw::ply::ScalarType;
@@ -68,8 +68,7 @@ impl Columns {
 
     /// Returns the cloud, its vertical +Y. Normals that are all zero are dropped.
     pub fn finish(self) -> Cloud {
-        let whole = self.table.whole(&self.layout);
-        self.table.finish(&self.layout, &whole)
+        self.table.into_cloud(&self.layout)
     }
 }
 

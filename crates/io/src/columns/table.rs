@@ -1,11 +1,10 @@
 //! Columns of rows, before what only all rows tell is known.
 
-use bytemuck::Zeroable;
 use bytemuck::allocation::zeroed_vec;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{Layout, Rows, joined};
+use super::{Layout, Rows, taken, taken_optional};
 use crate::channel;
 use pellucid_core::cloud::Cloud;
 
@@ -14,6 +13,18 @@ pub(crate) struct Table {
     pub(super) cloud: Cloud,
     /// Values of the column that is a classification if they are codes.
     pub(super) codes: Option<Vec<f32>>,
+}
+
+/// Does the same to every column of a table.
+macro_rules! each_column {
+    ($table:expr, |$column:ident| $what:expr) => {{
+        let Table { cloud, codes } = $table;
+        let $column = &mut cloud.positions;
+        $what;
+        cloud.colors.iter_mut().chain(&mut cloud.normals).for_each(|$column| $what);
+        let ones = [&mut cloud.alphas, &mut cloud.radii, &mut cloud.intensity, codes].into_iter().flatten();
+        ones.chain(cloud.scalars.iter_mut().map(|(_, column)| column)).for_each(|$column| $what);
+    }};
 }
 
 /// Facts that only all rows of a table tell.
@@ -49,52 +60,36 @@ impl Whole {
 impl Table {
     /// Returns columns of so many rows, all zero. Memory is taken as they are written.
     pub fn new(layout: &Layout, rows: usize) -> Self {
-        fn sized<T: Zeroable>(column: &mut Vec<T>, rows: usize) {
-            *column = zeroed_vec(rows);
-        }
-        let mut cloud = layout.empty();
-        sized(&mut cloud.positions, rows);
-        cloud.colors.iter_mut().chain(&mut cloud.normals).for_each(|column| sized(column, rows));
-        let single = [&mut cloud.alphas, &mut cloud.radii, &mut cloud.intensity].into_iter().flatten();
-        single.chain(cloud.scalars.iter_mut().map(|(_, column)| column)).for_each(|column| sized(column, rows));
-        Self { cloud, codes: layout.classification.as_ref().map(|_| zeroed_vec(rows)) }
+        let codes = layout.classification.as_ref().map(|_| Vec::new());
+        let mut table = Self { cloud: layout.empty(), codes };
+        each_column!(&mut table, |column| *column = zeroed_vec(rows));
+        table
     }
 
     /// Makes room for this many more rows.
     pub fn reserve(&mut self, rows: usize) {
-        let cloud = &mut self.cloud;
-        cloud.positions.reserve_exact(rows);
-        cloud.colors.iter_mut().chain(&mut cloud.normals).for_each(|column| column.reserve_exact(rows));
-        let single = [&mut cloud.alphas, &mut cloud.radii, &mut cloud.intensity, &mut self.codes].into_iter().flatten();
-        single.chain(cloud.scalars.iter_mut().map(|(_, column)| column)).for_each(|column| column.reserve_exact(rows));
+        each_column!(self, |column| column.reserve_exact(rows));
     }
 
     /// Returns the rows of parts that have the columns of this layout, one part behind the other. Each column of the
     /// parts is gone once it is joined.
     pub fn join(layout: &Layout, mut parts: Vec<Self>) -> Self {
-        fn join_optional<T: Zeroable + Copy + Send + Sync>(
-            column: &mut Option<Vec<T>>,
-            parts: &mut [Table],
-            of: impl Fn(&mut Table) -> &mut Option<Vec<T>>,
-        ) {
-            if let Some(column) = column {
-                *column = joined(parts.iter_mut().filter_map(|part| of(part).take()).collect());
-            }
-        }
-        let (mut all, parts) = (Self::new(layout, 0), parts.as_mut_slice());
-        let cloud = &mut all.cloud;
-        cloud.positions = joined(parts.iter_mut().map(|part| std::mem::take(&mut part.cloud.positions)).collect());
-        join_optional(&mut cloud.colors, parts, |part| &mut part.cloud.colors);
-        join_optional(&mut cloud.normals, parts, |part| &mut part.cloud.normals);
-        join_optional(&mut cloud.alphas, parts, |part| &mut part.cloud.alphas);
-        join_optional(&mut cloud.radii, parts, |part| &mut part.cloud.radii);
-        join_optional(&mut cloud.intensity, parts, |part| &mut part.cloud.intensity);
-        join_optional(&mut all.codes, parts, |part| &mut part.codes);
-        for (at, (_, column)) in cloud.scalars.iter_mut().enumerate() {
-            *column = joined(parts.iter_mut().map(|part| std::mem::take(&mut part.cloud.scalars[at].1)).collect());
-        }
-        cloud.non_finite = parts.iter().map(|part| part.cloud.non_finite).sum();
-        all
+        let (empty, parts) = (Self::new(layout, 0), parts.as_mut_slice());
+        let Some(first) = parts.first() else { return empty };
+        let scalars =
+            first.cloud.scalars.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>().into_iter().enumerate();
+        let cloud = Cloud {
+            positions: taken(parts, |part| &mut part.cloud.positions),
+            colors: taken_optional(parts, |part| &mut part.cloud.colors),
+            normals: taken_optional(parts, |part| &mut part.cloud.normals),
+            alphas: taken_optional(parts, |part| &mut part.cloud.alphas),
+            radii: taken_optional(parts, |part| &mut part.cloud.radii),
+            intensity: taken_optional(parts, |part| &mut part.cloud.intensity),
+            scalars: scalars.map(|(at, name)| (name, taken(parts, |part| &mut part.cloud.scalars[at].1))).collect(),
+            non_finite: parts.iter().map(|part| part.cloud.non_finite).sum(),
+            ..empty.cloud
+        };
+        Self { cloud, codes: taken_optional(parts, |part| &mut part.codes) }
     }
 
     /// Adds a row, or counts it if its position is not finite.
@@ -146,11 +141,7 @@ impl Table {
 
     /// Moves the first rows of each run together.
     fn keep(&mut self, run: usize, kept: &[usize]) {
-        let cloud = &mut self.cloud;
-        compact(&mut cloud.positions, run, kept);
-        cloud.colors.iter_mut().chain(&mut cloud.normals).for_each(|column| compact(column, run, kept));
-        let single = [&mut cloud.alphas, &mut cloud.radii, &mut cloud.intensity, &mut self.codes].into_iter().flatten();
-        single.chain(cloud.scalars.iter_mut().map(|(_, column)| column)).for_each(|column| compact(column, run, kept));
+        each_column!(self, |column| compact(column, run, kept));
     }
 
     /// Returns the points so far; colors, alphas and classes may be as they are stored.
@@ -173,6 +164,12 @@ impl Table {
         }
     }
 
+    /// Returns the cloud of all rows of a table.
+    pub fn into_cloud(self, layout: &Layout) -> Cloud {
+        let whole = self.whole(layout);
+        self.finish(layout, &whole)
+    }
+
     /// Returns the cloud of some rows of a table of which all rows together tell this; its vertical is +Y. Normals that
     /// are all zero are dropped.
     pub fn finish(self, layout: &Layout, whole: &Whole) -> Cloud {
@@ -191,8 +188,7 @@ impl Table {
         }
         if alphas {
             let full = channel::full_scale(whole.largest[1]).unwrap_or(1.0);
-            let unit = |value: &mut f32| *value = if value.is_nan() { 1.0 } else { (*value / full).clamp(0.0, 1.0) };
-            cloud.alphas.iter_mut().flatten().for_each(unit);
+            cloud.alphas.iter_mut().flatten().for_each(|value| *value = channel::unit_or(1.0, *value / full));
         }
         cloud.normals = cloud.normals.filter(|_| whole.directed);
         cloud

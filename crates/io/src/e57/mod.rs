@@ -15,6 +15,7 @@ use ::e57::{E57Reader, PointCloud};
 use pellucid_core::progress::Progress;
 
 use super::columns::{Columns, FullScale};
+use super::number::long;
 use super::{Error, PROGRESS_STEP, Source, decoder};
 use pellucid_core::cloud::{Cloud, UpAxis};
 use scan::{Scan, Table};
@@ -77,8 +78,7 @@ fn check_header(source: &mut Source) -> Result<(), Error> {
     if read.is_err() {
         return Err(source.truncated(format!("the file ends within the E57 header, at byte {}", source.len)));
     }
-    let number = |at: usize| header[at..].first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes));
-    let (length, start, bytes) = (number(16), number(24), number(32));
+    let [length, start, bytes] = [16, 24, 32].map(|at| long(&header, at));
     let len = source.len;
     if length > len {
         return Err(source.truncated(format!("the header announces {length} bytes, but the file has {len}")));

@@ -244,11 +244,9 @@ fn pose(scan: &PointCloud) -> Result<(DQuat, DVec3), String> {
 
 fn color_limits<'a>(scan: &PointCloud, fields: [Field<'a>; 3]) -> [(Field<'a>, Limits); 3] {
     let given = scan.color_limits.as_ref().map(|limits| {
-        [
-            limits.red_min.as_ref().zip(limits.red_max.as_ref()),
-            limits.green_min.as_ref().zip(limits.green_max.as_ref()),
-            limits.blue_min.as_ref().zip(limits.blue_max.as_ref()),
-        ]
+        let red = limits.red_min.as_ref().zip(limits.red_max.as_ref());
+        let green = limits.green_min.as_ref().zip(limits.green_max.as_ref());
+        [red, green, limits.blue_min.as_ref().zip(limits.blue_max.as_ref())]
     });
     let given = given.unwrap_or_default();
     [0, 1, 2].map(|i| (fields[i], Limits::from_range(given[i], fields[i].1)))

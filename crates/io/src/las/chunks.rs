@@ -9,6 +9,7 @@ use laz::{DecompressionSelection, LazItemType, LazVlr};
 
 use super::header::Header;
 use super::times::{GpsTime, Timed};
+use crate::number::word;
 use crate::{Error, Source, decoder};
 
 /// Points decoded at a time. Memory is allocated block by block, so that a false count costs nothing.
@@ -113,14 +114,12 @@ fn check_items(source: &Source, header: &Header, laz: &LazVlr) -> Result<(), Err
         return Err(source.malformed(place, cause));
     }
     let items = decoder::guard(|| record_decoder(laz, &[], false).map(|decoder| decoder.record_size()));
-    match items {
-        Ok(Ok(size)) if size == header.record_len => Ok(()),
-        Ok(Ok(size)) => {
-            let cause = format!("its fields take {size} bytes, but a point record has {}", header.record_len);
-            Err(source.malformed(place, cause))
-        }
-        Ok(Err(cause)) | Err(cause) => Err(source.malformed(place, cause)),
+    let size = items.and_then(|size| size).map_err(|cause| source.malformed(place, cause))?;
+    if size != header.record_len {
+        let cause = format!("its fields take {size} bytes, but a point record has {}", header.record_len);
+        return Err(source.malformed(place, cause));
     }
+    Ok(())
 }
 
 /// The chunk table, and the byte before which all chunks end.
@@ -142,12 +141,9 @@ fn chunk_table(source: &mut Source, header: &Header, laz: &LazVlr) -> Result<(Ch
     }
     source.reader.seek(SeekFrom::Start(header.start)).map_err(|e| source.read_error(e))?;
     let read = decoder::guard(|| ChunkTable::read_from(&mut source.reader, laz));
-    let table = match read {
-        Ok(Ok(table)) => Ok(table),
-        Ok(Err(e)) => Err(e.to_string()),
-        Err(panic) => Err(panic),
-    };
-    let table = table.map_err(|cause| source.malformed(format!("LAZ chunk table at byte {place}"), cause))?;
+    let table = read
+        .and_then(|read| read.map_err(|e| e.to_string()))
+        .map_err(|cause| source.malformed(format!("LAZ chunk table at byte {place}"), cause))?;
     Ok((table, place))
 }
 
@@ -257,7 +253,7 @@ fn check_layers(header: &Header, laz: &LazVlr, bytes: &[u8]) -> Result<(), Strin
     let Some(sizes) = bytes.get(sizes_start..sizes_start + 4 * layers) else {
         return Err(format!("{} bytes are too few for the sizes of its {layers} layers", bytes.len()));
     };
-    let total: u64 = sizes.chunks_exact(4).map(|b| u64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]]))).sum();
+    let total: u64 = sizes.chunks_exact(4).map(|size| u64::from(word(size, 0))).sum();
     let left = (bytes.len() - sizes_start - 4 * layers) as u64;
     if total > left { Err(format!("its layers take {total} bytes, but only {left} are left")) } else { Ok(()) }
 }

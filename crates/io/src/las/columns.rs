@@ -1,8 +1,5 @@
 //! Converts LAS point records to the columns of a cloud.
 
-use std::sync::OnceLock;
-
-use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 use las::PointDataBuilder;
 use rayon::prelude::*;
@@ -10,9 +7,9 @@ use rayon::prelude::*;
 use super::header::Header;
 use super::traits::Traits;
 use crate::LasColumns;
-use crate::columns::joined;
+use crate::columns::{taken, taken_optional};
 use pellucid_core::cloud::{Bounds, Cloud, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER, UpAxis};
-use pellucid_core::color::decode_srgb;
+use pellucid_core::color::linear_values;
 
 /// Columns of a part of the file, as they are stored: before what only the whole file tells ([`Traits`]) is known.
 pub(crate) struct Columns {
@@ -151,23 +148,6 @@ impl Columns {
     }
 }
 
-/// Takes a column of each part.
-fn taken<T: Zeroable + Copy + Send + Sync>(
-    parts: &mut [Columns],
-    column: impl Fn(&mut Columns) -> &mut Vec<T>,
-) -> Vec<T> {
-    joined(parts.iter_mut().map(|part| std::mem::take(column(part))).collect())
-}
-
-/// Takes a column as [`taken`] does, but one that all parts have if the first one has it.
-fn taken_optional<T: Zeroable + Copy + Send + Sync>(
-    parts: &mut [Columns],
-    column: impl Fn(&mut Columns) -> &mut Option<Vec<T>>,
-) -> Option<Vec<T>> {
-    column(parts.first_mut()?).as_ref()?;
-    Some(taken(parts, |part| column(part).get_or_insert_default()))
-}
-
 /// Times in seconds since the first; those that are not finite stay as they are.
 fn since(first: f64, times: &[f64]) -> Vec<f32> {
     times.iter().map(|time| if time.is_finite() { (time - first) as f32 } else { *time as f32 }).collect()
@@ -184,17 +164,15 @@ fn linear(rgb: &[[u16; 3]], largest: u16) -> Option<Vec<Vec3>> {
     if largest == 0 {
         return None;
     }
-    static EIGHT_BITS: OnceLock<Vec<f32>> = OnceLock::new();
-    static SIXTEEN_BITS: OnceLock<Vec<f32>> = OnceLock::new();
-    let (table, full) = if largest <= 255 { (&EIGHT_BITS, 255) } else { (&SIXTEEN_BITS, u16::MAX) };
-    let table =
-        table.get_or_init(|| (0..=full).map(|stored| decode_srgb(f32::from(stored) / f32::from(full))).collect());
+    let full = if largest <= 255 { 255 } else { u16::MAX };
+    let table = linear_values(full);
     Some(rgb.par_iter().map(|color| Vec3::from(color.map(|stored| table[usize::from(stored.min(full))]))).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pellucid_core::color::decode_srgb;
 
     #[test]
     fn times_count_from_the_first() {

@@ -3,6 +3,21 @@
 use las::raw::Vlr;
 
 use super::header::user_id;
+use crate::number::Kind;
+
+/// The kinds from 1 on.
+const KINDS: [Kind; 10] = [
+    Kind::Uint8,
+    Kind::Int8,
+    Kind::Uint16,
+    Kind::Int16,
+    Kind::Uint32,
+    Kind::Int32,
+    Kind::Uint64,
+    Kind::Int64,
+    Kind::Float,
+    Kind::Double,
+];
 
 /// Bytes of one descriptor in the record.
 const DESCRIPTOR: usize = 192;
@@ -13,7 +28,7 @@ pub(super) struct Dimension {
     pub name: String,
     /// Bytes from the start of the extra bytes.
     offset: usize,
-    kind: u8,
+    kind: Kind,
     scale: f64,
     shift: f64,
 }
@@ -30,16 +45,19 @@ pub(super) fn dimensions(vlrs: &[Vlr], extra_bytes: u16) -> Vec<Dimension> {
         // Kinds 11–30 are arrays of two and three; kind 0 is as many bytes as the options say.
         let bytes = match kind {
             0 => options.into(),
-            1..=30 => size((kind - 1) % 10 + 1) * (usize::from(kind - 1) / 10 + 1),
+            1..=30 => {
+                let (kind, more) = ((kind - 1) % 10, (kind - 1) / 10);
+                KINDS[usize::from(kind)].bytes().unwrap_or(0) * (usize::from(more) + 1)
+            }
             _ => break,
         };
         if offset + bytes > usize::from(extra_bytes) {
             break;
         }
-        if (1..=10).contains(&kind) {
+        if let Some(&kind) = usize::from(kind).checked_sub(1).and_then(|kind| KINDS.get(kind)) {
             let name = descriptor[4..36].split(|&byte| byte == 0).next().unwrap_or_default();
             let option = |bit: u8, at: usize, default| {
-                if options >> bit & 1 == 1 { f64::from_le_bytes(eight(&descriptor[at..])) } else { default }
+                if options >> bit & 1 == 1 { Kind::Double.read(&descriptor[at..]) } else { default }
             };
             let name = String::from_utf8_lossy(name).trim().to_owned();
             dimensions.push(Dimension { name, offset, kind, scale: option(3, 112, 1.0), shift: option(4, 136, 0.0) });
@@ -49,41 +67,9 @@ pub(super) fn dimensions(vlrs: &[Vlr], extra_bytes: u16) -> Vec<Dimension> {
     dimensions
 }
 
-/// Bytes of the kinds 1 to 10.
-fn size(kind: u8) -> usize {
-    match kind {
-        1 | 2 => 1,
-        3 | 4 => 2,
-        5 | 6 | 9 => 4,
-        _ => 8,
-    }
-}
-
-/// The first eight bytes, zeros for those that are missing.
-fn eight(bytes: &[u8]) -> [u8; 8] {
-    let mut eight = [0; 8];
-    let known = bytes.len().min(8);
-    eight[..known].copy_from_slice(&bytes[..known]);
-    eight
-}
-
 impl Dimension {
     /// Returns the value in the extra bytes of one point, scaled.
     pub fn value(&self, extra: &[u8]) -> f32 {
-        let bytes = eight(&extra[self.offset..]);
-        let [b0, b1, b2, b3, ..] = bytes;
-        let stored = match self.kind {
-            1 => b0.into(),
-            2 => (b0 as i8).into(),
-            3 => u16::from_le_bytes([b0, b1]).into(),
-            4 => i16::from_le_bytes([b0, b1]).into(),
-            5 => u32::from_le_bytes([b0, b1, b2, b3]).into(),
-            6 => i32::from_le_bytes([b0, b1, b2, b3]).into(),
-            7 => u64::from_le_bytes(bytes) as f64,
-            8 => i64::from_le_bytes(bytes) as f64,
-            9 => f32::from_le_bytes([b0, b1, b2, b3]).into(),
-            _ => f64::from_le_bytes(bytes),
-        };
-        (stored * self.scale + self.shift) as f32
+        (self.kind.read(&extra[self.offset..]) * self.scale + self.shift) as f32
     }
 }

@@ -1,8 +1,5 @@
 //! Facts that only all points of a LAS file tell together.
 
-use super::header::Header;
-use crate::LasColumns;
-
 /// Facts that decide about columns as a whole: whether colors have 8 bits or 16, whether returns are kept, when times
 /// begin.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,12 +26,8 @@ impl Traits {
         }
     }
 
-    /// Returns `true` if whatever the other points of the file are changes no column.
-    pub fn are_settled(&self, header: &Header, asked: LasColumns) -> bool {
-        self.settle(header.format.has_color, asked.gps_time && header.format.has_gps_time, asked.returns)
-    }
-
-    /// Returns `true` if a file with these columns needs no second look: like [`Self::are_settled`], without a header.
+    /// Returns `true` if a file with these columns needs no second look: whatever its other points are changes no
+    /// column.
     pub fn settle(&self, has_color: bool, has_times: bool, keeps_returns: bool) -> bool {
         let colors = !has_color || self.largest_color > u16::from(u8::MAX);
         let returns = keeps_returns || self.most_returns > 1;

@@ -16,26 +16,21 @@ pub(super) fn encode(mut out: impl Out, image: &Frame, options: &WriteOptions) -
         ColorSpace::Linear => value,
         ColorSpace::Encoded => decode_srgb(value),
     };
-    let plane = |i: usize| FlatSamples::F32(composed.iter().map(|pixel| linear(pixel[i])).collect());
-    let alpha = FlatSamples::F32(image.rgba.iter().map(|pixel| pixel[3]).collect());
-    let mut channels = smallvec_of([("R", plane(0)), ("G", plane(1)), ("B", plane(2)), ("A", alpha)]);
-    channels.push(AnyChannel::new("Z", FlatSamples::F32(image.depth.clone())));
+    let mut channels = SmallVec::<[_; 4]>::new();
+    let mut add = |name: &str, values| channels.push(AnyChannel::new(name, FlatSamples::F32(values)));
+    for (i, name) in ["R", "G", "B"].into_iter().enumerate() {
+        add(name, composed.iter().map(|pixel| linear(pixel[i])).collect());
+    }
+    add("A", image.rgba.iter().map(|pixel| pixel[3]).collect());
+    add("Z", image.depth.clone());
     for (name, depths) in [("depth.median", &image.depth_median), ("depth.mean", &image.depth_mean)] {
-        if let Some(depths) = depths {
-            channels.push(AnyChannel::new(name, FlatSamples::F32(depths.clone())));
-        }
+        depths.iter().for_each(|depths| add(name, depths.clone()));
     }
     for (name, counts) in [("fragments.Y", &image.fragments), ("layers.Y", &image.layers)] {
-        if let Some(counts) = counts {
-            let values = counts.iter().map(|count| *count as f32).collect();
-            channels.push(AnyChannel::new(name, FlatSamples::F32(values)));
-        }
+        counts.iter().for_each(|counts| add(name, counts.iter().map(|count| *count as f32).collect()));
     }
     for (i, name) in ["stderr.R", "stderr.G", "stderr.B"].into_iter().enumerate() {
-        if let Some(errors) = &image.stderr {
-            let values = errors.iter().map(|error| error[i]).collect();
-            channels.push(AnyChannel::new(name, FlatSamples::F32(values)));
-        }
+        image.stderr.iter().for_each(|errors| add(name, errors.iter().map(|error| error[i]).collect()));
     }
     let size = (image.width as usize, image.height as usize);
     let encoding =
@@ -51,10 +46,6 @@ pub(super) fn encode(mut out: impl Out, image: &Frame, options: &WriteOptions) -
     picture.write().to_buffered(Cursor::new(&mut bytes)).map_err(io::Error::other)?;
     sort_attributes(&mut bytes).ok_or_else(|| io::Error::other("the encoder wrote a header that can't be read"))?;
     out.write_all(&bytes)
-}
-
-fn smallvec_of<const N: usize>(channels: [(&str, FlatSamples); N]) -> SmallVec<[AnyChannel<FlatSamples>; 4]> {
-    channels.into_iter().map(|(name, samples)| AnyChannel::new(name, samples)).collect()
 }
 
 /// Sorts the attributes of a single-part file's header by name.

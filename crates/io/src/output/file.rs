@@ -21,7 +21,7 @@ pub fn check_folder(path: &Path) -> Result<(), Error> {
         });
     }
     if path.is_dir() || path.file_name().is_none() {
-        return Err(Error::IsFolder { path: path.to_owned() });
+        return Err(Error::IsFolder(path.to_owned()));
     }
     // Devices and pipes are written to where they are.
     if path.exists() && !path.is_file() {

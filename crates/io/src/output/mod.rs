@@ -14,7 +14,7 @@ use bytesize::ByteSize;
 use glam::Vec3;
 
 pub use file::{Files, check_folder, check_report_folder, make_folder, write_atomically};
-pub use png::to_byte;
+pub use png::{raster, to_byte};
 pub use read::read_image;
 pub use tag::metadata;
 
@@ -29,11 +29,8 @@ use pellucid_core::image::{Image, LinearImage};
 #[non_exhaustive]
 pub enum Error {
     /// Unknown extension: neither `.png` nor `.exr`.
-    #[error("{path}: unknown image format; the name must end in .png (8-bit sRGB) or .exr (32-bit float)", path = path.display())]
-    UnknownExtension {
-        /// The file.
-        path: PathBuf,
-    },
+    #[error("{path}: unknown image format; the name must end in .png (8-bit sRGB) or .exr (32-bit float)", path = .0.display())]
+    UnknownExtension(PathBuf),
     /// The folder of an output file is missing.
     #[error("{path}: no folder {folder}; create it first", path = path.display(), folder = folder.display())]
     NoFolder {
@@ -43,11 +40,8 @@ pub enum Error {
         folder: PathBuf,
     },
     /// The output's name is that of a folder.
-    #[error("{path}: this is a folder; give a file name", path = path.display())]
-    IsFolder {
-        /// The folder.
-        path: PathBuf,
-    },
+    #[error("{path}: this is a folder; give a file name", path = .0.display())]
+    IsFolder(PathBuf),
     /// A file exists in place of a folder.
     #[error("{path}: {file} is a file and not a folder; name another folder", path = path.display(), file = file.display())]
     NotAFolder {
@@ -193,7 +187,7 @@ impl Format {
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("png") => Ok(Self::Png),
             Some("exr") => Ok(Self::Exr),
-            _ => Err(Error::UnknownExtension { path: path.to_owned() }),
+            _ => Err(Error::UnknownExtension(path.to_owned())),
         }
     }
 }
@@ -218,7 +212,7 @@ pub fn check_target(path: &Path) -> Result<(), Error> {
 pub fn write_image(path: &Path, image: &Image, options: &WriteOptions) -> Result<(), Error> {
     let format = Format::from_extension(path)?;
     write_atomically(path, |file| match format {
-        Format::Png => png::encode(file, &png::raster(image, options), &options.metadata),
+        Format::Png => png::encode(file, &raster(image, options), &options.metadata),
         Format::Exr => exr::encode(file, image, options),
     })
 }
@@ -234,18 +228,13 @@ pub struct Raster {
     pub bytes: Vec<u8>,
 }
 
-/// Returns the pixels that [`write_image`] writes into a PNG, for those who draw onto them first.
-pub fn raster(image: &Image, options: &WriteOptions) -> Raster {
-    png::raster(image, options)
-}
-
 /// Returns the bytes of the PNG that [`write_image`] writes.
 ///
 /// # Errors
 /// A size that PNG can't have.
 pub fn png_bytes(image: &Image, options: &WriteOptions) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    png::encode(&mut bytes, &png::raster(image, options), &options.metadata)?;
+    png::encode(&mut bytes, &raster(image, options), &options.metadata)?;
     Ok(bytes)
 }
 
@@ -263,9 +252,8 @@ pub fn write_raster(path: &Path, raster: &Raster, metadata: &[(String, String)])
 /// # Errors
 /// A missing folder, a number of `pixels` that doesn't match `size`, and errors of the system while writing.
 pub fn write_rgb_png(path: &Path, size: [u32; 2], pixels: &[[f32; 3]]) -> Result<(), Error> {
-    let [width, height] = size;
-    let bytes: Vec<u8> = pixels.iter().flatten().map(|linear| to_byte(color::encode_srgb(*linear))).collect();
-    write_atomically(path, |file| png::encode_bytes(file, width, height, false, &bytes, &[]))
+    let bytes = pixels.iter().flatten().map(|linear| to_byte(color::encode_srgb(*linear))).collect();
+    write_raster(path, &Raster { size, alpha: false, bytes }, &[])
 }
 
 /// Returns an image over a background (linear RGB) in linear light: the values of R, G and B in an EXR.

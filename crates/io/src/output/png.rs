@@ -7,8 +7,9 @@ use pellucid_core::color::ColorSpace;
 use pellucid_core::color::encode_srgb;
 use pellucid_core::image::Image;
 
-/// Returns the image composed over the background, or with straight alpha if it is to stay transparent.
-pub(super) fn raster(image: &Image, options: &WriteOptions) -> Raster {
+/// Returns the pixels that [`write_image`](super::write_image) writes into a PNG, for those who draw onto them first:
+/// the image composed over the background, or with straight alpha if it is to stay transparent.
+pub fn raster(image: &Image, options: &WriteOptions) -> Raster {
     let encoded = |value: f32| match options.color {
         ColorSpace::Linear => encode_srgb(value),
         ColorSpace::Encoded => value,
@@ -25,12 +26,6 @@ pub(super) fn raster(image: &Image, options: &WriteOptions) -> Raster {
             .collect()
     };
     Raster { size: [image.width, image.height], alpha: options.transparent, bytes }
-}
-
-/// A PNG with text chunks.
-pub(super) fn encode(out: impl Write, raster: &Raster, metadata: &[(String, String)]) -> io::Result<()> {
-    let Raster { size: [width, height], alpha, bytes } = raster;
-    encode_bytes(out, *width, *height, *alpha, bytes, metadata)
 }
 
 /// Straight color and alpha of a premultiplied pixel; nothing at all where nothing was drawn.
@@ -50,17 +45,10 @@ pub fn to_byte(value: f32) -> u8 {
     (255.0 * f64::from(value.clamp(0.0, 1.0)) + 0.5).floor() as u8
 }
 
-/// A PNG of sRGB bytes, row by row, with text chunks.
-pub(super) fn encode_bytes(
-    out: impl Write,
-    width: u32,
-    height: u32,
-    alpha: bool,
-    bytes: &[u8],
-    metadata: &[(String, String)],
-) -> io::Result<()> {
-    let mut encoder = png::Encoder::new(out, width, height);
-    encoder.set_color(if alpha { png::ColorType::Rgba } else { png::ColorType::Rgb });
+/// A PNG with text chunks.
+pub(super) fn encode(out: impl Write, raster: &Raster, metadata: &[(String, String)]) -> io::Result<()> {
+    let mut encoder = png::Encoder::new(out, raster.size[0], raster.size[1]);
+    encoder.set_color(if raster.alpha { png::ColorType::Rgba } else { png::ColorType::Rgb });
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     for (name, value) in metadata {
@@ -72,7 +60,7 @@ pub(super) fn encode_bytes(
         }
     }
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(bytes)?;
+    writer.write_image_data(&raster.bytes)?;
     writer.finish()?;
     Ok(())
 }

@@ -38,7 +38,7 @@ fn open(path: &Path) -> Result<(BufReader<File>, u64), Error> {
     let file = File::open(path).map_err(failed)?;
     let metadata = file.metadata().map_err(failed)?;
     if metadata.is_dir() {
-        return Err(Error::IsFolder { path: path.to_owned() });
+        return Err(Error::IsFolder(path.to_owned()));
     }
     Ok((BufReader::new(file), metadata.len()))
 }

@@ -3,6 +3,7 @@
 use std::io::{BufRead, Read};
 
 use crate::columns::ScalarType;
+use crate::number::{Class, Kind};
 use crate::{Error, Source};
 
 /// Longest header that is read; a file without `DATA` is not read to its end for nothing.
@@ -16,20 +17,12 @@ pub(super) enum Encoding {
     Compressed,
 }
 
-/// Type of a number, from the letter of `TYPE` and the bytes of `SIZE`.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Kind {
-    Float,
-    Signed,
-    Unsigned,
-}
-
 /// A named group of numbers of a point.
 pub(super) struct Field {
     pub name: String,
     pub kind: Kind,
     /// Bytes of each number: 1, 2, 4 or 8.
-    pub size: u8,
+    pub size: usize,
     /// The number of values.
     pub count: u64,
 }
@@ -37,21 +30,21 @@ pub(super) struct Field {
 impl Field {
     /// Returns the type that determines a channel's range; types unknown to PLY read as float64.
     pub fn scalar(&self) -> ScalarType {
-        match (self.kind, self.size) {
-            (Kind::Float, 4) => ScalarType::Float,
-            (Kind::Unsigned, 1) => ScalarType::UChar,
-            (Kind::Signed, 1) => ScalarType::Char,
-            (Kind::Unsigned, 2) => ScalarType::UShort,
-            (Kind::Signed, 2) => ScalarType::Short,
-            (Kind::Unsigned, 4) => ScalarType::UInt,
-            (Kind::Signed, 4) => ScalarType::Int,
+        match self.kind {
+            Kind::Float => ScalarType::Float,
+            Kind::Uint8 => ScalarType::UChar,
+            Kind::Int8 => ScalarType::Char,
+            Kind::Uint16 => ScalarType::UShort,
+            Kind::Int16 => ScalarType::Short,
+            Kind::Uint32 => ScalarType::UInt,
+            Kind::Int32 => ScalarType::Int,
             _ => ScalarType::Double,
         }
     }
 
     /// Returns the number of bytes of the field in a point.
     pub fn bytes(&self) -> u64 {
-        u64::from(self.size).saturating_mul(self.count)
+        (self.size as u64).saturating_mul(self.count)
     }
 }
 
@@ -84,8 +77,8 @@ impl Header {
 #[derive(Default)]
 struct Lines {
     names: Option<Vec<String>>,
-    sizes: Option<Vec<u8>>,
-    kinds: Option<Vec<Kind>>,
+    sizes: Option<Vec<usize>>,
+    classes: Option<Vec<Class>>,
     counts: Option<Vec<u64>>,
     width: Option<u64>,
     height: Option<u64>,
@@ -124,7 +117,7 @@ impl Lines {
             "VERSION" | "VIEWPOINT" => {}
             "FIELDS" | "COLUMNS" => self.names = Some(words.iter().map(|&name| name.to_owned()).collect()),
             "SIZE" => self.sizes = Some(all(&words, "1, 2, 4 or 8 for each field", size)?),
-            "TYPE" => self.kinds = Some(all(&words, "F, I or U for each field", kind)?),
+            "TYPE" => self.classes = Some(all(&words, "F, I or U for each field", class)?),
             "COUNT" => {
                 self.counts = Some(all(&words, "a number, 0 or more, for each field", |word| word.parse().ok())?);
             }
@@ -154,10 +147,10 @@ impl Lines {
             if same { Ok(()) } else { Err(format!("{key} has {found} values for {} FIELDS", names.len())) }
         };
         let sizes = self.sizes.unwrap_or_else(|| vec![4; names.len()]);
-        let kinds = self.kinds.unwrap_or_else(|| vec![Kind::Float; names.len()]);
+        let classes = self.classes.unwrap_or_else(|| vec![Class::Float; names.len()]);
         let counts = self.counts.unwrap_or_else(|| vec![1; names.len()]);
         of_each("SIZE", sizes.len())?;
-        of_each("TYPE", kinds.len())?;
+        of_each("TYPE", classes.len())?;
         of_each("COUNT", counts.len())?;
         let area = match (self.width, self.height) {
             (Some(width), Some(height)) => {
@@ -171,10 +164,10 @@ impl Lines {
             }
             (points, area) => points.or(area).ok_or("there is neither POINTS nor WIDTH")?,
         };
-        let fields = names.into_iter().zip(kinds).zip(sizes).zip(counts);
-        let field = |(((name, kind), size), count)| match (kind, size) {
-            (Kind::Float, 1 | 2) => Err(format!("field `{name}` is a float of {size} bytes (known: 4 and 8)")),
-            _ => Ok(Field { name, kind, size, count }),
+        let fields = names.into_iter().zip(classes).zip(sizes).zip(counts);
+        let field = |(((name, class), size), count)| match Kind::of(class, size) {
+            None => Err(format!("field `{name}` is a float of {size} bytes (known: 4 and 8)")),
+            Some(kind) => Ok(Field { name, kind, size, count }),
         };
         let fields = fields.map(field).collect::<Result<_, _>>()?;
         let columns = self.width.filter(|_| self.height.is_some_and(|height| height > 1));
@@ -191,15 +184,15 @@ fn one(key: &str, words: &[&str]) -> Result<u64, String> {
     word.parse().map_err(|_| format!("expected {key} and a number of points, found `{word}`"))
 }
 
-fn size(word: &str) -> Option<u8> {
+fn size(word: &str) -> Option<usize> {
     word.parse().ok().filter(|size| [1, 2, 4, 8].contains(size))
 }
 
-fn kind(word: &str) -> Option<Kind> {
+fn class(word: &str) -> Option<Class> {
     match word {
-        "F" | "f" => Some(Kind::Float),
-        "I" | "i" => Some(Kind::Signed),
-        "U" | "u" => Some(Kind::Unsigned),
+        "F" | "f" => Some(Class::Float),
+        "I" | "i" => Some(Class::Signed),
+        "U" | "u" => Some(Class::Unsigned),
         _ => None,
     }
 }

@@ -15,7 +15,7 @@ use std::io::{BufRead, ErrorKind, Read};
 use pellucid_core::progress::Progress;
 
 use super::columns::{Columns, FullScale};
-use super::number::number;
+use super::number::{number, word};
 use super::{Error, PROGRESS_STEP, Source};
 use depth_image::DepthImage;
 use header::{Encoding, Header};
@@ -156,9 +156,7 @@ fn compressed(
     let mut sizes = [0; 8];
     let read = source.reader.read_exact(&mut sizes);
     read.map_err(|_| source.truncated("the file ends before the sizes of its compressed data"))?;
-    let [c0, c1, c2, c3, u0, u1, u2, u3] = sizes;
-    let packed = u64::from(u32::from_le_bytes([c0, c1, c2, c3]));
-    let unpacked = u64::from(u32::from_le_bytes([u0, u1, u2, u3]));
+    let [packed, unpacked] = [0, 4].map(|at| u64::from(word(&sizes, at)));
     let wanted = header.record_len() * header.points;
     if unpacked != wanted {
         let cause = format!("{unpacked} unpacked bytes are announced, but {} points need {wanted}", header.points);

@@ -1,6 +1,6 @@
 //! Converts the numbers of a point to a row of columns: unpacks colors, skips padding, numbers groups.
 
-use super::header::{Field, Header, Kind};
+use super::header::{Field, Header};
 use crate::columns::{Column, ScalarType};
 
 /// The use of a field.
@@ -50,7 +50,7 @@ impl<'a> Layout<'a> {
             record = rest;
             match used {
                 Use::Skip => {}
-                Use::Numbers => row.extend(bytes.chunks_exact(field.size.into()).map(|number| value(field, number))),
+                Use::Numbers => row.extend(bytes.chunks_exact(field.size).map(|number| field.kind.read(number))),
                 Use::Packed { alpha } => unpack(bytes.try_into().unwrap_or_default(), *alpha, row),
             }
         }
@@ -107,21 +107,5 @@ fn unpack([blue, green, red, alpha]: [u8; 4], has_alpha: bool, row: &mut Vec<f64
     row.extend([red, green, blue].map(f64::from));
     if has_alpha {
         row.push(alpha.into());
-    }
-}
-
-/// A number of a binary file, little endian as its writers are.
-fn value(field: &Field, number: &[u8]) -> f64 {
-    let mut bytes = [0; 8];
-    bytes[..number.len()].copy_from_slice(number);
-    let [b0, b1, b2, b3, ..] = bytes;
-    match (field.kind, field.size) {
-        (Kind::Float, 4) => f32::from_le_bytes([b0, b1, b2, b3]).into(),
-        (Kind::Float, _) => f64::from_le_bytes(bytes),
-        (Kind::Signed, 1) => (b0 as i8).into(),
-        (Kind::Signed, 2) => i16::from_le_bytes([b0, b1]).into(),
-        (Kind::Signed, 4) => i32::from_le_bytes([b0, b1, b2, b3]).into(),
-        (Kind::Signed, _) => i64::from_le_bytes(bytes) as f64,
-        (Kind::Unsigned, _) => u64::from_le_bytes(bytes) as f64,
     }
 }

@@ -15,7 +15,7 @@ pub(super) fn check(source: &mut Source) -> Result<(), Error> {
     let entries = entries(source);
     source.reader.rewind().map_err(|e| source.read_error(e))?;
     let Ok(Some(entries)) = entries else { return Ok(()) };
-    for Entry { tag, kind, count } in entries {
+    for (tag, kind, count) in entries {
         if u64::from(count) * size(kind) > source.len {
             let (len, what) = (source.len, format!("tag {tag} of the TIFF directory announces {count} values"));
             return Err(source.truncated(format!("{what}, but the file has only {len} bytes")));
@@ -24,12 +24,8 @@ pub(super) fn check(source: &mut Source) -> Result<(), Error> {
     Ok(())
 }
 
-/// The claim of an entry.
-struct Entry {
-    tag: u16,
-    kind: u16,
-    count: u32,
-}
+/// Tag, type and number of values of an entry.
+type Entry = (u16, u16, u32);
 
 /// The entries of the first directory; `None` if the file is no TIFF.
 fn entries(source: &mut Source) -> std::io::Result<Option<Vec<Entry>>> {
@@ -49,11 +45,7 @@ fn entries(source: &mut Source) -> std::io::Result<Option<Vec<Entry>>> {
     // 65 535 of them at most.
     let mut bytes = vec![0; usize::from(two(count)) * ENTRY];
     source.reader.read_exact(&mut bytes)?;
-    let entry = |e: &[u8; ENTRY]| Entry {
-        tag: two([e[0], e[1]]),
-        kind: two([e[2], e[3]]),
-        count: four([e[4], e[5], e[6], e[7]]),
-    };
+    let entry = |e: &[u8; ENTRY]| (two([e[0], e[1]]), two([e[2], e[3]]), four([e[4], e[5], e[6], e[7]]));
     Ok(Some(bytes.as_chunks().0.iter().map(entry).collect()))
 }
 

@@ -7,7 +7,7 @@ mod surface;
 
 use std::path::{Path, PathBuf};
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use pellucid_core::progress::Progress;
 
 use super::{Error, Source};
@@ -55,12 +55,11 @@ pub(super) fn read(source: Source, photo: &Photo, progress: &Progress) -> Result
     };
     let copies = surface.expected_points();
     if !copies.is_finite() || copies > MAX_PIXELS as f64 {
-        let place = "photo.heights".to_owned();
         let cause = format!(
             "so steep that the picture would become {copies:.1e} points, but {MAX_PIXELS} is the most; \
              a smaller height_scale or a smoother map would help"
         );
-        return Err(Error::Malformed { path, place, cause });
+        return Err(Error::malformed(&path, "photo.heights", cause));
     }
     points(&path, &picture, &surface, copies, progress)
 }
@@ -75,57 +74,37 @@ fn points(
     // The number of copies is random; its spread is below half of its root, and growing further is no harm.
     let room = expected as usize + expected.sqrt() as usize + 1;
     progress.set_length(u64::from(picture.width) * u64::from(picture.height));
-    let mut columns = Columns::with_room(room, picture.has_alpha).ok_or_else(|| Error::Malformed {
-        path: path.to_owned(),
-        place: "the picture".into(),
-        cause: format!("there is not enough memory for its {room} points; scale the picture down"),
+    let columns =
+        || Some((column(room)?, column(room)?, column(room)?, column(if picture.has_alpha { room } else { 0 })?));
+    let (mut positions, mut normals, mut colors, mut alphas) = columns().ok_or_else(|| {
+        let cause = format!("there is not enough memory for its {room} points; scale the picture down");
+        Error::malformed(path, "the picture", cause)
     })?;
     for y in 0..picture.height {
         for x in 0..picture.width {
             let (color, alpha) = picture.pixel(x, y);
             if alpha > 0.0 {
-                let (position, normal) = (surface.position(x, y), surface.normal(x, y));
-                (0..surface.copies(x, y)).for_each(|_| columns.push(position, normal, color, alpha));
+                let copies = surface.copies(x, y) as usize;
+                positions.extend(std::iter::repeat_n(surface.position(x, y), copies));
+                normals.extend(std::iter::repeat_n(surface.normal(x, y), copies));
+                colors.extend(std::iter::repeat_n(color, copies));
+                alphas.extend(std::iter::repeat_n(alpha, if picture.has_alpha { copies } else { 0 }));
             }
         }
         progress.inc(u64::from(picture.width));
     }
     Ok(Cloud {
-        positions: columns.positions,
-        colors: Some(columns.colors),
-        alphas: columns.alphas,
-        normals: Some(columns.normals),
+        positions,
+        colors: Some(colors),
+        alphas: picture.has_alpha.then_some(alphas),
+        normals: Some(normals),
         up: UpAxis::Y,
         ..Cloud::default()
     })
 }
 
-struct Columns {
-    positions: Vec<DVec3>,
-    colors: Vec<Vec3>,
-    normals: Vec<Vec3>,
-    alphas: Option<Vec<f32>>,
-}
-
-impl Columns {
-    /// `None` if memory is insufficient.
-    fn with_room(points: usize, alpha: bool) -> Option<Self> {
-        fn column<T>(points: usize) -> Option<Vec<T>> {
-            let mut column = Vec::new();
-            column.try_reserve_exact(points).ok().map(|()| column)
-        }
-        Some(Self {
-            positions: column(points)?,
-            colors: column(points)?,
-            normals: column(points)?,
-            alphas: if alpha { Some(column(points)?) } else { None },
-        })
-    }
-
-    fn push(&mut self, position: DVec3, normal: Vec3, color: Vec3, alpha: f32) {
-        self.positions.push(position);
-        self.normals.push(normal);
-        self.colors.push(color);
-        self.alphas.iter_mut().for_each(|alphas| alphas.push(alpha));
-    }
+/// A column with room for so many values; `None` if memory is insufficient.
+fn column<T>(values: usize) -> Option<Vec<T>> {
+    let mut column = Vec::new();
+    column.try_reserve_exact(values).ok().map(|()| column)
 }

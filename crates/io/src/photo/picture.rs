@@ -7,8 +7,9 @@ use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
 
 use super::{MAX_PIXELS, Source, directory};
 use crate::bitmap::{self, Sample};
+use crate::channel::unit_or;
 use crate::{Error, decoder};
-use pellucid_core::color::decode_srgb;
+use pellucid_core::color::linear_values;
 
 /// Bytes that one byte of a file may become: Deflate, the strongest of the codings in use, makes at most 1032.
 const LARGEST_RATIO: u64 = 1100;
@@ -30,8 +31,6 @@ pub struct Picture {
     /// `true` if it has an alpha channel.
     pub has_alpha: bool,
     upright: DynamicImage,
-    /// The linear values of all 2¹⁶ encoded ones.
-    linear: Vec<f32>,
 }
 
 impl Picture {
@@ -40,14 +39,13 @@ impl Picture {
         directory::check(&mut source)?;
         let path = source.path.clone();
         decoder::guard(|| Self::decode(source)).unwrap_or_else(|panic| {
-            Err(Error::Malformed { path, place: "the picture".into(), cause: format!("the decoder gave up: {panic}") })
+            Err(Error::malformed(&path, "the picture", format!("the decoder gave up: {panic}")))
         })
     }
 
     fn decode(mut source: Source) -> Result<Self, Error> {
         let (path, len) = (source.path.clone(), source.len);
-        let malformed =
-            |place: &str, cause: String| Error::Malformed { path: path.clone(), place: place.into(), cause };
+        let malformed = |place: &str, cause: String| Error::malformed(&path, place, cause);
         let failed = |error: ImageError| match error {
             ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => {
                 Error::Truncated { path: path.clone(), what: format!("the pixels continue past the last byte, {len}") }
@@ -83,21 +81,19 @@ impl Picture {
         decoder.set_limits(limits).map_err(failed)?;
         let mut upright = DynamicImage::from_decoder(decoder).map_err(failed)?;
         upright.apply_orientation(orientation);
-        let linear = |value: u16| decode_srgb(f32::from(value) / f32::from(u16::MAX));
-        let linear = (0..=u16::MAX).map(linear).collect();
         let (width, height) = (upright.width(), upright.height());
-        Ok(Self { width, height, has_alpha: upright.color().has_alpha(), upright, linear })
+        Ok(Self { width, height, has_alpha: upright.color().has_alpha(), upright })
     }
 
     /// Returns the linear color and alpha of a pixel; column from the left, row from the top.
     pub fn pixel(&self, x: u32, y: u32) -> (Vec3, f32) {
         match Sample::of(&self.upright, x, y) {
             Sample::Encoded([r, g, b, a]) => {
-                let decode = |value: u16| self.linear.get(usize::from(value)).copied().unwrap_or_default();
-                (Vec3::new(decode(r), decode(g), decode(b)), f32::from(a) / f32::from(u16::MAX))
+                let linear = linear_values(u16::MAX);
+                (Vec3::from([r, g, b].map(|value| linear[usize::from(value)])), f32::from(a) / f32::from(u16::MAX))
             }
             Sample::Linear(sample) => {
-                let [r, g, b, a] = sample.map(unit);
+                let [r, g, b, a] = sample.map(|value| unit_or(0.0, value));
                 (Vec3::new(r, g, b), a)
             }
         }
@@ -111,13 +107,11 @@ impl Picture {
         }
         let gray = |x: u32, y: u32| match Sample::of(&self.upright, x, y) {
             Sample::Encoded([r, g, b, _]) => mean(r.into(), g.into(), b.into()) / f32::from(u16::MAX),
-            Sample::Linear([r, g, b, _]) => mean(unit(r).into(), unit(g).into(), unit(b).into()),
+            Sample::Linear([r, g, b, _]) => {
+                let [r, g, b] = [r, g, b].map(|value| unit_or(0.0, value).into());
+                mean(r, g, b)
+            }
         };
         (0..self.height).flat_map(|y| (0..self.width).map(move |x| (x, y))).map(|(x, y)| gray(x, y)).collect()
     }
-}
-
-/// Cut to [0, 1]; 0 for what is no number.
-fn unit(value: f32) -> f32 {
-    if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) }
 }

@@ -10,7 +10,7 @@ use glam::{DQuat, DVec3};
 
 use super::header::{Element, Header, ScalarType, size};
 use super::payload;
-use crate::splats::{Splat, Splats};
+use crate::splats::{Splat, Splats, quaternion};
 use crate::{Error, SharedFile, Source, memory};
 use pellucid_core::cloud::gaussians::{MAX_DEGREE, coefficients};
 use pellucid_core::cloud::{Cloud, UpAxis};
@@ -120,7 +120,7 @@ fn splat(words: &Records, at: usize, ranges: &Records, has_colors: bool) -> Spla
         // Positions were float32 before they were compressed.
         center: between(0, three(position)).as_vec3().as_dvec3(),
         extents: DVec3::new(logarithms.x.exp(), logarithms.y.exp(), logarithms.z.exp()),
-        rotation: quaternion(rotation),
+        rotation: self::rotation(rotation),
         base: if has_colors { between(2, color) } else { color },
         alpha,
     }
@@ -137,16 +137,9 @@ fn three(word: u32) -> DVec3 {
     DVec3::new(bits(word, 21, 11), bits(word, 11, 10), bits(word, 0, 11))
 }
 
-fn quaternion(word: u32) -> DQuat {
-    let [a, b, c] = [20, 10, 0].map(|shift| (bits(word, shift, 10) - 0.5) * std::f64::consts::SQRT_2);
-    let rest = (1.0 - (a * a + b * b + c * c)).max(0.0).sqrt();
-    let [w, x, y, z] = match word >> 30 {
-        0 => [rest, a, b, c],
-        1 => [a, rest, b, c],
-        2 => [a, b, rest, c],
-        _ => [a, b, c, rest],
-    };
-    DQuat::from_xyzw(x, y, z, w)
+/// The largest of w, x, y and z by its number, then the others.
+fn rotation(word: u32) -> DQuat {
+    quaternion(word >> 30, [20, 10, 0].map(|shift| (bits(word, shift, 10) - 0.5) * std::f64::consts::SQRT_2))
 }
 
 impl Records {
@@ -221,7 +214,7 @@ mod tests {
     fn parts_of_words() {
         let all = three(0x7ff << 21 | 0x3ff << 11);
         assert_eq!(all, DVec3::new(1.0, 1.0, 0.0));
-        let [x, y, z, w] = quaternion(2 << 30 | 1023 << 20 | 512 << 10 | 511).to_array();
+        let [x, y, z, w] = rotation(2 << 30 | 1023 << 20 | 512 << 10 | 511).to_array();
         assert!((w - 0.5 * std::f64::consts::SQRT_2).abs() < 1e-15 && (y - w).abs() < 1e-6, "{y} {w}");
         assert!(x > 0.0 && x < 1e-3 && z < 0.0 && z > -1e-3, "{x} {z}");
     }

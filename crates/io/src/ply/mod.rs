@@ -48,9 +48,7 @@ pub(super) fn read(source: Source, progress: &Progress) -> Result<Cloud, Error> 
         Vertices::Rows(rows) => {
             memory::check(rows.file.path(), rows.count, rows.layout.bytes())?;
             progress.set_length(rows.count);
-            let (table, _) = rows.parse(0..rows.count, progress)?;
-            let whole = table.whole(&rows.layout);
-            table.finish(&rows.layout, &whole)
+            rows.parse(0..rows.count, progress)?.0.into_cloud(&rows.layout)
         }
         Vertices::Splats(rows, splats) => splats::read_rows(&rows, &splats, progress)?,
         Vertices::Compressed(splats) => splats.read(progress)?,
@@ -172,8 +170,7 @@ impl Records {
         if let (Some(splats), Some(part)) = (&splats, part) {
             return Ok(Part::finish(splats, vec![part]));
         }
-        let whole = table.whole(&layout);
-        Ok(table.finish(&layout, &whole))
+        Ok(table.into_cloud(&layout))
     }
 }
 

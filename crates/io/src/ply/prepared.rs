@@ -3,8 +3,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::store::check_claim;
 use pellucid_core::cloud::field::Field;
-use pellucid_core::cloud::shadow_texture::{CastingRecord, ShadowTexture};
+use pellucid_core::cloud::shadow_texture::{Casting, ShadowTexture};
 use pellucid_core::cloud::{Cloud, Prepared, UpAxis};
 
 /// The property that holds F.
@@ -23,7 +24,7 @@ const VERSION: u64 = 1;
 #[derive(Serialize, Deserialize)]
 struct Claim {
     version: u64,
-    up: Up,
+    up: UpAxis,
     neighbors: usize,
     /// Omitted where there is none: files that were prepared before there were caps have none.
     #[serde(default, skip_serializing_if = "is_none")]
@@ -41,7 +42,7 @@ struct Claim {
 #[derive(Serialize, Deserialize)]
 struct ShadowClaim {
     #[serde(flatten)]
-    casting: CastingRecord,
+    casting: Casting,
     /// [`shadow_content`]; empty while it is computed.
     content: String,
 }
@@ -49,15 +50,6 @@ struct ShadowClaim {
 /// True for a cap of 0, which is none.
 fn is_none(cap: &f32) -> bool {
     *cap == 0.0
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Up {
-    Y,
-    Z,
-    #[serde(rename = "-y")]
-    NegativeY,
 }
 
 #[derive(Serialize, Deserialize, PartialEq)]
@@ -74,11 +66,7 @@ pub(super) fn comment(cloud: &Cloud) -> std::io::Result<Option<String>> {
     let Some(prepared) = &cloud.prepared else { return Ok(None) };
     let mut claim = Claim {
         version: VERSION,
-        up: match cloud.up {
-            UpAxis::Y => Up::Y,
-            UpAxis::Z => Up::Z,
-            UpAxis::NegativeY => Up::NegativeY,
-        },
+        up: cloud.up,
         neighbors: prepared.neighbors,
         radius_cap: prepared.radius_cap,
         radius: if prepared.estimated_radii { Radius::Estimated } else { Radius::Own },
@@ -89,7 +77,7 @@ pub(super) fn comment(cloud: &Cloud) -> std::io::Result<Option<String>> {
     let lit = prepared.shadows.as_ref().map(|shadows| shadows.lit.as_slice());
     claim.content = content(cloud, &prepared.values, lit, &claim)?;
     if let Some(texture) = &prepared.shadows {
-        let mut shadows = ShadowClaim { casting: CastingRecord::from(&texture.casting), content: String::new() };
+        let mut shadows = ShadowClaim { casting: texture.casting, content: String::new() };
         shadows.content = shadow_content(&shadows, &claim.content)?;
         claim.shadows = Some(shadows);
     }
@@ -114,11 +102,7 @@ pub(super) fn recognize(cloud: &mut Cloud, comments: &[(u64, String)]) {
         }
     };
     let (claimed, shadows) = (std::mem::take(&mut claim.content), claim.shadows.take());
-    cloud.up = match claim.up {
-        Up::Y => UpAxis::Y,
-        Up::Z => UpAxis::Z,
-        Up::NegativeY => UpAxis::NegativeY,
-    };
+    cloud.up = claim.up;
     cloud.up_reason = None;
     let at = cloud.scalars.iter().position(|(name, _)| name == FIELD);
     let values = at.map(|at| cloud.scalars.remove(at).1).unwrap_or_default();
@@ -156,7 +140,7 @@ fn texture(mut claim: ShadowClaim, lit: Vec<f32>, len: usize, content: &str) -> 
     let claimed = std::mem::take(&mut claim.content);
     let whole = lit.len() == len && lit.iter().all(|m| (0.0..=1.0).contains(m));
     let same = whole && shadow_content(&claim, content).is_ok_and(|content| content == claimed);
-    same.then(|| ShadowTexture { casting: (&claim.casting).into(), lit })
+    same.then(|| ShadowTexture { casting: claim.casting, lit })
 }
 
 fn read(text: &str) -> Result<Claim, String> {
@@ -170,12 +154,7 @@ fn read(text: &str) -> Result<Claim, String> {
         _ => return Err(format!("the comment `{WORD}` names no version of the format")),
     }
     let claim: Claim = serde_json::from_value(value).map_err(unreadable)?;
-    if claim.neighbors == 0 || claim.neighbors > 65_535 {
-        return Err(format!("the comment `{WORD}` claims {} neighbors", claim.neighbors));
-    }
-    if !(claim.radius_cap >= 0.0 && claim.radius_cap.is_finite()) {
-        return Err(format!("the comment `{WORD}` claims a radius cap of {}", claim.radius_cap));
-    }
+    check_claim(claim.neighbors, claim.radius_cap).map_err(|cause| format!("the comment `{WORD}` {cause}"))?;
     Ok(claim)
 }
 

@@ -142,11 +142,10 @@ impl<'a> Part<'a> {
     pub fn finish(of: &SplatColumns, parts: Vec<Part>) -> Cloud {
         let (splats, others): (Vec<_>, Vec<_>) = parts.into_iter().map(|part| (part.splats, part.others)).unzip();
         let cloud = Splats::join(of.degree, splats).finish(UpAxis::NegativeY);
-        let others = of.layout.as_ref().map(|layout| {
-            let table = Table::join(layout, others.into_iter().flatten().collect());
-            let whole = table.whole(layout);
-            table.finish(layout, &whole)
-        });
+        let others = of
+            .layout
+            .as_ref()
+            .map(|layout| Table::join(layout, others.into_iter().flatten().collect()).into_cloud(layout));
         let others = others.unwrap_or_default();
         let warnings = cloud.warnings.into_iter().chain(of.warning.clone()).collect();
         let (classification, intensity) = (others.classification, others.intensity);

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use ply_rs_bw::ply::{DefaultElement, ElementDef, Encoding, PropertyDef, PropertyType, ScalarType, Version};
 use ply_rs_bw::writer::Writer;
 
@@ -118,57 +118,71 @@ impl Coding {
     }
 }
 
+/// A property of the vertices, or several of a type.
+pub(super) struct Property<'a> {
+    names: Vec<String>,
+    scalar: ScalarType,
+    /// Appends what the vertex of an index has of it.
+    push: Box<dyn Fn(&mut Vec<u8>, usize) + 'a>,
+}
+
+impl<'a> Property<'a> {
+    pub fn new(
+        names: impl IntoIterator<Item = impl Into<String>>,
+        scalar: ScalarType,
+        push: impl Fn(&mut Vec<u8>, usize) + 'a,
+    ) -> Self {
+        Self { names: names.into_iter().map(Into::into).collect(), scalar, push: Box::new(push) }
+    }
+
+    fn floats(name: impl Into<String>, values: &'a [f32]) -> Self {
+        Self::new([name], ScalarType::Float, |record, index| record.extend(values[index].to_le_bytes()))
+    }
+}
+
 /// Writes the whole file.
 fn write_layout(out: &mut impl Write, cloud: &Cloud, layout: &Layout) -> std::io::Result<()> {
-    write_header(out, cloud, layout)?;
-    let mut record = Vec::new();
-    for index in 0..cloud.len() {
-        record.clear();
-        push_record(&mut record, cloud, index, layout);
-        out.write_all(&record)?;
+    let (color, alpha) = (layout.color, layout.alpha);
+    let mut properties = vec![position(cloud, layout.position.clone())];
+    if let Some(colors) = &cloud.colors {
+        let names = if color == Coding::Float { LINEAR_COLOR[0] } else { ["red", "green", "blue"] };
+        properties.push(Property::new(names, color.scalar(), move |record, index| {
+            colors[index].to_array().into_iter().for_each(|linear| color.push(record, linear, encode_srgb));
+        }));
     }
-    Ok(())
+    if let Some(alphas) = &cloud.alphas {
+        let push = move |record: &mut Vec<u8>, index: usize| alpha.push(record, alphas[index], same);
+        properties.push(Property::new(["alpha"], alpha.scalar(), push));
+    }
+    if let Some(normals) = &cloud.normals {
+        properties.push(Property::new(["nx", "ny", "nz"], ScalarType::Float, |record, index| {
+            record.extend(normals[index].to_array().map(f32::to_le_bytes).as_flattened());
+        }));
+    }
+    properties.extend(cloud.radii.iter().map(|radii| Property::floats("radius", radii)));
+    properties.extend(cloud.prepared.iter().map(|prepared| Property::floats(FIELD, &prepared.values)));
+    properties.extend(others(cloud));
+    let shadows = cloud.prepared.iter().flat_map(|prepared| &prepared.shadows);
+    properties.extend(shadows.map(|shadows| Property::floats(LIT, &shadows.lit)));
+    write_vertices(out, prepared::comment(cloud)?.as_deref(), cloud.len(), &properties)
 }
 
-fn write_header(out: &mut impl Write, cloud: &Cloud, layout: &Layout) -> std::io::Result<()> {
-    let mut properties: Vec<(&str, ScalarType)> = ["x", "y", "z"].map(|name| (name, layout.position.clone())).to_vec();
-    if cloud.colors.is_some() {
-        let names = if layout.color == Coding::Float { LINEAR_COLOR[0] } else { ["red", "green", "blue"] };
-        properties.extend(names.map(|name| (name, layout.color.scalar())));
-    }
-    if cloud.alphas.is_some() {
-        properties.push(("alpha", layout.alpha.scalar()));
-    }
-    if cloud.normals.is_some() {
-        properties.extend(["nx", "ny", "nz"].map(|name| (name, ScalarType::Float)));
-    }
-    if cloud.radii.is_some() {
-        properties.push(("radius", ScalarType::Float));
-    }
-    if cloud.prepared.is_some() {
-        properties.push((FIELD, ScalarType::Float));
-    }
-    if cloud.classification.is_some() {
-        properties.push(("classification", ScalarType::UChar));
-    }
-    if cloud.intensity.is_some() {
-        properties.push(("intensity", ScalarType::Float));
-    }
-    let scalars = scalar_names(cloud);
-    properties.extend(scalars.iter().map(|name| (name.as_str(), ScalarType::Float)));
-    if lit(cloud).is_some() {
-        properties.push((LIT, ScalarType::Float));
-    }
-
-    header(out, prepared::comment(cloud)?.as_deref(), cloud.len(), properties)
+/// Returns classes, intensity and scalars of a cloud.
+pub(super) fn others(cloud: &Cloud) -> impl Iterator<Item = Property<'_>> {
+    let classes = cloud.classification.iter().map(|codes| {
+        Property::new(["classification"], ScalarType::UChar, |record: &mut Vec<u8>, index| record.push(codes[index]))
+    });
+    let intensity = cloud.intensity.iter().map(|values| Property::floats("intensity", values));
+    let scalars = cloud.scalars.iter().map(|(name, values)| Property::floats(scalar_name(cloud, name), values));
+    classes.chain(intensity).chain(scalars)
 }
 
-/// Writes the header of a file of vertices with these properties.
-pub(super) fn header(
+/// Writes a file of so many vertices with these properties.
+pub(super) fn write_vertices(
     out: &mut impl Write,
     comment: Option<&str>,
     vertices: usize,
-    properties: Vec<(&str, ScalarType)>,
+    properties: &[Property],
 ) -> std::io::Result<()> {
     let writer = Writer::<DefaultElement>::new();
     writer.write_line_magic_number(out)?;
@@ -179,11 +193,19 @@ pub(super) fn header(
     let mut vertex = ElementDef::new("vertex".to_owned());
     vertex.count = vertices;
     writer.write_line_element_definition(out, &vertex)?;
-    for (name, scalar) in properties {
-        let property = PropertyDef::new(name.to_owned(), PropertyType::Scalar(scalar));
-        writer.write_line_property_definition(out, &property)?;
+    for Property { names, scalar, .. } in properties {
+        for name in names {
+            let property = PropertyDef::new(name.clone(), PropertyType::Scalar(scalar.clone()));
+            writer.write_line_property_definition(out, &property)?;
+        }
     }
     writer.write_line_end_header(out)?;
+    let mut record = Vec::new();
+    for index in 0..vertices {
+        record.clear();
+        properties.iter().for_each(|property| (property.push)(&mut record, index));
+        out.write_all(&record)?;
+    }
     Ok(())
 }
 
@@ -193,60 +215,21 @@ pub(super) fn narrowest_position(cloud: &Cloud) -> ScalarType {
     if single { ScalarType::Float } else { ScalarType::Double }
 }
 
-/// Appends a position as numbers of a type.
-pub(super) fn push_position(record: &mut Vec<u8>, position: DVec3, scalar: &ScalarType) {
-    for value in position.to_array() {
-        if *scalar == ScalarType::Double {
-            record.extend(value.to_le_bytes());
+/// Returns the positions of a cloud as numbers of a type.
+pub(super) fn position(cloud: &Cloud, scalar: ScalarType) -> Property<'_> {
+    let double = scalar == ScalarType::Double;
+    Property::new(["x", "y", "z"], scalar, move |record, index| {
+        let position = cloud.positions[index];
+        if double {
+            record.extend(position.to_array().map(f64::to_le_bytes).as_flattened());
         } else {
-            record.extend((value as f32).to_le_bytes());
+            record.extend(position.as_vec3().to_array().map(f32::to_le_bytes).as_flattened());
         }
-    }
-}
-
-/// Returns the property names of all scalars.
-pub(super) fn scalar_names(cloud: &Cloud) -> Vec<String> {
-    cloud.scalars.iter().map(|(name, _)| scalar_name(cloud, name)).collect()
-}
-
-/// The light of each point, if it was prepared.
-fn lit(cloud: &Cloud) -> Option<&[f32]> {
-    cloud.prepared.as_ref()?.shadows.as_ref().map(|shadows| shadows.lit.as_slice())
+    })
 }
 
 /// The property name of a scalar: in a prepared file one that the reader can't take for another column.
 fn scalar_name(cloud: &Cloud, name: &str) -> String {
     let name = without_blanks(name);
     if cloud.prepared.is_some() && is_known(&name) { format!("{name}_") } else { name }
-}
-
-/// The bytes of one vertex, in the order of the header.
-fn push_record(record: &mut Vec<u8>, cloud: &Cloud, index: usize, layout: &Layout) {
-    push_position(record, cloud.positions[index], &layout.position);
-    if let Some(colors) = &cloud.colors {
-        for linear in colors[index].to_array() {
-            layout.color.push(record, linear, encode_srgb);
-        }
-    }
-    if let Some(alphas) = &cloud.alphas {
-        layout.alpha.push(record, alphas[index], same);
-    }
-    if let Some(normals) = &cloud.normals {
-        record.extend(normals[index].to_array().into_iter().flat_map(f32::to_le_bytes));
-    }
-    if let Some(radii) = &cloud.radii {
-        record.extend(radii[index].to_le_bytes());
-    }
-    if let Some(prepared) = &cloud.prepared {
-        record.extend(prepared.values[index].to_le_bytes());
-    }
-    if let Some(classification) = &cloud.classification {
-        record.push(classification[index]);
-    }
-    if let Some(intensity) = &cloud.intensity {
-        record.extend(intensity[index].to_le_bytes());
-    }
-    for values in cloud.scalars.iter().map(|(_, values)| values.as_slice()).chain(lit(cloud)) {
-        record.extend(values[index].to_le_bytes());
-    }
 }

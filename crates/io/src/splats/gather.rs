@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3, Quat, Vec3};
 use rayon::prelude::*;
 
-use crate::columns::joined;
+use crate::columns::taken;
 use pellucid_core::cloud::gaussians::{Gaussians, Y0, coefficients, linear};
 use pellucid_core::cloud::{Cloud, UpAxis};
 use pellucid_core::progress::Progress;
@@ -31,6 +31,18 @@ pub(crate) struct Splat {
 /// Returns the display value of coefficients of degree 0.
 pub(crate) fn from_coefficient(coefficient: DVec3) -> DVec3 {
     coefficient * Y0 + 0.5
+}
+
+/// Returns a unit quaternion of three of its parts and the place of the fourth, the largest, among w, x, y and z.
+pub(crate) fn quaternion(largest: u32, [a, b, c]: [f64; 3]) -> DQuat {
+    let rest = (1.0 - (a * a + b * b + c * c)).max(0.0).sqrt();
+    let [w, x, y, z] = match largest {
+        0 => [rest, a, b, c],
+        1 => [a, rest, b, c],
+        2 => [a, b, rest, c],
+        _ => [a, b, c, rest],
+    };
+    DQuat::from_xyzw(x, y, z, w)
 }
 
 /// Columns of splats that grow.
@@ -118,23 +130,17 @@ impl Splats {
 
     /// Parts of the same degree, one behind the other. Each column of the parts is gone once it is joined.
     pub fn join(degree: u32, mut parts: Vec<Self>) -> Self {
-        fn column<T: bytemuck::Zeroable + Copy + Send + Sync>(
-            parts: &mut [Splats],
-            of: impl Fn(&mut Splats) -> &mut Vec<T>,
-        ) -> Vec<T> {
-            joined(parts.iter_mut().map(|part| std::mem::take(of(part))).collect())
-        }
         Self {
             without_center: parts.iter().map(|part| part.without_center).sum(),
             odd: parts.iter().map(|part| part.odd).sum(),
-            positions: column(&mut parts, |part| &mut part.positions),
-            alphas: column(&mut parts, |part| &mut part.alphas),
+            positions: taken(&mut parts, |part| &mut part.positions),
+            alphas: taken(&mut parts, |part| &mut part.alphas),
             gaussians: Gaussians {
-                extents: column(&mut parts, |part| &mut part.gaussians.extents),
-                rotations: column(&mut parts, |part| &mut part.gaussians.rotations),
-                bases: column(&mut parts, |part| &mut part.gaussians.bases),
+                extents: taken(&mut parts, |part| &mut part.gaussians.extents),
+                rotations: taken(&mut parts, |part| &mut part.gaussians.rotations),
+                bases: taken(&mut parts, |part| &mut part.gaussians.bases),
                 degree,
-                harmonics: column(&mut parts, |part| &mut part.gaussians.harmonics),
+                harmonics: taken(&mut parts, |part| &mut part.gaussians.harmonics),
             },
         }
     }

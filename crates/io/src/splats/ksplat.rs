@@ -6,8 +6,8 @@
 
 use glam::{DQuat, DVec3, Vec3};
 
-use super::bytes::half;
-use super::{Splat, Splats, all_bytes, check_count, float, short, word};
+use super::{Splat, Splats, all_bytes, check_count};
+use crate::number::{float, half, short, word};
 use crate::{Error, SharedFile, Source};
 use pellucid_core::cloud::gaussians::coefficients;
 use pellucid_core::cloud::{Cloud, UpAxis};

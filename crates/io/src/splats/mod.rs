@@ -12,7 +12,6 @@
 //! one of them is decoded. [`Splats::gather`] does the rest alike for all: it decodes on all cores, leaves out what is
 //! no splat, and makes a cloud.
 
-mod bytes;
 mod gather;
 mod gltf;
 mod ksplat;
@@ -20,8 +19,7 @@ mod raw;
 mod sog;
 mod spz;
 
-pub(super) use bytes::{float, short, word};
-pub(super) use gather::{Splat, Splats, from_coefficient, left_out, reason};
+pub(super) use gather::{Splat, Splats, from_coefficient, left_out, quaternion, reason};
 pub(super) use sog::{META, is_folder};
 
 use std::path::Path;
@@ -34,48 +32,28 @@ use pellucid_core::progress::Progress;
 /// announces more is one that was made to fill the memory.
 const MOST_PER_BYTE: u64 = 32;
 
-/// A format of files that hold nothing but splats.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    Raw,
-    Spz,
-    Sog,
-    Ksplat,
-    Gltf,
-}
+/// The reader of a format of files that hold nothing but splats.
+pub(super) type Reader = fn(Source, &Progress) -> Result<Cloud, Error>;
 
-impl Kind {
-    /// Returns the format of a file with these first bytes; if they are those of no format, that of its extension,
-    /// which is in lower case.
-    pub fn detect(path: &Path, extension: &str, start: &[u8]) -> Option<Self> {
-        let is_text = start.trim_ascii_start().starts_with(b"{");
-        match extension {
-            _ if start.starts_with(spz::MAGIC) || start.starts_with(spz::GZIP) => Some(Self::Spz),
-            _ if start.starts_with(sog::MAGIC) => Some(Self::Sog),
-            _ if start.starts_with(gltf::MAGIC) => Some(Self::Gltf),
-            "json" if is_text && sog::is_meta(path) => Some(Self::Sog),
-            "gltf" if is_text => Some(Self::Gltf),
-            "splat" => Some(Self::Raw),
-            "ksplat" => Some(Self::Ksplat),
-            _ => None,
-        }
-    }
-
-    /// Returns `true` if the extension, in lower case, is that of one of the formats.
-    pub fn has_extension(extension: &str) -> bool {
-        matches!(extension, "splat" | "spz" | "sog" | "ksplat" | "gltf" | "glb")
+/// Returns the reader of a file with these first bytes; if they are those of no format, that of its extension, which is
+/// in lower case.
+pub(super) fn reader(path: &Path, extension: &str, start: &[u8]) -> Option<Reader> {
+    let is_text = start.trim_ascii_start().starts_with(b"{");
+    match extension {
+        _ if start.starts_with(spz::MAGIC) || start.starts_with(spz::GZIP) => Some(spz::read),
+        _ if start.starts_with(sog::MAGIC) => Some(sog::read),
+        _ if start.starts_with(gltf::MAGIC) => Some(gltf::read),
+        "json" if is_text && sog::is_meta(path) => Some(sog::read),
+        "gltf" if is_text => Some(gltf::read),
+        "splat" => Some(raw::read),
+        "ksplat" => Some(ksplat::read),
+        _ => None,
     }
 }
 
-/// Reads a file of a format.
-pub(super) fn read(source: Source, kind: Kind, progress: &Progress) -> Result<Cloud, Error> {
-    match kind {
-        Kind::Raw => raw::read(source, progress),
-        Kind::Spz => spz::read(source, progress),
-        Kind::Sog => sog::read(source, progress),
-        Kind::Ksplat => ksplat::read(source, progress),
-        Kind::Gltf => gltf::read(source, progress),
-    }
+/// Returns `true` if the extension, in lower case, is that of one of the formats.
+pub(super) fn has_extension(extension: &str) -> bool {
+    matches!(extension, "splat" | "spz" | "sog" | "ksplat" | "gltf" | "glb")
 }
 
 /// All bytes of a file, if the memory holds them.

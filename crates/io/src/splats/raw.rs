@@ -5,7 +5,8 @@
 
 use glam::{DQuat, DVec3};
 
-use super::{Splat, Splats, all_bytes, check_count, float};
+use super::{Splat, Splats, all_bytes, check_count};
+use crate::number::float;
 use crate::{Error, Source};
 use pellucid_core::cloud::{Cloud, UpAxis};
 use pellucid_core::progress::Progress;

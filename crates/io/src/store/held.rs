@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use super::{Grid, Node, Piece, Store, Summary};
+use super::{Node, Piece, Store, Summary};
 use crate::Error;
 use pellucid_core::cloud::Cloud;
+use pellucid_core::cloud::field::range;
 use pellucid_core::cloud::gaussians::reach;
 
 /// A cloud in memory.
@@ -26,7 +27,11 @@ impl Held {
         };
         let points = cloud.len() as u64;
         let like = cloud.subset(&[]);
-        let ranges = cloud.scalars.iter().filter_map(|(name, values)| Some((name.clone(), range(values)?))).collect();
+        let range = |(name, values): &(String, Vec<f32>)| {
+            let [least, most] = range(&values.iter().map(|value| f64::from(*value)).collect::<Vec<_>>());
+            (least <= most).then(|| (name.clone(), [least, most]))
+        };
+        let ranges = cloud.scalars.iter().filter_map(range).collect();
         let summary = Summary { path: path.to_path_buf(), points, bounds, up: cloud.up, ranges, grid: None, like };
         let node =
             Node { level: 0, parent: None, bounds, points, bytes: 0, spacing: 0.0, largest_radius: largest(&cloud) };
@@ -34,36 +39,12 @@ impl Held {
     }
 }
 
-impl Held {
-    /// Returns the same cloud, all of whose positions lie on a grid.
-    #[must_use]
-    pub fn on_grid(mut self, grid: Option<Grid>) -> Self {
-        self.summary.grid = grid;
-        self
-    }
-}
-
 impl Store for Held {
-    fn summary(&self) -> &Summary {
-        &self.summary
-    }
-
-    fn nodes(&self) -> &[Node] {
-        &self.nodes
-    }
+    known!();
 
     fn read(&self, _node: usize) -> Result<Piece, Error> {
         Ok(Piece { cloud: self.cloud.clone(), places: (0..self.summary.points).collect() })
     }
-}
-
-/// The least and the largest finite value.
-fn range(values: &[f32]) -> Option<[f64; 2]> {
-    let finite = values.iter().copied().filter(|value| value.is_finite()).map(f64::from);
-    finite.fold(None, |range, value| {
-        let [least, most] = range.unwrap_or([value; 2]);
-        Some([value.min(least), value.max(most)])
-    })
 }
 
 fn largest(cloud: &Cloud) -> Option<f32> {

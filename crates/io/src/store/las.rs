@@ -69,13 +69,7 @@ impl LasPieces {
 }
 
 impl Store for LasPieces {
-    fn summary(&self) -> &Summary {
-        &self.summary
-    }
-
-    fn nodes(&self) -> &[Node] {
-        &self.nodes
-    }
+    known!();
 
     fn read(&self, node: usize) -> Result<Piece, Error> {
         let chunks = &self.file.chunks[self.pieces[node].clone()];
@@ -166,7 +160,9 @@ impl Survey {
         let mut chunks = chunks.peekable();
         // One, then twice as many each time: most files need few, some all. Independent of the machine, as the nodes'
         // boxes are.
-        while chunks.peek().is_some() && !(fine && survey.traits.are_settled(&file.header, file.asked)) {
+        let (format, asked) = (&file.header.format, file.asked);
+        let has_times = asked.gps_time && format.has_gps_time;
+        while chunks.peek().is_some() && !(fine && survey.traits.settle(format.has_color, has_times, asked.returns)) {
             let batch: Vec<&Chunk> = chunks.by_ref().take(done.clamp(1, MOST_AT_A_TIME)).collect();
             done += batch.len();
             let seen = batch.par_iter().map(|chunk| file.traits(chunk, boxes));

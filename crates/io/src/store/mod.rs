@@ -1,6 +1,19 @@
 //! Clouds in nodes that are read one by one: octrees, tiles, and plain files in pieces. What a scan is too large for, a
 //! node is not.
 
+/// Methods of a store with the fields `summary` and `nodes`.
+macro_rules! known {
+    () => {
+        fn summary(&self) -> &$crate::store::Summary {
+            &self.summary
+        }
+
+        fn nodes(&self) -> &[$crate::store::Node] {
+            &self.nodes
+        }
+    };
+}
+
 pub mod build;
 mod copc;
 mod ept;
@@ -25,6 +38,7 @@ pub use grid::Grid;
 pub use held::Held;
 pub use las::LasPieces;
 pub use octree::Octree;
+pub(crate) use octree::about::check_claim;
 pub use open::{announced, has_levels, is_folder, open};
 use pellucid_core::cloud::facts::Facts;
 use pellucid_core::cloud::{Bounds, Cloud, UpAxis};

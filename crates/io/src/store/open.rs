@@ -17,45 +17,57 @@ use pellucid_core::progress::Progress;
 /// # Errors
 /// Returns the errors of each store's `open`, and of [`load_with`].
 pub fn open(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn Store>, Error> {
-    if is_ept(path) {
-        let mut store = Ept::open(path, hints.las)?;
-        store.summary.like.warnings.extend(warning(&hints));
-        return refuse_photo(path, &hints).map(|()| Box::new(store) as Box<dyn Store>);
+    let found = Found::at(path)?;
+    if matches!(found, Found::Las(_) | Found::Ply(_)) {
+        refuse_photo(path, &hints)?;
     }
-    if Octree::is_one(path) {
-        let mut store = Octree::open(path)?;
-        store.summary.like.warnings.extend(warning(&hints));
-        return refuse_photo(path, &hints).map(|()| Box::new(store) as Box<dyn Store>);
-    }
-    if splats::is_folder(path) {
-        return whole(path, hints, progress);
-    }
-    let mut source = Source::open(path)?;
-    let start = source.peek()?;
-    match Format::detect(&source, &start) {
-        Ok(Format::Las) => {
-            refuse_photo(path, &hints)?;
+    match found {
+        Found::Ept => hinted(path, &hints, Ept::open(path, hints.las)?, |store| &mut store.summary),
+        Found::Octree => hinted(path, &hints, Octree::open(path)?, |store| &mut store.summary),
+        Found::Las(source) => {
             let file = LasFile::open(source, hints.las)?;
             if file.header.copc.is_some() {
-                let mut store = Copc::new(file)?;
-                store.summary.like.warnings.extend(warning(&hints));
-                return Ok(Box::new(store));
-            }
-            let mut store = LasPieces::new(file)?;
-            store.summary.like.warnings.extend(warning(&hints));
-            Ok(Box::new(store))
-        }
-        Ok(Format::Ply) => {
-            refuse_photo(path, &hints)?;
-            match PlyPieces::new(source)? {
-                Some(mut store) => {
-                    store.summary.like.warnings.extend(warning(&hints));
-                    Ok(Box::new(store))
-                }
-                None => whole(path, hints, progress),
+                hinted(path, &hints, Copc::new(file)?, |store| &mut store.summary)
+            } else {
+                hinted(path, &hints, LasPieces::new(file)?, |store| &mut store.summary)
             }
         }
-        _ => whole(path, hints, progress),
+        Found::Ply(source) => match PlyPieces::new(source)? {
+            Some(store) => hinted(path, &hints, store, |store| &mut store.summary),
+            None => whole(path, hints, progress),
+        },
+        Found::Whole => whole(path, hints, progress),
+    }
+}
+
+/// Target of a path.
+enum Found {
+    Ept,
+    Octree,
+    Las(Source),
+    Ply(Source),
+    /// A file or folder that is read as a whole.
+    Whole,
+}
+
+impl Found {
+    fn at(path: &Path) -> Result<Self, Error> {
+        if is_ept(path) {
+            return Ok(Self::Ept);
+        }
+        if Octree::is_one(path) {
+            return Ok(Self::Octree);
+        }
+        if splats::is_folder(path) {
+            return Ok(Self::Whole);
+        }
+        let mut source = Source::open(path)?;
+        let start = source.peek()?;
+        Ok(match Format::detect(&source, &start) {
+            Ok(Format::Las) => Self::Las(source),
+            Ok(Format::Ply) => Self::Ply(source),
+            _ => Self::Whole,
+        })
     }
 }
 
@@ -65,26 +77,19 @@ pub fn open(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn St
 /// # Errors
 /// Returns an error if the file can't be opened.
 pub fn announced(path: &Path, hints: &Hints) -> Result<Option<(u64, Option<u32>)>, Error> {
-    if is_ept(path) {
-        return Ok(Some((Ept::open(path, hints.las)?.summary().points, None)));
-    }
-    if Octree::is_one(path) {
-        let Summary { points, like, .. } = Octree::open(path)?.summary;
-        return Ok(Some((points, like.gaussians.map(|splats| splats.degree))));
-    }
-    if splats::is_folder(path) {
-        return Ok(None);
-    }
-    let mut source = Source::open(path)?;
-    let start = source.peek()?;
-    match Format::detect(&source, &start) {
-        Ok(Format::Las) => Ok(Some((LasFile::open(source, hints.las)?.header.count, None))),
-        Ok(Format::Ply) => match Vertices::find(source)? {
-            (Vertices::Rows(rows), comments) if !is_prepared(&comments) => Ok(Some((rows.count, None))),
-            _ => Ok(None),
+    Ok(match Found::at(path)? {
+        Found::Ept => Some((Ept::open(path, hints.las)?.summary().points, None)),
+        Found::Octree => {
+            let Summary { points, like, .. } = Octree::open(path)?.summary;
+            Some((points, like.gaussians.map(|splats| splats.degree)))
+        }
+        Found::Las(source) => Some((LasFile::open(source, hints.las)?.header.count, None)),
+        Found::Ply(source) => match Vertices::find(source)? {
+            (Vertices::Rows(rows), comments) if !is_prepared(&comments) => Some((rows.count, None)),
+            _ => None,
         },
-        _ => Ok(None),
-    }
+        Found::Whole => None,
+    })
 }
 
 /// Returns `true` if a path is a folder that is a store, or the file that describes it.
@@ -97,16 +102,11 @@ pub fn is_folder(path: &Path) -> bool {
 /// # Errors
 /// Returns an error if the file can't be opened.
 pub fn has_levels(path: &Path, hints: &Hints) -> Result<bool, Error> {
-    if is_folder(path) {
-        return Ok(true);
-    }
-    if splats::is_folder(path) {
-        return Ok(false);
-    }
-    let mut source = Source::open(path)?;
-    let start = source.peek()?;
-    let is_las = matches!(Format::detect(&source, &start), Ok(Format::Las));
-    Ok(is_las && LasFile::open(source, hints.las)?.header.copc.is_some())
+    Ok(match Found::at(path)? {
+        Found::Ept | Found::Octree => true,
+        Found::Las(source) => LasFile::open(source, hints.las)?.header.copc.is_some(),
+        Found::Ply(_) | Found::Whole => false,
+    })
 }
 
 fn is_ept(path: &Path) -> bool {
@@ -117,11 +117,17 @@ fn whole(path: &Path, hints: Hints, progress: &Progress) -> Result<Box<dyn Store
     Ok(Box::new(Held::new(path, load_with(path, hints, progress)?)?))
 }
 
-/// Returns a warning about hints that are for other files.
-fn warning(hints: &Hints) -> Option<String> {
-    hints.columns.map(|_| NAMES_WITHOUT_EFFECT.to_owned())
+/// A store that warns of hints that are for other files.
+fn hinted<S: Store + 'static>(
+    path: &Path,
+    hints: &Hints,
+    mut store: S,
+    summary: fn(&mut S) -> &mut Summary,
+) -> Result<Box<dyn Store>, Error> {
+    summary(&mut store).like.warnings.extend(hints.columns.map(|_| NAMES_WITHOUT_EFFECT.to_owned()));
+    refuse_photo(path, hints).map(|()| Box::new(store) as Box<dyn Store>)
 }
 
 fn refuse_photo(path: &Path, hints: &Hints) -> Result<(), Error> {
-    if hints.photo.is_some() { Err(Error::NoPicture { path: path.to_path_buf() }) } else { Ok(()) }
+    if hints.photo.is_some() { Err(Error::NoPicture(path.to_path_buf())) } else { Ok(()) }
 }

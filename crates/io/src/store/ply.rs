@@ -78,13 +78,7 @@ impl PlyPieces {
 }
 
 impl Store for PlyPieces {
-    fn summary(&self) -> &Summary {
-        &self.summary
-    }
-
-    fn nodes(&self) -> &[Node] {
-        &self.nodes
-    }
+    known!();
 
     fn read(&self, node: usize) -> Result<Piece, Error> {
         let rows = self.pieces[node].clone();

@@ -68,13 +68,7 @@ impl Tiles {
 }
 
 impl Store for Tiles {
-    fn summary(&self) -> &Summary {
-        &self.summary
-    }
-
-    fn nodes(&self) -> &[Node] {
-        &self.nodes
-    }
+    known!();
 
     fn read(&self, node: usize) -> Result<Piece, Error> {
         let at = self.stores.partition_point(|tile| tile.first_node <= node) - 1;
@@ -86,8 +80,8 @@ impl Store for Tiles {
     }
 }
 
-/// A cloud of no points with the columns of all.
-fn like(all: &[&Summary]) -> Cloud {
+/// Returns a cloud of no points with the columns of all.
+pub(super) fn like(all: &[&Summary]) -> Cloud {
     let clouds = || all.iter().map(|summary| &summary.like);
     let any = |has: fn(&Cloud) -> bool| clouds().any(has);
     let first = clouds().next().cloned().unwrap_or_default();

@@ -46,9 +46,9 @@ impl Batch {
         make: impl Fn(Vec<f64>) -> P + Sync,
     ) -> Option<Parsed<P>> {
         let parse = |part| {
-            let part = parse(part, fields.clone(), columns)?;
-            let rows = (part.values.len() / columns) as u64;
-            Some((make(part.values), rows, part.fields, part.lines))
+            let (values, fields, lines) = parse(part, fields.clone(), columns)?;
+            let rows = (values.len() / columns) as u64;
+            Some((make(values), rows, fields, lines))
         };
         let parts = self.parts().into_par_iter().map(parse).collect::<Option<Vec<_>>>()?;
         let mut all = Parsed { parts: Vec::with_capacity(parts.len()), rows: 0, fields: fields.clone(), lines: 0 };
@@ -92,15 +92,8 @@ impl Batch {
     }
 }
 
-/// The lines of a part of a batch.
-struct Part {
-    /// Values of all rows, one behind the other.
-    values: Vec<f64>,
-    fields: Fields,
-    lines: u64,
-}
-
-fn parse(part: &[u8], mut fields: Fields, columns: usize) -> Option<Part> {
+/// Values of all rows of a part of a batch, one behind the other, their fields, and how many lines they are.
+fn parse(part: &[u8], mut fields: Fields, columns: usize) -> Option<(Vec<f64>, Fields, u64)> {
     // A row for each line at most; the last one needs no end. Its shortest value takes two bytes.
     let most = (part.iter().filter(|&&byte| byte == b'\n').count() + 1).saturating_mul(columns).min(part.len());
     let (mut values, mut row, mut lines) = (Vec::with_capacity(most), Vec::new(), 0);
@@ -116,7 +109,7 @@ fn parse(part: &[u8], mut fields: Fields, columns: usize) -> Option<Part> {
             values.extend_from_slice(&row);
         }
     }
-    Some(Part { values, fields, lines })
+    Some((values, fields, lines))
 }
 
 #[cfg(test)]

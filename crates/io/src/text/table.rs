@@ -209,16 +209,16 @@ impl Table {
 }
 
 /// Rows as they come, in parts: in columns if these are known, else kept until all values are.
-enum Rows {
-    Ready { places: Box<Places>, parts: Vec<columns::Table>, row: Vec<f64> },
-    Kept(Vec<Vec<f64>>),
+struct Rows {
+    places: Option<Places>,
+    tables: Vec<columns::Table>,
+    kept: Vec<Vec<f64>>,
+    /// The values of a row in the order of its columns.
+    row: Vec<f64>,
 }
 
-/// Some of the rows.
-enum Part {
-    Ready(Box<columns::Table>),
-    Kept(Vec<f64>),
-}
+/// Some of the rows: in columns, or their values.
+type Part = (Option<columns::Table>, Vec<f64>);
 
 /// Roles of the values of a line.
 struct Places {
@@ -251,66 +251,50 @@ impl Places {
     }
 
     fn finish(&self, parts: Vec<columns::Table>) -> Cloud {
-        let table = columns::Table::join(&self.layout, parts);
-        let whole = table.whole(&self.layout);
-        table.finish(&self.layout, &whole)
+        columns::Table::join(&self.layout, parts).into_cloud(&self.layout)
     }
 }
 
 impl Rows {
     fn new(lines: &Lines, names: Option<&[String]>) -> Result<Self, Error> {
-        Ok(match names {
-            Some(names) => {
-                let places = Box::new(Places::new(lines, names)?);
-                let parts = vec![columns::Table::new(&places.layout, 0)];
-                Self::Ready { places, parts, row: Vec::new() }
-            }
-            None => Self::Kept(vec![Vec::new()]),
-        })
+        let places = names.map(|names| Places::new(lines, names)).transpose()?;
+        let tables = places.iter().map(|places| columns::Table::new(&places.layout, 0)).collect();
+        Ok(Self { places, tables, kept: vec![Vec::new()], row: Vec::new() })
     }
 
     /// Adds a row to the last part.
     fn push(&mut self, values: &[f64]) {
-        match self {
-            Self::Ready { places, parts, row } => {
-                parts.last_mut().into_iter().for_each(|last| places.push(last, values, row));
-            }
-            Self::Kept(parts) => parts.last_mut().into_iter().for_each(|last| last.extend_from_slice(values)),
+        match (&self.places, self.tables.last_mut()) {
+            (Some(places), Some(last)) => places.push(last, values, &mut self.row),
+            _ => self.kept.last_mut().into_iter().for_each(|last| last.extend_from_slice(values)),
         }
     }
 
     /// A part of rows of so many values.
     fn part(&self, values: Vec<f64>, columns: usize) -> Part {
-        match self {
-            Self::Ready { places, .. } => Part::Ready(Box::new(places.table(&values, columns))),
-            Self::Kept(_) => Part::Kept(values),
+        match &self.places {
+            Some(places) => (Some(places.table(&values, columns)), Vec::new()),
+            None => (None, values),
         }
     }
 
     /// Adds parts that [`Self::part`] made.
     fn extend(&mut self, more: Vec<Part>) {
-        for part in more {
-            match (&mut *self, part) {
-                (Self::Ready { parts, .. }, Part::Ready(part)) => parts.push(*part),
-                (Self::Kept(parts), Part::Kept(part)) => parts.push(part),
-                // Each kind of rows makes parts of its kind.
-                _ => {}
-            }
+        for (table, values) in more {
+            self.tables.extend(table);
+            self.kept.push(values);
         }
     }
 
     fn finish(self, lines: &Lines, columns: usize, pts: bool) -> Result<Cloud, Error> {
-        match self {
-            Self::Ready { places, parts, .. } => Ok(places.finish(parts)),
-            Self::Kept(kept) => {
-                let names = if pts { of_scanners(columns) } else { None };
-                let names = names.unwrap_or_else(|| by_values(columns, &kept));
-                let places = Places::new(lines, &names)?;
-                // The values of each part are gone once they are in columns.
-                let parts = kept.into_par_iter().map(|values| places.table(&values, columns));
-                Ok(places.finish(parts.collect()))
-            }
+        if let Some(places) = self.places {
+            return Ok(places.finish(self.tables));
         }
+        let names = if pts { of_scanners(columns) } else { None };
+        let places = Places::new(lines, &names.unwrap_or_else(|| by_values(columns, &self.kept)))?;
+        // The values of each part are gone once they are in columns.
+        let parts = self.kept.into_par_iter().map(|values| places.table(&values, columns));
+        Ok(places.finish(parts.collect()))
     }
 }
 

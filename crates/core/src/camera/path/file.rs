@@ -34,7 +34,7 @@ pub struct CameraPath {
 }
 
 /// A camera that the path passes through: `eye` and either `target` (and `up`) or `orientation`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Key {
     /// The key's time, in any unit, ascending from key to key. Either all keys have one or none, which spaces them
@@ -70,17 +70,7 @@ pub struct Key {
 impl Key {
     /// Returns a key with only the eye; it needs a `target` or an `orientation`.
     pub fn at(eye: [f64; 3]) -> Self {
-        Self {
-            time: None,
-            eye,
-            target: None,
-            up: None,
-            orientation: None,
-            fov_y: None,
-            height: None,
-            near: None,
-            far: None,
-        }
+        Self { eye, ..Self::default() }
     }
 
     /// Refuses what makes no camera; `number` counts from 0.
@@ -173,14 +163,11 @@ impl CameraPath {
             return Err(Problem::whole(format!("keys: a path has from 1 to {MAX_KEYS} of them, not {count}")));
         }
         self.keys.iter().enumerate().try_for_each(|(number, key)| key.check(number))?;
-        let has = |name: &str, key: &Key| match name {
-            "time" => key.time.is_some(),
-            "near" => key.near.is_some(),
-            _ => key.far.is_some(),
-        };
-        for name in ["time", "near", "far"] {
-            let first = self.keys.first().is_some_and(|key| has(name, key));
-            if let Some(number) = self.keys.iter().position(|key| has(name, key) != first) {
+        let optional: [(_, fn(&Key) -> Option<f64>); 3] =
+            [("time", |key| key.time), ("near", |key| key.near), ("far", |key| key.far)];
+        for (name, value) in optional {
+            let first = value(&self.keys[0]).is_some();
+            if let Some(number) = self.keys.iter().position(|key| value(key).is_some() != first) {
                 return Err(Problem::of_key(number, name, "either all keys have it, or none"));
             }
         }

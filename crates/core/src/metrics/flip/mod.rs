@@ -2,7 +2,7 @@
 //!
 //! Computed here rather than by NVIDIA's C++ (crate nv-flip), whose binding takes 8-bit pictures: in those, what is
 //! below half a step is no difference. Constants and the filters' amplitudes are those of that code, and so are the
-//! values, to float32's rounding, as crates/engine/tests/host/metrics.rs shows.
+//! values, to float32's rounding, as crates/core/tests/host/metrics.rs shows.
 
 mod color;
 mod filter;

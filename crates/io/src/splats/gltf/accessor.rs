@@ -1,8 +1,8 @@
 //! Numbers of a buffer, as an accessor describes them.
 
-use super::super::{float, short, word};
 use super::buffers::Buffers;
 use super::document::Document;
+use crate::number::Kind;
 
 /// Numbers of one attribute, some for each splat.
 #[derive(Debug, Clone, Copy)]
@@ -10,53 +10,23 @@ pub(super) struct Numbers<'a> {
     bytes: &'a [u8],
     stride: usize,
     kind: Kind,
+    /// Bytes of a number.
+    size: usize,
     normalized: bool,
     pub count: usize,
 }
 
-/// Types of numbers.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Kind {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
-}
-
-impl Kind {
-    fn of(component_type: u32) -> Option<Self> {
-        Some(match component_type {
-            5120 => Self::I8,
-            5121 => Self::U8,
-            5122 => Self::I16,
-            5123 => Self::U16,
-            5125 => Self::U32,
-            5126 => Self::F32,
-            _ => return None,
-        })
-    }
-
-    fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::U32 | Self::F32 => 4,
-        }
-    }
-
-    /// The number that means 1 where numbers are normalized.
-    fn one(self) -> f64 {
-        match self {
-            Self::I8 => i8::MAX.into(),
-            Self::U8 => u8::MAX.into(),
-            Self::I16 => i16::MAX.into(),
-            Self::U16 => u16::MAX.into(),
-            Self::U32 => u32::MAX.into(),
-            Self::F32 => 1.0,
-        }
-    }
+/// The type of a number by glTF's code.
+fn kind(component_type: u32) -> Option<Kind> {
+    Some(match component_type {
+        5120 => Kind::Int8,
+        5121 => Kind::Uint8,
+        5122 => Kind::Int16,
+        5123 => Kind::Uint16,
+        5125 => Kind::Uint32,
+        5126 => Kind::Float,
+        _ => return None,
+    })
 }
 
 impl<'a> Numbers<'a> {
@@ -71,7 +41,8 @@ impl<'a> Numbers<'a> {
         if accessor.sparse.is_some() {
             return Err(format!("{named} is sparse, which is not supported"));
         }
-        let kind = Kind::of(accessor.component_type).ok_or_else(|| {
+        let of_code = kind(accessor.component_type).and_then(|kind| Some((kind, kind.bytes()?)));
+        let (kind, size) = of_code.ok_or_else(|| {
             format!("{named} has componentType {}, which glTF does not define", accessor.component_type)
         })?;
         let view = accessor.buffer_view.ok_or_else(|| format!("{named} has no bufferView"))?;
@@ -83,7 +54,7 @@ impl<'a> Numbers<'a> {
         };
         let within = cut(buffer, view.byte_offset, Some(view.byte_length));
         let within = within.ok_or_else(|| format!("the bufferView of {named} reaches beyond its buffer"))?;
-        let element = kind.size() as u64 * width(shape) as u64;
+        let element = size as u64 * width(shape) as u64;
         let stride = view.byte_stride.unwrap_or(element).max(element);
         let last = accessor.count.saturating_sub(1).checked_mul(stride).and_then(|last| last.checked_add(element));
         let len = if accessor.count == 0 { Some(0) } else { last };
@@ -95,25 +66,27 @@ impl<'a> Numbers<'a> {
             )
         })?;
         let (stride, count) = (stride as usize, accessor.count as usize);
-        Ok(Self { bytes, stride, kind, normalized: accessor.normalized, count })
+        Ok(Self { bytes, stride, kind, size, normalized: accessor.normalized, count })
     }
 
     /// Returns some numbers of an element.
     pub fn get<const N: usize>(&self, element: usize) -> [f64; N] {
-        std::array::from_fn(|part| self.number(element * self.stride + part * self.kind.size()))
+        std::array::from_fn(|part| self.number(element * self.stride + part * self.size))
     }
 
     fn number(&self, at: usize) -> f64 {
-        let byte = || self.bytes.get(at).copied().unwrap_or(0);
-        let number = match self.kind {
-            Kind::I8 => byte().cast_signed().into(),
-            Kind::U8 => byte().into(),
-            Kind::I16 => short(self.bytes, at).cast_signed().into(),
-            Kind::U16 => short(self.bytes, at).into(),
-            Kind::U32 => word(self.bytes, at).into(),
-            Kind::F32 => return float(self.bytes, at),
+        let number = self.kind.read(self.bytes.get(at..).unwrap_or_default());
+        // The number that means 1 where numbers are normalized.
+        let one: f64 = match self.kind {
+            _ if !self.normalized => return number,
+            Kind::Int8 => i8::MAX.into(),
+            Kind::Uint8 => u8::MAX.into(),
+            Kind::Int16 => i16::MAX.into(),
+            Kind::Uint16 => u16::MAX.into(),
+            Kind::Uint32 => u32::MAX.into(),
+            _ => return number,
         };
-        if self.normalized { f64::max(number / self.kind.one(), -1.0) } else { number }
+        f64::max(number / one, -1.0)
     }
 }
 

@@ -1,5 +1,6 @@
 //! The buffers of a glTF file: in it, beside it, or written in its text.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use base64::Engine;
@@ -10,18 +11,13 @@ use super::document::{Buffer, Document};
 use crate::{Error, SharedFile, Source};
 
 /// All buffers.
-pub(super) struct Buffers<'a>(Vec<Bytes<'a>>);
-
-enum Bytes<'a> {
-    Within(&'a [u8]),
-    Own(Vec<u8>),
-}
+pub(super) struct Buffers<'a>(Vec<Cow<'a, [u8]>>);
 
 impl<'a> Buffers<'a> {
     pub fn read(file: &SharedFile, document: &Document, binary: Option<&'a [u8]>) -> Result<Self, Error> {
         let read = |(number, buffer): (usize, &Buffer)| {
             let bytes = one(file, number, buffer, binary)?;
-            let found = bytes.slice().len() as u64;
+            let found = bytes.len() as u64;
             if found < buffer.byte_length {
                 let announced = buffer.byte_length;
                 return Err(file.truncated(format!("buffer {number} has {found} bytes, but {announced} are announced")));
@@ -33,30 +29,26 @@ impl<'a> Buffers<'a> {
 
     /// Returns the bytes of a buffer.
     pub fn get(&self, number: usize) -> Option<&[u8]> {
-        self.0.get(number).map(Bytes::slice)
+        self.0.get(number).map(|bytes| &**bytes)
     }
 
     /// Returns the number of bytes of all.
     pub fn len(&self) -> u64 {
-        self.0.iter().map(|bytes| bytes.slice().len() as u64).sum()
+        self.0.iter().map(|bytes| bytes.len() as u64).sum()
     }
 }
 
-impl Bytes<'_> {
-    fn slice(&self) -> &[u8] {
-        match self {
-            Self::Within(bytes) => bytes,
-            Self::Own(bytes) => bytes,
-        }
-    }
-}
-
-fn one<'a>(file: &SharedFile, number: usize, buffer: &Buffer, binary: Option<&'a [u8]>) -> Result<Bytes<'a>, Error> {
+fn one<'a>(
+    file: &SharedFile,
+    number: usize,
+    buffer: &Buffer,
+    binary: Option<&'a [u8]>,
+) -> Result<Cow<'a, [u8]>, Error> {
     let wrong = |cause: &str| file.malformed(format!("buffer {number}"), cause);
     let Some(uri) = &buffer.uri else {
         let within = binary.filter(|_| number == 0);
         return within
-            .map(Bytes::Within)
+            .map(Cow::Borrowed)
             .ok_or_else(|| wrong("it has no `uri`, and no bytes follow the text of the file"));
     };
     if let Some(data) = uri.strip_prefix("data:") {
@@ -65,12 +57,12 @@ fn one<'a>(file: &SharedFile, number: usize, buffer: &Buffer, binary: Option<&'a
             return Err(wrong("its data: URI is not base64"));
         }
         let bytes = BASE64_STANDARD.decode(content).map_err(|e| wrong(&format!("base64: {e}")))?;
-        return Ok(Bytes::Own(bytes));
+        return Ok(bytes.into());
     }
     let name = decoded(uri).filter(|name| !name.contains("://") && !Path::new(name).is_absolute());
     let name = name.ok_or_else(|| wrong(&format!("{uri:?} is not the name of a file next to this one")))?;
     let path = file.path().parent().map(PathBuf::from).unwrap_or_default().join(name);
-    Ok(Bytes::Own(all_bytes(Source::open(&path)?)?.1))
+    Ok(all_bytes(Source::open(&path)?)?.1.into())
 }
 
 /// The text of a URI: a percent sign and two digits stand for a byte.

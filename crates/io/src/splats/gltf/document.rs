@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
-use super::super::word;
 use super::{EXTENSION, MAGIC};
+use crate::number::word;
 use crate::{Error, SharedFile};
 
 /// Types of the chunks that are read.

@@ -66,9 +66,7 @@ impl Files {
     /// Returns the error of a file that breaks the rules.
     pub fn malformed(&self, name: &str, cause: impl Into<String>) -> Error {
         match self {
-            Self::Folder { folder, .. } => {
-                Error::Malformed { path: folder.join(name), place: "content".to_owned(), cause: cause.into() }
-            }
+            Self::Folder { folder, .. } => Error::malformed(&folder.join(name), "content", cause),
             Self::Archive { file, .. } => file.malformed(name, cause),
         }
     }

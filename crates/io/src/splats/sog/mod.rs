@@ -14,7 +14,7 @@ use std::path::Path;
 
 use glam::{DQuat, DVec3, Vec3};
 
-use super::{Splat, Splats, from_coefficient};
+use super::{Splat, Splats, from_coefficient, quaternion};
 use crate::{Error, Source};
 use files::Files;
 use meta::{Meta, Table};
@@ -160,16 +160,8 @@ impl<'a> Palette<'a> {
 /// The quaternion of a pixel: alpha tells which of w, x, y and z is the largest, from 252 on. Other values of alpha
 /// mean none.
 fn rotation([a, b, c, largest]: [u8; 4]) -> DQuat {
-    let [a, b, c] = [a, b, c].map(|byte| (f64::from(byte) / 255.0 * 2.0 - 1.0) / SQRT_2);
-    let rest = (1.0 - (a * a + b * b + c * c)).max(0.0).sqrt();
-    let [w, x, y, z] = match largest {
-        252 => [rest, a, b, c],
-        253 => [a, rest, b, c],
-        254 => [a, b, rest, c],
-        255 => [a, b, c, rest],
-        _ => [0.0; 4],
-    };
-    DQuat::from_xyzw(x, y, z, w)
+    let parts = [a, b, c].map(|byte| (f64::from(byte) / 255.0 * 2.0 - 1.0) / SQRT_2);
+    largest.checked_sub(252).map_or(DQuat::from_array([0.0; 4]), |largest| quaternion(largest.into(), parts))
 }
 
 #[cfg(test)]

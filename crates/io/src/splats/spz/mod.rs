@@ -11,7 +11,8 @@ use std::io::Read;
 
 use flate2::bufread::MultiGzDecoder;
 
-use super::{Splats, all_bytes, check_count, word};
+use super::{Splats, all_bytes, check_count};
+use crate::number::word;
 use crate::{Error, SharedFile, Source};
 use pellucid_core::cloud::filter::Filter;
 use pellucid_core::cloud::gaussians::MAX_DEGREE;

@@ -4,9 +4,9 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use glam::{DQuat, DVec3, Vec3};
 
-use super::super::bytes::half;
-use super::super::{Splat, from_coefficient, word};
+use super::super::{Splat, from_coefficient};
 use super::Header;
+use crate::number::{half, word};
 use pellucid_core::cloud::gaussians::coefficients;
 
 /// A byte of color is 255·(½ + this·coefficient).

@@ -1,14 +1,9 @@
 //! SPZ 4: a plain header, a table of lengths, and a Zstandard stream for each plane.
 
-use std::io::Read;
-
-use ruzstd::decoding::StreamingDecoder;
-
-use super::super::bytes::long;
-use super::super::word;
 use super::planes::{NAMES, Planes, lengths};
 use super::{Error, Header, SharedFile};
 use crate::decoder;
+use crate::number::{long, word};
 
 /// Bytes of the header.
 const HEADER: u64 = 32;
@@ -60,12 +55,7 @@ pub(super) fn read(file: &SharedFile, bytes: &[u8], header: &Header) -> Result<P
 
 /// The bytes of a stream, which are to be so many, or what is wrong with them.
 fn unpacked(stream: &[u8], len: u64) -> Result<Vec<u8>, String> {
-    let mut all = Vec::new();
-    let decode = || -> Result<usize, String> {
-        let decoder = StreamingDecoder::new(stream).map_err(|e| e.to_string())?;
-        decoder.take(len + 1).read_to_end(&mut all).map_err(|e| e.to_string())
-    };
-    decoder::guard(decode)??;
+    let all = decoder::zstandard(stream, len)?;
     match all.len() as u64 {
         found if found == len => Ok(all),
         found if found < len => Err(format!("it ends after {found} of {len} bytes")),

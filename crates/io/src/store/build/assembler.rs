@@ -183,13 +183,9 @@ impl Assembler {
         self.write_survey()?;
         self.kept.remove(&self.folder);
         let extents: Vec<Extent> = self.written.iter().filter_map(|node| node.extent).collect();
-        let mut file = Sink::new(&self.folder.join(NODES))?;
-        file.write(&nodes::write(&extents))?;
-        file.sync()?;
+        Sink::put(&self.folder.join(NODES), &[&nodes::write(&extents)])?;
         let hierarchy = hierarchy::write(&mut self.written);
-        let mut file = Sink::new(&self.folder.join(HIERARCHY))?;
-        file.write(&hierarchy.bytes)?;
-        file.sync()?;
+        Sink::put(&self.folder.join(HIERARCHY), &[&hierarchy.bytes])?;
         let metadata = self.metadata(told, &hierarchy);
         let text = serde_json::to_string_pretty(&metadata);
         text.map_err(|error| Error::Write { path: self.folder.join(metadata::METADATA), source: error.into() })
@@ -201,10 +197,8 @@ impl Assembler {
         if self.sample.len() <= self.surveyor.most_bytes() {
             let head = survey::head(&self.facts);
             let head = head.map_err(|error| Error::Write { path: path.clone(), source: error.into() })?;
-            let mut file = Sink::new(&path)?;
-            file.write(&head)?;
-            file.write(&fs::read(&sample).map_err(|source| Error::Read { path: sample.clone(), source })?)?;
-            file.sync()?;
+            let sample = fs::read(&sample).map_err(|source| Error::Read { path: sample.clone(), source })?;
+            Sink::put(&path, &[&head, &sample])?;
         }
         remove(&sample)
     }
@@ -236,7 +230,7 @@ impl Assembler {
             offset: grid.offset.to_array(),
             scale: grid.scale.to_array(),
             spacing: (bounds.max - bounds.min).max_element() * (-f64::from(self.rules.grid_bits)).exp2(),
-            bounding_box: metadata::corners(bounds.min, bounds.max),
+            bounding_box: metadata::Corners { min: bounds.min.to_array(), max: bounds.max.to_array() },
             encoding: "DEFAULT".to_owned(),
             attributes: attributes.collect(),
             pellucid: serde_json::to_value(about).ok(),

@@ -18,6 +18,7 @@ use super::target;
 use super::types::Types;
 use crate::Error;
 use crate::store::octree::attributes::Layout;
+use pellucid_core::cloud::Bounds;
 use pellucid_core::progress::Progress;
 
 /// Share of the smallest radius that a position may move by.
@@ -73,8 +74,14 @@ pub fn build(
     // Records in files by chunk and in nodes.
     let stride = Types::default().layout(&input.like, input.points).stride as u64;
     let bytes = input.points.saturating_mul(2 * stride);
+    let Bounds { min, max } = input.bounds;
+    let cause = || format!("no grid of 32-bit integers covers the box from {min} to {max}");
+    let too_large = || Error::malformed(folder, "bounds", cause());
     target::make(folder, &state::key(inputs, settings), bytes, |work, state| {
-        Build::new(&input, work, folder, settings, progress, state).and_then(Build::run)
+        let grid = input.shared_grid().or_else(|| Grid::around(&input.bounds)).ok_or_else(too_large)?;
+        let cube = Cube::around(grid, &input.bounds).ok_or_else(too_large)?;
+        let notes = input.notes.clone();
+        Build { input: &input, work, target: folder, settings, progress, cube, state, notes }.run()
     })
 }
 
@@ -103,29 +110,7 @@ struct Build<'a> {
     notes: Vec<String>,
 }
 
-impl<'a> Build<'a> {
-    fn new(
-        input: &'a Input<'a>,
-        work: &'a Path,
-        target: &'a Path,
-        settings: &'a Settings,
-        progress: &'a Progress,
-        state: State,
-    ) -> Result<Self, Error> {
-        let too_large = || Error::Malformed {
-            path: target.to_path_buf(),
-            place: "bounds".to_owned(),
-            cause: format!(
-                "no grid of 32-bit integers covers the box from {} to {}",
-                input.bounds.min, input.bounds.max
-            ),
-        };
-        let grid = input.shared_grid().or_else(|| Grid::around(&input.bounds)).ok_or_else(too_large)?;
-        let cube = Cube::around(grid, &input.bounds).ok_or_else(too_large)?;
-        let notes = input.notes.clone();
-        Ok(Self { input, work, target, settings, progress, cube, state, notes })
-    }
-
+impl Build<'_> {
     fn run(mut self) -> Result<Built, Error> {
         let survey = self.survey()?;
         let layout = survey.types.layout(&self.input.like, self.input.points);

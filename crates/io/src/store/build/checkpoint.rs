@@ -45,15 +45,6 @@ pub(super) struct Kept {
     next: u8,
 }
 
-/// Description of an open node before its records.
-#[derive(Serialize, Deserialize)]
-struct Head {
-    cell: Cell,
-    total: u64,
-    is_inner: bool,
-    bytes: u64,
-}
-
 fn open_path(folder: &Path, number: u8) -> PathBuf {
     folder.join(format!("open.{number}"))
 }
@@ -89,8 +80,7 @@ impl Kept {
         let number = self.next;
         let mut file = Sink::new(&open_path(folder, number))?;
         for Open { cell, total, is_inner, records } in open {
-            let head = Head { cell: *cell, total: *total, is_inner: *is_inner, bytes: records.len() as u64 };
-            let mut line = serde_json::to_vec(&head).unwrap_or_default();
+            let mut line = serde_json::to_vec(&(cell, total, is_inner, records.len())).unwrap_or_default();
             line.push(b'\n');
             file.write(&line)?;
             file.write(records)?;
@@ -116,7 +106,7 @@ pub(super) fn read_open(folder: &Path, checkpoint: &Checkpoint) -> Result<Vec<Op
         let mut open = Vec::new();
         let mut line = String::new();
         while reader.read_line(&mut line)? > 0 {
-            let Head { cell, total, is_inner, bytes } = serde_json::from_str(&line)?;
+            let (cell, total, is_inner, bytes): (Cell, u64, bool, u64) = serde_json::from_str(&line)?;
             let mut records = Vec::new();
             if (reader.by_ref().take(bytes).read_to_end(&mut records)? as u64) < bytes {
                 return Err(std::io::ErrorKind::UnexpectedEof.into());

@@ -126,21 +126,23 @@ impl Cell {
 
     /// Returns the number of Potree's name of it, whose digits have x highest: of one level in the order of names.
     pub(super) fn name_order(self) -> u128 {
-        (0..self.level).rev().fold(0, |name, bit| {
-            let digit = |axis: usize| u128::from(self.at[axis] >> bit & 1);
-            name << 3 | digit(0) << 2 | digit(1) << 1 | digit(2)
-        })
+        let [x, y, z] = self.at.map(u64::from);
+        interleaved([z, y, x], self.level)
     }
 
     /// Key of the order along the Morton curve, for cells of which neither holds the other.
     pub(super) fn morton_order(self) -> [u128; 2] {
-        let aligned = self.at.map(|at| u128::from(at) << (MAX_BITS - self.level));
-        let code = (0..MAX_BITS).rev().fold(0, |code, bit| {
-            let digit = |axis: usize| aligned[axis] >> bit & 1;
-            code << 3 | digit(2) << 2 | digit(1) << 1 | digit(0)
-        });
-        [code, u128::from(self.level)]
+        let aligned = self.at.map(|at| u64::from(at) << (MAX_BITS - self.level));
+        [interleaved(aligned, MAX_BITS), u128::from(self.level)]
     }
+}
+
+/// The lowest bits of three numbers, so many of each: three bits a level, the first number's lowest.
+fn interleaved(at: [u64; 3], bits: u32) -> u128 {
+    (0..bits).rev().fold(0, |code, bit| {
+        let digit = |axis: usize| u128::from(at[axis] >> bit & 1);
+        code << 3 | digit(2) << 2 | digit(1) << 1 | digit(0)
+    })
 }
 
 #[cfg(test)]

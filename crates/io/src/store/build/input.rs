@@ -92,8 +92,7 @@ impl<'a> Input<'a> {
         let Outside(position) = outside;
         let Bounds { min, max } = self.bounds;
         let cause = format!("it lies outside the box that was announced, from {min} to {max}");
-        let path = self.stores[store].summary().path.clone();
-        Error::Malformed { path, place: format!("point at {position}"), cause }
+        Error::malformed(&self.stores[store].summary().path, format!("point at {position}"), cause)
     }
 
     /// Returns the error of a build that somebody ended.

@@ -2,9 +2,10 @@
 
 use glam::Vec3;
 
-use super::super::octree::attributes::{Kind, Layout, Role};
+use super::super::octree::attributes::{Layout, Role};
 use super::super::octree::integers;
 use super::super::octree::nodes::Extent;
+use pellucid_core::cloud::field::range;
 use pellucid_core::cloud::gaussians::reach;
 
 /// Least and largest value of each number of a record, those of positions on the grid.
@@ -52,29 +53,24 @@ impl Ranges {
         let mut largest_radius = None;
         for attribute in &layout.attributes {
             for element in 0..attribute.elements {
-                let range = match attribute.role {
+                let ends = match attribute.role {
                     Role::Position => corners.map(|corner| f64::from(corner[element])),
                     _ => {
                         let at = attribute.at + element * (attribute.bytes / attribute.elements);
-                        finite_range(attribute.kind, records.chunks_exact(layout.stride).map(|record| &record[at..]))
+                        let each = records.chunks_exact(layout.stride).map(|record| attribute.kind.read(&record[at..]));
+                        range(&each.collect::<Vec<_>>())
                     }
                 };
                 let radius = match attribute.role {
-                    Role::Radius => Some(range[1].max(0.0) as f32),
-                    Role::Extents => Some(reach(Vec3::splat(range[1].max(0.0) as f32))),
+                    Role::Radius => Some(ends[1].max(0.0) as f32),
+                    Role::Extents => Some(reach(Vec3::splat(ends[1].max(0.0) as f32))),
                     _ => None,
                 };
                 largest_radius = [largest_radius, radius].into_iter().flatten().reduce(f32::max);
-                ranges.0[number] = range;
+                ranges.0[number] = ends;
                 number += 1;
             }
         }
         (ranges, Some(Extent { offset: 0, largest_radius, corners }))
     }
-}
-
-/// Least and largest of the finite numbers at the starts of some bytes.
-fn finite_range<'a>(kind: Kind, bytes: impl Iterator<Item = &'a [u8]>) -> [f64; 2] {
-    let finite = bytes.map(|bytes| kind.read(bytes)).filter(|value| value.is_finite());
-    finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| [least.min(value), most.max(value)])
 }

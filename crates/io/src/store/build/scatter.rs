@@ -10,6 +10,7 @@ use super::super::octree::integers;
 use super::cube::{Cell, Cube};
 use super::plan::Plan;
 use crate::Error;
+use pellucid_core::morton::spread;
 use pellucid_fault as fault;
 
 /// The files of the chunks of a plan.
@@ -131,11 +132,8 @@ pub(super) fn by_cell(base: Cell, cells: &[Cell], cube: &Cube, stride: usize, re
     let levels = cells.iter().map(|cell| cell.level - base.level).max().unwrap_or(0);
     let first = |cell: &Cell| {
         let down = cell.level - base.level;
-        let code = (0..down).rev().fold(0, |code, bit| {
-            let digit = |axis: usize| u64::from(cell.at[axis] >> bit & 1);
-            code << 3 | digit(2) << 2 | digit(1) << 1 | digit(0)
-        });
-        code << (3 * (levels - down))
+        let [x, y, z] = cell.at.map(|at| spread(u64::from(at) & ((1 << down) - 1)));
+        (x | y << 1 | z << 2) << (3 * (levels - down))
     };
     let starts: Vec<u64> = cells.iter().map(first).collect();
     let cell_of = |record: &[u8]| {

@@ -36,6 +36,13 @@ impl Sink {
         Self::keep(path, 0)
     }
 
+    /// Writes a whole file to the disk.
+    pub fn put(path: &Path, parts: &[&[u8]]) -> Result<(), Error> {
+        let mut file = Self::new(path)?;
+        parts.iter().try_for_each(|bytes| file.write(bytes))?;
+        file.sync()
+    }
+
     /// Returns its bytes so far.
     pub fn len(&self) -> u64 {
         self.len

@@ -73,11 +73,8 @@ impl State {
         let text = serde_json::to_vec(self).map_err(std::io::Error::from);
         // Beside it first, so that there is always a whole one.
         let beside = folder.join("state.new");
-        let written = text.map_err(|source| Error::Write { path: path.clone(), source }).and_then(|text| {
-            let mut file = sink::Sink::new(&beside)?;
-            file.write(&text)
-        });
-        written?;
+        let text = text.map_err(|source| Error::Write { path: path.clone(), source })?;
+        sink::Sink::new(&beside)?.write(&text)?;
         std::fs::rename(&beside, &path).map_err(|source| Error::Write { path, source })
     }
 }

@@ -102,7 +102,7 @@ fn divide(cube: &Cube, cell: Cell, nodes: Vec<Boxed>, most: u64, chunks: &mut Ve
 }
 
 fn malformed(streamed: &Streamed, place: &str, cause: String) -> Error {
-    Error::Malformed { path: streamed.store.summary().path.clone(), place: place.to_owned(), cause }
+    Error::malformed(&streamed.store.summary().path, place, cause)
 }
 
 /// The work.

@@ -22,7 +22,7 @@ pub fn check_target(folder: &Path) -> Result<(), Error> {
         Ok(mut entries) => {
             let is_ours = [METADATA, POINTS].iter().any(|file| folder.join(file).exists());
             if !is_ours && entries.next().is_some() {
-                return Err(Error::Occupied { path: folder.to_path_buf() });
+                return Err(Error::Occupied(folder.to_path_buf()));
             }
             Ok(())
         }

@@ -10,7 +10,7 @@ use super::super::Grid;
 use super::super::octree::attributes::{Kind, Layout, Role};
 use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::gaussians::linear;
-use pellucid_core::color::{decode_srgb, encode_srgb};
+use pellucid_core::color::{encode_srgb, linear_values};
 
 /// The type of a column of float32 numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
@@ -144,47 +144,32 @@ impl Types {
     /// Returns the same without the place in the source, for points whose source has no order.
     pub fn columns(&self, like: &Cloud) -> Layout {
         let mut layout = Layout::default();
-        layout.add(Role::Position, Kind::Int32);
-        if like.colors.is_some() {
-            layout.add(Role::Rgb, Kind::Uint16);
-        }
-        if like.intensity.is_some() {
-            layout.add(Role::Intensity, self.intensity.kind());
-        }
-        if like.classification.is_some() {
-            layout.add(Role::Classification, Kind::Uint8);
-        }
+        let mut add = |is_there: bool, role: Role, kind: Kind| {
+            if is_there {
+                layout.add(role, kind);
+            }
+        };
+        add(true, Role::Position, Kind::Int32);
+        add(like.colors.is_some(), Role::Rgb, Kind::Uint16);
+        add(like.intensity.is_some(), Role::Intensity, self.intensity.kind());
+        add(like.classification.is_some(), Role::Classification, Kind::Uint8);
         for (index, (name, _)) in like.scalars.iter().enumerate() {
             let narrow = self.scalars.get(index).copied().unwrap_or(Narrow::Float);
-            layout.add(Role::Scalar(name.clone()), narrow.kind());
+            add(true, Role::Scalar(name.clone()), narrow.kind());
         }
-        if like.normals.is_some() {
-            (0..3).for_each(|axis| layout.add(Role::Normal(axis), Kind::Float));
-        }
-        if like.alphas.is_some() {
-            layout.add(Role::Alpha, Kind::Float);
-        }
-        if like.radii.is_some() {
-            layout.add(Role::Radius, Kind::Float);
-        }
-        if let Some(prepared) = &like.prepared {
-            layout.add(Role::Field, Kind::Float);
-            if prepared.shadows.is_some() {
-                layout.add(Role::Lit, Kind::Float);
-            }
-        }
-        if like.colors.is_some() && self.linear_colors {
-            (0..3).for_each(|axis| layout.add(Role::Linear(axis), Kind::Float));
-        }
-        if let Some(splats) = &like.gaussians {
-            let shape = [Role::Extents, Role::Rotation, Role::Base];
-            shape.into_iter().for_each(|role| layout.add(role, Kind::Float));
-            if splats.degree > 0 {
-                layout.add(Role::Harmonics(splats.degree as u8), Kind::Float);
-            }
-        }
+        (0..3).for_each(|axis| add(like.normals.is_some(), Role::Normal(axis), Kind::Float));
+        add(like.alphas.is_some(), Role::Alpha, Kind::Float);
+        add(like.radii.is_some(), Role::Radius, Kind::Float);
+        add(like.prepared.is_some(), Role::Field, Kind::Float);
+        add(like.prepared.as_ref().is_some_and(|prepared| prepared.shadows.is_some()), Role::Lit, Kind::Float);
+        let is_linear = like.colors.is_some() && self.linear_colors;
+        (0..3).for_each(|axis| add(is_linear, Role::Linear(axis), Kind::Float));
+        let degree = like.gaussians.as_ref().map(|splats| splats.degree as u8);
+        let shape = [Role::Extents, Role::Rotation, Role::Base];
+        shape.into_iter().for_each(|role| add(degree.is_some(), role, Kind::Float));
+        add(degree > Some(0), Role::Harmonics(degree.unwrap_or(0)), Kind::Float);
         if let Some(kind) = self.exact.kind() {
-            layout.add(Role::Exact, kind);
+            add(true, Role::Exact, kind);
         }
         layout
     }
@@ -193,31 +178,20 @@ impl Types {
 /// Bits of a float32 that don't choose the part of a table.
 const PART_BITS: u32 = 10;
 
-/// Linear values of 16-bit sRGB, in ascending order, and for the first bits of a float32 the first of them that isn't
+/// Returns for the first bits of a float32 the first of the linear values of 16-bit sRGB, which ascend, that isn't
 /// below.
-struct Table {
-    linear: Vec<f32>,
-    first: Vec<u16>,
-}
-
-fn table() -> &'static Table {
-    static TABLE: OnceLock<Table> = OnceLock::new();
-    TABLE.get_or_init(|| {
-        let largest = f32::from(u16::MAX);
-        let linear: Vec<f32> = (0..=u16::MAX).map(|stored| decode_srgb(f32::from(stored) / largest)).collect();
-        let first = |part: u32| linear.partition_point(|value| value.to_bits() < part << PART_BITS) as u16;
-        let first = (0..=1.0_f32.to_bits() >> PART_BITS).map(first).collect();
-        Table { linear, first }
-    })
+fn firsts(linear: &[f32]) -> &'static [u16] {
+    static FIRSTS: OnceLock<Vec<u16>> = OnceLock::new();
+    let first = |part: u32| linear.partition_point(|value| value.to_bits() < part << PART_BITS) as u16;
+    FIRSTS.get_or_init(|| (0..=1.0_f32.to_bits() >> PART_BITS).map(first).collect())
 }
 
 /// Returns the 16-bit sRGB number whose linear value this is, to the bit.
 pub(super) fn exact_srgb(linear: f32) -> Option<u16> {
-    let table = table();
-    let bits = linear.to_bits();
-    let first = usize::from(*table.first.get((bits >> PART_BITS) as usize)?);
-    let at = table.linear[first..].iter().position(|value| value.to_bits() >= bits)?;
-    (table.linear[first + at].to_bits() == bits).then_some((first + at) as u16)
+    let (all, bits) = (linear_values(u16::MAX), linear.to_bits());
+    let first = usize::from(*firsts(all).get((bits >> PART_BITS) as usize)?);
+    let at = all[first..].iter().position(|value| value.to_bits() >= bits)?;
+    (all[first + at].to_bits() == bits).then_some((first + at) as u16)
 }
 
 /// Returns the 16-bit sRGB number nearest to a linear value.
@@ -229,6 +203,7 @@ pub(super) fn nearest_srgb(linear: f32) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pellucid_core::color::decode_srgb;
 
     #[test]
     fn colors_of_16_bits_are_found() {

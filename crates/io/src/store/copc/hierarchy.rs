@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use crate::number::{long, word};
 use crate::store::keys::Key;
 use crate::{Error, SharedFile};
 
@@ -64,11 +65,8 @@ enum Target {
 }
 
 fn parse(record: &[u8; ENTRY]) -> Result<Target, String> {
-    let (words, _) = record.as_chunks::<4>();
-    let word = |at: usize| i32::from_le_bytes(words[at]);
-    let start = u64::from_le_bytes([
-        record[16], record[17], record[18], record[19], record[20], record[21], record[22], record[23],
-    ]);
+    let word = |at: usize| word(record, 4 * at).cast_signed();
+    let start = long(record, 16);
     let numbers = [word(0), word(1), word(2), word(3)];
     let Some(key) = Key::new(numbers.map(i64::from)) else {
         return Err(format!("an entry has level and place {numbers:?}, which no octree has"));

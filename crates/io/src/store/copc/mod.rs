@@ -109,13 +109,7 @@ fn chunks(file: &LasFile, entries: &[Entry]) -> Result<Vec<Chunk>, Error> {
 }
 
 impl Store for Copc {
-    fn summary(&self) -> &Summary {
-        &self.summary
-    }
-
-    fn nodes(&self) -> &[Node] {
-        &self.nodes
-    }
+    known!();
 
     fn read(&self, node: usize) -> Result<Piece, Error> {
         read(&self.file, &self.chunks[node..=node], &self.traits, &self.nodes[node].bounds)

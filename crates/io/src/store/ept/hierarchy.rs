@@ -16,9 +16,7 @@ pub(super) fn read(folder: &Path, announced: u64) -> Result<Vec<(Key, u64)>, Err
     while let Some(file) = files.pop() {
         let path = hierarchy.join(format!("{file}.json"));
         let entries: BTreeMap<String, i64> = read_json(&path)?;
-        let malformed = |name: &str, cause: String| {
-            Err(Error::Malformed { path: path.clone(), place: format!("node `{name}`"), cause })
-        };
+        let malformed = |name: &str, cause: String| Err(Error::malformed(&path, format!("node `{name}`"), cause));
         for (name, count) in entries {
             let Some(key) = Key::parse(&name) else {
                 return malformed(&name, "it is not a level and place of an octree".to_owned());
@@ -40,7 +38,7 @@ pub(super) fn read(folder: &Path, announced: u64) -> Result<Vec<(Key, u64)>, Err
     }
     if total != announced {
         let cause = format!("`points` says {announced}, but the nodes of the hierarchy have {total}");
-        return Err(Error::Malformed { path: folder.join("ept.json"), place: "hierarchy".to_owned(), cause });
+        return Err(Error::malformed(&folder.join("ept.json"), "hierarchy", cause));
     }
     Ok(nodes)
 }

@@ -1,6 +1,5 @@
 //! The description of an EPT folder, `ept.json`.
 
-use std::io::Read;
 use std::path::Path;
 
 use glam::DVec3;
@@ -9,6 +8,7 @@ use serde::de::DeserializeOwned;
 
 use super::rows::{MOST_FOR_ONE, Rows};
 use crate::las::{MAX_POINTS_PER_BYTE, Traits};
+use crate::number::Class;
 use crate::{Error, LasColumns, Source};
 use pellucid_core::cloud::{Bounds, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER};
 
@@ -30,22 +30,13 @@ struct Json {
 pub(super) struct Dimension {
     pub name: String,
     #[serde(rename = "type")]
-    pub kind: Kind,
+    pub class: Class,
     /// Bytes.
     pub size: usize,
     pub scale: Option<f64>,
     pub offset: Option<f64>,
     minimum: Option<f64>,
     maximum: Option<f64>,
-}
-
-/// Type of a number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum Kind {
-    Signed,
-    Unsigned,
-    Float,
 }
 
 /// The checked description.
@@ -97,9 +88,7 @@ impl Tiles {
 /// Reads a JSON file.
 pub(super) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, Error> {
     let mut source = Source::open(path)?;
-    let mut bytes = Vec::new();
-    let read = source.reader.by_ref().take(source.len).read_to_end(&mut bytes);
-    read.map_err(|e| source.read_error(e))?;
+    let bytes = source.all()?;
     serde_json::from_slice(&bytes).map_err(|e| match e.is_eof() {
         true => source.truncated(format!("the JSON ends too early, in line {}", e.line())),
         false => source.malformed(format!("line {}, column {}", e.line(), e.column()), e.to_string()),
@@ -109,11 +98,7 @@ pub(super) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, Error> {
 impl Metadata {
     pub fn read(path: &Path) -> Result<Self, Error> {
         let json: Json = read_json(path)?;
-        let malformed = |place: &str, cause: String| Error::Malformed {
-            path: path.to_path_buf(),
-            place: format!("`{place}`"),
-            cause,
-        };
+        let malformed = |place: &str, cause: String| Error::malformed(path, format!("`{place}`"), cause);
         let cube =
             corners(json.bounds).ok_or_else(|| malformed("bounds", format!("{:?} is not a box", json.bounds)))?;
         let conforming = json.bounds_conforming.unwrap_or(json.bounds);

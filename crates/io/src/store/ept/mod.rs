@@ -5,7 +5,6 @@ mod hierarchy;
 mod metadata;
 mod rows;
 
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -76,7 +75,9 @@ impl Ept {
         let folder = folder.to_path_buf();
         let mut ept = Self { folder, metadata, asked, traits: Traits::NONE, keys, first_places, nodes, summary };
         ept.traits = ept.survey()?;
-        ept.summary.like = ept.empty()?;
+        // The columns of all tiles are those of the first.
+        let (columns, names) = ept.tile(0)?;
+        ept.summary.like = ept.finish(columns, &names).subset(&[]);
         Ok(ept)
     }
 
@@ -120,12 +121,6 @@ impl Ept {
         }
     }
 
-    /// A cloud of no points with the columns of all tiles, which are those of the first.
-    fn empty(&self) -> Result<Cloud, Error> {
-        let (columns, names) = self.tile(0)?;
-        Ok(self.finish(columns, &names).subset(&[]))
-    }
-
     fn finish(&self, columns: Columns, names: &[String]) -> Cloud {
         let cloud = columns.finish(names.iter().map(|name| &**name), self.asked, &self.traits);
         match &self.metadata.tiles {
@@ -137,8 +132,7 @@ impl Ept {
     fn check(&self, node: usize, cloud: &Cloud) -> Result<(), Error> {
         let Node { points, bounds, .. } = &self.nodes[node];
         let fail = |cause: String| {
-            let path = tile_path(&self.folder, &self.metadata, self.keys[node]);
-            Err(Error::Malformed { path, place: "tile".to_owned(), cause })
+            Err(Error::malformed(&tile_path(&self.folder, &self.metadata, self.keys[node]), "tile", cause))
         };
         if cloud.len() as u64 != *points {
             return fail(format!(
@@ -161,13 +155,7 @@ impl Ept {
 }
 
 impl Store for Ept {
-    fn summary(&self) -> &Summary {
-        &self.summary
-    }
-
-    fn nodes(&self) -> &[Node] {
-        &self.nodes
-    }
+    known!();
 
     fn read(&self, node: usize) -> Result<Piece, Error> {
         let (columns, names) = self.tile(node)?;
@@ -184,11 +172,7 @@ fn tile_path(folder: &Path, metadata: &Metadata, key: Key) -> PathBuf {
 
 fn node(folder: &Path, metadata: &Metadata, key: Key, points: u64, parent: Option<u32>) -> Result<Node, Error> {
     let path = tile_path(folder, metadata, key);
-    let bytes = match std::fs::metadata(&path) {
-        Ok(found) => found.len(),
-        Err(e) if e.kind() == ErrorKind::NotFound => return Err(Error::Missing { path }),
-        Err(source) => return Err(Error::Read { path, source }),
-    };
+    let bytes = std::fs::metadata(&path).map_err(Error::opening(&path))?.len();
     let most = metadata.tiles.most_points(bytes);
     if points > most {
         let what = format!("the hierarchy says {points} points, but {bytes} bytes hold at most {most}");
@@ -196,7 +180,7 @@ fn node(folder: &Path, metadata: &Metadata, key: Key, points: u64, parent: Optio
     }
     let Some(bounds) = cut(metadata.widened(key.cube(&metadata.cube)), metadata.widened(metadata.conforming)) else {
         let cause = format!("node {key} lies outside `boundsConforming`");
-        return Err(Error::Malformed { path: folder.join("ept.json"), place: "hierarchy".to_owned(), cause });
+        return Err(Error::malformed(&folder.join("ept.json"), "hierarchy", cause));
     };
     let spacing = metadata.spacing / (1u64 << key.level) as f64;
     Ok(Node { level: key.level, parent, bounds, points, bytes, spacing, largest_radius: None })

@@ -1,12 +1,10 @@
 //! Tiles of an EPT folder that are plain rows of the schema's numbers, little-endian and without gaps.
 
-use std::io::Read;
-
 use glam::DVec3;
-use ruzstd::decoding::StreamingDecoder;
 
-use super::metadata::{Dimension, Kind};
+use super::metadata::Dimension;
 use crate::las::Columns;
+use crate::number::Kind;
 use crate::{Error, LasColumns, Source, decoder};
 use pellucid_core::cloud::Cloud;
 
@@ -50,38 +48,14 @@ pub(super) struct Rows {
 struct Number {
     at: usize,
     kind: Kind,
-    size: usize,
     scale: f64,
     offset: f64,
 }
 
 impl Number {
     fn of(&self, row: &[u8]) -> f64 {
-        let mut bytes = [0; 8];
-        bytes[..self.size].copy_from_slice(&row[self.at..self.at + self.size]);
-        let unused = 64 - 8 * self.size as u32;
-        let stored = match (self.kind, self.size) {
-            (Kind::Float, 4) => f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]).into(),
-            (Kind::Float, _) => f64::from_le_bytes(bytes),
-            (Kind::Unsigned, _) => u64::from_le_bytes(bytes) as f64,
-            (Kind::Signed, _) => (i64::from_le_bytes(bytes) << unused >> unused) as f64,
-        };
-        stored * self.scale + self.offset
+        self.kind.read(&row[self.at..]) * self.scale + self.offset
     }
-}
-
-/// The bytes that are compressed as these, at most so many, or what is wrong with them.
-fn decompressed(bytes: &[u8], most: u64) -> Result<Vec<u8>, String> {
-    let mut all = Vec::new();
-    let decode = || -> Result<usize, String> {
-        let decoder = StreamingDecoder::new(bytes).map_err(|e| e.to_string())?;
-        decoder.take(most.saturating_add(1)).read_to_end(&mut all).map_err(|e| e.to_string())
-    };
-    decoder::guard(decode)??;
-    if all.len() as u64 > most {
-        return Err(format!("more than {most} bytes come from {} compressed ones", bytes.len()));
-    }
-    Ok(all)
 }
 
 impl Rows {
@@ -89,18 +63,9 @@ impl Rows {
     pub fn new(schema: &[Dimension]) -> Result<Self, String> {
         let mut numbers = Vec::with_capacity(schema.len());
         let mut len = 0;
-        for Dimension { name, kind, size, scale, offset, .. } in schema {
-            let sizes: &[usize] = if *kind == Kind::Float { &[4, 8] } else { &[1, 2, 4, 8] };
-            if !sizes.contains(size) {
-                return Err(format!("`{name}` can't have {size} bytes"));
-            }
-            let number = Number {
-                at: len,
-                kind: *kind,
-                size: *size,
-                scale: scale.unwrap_or(1.0),
-                offset: offset.unwrap_or(0.0),
-            };
+        for Dimension { name, class, size, scale, offset, .. } in schema {
+            let kind = Kind::of(*class, *size).ok_or_else(|| format!("`{name}` can't have {size} bytes"))?;
+            let number = Number { at: len, kind, scale: scale.unwrap_or(1.0), offset: offset.unwrap_or(0.0) };
             numbers.push((name.clone(), number));
             len += size;
         }
@@ -133,13 +98,15 @@ impl Rows {
         asked: LasColumns,
         compressed: bool,
     ) -> Result<(Columns, Vec<String>), Error> {
-        let mut bytes = Vec::new();
-        let read = source.reader.by_ref().take(source.len).read_to_end(&mut bytes);
-        read.map_err(|e| source.read_error(e))?;
+        let mut bytes = source.all()?;
         if compressed {
             let most = points.saturating_mul(self.len as u64);
             let fail = |cause| source.malformed("zstandard", format!("{cause}; the hierarchy says {points} points"));
-            bytes = decompressed(&bytes, most).map_err(fail)?;
+            let packed = bytes.len();
+            bytes = decoder::zstandard(&bytes, most).map_err(fail)?;
+            if bytes.len() as u64 > most {
+                return Err(fail(format!("more than {most} bytes come from {packed} compressed ones")));
+            }
         }
         if bytes.len() % self.len != 0 {
             return Err(source.truncated(format!(

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::attributes::{Layout, Role};
 use pellucid_core::cloud::field::Field;
-use pellucid_core::cloud::shadow_texture::{CastingRecord, ShadowTexture};
+use pellucid_core::cloud::shadow_texture::{Casting, ShadowTexture};
 use pellucid_core::cloud::{Cloud, Prepared, UpAxis};
 
 /// Version of this description.
@@ -14,7 +14,7 @@ pub(crate) const VERSION: u64 = 1;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct About {
     pub version: u64,
-    pub up: Up,
+    pub up: UpAxis,
     /// Role of each attribute.
     pub roles: Vec<Role>,
     /// The largest distance of a position from where it was in the source, in the file's units.
@@ -27,36 +27,6 @@ pub(crate) struct About {
     /// The filter that Gaussian splats were trained for, as PLY files name it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub filter: Option<String>,
-}
-
-/// The vertical.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum Up {
-    Y,
-    Z,
-    #[serde(rename = "-y")]
-    NegativeY,
-}
-
-impl From<UpAxis> for Up {
-    fn from(up: UpAxis) -> Self {
-        match up {
-            UpAxis::Y => Self::Y,
-            UpAxis::Z => Self::Z,
-            UpAxis::NegativeY => Self::NegativeY,
-        }
-    }
-}
-
-impl From<Up> for UpAxis {
-    fn from(up: Up) -> Self {
-        match up {
-            Up::Y => Self::Y,
-            Up::Z => Self::Z,
-            Up::NegativeY => Self::NegativeY,
-        }
-    }
 }
 
 /// Record of how a cloud was prepared.
@@ -73,7 +43,7 @@ pub(crate) struct PreparedRecord {
 
 impl PreparedRecord {
     pub fn of(prepared: &Prepared) -> Self {
-        let casting = |shadows: &ShadowTexture| serde_json::to_value(CastingRecord::from(&shadows.casting)).ok();
+        let casting = |shadows: &ShadowTexture| serde_json::to_value(shadows.casting).ok();
         Self {
             neighbors: prepared.neighbors,
             radius_cap: prepared.radius_cap,
@@ -87,18 +57,24 @@ impl PreparedRecord {
     /// be.
     pub fn prepared(&self, has_light: bool) -> Result<Prepared, String> {
         let Self { neighbors, radius_cap, estimated_radii, .. } = *self;
-        if neighbors == 0 || neighbors > 65_535 {
-            return Err(format!("claims {neighbors} neighbors"));
-        }
-        if !(radius_cap >= 0.0 && radius_cap.is_finite()) {
-            return Err(format!("claims a radius cap of {radius_cap}"));
-        }
+        check_claim(neighbors, radius_cap)?;
         let casting = self.shadows.clone().filter(|_| has_light);
-        let casting: Option<CastingRecord> =
+        let casting: Option<Casting> =
             casting.map(serde_json::from_value).transpose().map_err(|error| error.to_string())?;
-        let shadows = casting.map(|casting| ShadowTexture { casting: (&casting).into(), lit: Vec::new() });
+        let shadows = casting.map(|casting| ShadowTexture { casting, lit: Vec::new() });
         Ok(Prepared { neighbors, radius_cap, estimated_radii, field: self.field.clone(), values: Vec::new(), shadows })
     }
+}
+
+/// Checks what is claimed of how a cloud was prepared.
+pub(crate) fn check_claim(neighbors: usize, radius_cap: f32) -> Result<(), String> {
+    if neighbors == 0 || neighbors > 65_535 {
+        return Err(format!("claims {neighbors} neighbors"));
+    }
+    if !(radius_cap >= 0.0 && radius_cap.is_finite()) {
+        return Err(format!("claims a radius cap of {radius_cap}"));
+    }
+    Ok(())
 }
 
 impl About {
@@ -107,7 +83,7 @@ impl About {
     pub fn new(like: &Cloud, layout: &Layout, rounding: f64) -> Self {
         Self {
             version: VERSION,
-            up: like.up.into(),
+            up: like.up,
             roles: layout.attributes.iter().map(|attribute| attribute.role.clone()).collect(),
             rounding,
             prepared: like.prepared.as_ref().map(PreparedRecord::of),

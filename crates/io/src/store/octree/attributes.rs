@@ -2,74 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
+pub(crate) use crate::number::Kind;
 use pellucid_core::cloud::gaussians::{MAX_DEGREE, coefficients};
 use pellucid_core::cloud::{GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER};
 
 /// Bytes of a point at most.
 const MAX_STRIDE: usize = 1 << 16;
-
-/// The type of a number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Kind {
-    /// −128 to 127.
-    Int8,
-    /// 16 bits with a sign.
-    Int16,
-    /// 32 bits with a sign.
-    Int32,
-    /// 64 bits with a sign.
-    Int64,
-    /// 0 to 255.
-    Uint8,
-    /// 16 bits.
-    Uint16,
-    /// 32 bits.
-    Uint32,
-    /// 64 bits.
-    Uint64,
-    /// Float32.
-    Float,
-    /// Float64.
-    Double,
-    /// Bytes of which nothing is known.
-    Undefined,
-}
-
-impl Kind {
-    /// Returns its bytes; `None` if they are not known.
-    pub(crate) fn bytes(self) -> Option<usize> {
-        match self {
-            Self::Int8 | Self::Uint8 => Some(1),
-            Self::Int16 | Self::Uint16 => Some(2),
-            Self::Int32 | Self::Uint32 | Self::Float => Some(4),
-            Self::Int64 | Self::Uint64 | Self::Double => Some(8),
-            Self::Undefined => None,
-        }
-    }
-
-    /// Returns the little-endian number at the start of some bytes, of which there are enough.
-    pub(crate) fn read(self, bytes: &[u8]) -> f64 {
-        fn first<const N: usize>(bytes: &[u8]) -> [u8; N] {
-            let mut first = [0; N];
-            first.copy_from_slice(&bytes[..N]);
-            first
-        }
-        match self {
-            Self::Int8 => f64::from(i8::from_le_bytes(first(bytes))),
-            Self::Int16 => f64::from(i16::from_le_bytes(first(bytes))),
-            Self::Int32 => f64::from(i32::from_le_bytes(first(bytes))),
-            Self::Int64 => i64::from_le_bytes(first(bytes)) as f64,
-            Self::Uint8 => f64::from(bytes[0]),
-            Self::Uint16 => f64::from(u16::from_le_bytes(first(bytes))),
-            Self::Uint32 => f64::from(u32::from_le_bytes(first(bytes))),
-            Self::Uint64 => u64::from_le_bytes(first(bytes)) as f64,
-            Self::Float => f64::from(f32::from_le_bytes(first(bytes))),
-            Self::Double => f64::from_le_bytes(first(bytes)),
-            Self::Undefined => 0.0,
-        }
-    }
-}
 
 /// Role of an attribute in a cloud.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

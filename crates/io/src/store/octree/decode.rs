@@ -3,11 +3,13 @@
 use glam::{DQuat, DVec3, Quat, Vec3};
 
 use super::attributes::{Attribute, Kind, Layout, Role};
+use crate::channel::unit_or;
 use crate::columns::unit_or_zero;
+use crate::number::{at, word};
 use crate::store::Grid;
 use pellucid_core::cloud::gaussians::{Gaussians, coefficients, linear};
 use pellucid_core::cloud::{Cloud, GPS_TIME, Prepared};
-use pellucid_core::color::decode_srgb;
+use pellucid_core::color::linear_values;
 
 /// Largest difference of the square of a quaternion's length from 1. Those of our own stores are as close as float32
 /// allows.
@@ -22,7 +24,7 @@ pub(super) struct Decoder {
     layout: Layout,
     grid: Grid,
     /// Linear values of stored channels; empty without colors.
-    table: Vec<f32>,
+    table: &'static [f32],
     /// The time that counts as 0.
     first_time: f64,
     prepared: Option<Prepared>,
@@ -31,9 +33,7 @@ pub(super) struct Decoder {
 impl Decoder {
     /// `full`: the channel of full intensity, if colors are [`Role::Rgb`].
     pub fn new(layout: Layout, grid: Grid, full: Option<u16>, first_time: f64, prepared: Option<Prepared>) -> Self {
-        let linear = |full: u16| move |stored: u16| decode_srgb(f32::from(stored) / f32::from(full));
-        let table = full.map(|full| (0..=full).map(linear(full)).collect()).unwrap_or_default();
-        Self { layout, grid, table, first_time, prepared }
+        Self { layout, grid, table: full.map_or(&[], linear_values), first_time, prepared }
     }
 
     /// Returns the number of bytes of a point.
@@ -52,7 +52,7 @@ impl Decoder {
         let gaussians = self.gaussians(&columns, &positions, alphas.as_deref());
         Cloud {
             colors: self.colors(&columns, gaussians.as_ref()),
-            alphas: alphas.map(|alphas| alphas.into_iter().map(unit).collect()),
+            alphas: alphas.map(|alphas| alphas.into_iter().map(|alpha| unit_or(1.0, alpha)).collect()),
             positions,
             gaussians,
             normals: self.normals(&columns),
@@ -117,8 +117,7 @@ impl Decoder {
 
     fn colors(&self, columns: &Columns, splats: Option<&Gaussians>) -> Option<Vec<Vec3>> {
         if let Some(linear) = self.layout.three(Role::Linear) {
-            let color =
-                |color: Vec3| Vec3::from(color.to_array().map(|x| if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) }));
+            let color = |color: Vec3| Vec3::from(color.to_array().map(|x| unit_or(0.0, x)));
             return Some(columns.vectors(linear).map(color).collect());
         }
         let rgb = self.layout.find(&Role::Rgb)?;
@@ -128,20 +127,13 @@ impl Decoder {
         }
         let last = self.table.len().checked_sub(1)?;
         let size = rgb.kind.bytes()?;
-        let channel = |bytes: &[u8], i: usize| {
-            let stored = match rgb.kind {
-                Kind::Uint8 => usize::from(bytes[i]),
-                _ => usize::from(u16::from_le_bytes([bytes[size * i], bytes[size * i + 1]])),
-            };
-            self.table[stored.min(last)]
-        };
+        let channel = |bytes: &[u8], i: usize| self.table[(rgb.kind.read(&bytes[size * i..]) as usize).min(last)];
         Some(columns.each(rgb).map(|bytes| Vec3::from([0, 1, 2].map(|i| channel(bytes, i)))).collect())
     }
 
     fn normals(&self, columns: &Columns) -> Option<Vec<Vec3>> {
         if let Some(vector) = self.layout.find(&Role::NormalVector) {
-            let coordinate = |bytes: &[u8], axis: usize| Kind::Float.read(&bytes[4 * axis..]) as f32;
-            let normal = |bytes: &[u8]| unit_or_zero(Vec3::from([0, 1, 2].map(|axis| coordinate(bytes, axis))));
+            let normal = |bytes: &[u8]| unit_or_zero(singles(bytes).into());
             return Some(columns.each(vector).map(normal).collect());
         }
         let three = self.layout.three(Role::Normal)?;
@@ -172,7 +164,7 @@ impl Decoder {
     /// Numbers in [0, 1], whatever is stored; 0 for what is none.
     fn unit_floats(&self, columns: &Columns, role: &Role) -> Vec<f32> {
         let values = self.layout.find(role).map(|attribute| columns.floats(attribute)).unwrap_or_default();
-        values.into_iter().map(|value| if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) }).collect()
+        values.into_iter().map(|value| unit_or(0.0, value)).collect()
     }
 }
 
@@ -184,7 +176,7 @@ pub(super) fn splats_of(cloud: &Cloud) -> Option<Vec<u32>> {
 
 /// The first float32 numbers of some bytes, of which there are enough.
 fn singles<const N: usize>(bytes: &[u8]) -> [f32; N] {
-    std::array::from_fn(|at| f32::from_le_bytes(std::array::from_fn(|i| bytes[4 * at + i])))
+    std::array::from_fn(|i| f32::from_le_bytes(at(bytes, 4 * i)))
 }
 
 /// A unit quaternion as it is stored, or the one of another length; `None` of zero and of what is not finite.
@@ -199,12 +191,7 @@ fn rotation(stored: Quat) -> Option<Quat> {
 
 /// Returns the three integers of a position.
 pub(crate) fn integers(bytes: &[u8]) -> [i32; 3] {
-    std::array::from_fn(|axis| i32::from_le_bytes(std::array::from_fn(|i| bytes[4 * axis + i])))
-}
-
-/// An alpha as readers of other formats give it.
-fn unit(value: f32) -> f32 {
-    if value.is_nan() { 1.0 } else { value.clamp(0.0, 1.0) }
+    std::array::from_fn(|axis| word(bytes, 4 * axis).cast_signed())
 }
 
 /// A radius as readers of other formats give it.
@@ -229,14 +216,14 @@ impl<'a> Columns<'a> {
         let (kind, [factor, summand]) = (attribute.kind, attribute.transform);
         if kind == Kind::Float && attribute.transform == super::attributes::AS_STORED {
             // The bits of what isn't a number, too.
-            return self.each(attribute).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+            return self.each(attribute).map(|bytes| f32::from_le_bytes(at(bytes, 0))).collect();
         }
         self.each(attribute).map(|bytes| (kind.read(bytes) * factor + summand) as f32).collect()
     }
 
     fn vectors(&self, attributes: [&Attribute; 3]) -> impl Iterator<Item = Vec3> {
         let [x, y, z] = attributes.map(|attribute| self.each(attribute));
-        let float = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+        let float = |bytes: &[u8]| f32::from_le_bytes(at(bytes, 0));
         x.zip(y).zip(z).map(move |((x, y), z)| Vec3::new(float(x), float(y), float(z)))
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::{HashSet, VecDeque};
 
+use crate::number::{at, long, word};
 use pellucid_core::cloud::Bounds;
 
 /// Bytes of a node: type, mask of children, number of points, first byte, number of bytes.
@@ -41,9 +42,8 @@ struct Record {
 
 impl Record {
     fn read(bytes: &[u8]) -> Self {
-        let long = |at: usize| u64::from_le_bytes(std::array::from_fn(|i| bytes[at + i]));
-        let points = u32::from_le_bytes(std::array::from_fn(|i| bytes[2 + i]));
-        Self { kind: bytes[0], children: bytes[1], points, offset: long(6), bytes: long(14) }
+        let [kind, children] = at(bytes, 0);
+        Self { kind, children, points: word(bytes, 2), offset: long(bytes, 6), bytes: long(bytes, 14) }
     }
 }
 

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::about::{About, VERSION};
@@ -122,8 +121,7 @@ pub(crate) struct Checked {
 
 /// Reads the file.
 pub(crate) fn read(path: &Path) -> Result<Checked, Error> {
-    let malformed =
-        |place: &str, cause: String| Error::Malformed { path: path.to_path_buf(), place: place.to_owned(), cause };
+    let malformed = |place: &str, cause: String| Error::malformed(path, place, cause);
     let failed = |source| Error::Read { path: path.to_path_buf(), source };
     let bytes = std::fs::metadata(path).map_err(failed)?.len();
     if bytes > MAX_BYTES {
@@ -170,32 +168,28 @@ fn bounds(corners: &Corners) -> Result<Bounds, String> {
 /// Returns the description that this program added, if it can be used; a warning if not.
 fn about(metadata: &Metadata, warnings: &mut Vec<String>) -> Option<About> {
     let value = metadata.pellucid.clone()?;
-    let refused = |why: String| format!("{METADATA}: {why}; the values stored by `pellucid prepare` are ignored");
-    match value.get("version").and_then(serde_json::Value::as_u64) {
-        Some(VERSION) => {}
-        Some(version) => {
-            warnings.push(refused(format!(
-                "it was prepared in format {version}, but this program reads only format {VERSION}"
-            )));
-            return None;
+    let read = || {
+        match value.get("version").and_then(serde_json::Value::as_u64) {
+            Some(VERSION) => {}
+            Some(version) => {
+                return Err(format!(
+                    "it was prepared in format {version}, but this program reads only format {VERSION}"
+                ));
+            }
+            None => return Err("`pellucid` names no version".to_owned()),
         }
-        None => {
-            warnings.push(refused("`pellucid` names no version".to_owned()));
-            return None;
+        let about: About =
+            serde_json::from_value(value).map_err(|error| format!("`pellucid` can't be read ({error})"))?;
+        let (roles, attributes) = (about.roles.len(), metadata.attributes.len());
+        if roles == attributes {
+            Ok(about)
+        } else {
+            Err(format!("`pellucid` has {roles} roles for {attributes} attributes"))
         }
-    }
-    match serde_json::from_value::<About>(value) {
-        Ok(about) if about.roles.len() == metadata.attributes.len() => Some(about),
-        Ok(about) => {
-            let (roles, attributes) = (about.roles.len(), metadata.attributes.len());
-            warnings.push(refused(format!("`pellucid` has {roles} roles for {attributes} attributes")));
-            None
-        }
-        Err(error) => {
-            warnings.push(refused(format!("`pellucid` can't be read ({error})")));
-            None
-        }
-    }
+    };
+    let refused =
+        |why| warnings.push(format!("{METADATA}: {why}; the values stored by `pellucid prepare` are ignored"));
+    read().map_err(refused).ok()
 }
 
 /// The places of the attributes in a record. An error comes with the attribute.
@@ -241,9 +235,4 @@ pub(crate) fn describe(attribute: &Attribute, ranges: &[[f64; 2]]) -> Described 
         scale: None,
         offset: None,
     }
-}
-
-/// Returns the corners of a box.
-pub(crate) fn corners(min: DVec3, max: DVec3) -> Corners {
-    Corners { min: min.to_array(), max: max.to_array() }
 }

@@ -23,14 +23,13 @@ pub(crate) mod metadata;
 pub(crate) mod nodes;
 pub(crate) mod survey;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DVec3;
 
 use super::keys::cut;
 use super::{Node, Piece, Store, Summary, Survey};
-use crate::{Error, SharedFile};
-use about::About;
+use crate::{Error, SharedFile, Source};
 use attributes::Role;
 pub(crate) use decode::integers;
 use decode::{Decoder, full_scale, splats_of};
@@ -75,13 +74,8 @@ impl Octree {
     pub fn open(path: &Path) -> Result<Self, Error> {
         let folder = if path.is_dir() { path } else { pellucid_core::atomic::folder(path) };
         if !folder.join(METADATA).exists() && folder.join("cloud.js").exists() {
-            return Err(Error::Malformed {
-                path: folder.join("cloud.js"),
-                place: "format".to_owned(),
-                cause:
-                    "an octree of Potree 1 is not supported; convert its source with PotreeConverter 2 or `pellucid prepare`"
-                        .to_owned(),
-            });
+            let cause = "an octree of Potree 1 is not supported; convert its source with PotreeConverter 2 or `pellucid prepare`";
+            return Err(Error::malformed(&folder.join("cloud.js"), "format", cause));
         }
         let checked = metadata::read(&folder.join(METADATA)).map_err(|error| missing(error, folder))?;
         let file = SharedFile::open(&folder.join(POINTS))?;
@@ -93,7 +87,7 @@ impl Octree {
         if points == 0 {
             return Err(Error::NoPoints { path: folder.to_path_buf(), non_finite: 0 });
         }
-        let (decoder, like) = decoder(&checked, points).map_err(|cause| malformed(folder, METADATA, cause))?;
+        let (decoder, like) = decoder(&checked, points).map_err(|cause| Error::malformed(folder, METADATA, cause))?;
         let summary = Summary {
             path: folder.to_path_buf(),
             points,
@@ -116,11 +110,6 @@ impl Octree {
     #[doc(hidden)]
     pub fn first_point(&self, node: usize) -> u64 {
         self.starts[node] / self.decoder.stride().max(1)
-    }
-
-    /// The bytes of a node's points.
-    fn records(&self, node: usize) -> Result<Vec<u8>, Error> {
-        self.file.read(self.starts[node], self.nodes[node].bytes)
     }
 
     /// The points of a node from their bytes.
@@ -150,22 +139,15 @@ impl Octree {
     }
 
     fn damaged(&self, node: usize, cause: String) -> Error {
-        malformed(&self.summary.path, POINTS, format!("node at byte {}: {cause}", self.starts[node]))
+        Error::malformed(&self.summary.path, POINTS, format!("node at byte {}: {cause}", self.starts[node]))
     }
 }
 
 impl Store for Octree {
-    fn summary(&self) -> &Summary {
-        &self.summary
-    }
-
-    fn nodes(&self) -> &[Node] {
-        &self.nodes
-    }
+    known!();
 
     fn read(&self, node: usize) -> Result<Piece, Error> {
-        let records = self.records(node)?;
-        self.decode(node, &records)
+        self.decode(node, &self.file.read(self.starts[node], self.nodes[node].bytes)?)
     }
 
     fn survey(&self) -> Result<Option<Survey>, Error> {
@@ -173,39 +155,30 @@ impl Store for Octree {
     }
 }
 
-fn malformed(folder: &Path, place: &str, cause: String) -> Error {
-    Error::Malformed { path: folder.to_path_buf(), place: place.to_owned(), cause }
-}
-
 /// The error of a folder that is no octree.
 fn missing(error: Error, folder: &Path) -> Error {
     match error {
         Error::Read { source, .. } if source.kind() == std::io::ErrorKind::NotFound && folder.is_dir() => {
             let cause = format!("it has no {METADATA}, which a Potree 2.0 octree needs");
-            malformed(folder, "folder", cause)
+            Error::malformed(folder, "folder", cause)
         }
-        Error::Read { source, path } if source.kind() == std::io::ErrorKind::NotFound => Error::Missing { path },
+        Error::Read { source, path } if source.kind() == std::io::ErrorKind::NotFound => Error::Missing(path),
         error => error,
     }
 }
 
-/// All bytes of a file except the points, of which there are few for each node.
-fn whole(path: PathBuf) -> Result<Vec<u8>, Error> {
-    let file = SharedFile::open(&path)?;
-    file.read(0, file.len())
-}
-
 /// The nodes of the hierarchy.
 fn list(folder: &Path, checked: &Checked) -> Result<Vec<Listed>, Error> {
-    let bytes = whole(folder.join(HIERARCHY))?;
+    let bytes = Source::open(&folder.join(HIERARCHY))?.all()?;
     let read = hierarchy::read(&bytes, checked.metadata.hierarchy.first_chunk_size, checked.bounds);
-    read.map_err(|(place, cause)| malformed(folder, &place, cause))
+    read.map_err(|(place, cause)| Error::malformed(folder, place, cause))
 }
 
 /// Compares the nodes' bytes with their points, with the file, and with each other.
 fn check_bytes(folder: &Path, nodes: &[Listed], stride: u64, len: u64) -> Result<(), Error> {
     for node in nodes {
-        let refused = |cause: String| malformed(folder, &format!("{HIERARCHY}: node of level {}", node.level), cause);
+        let refused =
+            |cause: String| Error::malformed(folder, format!("{HIERARCHY}: node of level {}", node.level), cause);
         if node.points.checked_mul(stride) != Some(node.bytes) {
             let (points, bytes) = (node.points, node.bytes);
             return Err(refused(format!("{bytes} bytes don't match {points} points of {stride} bytes")));
@@ -228,7 +201,7 @@ fn check_bytes(folder: &Path, nodes: &[Listed], stride: u64, len: u64) -> Result
             let cause = format!(
                 "two nodes overlap in {POINTS}: one ends before byte {end}, the next one begins at byte {start}"
             );
-            Err(malformed(folder, HIERARCHY, cause))
+            Err(Error::malformed(folder, HIERARCHY, cause))
         }
     }
 }
@@ -238,8 +211,8 @@ fn extents(folder: &Path, is_ours: bool) -> Result<Option<Vec<Extent>>, Error> {
     if !is_ours || !folder.join(NODES).exists() {
         return Ok(None);
     }
-    let bytes = whole(folder.join(NODES))?;
-    nodes::read(&bytes).map(Some).map_err(|(place, cause)| malformed(folder, &place, cause))
+    let bytes = Source::open(&folder.join(NODES))?.all()?;
+    nodes::read(&bytes).map(Some).map_err(|(place, cause)| Error::malformed(folder, place, cause))
 }
 
 /// The nodes with boxes around their points: those of nodes.bin, else the parts of the root's box.
@@ -259,7 +232,8 @@ fn nodes_of(
         let mut largest_radius = None;
         let mut bounds = Some(part).filter(|_| extents.is_none());
         if let (Some(extents), 1..) = (extents, node.points) {
-            let refused = |cause: &str| malformed(folder, NODES, format!("node at byte {}: {cause}", node.offset));
+            let refused =
+                |cause: &str| Error::malformed(folder, NODES, format!("node at byte {}: {cause}", node.offset));
             let found = extents.binary_search_by_key(&node.offset, |extent| extent.offset);
             let extent = found.map_err(|_| refused("missing"))?;
             let own = extents[extent].bounds(&checked.grid);
@@ -316,7 +290,7 @@ fn decoder(checked: &Checked, points: u64) -> Result<(Decoder, Cloud), String> {
     let prepared = prepared.map(|record| record.prepared(has(&Role::Lit))).transpose()?;
     let decoder = Decoder::new(layout.clone(), *grid, full, first_time, prepared);
     let mut like = decoder.cloud(&[]);
-    like.up = about.as_ref().map_or(UpAxis::Z, |About { up, .. }| (*up).into());
+    like.up = about.as_ref().map_or(UpAxis::Z, |about| about.up);
     // A file may claim any number, and those of several files are added.
     like.non_finite = about.as_ref().map_or(0, |about| about.non_finite.min(MOST_DROPPED) as usize);
     like.filter = about.as_ref().and_then(|about| Filter::named(about.filter.as_deref()?));

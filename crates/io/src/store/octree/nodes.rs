@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::integers;
+use crate::number::{float, long};
 use crate::store::Grid;
 use pellucid_core::cloud::Bounds;
 
@@ -35,12 +37,8 @@ impl Extent {
     }
 
     fn read(bytes: &[u8]) -> Result<Self, String> {
-        let word = |at: usize| std::array::from_fn(|i| bytes[at + i]);
-        let corner = |at: usize| std::array::from_fn(|axis| i32::from_le_bytes(word(at + 4 * axis)));
-        let offset = u64::from_le_bytes(std::array::from_fn(|i| bytes[i]));
-        let radius = f32::from_le_bytes(word(8));
-        let corners: [[i32; 3]; 2] = [corner(12), corner(24)];
-        let [least, most] = corners;
+        let (offset, radius) = (long(bytes, 0), float(bytes, 8) as f32);
+        let corners @ [least, most] = [integers(&bytes[12..]), integers(&bytes[24..])];
         if (0..3).any(|axis| least[axis] > most[axis]) {
             return Err(format!("there is no box from {least:?} to {most:?}"));
         }

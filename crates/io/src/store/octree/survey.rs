@@ -3,9 +3,9 @@
 
 use std::path::Path;
 
+use super::Octree;
 use super::attributes::{Layout, Role};
 use super::decode::{Decoder, full_scale, splats_of};
-use super::{Octree, malformed};
 use crate::Error;
 use crate::shared::SharedFile;
 use crate::store::{Grid, Survey};
@@ -72,7 +72,7 @@ pub(super) fn read(octree: &Octree) -> Result<Option<Survey>, Error> {
     if !octree.is_ours || !folder.join(SURVEY).exists() {
         return Ok(None);
     }
-    let refused = |cause: &str| malformed(folder, SURVEY, cause.to_owned());
+    let refused = |cause: &str| Error::malformed(folder, SURVEY, cause);
     let file = SharedFile::open(&folder.join(SURVEY))?;
     let stride = octree.decoder.stride().max(1);
     if file.len() > (MAX_FACTS + MAX_POINTS * stride as usize) as u64 {

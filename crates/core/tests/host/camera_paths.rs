@@ -1,0 +1,23 @@
+//! Camera paths: the file, the curve through its keys, cameras of other programs.
+
+mod curve;
+mod file;
+mod import;
+
+use glam::DVec3;
+use pellucid_core::camera::Projection;
+use pellucid_core::camera::path::{CameraPath, Curve, Defaults, Key};
+
+/// Z is up, 50° to see.
+fn defaults() -> Defaults {
+    Defaults { up: DVec3::Z, projection: Projection::Perspective { fov_y: 50f64.to_radians() } }
+}
+
+fn looking(eye: [f64; 3], target: [f64; 3]) -> Key {
+    Key { target: Some(target), ..Key::at(eye) }
+}
+
+#[track_caller]
+fn curve(path: &CameraPath) -> Curve {
+    Curve::new(path, &defaults()).unwrap()
+}
