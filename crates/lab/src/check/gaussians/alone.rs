@@ -6,9 +6,9 @@
 use super::super::discs::roundings;
 use super::super::naive::gaussians::Seen;
 use super::super::stage::HALF_ULP;
-use super::super::verdict::{Naive::Computed, Trouble};
 use super::super::{Finding, Stage};
 use super::splats::{Splat, View, cloud};
+use pellucid_engine::Result;
 use pellucid_engine::image::Image;
 use pellucid_engine::reference::gaussians::{self, Hit};
 use pellucid_engine::reference::range::Range;
@@ -56,7 +56,7 @@ impl Shares {
 
     /// Returns the shares as the finding of a case.
     pub fn finding(self) -> Finding {
-        Finding { error: self.found, bound: 1.0, naive: Computed(self.naive) }
+        Finding::new(self.found, 1.0, self.naive)
     }
 }
 
@@ -150,7 +150,7 @@ pub fn alone(
     splats: &[Splat],
     least: usize,
     naive: impl Fn(&Splat) -> Vec<Seen>,
-) -> Result<Shares, Trouble> {
+) -> Result<Shares> {
     let expected = |splat: &Splat| Expected::new(view, splat, &method);
     compared(stage, method, view, splats, least, expected, naive)
 }
@@ -164,7 +164,7 @@ pub fn compared(
     least: usize,
     expected: impl Fn(&Splat) -> Option<Expected>,
     naive: impl Fn(&Splat) -> Vec<Seen>,
-) -> Result<Shares, Trouble> {
+) -> Result<Shares> {
     let (mut shares, mut clear) = (Shares::NOTHING, 0);
     for splat in splats {
         let Some(expected) = expected(splat) else { continue };
