@@ -14,8 +14,8 @@ pub(super) fn record(structure: &impl Serialize) -> Record {
 }
 
 /// Writes records as CSV. Each word of `columns` is a column: the path of its value in a record, as in `errors/rmse`,
-/// behind `name=` unless the column has the path's own name, with `_` for `/`. A value that a record lacks is empty, and
-/// so is a table without a record.
+/// behind `name=` unless the column has the path's own name, with `_` for `/`. A value that a record lacks is empty.
+/// Without a record there is no head, either.
 pub(super) fn csv(file: impl Write, columns: &str, records: impl IntoIterator<Item = Record>) -> io::Result<()> {
     let columns = || columns.split_whitespace().map(|column| column.split_once('=').unwrap_or((column, column)));
     let mut writer = csv::Writer::from_writer(file);

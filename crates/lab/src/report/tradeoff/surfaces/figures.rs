@@ -17,8 +17,8 @@ pub(in super::super) enum Over {
     Error,
 }
 
-/// Time, holes or error over the size factor, and the caption; `None` if no splats were measured. Methods without a size are a
-/// horizontal line: points of one pixel, and `image-space` with one iteration of each filter.
+/// Time, holes or error over the size factor, and the caption; `None` if no splats were measured. Methods without a
+/// size are a horizontal line: points of one pixel, and `image-space` with one iteration of each filter.
 pub(in super::super) fn over_size(surveyed: &Surveyed, rows: &[Row], over: Over) -> Option<(Figure, Markup)> {
     let has_size = |row: &&Row| row.step.as_ref().is_some_and(|(key, _)| key == "size");
     let sized: Vec<&Row> = rows.iter().filter(has_size).collect();
