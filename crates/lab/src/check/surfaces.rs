@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::naive::{self, bytes_apart as bytes_of, nearest, over, peel};
 use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, dot, frame, pixels, pixels_apart};
-use super::{Case, CaseResult, Finding, Stage, each, one};
+use super::{Case, CaseResult, Finding, Stage, each, joined, one};
 use pellucid_engine::Result;
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Frame, Rendered};
@@ -27,7 +27,7 @@ const PIXEL: f64 = 20.0;
 pub(super) fn cases() -> Vec<Case> {
     let filters = ImageSpace { fill: 2, occlusion: 2, smooth: 2, antialias: true, ..PLAIN };
     let both = [Method::ImageSpace(filters), Method::PeelLayers(PeelLayers { filters, layers: 3 })];
-    let alone = [
+    let alone = vec![
         one("image-space/holes", "square holes, 1 to 6 wide: closed after 1, 1, 2, 3, 5, 6 fills and no sooner", holes),
         one("image-space/silhouette", "40 fills beside borders along the axes and at 45 degrees: nothing", silhouette),
         one("image-space/tilted-plane", "the filter of occluded pixels on tilted planes: no byte changes", tilted),
@@ -43,13 +43,12 @@ pub(super) fn cases() -> Vec<Case> {
         one("peel-layers/ends", "0, 1, 8, 9 and 17 surfaces: as many layers as there are", ends),
         one("peel-layers/all-equal", "500 points in one place, d̃ of 1% of nothing: one layer", all_equal),
     ];
-    let mut all = Vec::from(alone);
-    all.extend(each(&both, "budget", budget).about("cut by a memory budget: no byte changes"));
-    all.extend(
+    joined([
+        alone,
+        each(&both, "budget", budget).about("cut by a memory budget: no byte changes"),
         each(&both, "equal-depths", ties)
             .about("points of equal depth and different colors, shuffled: no byte changes"),
-    );
-    all
+    ])
 }
 
 fn image(stage: &mut Stage, dots: &[Dot], size: [u32; 2], filters: ImageSpace) -> Result<Image> {

@@ -102,21 +102,10 @@ impl Expected {
 impl Known {
     fn share(&self, seen: &Seen) -> f64 {
         let alpha = f64::from(seen.alpha);
+        let wrong_if = |wrong: bool| if wrong { f64::INFINITY } else { 0.0 };
         match self.exact {
-            _ if alpha == 0.0 => {
-                if self.sure {
-                    f64::INFINITY
-                } else {
-                    0.0
-                }
-            }
-            None => {
-                if self.alpha.covers(alpha, 0.0) {
-                    0.0
-                } else {
-                    f64::INFINITY
-                }
-            }
+            _ if alpha == 0.0 => wrong_if(self.sure),
+            None => wrong_if(!self.alpha.covers(alpha, 0.0)),
             Some((exact, depth)) => {
                 let of_depth = seen.depth.map_or(0.0, |found| share(found.into(), depth, self.depth));
                 share(alpha, exact, self.alpha).max(of_depth)

@@ -21,11 +21,7 @@ use pellucid_engine::camera::Camera;
 use pellucid_engine::scene::{Discs, Hybrid, Method};
 
 pub(super) fn cases() -> Vec<Case> {
-    let mut all = shapes();
-    all.extend(ends());
-    all.extend(lists());
-    all.extend(ellipsoids());
-    all
+    joined([shapes(), ends(), lists(), ellipsoids()])
 }
 
 /// Each Gaussian by itself. Errors are shares of what is allowed in the pixel.
