@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use bytesize::ByteSize;
-use pellucid_lab::report::plot::{Axis, Figure, Guide, Panel, Point, Series, Steps};
+use pellucid_lab::report::plot::{Axis, Figure, Guide, Panel, Point, Series};
 
 use super::Line;
 use super::child::Cost;
@@ -24,27 +24,15 @@ pub fn write(folder: &Path, lines: &[Line]) -> Result<(), String> {
         ("time.svg", "seconds", (|cost| cost.seconds) as Value),
         ("memory.svg", "resident, GiB", |cost| cost.bytes as f64 / f64::from(1 << 30)),
     ] {
-        let series = |(name, line): (usize, &Line)| Series {
-            name,
-            points: line.costs.iter().map(|(points, cost)| Point::new(*points, value(cost))).collect(),
-            note: String::new(),
+        let series = |(name, line): (usize, &Line)| {
+            Series::new(name, line.costs.iter().map(|(points, cost)| Point::new(*points, value(cost))))
         };
-        let panel = Panel {
-            title: String::new(),
-            series: lines.iter().enumerate().map(series).collect(),
-            front: Vec::new(),
-            is_guided: label == "seconds",
-        };
-        let figure = Figure {
-            x: Axis { label: "points", floor: 1.0, steps: Steps::Tens },
-            y: Axis { label, floor: 0.01, steps: Steps::Tens },
-            names: lines.iter().map(|line| line.name.clone()).collect(),
-            guide: Some(Guide { name: "proportional", exponent: 1.0 }),
-            front: "",
-            panel: SIZE,
-            columns: 1,
-            panels: vec![panel],
-        };
+        let series = lines.iter().enumerate().map(series);
+        let panel = Panel { is_guided: label == "seconds", ..Panel::new("", series) };
+        let names = lines.iter().map(|line| line.name.clone()).collect();
+        let guide = Some(Guide { name: "proportional", exponent: 1.0 });
+        let (x, y) = (Axis::tens("points", 1.0), Axis::tens(label, 0.01));
+        let figure = Figure { guide, panel: SIZE, ..Figure::in_rows(SIZE[1], names, x, y, vec![panel]) };
         let path = folder.join(name);
         let svg = figure.svg().map_err(|error| format!("{}: {error}", path.display()))?;
         std::fs::write(&path, svg).map_err(|error| format!("{}: {error}", path.display()))?;

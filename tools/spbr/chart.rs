@@ -4,7 +4,8 @@ use std::fmt::Write;
 use std::path::Path;
 
 use pellucid_engine::Result;
-use pellucid_lab::report::plot::{Axis, Figure, PANEL, Panel, Point, Series, Steps};
+pub use pellucid_lab::report::plot::Axis;
+use pellucid_lab::report::plot::{Figure, PANEL, Panel, Point, Series};
 
 /// A measured value over x, and what theory expects.
 pub struct Row {
@@ -23,38 +24,14 @@ pub fn figure(folder: &Path, name: &str, x: Axis, y: Axis, panels: &[(String, Ve
             Point { range_y, ..Point::new(row.x, row.found) }
         };
         // Measured points lie on top.
-        let series = [
-            Series {
-                name: 1,
-                points: rows.iter().map(|row| Point::new(row.x, row.expected)).collect(),
-                note: String::new(),
-            },
-            Series { name: 0, points: rows.iter().map(found).collect(), note: String::new() },
-        ];
-        Panel { title: title.clone(), series: series.into(), front: Vec::new(), is_guided: false }
+        let expected = rows.iter().map(|row| Point::new(row.x, row.expected));
+        Panel::new(title, [Series::new(1, expected), Series::new(0, rows.iter().map(found))])
     };
-    let figure = Figure {
-        x,
-        y,
-        names: vec!["measured".into(), "expected".into()],
-        guide: None,
-        front: "",
-        panel: PANEL,
-        columns: panels.len(),
-        panels: panels.iter().map(panel).collect(),
-    };
+    let names = vec!["measured".into(), "expected".into()];
+    let (columns, panels) = (panels.len(), panels.iter().map(panel).collect());
+    let figure = Figure { panel: PANEL, columns, ..Figure::in_rows(PANEL[1], names, x, y, panels) };
     let svg = figure.svg().map_err(|error| pellucid_engine::output::Error::Report { reason: error.to_string() })?;
     super::write(folder, &format!("{name}.svg"), &svg)
-}
-
-/// An axis in even steps.
-pub fn even(label: &'static str) -> Axis {
-    Axis { label, floor: 0.0, steps: Steps::Even }
-}
-
-/// A logarithmic axis.
-pub fn tens(label: &'static str, floor: f64) -> Axis {
-    Axis { label, floor, steps: Steps::Tens }
 }
 
 /// A table of numbers as CSV.

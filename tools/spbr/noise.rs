@@ -11,7 +11,7 @@ use pellucid_engine::scene::{Brightness, Method, SpbrSimplified};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
-use super::chart::{self, Row};
+use super::chart::{self, Axis, Row};
 use super::stage::{Stage, gauss, plane, random};
 
 /// Side of the paper's image, its points, and the variance of its noise if the plane's side is 1.
@@ -51,7 +51,7 @@ pub fn measure(stage: &mut Stage, scale: f64, folder: &Path) -> Result<()> {
         }
         panels.push((format!("plane of {plane_px} of 1024 pixels, {per_pixel:.1} points per pixel"), rows));
     }
-    chart::figure(folder, "noise", chart::tens("ensembles L", 1.0), chart::tens("NMSE", 1e-3), &panels)?;
+    chart::figure(folder, "noise", Axis::tens("ensembles L", 1.0), Axis::tens("NMSE", 1e-3), &panels)?;
     let header = "side of the plane in the paper's pixels,points,ensembles,NMSE,expected NMSE";
     super::write(folder, "noise.csv", &chart::csv(header, &table))
 }

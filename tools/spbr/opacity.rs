@@ -5,7 +5,7 @@ use std::path::Path;
 use pellucid_engine::Result;
 use pellucid_engine::scene::{Method, Spbr};
 
-use super::chart::{self, Row};
+use super::chart::{self, Axis, Row};
 use super::stage::{Stage, plane};
 
 /// Side of the paper's image, its ensembles, its numbers of points.
@@ -44,7 +44,7 @@ pub fn measure(stage: &mut Stage, scale: f64, folder: &Path) -> Result<()> {
         }
         panels.push((format!("{per_pixel:.1} points per pixel (n = {points:.0e} on 512²)"), rows));
     }
-    chart::figure(folder, "opacity", chart::even("opacity α"), chart::even("mean gray, bars: spread"), &panels)?;
+    chart::figure(folder, "opacity", Axis::even("opacity α"), Axis::even("mean gray, bars: spread"), &panels)?;
     let header =
         "points of the paper,points,alpha,k,mean,expected mean,spread,expected spread,spread of independent copies";
     super::write(folder, "opacity.csv", &chart::csv(header, &table))

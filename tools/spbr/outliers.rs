@@ -11,7 +11,7 @@ use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{self, Brightness, Method, Scene, SpbrSimplified, procedural};
 use rand::RngExt;
 
-use super::chart::{self, Row};
+use super::chart::{self, Axis, Row};
 use super::stage::{Stage, random};
 
 const SIDE: f64 = 1024.0;
@@ -51,7 +51,7 @@ pub fn measure(stage: &mut Stage, scale: f64, folder: &Path) -> Result<()> {
         rows.push(Row { x: f64::from(ensembles), found, spread: 0.0, expected });
     }
     let panels = [(format!("{} pixels with only stray points", strays.len()), rows)];
-    chart::figure(folder, "outliers", chart::tens("ensembles L", 1.0), chart::tens("mean M / L", 1e-3), &panels)?;
+    chart::figure(folder, "outliers", Axis::tens("ensembles L", 1.0), Axis::tens("mean M / L", 1e-3), &panels)?;
     super::write(folder, "outliers.csv", &chart::csv("ensembles,M/L,expected M/L", &table))
 }
 

@@ -11,6 +11,8 @@
 //! table: 1 is the best there is. `error / E` is the RMSE of the chosen setting over the constraint, as it was measured
 //! for the choice. What the choice knew of the scene before is forgotten for the first line of each scene.
 
+mod common;
+
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -36,17 +38,7 @@ const ERRORS: [f64; 5] = [0.1, 0.03, 0.01, 0.003, 0.0];
 const BUDGETS: [f64; 3] = [0.3, 0.7, 1.2];
 
 fn main() -> ExitCode {
-    // `cargo test --benches` runs this without the option: it measures nothing then.
-    if !std::env::args().any(|argument| argument == "--bench") {
-        return ExitCode::SUCCESS;
-    }
-    match run() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(error.exit_status())
-        }
-    }
+    common::measure(run)
 }
 
 fn run() -> Result<()> {

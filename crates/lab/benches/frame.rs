@@ -15,6 +15,8 @@
 //! machine that slows down slows them all. On a CPU driver the rasterizer is software as well: its ratios say nothing
 //! about a GPU's.
 
+mod common;
+
 use std::process::{Command, ExitCode};
 
 use comfy_table::{CellAlignment, Table, presets};
@@ -61,17 +63,7 @@ const MOST_FRAGMENTS: f64 = 15e6;
 const SIDE: u32 = 1024;
 
 fn main() -> ExitCode {
-    // `cargo test --benches` runs this without the option: it measures nothing then.
-    if !std::env::args().any(|argument| argument == "--bench") {
-        return ExitCode::SUCCESS;
-    }
-    match run() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(error.exit_status())
-        }
-    }
+    common::measure(run)
 }
 
 fn run() -> Result<()> {

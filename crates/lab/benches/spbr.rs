@@ -13,6 +13,8 @@
 //! resolving, reading back. All times are the device's. Where the camera is perspective, half of the points are wider
 //! than a pixel.
 
+mod common;
+
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -41,19 +43,9 @@ const MOST_QUADS: usize = 2_000_000;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().collect();
-    // `cargo test --benches` runs this without the option: it measures nothing then.
-    if !arguments.iter().any(|argument| argument == "--bench") {
-        return ExitCode::SUCCESS;
-    }
     let given = arguments.iter().position(|argument| argument == "--points").and_then(|i| arguments.get(i + 1));
     let points = given.and_then(|count| count.parse().ok()).unwrap_or(10_000_000);
-    match run(points) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(error.exit_status())
-        }
-    }
+    common::measure(|| run(points))
 }
 
 fn run(count: usize) -> Result<()> {

@@ -11,6 +11,8 @@
 //! one another. Below 1 the way to the right is faster. On a CPU driver a wait is a thread's sleep; on a GPU it drains
 //! the device.
 
+mod common;
+
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -27,17 +29,7 @@ use pellucid_engine::scene::{self, Method, Overrides, Scene, procedural};
 const SIZES: [(f64, u32); 2] = [(2.0, 96), (8.0, 384)];
 
 fn main() -> ExitCode {
-    // `cargo test --benches` runs this without the option: it measures nothing then.
-    if !std::env::args().any(|argument| argument == "--bench") {
-        return ExitCode::SUCCESS;
-    }
-    match run() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(error.exit_status())
-        }
-    }
+    common::measure(run)
 }
 
 fn run() -> Result<()> {

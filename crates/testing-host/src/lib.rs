@@ -45,15 +45,9 @@ pub struct P {
 
 /// A list of points as a scene, in canonical order; normals only if any point has one.
 pub fn scene(points: &[P]) -> Points {
-    let normals: Vec<Vec3> = points.iter().map(|p| p.normal).collect();
-    order::canonical(Points {
-        positions: points.iter().map(|p| p.position).collect(),
-        colors: points.iter().map(|p| p.color).collect(),
-        opacities: points.iter().map(|p| p.opacity).collect(),
-        radii: points.iter().map(|p| p.radius).collect(),
-        normals: normals.iter().any(|n| *n != Vec3::ZERO).then_some(normals),
-        ..Points::default()
-    })
+    let all = scene_in_order(points);
+    let normals = all.normals.filter(|normals| normals.iter().any(|n| *n != Vec3::ZERO));
+    order::canonical(Points { normals, ..all })
 }
 
 /// Random points in a cube of side 2 around the origin.
@@ -82,29 +76,23 @@ pub fn soup(
 /// A perspective camera that sees the cube of side 2.
 pub fn perspective() -> Camera {
     let fov_y = 45f64.to_radians();
-    Camera::look_at(DVec3::new(1.0, 1.5, 4.0), DVec3::ZERO, DVec3::Y, Projection::Perspective { fov_y }, 0.1, 100.0)
-        .expect("a valid camera")
+    looking(DVec3::new(1.0, 1.5, 4.0), DVec3::ZERO, Projection::Perspective { fov_y }, 0.1, 100.0)
+}
+
+fn looking(eye: DVec3, target: DVec3, projection: Projection, near: f64, far: f64) -> Camera {
+    Camera::look_at(eye, target, DVec3::Y, projection, near, far).expect("a valid camera")
 }
 
 /// An orthographic camera that sees the cube of side 2 along its diagonal.
 pub fn orthographic() -> Camera {
-    Camera::look_at(
-        DVec3::new(2.0, 1.5, 4.0),
-        DVec3::ZERO,
-        DVec3::Y,
-        Projection::Orthographic { height: 3.5 },
-        0.1,
-        100.0,
-    )
-    .expect("a valid camera")
+    looking(DVec3::new(2.0, 1.5, 4.0), DVec3::ZERO, Projection::Orthographic { height: 3.5 }, 0.1, 100.0)
 }
 
 /// A camera that looks down −Z onto pixels of one world unit: x and y are columns and rows from the image's corner.
 pub fn pixel_camera(size: [u32; 2]) -> Camera {
     let center = DVec3::new(f64::from(size[0]) / 2.0, -f64::from(size[1]) / 2.0, 0.0);
     let height = f64::from(size[1]);
-    Camera::look_at(center, center - DVec3::Z, DVec3::Y, Projection::Orthographic { height }, 0.5, 1e7)
-        .expect("a valid camera")
+    looking(center, center - DVec3::Z, Projection::Orthographic { height }, 0.5, 1e7)
 }
 
 /// A point in pixel coordinates for [`pixel_camera`], at a depth.

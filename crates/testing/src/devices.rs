@@ -63,19 +63,19 @@ pub fn with_device_that_binds(binding_bytes: Option<u64>, test: impl FnOnce(&Dev
 
 /// Runs a test like [`with_device`], with a device that was never used: for tests of how much memory it reserves.
 pub fn with_new_device(test: impl FnOnce(&Device)) {
-    match apart(|| open(None)) {
-        Ok(device) => {
-            let device = Lent::new(device, false).run(test);
-            apart(|| drop(device));
-        }
-        Err(error) => skip(NO_DEVICE, &error),
-    }
+    with_opened(|| open(None), test);
 }
 
 /// Runs a test like [`with_new_device`], with work shaped like this, whatever the device prefers.
 pub fn with_device_that_prefers(prefers: Preferences, test: impl FnOnce(&Device)) {
     let options = DeviceOptions { prefers: Some(prefers), ..DeviceOptions::validated() };
-    match apart(|| Device::open(&options).map_err(|error| error.to_string())) {
+    with_opened(|| Device::open(&options).map_err(|error| error.to_string()), test);
+}
+
+/// Runs a test on a device that is opened for it and closed behind it.
+#[track_caller]
+fn with_opened(open: impl FnOnce() -> Result<Device, String>, test: impl FnOnce(&Device)) {
+    match apart(open) {
         Ok(device) => {
             let device = Lent::new(device, false).run(test);
             apart(|| drop(device));

@@ -5,11 +5,11 @@ use std::process::ExitCode;
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use comfy_table::{CellAlignment, Table, presets};
 use pellucid_engine::Result;
 use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::scene::Method;
-use pellucid_lab::report::stress::{self, Report, Settings, Sweep};
+use pellucid_lab::report::page::{self, Table};
+use pellucid_lab::report::stress::{self, Cell, Report, Settings, Slope, Sweep};
 
 use super::DeviceArgs;
 use super::console::Console;
@@ -115,40 +115,24 @@ pub fn run(args: StressArgs, console: Console) -> Result<ExitCode> {
 
 /// The end of each series, how much was skipped, and where the rest is.
 fn summary(sweep: &Sweep, folder: &Path) -> String {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING).set_header([
-        "scene",
-        "pixels",
-        "method",
-        "layers",
-        "median ms",
-        "Mfragments/s",
-        "slope",
-        "peak MiB",
-        "largest error",
-    ]);
     let slopes = sweep.slopes();
-    for cell in sweep.deepest() {
-        let slope = slopes.iter().find(|s| (s.workload, s.side, s.method) == (cell.workload, cell.side, cell.method));
-        table.add_row([
-            cell.workload.name().to_owned(),
-            format!("{0} × {0}", cell.side),
-            cell.method.to_owned(),
-            cell.layers.to_string(),
-            format!("{:.2}", cell.gpu_ms.median),
-            format!("{:.2}", cell.mfragments_per_s()),
-            slope.map_or("-".to_owned(), |slope| format!("{:.2}", slope.law.exponent)),
-            format!("{:.1}", cell.peak_device_bytes as f64 / f64::from(1 << 20)),
-            format!("{:.1e}", cell.error.max),
-        ]);
-    }
-    for column in table.column_iter_mut().skip(3) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
+    let slope = |cell: &Cell| Slope::of(&slopes, cell);
+    let hundredths = |value: f64| format!("{value:.2}");
+    let exponent = |slope: &Slope| hundredths(slope.law.exponent);
+    let table = Table::new(sweep.deepest())
+        .text("scene", |cell| cell.workload.name())
+        .text("pixels", |cell| format!("{0} × {0}", cell.side))
+        .text("method", |cell| cell.method)
+        .number("layers", page::count, |cell| f64::from(cell.layers))
+        .number("median ms", hundredths, |cell| cell.gpu_ms.median)
+        .number("Mfragments/s", hundredths, Cell::mfragments_per_s)
+        .written("slope", |cell| (f64::NAN, slope(cell).map_or("-".to_owned(), exponent)))
+        .number("peak MiB", |mib| format!("{mib:.1}"), |cell| page::mib(cell.peak_device_bytes))
+        .number("largest error", |error| format!("{error:.1e}"), |cell| cell.error.max);
     format!(
         "{}\n\nEach line: the deepest cell measured, and the slope of time over layers (log-log), - with fewer than three cells.\n\
          {} cells measured, {} skipped; reasons and all figures: {}\n",
-        table.trim_fmt(),
+        table.terminal(),
         sweep.cells.len(),
         sweep.skipped.len(),
         folder.join("report.html").display()

@@ -6,14 +6,14 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use comfy_table::{CellAlignment, ColumnConstraint, Table, presets};
 use pellucid_engine::camera::Camera;
 use pellucid_engine::methods::{Factors, Frame};
 use pellucid_engine::points::Points;
 use pellucid_engine::scene::{Discs, Interpolated, Method, ScreenSplats, Soft, Spbr};
 use pellucid_engine::{Result, output};
+use pellucid_lab::report::page::{self, Table};
 use pellucid_lab::report::popping;
-use pellucid_lab::report::tradeoff::{self, Options, Row, Shaded, ShadedStep, Skipped, Subject, Tradeoff};
+use pellucid_lab::report::tradeoff::{self, Options, Shaded, ShadedStep, Skipped, Subject, Tradeoff};
 use pellucid_session::candidates::{self, Formation, Ladders, Occasion, Surfaces};
 use pellucid_session::{Clouds, FrameRequest, Opened, Prepared, Request};
 
@@ -254,42 +254,21 @@ fn warn_of_left_out(report: &Tradeoff, console: Console) {
 
 /// All rows, how much was skipped, and where the rest is.
 fn summary(report: &Tradeoff, args: &TradeoffArgs) -> String {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING).set_header([
-        "front",
-        "method",
-        "setting",
-        "median ms",
-        "frames",
-        "RMSE",
-        "FLIP",
-        "> 1/255",
-        "peak MiB",
-        "lists MiB",
-        "holes",
-    ]);
-    let mib = |bytes: u64| format!("{:.1}", bytes as f64 / f64::from(1 << 20));
-    let line = |row: &Row| {
-        [
-            if row.front { "*" } else { "" }.to_owned(),
-            row.method.clone(),
-            row.setting.replace("method.", ""),
-            format!("{:.2}", row.gpu_ms.median),
-            row.frames.to_string(),
-            format!("{:.2e}", row.errors.rmse),
-            format!("{:.2e}", row.errors.flip),
-            format!("{:.2}%", 100.0 * row.errors.above_1_255),
-            mib(row.peak_device_bytes),
-            mib(row.fragment_bytes),
-            row.holes.map_or_else(String::new, |holes| format!("{:.3}%", 100.0 * holes)),
-        ]
-    };
-    table.add_rows(report.rows.iter().map(line));
-    for column in table.column_iter_mut().skip(3) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    if let (None, Some(holes)) = (&report.surveyed, table.column_mut(10)) {
-        holes.set_constraint(ColumnConstraint::Hidden);
+    let error = |error: f64| format!("{error:.2e}");
+    let mib = |mib: f64| format!("{mib:.1}");
+    let mut table = Table::new(&report.rows)
+        .text("front", |row| if row.front { "*" } else { "" })
+        .text("method", |row| &row.method)
+        .text("setting", |row| row.setting.replace("method.", ""))
+        .number("median ms", |ms| format!("{ms:.2}"), |row| row.gpu_ms.median)
+        .number("frames", page::count, |row| row.frames as f64)
+        .number("RMSE", error, |row| row.errors.rmse)
+        .number("FLIP", error, |row| row.errors.flip)
+        .number("> 1/255", |share| format!("{:.2}%", 100.0 * share), |row| row.errors.above_1_255)
+        .number("peak MiB", mib, |row| page::mib(row.peak_device_bytes))
+        .number("lists MiB", mib, |row| page::mib(row.fragment_bytes));
+    if report.surveyed.is_some() {
+        table = table.number("holes", |share| format!("{:.3}%", 100.0 * share), |row| row.holes);
     }
     let holds = |holds| match holds {
         Some(true) => "holds here: ",
@@ -314,7 +293,7 @@ fn summary(report: &Tradeoff, args: &TradeoffArgs) -> String {
     format!(
         "{}\n\n{}* on the Pareto front: no other setting is at least as fast and as accurate, and better in one of the two.\n\
          {} settings measured, {} skipped; reasons and all figures: {}\n",
-        table.trim_fmt(),
+        table.terminal(),
         if findings.is_empty() { findings } else { format!("{findings}\n") },
         report.rows.len(),
         report.skipped.len(),

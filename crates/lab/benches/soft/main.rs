@@ -20,6 +20,8 @@
 //! and run it on a machine that does nothing else. A scene file's soft method keeps its settings; where none is given,
 //! the median of the field is the threshold, so that half of the points are soft.
 
+#[path = "../common/mod.rs"]
+mod common;
 mod path;
 mod scenes;
 mod second;
@@ -54,17 +56,7 @@ struct Args {
 }
 
 fn main() -> ExitCode {
-    // `cargo test --benches` runs this without the option: it measures nothing then.
-    if !std::env::args().any(|argument| argument == "--bench") {
-        return ExitCode::SUCCESS;
-    }
-    match run(&Args::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(error.exit_status())
-        }
-    }
+    common::measure(|| run(&Args::parse()))
 }
 
 fn run(args: &Args) -> Result<()> {

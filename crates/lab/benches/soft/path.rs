@@ -10,7 +10,7 @@ use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::scene::{BlendedSplats, Method};
-use pellucid_lab::report::plot::{Axis, Figure, Panel, Point, Series, Steps};
+use pellucid_lab::report::plot::{Axis, Figure, Panel, Point, Series};
 
 use super::scenes::Subject;
 use super::{Contender, gpu_ms};
@@ -93,20 +93,12 @@ fn figure(names: &[&str], places: &[Place], label: &'static str, value: impl Fn(
     let series = |(index, _): (usize, &&str)| {
         let point = |(frame, place): (usize, &Place)| Point::new(frame as f64, value(place[index]));
         // A method without lists has no fragments to count.
-        let points = places.iter().enumerate().map(point).filter(|point| point.y > 0.0).collect();
-        Series { name: index, points, note: String::new() }
+        Series::new(index, places.iter().enumerate().map(point).filter(|point| point.y > 0.0))
     };
-    let series = names.iter().enumerate().map(series).collect();
-    Figure {
-        x: Axis { label: "frame of the path", floor: 0.0, steps: Steps::Even },
-        y: Axis { label, floor: 1e-3, steps: Steps::Tens },
-        names: names.iter().map(|name| (*name).to_owned()).collect(),
-        guide: None,
-        front: "",
-        panel: [760, 420],
-        columns: 1,
-        panels: vec![Panel { title: String::new(), series, front: Vec::new(), is_guided: false }],
-    }
+    let panels = vec![Panel::new("", names.iter().enumerate().map(series))];
+    let names = names.iter().map(|name| (*name).to_owned()).collect();
+    let (x, y) = (Axis::even("frame of the path"), Axis::tens(label, 1e-3));
+    Figure { panel: [760, 420], ..Figure::in_rows(420, names, x, y, panels) }
 }
 
 fn svg(figure: &Figure) -> Result<String> {

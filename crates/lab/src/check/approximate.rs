@@ -1,51 +1,35 @@
 //! Approximations of transparency: the parts that each of them computes exactly.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use super::discs::{SATURATED, reversed, roundings, ties};
 use super::lists::{approximations, exact};
 use super::naive::{half, over, over_until, weighted};
-use super::stage::{Dot, HALF_ULP, apart, composed, dot};
-use super::verdict::Naive::Computed;
-use super::verdict::Trouble;
-use super::{Case, Finding, Stage, each};
-use pellucid_engine::reference::abuffer::Fragment;
+use super::stage::{COMPENSATED, Dot, HALF_ULP, apart, composed, dot, fragments, graded};
+use super::{Case, CaseResult, Finding, Stage, each, joined};
 use pellucid_engine::reference::approximate;
 use pellucid_engine::scene::{Discs, Hybrid, Method};
 
-type CaseResult = Result<Finding, Trouble>;
-
-const ULP: f64 = 2.0 * HALF_ULP;
 /// Color that has no exact float32.
 const COLOR: Vec3 = Vec3::new(0.1, 0.2, 0.7);
-/// The relative error of a compensated sum of any length (2 units: Kahan 1965), for color and weight, their quotient
-/// (2.5 units) and two products.
-const COMPENSATED: f64 = 9.0 * ULP;
 
 pub(super) fn cases() -> Vec<Case> {
     let discs = Discs::default();
     let [average, weighted, unsorted] = [Method::Average(discs), Method::Weighted(discs), Method::Unsorted(discs)];
     let hybrid = Method::Hybrid(Hybrid::default());
-    [
-        each(&[average], "equal-colors", "the mean of 100 000 equal colors is that color", equal_colors),
-        each(&[weighted], "equal-colors", "10 000 layers of one color: that color times A", weighted_equal),
-        each(&[weighted], "at-far", "fragments at far, where (1 - d)³ is 0: their weight is 0.01", at_far),
-        each(&[weighted], "large-sums", "200 weights of 1500: more than 16-bit floats hold", large_sums),
-        each(&[unsorted], "file-order", "later over earlier, whatever the depth", file_order),
-        each(&[unsorted], "faint-layers", "100 000 layers of opacity 1e-7: 1 - (1 - 1e-7)^100000", faint),
-        each(&[hybrid], "as-many-as-k", "8 fragments with k = 8 against float64", as_many_as_k),
-        each(
-            &approximations(),
-            "equal-depths",
-            "discs of equal depth and different colors, shuffled: no byte changes",
-            ties,
-        ),
-        each(&approximations(), "reversed", "the order of the input reversed: no byte changes", reversed),
-        each(&exact(), "long-and-short", "2000 layers of opacity 1e-3 behind one of 0.999", behind_one),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+    joined([
+        each(&[average], "equal-colors", equal_colors).about("the mean of 100 000 equal colors is that color"),
+        each(&[weighted], "equal-colors", weighted_equal).about("10 000 layers of one color: that color times A"),
+        each(&[weighted], "at-far", at_far).about("fragments at far, where (1 - d)³ is 0: their weight is 0.01"),
+        each(&[weighted], "large-sums", large_sums).about("200 weights of 1500: more than 16-bit floats hold"),
+        each(&[unsorted], "file-order", file_order).about("later over earlier, whatever the depth"),
+        each(&[unsorted], "faint-layers", faint).about("100 000 layers of opacity 1e-7: 1 - (1 - 1e-7)^100000"),
+        each(&[hybrid], "as-many-as-k", as_many_as_k).about("8 fragments with k = 8 against float64"),
+        each(&approximations(), "equal-depths", ties)
+            .about("discs of equal depth and different colors, shuffled: no byte changes"),
+        each(&approximations(), "reversed", reversed).about("the order of the input reversed: no byte changes"),
+        each(&exact(), "long-and-short", behind_one).about("2000 layers of opacity 1e-3 behind one of 0.999"),
+    ])
 }
 
 /// Layers of one color and opacity behind one another.
@@ -63,15 +47,14 @@ fn equal_colors(stage: &mut Stage, method: Method) -> CaseResult {
     let wanted = times(COLOR, 1.0);
     let found = stage.pixel(&dots, method)?;
     let sum = dots.iter().fold(Vec3::ZERO, |sum, dot| sum + dot.color) / dots.len() as f32;
-    let naive = apart(&[sum.x, sum.y, sum.z], &wanted[..3]);
-    Ok(Finding { error: apart(&found, &wanted), bound: COMPENSATED, naive: Computed(naive) })
+    Ok(Finding::new(apart(&found, &wanted), COMPENSATED, apart(&[sum.x, sum.y, sum.z], &wanted[..3])))
 }
 
 fn weighted_equal(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = layers(10_000, COLOR, 1e-4);
     let wanted = times(COLOR, composed(&dots)[3]);
     let found = stage.pixel(&dots, method)?;
-    Ok(Finding { error: apart(&found, &wanted), bound: COMPENSATED, naive: Computed(apart(&over(&dots), &wanted)) })
+    Ok(Finding::apart(&found, &over(&dots), &wanted, COMPENSATED))
 }
 
 fn at_far(stage: &mut Stage, method: Method) -> CaseResult {
@@ -81,15 +64,14 @@ fn at_far(stage: &mut Stage, method: Method) -> CaseResult {
     let wanted = [0.25 * alpha, 0.5 * alpha, 0.25 * alpha, alpha];
     // Without a least weight, 0 / 0.
     let naive = apart(&weighted(&dots, [0.5, 1e7], |sum| sum), &wanted.map(|c| c / alpha));
-    Ok(Finding { error: apart(&stage.pixel(&dots, method)?, &wanted), bound: COMPENSATED, naive: Computed(naive) })
+    Ok(Finding::new(apart(&stage.pixel(&dots, method)?, &wanted), COMPENSATED, naive))
 }
 
 fn large_sums(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = layers(200, COLOR, 0.5);
     let found = stage.pixel(&dots, method)?;
     // Sums of 300 000 are infinite in 16 bits, and their quotient is no number.
-    let naive = apart(&weighted(&dots, [0.5, 1e7], half), &times(COLOR, 1.0));
-    Ok(Finding { error: apart(&found, &times(COLOR, 1.0)), bound: COMPENSATED, naive: Computed(naive) })
+    Ok(Finding::apart(&found, &weighted(&dots, [0.5, 1e7], half), &times(COLOR, 1.0), COMPENSATED))
 }
 
 fn file_order(stage: &mut Stage, method: Method) -> CaseResult {
@@ -98,33 +80,27 @@ fn file_order(stage: &mut Stage, method: Method) -> CaseResult {
     let wanted = [0.125, 0.25, 0.5, 0.875];
     // Powers of two, exact.
     let by_depth = composed(&[dots[0], dots[2], dots[1]]).map(|c| c as f32);
-    Ok(Finding { error: apart(&found, &wanted), bound: 0.0, naive: Computed(apart(&by_depth, &wanted)) })
+    Ok(Finding::apart(&found, &by_depth, &wanted, 0.0))
 }
 
 fn faint(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = layers(100_000, Vec3::ONE, 1e-7);
     let wanted = composed(&dots);
     let found = stage.pixel(&dots, method)?;
-    Ok(Finding {
-        error: apart(&found, &wanted),
-        bound: COMPENSATED * wanted[3],
-        naive: Computed(apart(&over(&dots), &wanted)),
-    })
+    Ok(Finding::apart(&found, &over(&dots), &wanted, COMPENSATED * wanted[3]))
 }
 
 fn as_many_as_k(stage: &mut Stage, method: Method) -> CaseResult {
-    let color = |i: u32| Vec3::new((i % 2) as f32, (i % 3) as f32 / 2.0, i as f32 / 8.0);
-    let dots: Vec<Dot> = (0..8).map(|i| dot(1.0 + f64::from(i), color(i), 0.3)).collect();
+    let dots: Vec<Dot> = (0..8).map(|i| dot(1.0 + f64::from(i), graded(i, 8), 0.3)).collect();
     let wanted = composed(&dots);
     let mut shuffled = dots.clone();
     shuffled.rotate_left(3);
     let found = stage.pixel(&shuffled, method)?;
-    let fragment = |i: usize| Fragment { z: i as f64, index: i as u32, alpha: 0.3f32.into() };
-    let colors: Vec<DVec3> = dots.iter().map(|dot| dot.color.as_dvec3()).collect();
-    let mixed = approximate::hybrid(&(0..8).map(fragment).collect::<Vec<_>>(), &colors, 1, 0.0);
-    let mixed = [mixed.color.x, mixed.color.y, mixed.color.z, mixed.alpha].map(|c| c as f32);
+    let (list, colors) = fragments(&dots);
+    let mixed = approximate::hybrid(&list, &colors, 1, 0.0);
+    let mixed = mixed.color.extend(mixed.alpha).to_array().map(|c| c as f32);
     // Four roundings for each of 8.
-    Ok(Finding { error: apart(&found, &wanted), bound: 32.0 * HALF_ULP, naive: Computed(apart(&mixed, &wanted)) })
+    Ok(Finding::apart(&found, &mixed, &wanted, 32.0 * HALF_ULP))
 }
 
 fn behind_one(stage: &mut Stage, method: Method) -> CaseResult {
@@ -138,5 +114,5 @@ fn behind_one(stage: &mut Stage, method: Method) -> CaseResult {
     let error = apart(&found[1..2], &wanted[1..2]);
     // Stopping where an 8-bit step is saturated loses the last of them: behind T of 1/512 nothing is drawn.
     let naive = apart(&over_until(&dots, SATURATED)[1..2], &wanted[1..2]);
-    Ok(Finding { error, bound, naive: Computed(naive) })
+    Ok(Finding::new(error, bound, naive))
 }

@@ -5,15 +5,13 @@ use glam::{DVec3, Vec3};
 use super::discs::roundings;
 use super::lists::{exact, except, of_families, with_peel, with_samples};
 use super::naive::{is_between, over};
-use super::stage::{Dot, HALF_ULP, apart, at, cloud, composed, dot, pixels, pixels_apart};
-use super::verdict::Naive::Computed;
-use super::verdict::Trouble;
-use super::{Case, Finding, Stage, each};
-use pellucid_engine::camera::{Camera, Projection};
+use super::stage::{
+    Dot, HALF_ULP, at, cloud, colors_of, composed, dot, graded, mixed, perspective, pixels, pixels_apart,
+};
+use super::{Case, CaseResult, Finding, Stage, each, joined};
+use pellucid_engine::camera::Camera;
 use pellucid_engine::reference::{abuffer, coverage};
 use pellucid_engine::scene::{DiscShape, Discs, Family, Method};
-
-type CaseResult = Result<Finding, Trouble>;
 
 pub(super) fn cases() -> Vec<Case> {
     let discs = Discs::default();
@@ -27,43 +25,21 @@ pub(super) fn cases() -> Vec<Case> {
     let families = [Family::Discs, Family::Opaque, Family::Soft, Family::OneLayer, Family::Surfaces];
     let all = with_samples(8, except(like, of_families(&families)));
     let limits = [with_peel(), except(like, of_families(&[Family::Opaque]))].concat();
-    [
-        each(
-            &exact(),
-            "one-degree",
-            "one degree over 4096 rows, points 1e-4 of a pixel from a border: rows that differ",
-            narrow,
-        ),
-        each(&exact(), "170-degrees", "170 degrees wide: discs grow with 1 / z, against float64", wide),
-        each(
-            &oriented,
-            "170-degrees-oriented",
-            "tilted discs 170 degrees wide, each ray by itself, against float64",
-            wide,
-        ),
-        each(
-            &oriented,
-            "through-the-eye",
-            "tilted discs that reach behind the camera, against float64",
-            through_the_eye,
-        ),
-        each(&exact(), "depth-range", "depths from 1 to 1e6, in float32 steps apart: in their order", depth_range),
-        each(
-            &limits,
-            "depth-limits",
-            "at near and at far, and a unit in the last place beyond: the first two",
-            depth_limits,
-        ),
-        each(&all, "behind", "points behind the camera, at its eye, in front of near and behind far: nothing", behind),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
-}
-
-fn looking(eye: DVec3, target: DVec3, degrees: f64, near: f64, far: f64) -> Camera {
-    let projection = Projection::Perspective { fov_y: degrees.to_radians() };
-    super::stage::looking(eye, target, projection, near, far)
+    joined([
+        each(&exact(), "one-degree", narrow)
+            .about("one degree over 4096 rows, points 1e-4 of a pixel from a border: rows that differ"),
+        each(&exact(), "170-degrees", wide).about("170 degrees wide: discs grow with 1 / z, against float64"),
+        each(&oriented, "170-degrees-oriented", wide)
+            .about("tilted discs 170 degrees wide, each ray by itself, against float64"),
+        each(&oriented, "through-the-eye", through_the_eye)
+            .about("tilted discs that reach behind the camera, against float64"),
+        each(&exact(), "depth-range", depth_range)
+            .about("depths from 1 to 1e6, in float32 steps apart: in their order"),
+        each(&limits, "depth-limits", depth_limits)
+            .about("at near and at far, and a unit in the last place beyond: the first two"),
+        each(&all, "behind", behind)
+            .about("points behind the camera, at its eye, in front of near and behind far: nothing"),
+    ])
 }
 
 /// Discs around a position, spread by a few multiplications, in a box of these half sides.
@@ -73,7 +49,7 @@ fn some(count: u32, middle: DVec3, half: DVec3, radius: f32) -> Vec<Dot> {
         let at = DVec3::new(part(i, 2_654_435_761), part(i, 2_246_822_519), part(i, 3_266_489_917));
         Dot {
             position: middle + half * at,
-            color: Vec3::new((i % 7) as f32 / 6.0, (i % 5) as f32 / 4.0, (i % 3) as f32 / 2.0),
+            color: mixed(i),
             opacity: 0.1 + 0.1 * (i % 8) as f32,
             radius: radius * (1 + i % 4) as f32,
             normal: Vec3::new((i % 9) as f32 - 4.0, (i % 4) as f32 - 1.5, 2.0).normalize(),
@@ -98,8 +74,7 @@ fn against_float64(
     let dots: Vec<Dot> = dots.iter().filter(clear).copied().collect();
     let render = |dots: &[Dot]| {
         let points = cloud(dots);
-        let colors: Vec<DVec3> = points.colors.iter().map(|color| color.as_dvec3()).collect();
-        abuffer::render(&camera, size, &points, &colors, &discs)
+        abuffer::render(&camera, size, &points, &colors_of(&points), &discs)
     };
     let wanted = render(&dots);
     let longest = wanted.counts.iter().copied().max().unwrap_or_default() as usize;
@@ -108,12 +83,12 @@ fn against_float64(
         render(&dots.iter().map(naive).collect::<Vec<_>>()).rgba.iter().map(|p| p.map(|c| c as f32)).collect();
     let error = if longest > 1 { pixels_apart(&image.rgba, &wanted.rgba) } else { f64::INFINITY };
     let bound = roundings(&method, longest) * HALF_ULP;
-    Ok(Finding { error, bound, naive: Computed(pixels_apart(&other, &wanted.rgba)) })
+    Ok(Finding::new(error, bound, pixels_apart(&other, &wanted.rgba)))
 }
 
 fn narrow(stage: &mut Stage, method: Method) -> CaseResult {
     let size = [1, 4096];
-    let camera = looking(DVec3::ZERO, DVec3::NEG_Z, 1.0, 1.0, 1000.0);
+    let camera = perspective(DVec3::ZERO, DVec3::NEG_Z, 1.0, 1.0, 1000.0);
     let focal = camera.focal_px(size[1]);
     // One point for each eighth row, 1e-4 of a pixel from its border.
     let dot = |i: u32| {
@@ -132,11 +107,11 @@ fn narrow(stage: &mut Stage, method: Method) -> CaseResult {
         (2048.0 - y * (focal as f32 / z)).floor() as usize
     };
     let naive = dots.iter().filter(|dot| single(dot) != row(dot)).count();
-    Ok(Finding { error: error as f64, bound: 0.0, naive: Computed(naive as f64) })
+    Ok(Finding::counted(error, naive))
 }
 
 fn wide(stage: &mut Stage, method: Method) -> CaseResult {
-    let camera = looking(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.1, 0.2, -1.0), 170.0, 1e-3, 1e3);
+    let camera = perspective(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.1, 0.2, -1.0), 170.0, 1e-3, 1e3);
     let dots = some(200, DVec3::new(0.0, 0.0, -1.0), DVec3::new(12.0, 9.0, 1.0), 0.1);
     // A radius by the distance of the point, and not by its depth, which is a tenth of it here.
     let by_distance = |dot: &Dot| {
@@ -147,7 +122,7 @@ fn wide(stage: &mut Stage, method: Method) -> CaseResult {
 }
 
 fn through_the_eye(stage: &mut Stage, method: Method) -> CaseResult {
-    let camera = looking(DVec3::ZERO, DVec3::NEG_Z, 80.0, 0.25, 100.0);
+    let camera = perspective(DVec3::ZERO, DVec3::NEG_Z, 80.0, 0.25, 100.0);
     let tilted = |dot: &Dot| Dot {
         radius: 40.0 * dot.radius,
         opacity: 0.02,
@@ -167,8 +142,7 @@ fn depth_range(stage: &mut Stage, method: Method) -> CaseResult {
         let base: f32 = [1.0, 32.0, 1000.0, 60_000.0, 999_000.0][(i / 8) as usize];
         f64::from(f32::from_bits(base.to_bits() + i % 8))
     };
-    let color = |i: u32| Vec3::new((i % 2) as f32, (i % 3) as f32 / 2.0, i as f32 / 40.0);
-    let dots: Vec<Dot> = (0..40).map(|i| dot(depth(i), color(i), 0.1)).collect();
+    let dots: Vec<Dot> = (0..40).map(|i| dot(depth(i), graded(i, 40), 0.1)).collect();
     let wanted = composed(&dots);
     let mut shuffled = dots;
     shuffled.reverse();
@@ -180,8 +154,7 @@ fn depth_range(stage: &mut Stage, method: Method) -> CaseResult {
     };
     let mut by_key = shuffled.clone();
     by_key.sort_by(|a, b| key(a).total_cmp(&key(b)));
-    let naive = apart(&over(&by_key), &wanted);
-    Ok(Finding { error: apart(&found, &wanted), bound: roundings(&method, 40) * HALF_ULP, naive: Computed(naive) })
+    Ok(Finding::apart(&found, &over(&by_key), &wanted, roundings(&method, 40) * HALF_ULP))
 }
 
 fn depth_limits(stage: &mut Stage, method: Method) -> CaseResult {
@@ -193,12 +166,11 @@ fn depth_limits(stage: &mut Stage, method: Method) -> CaseResult {
     let wanted = [[0.0; 4], [1.0; 4], [1.0; 4], [0.0; 4]];
     // Clipped where (z - near) / (far - near) is not above 0 and below 1.
     let naive = depths.map(|z| if is_between(z, 8.0, 1000.0) { [1.0; 4] } else { [0.0; 4] });
-    let naive = pixels_apart(&naive, &wanted);
-    Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::pixels(&image.rgba, &naive, &wanted, 0.0))
 }
 
 fn behind(stage: &mut Stage, method: Method) -> CaseResult {
-    let camera = looking(DVec3::ZERO, DVec3::NEG_Z, 60.0, 0.5, 100.0);
+    let camera = perspective(DVec3::ZERO, DVec3::NEG_Z, 60.0, 0.5, 100.0);
     let at = |x: f64, z: f64| Dot {
         position: DVec3::new(x, 0.01, z),
         radius: 0.2,
@@ -220,5 +192,5 @@ fn behind(stage: &mut Stage, method: Method) -> CaseResult {
         [p.x, -p.y].iter().all(|x| (0.0..9.0).contains(&(4.5 + x * focal / -p.z)))
     };
     let naive = if dots.iter().any(is_inside) { 1.0 } else { 0.0 };
-    Ok(Finding { error: f64::max(drawn, deep), bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::new(f64::max(drawn, deep), 0.0, naive))
 }

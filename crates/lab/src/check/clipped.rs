@@ -1,41 +1,35 @@
 //! `[[clip]]`: no method draws what is cut off, and borders are kept.
 
 use glam::{DVec3, Vec3};
+use pellucid_engine::Result;
 use pellucid_engine::progress::Progress;
 
 use super::lists::with_samples;
-use super::stage::{frame, looking};
-use super::verdict::Naive::Computed;
-use super::verdict::Trouble;
-use super::{Case, Finding, Stage, each, one};
-use pellucid_engine::camera::Projection;
+use super::stage::{frame, in_cube, perspective};
+use super::{Case, CaseResult, Finding, Stage, each, one};
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::image::Image;
 use pellucid_engine::scene::{self, Method, Scene, Setting};
-
-type CaseResult = Result<Finding, Trouble>;
 
 pub(super) fn cases() -> Vec<Case> {
     let about = "red points are cut off by a plane, green ones by nothing: the largest red of a pixel";
     let fast = |method: Method| method.with("ensembles", Setting::Integer(8)).unwrap_or(method);
     let methods: Vec<Method> = with_samples(8, Method::all()).into_iter().map(fast).collect();
-    let mut cases = each(&methods, "clipped", about, clipped);
+    let mut cases = each(&methods, "clipped", clipped).about(about);
     let borders = "points on a slanted plane at 500 km and 4500 km: kept on either side, and no point beyond";
     cases.push(one("clip/borders", borders, |_| borders_are_kept()));
     cases
 }
 
 /// The scene of a cloud with a clip.
-fn scene_of(clip: &str) -> Result<Scene, Trouble> {
+fn scene_of(clip: &str) -> Result<Scene> {
     let text = format!("[[cloud]]\npath = \"cloud.ply\"\nradius = 0.25\n{clip}\n");
     Ok(Scene::from_toml(&text, "check".as_ref())?)
 }
 
 /// Points in a cube of side 2, red where x > 0, else green, one in two soft.
 fn cloud() -> Cloud {
-    let part = |i: u32, factor: u32| f64::from((i.wrapping_mul(factor) >> 7) % 2048) / 1024.0 - 1.0;
-    let position = |i: u32| DVec3::new(part(i, 2_654_435_761), part(i, 2_246_822_519), part(i, 3_266_489_917));
-    let positions: Vec<DVec3> = (1..600).map(position).collect();
+    let positions: Vec<DVec3> = (1..600).map(in_cube).collect();
     Cloud {
         colors: Some(positions.iter().map(|p| if p.x > 0.0 { Vec3::X } else { Vec3::Y }).collect()),
         normals: Some(vec![Vec3::Z; positions.len()]),
@@ -45,13 +39,11 @@ fn cloud() -> Cloud {
     }
 }
 
-fn picture(stage: &mut Stage, clip: &str, method: Method) -> Result<Image, Trouble> {
+fn picture(stage: &mut Stage, clip: &str, method: Method) -> Result<Image> {
     let scene = Scene { method: method.into(), ..scene_of(&format!("field = \"soft\"\n{clip}"))? };
     let arranged = scene::arrange(&scene, vec![cloud()], 1, &Progress::hidden())?;
-    let projection = Projection::Perspective { fov_y: 45f64.to_radians() };
-    let camera = looking(DVec3::new(0.5, 0.75, 3.5), DVec3::ZERO, projection, 0.125, 128.0);
-    let mut uploaded = stage.renderer.upload_arranged(&arranged)?;
-    Ok(stage.renderer.render(&mut uploaded, &frame(camera, [40, 30], method))?.image)
+    let camera = perspective(DVec3::new(0.5, 0.75, 3.5), DVec3::ZERO, 45.0, 0.125, 128.0);
+    Ok(stage.arranged(&arranged, &frame(camera, [40, 30], method))?)
 }
 
 /// The largest value of a channel; infinite for NaN.
@@ -65,7 +57,7 @@ fn clipped(stage: &mut Stage, method: Method) -> CaseResult {
     let whole = picture(stage, "", method)?;
     // Something is drawn of what remains.
     let error = if most(&cut, 1) > 0.0 { most(&cut, 0) } else { f64::INFINITY };
-    Ok(Finding { error, bound: 0.0, naive: Computed(most(&whole, 0)) })
+    Ok(Finding::new(error, 0.0, most(&whole, 0)))
 }
 
 fn borders_are_kept() -> CaseResult {
@@ -87,5 +79,5 @@ fn borders_are_kept() -> CaseResult {
     let normal = Vec3::from(NORMAL.map(|c| c as f32));
     let least = normal.dot(position([0; 3]).as_vec3());
     let naive = cells().filter(|cell| (normal.dot(position(*cell).as_vec3()) >= least) != (side(*cell) >= 0)).count();
-    Ok(Finding { error: wrong as f64, bound: 0.0, naive: Computed(naive as f64) })
+    Ok(Finding::counted(wrong, naive))
 }

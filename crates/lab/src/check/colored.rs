@@ -2,18 +2,15 @@
 //! coordinates.
 
 use glam::{DVec3, Vec3};
+use pellucid_engine::Result;
 use pellucid_engine::progress::Progress;
 
 use super::lists::exact;
 use super::stage::{HALF_ULP, apart, at, composed, dot, frame, pixels};
-use super::verdict::Naive::Computed;
-use super::verdict::Trouble;
-use super::{Case, Finding, Stage, each, one};
+use super::{Case, CaseResult, Finding, Stage, each, one};
 use pellucid_engine::camera::Camera;
 use pellucid_engine::cloud::{Cloud, UpAxis};
 use pellucid_engine::scene::{self, Method, Scene};
-
-type CaseResult = Result<Finding, Trouble>;
 
 /// The first and the last entry of viridis, in sRGB.
 const FIRST: [f64; 3] = [0.267_004, 0.004_874, 0.329_415];
@@ -36,7 +33,7 @@ pub(super) fn cases() -> Vec<Case> {
     ];
     let faint =
         "two classes and a range of a scalar, of different opacities and colors: alpha blending of their points";
-    cases.extend(each(&exact(), "classes", faint, classes));
+    cases.extend(each(&exact(), "classes", classes).about(faint));
     cases
 }
 
@@ -50,7 +47,7 @@ fn row(count: usize) -> Cloud {
 }
 
 /// The picture of a row with these keys of its cloud.
-fn picture(stage: &mut Stage, cloud: Cloud, keys: &str) -> Result<Vec<[f32; 4]>, Trouble> {
+fn picture(stage: &mut Stage, cloud: Cloud, keys: &str) -> Result<Vec<[f32; 4]>> {
     let text = format!("[method]\nname = \"points\"\n[[cloud]]\npath = \"cloud.las\"\n{keys}\n");
     let scene = Scene::from_toml(&text, "check".as_ref())?;
     let size = [cloud.len() as u32, 1];
@@ -80,7 +77,7 @@ fn constant(stage: &mut Stage) -> CaseResult {
     }
     // 0 / 0.
     let t = |value: f32, [low, high]: [f32; 2]| (value - low) / (high - low);
-    Ok(Finding { error, bound: BOUND, naive: Computed(t(7.0, [7.0; 2]).into()) })
+    Ok(Finding::new(error, BOUND, t(7.0, [7.0; 2]).into()))
 }
 
 fn not_finite(stage: &mut Stage) -> CaseResult {
@@ -94,7 +91,7 @@ fn not_finite(stage: &mut Stage) -> CaseResult {
     let naive = |value: &f32| grey(f64::from((value.ln() / 100f32.ln()).clamp(0.0, 1.0)));
     let naive: Vec<f32> = values.iter().flat_map(naive).map(|c| c as f32).collect();
     let naive = apart(&naive, wanted.as_flattened());
-    Ok(Finding { error: colors_apart(&found, &wanted), bound: BOUND, naive: Computed(naive) })
+    Ok(Finding::new(colors_apart(&found, &wanted), BOUND, naive))
 }
 
 fn far(stage: &mut Stage) -> CaseResult {
@@ -111,7 +108,7 @@ fn far(stage: &mut Stage) -> CaseResult {
     let t = |z: f64| (z as f32 - low as f32) / (high as f32 - low as f32);
     let [first, second, third] = QUARTERS;
     let error = colors_apart(&found, &[FIRST, first, second, third, LAST].map(decoded));
-    Ok(Finding { error, bound: BOUND, naive: Computed(t(high).into()) })
+    Ok(Finding::new(error, BOUND, t(high).into()))
 }
 
 fn classes(stage: &mut Stage, method: Method) -> CaseResult {
@@ -152,5 +149,5 @@ fn classes(stage: &mut Stage, method: Method) -> CaseResult {
     let multiplied = [(blue, 0.5), (blue, 0.125), (green, 0.015_625), (green, 0.015_625), (red, 0.5)];
     let naive = apart(&composed(&dots(&multiplied)).map(|c| c as f32), &wanted);
     // A product and a sum for each of five points, of numbers up to 1.
-    Ok(Finding { error: apart(&found, &wanted), bound: 10.0 * HALF_ULP, naive: Computed(naive) })
+    Ok(Finding::new(apart(&found, &wanted), 10.0 * HALF_ULP, naive))
 }

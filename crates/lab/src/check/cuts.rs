@@ -5,15 +5,10 @@ use glam::{DVec3, Vec3};
 
 use super::discs::roundings;
 use super::lists::{except, of_families, tilted, with_samples, with_soft};
-use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, frame, pixels};
-use super::verdict::Naive::{Computed, Stated};
-use super::verdict::Trouble;
-use super::{Case, Finding, Lack, Stage, each, naive};
+use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, frame, graded, mixed, pixels};
+use super::{Case, CaseResult, Finding, Lack, Stage, Verdict, each, joined, naive};
 use pellucid_engine::methods::Frame;
-use pellucid_engine::reference::abuffer::{Fragment, composite};
 use pellucid_engine::scene::{Density, DiscShape, Discs, Family, LongLists, Method, Shells, Soft};
-
-type CaseResult = Result<Finding, Trouble>;
 
 pub(super) fn cases() -> Vec<Case> {
     let oriented = Discs { shape: DiscShape::Oriented, ..Discs::default() };
@@ -26,19 +21,12 @@ pub(super) fn cases() -> Vec<Case> {
     let spheres = Family::Soft.methods().map(|method| with_soft(method, soft));
     let cut: Vec<Method> = discs.chain(splats).chain(spheres).collect();
     let in_place = [Method::ABuffer(Discs { long_lists: LongLists::InPlace, ..oriented })];
-    [
-        each(&cut, "budget", "cut by a memory budget: no byte changes", budget),
-        each(&in_place, "in-place", "4000 fragments sorted in place: the bytes of the merge", in_place_bytes),
-        each(
-            &[Method::ABuffer(oriented)],
-            "beyond-a-binding",
-            "more fragments than one binding holds, against float64",
-            beyond,
-        ),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+    joined([
+        each(&cut, "budget", budget).about("cut by a memory budget: no byte changes"),
+        each(&in_place, "in-place", in_place_bytes).about("4000 fragments sorted in place: the bytes of the merge"),
+        each(&[Method::ABuffer(oriented)], "beyond-a-binding", beyond)
+            .about("more fragments than one binding holds, against float64"),
+    ])
 }
 
 /// Discs over an image of 48 × 32 pixels, some at the same depth, in which every pixel holds more than one fragment.
@@ -48,7 +36,7 @@ fn crowd(count: u32, radius: f32) -> Vec<Dot> {
         let [x, y] = [2_654_435_761, 2_246_822_519].map(|factor| f64::from(part(i, factor)) / 4096.0);
         Dot {
             position: DVec3::new(48.0 * x, -32.0 * y, -f64::from(10 + i % 200)),
-            color: Vec3::new((i % 7) as f32 / 6.0, (i % 5) as f32 / 4.0, (i % 3) as f32 / 2.0),
+            color: mixed(i),
             opacity: 0.05,
             radius,
             normal: Vec3::new((i % 9) as f32 - 4.0, (i % 4) as f32 - 1.5, 6.0).normalize(),
@@ -78,7 +66,7 @@ fn budget(stage: &mut Stage, method: Method) -> CaseResult {
     let was_cut = cut.facts.windows > free.facts.windows || cut.facts.bands > free.facts.bands;
     let error = if was_cut { bytes_apart(&free.image, &cut.image) } else { f64::INFINITY };
     let why = "a pool of a fixed size loses the fragments that come last";
-    Ok(Finding { error, bound: 0.0, naive: Stated { why } })
+    Ok(Finding::stated(error, 0.0, why))
 }
 
 fn in_place_bytes(stage: &mut Stage, method: Method) -> CaseResult {
@@ -94,36 +82,37 @@ fn in_place_bytes(stage: &mut Stage, method: Method) -> CaseResult {
     by_depth.sort_by(|a, b| b.position.z.total_cmp(&a.position.z));
     let pixels = (size[0] * size[1]) as usize;
     let naive = naive::bytes_apart(&vec![naive::over(&dots); pixels], &vec![naive::over(&by_depth); pixels]);
-    Ok(Finding { error: bytes_apart(&merged, &sorted), bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::new(bytes_apart(&merged, &sorted), 0.0, naive))
 }
 
 /// Layers of [`beyond`].
 const LAYERS: u32 = 24;
 
-fn beyond(stage: &mut Stage, method: Method) -> CaseResult {
+fn beyond(stage: &mut Stage, method: Method) -> Verdict {
     let binding = stage.device().limits().binding_bytes;
     let side = ((binding / 8 / u64::from(LAYERS)) as f64 * 1.25).sqrt().ceil() as u32;
     if side > 1536 {
         let what = format!("to bind less than {binding} bytes at a time: more fragments than are worth rendering");
-        return Err(Trouble::Lacks(Lack::Limits, what));
+        return Verdict::NotApplicable(Lack::Limits, what);
     }
+    fragments_beyond(stage, method, side).into()
+}
+
+fn fragments_beyond(stage: &mut Stage, method: Method, side: u32) -> CaseResult {
     let size = [side, side];
     let layer = |i: u32| Dot {
         position: at(side / 2, side / 2, f64::from(10 + i)),
-        color: Vec3::new((i % 2) as f32, (i % 3) as f32 / 2.0, i as f32 / 24.0),
+        color: graded(i, LAYERS),
         opacity: 0.1,
         radius: 2.0 * side as f32,
         normal: Vec3::Z,
         ..Dot::default()
     };
     let dots: Vec<Dot> = (0..LAYERS).map(layer).collect();
-    let fragment = |i: u32| Fragment { z: f64::from(i), index: i, alpha: 0.1f32.into() };
-    let colors: Vec<DVec3> = dots.iter().map(|dot| dot.color.as_dvec3()).collect();
-    let exact = composite(&(0..LAYERS).map(fragment).collect::<Vec<_>>(), &colors);
-    let wanted = exact.color.extend(exact.alpha).to_array();
+    let wanted = composed(&dots);
     let found = stage.render(&cloud(&dots), &frame(pixels(size), size, method))?;
     let error = found.image.rgba.iter().map(|pixel| apart(pixel, &wanted)).fold(0.0, f64::max);
     let error = if found.facts.bands > 1 { error } else { f64::INFINITY };
     let why = "what is written beyond the end of a binding is gone, and whole pixels with it";
-    Ok(Finding { error, bound: roundings(&method, LAYERS as usize) * HALF_ULP, naive: Stated { why } })
+    Ok(Finding::stated(error, roundings(&method, LAYERS as usize) * HALF_ULP, why))
 }

@@ -4,10 +4,8 @@ use glam::Vec3;
 
 use super::lists::{exact, with_peel};
 use super::naive::{gaussian, nearest, over, over_until};
-use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, dot, frame, pixels};
-use super::verdict::Naive::{Computed, Stated};
-use super::verdict::Trouble;
-use super::{Case, Finding, Stage, each};
+use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, dot, frame, graded, pixels};
+use super::{Case, CaseResult, Finding, Stage, each, joined, one};
 use pellucid_engine::scene::{DiscShape, Discs, Falloff, Hybrid, Method, Peel, Stochastic};
 
 /// Transmittance below half a step of 8 bits.
@@ -23,45 +21,32 @@ pub(super) fn exact_coverage() -> Vec<Method> {
 pub(super) fn cases() -> Vec<Case> {
     let gaussian = Method::ABuffer(Discs { falloff: Falloff::Gaussian, ..Discs::default() });
     let tilted = Method::ABuffer(Discs { shape: DiscShape::Oriented, ..Discs::default() });
-    [
-        each(&exact(), "faint-layers", "100 000 layers of opacity 1e-7 in a pixel: 1 - (1 - 1e-7)^100000", faint),
-        each(&exact_coverage(), "faint-coverage", "A of 10 000 layers of opacity 1e-6: 1 - (1 - 1e-6)^10000", faint_a),
-        each(&exact(), "ten-thousand-layers", "10 000 layers of three colors against float64", |stage, method| {
-            layers(stage, method, 10_000)
-        }),
-        each(&with_peel(), "coincident", "300 equal discs: 1 - 0.9^300 of their color", coincident),
-        each(
-            &with_peel(),
-            "equal-depths",
-            "discs of equal depth and different colors, shuffled: no byte changes",
-            ties,
-        ),
-        each(&with_peel(), "reversed", "the order of the input reversed: no byte changes", reversed),
-        each(&with_peel(), "opacity-0-and-1", "nothing shows of opacity 0, or behind opacity 1", extremes),
+    joined([
+        each(&exact(), "faint-layers", faint).about("100 000 layers of opacity 1e-7 in a pixel: 1 - (1 - 1e-7)^100000"),
+        each(&exact_coverage(), "faint-coverage", faint_a)
+            .about("A of 10 000 layers of opacity 1e-6: 1 - (1 - 1e-6)^10000"),
+        each(&exact(), "ten-thousand-layers", |stage, method| layers(stage, method, 10_000))
+            .about("10 000 layers of three colors against float64"),
+        each(&with_peel(), "coincident", coincident).about("300 equal discs: 1 - 0.9^300 of their color"),
+        each(&with_peel(), "equal-depths", ties)
+            .about("discs of equal depth and different colors, shuffled: no byte changes"),
+        each(&with_peel(), "reversed", reversed).about("the order of the input reversed: no byte changes"),
+        each(&with_peel(), "opacity-0-and-1", extremes).about("nothing shows of opacity 0, or behind opacity 1"),
         lengths(),
-        each(&with_peel(), "nearly-opaque", "opacities of 1 - 2^-24: what shines through is not lost", nearly_opaque),
-        each(&with_peel(), "least-opacity", "three layers of opacity 2^-125: 3 · 2^-125", least_opacity),
-        each(
-            &[gaussian],
-            "no-radius",
-            "radii of 0 to 1e-3 with a Gaussian: at the rim, exp(-2) of the opacity",
-            no_radius,
-        ),
-        each(&[tilted], "edge-on", "a disc seen edge-on covers the pixel of its center, at its depth", edge_on),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+        each(&with_peel(), "nearly-opaque", nearly_opaque)
+            .about("opacities of 1 - 2^-24: what shines through is not lost"),
+        each(&with_peel(), "least-opacity", least_opacity).about("three layers of opacity 2^-125: 3 · 2^-125"),
+        each(&[gaussian], "no-radius", no_radius)
+            .about("radii of 0 to 1e-3 with a Gaussian: at the rim, exp(-2) of the opacity"),
+        each(&[tilted], "edge-on", edge_on).about("a disc seen edge-on covers the pixel of its center, at its depth"),
+    ])
 }
 
 /// Lists around the sizes at which another kernel takes over.
 fn lengths() -> Vec<Case> {
     let about = "a list of that many layers against float64";
-    let case = |n: u32| {
-        let discs = Discs::default();
-        let run = move |stage: &mut Stage| layers(stage, Method::ABuffer(discs), n);
-        Case { name: format!("abuffer/list-of-{n}"), about, run: Box::new(run) }
-    };
+    let method = Method::ABuffer(Discs::default());
+    let case = |n: u32| one(&format!("abuffer/list-of-{n}"), about, move |stage| layers(stage, method, n));
     [1, 32, 33, 255, 256, 257, 512, 513, 1025].map(case).into()
 }
 
@@ -73,50 +58,48 @@ pub(super) fn roundings(method: &Method, n: usize) -> f64 {
     4.0 * (run + n.div_ceil(run)) as f64
 }
 
-fn faint(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+fn faint(stage: &mut Stage, method: Method) -> CaseResult {
     let dots: Vec<Dot> = (0..100_000).map(|i| dot(1.0 + f64::from(i), Vec3::ONE, 1e-7)).collect();
     let wanted = composed(&dots);
     let found = stage.pixel(&dots, method)?;
     // Each rounding is relative to a sum that is at most the whole.
     let bound = roundings(&method, dots.len()) * HALF_ULP * wanted[3];
-    Ok(Finding { error: apart(&found, &wanted), bound, naive: Computed(apart(&over(&dots), &wanted)) })
+    Ok(Finding::apart(&found, &over(&dots), &wanted, bound))
 }
 
-fn faint_a(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+fn faint_a(stage: &mut Stage, method: Method) -> CaseResult {
     let dots: Vec<Dot> = (0..10_000).map(|i| dot(1.0 + f64::from(i), Vec3::ONE, 1e-6)).collect();
     let wanted = composed(&dots)[3];
     let found = stage.pixel(&dots, method)?[3];
     let bound = roundings(&method, dots.len()) * HALF_ULP * wanted;
-    let naive = apart(&[over(&dots)[3]], &[wanted]);
-    Ok(Finding { error: apart(&[found], &[wanted]), bound, naive: Computed(naive) })
+    Ok(Finding::apart(&[found], &[over(&dots)[3]], &[wanted], bound))
 }
 
 /// Opacity falls with the length, so that the last layers still count; colors differ from layer to layer.
-fn layers(stage: &mut Stage, method: Method, n: u32) -> Result<Finding, Trouble> {
+fn layers(stage: &mut Stage, method: Method, n: u32) -> CaseResult {
     let opacity = (3.0 / n as f32).min(0.5);
-    let color = |i: u32| Vec3::new((i % 2) as f32, (i % 3) as f32 / 2.0, i as f32 / n as f32);
-    let dots: Vec<Dot> = (0..n).map(|i| dot(1.0 + f64::from(i), color(i), opacity)).collect();
+    let dots: Vec<Dot> = (0..n).map(|i| dot(1.0 + f64::from(i), graded(i, n), opacity)).collect();
     let wanted = composed(&dots);
     let mut shuffled = dots.clone();
     shuffled.reverse();
     shuffled.rotate_left(n as usize / 3);
     let found = stage.pixel(&shuffled, method)?;
     let bound = roundings(&method, dots.len()) * HALF_ULP * wanted.into_iter().fold(0.0, f64::max);
-    let naive = match n {
-        1 => Stated { why: "one layer is right by any formula; it is here as the shortest list" },
-        // In the order of arrival.
-        _ => Computed(apart(&over(&shuffled), &wanted)),
-    };
-    Ok(Finding { error: apart(&found, &wanted), bound, naive })
+    if n == 1 {
+        let why = "one layer is right by any formula; it is here as the shortest list";
+        return Ok(Finding::stated(apart(&found, &wanted), bound, why));
+    }
+    // In the order of arrival.
+    Ok(Finding::apart(&found, &over(&shuffled), &wanted, bound))
 }
 
-fn coincident(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+fn coincident(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = vec![dot(5.0, Vec3::new(0.25, 0.5, 1.0), 0.1); 300];
     let wanted = composed(&dots);
     let found = stage.pixel(&dots, method)?;
     let bound = roundings(&method, dots.len()) * HALF_ULP;
     // A depth test that lets only what is nearer pass keeps one of them.
-    Ok(Finding { error: apart(&found, &wanted), bound, naive: Computed(apart(&over(&dots[..1]), &wanted)) })
+    Ok(Finding::apart(&found, &over(&dots[..1]), &wanted, bound))
 }
 
 /// Dots at equal depth that differ in color alone.
@@ -127,7 +110,7 @@ fn tied() -> Vec<Dot> {
 }
 
 /// Bytes that change when the input is permuted, and how many would by composition in the order of arrival.
-fn permuted(stage: &mut Stage, method: Method, permute: fn(&mut Vec<Dot>)) -> Result<Finding, Trouble> {
+fn permuted(stage: &mut Stage, method: Method, permute: fn(&mut Vec<Dot>)) -> CaseResult {
     let dots = tied();
     let mut other = dots.clone();
     permute(&mut other);
@@ -139,10 +122,10 @@ fn permuted(stage: &mut Stage, method: Method, permute: fn(&mut Vec<Dot>)) -> Re
     let second = stage.image(&other, pixels([1, 1]), [1, 1], method)?;
     let arrived = |dots: &[Dot]| over(dots).map(f32::to_bits);
     let naive = arrived(&dots).iter().zip(arrived(&other)).filter(|(a, b)| **a != *b).count();
-    Ok(Finding { error: bytes_apart(&first, &second), bound: 0.0, naive: Computed(naive as f64) })
+    Ok(Finding::new(bytes_apart(&first, &second), 0.0, naive as f64))
 }
 
-pub(super) fn ties(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+pub(super) fn ties(stage: &mut Stage, method: Method) -> CaseResult {
     permuted(stage, method, |dots| {
         dots.swap(0, 77);
         dots[..40].rotate_left(13);
@@ -150,11 +133,11 @@ pub(super) fn ties(stage: &mut Stage, method: Method) -> Result<Finding, Trouble
     })
 }
 
-pub(super) fn reversed(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+pub(super) fn reversed(stage: &mut Stage, method: Method) -> CaseResult {
     permuted(stage, method, |dots| dots.reverse())
 }
 
-fn extremes(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+fn extremes(stage: &mut Stage, method: Method) -> CaseResult {
     let red = Vec3::new(1.0, 0.0, 0.0);
     // Invisible points are in front, between and behind.
     let dots = [
@@ -169,20 +152,19 @@ fn extremes(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     let wanted = [0.5, 0.5, 0.0, 1.0, 2.0];
     // Powers of two, exact; the depth is that of the first fragment with an opacity. Naive: that of the nearest.
     let naive = [over(&dots).as_slice(), &[nearest(&dots)]].concat();
-    Ok(Finding { error: apart(&found, &wanted), bound: 0.0, naive: Computed(apart(&naive, &wanted)) })
+    Ok(Finding::apart(&found, &naive, &wanted, 0.0))
 }
 
-fn nearly_opaque(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+fn nearly_opaque(stage: &mut Stage, method: Method) -> CaseResult {
     let opacity = 1.0 - f32::EPSILON / 2.0;
     let dots = [dot(1.0, Vec3::ZERO, opacity), dot(2.0, Vec3::ONE, 1.0)];
     let found = stage.pixel(&dots, method)?;
     // 2^-24 of white; one rounding of a product. Stopping where an 8-bit step is saturated loses it.
     let wanted = [1.0 - f64::from(opacity); 3];
-    let naive = apart(&over_until(&dots, SATURATED)[..3], &wanted);
-    Ok(Finding { error: apart(&found[..3], &wanted), bound: HALF_ULP * wanted[0], naive: Computed(naive) })
+    Ok(Finding::apart(&found[..3], &over_until(&dots, SATURATED)[..3], &wanted, HALF_ULP * wanted[0]))
 }
 
-fn least_opacity(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+fn least_opacity(stage: &mut Stage, method: Method) -> CaseResult {
     // Above the least normal number, below which a device may take it for 0.
     let opacity = f32::MIN_POSITIVE * 2.0;
     let dots = [1.0, 2.0, 3.0].map(|depth| dot(depth, Vec3::ONE, opacity));
@@ -191,14 +173,10 @@ fn least_opacity(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> 
     // It has an opacity, so its depth is that of the image. 1 - T is 0.
     let depth = if image.depth[0] == 1.0 { 0.0 } else { 1.0 };
     let error = apart(&image.rgba[0], &[wanted; 4]);
-    Ok(Finding {
-        error: error.max(depth),
-        bound: 12.0 * HALF_ULP * wanted,
-        naive: Computed(apart(&over(&dots), &[wanted; 4])),
-    })
+    Ok(Finding::new(error.max(depth), 12.0 * HALF_ULP * wanted, apart(&over(&dots), &[wanted; 4])))
 }
 
-fn no_radius(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+fn no_radius(stage: &mut Stage, method: Method) -> CaseResult {
     // In the middle of their pixels and beside it: d / r is 0 / 0 or larger than 1.
     let radii = [0.0, 0.0, 1e-45, 1e-3];
     let beside = |x: u32| glam::DVec3::X * if x == 0 { 0.0 } else { 0.25 };
@@ -211,10 +189,10 @@ fn no_radius(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     // (shared/elementary.wgsl).
     let naive = (0..).zip(&radii).map(|(x, radius)| gaussian(beside(x).x as f32, *radius));
     let naive = apart(&naive.collect::<Vec<f32>>(), &wanted);
-    Ok(Finding { error, bound: 2.0 * HALF_ULP * wanted[0], naive: Computed(naive) })
+    Ok(Finding::new(error, 2.0 * HALF_ULP * wanted[0], naive))
 }
 
-fn edge_on(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+fn edge_on(stage: &mut Stage, method: Method) -> CaseResult {
     let size = [5, 5];
     let disc = Dot { position: at(2, 2, 3.0), radius: 2.0, normal: Vec3::X, opacity: 0.5, ..Dot::default() };
     let image = stage.render(&cloud(&[disc]), &frame(pixels(size), size, method))?.image;
@@ -229,5 +207,5 @@ fn edge_on(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
         if (start + along * Vec3::NEG_Z).distance(center) <= disc.radius { disc.opacity } else { 0.0 }
     };
     let naive = apart(&(0..25).map(met).collect::<Vec<f32>>(), &wanted);
-    Ok(Finding { error: apart(&found, &wanted).max(depth), bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::new(apart(&found, &wanted).max(depth), 0.0, naive))
 }

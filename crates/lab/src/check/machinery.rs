@@ -1,15 +1,12 @@
 //! The building blocks of the methods: prefix sums and radix sorts. Integers, so exact.
 
-use super::verdict::Naive::{Computed, Stated};
-use super::verdict::Trouble;
-use super::{Case, Finding, Stage, one};
+use super::{Case, CaseResult, Finding, Stage, one};
+use pellucid_engine::Result;
 use pellucid_engine::gpu::Memory;
 use pellucid_engine::methods::Error;
 use pellucid_engine::passes::radix::Radix;
 use pellucid_engine::passes::scan::Scan;
 use pellucid_engine::reference;
-
-type CaseResult = Result<Finding, Trouble>;
 
 pub(super) fn cases() -> Vec<Case> {
     let about = "prefix sums of zeros, ones, one large number and arbitrary numbers: wrong sums";
@@ -28,7 +25,7 @@ fn any(n: usize) -> impl Iterator<Item = u32> {
 }
 
 /// Prefix sums on the device, and true if it reports an overflow.
-fn scan(stage: &Stage, values: &[u32]) -> Result<(Vec<u32>, bool), Trouble> {
+fn scan(stage: &Stage, values: &[u32]) -> Result<(Vec<u32>, bool)> {
     let (device, n) = (stage.device(), values.len() as u64);
     let input = device.upload("values", values)?;
     let output = device.buffer::<u32>("sums", n, Memory::Device)?;
@@ -58,7 +55,7 @@ fn sums(stage: &mut Stage, n: usize) -> CaseResult {
             sum += u64::from(*value);
         }
     }
-    Ok(Finding { error: error as f64, bound: 0.0, naive: Computed(naive as f64) })
+    Ok(Finding::counted(error, naive))
 }
 
 fn overflow(stage: &mut Stage) -> CaseResult {
@@ -74,13 +71,13 @@ fn overflow(stage: &mut Stage) -> CaseResult {
             naive += usize::from((u64::from(sum) > u64::from(most)) != beyond);
         }
     }
-    Ok(Finding { error: f64::from(error as u32), bound: 0.0, naive: Computed(f64::from(naive as u32)) })
+    Ok(Finding::new(f64::from(error as u32), 0.0, f64::from(naive as u32)))
 }
 
 /// Records sorted by the lowest bits of their keys on the device.
-fn sorted(stage: &Stage, records: &[[u32; 2]], bits: u32) -> Result<Vec<[u32; 2]>, Trouble> {
+fn sorted(stage: &Stage, records: &[[u32; 2]], bits: u32) -> Result<Vec<[u32; 2]>> {
     let (device, n) = (stage.device(), records.len() as u64);
-    let none = || Trouble::from(Error::NoSubgroups { device: device.info().name.clone() });
+    let none = || Error::NoSubgroups { device: device.info().name.clone() };
     let subgroup = device.info().subgroup.ok_or_else(none)?;
     let from = device.upload("records", records)?;
     let to = device.buffer("moved", n, Memory::Device)?;
@@ -107,9 +104,6 @@ fn sort(stage: &mut Stage, n: usize) -> CaseResult {
         backward.sort_by_key(|[key, i]| (*key, u32::MAX - i));
         naive += apart(&backward);
     }
-    let naive = match n {
-        1 => Stated { why: "one record is in its place however it is sorted; it is here as the shortest list" },
-        _ => Computed(naive as f64),
-    };
-    Ok(Finding { error: error as f64, bound: 0.0, naive })
+    let why = "one record is in its place however it is sorted; it is here as the shortest list";
+    Ok(if n == 1 { Finding::stated(error as f64, 0.0, why) } else { Finding::counted(error, naive) })
 }

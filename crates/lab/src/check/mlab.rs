@@ -1,47 +1,24 @@
 //! Multi-layer alpha blending: exact for as many layers as it keeps and one more, and for any number that comes in
 //! order.
 
-use glam::Vec3;
-
 use super::naive;
-use super::stage::{Dot, HALF_ULP, apart, at, composed, dot, pixels, pixels_apart};
-use super::verdict::Naive::Computed;
-use super::verdict::Trouble;
-use super::{Case, Finding, Stage, each};
+use super::stage::{COLORS, Dot, HALF_ULP, at, composed, dot, pixels};
+use super::{Case, CaseResult, Finding, Stage, each, joined};
 use pellucid_engine::scene::{Method, Mlab};
 
-type CaseResult = Result<Finding, Trouble>;
-
 const NODES: u32 = 4;
-const COLORS: [Vec3; 5] = [
-    Vec3::new(0.9, 0.1, 0.2),
-    Vec3::new(0.1, 0.8, 0.3),
-    Vec3::new(0.3, 0.2, 1.0),
-    Vec3::new(0.7, 0.6, 0.1),
-    Vec3::new(0.2, 0.4, 0.5),
-];
 
 pub(super) fn cases() -> Vec<Case> {
     let mlab = [Method::Mlab(Mlab { nodes: NODES, ..Mlab::default() })];
-    [
-        each(
-            &mlab,
-            "faint-from-near",
-            "10 000 layers of opacity 1e-4 that come from near to far: as composed",
-            from_near,
-        ),
-        each(
-            &mlab,
-            "faint-from-far",
-            "10 000 layers of opacity 1e-4 that come from far to near: as composed",
-            from_far,
-        ),
-        each(&mlab, "one-more-than-nodes", "5 layers with 4 nodes, in each of 120 orders: as composed", any_order),
-        each(&mlab, "equal-depths", "5 layers at one depth: later over earlier", equal_depths),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+    joined([
+        each(&mlab, "faint-from-near", from_near)
+            .about("10 000 layers of opacity 1e-4 that come from near to far: as composed"),
+        each(&mlab, "faint-from-far", from_far)
+            .about("10 000 layers of opacity 1e-4 that come from far to near: as composed"),
+        each(&mlab, "one-more-than-nodes", any_order)
+            .about("5 layers with 4 nodes, in each of 120 orders: as composed"),
+        each(&mlab, "equal-depths", equal_depths).about("5 layers at one depth: later over earlier"),
+    ])
 }
 
 /// A run merges each layer into the last node, a change of a compensated sum: 2 units of it for any number (Kahan
@@ -61,8 +38,7 @@ fn faint() -> Vec<Dot> {
 
 fn as_composed(stage: &mut Stage, method: Method, dots: &[Dot], wanted: [f64; 4]) -> CaseResult {
     let found = stage.pixel(dots, method)?;
-    let naive = apart(&naive::mlab(dots, NODES as usize), &wanted);
-    Ok(Finding { error: apart(&found, &wanted), bound: bound(&wanted), naive: Computed(naive) })
+    Ok(Finding::apart(&found, &naive::mlab(dots, NODES as usize), &wanted, bound(&wanted)))
 }
 
 /// Checks fragments that arrive front to back, so that the last node is exact.
@@ -110,8 +86,7 @@ fn any_order(stage: &mut Stage, method: Method) -> CaseResult {
     let wanted = vec![composed(&sorted); lists.len()];
     // Without the one in transit, a node less.
     let naive: Vec<[f32; 4]> = lists.iter().map(|list| naive::mlab(list, NODES as usize - 1)).collect();
-    let error = pixels_apart(&found, &wanted);
-    Ok(Finding { error, bound: bound(&wanted[0]), naive: Computed(pixels_apart(&naive, &wanted)) })
+    Ok(Finding::pixels(&found, &naive, &wanted, bound(&wanted[0])))
 }
 
 fn equal_depths(stage: &mut Stage, method: Method) -> CaseResult {

@@ -33,6 +33,7 @@ mod surfaces;
 mod table;
 mod verdict;
 
+use pellucid_engine::Result;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::methods;
 use pellucid_engine::scene::Method;
@@ -43,7 +44,6 @@ pub use same::{Difference, difference};
 pub use stage::Stage;
 pub use subjects::{Follows, Subject, subjects};
 pub use table::{Group, groups, markdown};
-use verdict::Trouble;
 pub use verdict::{Counts, Finding, Lack, Naive, Verdict};
 
 /// A hard case.
@@ -55,11 +55,12 @@ pub struct Case {
     run: Run,
 }
 
-type Run = Box<dyn Fn(&mut Stage) -> Result<Finding, Trouble>>;
+type CaseResult = Result<Finding>;
+type Run = Box<dyn Fn(&mut Stage) -> Verdict>;
 
 /// All cases, family by family. No two have the same name.
 pub fn cases() -> Vec<Case> {
-    let families = [
+    joined([
         discs::cases(),
         approximate::cases(),
         fading::cases(),
@@ -80,33 +81,43 @@ pub fn cases() -> Vec<Case> {
         stored::cases(),
         gaussians::cases(),
         machinery::cases(),
-    ];
-    families.into_iter().flatten().collect()
+    ])
 }
 
 /// A case of its own.
-fn one(name: &str, about: &'static str, run: impl Fn(&mut Stage) -> Result<Finding, Trouble> + 'static) -> Case {
-    Case { name: name.to_owned(), about, run: Box::new(run) }
+fn one<V: Into<Verdict>>(name: &str, about: &'static str, run: impl Fn(&mut Stage) -> V + 'static) -> Case {
+    Case { name: name.to_owned(), about, run: Box::new(move |stage| run(stage).into()) }
 }
 
-/// Makes a case for each of some methods.
-fn each<M: Copy + Into<Method> + 'static>(
-    methods: &[M],
-    name: &str,
-    about: &'static str,
-    run: fn(&mut Stage, M) -> Result<Finding, Trouble>,
-) -> Vec<Case> {
-    let case = |method: &M| {
-        let method = *method;
-        Case { name: format!("{}/{name}", method.into().name()), about, run: Box::new(move |stage| run(stage, method)) }
-    };
-    methods.iter().map(case).collect()
+/// A case of each of some methods, which [`Each::about`] makes.
+struct Each<'a, M, V> {
+    methods: &'a [M],
+    name: &'a str,
+    run: fn(&mut Stage, M) -> V,
+}
+
+fn each<'a, M, V>(methods: &'a [M], name: &'a str, run: fn(&mut Stage, M) -> V) -> Each<'a, M, V> {
+    Each { methods, name, run }
+}
+
+impl<M: Copy + Into<Method> + 'static, V: Into<Verdict> + 'static> Each<'_, M, V> {
+    /// The cases, with the description that they share.
+    fn about(self, about: &'static str) -> Vec<Case> {
+        let Self { methods, name, run } = self;
+        let name_of = |method: M| format!("{}/{name}", method.into().name());
+        methods.iter().map(|&method| one(&name_of(method), about, move |stage| run(stage, method))).collect()
+    }
+}
+
+/// The cases of some lists in one.
+fn joined(lists: impl IntoIterator<Item = Vec<Case>>) -> Vec<Case> {
+    lists.into_iter().flatten().collect()
 }
 
 impl Case {
     /// Runs the case.
     pub fn run(&self, stage: &mut Stage) -> Verdict {
-        (self.run)(stage).into()
+        (self.run)(stage)
     }
 }
 

@@ -4,13 +4,12 @@
 use glam::{DVec3, Vec3};
 
 use super::lists::{except, of_families, with_samples, with_soft};
-use super::stage::{Dot, HALF_ULP, bytes_apart, cloud, frame, pixels_apart, shifted};
-use super::verdict::Naive::Computed;
-use super::verdict::Trouble;
-use super::{Case, Finding, Stage, each};
-use pellucid_engine::camera::{Camera, Projection};
+use super::stage::{Dot, HALF_ULP, bytes_apart, cloud, frame, in_cube, mixed, perspective, shifted};
+use super::{Case, CaseResult, Finding, Stage, each};
+use pellucid_engine::camera::Camera;
 use pellucid_engine::image::Image;
 use pellucid_engine::scene::{Density, DiscShape, Discs, Family, ImageSpace, Method, PeelLayers, Shells, Soft};
+use pellucid_engine::{Error, Result};
 
 const SIZE: [u32; 2] = [40, 30];
 /// d̃, whose default depends on the box of all points.
@@ -38,22 +37,20 @@ pub(super) fn cases() -> Vec<Case> {
     let others: Vec<Method> = methods.iter().filter(known).copied().collect();
     let outliers = "a point at 1e20 that is not seen: colors as without it";
     let mut all = [
-        each(&methods, "georeferenced", about, moved),
-        each(&methods, "scaled", scales, scaled),
-        each(&others, "outlier", outliers, outlier),
+        each(&methods, "georeferenced", moved).about(about),
+        each(&methods, "scaled", scaled).about(scales),
+        each(&others, "outlier", outlier).about(outliers),
     ];
     // Two of them are of one method.
     all.iter_mut().for_each(|cases| cases[1].name += "-oriented");
     all.into_iter().flatten().collect()
 }
 
-/// Points on a grid of 1/1024 in a cube of side 2, one in three with a field that makes it soft.
+/// Points of [`in_cube`], one in three with a field that makes it soft.
 fn dots() -> Vec<Dot> {
-    let part = |i: u32, factor: u32| (i.wrapping_mul(factor) >> 7) % 2048;
-    let coordinate = |i: u32, factor: u32| f64::from(part(i, factor)) / 1024.0 - 1.0;
     let dot = |i: u32| Dot {
-        position: DVec3::new(coordinate(i, 2_654_435_761), coordinate(i, 2_246_822_519), coordinate(i, 3_266_489_917)),
-        color: Vec3::new((i % 7) as f32 / 6.0, (i % 5) as f32 / 4.0, (i % 3) as f32 / 2.0),
+        position: in_cube(i),
+        color: mixed(i),
         opacity: 0.1 + 0.1 * (i % 8) as f32,
         radius: 0.05 + 0.01 * (i % 16) as f32,
         normal: Vec3::new((i % 9) as f32 - 4.0, (i % 4) as f32 - 1.5, 2.0).normalize(),
@@ -63,13 +60,12 @@ fn dots() -> Vec<Dot> {
 }
 
 fn camera() -> Camera {
-    let projection = Projection::Perspective { fov_y: 45f64.to_radians() };
     // The eye lies on the grid, too.
-    super::stage::looking(DVec3::new(0.5, 0.75, 3.5), DVec3::ZERO, projection, 0.125, 128.0)
+    perspective(DVec3::new(0.5, 0.75, 3.5), DVec3::ZERO, 45.0, 0.125, 128.0)
 }
 
-fn moved(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
-    let mut render = |dots: &[Dot], camera: Camera| -> Result<Image, Trouble> {
+fn moved(stage: &mut Stage, method: Method) -> CaseResult {
+    let mut render = |dots: &[Dot], camera: Camera| -> Result<Image> {
         Ok(stage.render(&cloud(dots), &frame(camera, SIZE, method))?.image)
     };
     let dots = dots();
@@ -79,11 +75,11 @@ fn moved(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     // Positions in float32: the same picture of what is left of them.
     let rounded = |dot: &Dot| Dot { position: dot.position.as_vec3().as_dvec3(), ..*dot };
     let single = render(&far.iter().map(rounded).collect::<Vec<_>>(), far_camera)?;
-    Ok(Finding { error: bytes_apart(&here, &there), bound: 0.0, naive: Computed(bytes_apart(&here, &single)) })
+    Ok(Finding::new(bytes_apart(&here, &there), 0.0, bytes_apart(&here, &single)))
 }
 
-fn scaled(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
-    let mut render = |factor: f64| -> Result<Vec<[f32; 4]>, Trouble> {
+fn scaled(stage: &mut Stage, method: Method) -> CaseResult {
+    let mut render = |factor: f64| -> Result<Vec<[f32; 4]>> {
         let scaled = |dot: &Dot| Dot { position: dot.position * factor, radius: dot.radius * factor as f32, ..*dot };
         let dots: Vec<Dot> = dots().iter().map(scaled).collect();
         let camera = camera();
@@ -103,7 +99,7 @@ fn scaled(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     // If a radius below 1e-6 counted as zero, the small scene would be empty.
     let is_drawn = dots().iter().any(|dot| dot.radius * 2f32.powi(-30) > 1e-6);
     let lost = plain.iter().flatten().filter(|c| **c > 0.0 && !is_drawn).count();
-    Ok(Finding { error, bound: 0.0, naive: Computed(lost as f64) })
+    Ok(Finding::new(error, 0.0, lost as f64))
 }
 
 /// Returns the method with another d̃, if it has one.
@@ -116,8 +112,8 @@ fn with_distance(method: Method, distance: f32) -> Method {
     }
 }
 
-fn outlier(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
-    let mut render = |dots: &[Dot]| Ok::<_, Trouble>(stage.image(dots, camera(), SIZE, method)?.rgba);
+fn outlier(stage: &mut Stage, method: Method) -> CaseResult {
+    let mut render = |dots: &[Dot]| Ok::<_, Error>(stage.image(dots, camera(), SIZE, method)?.rgba);
     let dots = dots();
     let alone = render(&dots)?;
     let far = Dot { position: DVec3::new(1e20, -1e20, 1e20), radius: 0.1, opacity: 0.5, ..Dot::default() };
@@ -140,5 +136,5 @@ fn outlier(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
         // The order of points in memory changes, and with it that of sums: compensated ones, as for equal colors.
         18.0 * HALF_ULP
     };
-    Ok(Finding { error: pixels_apart(&with, &wanted), bound, naive: Computed(pixels_apart(&lost, &wanted)) })
+    Ok(Finding::pixels(&with, &lost, &wanted, bound))
 }

@@ -2,17 +2,11 @@
 
 use glam::{DVec3, Vec3};
 
-use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, pixels, pixels_apart};
-use super::verdict::Naive::Computed;
-use super::verdict::Trouble;
-use super::{Case, Finding, Stage, each, naive};
+use super::stage::{Dot, ULP, apart, at, bytes_apart, cloud, colors_of, pixels, pixels_apart};
+use super::{Case, CaseResult, Finding, Stage, each, joined, naive};
 use pellucid_engine::reference::coverage::Shape;
 use pellucid_engine::reference::splats;
 use pellucid_engine::scene::{BlendedSplats, Interpolated, Method, ScreenSplats};
-
-type CaseResult = Result<Finding, Trouble>;
-
-const ULP: f64 = 2.0 * HALF_ULP;
 
 pub(super) fn cases() -> Vec<Case> {
     let plain = ScreenSplats::default();
@@ -24,40 +18,22 @@ pub(super) fn cases() -> Vec<Case> {
     let blended = [Method::Hqs(BlendedSplats::default()), Method::Splats(BlendedSplats::default())];
     let hqs = [blended[0]];
     let all = [nearest.clone(), blended.to_vec()].concat();
-    [
-        each(
-            &moved,
-            "bisector",
-            "two equal splats meet on the straight line between them: pixels on the wrong side",
-            bisector,
-        ),
-        each(&hqs, "bisector", "two equal splats blend by exp(-2 ρ²), evenly on the line between them", blend),
-        each(&all, "equal-depths", "splats of equal depth and different colors, shuffled: no byte changes", ties),
-        each(
-            &nearest,
-            "nearest",
-            "depths of 500000 and 500000.5 between near 1 and far 1e6: the nearer one",
-            nearest_wins,
-        ),
-        each(
-            &splats,
-            "no-radius",
-            "radii of 0, 1e-45 and 1e-3 next to a pixel's center: the pixel, at the point's depth",
-            no_radius,
-        ),
-        each(&splats, "huge-radius", "a radius of 3.4e38 is drawn 25 pixels wide: pixels that differ", huge_radius),
-        each(&blended, "equal-colors", "the mean of 100 000 splats of one color is that color", equal_colors),
-        each(
-            &hqs,
-            "limit",
-            "a splat exactly one radius behind the nearest is blended, one a unit behind that is not",
-            limit,
-        ),
-        each(&hqs, "no-blending", "blend_depth of 0: the nearest alone", no_blending),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+    joined([
+        each(&moved, "bisector", bisector)
+            .about("two equal splats meet on the straight line between them: pixels on the wrong side"),
+        each(&hqs, "bisector", blend).about("two equal splats blend by exp(-2 ρ²), evenly on the line between them"),
+        each(&all, "equal-depths", ties).about("splats of equal depth and different colors, shuffled: no byte changes"),
+        each(&nearest, "nearest", nearest_wins)
+            .about("depths of 500000 and 500000.5 between near 1 and far 1e6: the nearer one"),
+        each(&splats, "no-radius", no_radius)
+            .about("radii of 0, 1e-45 and 1e-3 next to a pixel's center: the pixel, at the point's depth"),
+        each(&splats, "huge-radius", huge_radius)
+            .about("a radius of 3.4e38 is drawn 25 pixels wide: pixels that differ"),
+        each(&blended, "equal-colors", equal_colors).about("the mean of 100 000 splats of one color is that color"),
+        each(&hqs, "limit", limit)
+            .about("a splat exactly one radius behind the nearest is blended, one a unit behind that is not"),
+        each(&hqs, "no-blending", no_blending).about("blend_depth of 0: the nearest alone"),
+    ])
 }
 
 const SIZE: [u32; 2] = [32, 24];
@@ -88,20 +64,20 @@ fn bisector(stage: &mut Stage, method: Method) -> CaseResult {
     let error = all().filter(|pixel| image.rgba[*pixel] != wanted(*pixel)).count();
     // At equal depths all that both cover belongs to one of them.
     let naive = all().filter(|pixel| covers(&red, *pixel) && covers(&blue, *pixel) && nearer(*pixel)).count();
-    Ok(Finding { error: error as f64, bound: 0.0, naive: Computed(naive as f64) })
+    Ok(Finding::counted(error, naive))
 }
 
 fn blend(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = pair();
     let image = stage.image(&dots, pixels(SIZE), SIZE, method)?;
     let points = cloud(&dots);
-    let colors: Vec<DVec3> = points.colors.iter().map(|color| color.as_dvec3()).collect();
-    let wanted = splats::render(&pixels(SIZE), SIZE, &points, &colors, Shape::Disc, &BlendedSplats::default()).rgba;
+    let settings = BlendedSplats::default();
+    let wanted = splats::render(&pixels(SIZE), SIZE, &points, &colors_of(&points), Shape::Disc, &settings).rgba;
     let nearest = |pixel: &[f64; 4]| pixel.map(|c| c.round() as f32);
     let naive: Vec<[f32; 4]> = wanted.iter().map(nearest).collect();
     // exp(-2 ρ²): 4 roundings of ρ², 4 ρ times, at most 16 units; the exponential one; twice, and a quotient of 2.5.
     let bound = (2.0 * (16.0 + 1.0) + 4.0) * ULP / 2.0;
-    Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound, naive: Computed(pixels_apart(&naive, &wanted)) })
+    Ok(Finding::pixels(&image.rgba, &naive, &wanted, bound))
 }
 
 fn ties(stage: &mut Stage, method: Method) -> CaseResult {
@@ -116,7 +92,7 @@ fn ties(stage: &mut Stage, method: Method) -> CaseResult {
     // The first to arrive.
     let pairs = dots[0].color.to_array().into_iter().zip(shuffled[0].color.to_array());
     let naive = pairs.filter(|(a, b)| a != b).count();
-    Ok(Finding { error: bytes_apart(&first, &second), bound: 0.0, naive: Computed(naive as f64) })
+    Ok(Finding::new(bytes_apart(&first, &second), 0.0, naive as f64))
 }
 
 fn nearest_wins(stage: &mut Stage, method: Method) -> CaseResult {
@@ -127,7 +103,7 @@ fn nearest_wins(stage: &mut Stage, method: Method) -> CaseResult {
     // far (z - near) / (z (far - near)) in 24 bits, as a depth buffer has it: equal, and the first one stays.
     let buffer = |z: f64| (1e6 * (z - 1.0) / (z * (1e6 - 1.0)) * f64::from((1u32 << 24) - 1)).round();
     let naive = if buffer(500_000.5) == buffer(500_000.0) { 1.0 } else { 0.0 };
-    Ok(Finding { error: apart(&found, &[0.0, 1.0, 0.0, 1.0]), bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::new(apart(&found, &[0.0, 1.0, 0.0, 1.0]), 0.0, naive))
 }
 
 fn no_radius(stage: &mut Stage, method: Method) -> CaseResult {
@@ -142,7 +118,7 @@ fn no_radius(stage: &mut Stage, method: Method) -> CaseResult {
         let covered: Vec<[f32; 4]> = (0..9).map(|i| naive::pixel(&dot, [i % 3, i / 3])).collect();
         naive = naive.max(pixels_apart(&covered, &wanted));
     }
-    Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::new(error, 0.0, naive))
 }
 
 fn huge_radius(stage: &mut Stage, method: Method) -> CaseResult {
@@ -156,7 +132,7 @@ fn huge_radius(stage: &mut Stage, method: Method) -> CaseResult {
     let wanted = |pixel: usize| if inside(pixel) { [1.0; 4] } else { [0.0; 4] };
     let error = (0..64 * 64).filter(|pixel| image.rgba[*pixel] != wanted(*pixel)).count();
     let naive = (0..64 * 64).filter(|pixel| !inside(*pixel)).count();
-    Ok(Finding { error: error as f64, bound: 0.0, naive: Computed(naive as f64) })
+    Ok(Finding::counted(error, naive))
 }
 
 fn equal_colors(stage: &mut Stage, method: Method) -> CaseResult {
@@ -166,11 +142,7 @@ fn equal_colors(stage: &mut Stage, method: Method) -> CaseResult {
     let wanted = color.extend(1.0).as_dvec4().to_array();
     let sum = (0..100_000).fold(Vec3::ZERO, |sum, _| sum + color) / 1e5;
     // Compensated sums (2 units) of color and weight, a product each, and their quotient.
-    Ok(Finding {
-        error: apart(&found, &wanted),
-        bound: 9.0 * ULP,
-        naive: Computed(apart(&sum.to_array(), &wanted[..3])),
-    })
+    Ok(Finding::new(apart(&found, &wanted), 9.0 * ULP, apart(&sum.to_array(), &wanted[..3])))
 }
 
 fn limit(stage: &mut Stage, method: Method) -> CaseResult {
@@ -181,8 +153,7 @@ fn limit(stage: &mut Stage, method: Method) -> CaseResult {
     let found = stage.pixel(&dots, method)?;
     let wanted = [0.5, 0.5, 0.0, 1.0];
     // With < the second one is lost.
-    let naive = apart(&naive::blended(&dots, 1.0, 0.0), &wanted);
-    Ok(Finding { error: apart(&found, &wanted), bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::apart(&found, &naive::blended(&dots, 1.0, 0.0), &wanted, 0.0))
 }
 
 fn no_blending(stage: &mut Stage, method: Method) -> CaseResult {
@@ -195,6 +166,5 @@ fn no_blending(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = [dot(behind, Vec3::X), dot(4.0, Vec3::Y)];
     let (found, wanted) = (stage.pixel(&dots, method)?, [0.0, 1.0, 0.0, 1.0]);
     // A tolerance of 1e-6 of the depth takes both.
-    let naive = apart(&naive::blended(&dots, 0.0, 1e-6), &wanted);
-    Ok(Finding { error: apart(&found, &wanted), bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::apart(&found, &naive::blended(&dots, 0.0, 1e-6), &wanted, 0.0))
 }

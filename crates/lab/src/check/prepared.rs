@@ -4,19 +4,16 @@ use std::io::Write;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
+use pellucid_engine::Result;
 use pellucid_engine::progress::Progress;
 
 use super::stage::{Dot, HALF_ULP, apart, bytes_apart, composed, dot, frame, pixels};
-use super::verdict::Naive::Computed;
-use super::verdict::Trouble;
-use super::{Case, Finding, Stage, naive, one};
+use super::{Case, CaseResult, Finding, Stage, naive, one};
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::image::Image;
 use pellucid_engine::io;
 use pellucid_engine::prepare::{radius, surface};
 use pellucid_engine::scene::{self, Discs, Method, Scene};
-
-type CaseResult = Result<Finding, Trouble>;
 
 pub(super) fn cases() -> Vec<Case> {
     vec![
@@ -34,7 +31,7 @@ pub(super) fn cases() -> Vec<Case> {
 }
 
 /// A scene of one cloud as its file would be, with what its colors show.
-fn scene(color_by: &str) -> Result<Scene, Trouble> {
+fn scene(color_by: &str) -> Result<Scene> {
     let cloud = format!("[[cloud]]\npath = \"cloud.ply\"\nopacity = 0.01\ncolor_by = \"{color_by}\"\n");
     Ok(Scene::from_toml(&format!("[method]\nname = \"abuffer\"\n{cloud}"), Path::new("check"))?)
 }
@@ -50,8 +47,7 @@ fn all_equal(stage: &mut Stage) -> CaseResult {
     let bound = 4.0 * (256.0 + 2.0) * HALF_ULP;
     // Empty, where a radius of 0 covers no pixel.
     let covering: Vec<Dot> = vec![dot; 500].into_iter().filter(|dot| naive::covers(dot, [0, 0])).collect();
-    let naive = apart(&naive::over(&covering), &wanted);
-    Ok(Finding { error: apart(&found, &wanted), bound, naive: Computed(naive) })
+    Ok(Finding::apart(&found, &naive::over(&covering), &wanted, bound))
 }
 
 /// 1000 points, 1/16 apart.
@@ -79,7 +75,7 @@ fn line() -> CaseResult {
     // With the point itself as one of K, its neighbors are 23, the last at the same distance, but K is 25 with them
     // all.
     let naive = apart(&[(2.0 * 12.0 / 16.0 / 25f64.sqrt()) as f32], &[wanted]);
-    Ok(Finding { error: error.max(ends), bound: 2.0 * wanted * HALF_ULP, naive: Computed(naive) })
+    Ok(Finding::new(error.max(ends), 2.0 * wanted * HALF_ULP, naive))
 }
 
 fn plane() -> CaseResult {
@@ -96,7 +92,7 @@ fn plane() -> CaseResult {
     // In float32 the rows of the grid coincide: the plane becomes a line, whose normal may be anything across it.
     let rounded: Vec<DVec3> = positions.iter().map(|p| p.as_vec3().as_dvec3()).collect();
     let naive = most(&surface::estimate(&rounded, None, (24, radius::DEFAULT_CAP), &Progress::hidden()).normals);
-    Ok(Finding { error, bound: 4.0 * HALF_ULP, naive: Computed(naive) })
+    Ok(Finding::new(error, 4.0 * HALF_ULP, naive))
 }
 
 fn georeferenced() -> CaseResult {
@@ -107,7 +103,7 @@ fn georeferenced() -> CaseResult {
     let wanted: Vec<f64> = here.iter().map(|r| f64::from(*r)).collect();
     let naive = apart(&[middle_in_float32(&turned)], &[wanted[500]]);
     // All places and differences are exact.
-    Ok(Finding { error: apart(&radii(&turned), &wanted), bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::new(apart(&radii(&turned), &wanted), 0.0, naive))
 }
 
 fn scale() -> CaseResult {
@@ -117,8 +113,7 @@ fn scale() -> CaseResult {
     let most = wanted.iter().copied().fold(0.0, f64::max);
     // Both were rounded.
     let printed: Vec<f32> = here.iter().map(|r| r * 1000f32.sqrt()).collect();
-    let naive = apart(&printed, &wanted);
-    Ok(Finding { error: apart(&radii(&large), &wanted), bound: 2.0 * most * HALF_ULP, naive: Computed(naive) })
+    Ok(Finding::apart(&radii(&large), &printed, &wanted, 2.0 * most * HALF_ULP))
 }
 
 /// A cloud as a text file; each row is position, color, alpha, normal, radius.
@@ -137,7 +132,7 @@ fn as_read(row: &str) -> Option<Dot> {
     Some(Dot { position, color: Vec3::new(red, green, blue), opacity, radius, normal, field: 0.0 })
 }
 
-fn picture(stage: &mut Stage, rows: &[&str]) -> Result<Image, Trouble> {
+fn picture(stage: &mut Stage, rows: &[&str]) -> Result<Image> {
     let failed = |source| io::Error::Write { path: "a temporary file".into(), source };
     let mut file = tempfile::Builder::new().prefix(".pellucid-").suffix(".ply").tempfile().map_err(failed)?;
     file.write_all(ply(rows).as_bytes()).map_err(failed)?;
@@ -180,5 +175,5 @@ fn not_finite(stage: &mut Stage) -> CaseResult {
         }
     }
     let naive = naive::bytes_apart(&blended, &wanted.rgba);
-    Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::new(error, 0.0, naive))
 }

@@ -6,17 +6,14 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
-use super::stage::{Dot, at, cloud, frame, pixels};
-use super::verdict::Naive::{Computed, Stated};
-use super::verdict::Trouble;
-use super::{Case, Finding, Stage, one};
+use super::stage::{Dot, at, cloud, frame, in_cube, pixels};
+use super::{Case, CaseResult, Finding, Stage, one};
+use pellucid_engine::Result;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::methods::Frame;
 use pellucid_engine::methods::shadows::lights;
 use pellucid_engine::points::Points;
 use pellucid_engine::scene::{Light, Method, Shading, ShadingModel, Shadows};
-
-type CaseResult = Result<Finding, Trouble>;
 
 const DOWN: Light = Light::Direction(DVec3::NEG_Z);
 const BY: DVec3 = DVec3::new(500_000.0, 4_500_000.0, 100.0);
@@ -51,7 +48,7 @@ fn lit_frame(light: Light, shadows: Shadows, seed: u64) -> Frame {
 }
 
 /// The share of light of each point, as they are in the cloud.
-fn shares(stage: &mut Stage, points: &Points, frame: &Frame) -> Result<Vec<f32>, Trouble> {
+fn shares(stage: &mut Stage, points: &Points, frame: &Frame) -> Result<Vec<f32>> {
     let mut cloud = stage.renderer.upload(points)?;
     stage.renderer.cast(&mut cloud, frame)?;
     Ok(cloud.lit()?)
@@ -80,7 +77,7 @@ fn slanted(stage: &mut Stage) -> CaseResult {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let (turned, up) = 20f64.to_radians().sin_cos();
         let light = Light::Direction(DVec3::new(sin * up, sin * turned, -cos));
-        let mut dark = |normal| -> Result<f64, Trouble> {
+        let mut dark = |normal| -> Result<f64> {
             let points = cloud(&sheet(0..48, 0..40, 400.0, 0.0, normal));
             Ok(wrong(&shares(stage, &points, &lit_frame(light, shadows, 0))?, |_| 1.0))
         };
@@ -88,7 +85,7 @@ fn slanted(stage: &mut Stage) -> CaseResult {
         // The same d̃ for every angle, as without a normal.
         naive += dark(Vec3::ZERO)?;
     }
-    Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::new(error, 0.0, naive))
 }
 
 /// The pixels of a light's image onto which some points fall.
@@ -116,7 +113,7 @@ fn behind(stage: &mut Stage) -> CaseResult {
             naive += hit(&view.camera, resolution, &below).iter().filter(|pixel| !covered.contains(*pixel)).count();
         }
     }
-    Ok(Finding { error, bound: 0.0, naive: Computed(naive as f64) })
+    Ok(Finding::new(error, 0.0, naive as f64))
 }
 
 fn half_a_disc(stage: &mut Stage) -> CaseResult {
@@ -152,7 +149,7 @@ fn half_a_disc(stage: &mut Stage) -> CaseResult {
         !pixels(&lid).is_disjoint(&pixels(&[below.position]))
     });
     let naive: f64 = if is_covered { 0.0 } else { 1.0 };
-    Ok(Finding { error, bound: errors + border, naive: Computed((naive - 0.5).abs()) })
+    Ok(Finding::new(error, errors + border, (naive - 0.5).abs()))
 }
 
 /// Points all over a sphere, as evenly as on a sunflower.
@@ -176,14 +173,13 @@ fn inside(stage: &mut Stage) -> CaseResult {
     let forward = -lamp.normalize();
     let unseen = |i: &usize| is_outer(*i) && (points.positions[*i] - lamp).dot(forward) <= 0.0;
     let naive = (0..points.len()).filter(unseen).count();
-    Ok(Finding { error, bound: 0.0, naive: Computed(naive as f64) })
+    Ok(Finding::new(error, 0.0, naive as f64))
 }
 
-/// Points on a grid of 1/1024 in a cube of side 2.
+/// Points of [`in_cube`].
 fn on_a_grid() -> Vec<Dot> {
-    let part = |i: u32, factor: u32| f64::from((i.wrapping_mul(factor) >> 7) % 2048) / 1024.0 - 1.0;
     let dot = |i: u32| Dot {
-        position: DVec3::new(part(i, 2_654_435_761), part(i, 2_246_822_519), part(i, 3_266_489_917)),
+        position: in_cube(i),
         normal: Vec3::new((i % 9) as f32 - 4.0, (i % 4) as f32 - 1.5, 2.0).normalize(),
         ..Dot::default()
     };
@@ -212,7 +208,7 @@ fn georeferenced(stage: &mut Stage) -> CaseResult {
         // A scene without shadow, or without light, would say nothing.
         error += if here.contains(&0.0) && here.contains(&1.0) { 0.0 } else { f64::INFINITY };
     }
-    Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::new(error, 0.0, naive))
 }
 
 fn along(stage: &mut Stage) -> CaseResult {
@@ -226,7 +222,7 @@ fn along(stage: &mut Stage) -> CaseResult {
     let reach = 0.52 / Vec3::Z.dot(Vec3::X);
     let is_naively_lit = |i: usize| (points.positions[i].x as f32) < 0.5 + reach;
     let naive = (0..points.len()).filter(|i| is_naively_lit(*i) != is_lit(*i)).count();
-    Ok(Finding { error, bound: 0.0, naive: Computed(naive as f64) })
+    Ok(Finding::new(error, 0.0, naive as f64))
 }
 
 fn one_pixel(stage: &mut Stage) -> CaseResult {
@@ -238,7 +234,7 @@ fn one_pixel(stage: &mut Stage) -> CaseResult {
     error += wrong(&shares(stage, &cloud(&floor), &lit_frame(DOWN, hard(1, 5.0), 0))?, |_| 1.0);
     let why =
         "a free pixel on each side leaves an image of one pixel with a negative size, so that it is mirrored or empty";
-    Ok(Finding { error, bound: 0.0, naive: Stated { why } })
+    Ok(Finding::stated(error, 0.0, why))
 }
 
 fn all_equal(stage: &mut Stage) -> CaseResult {
@@ -256,5 +252,5 @@ fn all_equal(stage: &mut Stage) -> CaseResult {
             naive += if in_box.is_some_and(|x| (0.0..=1.0).contains(&x.x)) { 0 } else { count };
         }
     }
-    Ok(Finding { error, bound: 0.0, naive: Computed(naive as f64) })
+    Ok(Finding::new(error, 0.0, naive as f64))
 }

@@ -7,16 +7,12 @@ use glam::{DVec3, Vec3};
 use super::discs::roundings;
 use super::lists::{exact, of_families, with_samples};
 use super::naive::over;
-use super::stage::{Dot, HALF_ULP, apart, at, cloud, composed, pixels, pixels_apart};
-use super::verdict::Naive::{Computed, Stated};
-use super::verdict::Trouble;
-use super::{Case, Finding, Stage, each, naive};
+use super::stage::{Dot, HALF_ULP, apart, at, cloud, composed, graded, pixels, pixels_apart};
+use super::{Case, CaseResult, Finding, Stage, each, joined, naive};
 use pellucid_engine::reference::soft::{Behind, Model, Scene};
 use pellucid_engine::scene::{
     BlendedSplats, Density, Family, Hybrid, Method, ScreenSplats, Shells, Soft, SoftMethod, Stochastic,
 };
-
-type CaseResult = Result<Finding, Trouble>;
 
 pub(super) fn cases() -> Vec<Case> {
     let long = [
@@ -32,33 +28,19 @@ pub(super) fn cases() -> Vec<Case> {
     let round =
         [exact(), vec![Method::Circles(ScreenSplats::default()), Method::Hqs(BlendedSplats::default())]].concat();
     let placed = [exact(), vec![Method::Points, Method::Circles(ScreenSplats::default())]].concat();
-    [
-        each(
-            &long,
-            "16384x1",
-            "a row of 16384 pixels, points 2^-14 of a pixel left of a border: pixels that differ",
-            row,
-        ),
-        each(
-            &long,
-            "1x16384",
-            "a column of 16384 pixels, points 2^-14 of a pixel above a border: pixels that differ",
-            column,
-        ),
-        each(
-            &spheres,
-            "one-over-16384",
-            "one sphere over a row of 16384 pixels, of 64 shells, against float64",
-            one_sphere,
-        ),
-        each(&exact(), "one-pixel-of-many", "20 000 fragments in one of 4096 pixels against float64", crowded),
-        each(&round, "rim", "a radius of 25 pixels around a pixel's center: 1961 of them, 20 on the rim itself", rim),
-        each(&placed, "border", "points on corners of pixels belong to the pixel right below", border),
-        each(&one, "one-point", "one opaque point of no radius: its pixel, at its depth", one_point),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+    joined([
+        each(&long, "16384x1", row)
+            .about("a row of 16384 pixels, points 2^-14 of a pixel left of a border: pixels that differ"),
+        each(&long, "1x16384", column)
+            .about("a column of 16384 pixels, points 2^-14 of a pixel above a border: pixels that differ"),
+        each(&spheres, "one-over-16384", one_sphere)
+            .about("one sphere over a row of 16384 pixels, of 64 shells, against float64"),
+        each(&exact(), "one-pixel-of-many", crowded).about("20 000 fragments in one of 4096 pixels against float64"),
+        each(&round, "rim", rim)
+            .about("a radius of 25 pixels around a pixel's center: 1961 of them, 20 on the rim itself"),
+        each(&placed, "border", border).about("points on corners of pixels belong to the pixel right below"),
+        each(&one, "one-point", one_point).about("one opaque point of no radius: its pixel, at its depth"),
+    ])
 }
 
 /// Checks a point for each 64 pixels of a line of 16384, slightly before a border of pixels.
@@ -70,7 +52,7 @@ fn line(stage: &mut Stage, method: Method, size: [u32; 2], place: fn(f64) -> DVe
     let wanted = |i: usize| if i % 64 == 62 { 1.0 } else { 0.0 };
     let error = (0..16384).filter(|i| image.rgba[*i][3] != wanted(*i)).count();
     let naive = (0..256).filter(|i| (along(*i) as f32).floor() as u32 != 64 * i + 62).count();
-    Ok(Finding { error: error as f64, bound: 0.0, naive: Computed(naive as f64) })
+    Ok(Finding::counted(error, naive))
 }
 
 fn row(stage: &mut Stage, method: Method) -> CaseResult {
@@ -94,22 +76,22 @@ fn one_sphere(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     // for each shell, of depths of 1e4 at most 1e-3, at an absorption of λ μ' ≤ 1e-6 · 64 / 64 a unit.
     let bound = 1e-5 / E + 24.0 * HALF_ULP * 4.0 + 128.0 * 1e-3 * 1e-6 + 64.0 * 8.0 * HALF_ULP;
     let why = "an invocation that visits all pixels of a sphere ends where a driver allows 65 535 turns of a loop";
-    Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound, naive: Stated { why } })
+    Ok(Finding::stated(pixels_apart(&image.rgba, &wanted), bound, why))
 }
 
 fn crowded(stage: &mut Stage, method: Method) -> CaseResult {
     let size = [64, 64];
-    let color = |i: u32| Vec3::new((i % 2) as f32, (i % 3) as f32 / 2.0, i as f32 / 20_000.0);
-    let dot =
-        |i: u32| Dot { position: at(37, 21, 1.0 + f64::from(i)), color: color(i), opacity: 1.5e-4, ..Dot::default() };
-    let dots: Vec<Dot> = (0..20_000).map(dot).collect();
+    let count = 20_000;
+    let place = |i: u32| at(37, 21, 1.0 + f64::from(i));
+    let dot = |i: u32| Dot { position: place(i), color: graded(i, count), opacity: 1.5e-4, ..Dot::default() };
+    let dots: Vec<Dot> = (0..count).map(dot).collect();
     let mut wanted = vec![[0.0; 4]; 64 * 64];
     wanted[21 * 64 + 37] = composed(&dots);
     let image = stage.image(&dots, pixels(size), size, method)?;
     // An array of the nearest 256.
     let naive = apart(&over(&dots[..256]), &wanted[21 * 64 + 37]);
     let error = pixels_apart(&image.rgba, &wanted);
-    Ok(Finding { error, bound: roundings(&method, dots.len()) * HALF_ULP, naive: Computed(naive) })
+    Ok(Finding::new(error, roundings(&method, dots.len()) * HALF_ULP, naive))
 }
 
 fn one_point(stage: &mut Stage, method: Method) -> CaseResult {
@@ -121,14 +103,13 @@ fn one_point(stage: &mut Stage, method: Method) -> CaseResult {
     let deep =
         |depths: &[f32]| depths.iter().zip(&depth).filter(|(z, wanted)| f64::from(**z) != **wanted).count() as f64;
     let error = pixels_apart(&image.rgba, &wanted).max(deep(&image.depth));
+    if radius > 0.0 {
+        let why = "by any formula, a disc that has a radius covers the pixel in whose center it lies";
+        return Ok(Finding::stated(error, 0.0, why));
+    }
     // A disc of a radius of 0 covers no pixel, not even with its center in the pixel's: 0 / 0 is not at most 1.
     let covered: Vec<[f32; 4]> = (0..16).map(|i| naive::pixel(&dot, [i % 4, i / 4])).collect();
-    let naive = if radius == 0.0 {
-        Computed(pixels_apart(&covered, &wanted))
-    } else {
-        Stated { why: "by any formula, a disc that has a radius covers the pixel in whose center it lies" }
-    };
-    Ok(Finding { error, bound: 0.0, naive })
+    Ok(Finding::new(error, 0.0, pixels_apart(&covered, &wanted)))
 }
 
 fn rim(stage: &mut Stage, method: Method) -> CaseResult {
@@ -143,7 +124,7 @@ fn rim(stage: &mut Stage, method: Method) -> CaseResult {
     let error = (0..64 * 64).filter(|pixel| image.rgba[*pixel][3] != wanted(*pixel)).count();
     // With < for <= the rim is lost: 7² + 24², 15² + 20² and 25².
     let naive = (0..64 * 64).filter(|pixel| inside(*pixel, 625) && !inside(*pixel, 624)).count();
-    Ok(Finding { error: error as f64, bound: 0.0, naive: Computed(naive as f64) })
+    Ok(Finding::counted(error, naive))
 }
 
 fn border(stage: &mut Stage, method: Method) -> CaseResult {
@@ -158,5 +139,5 @@ fn border(stage: &mut Stage, method: Method) -> CaseResult {
     let error = (0..225).filter(|pixel| image.rgba[*pixel][3] != wanted(*pixel)).count();
     // The nearest center, where two are as near: half to even takes the left one of an odd border.
     let naive = (0..5).map(|i| 3.0 * f64::from(i)).filter(|x| (x - 0.5).round_ties_even() != *x).count();
-    Ok(Finding { error: error as f64, bound: 0.0, naive: Computed(naive as f64) })
+    Ok(Finding::counted(error, naive))
 }

@@ -6,17 +6,14 @@ use glam::{DVec3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use super::stage::{apart, at, frame, pixels};
-use super::verdict::Naive::Computed;
-use super::verdict::Trouble;
-use super::{Case, Finding, Stage, each, one};
+use super::stage::{apart, at, frame, mean, pixels, variance};
+use super::{Case, CaseResult, Finding, Stage, each, joined, one};
+use pellucid_engine::Result;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::ensembles::{Dealt, Surface};
 use pellucid_engine::random::threefry2x32;
 use pellucid_engine::reference::spbr::slanted;
 use pellucid_engine::scene::{Method, Spbr, SpbrSimplified};
-
-type CaseResult = Result<Finding, Trouble>;
 
 const SIZE: [u32; 2] = [64, 64];
 const PIXELS: f64 = 4096.0;
@@ -36,18 +33,16 @@ pub(super) fn cases() -> Vec<Case> {
     ];
     let spbr = |cos_theta| [Method::Spbr(Spbr { ensembles: ENSEMBLES, cos_theta, ..Spbr::default() })];
     let simplified = [Method::SpbrSimplified(SpbrSimplified { ensembles: 7, ..SpbrSimplified::default() })];
-    [
+    joined([
         white,
-        each(&spbr(true), "slanted", "a plane at 60 degrees, Eq. 2: 1 - (1 - 0.3)^2", tilted),
-        each(&spbr(false), "slanted-corrected", "the same without the shading effect: 0.3", tilted),
-        each(&spbr(true), "two-planes", "0.4 in front of 0.7: 0.4 + 0.6 · 0.7", two_planes),
-        each(&spbr(true), "opacity-0-and-1", "one point on each pixel: opaque in all images, or in none", extremes),
-        each(&spbr(true), "ensembles", "the variance of a pixel is that of 20 independent images", independent),
-        each(&simplified, "each-point-once", "one point on each pixel is in one of 7 images: A = 1/7", once),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+        each(&spbr(true), "slanted", tilted).about("a plane at 60 degrees, Eq. 2: 1 - (1 - 0.3)^2"),
+        each(&spbr(false), "slanted-corrected", tilted).about("the same without the shading effect: 0.3"),
+        each(&spbr(true), "two-planes", two_planes).about("0.4 in front of 0.7: 0.4 + 0.6 · 0.7"),
+        each(&spbr(true), "opacity-0-and-1", extremes)
+            .about("one point on each pixel: opaque in all images, or in none"),
+        each(&spbr(true), "ensembles", independent).about("the variance of a pixel is that of 20 independent images"),
+        each(&simplified, "each-point-once", once).about("one point on each pixel is in one of 7 images: A = 1/7"),
+    ])
 }
 
 /// Random points on a plane through the middle of the view, tilted around its horizontal, at a depth; `density` is
@@ -85,21 +80,11 @@ fn dealt(planes: Vec<(Points, f64)>) -> Dealt {
     Dealt { points: Arc::new(points), surfaces }
 }
 
-/// A of each pixel.
-fn alphas(stage: &mut Stage, dealt: &Dealt, method: Method) -> Result<Vec<f64>, Trouble> {
+/// A of each pixel. Pixels are as good as independent: points fall on them at random.
+fn alphas(stage: &mut Stage, dealt: &Dealt, method: Method) -> Result<Vec<f64>> {
     let mut cloud = stage.renderer.upload_dealt(dealt)?;
     let image = stage.renderer.render(&mut cloud, &frame(pixels(SIZE), SIZE, method))?.image;
     Ok(image.rgba.iter().map(|pixel| f64::from(pixel[3])).collect())
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
-/// Pixels are as good as independent: points fall on them at random.
-fn variance(values: &[f64]) -> f64 {
-    let mean = mean(values);
-    values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (values.len() as f64 - 1.0)
 }
 
 /// The variance of A of a pixel whose points are assigned k times to [`ENSEMBLES`] images.
@@ -124,7 +109,7 @@ fn known_variance(alpha: f64, k: f64) -> f64 {
 /// The mean of A against what it should be, for points that are assigned k times; `naive` is what it would be instead.
 fn mean_alpha(found: &[f64], wanted: f64, k: f64, naive: f64) -> Finding {
     let bound = ERRORS * (known_variance(wanted, k) / PIXELS).sqrt();
-    Finding { error: (mean(found) - wanted).abs(), bound, naive: Computed((naive - wanted).abs()) }
+    Finding::new((mean(found) - wanted).abs(), bound, (naive - wanted).abs())
 }
 
 /// Points per pixel that give the ratio k = L (−ln(1 − α)) / ρ.
@@ -172,7 +157,7 @@ fn independent(stage: &mut Stage, method: Method) -> CaseResult {
     // The same image L times.
     let same = |i: u32| if threefry2x32([i, 0], [0, 0])[0] < u32::MAX / 2 { 1.0 } else { 0.0 };
     let naive = variance(&(0..4096).map(same).collect::<Vec<f64>>());
-    Ok(Finding { error: (found / wanted - 1.0).abs(), bound, naive: Computed((naive / wanted - 1.0).abs()) })
+    Ok(Finding::new((found / wanted - 1.0).abs(), bound, (naive / wanted - 1.0).abs()))
 }
 
 /// Returns a point in the middle of each pixel.
@@ -198,7 +183,7 @@ fn extremes(stage: &mut Stage, method: Method) -> CaseResult {
         let share = (copies.floor() + part) / ENSEMBLES as f32;
         naive = naive.max(apart(&[share], &[opacity.into()]));
     }
-    Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::new(error, 0.0, naive))
 }
 
 fn once(stage: &mut Stage, method: Method) -> CaseResult {
@@ -207,11 +192,7 @@ fn once(stage: &mut Stage, method: Method) -> CaseResult {
     // Each point in each image with probability 1/7.
     let drawn = |i: u32| (0..7).filter(|e| threefry2x32([i, *e], [0, 0])[0] < u32::MAX / 7).count() as f64 / 7.0;
     let naive = (0..4096).map(|i| apart(&drawn(i))).fold(0.0, f64::max);
-    Ok(Finding {
-        error: found.iter().map(apart).fold(0.0, f64::max),
-        bound: 2.0 * f64::from(f32::EPSILON),
-        naive: Computed(naive),
-    })
+    Ok(Finding::new(found.iter().map(apart).fold(0.0, f64::max), 2.0 * f64::from(f32::EPSILON), naive))
 }
 
 #[cfg(test)]

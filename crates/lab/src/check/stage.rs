@@ -7,12 +7,25 @@ use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_engine::points::Points;
-use pellucid_engine::prepare::order;
+use pellucid_engine::prepare::{Arranged, order};
 use pellucid_engine::reference::abuffer::{Fragment, composite};
 use pellucid_engine::scene::Method;
 
 /// Half a unit in the last place, relative: the largest error of a rounding to float32.
 pub const HALF_ULP: f64 = f32::EPSILON as f64 / 2.0;
+/// A unit in the last place.
+pub const ULP: f64 = 2.0 * HALF_ULP;
+/// The relative error of a compensated sum of any length (2 units: Kahan 1965), for color and weight, their quotient
+/// (2.5 units) and two products.
+pub const COMPENSATED: f64 = 9.0 * ULP;
+/// Colors of which no two are alike.
+pub const COLORS: [Vec3; 5] = [
+    Vec3::new(0.9, 0.1, 0.2),
+    Vec3::new(0.1, 0.8, 0.3),
+    Vec3::new(0.3, 0.2, 1.0),
+    Vec3::new(0.7, 0.6, 0.1),
+    Vec3::new(0.2, 0.4, 0.5),
+];
 
 /// A device with a renderer.
 pub struct Stage {
@@ -59,6 +72,12 @@ impl Stage {
         self.renderer.render(&mut cloud, frame)
     }
 
+    /// The image of points in the order that a method needs.
+    pub fn arranged(&mut self, arranged: &Arranged, frame: &Frame) -> Result<Image, Error> {
+        let mut cloud = self.renderer.upload_arranged(arranged)?;
+        Ok(self.renderer.render(&mut cloud, frame)?.image)
+    }
+
     /// The image of dots by a method, without list lengths.
     pub fn image(
         &mut self,
@@ -97,6 +116,11 @@ pub fn cloud(dots: &[Dot]) -> Points {
 /// Eye and target coincide, the view is vertical, or `projection`, `near` or `far` allow none.
 pub fn looking(eye: DVec3, target: DVec3, projection: Projection, near: f64, far: f64) -> Camera {
     Camera::look_at(eye, target, DVec3::Y, projection, near, far).expect("a case's constants make a view")
+}
+
+/// A camera as [`looking`] makes it, with a field of view of so many degrees from top to bottom.
+pub fn perspective(eye: DVec3, target: DVec3, degrees: f64, near: f64, far: f64) -> Camera {
+    looking(eye, target, Projection::Perspective { fov_y: degrees.to_radians() }, near, far)
 }
 
 /// A camera that looks down −Z onto pixels of one world unit: x and −y are columns and rows from the image's corner.
@@ -139,14 +163,49 @@ pub fn dot(depth: f64, color: Vec3, opacity: f32) -> Dot {
     Dot { position: at(0, 0, depth), color, opacity, ..Dot::default() }
 }
 
+/// The fragments of dots on one ray, and their colors.
+pub fn fragments(dots: &[Dot]) -> (Vec<Fragment>, Vec<DVec3>) {
+    let fragment = |(dot, index): (&Dot, u32)| Fragment { z: -dot.position.z, index, alpha: f64::from(dot.opacity) };
+    (dots.iter().zip(0..).map(fragment).collect(), dots.iter().map(|dot| dot.color.as_dvec3()).collect())
+}
+
 /// The exact pixel of dots from near to far.
 pub fn composed(dots: &[Dot]) -> [f64; 4] {
-    let fragment =
-        |(i, dot): (usize, &Dot)| Fragment { z: -dot.position.z, index: i as u32, alpha: f64::from(dot.opacity) };
-    let fragments: Vec<Fragment> = dots.iter().enumerate().map(fragment).collect();
-    let colors: Vec<DVec3> = dots.iter().map(|dot| dot.color.as_dvec3()).collect();
+    let (fragments, colors) = fragments(dots);
     let exact = composite(&fragments, &colors);
-    [exact.color.x, exact.color.y, exact.color.z, exact.alpha]
+    exact.color.extend(exact.alpha).to_array()
+}
+
+/// The colors of points in float64.
+pub fn colors_of(points: &Points) -> Vec<DVec3> {
+    points.colors.iter().map(|color| color.as_dvec3()).collect()
+}
+
+/// A place for each number on a grid of 1/1024 in a cube of side 2.
+pub fn in_cube(i: u32) -> DVec3 {
+    let part = |factor: u32| f64::from((i.wrapping_mul(factor) >> 7) % 2048) / 1024.0 - 1.0;
+    DVec3::new(part(2_654_435_761), part(2_246_822_519), part(3_266_489_917))
+}
+
+/// A color for each number, which few others have.
+pub fn mixed(i: u32) -> Vec3 {
+    Vec3::new((i % 7) as f32 / 6.0, (i % 5) as f32 / 4.0, (i % 3) as f32 / 2.0)
+}
+
+/// A color for each of some numbers, none like another.
+pub fn graded(i: u32, count: u32) -> Vec3 {
+    Vec3::new((i % 2) as f32, (i % 3) as f32 / 2.0, i as f32 / count as f32)
+}
+
+/// The mean of some values.
+pub fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// The variance of which some values are a sample.
+pub fn variance(values: &[f64]) -> f64 {
+    let mean = mean(values);
+    values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (values.len() as f64 - 1.0)
 }
 
 /// The largest difference between the pixels of an image and those that should be; infinite for NaN.

@@ -1,18 +1,14 @@
 //! Multi-sample stochastic transparency: no bias, exact A, and random numbers that have nothing to do with one another.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
-use super::stage::{Dot, HALF_ULP, apart, at, cloud, composed, frame, pixels};
-use super::verdict::Naive::Computed;
-use super::verdict::Trouble;
-use super::{Case, Finding, Stage, each};
+use super::stage::{Dot, HALF_ULP, apart, at, cloud, composed, fragments, frame, mean, pixels, variance};
+use super::{Case, CaseResult, Finding, Stage, each, joined};
+use pellucid_engine::Result;
 use pellucid_engine::methods::Frame;
 use pellucid_engine::random::word;
-use pellucid_engine::reference::abuffer::Fragment;
 use pellucid_engine::reference::stochastic::{estimate, strata};
 use pellucid_engine::scene::{Method, Stochastic};
-
-type CaseResult = Result<Finding, Trouble>;
 
 const SIZE: [u32; 2] = [32, 32];
 const PIXELS: f64 = 1024.0;
@@ -23,22 +19,15 @@ pub(super) fn cases() -> Vec<Case> {
     let plain = [Method::Stochastic(Stochastic { samples: 4, alpha_correction: false, ..Stochastic::default() })];
     let many = [Method::Stochastic(Stochastic { samples: 64, alpha_correction: false, ..Stochastic::default() })];
     let corrected = [Method::Stochastic(Stochastic { samples: 4, ..Stochastic::default() })];
-    [
-        each(
-            &plain,
-            "unbiased",
-            "the mean of 8 seeds and 1024 pixels, in 4.5 standard errors, against float64",
-            unbiased,
-        ),
-        each(&corrected, "exact-alpha", "A with alpha correction against float64", exact_alpha),
-        each(&plain, "rounding", "4 samples of opacity 0.1 are 0.4 in the mean", rounding),
-        each(&plain, "pixels", "correlation of pixels with their neighbors, in 4.5 standard errors", neighbors),
-        each(&plain, "seeds", "correlation of images of seeds 0 to 8, 2^32 and 2^32 + 1", seeds),
-        each(&many, "samples", "the variance of 64 samples is 1/16 of that of 4", samples),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+    joined([
+        each(&plain, "unbiased", unbiased)
+            .about("the mean of 8 seeds and 1024 pixels, in 4.5 standard errors, against float64"),
+        each(&corrected, "exact-alpha", exact_alpha).about("A with alpha correction against float64"),
+        each(&plain, "rounding", rounding).about("4 samples of opacity 0.1 are 0.4 in the mean"),
+        each(&plain, "pixels", neighbors).about("correlation of pixels with their neighbors, in 4.5 standard errors"),
+        each(&plain, "seeds", seeds).about("correlation of images of seeds 0 to 8, 2^32 and 2^32 + 1"),
+        each(&many, "samples", samples).about("the variance of 64 samples is 1/16 of that of 4"),
+    ])
 }
 
 /// Layers over all pixels.
@@ -54,7 +43,7 @@ fn layers(of: &[(Vec3, f32)]) -> Vec<Dot> {
 }
 
 /// An image for each seed.
-fn images(stage: &mut Stage, dots: &[Dot], method: Method, seeds: &[u64]) -> Result<Vec<Vec<[f32; 4]>>, Trouble> {
+fn images(stage: &mut Stage, dots: &[Dot], method: Method, seeds: &[u64]) -> Result<Vec<Vec<[f32; 4]>>> {
     let mut cloud = stage.renderer.upload(&cloud(dots))?;
     let mut found = Vec::new();
     for seed in seeds {
@@ -62,15 +51,6 @@ fn images(stage: &mut Stage, dots: &[Dot], method: Method, seeds: &[u64]) -> Res
         found.push(stage.renderer.render(&mut cloud, &frame)?.image.rgba);
     }
     Ok(found)
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
-fn variance(values: &[f64]) -> f64 {
-    let mean = mean(values);
-    values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (values.len() as f64 - 1.0)
 }
 
 /// Pearson's; infinite where one of them does not vary, which no correlation of random numbers is.
@@ -85,10 +65,8 @@ const LAYERS: [(Vec3, f32); 5] =
     [(Vec3::X, 0.3), (Vec3::Y, 0.45), (Vec3::Z, 0.2), (Vec3::X, 0.7), (Vec3::new(0.0, 1.0, 1.0), 0.6)];
 
 /// Computes a pixel of layers on the host, with another rule for the random words of a layer and a stratum.
-fn on_host(layers: &[(Vec3, f32)], samples: u32, words: impl Fn(u32, u32) -> u32) -> [f32; 4] {
-    let fragment = |i: usize| Fragment { z: 1.0 + i as f64, index: i as u32, alpha: layers[i].1.into() };
-    let list: Vec<Fragment> = (0..layers.len()).map(fragment).collect();
-    let colors: Vec<DVec3> = layers.iter().map(|(color, _)| color.as_dvec3()).collect();
+fn on_host(of: &[(Vec3, f32)], samples: u32, words: impl Fn(u32, u32) -> u32) -> [f32; 4] {
+    let (list, colors) = fragments(&layers(of));
     let found = estimate(&strata(&list, &colors, samples, words), None);
     found.color.extend(found.alpha).to_array().map(|c| c as f32)
 }
@@ -109,7 +87,7 @@ fn unbiased(stage: &mut Stage, method: Method) -> CaseResult {
     let correlated: Vec<f64> =
         (0..8192).map(|i| f64::from(on_host(&LAYERS, 4, |_, p| word(0, [i % 64, i / 64], 0, p))[2])).collect();
     let naive = off(&correlated, 2);
-    Ok(Finding { error: (0..4).map(error).fold(0.0, f64::max), bound: ERRORS, naive: Computed(naive) })
+    Ok(Finding::new((0..4).map(error).fold(0.0, f64::max), ERRORS, naive))
 }
 
 fn exact_alpha(stage: &mut Stage, method: Method) -> CaseResult {
@@ -118,7 +96,7 @@ fn exact_alpha(stage: &mut Stage, method: Method) -> CaseResult {
     let image = &images(stage, &dots, method, &[1])?[0];
     let error = image.iter().map(|pixel| apart(&pixel[3..], &[wanted])).fold(0.0, f64::max);
     let sampled = on_host(&LAYERS, 4, |index, p| word(1, [0, 0], index, p))[3];
-    Ok(Finding { error, bound: 20.0 * HALF_ULP, naive: Computed(apart(&[sampled], &[wanted])) })
+    Ok(Finding::new(error, 20.0 * HALF_ULP, apart(&[sampled], &[wanted])))
 }
 
 /// Each mask that a fragment of opacity α may have for four samples, and its probability: 4α samples, rounded at
@@ -158,7 +136,7 @@ fn known_variance(layers: &[(f64, f64)]) -> f64 {
 }
 
 /// The light that passes a black layer of an opacity, in front of white: one number for each pixel.
-fn through(stage: &mut Stage, method: Method, opacity: f32, seeds: &[u64]) -> Result<Vec<Vec<f64>>, Trouble> {
+fn through(stage: &mut Stage, method: Method, opacity: f32, seeds: &[u64]) -> Result<Vec<Vec<f64>>> {
     let found = images(stage, &layers(&[(Vec3::ZERO, opacity), (Vec3::ONE, 1.0)]), method, seeds)?;
     Ok(found.iter().map(|image| image.iter().map(|pixel| f64::from(pixel[0])).collect()).collect())
 }
@@ -169,7 +147,7 @@ fn rounding(stage: &mut Stage, method: Method) -> CaseResult {
     let error = (0.4f64 * 0.6 / 16.0 / PIXELS).sqrt();
     // Rounded to the nearest number, it is always 0.
     let naive = 1.0 - (4f32 * 0.1).round() / 4.0;
-    Ok(Finding { error: (found - 0.9).abs(), bound: ERRORS * error, naive: Computed(apart(&[naive], &[0.9])) })
+    Ok(Finding::new((found - 0.9).abs(), ERRORS * error, apart(&[naive], &[0.9])))
 }
 
 /// An image of [`through`] an opacity on the host, with the random words of another rule: for a pixel and a layer; of a
@@ -198,7 +176,7 @@ fn neighbors(stage: &mut Stage, method: Method) -> CaseResult {
     let error = largest_correlation(&through(stage, method, OPACITY, &[0])?[0]);
     // A texture of 16 × 16 masks, side by side.
     let tiled = through_on_host(4, |[x, y], index, p| word(0, [x % 16, y % 16], index, p));
-    Ok(Finding { error, bound: ERRORS, naive: Computed(largest_correlation(&tiled)) })
+    Ok(Finding::new(error, ERRORS, largest_correlation(&tiled)))
 }
 
 fn seeds(stage: &mut Stage, method: Method) -> CaseResult {
@@ -210,7 +188,7 @@ fn seeds(stage: &mut Stage, method: Method) -> CaseResult {
     let images = through(stage, method, OPACITY, &seeds)?;
     // Only 32 bits of a seed count.
     let short = seeds.map(|seed| through_on_host(4, |at, index, p| word(u64::from(seed as u32), at, index, p)));
-    Ok(Finding { error: largest(&images), bound: ERRORS, naive: Computed(largest(&short)) })
+    Ok(Finding::new(largest(&images), ERRORS, largest(&short)))
 }
 
 fn samples(stage: &mut Stage, method: Method) -> CaseResult {
@@ -221,7 +199,7 @@ fn samples(stage: &mut Stage, method: Method) -> CaseResult {
     let bound = ERRORS * ((2.0 - 0.125) / PIXELS).sqrt();
     // The same word for all strata.
     let alike = variance(&through_on_host(64, |at, index, _| word(0, at, index, 0)));
-    Ok(Finding { error: (found / wanted - 1.0).abs(), bound, naive: Computed((alike / wanted - 1.0).abs()) })
+    Ok(Finding::new((found / wanted - 1.0).abs(), bound, (alike / wanted - 1.0).abs()))
 }
 
 #[cfg(test)]

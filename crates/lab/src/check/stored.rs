@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
+use pellucid_engine::Result;
 use pellucid_engine::camera::Projection;
 use pellucid_engine::cloud::{Bounds, Cloud, UpAxis};
 use pellucid_engine::image::Image;
@@ -18,11 +19,7 @@ use pellucid_engine::scene::stored::{OpenStore, Stored};
 use pellucid_engine::scene::{self, Method, Scene};
 
 use super::stage::{frame, looking};
-use super::verdict::Naive::Computed;
-use super::verdict::Trouble;
-use super::{Case, Finding, Stage, each};
-
-type CaseResult = Result<Finding, Trouble>;
+use super::{Case, CaseResult, Finding, Stage, each, joined};
 
 /// Points of each cloud.
 const POINTS: u32 = 3000;
@@ -37,33 +34,34 @@ pub(super) fn cases() -> Vec<Case> {
     let empty = "nodes without points around nodes without points: values that differ from those in memory";
     let place =
         "points of different looks in one place, in nodes of four levels: values that differ from those in memory";
-    [
-        each(&methods, "store-borders", borders, |stage, method| {
+    joined([
+        each(&methods, "store-borders", |stage, method| {
             compared(stage, method, |cloud, i| (cloud.positions[i].x + f64::from(i as u32 % 2)).floor() as i64)
-        }),
-        each(&methods, "store-wide-disc", wide, |stage, method| {
+        })
+        .about(borders),
+        each(&methods, "store-wide-disc", |stage, method| {
             compared_with(
                 stage,
                 method,
                 |cloud| cloud.radii.iter_mut().for_each(|radii| radii[7] = 8.0),
                 |_, i| i as i64 % 9,
             )
-        }),
-        each(&methods, "store-empty-nodes", empty, |stage, method| {
+        })
+        .about(wide),
+        each(&methods, "store-empty-nodes", |stage, method| {
             compared(stage, method, |cloud, i| 5 * (cloud.positions[i].y.floor() as i64) + 2)
-        }),
-        each(&methods, "store-one-place", place, |stage, method| {
+        })
+        .about(empty),
+        each(&methods, "store-one-place", |stage, method| {
             let in_one_place = |cloud: &mut Cloud| {
                 for i in (0..cloud.positions.len()).step_by(3) {
                     cloud.positions[i] = cloud.positions[i / 3];
                 }
             };
             compared_with(stage, method, in_one_place, |_, i| i as i64 % 4)
-        }),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+        })
+        .about(place),
+    ])
 }
 
 fn named(name: &str) -> Option<Method> {
@@ -152,17 +150,16 @@ fn compared_with(
     let scene = Scene::from_toml("[shading]\nmodel = 'none'\n[[cloud]]\npath = 'store'\n", "check".as_ref())?;
     let scene = Scene { method: method.into(), ..scene };
     let hidden = Progress::hidden();
-    let Some(bounds) = cloud.bounds() else { return Ok(Finding { error: 1.0, bound: 0.0, naive: Computed(1.0) }) };
+    let Some(bounds) = cloud.bounds() else { return Ok(Finding::new(1.0, 0.0, 1.0)) };
     let store = Chain::new(&cloud, bounds, node_of);
     let by_nodes: Vec<u32> = store.pieces.iter().flat_map(|piece| &piece.places).map(|place| *place as u32).collect();
     let in_memory = scene::arrange(&scene, vec![cloud], 1, &hidden)?;
-    let stored = Stored::new(&scene, &[OpenStore::new(Box::new(store))], DEVICE, &hidden);
-    let stored = stored.map_err(|error| Trouble::Failed(error.into()))?;
+    let stored = Stored::new(&scene, &[OpenStore::new(Box::new(store))], DEVICE, &hidden)?;
     let camera = looking(DVec3::new(0.0, 0.0, 8.0), DVec3::ZERO, Projection::Orthographic { height: 4.5 }, 1.0, 16.0);
     let whole = frame(camera, [48, 48], method);
     let small = Frame { memory_budget: Some(DEVICE), ..whole };
-    let expected = rendered(stage, &in_memory, &whole)?;
-    let found = rendered(stage, &stored.arranged(), &small)?;
+    let expected = stage.arranged(&in_memory, &whole)?;
+    let found = stage.arranged(&stored.arranged(), &small)?;
     // The place of each point among those by nodes, for those in canonical order.
     let points = in_memory.points();
     let mut rank = vec![0u32; by_nodes.len()];
@@ -171,13 +168,8 @@ fn compared_with(
     order.sort_by_key(|at| rank[points.file_order[*at as usize] as usize]);
     let file_order = order.iter().map(|at| rank[points.file_order[*at as usize] as usize]).collect();
     let naive = Points { file_order, ..points.subset(&order, 1.0) };
-    let naive = rendered(stage, &Arranged::Canonical(Arc::new(naive)), &whole)?;
-    Ok(Finding { error: differing(&found, &expected), bound: 0.0, naive: Computed(differing(&naive, &expected)) })
-}
-
-fn rendered(stage: &mut Stage, arranged: &Arranged, frame: &Frame) -> Result<Image, Trouble> {
-    let mut cloud = stage.renderer.upload_arranged(arranged)?;
-    Ok(stage.renderer.render(&mut cloud, frame)?.image)
+    let naive = stage.arranged(&Arranged::Canonical(Arc::new(naive)), &whole)?;
+    Ok(Finding::new(differing(&found, &expected), 0.0, differing(&naive, &expected)))
 }
 
 /// Returns the number of values of two images that differ in their bits.

@@ -5,14 +5,11 @@ use glam::Vec3;
 
 use super::naive::{self, bytes_apart as bytes_of, nearest, over, peel};
 use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, dot, frame, pixels, pixels_apart};
-use super::verdict::Naive::{Computed, Stated};
-use super::verdict::Trouble;
-use super::{Case, Finding, Stage, each, one};
+use super::{Case, CaseResult, Finding, Stage, each, joined, one};
+use pellucid_engine::Result;
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Frame, Rendered};
 use pellucid_engine::scene::{ImageSpace, MAX_POINT_LAYERS, Method, PeelLayers};
-
-type CaseResult = Result<Finding, Trouble>;
 
 /// Settings without any filter.
 const PLAIN: ImageSpace = ImageSpace {
@@ -30,7 +27,7 @@ const PIXEL: f64 = 20.0;
 pub(super) fn cases() -> Vec<Case> {
     let filters = ImageSpace { fill: 2, occlusion: 2, smooth: 2, antialias: true, ..PLAIN };
     let both = [Method::ImageSpace(filters), Method::PeelLayers(PeelLayers { filters, layers: 3 })];
-    let alone = [
+    let alone = vec![
         one("image-space/holes", "square holes, 1 to 6 wide: closed after 1, 1, 2, 3, 5, 6 fills and no sooner", holes),
         one("image-space/silhouette", "40 fills beside borders along the axes and at 45 degrees: nothing", silhouette),
         one("image-space/tilted-plane", "the filter of occluded pixels on tilted planes: no byte changes", tilted),
@@ -46,28 +43,19 @@ pub(super) fn cases() -> Vec<Case> {
         one("peel-layers/ends", "0, 1, 8, 9 and 17 surfaces: as many layers as there are", ends),
         one("peel-layers/all-equal", "500 points in one place, d̃ of 1% of nothing: one layer", all_equal),
     ];
-    let mut all = Vec::from(alone);
-    all.extend(each(&both, "budget", "cut by a memory budget: no byte changes", budget));
-    all.extend(each(
-        &both,
-        "equal-depths",
-        "points of equal depth and different colors, shuffled: no byte changes",
-        ties,
-    ));
-    all
+    joined([
+        alone,
+        each(&both, "budget", budget).about("cut by a memory budget: no byte changes"),
+        each(&both, "equal-depths", ties)
+            .about("points of equal depth and different colors, shuffled: no byte changes"),
+    ])
 }
 
-fn image(stage: &mut Stage, dots: &[Dot], size: [u32; 2], filters: ImageSpace) -> Result<Image, Trouble> {
+fn image(stage: &mut Stage, dots: &[Dot], size: [u32; 2], filters: ImageSpace) -> Result<Image> {
     Ok(stage.image(dots, pixels(size), size, Method::ImageSpace(filters))?)
 }
 
-fn layered(
-    stage: &mut Stage,
-    dots: &[Dot],
-    size: [u32; 2],
-    filters: ImageSpace,
-    layers: u32,
-) -> Result<Rendered, Trouble> {
+fn layered(stage: &mut Stage, dots: &[Dot], size: [u32; 2], filters: ImageSpace, layers: u32) -> Result<Rendered> {
     let method = Method::PeelLayers(PeelLayers { filters, layers });
     Ok(stage.render(&cloud(dots), &frame(pixels(size), size, method))?)
 }
@@ -97,7 +85,7 @@ fn holes(stage: &mut Stage) -> CaseResult {
         let size = [side + 8, side + 6];
         let is_hole = |x: u32, y: u32| (4..4 + side).contains(&x) && (3..3 + side).contains(&y);
         let sheet = surface(size, red, |x, y| (!is_hole(x, y)).then_some(4.0));
-        let mut left = |fill| -> Result<usize, Trouble> {
+        let mut left = |fill| -> Result<usize> {
             let image = image(stage, &sheet, size, ImageSpace { fill, ..PLAIN })?;
             let full = |(rgba, z): &(&[f32; 4], &f32)| **rgba == [1.0, 0.0, 0.0, 1.0] && **z == 4.0;
             Ok(image.rgba.len() - image.rgba.iter().zip(&image.depth).filter(full).count())
@@ -106,7 +94,7 @@ fn holes(stage: &mut Stage) -> CaseResult {
     }
     // Whatever has a neighbor takes it: a hole is closed from all sides, half its width at a time.
     let naive = known.iter().filter(|(side, iterations)| side.div_ceil(2) != *iterations).count();
-    Ok(Finding { error: error as f64, bound: 0.0, naive: Computed(naive as f64) })
+    Ok(Finding::counted(error, naive))
 }
 
 fn silhouette(stage: &mut Stage) -> CaseResult {
@@ -128,7 +116,7 @@ fn silhouette(stage: &mut Stage) -> CaseResult {
         let has = |x: u32, y: u32| (y.saturating_sub(1)..=y + 1).any(|y| is_there(x.saturating_sub(1), y));
         naive += all.filter(|(x, y)| !is_there(*x, *y) && has(*x, *y)).count();
     }
-    Ok(Finding { error, bound: 0.0, naive: Computed(naive as f64 * PIXEL) })
+    Ok(Finding::new(error, 0.0, naive as f64 * PIXEL))
 }
 
 fn tilted(stage: &mut Stage) -> CaseResult {
@@ -148,7 +136,7 @@ fn tilted(stage: &mut Stage) -> CaseResult {
         let hidden = |x: u32, y: u32| x > 0 && depth(x - 1, y) <= depth(x, y) - f64::from(distance);
         naive += (0..40 * 30).filter(|i| hidden(i % 40, i / 40)).count();
     }
-    Ok(Finding { error, bound: 0.0, naive: Computed(naive as f64 * PIXEL) })
+    Ok(Finding::new(error, 0.0, naive as f64 * PIXEL))
 }
 
 fn tiny(stage: &mut Stage) -> CaseResult {
@@ -167,7 +155,7 @@ fn tiny(stage: &mut Stage) -> CaseResult {
     // Not behind 4 - 1e-30, which is 4: the whole sheet counts as lying behind it.
     let hidden = |dot: &&Dot| (-dot.position.z as f32) <= -dot.position.z as f32 - 1e-30;
     let naive = sheet.iter().filter(hidden).count();
-    Ok(Finding { error, bound: 0.0, naive: Computed(naive as f64) })
+    Ok(Finding::new(error, 0.0, naive as f64))
 }
 
 fn blue(dot: &Dot) -> Dot {
@@ -182,7 +170,7 @@ fn huge(stage: &mut Stage) -> CaseResult {
     let filtered = image(stage, &dots, size, ImageSpace { occlusion: 3, antialias: true, ..filters })?;
     // With an infinity for background every pixel beside it is an edge, and its share of 4 d̃ = ∞ is NaN.
     let naive = bytes_of(&naive::Filtered::new(&plain).antialiased(3e38, 0.25).rgba, &plain.rgba);
-    Ok(Finding { error: bytes_apart(&plain, &filtered), bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::new(bytes_apart(&plain, &filtered), 0.0, naive))
 }
 
 fn thresholds(stage: &mut Stage) -> CaseResult {
@@ -212,7 +200,7 @@ fn thresholds(stage: &mut Stage) -> CaseResult {
         // An infinity less an infinity beside the outline.
         naive = naive.max(pixels_apart(&plain.antialiased(2.0, threshold).rgba[16..24], &wanted));
     }
-    Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::new(error, 0.0, naive))
 }
 
 fn smoothed(stage: &mut Stage) -> CaseResult {
@@ -225,13 +213,17 @@ fn smoothed(stage: &mut Stage) -> CaseResult {
     let bound = 100.0 * 18.0 * HALF_ULP;
     // A corner has 16 + 2 · 2 + 1 of 28 in the image.
     let plain = naive::Filtered::new(&image(stage, &dots, size, PLAIN)?);
-    let naive = pixels_apart(&(0..100).fold(plain, |image, _| image.smoothed()).rgba, &wanted);
-    Ok(Finding { error: pixels_apart(&found.rgba, &wanted), bound, naive: Computed(naive) })
+    Ok(Finding::pixels(&found.rgba, &(0..100).fold(plain, |image, _| image.smoothed()).rgba, &wanted, bound))
 }
 
 /// Points of one pixel, which all lie on its ray.
-fn on_a_ray(stage: &mut Stage, dots: &[Dot], distance: Option<f32>, layers: u32) -> Result<Rendered, Trouble> {
+fn on_a_ray(stage: &mut Stage, dots: &[Dot], distance: Option<f32>, layers: u32) -> Result<Rendered> {
     layered(stage, dots, [1, 1], ImageSpace { min_layer_distance: distance, ..PLAIN }, layers)
+}
+
+/// The largest error of such a pixel and of the number of its layers.
+fn layers_apart(found: &Rendered, wanted: &[f64], layers: u32) -> f64 {
+    apart(&found.image.rgba[0], wanted).max((f64::from(found.facts.layers) - f64::from(layers)).abs())
 }
 
 fn at_distance(stage: &mut Stage) -> CaseResult {
@@ -241,29 +233,28 @@ fn at_distance(stage: &mut Stage) -> CaseResult {
     dots.extend([dot(before, Vec3::Y, 1.0), dot(4.25, Vec3::Z, 0.5)]);
     let found = on_a_ray(stage, &dots, Some(0.25), 9)?;
     let wanted = [0.5, 0.0, 0.25, 0.75];
-    let error = apart(&found.image.rgba[0], &wanted).max((f64::from(found.facts.layers) - 2.0).abs());
+    let error = layers_apart(&found, &wanted, 2);
     // A tolerance of 1e-6 takes what comes just before for the second layer.
     let naive = apart(&peel(&dots, 0.25, 1e-6, 9).0, &wanted);
-    Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::new(error, 0.0, naive))
 }
 
 fn tiny_layers(stage: &mut Stage) -> CaseResult {
     let dots = [dot(4.0, Vec3::X, 0.5), dot(f64::from(4f32.next_up()), Vec3::Y, 0.5)];
     let found = on_a_ray(stage, &dots, Some(1e-30), 4)?;
-    let error = apart(&found.image.rgba[0], &[0.5, 0.25, 0.0, 0.75]);
     // 4 + 1e-30 is 4: the first surface again, in every layer.
     let naive = apart(&peel(&dots, 1e-30, 0.0, 4).0, &[0.5, 0.25, 0.0, 0.75]);
-    Ok(Finding { error: error.max((f64::from(found.facts.layers) - 2.0).abs()), bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::new(layers_apart(&found, &[0.5, 0.25, 0.0, 0.75], 2), 0.0, naive))
 }
 
 fn huge_layers(stage: &mut Stage) -> CaseResult {
     let dots = [dot(1.0, Vec3::X, 0.5), dot(9e6, Vec3::Y, 1.0)];
     let found = on_a_ray(stage, &dots, Some(3e38), 9)?;
     let wanted = [0.5, 0.0, 0.0, 0.5];
-    let error = apart(&found.image.rgba[0], &wanted).max((f64::from(found.facts.layers) - 1.0).abs());
+    let error = layers_apart(&found, &wanted, 1);
     // A distance clamped to the depth of the scene finds the points at its far end.
     let naive = apart(&peel(&dots, 3e38f32.min(9e6 - 1.0), 0.0, 9).0, &wanted);
-    Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::new(error, 0.0, naive))
 }
 
 fn three_planes(stage: &mut Stage) -> CaseResult {
@@ -274,7 +265,7 @@ fn three_planes(stage: &mut Stage) -> CaseResult {
     // For each layer: color times alpha, 1 - α, their product and a sum.
     let bound = 4.0 * 3.0 * HALF_ULP;
     // In the order of arrival.
-    Ok(Finding { error: apart(&found, &wanted), bound, naive: Computed(apart(&over(&shuffled), &wanted)) })
+    Ok(Finding::apart(&found, &over(&shuffled), &wanted, bound))
 }
 
 fn extremes(stage: &mut Stage) -> CaseResult {
@@ -289,8 +280,7 @@ fn extremes(stage: &mut Stage) -> CaseResult {
     let found = [image.rgba[0].as_slice(), &[image.depth[0]]].concat();
     let wanted = [0.5, 0.5, 0.0, 1.0, 2.0];
     // Powers of two; the depth is that of the first layer with an opacity. Naive: that of the nearest.
-    let naive = apart(&[over(&dots).as_slice(), &[nearest(&dots)]].concat(), &wanted);
-    Ok(Finding { error: apart(&found, &wanted), bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::apart(&found, &[over(&dots).as_slice(), &[nearest(&dots)]].concat(), &wanted, 0.0))
 }
 
 fn ends(stage: &mut Stage) -> CaseResult {
@@ -303,21 +293,20 @@ fn ends(stage: &mut Stage) -> CaseResult {
         let found = on_a_ray(stage, &dots, Some(0.25), MAX_POINT_LAYERS)?;
         // Sums of powers of two.
         let wanted = 1.0 - 0.5f64.powi(count as i32);
-        let layers = f64::from(found.facts.layers);
-        error = error.max(apart(&found.image.rgba[0], &[wanted; 4])).max((layers - f64::from(count)).abs());
+        error = error.max(layers_apart(&found, &[wanted; 4], count));
         // Without a distance the first surface is the next one, too.
         naive = naive.min((f64::from(peel(&dots, 0.0, 0.0, MAX_POINT_LAYERS).1) - f64::from(count)).abs());
     }
-    Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::new(error, 0.0, naive))
 }
 
 fn all_equal(stage: &mut Stage) -> CaseResult {
     let dots = vec![dot(4.0, Vec3::X, 0.5); 500];
     let found = on_a_ray(stage, &dots, None, 4)?;
     let wanted = [0.5, 0.0, 0.0, 0.5];
-    let error = apart(&found.image.rgba[0], &wanted).max((f64::from(found.facts.layers) - 1.0).abs());
+    let error = layers_apart(&found, &wanted, 1);
     // Empty behind it: otherwise the same point would be in every layer.
-    Ok(Finding { error, bound: 0.0, naive: Computed(apart(&peel(&dots, 0.0, 0.0, 4).0, &wanted)) })
+    Ok(Finding::new(error, 0.0, apart(&peel(&dots, 0.0, 0.0, 4).0, &wanted)))
 }
 
 /// Points over an image, more than one to a pixel, on four depths.
@@ -348,7 +337,7 @@ fn budget(stage: &mut Stage, method: Method) -> CaseResult {
     };
     let error = bytes_apart(&free.image, &cut.image);
     let why = "filters that end where a window does are wrong in some columns on each side of its border";
-    Ok(Finding { error, bound: 0.0, naive: Stated { why } })
+    Ok(Finding::stated(error, 0.0, why))
 }
 
 fn ties(stage: &mut Stage, method: Method) -> CaseResult {
@@ -362,5 +351,5 @@ fn ties(stage: &mut Stage, method: Method) -> CaseResult {
     let second = stage.render(&cloud(&shuffled), &frame)?.image;
     // The first to arrive, of those on the nearest depth.
     let naive = dots[0].color.to_array().into_iter().zip(shuffled[0].color.to_array()).filter(|(a, b)| a != b).count();
-    Ok(Finding { error: bytes_apart(&first, &second), bound: 0.0, naive: Computed(naive as f64) })
+    Ok(Finding::new(bytes_apart(&first, &second), 0.0, naive as f64))
 }

@@ -100,11 +100,10 @@ fn number(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::check::verdict::Trouble;
     use crate::check::{Lack, one};
 
     fn case(name: &str, about: &'static str) -> Case {
-        one(name, about, |_| Err(Trouble::Lacks(Lack::Limits, "everything".into())))
+        one(name, about, |_| Verdict::NotApplicable(Lack::Limits, "everything".into()))
     }
 
     #[test]

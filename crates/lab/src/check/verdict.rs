@@ -1,7 +1,8 @@
 //! The outcome of a case.
 
+use super::stage::apart;
 use pellucid_engine::gpu;
-use pellucid_engine::{Error, io, methods, scene};
+use pellucid_engine::{Error, Result, methods};
 
 /// Error of the formula that one writes first, in the place of the case and in its unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,6 +40,31 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// A finding whose naive formula was computed.
+    pub(super) fn new(error: f64, bound: f64, naive: f64) -> Self {
+        Self { error, bound, naive: Naive::Computed(naive) }
+    }
+
+    /// A finding without a formula, see [`Naive::Stated`].
+    pub(super) fn stated(error: f64, bound: f64, why: &'static str) -> Self {
+        Self { error, bound, naive: Naive::Stated { why } }
+    }
+
+    /// Wrong items where none is allowed.
+    pub(super) fn counted(wrong: usize, naive: usize) -> Self {
+        Self::new(wrong as f64, 0.0, naive as f64)
+    }
+
+    /// Components that a device found, and those of the naive formula, against what they should be.
+    pub(super) fn apart(found: &[f32], naive: &[f32], wanted: &[f64], bound: f64) -> Self {
+        Self::new(apart(found, wanted), bound, apart(naive, wanted))
+    }
+
+    /// Pixels that a device found, and those of the naive formula, against what they should be.
+    pub(super) fn pixels(found: &[[f32; 4]], naive: &[[f32; 4]], wanted: &[[f64; 4]], bound: f64) -> Self {
+        Self::apart(found.as_flattened(), naive.as_flattened(), wanted.as_flattened(), bound)
+    }
+
     /// True if the error is within the bound.
     pub fn passes(&self) -> bool {
         // NaN is not.
@@ -88,42 +114,6 @@ impl Lack {
     }
 }
 
-/// Reasons why a case has no finding.
-#[derive(Debug)]
-pub(super) enum Trouble {
-    /// The device lacks something; the text names it in full.
-    Lacks(Lack, String),
-    /// The case could not be rendered.
-    Failed(Error),
-}
-
-impl From<methods::Error> for Trouble {
-    fn from(error: methods::Error) -> Self {
-        match Lack::in_error(&error) {
-            Some(lack) => Self::Lacks(lack, error.to_string()),
-            None => Self::Failed(error.into()),
-        }
-    }
-}
-
-impl From<gpu::Error> for Trouble {
-    fn from(error: gpu::Error) -> Self {
-        methods::Error::from(error).into()
-    }
-}
-
-impl From<io::Error> for Trouble {
-    fn from(error: io::Error) -> Self {
-        Self::Failed(error.into())
-    }
-}
-
-impl From<scene::Error> for Trouble {
-    fn from(error: scene::Error) -> Self {
-        Self::Failed(error.into())
-    }
-}
-
 /// The verdict on a case.
 #[derive(Debug)]
 pub enum Verdict {
@@ -135,12 +125,17 @@ pub enum Verdict {
     Failed(Error),
 }
 
-impl From<Result<Finding, Trouble>> for Verdict {
-    fn from(result: Result<Finding, Trouble>) -> Self {
-        match result {
-            Ok(finding) => Self::Found(finding),
-            Err(Trouble::Lacks(lack, text)) => Self::NotApplicable(lack, text),
-            Err(Trouble::Failed(error)) => Self::Failed(error),
+impl From<Result<Finding>> for Verdict {
+    fn from(result: Result<Finding>) -> Self {
+        let error = match result {
+            Ok(finding) => return Self::Found(finding),
+            Err(Error::Gpu(error)) => methods::Error::from(error).into(),
+            Err(error) => error,
+        };
+        let lack = if let Error::Render(error) = &error { Lack::in_error(error) } else { None };
+        match lack {
+            Some(lack) => Self::NotApplicable(lack, error.to_string()),
+            None => Self::Failed(error),
         }
     }
 }

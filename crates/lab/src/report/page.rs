@@ -1,6 +1,14 @@
 //! The frame of a report's page: one HTML file that loads nothing.
 
+use std::io::Write;
+use std::path::Path;
+
+use comfy_table::{CellAlignment, presets};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use pellucid_engine::output::{self, Files};
+
+use super::plot::Figure;
+use super::unique;
 
 const STYLE: &str = "
 :root { color-scheme: light; }
@@ -39,27 +47,6 @@ tr.marked td, .sortable tr.marked td:first-child { background: #fdf3d8; }
 /// The page may not load anything; it may show and run what it contains.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'";
 
-/// A column of a table.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Column {
-    /// Head of the column.
-    pub title: String,
-    /// True if it contains words, which are aligned left, rather than numbers.
-    pub is_text: bool,
-}
-
-impl Column {
-    /// A column of numbers.
-    pub fn number(title: impl Into<String>) -> Self {
-        Self { title: title.into(), is_text: false }
-    }
-
-    /// A column of words.
-    pub fn text(title: impl Into<String>) -> Self {
-        Self { title: title.into(), is_text: true }
-    }
-}
-
 /// The whole page.
 pub fn page(title: &str, body: &Markup) -> String {
     document(title, STYLE, &html! { h1 { (title) } (body) })
@@ -83,43 +70,127 @@ pub fn document(title: &str, style: &str, body: &Markup) -> String {
     page.into_string()
 }
 
-/// A table; every row has a cell for each column.
-pub fn table(columns: &[Column], rows: &[Vec<String>]) -> Markup {
-    let class = |column: &Column| column.is_text.then_some("text");
-    html! {
-        div.wide {
-            table {
-                thead { tr { @for column in columns { th class=[class(column)] { (column.title) } } } }
-                tbody {
-                    @for row in rows {
-                        tr { @for (cell, column) in row.iter().zip(columns) { td class=[class(column)] { (cell) } } }
+/// A table of some rows. Each column is declared once, by its head and the cell of a row.
+pub struct Table<'a, R> {
+    rows: Vec<&'a R>,
+    columns: Vec<Column>,
+}
+
+struct Column {
+    title: String,
+    /// True if it contains words, which are aligned left, rather than numbers.
+    is_text: bool,
+    cells: Vec<Cell>,
+}
+
+struct Cell {
+    text: String,
+    /// The sort key of rows; NaN, and words, sort by the text.
+    value: f64,
+}
+
+impl<'a, R> Table<'a, R> {
+    /// A table without a column.
+    pub fn new(rows: impl IntoIterator<Item = &'a R>) -> Self {
+        Self { rows: rows.into_iter().collect(), columns: Vec::new() }
+    }
+
+    fn column(mut self, title: impl Into<String>, is_text: bool, cell: impl Fn(&'a R) -> Cell) -> Self {
+        let cells = self.rows.iter().map(|row| cell(row)).collect();
+        self.columns.push(Column { title: title.into(), is_text, cells });
+        self
+    }
+
+    /// Adds a column of words.
+    #[must_use]
+    pub fn text<T: Into<String>>(self, title: impl Into<String>, text: impl Fn(&'a R) -> T) -> Self {
+        self.column(title, true, |row| Cell { text: text(row).into(), value: f64::NAN })
+    }
+
+    /// Adds a column of numbers as `show` writes them; without a number a cell is empty.
+    #[must_use]
+    pub fn number<N: Into<Option<f64>>>(
+        self,
+        title: impl Into<String>,
+        show: impl Fn(f64) -> String,
+        number: impl Fn(&'a R) -> N,
+    ) -> Self {
+        self.column(title, false, |row| match number(row).into() {
+            Some(value) => Cell { text: show(value), value },
+            None => Cell { text: String::new(), value: f64::NAN },
+        })
+    }
+
+    /// Adds a column of numbers with texts of their own.
+    #[must_use]
+    pub fn written<T: Into<String>>(self, title: impl Into<String>, cell: impl Fn(&'a R) -> (f64, T)) -> Self {
+        self.column(title, false, |row| {
+            let (value, text) = cell(row);
+            Cell { text: text.into(), value }
+        })
+    }
+
+    /// The table on a page.
+    pub fn html(&self) -> Markup {
+        html! {
+            div.wide {
+                table {
+                    thead { tr { @for column in &self.columns { th class=[column.class()] { (column.title) } } } }
+                    tbody {
+                        @for row in 0..self.rows.len() {
+                            tr { @for column in &self.columns { td class=[column.class()] { (column.cells[row].text) } } }
+                        }
                     }
                 }
             }
         }
     }
+
+    /// The table on a page with [`sorting`], which a click on the head of a column sorts; some rows are marked.
+    pub fn sortable(&self, is_marked: impl Fn(&R) -> bool) -> Markup {
+        html! {
+            div.wide {
+                table.sortable {
+                    thead {
+                        tr { @for column in &self.columns { th scope="col" class=[column.class()] { (column.title) } } }
+                    }
+                    tbody {
+                        @for (index, row) in self.rows.iter().enumerate() {
+                            tr class=[is_marked(row).then_some("marked")] {
+                                @for column in &self.columns {
+                                    @let cell = &column.cells[index];
+                                    td class=[column.class()] data-value=(cell.key()) { (cell.text) }
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// The table in a terminal.
+    pub fn terminal(&self) -> String {
+        let mut table = comfy_table::Table::new();
+        table.load_style(presets::NOTHING).set_header(self.columns.iter().map(|column| &column.title));
+        for row in 0..self.rows.len() {
+            table.add_row(self.columns.iter().map(|column| &column.cells[row].text));
+        }
+        for (shown, column) in table.column_iter_mut().zip(&self.columns) {
+            let side = if column.is_text { CellAlignment::Left } else { CellAlignment::Right };
+            shown.set_cell_alignment(side);
+        }
+        table.trim_fmt()
+    }
 }
 
-/// A cell of a table that can be sorted.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Cell {
-    /// The displayed text.
-    pub text: String,
-    /// The sort key of rows; NaN, and words, sort by the text.
-    pub value: f64,
+impl Column {
+    fn class(&self) -> Option<&'static str> {
+        self.is_text.then_some("text")
+    }
 }
 
 impl Cell {
-    /// A word.
-    pub fn text(text: impl Into<String>) -> Self {
-        Self { text: text.into(), value: f64::NAN }
-    }
-
-    /// A number as `show` writes it.
-    pub fn number(value: f64, show: impl Fn(f64) -> String) -> Self {
-        Self { text: show(value), value }
-    }
-
     fn key(&self) -> String {
         match self.value {
             value if value.is_nan() => self.text.clone(),
@@ -130,37 +201,21 @@ impl Cell {
     }
 }
 
-/// A row of a table that can be sorted.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Line {
-    /// Cells of the row, as many as there are columns.
-    pub cells: Vec<Cell>,
-    /// True if it is highlighted.
-    pub is_marked: bool,
-}
-
-/// A table that a click on the head of a column sorts, with [`sorting`] on the page.
-pub fn sortable(columns: &[Column], lines: &[Line]) -> Markup {
-    let class = |column: &Column| column.is_text.then_some("text");
-    html! {
-        div.wide {
-            table.sortable {
-                thead { tr { @for column in columns { th scope="col" class=[class(column)] { (column.title) } } } }
-                tbody {
-                    @for line in lines {
-                        tr class=[line.is_marked.then_some("marked")] {
-                            @for (cell, column) in line.cells.iter().zip(columns) {
-                                td class=[class(column)] data-value=(cell.key()) { (cell.text) }
-                            }
-                        }
-                    }
-                }
-            }
-        }
+/// The median times of passes in ms: a row for each name, and a column for each frame, with its head, its passes and
+/// the time of them all.
+pub fn passes<'a>(title: &str, names: Vec<&'a str>, frames: Vec<(String, Vec<(&'a str, f64)>, f64)>) -> Markup {
+    let names: Vec<&str> = unique(names).into_iter().chain([ALL_PASSES]).collect();
+    let mut table = Table::new(&names).text(title, |name| *name);
+    for (head, passes, all) in frames {
+        let time = |name: &&str| passes.iter().find(|(pass, _)| pass == name).map(|(_, ms)| *ms);
+        table = table.number(head, digits, |name| if *name == ALL_PASSES { Some(all) } else { time(name) });
     }
+    table.html()
 }
 
-/// The script that sorts [`sortable`] tables, once at the end of a page.
+const ALL_PASSES: &str = "all passes";
+
+/// The script that sorts tables ([`Table::sortable`]), once at the end of a page.
 pub fn sorting() -> Markup {
     script(include_str!("sort.js"))
 }
@@ -177,14 +232,44 @@ pub fn facts(rows: &[(&str, String)]) -> Markup {
     }
 }
 
-/// A figure from an SVG element, with its caption; `description` is for those who can't see it.
-pub fn figure(svg: &str, description: &str, caption: &Markup) -> Markup {
-    html! {
-        figure {
-            div role="img" aria-label=(description) { (PreEscaped(svg)) }
-            figcaption { (caption) }
+/// A figure of a report: the name of its file, the SVG element and its caption.
+pub struct Drawn {
+    /// Name of the file.
+    pub name: &'static str,
+    svg: String,
+    caption: Markup,
+}
+
+impl Drawn {
+    /// Draws a figure.
+    ///
+    /// # Errors
+    /// The drawing library fails.
+    pub fn new(name: &'static str, figure: &Figure, caption: Markup) -> Result<Self, output::Error> {
+        let failed = |error| output::Error::Report { reason: format!("{name}: {error}") };
+        Ok(Self { name, svg: figure.svg().map_err(failed)?, caption })
+    }
+
+    /// The figure on a page; `values` names the tables that hold its values, for those who can't see it.
+    pub fn html(&self, values: &str) -> Markup {
+        html! {
+            figure {
+                div role="img" aria-label={ (self.name) ": the values are those of " (values) } { (PreEscaped(&self.svg)) }
+                figcaption { (self.caption) }
+            }
         }
     }
+}
+
+/// Adds the figures and, last, `report.html` to the files of a folder.
+///
+/// # Errors
+/// Writing fails.
+pub fn add(files: &mut Files, folder: &Path, figures: &[Drawn], html: &str) -> Result<(), output::Error> {
+    for figure in figures {
+        files.add(&folder.join(figure.name), |file| file.write_all(figure.svg.as_bytes()))?;
+    }
+    files.add(&folder.join("report.html"), |file| file.write_all(html.as_bytes()))
 }
 
 /// Three significant digits.
@@ -194,6 +279,16 @@ pub fn digits(value: f64) -> String {
     }
     let places = (2.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{value:.places$}")
+}
+
+/// A whole number.
+pub fn count(value: f64) -> String {
+    value.to_string()
+}
+
+/// Bytes as MiB, in a table.
+pub fn mib(bytes: u64) -> f64 {
+    bytes as f64 / f64::from(1 << 20)
 }
 
 /// Thousands apart.
@@ -221,8 +316,7 @@ mod tests {
 
     #[test]
     fn shown_text_is_escaped() {
-        let body = table(&[Column::text("name"), Column::number("n")], &[vec!["<b>&".into(), "1".into()]]);
-        let page = page("a < b", &body);
+        let page = page("a < b", &Table::new(&["<b>&"]).text("name", |name| *name).html());
         assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>"));
         assert!(page.contains("<title>a &lt; b</title>") && page.contains("&lt;b&gt;&amp;") && !page.contains("<b>"));
     }

@@ -97,7 +97,7 @@ pub fn bound(layers: &[Layer], range: [f32; 2], method: &Method) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pellucid_engine::reference::abuffer::Fragment;
+    use crate::check::stage::fragments;
     use pellucid_engine::reference::moments::moments;
     use pellucid_engine::reference::wavelet::wavelet;
     use pellucid_engine::scene::{MomentCount, Moments};
@@ -108,9 +108,7 @@ mod tests {
         let layers = [layer(1.0, Vec3::X, 3), layer(2.5, Vec3::Y, 1), layer(9.0, Vec3::Z, 2)];
         let dots = dots(&layers);
         assert_eq!(dots.len(), 6);
-        let fragment = |(i, dot): (usize, &Dot)| Fragment { z: -dot.position.z, index: i as u32, alpha: 0.125 };
-        let list: Vec<Fragment> = dots.iter().enumerate().map(fragment).collect();
-        let colors: Vec<DVec3> = dots.iter().map(|dot| dot.color.as_dvec3()).collect();
+        let (list, colors) = fragments(&dots);
         let all = MomentCount::ALL.map(|moments| Method::Moments(Moments { moments, ..Moments::default() }));
         for method in all.into_iter().chain([1, 4].map(|rank| Method::Wavelet(Wavelet { rank, ..Wavelet::default() })))
         {

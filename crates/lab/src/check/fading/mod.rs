@@ -2,30 +2,14 @@
 
 mod known;
 
-use glam::Vec3;
-
 use self::known::{Layer, bound, dots, known};
 use super::naive;
-use super::stage::{Dot, HALF_ULP, apart, composed};
-use super::verdict::Naive::Computed;
-use super::verdict::Trouble;
-use super::{Case, Finding, Stage, one};
+use super::stage::{COLORS, COMPENSATED, Dot, HALF_ULP, composed};
+use super::{Case, CaseResult, Finding, Stage, one};
 use pellucid_engine::scene::{Hybrid, Method, MomentCount, Moments, Tail, Wavelet};
-
-type CaseResult = Result<Finding, Trouble>;
 
 /// Depths of the near and far plane of [`super::stage::pixels`].
 const RANGE: [f32; 2] = [0.5, 1e7];
-/// The relative error of a compensated sum of any length (2 units: Kahan 1965), for color and weight, their quotient
-/// (2.5 units) and two products.
-const COMPENSATED: f64 = 18.0 * HALF_ULP;
-const COLORS: [Vec3; 5] = [
-    Vec3::new(0.9, 0.1, 0.2),
-    Vec3::new(0.1, 0.8, 0.3),
-    Vec3::new(0.3, 0.2, 1.0),
-    Vec3::new(0.7, 0.6, 0.1),
-    Vec3::new(0.2, 0.4, 0.5),
-];
 
 pub(super) fn cases() -> Vec<Case> {
     let by_moments = MomentCount::ALL.into_iter().flat_map(with_moments);
@@ -161,8 +145,7 @@ fn naive_pixel(dots: &[Dot], method: &Method) -> [f32; 4] {
 
 fn found(stage: &mut Stage, method: Method, dots: &[Dot], wanted: [f64; 4], bound: f64) -> CaseResult {
     let found = stage.pixel(dots, method)?;
-    let naive = apart(&naive_pixel(dots, &method), &wanted);
-    Ok(Finding { error: apart(&found, &wanted), bound, naive: Computed(naive) })
+    Ok(Finding::apart(&found, &naive_pixel(dots, &method), &wanted, bound))
 }
 
 /// Light before all of them is the same, so that it does not matter how much it is.
@@ -219,5 +202,5 @@ fn faint_tail(stage: &mut Stage, moments: MomentCount) -> CaseResult {
     let naive = before(glam::Vec4::from(naive_pixel(&dots(&tail), &alone)).as_dvec4());
     // Three roundings more: of a product, a sum, and the rest of the light.
     let bound = 0.5 * bound(&tail, RANGE, &alone) + 3.0 * HALF_ULP;
-    Ok(Finding { error: apart(&found, &wanted), bound, naive: Computed(apart(&naive.as_vec4().to_array(), &wanted)) })
+    Ok(Finding::apart(&found, &naive.as_vec4().to_array(), &wanted, bound))
 }

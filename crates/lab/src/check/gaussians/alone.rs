@@ -6,9 +6,9 @@
 use super::super::discs::roundings;
 use super::super::naive::gaussians::Seen;
 use super::super::stage::HALF_ULP;
-use super::super::verdict::{Naive::Computed, Trouble};
 use super::super::{Finding, Stage};
 use super::splats::{Splat, View, cloud};
+use pellucid_engine::Result;
 use pellucid_engine::image::Image;
 use pellucid_engine::reference::gaussians::{self, Hit};
 use pellucid_engine::reference::range::Range;
@@ -56,7 +56,7 @@ impl Shares {
 
     /// Returns the shares as the finding of a case.
     pub fn finding(self) -> Finding {
-        Finding { error: self.found, bound: 1.0, naive: Computed(self.naive) }
+        Finding::new(self.found, 1.0, self.naive)
     }
 }
 
@@ -102,21 +102,10 @@ impl Expected {
 impl Known {
     fn share(&self, seen: &Seen) -> f64 {
         let alpha = f64::from(seen.alpha);
+        let wrong_if = |wrong: bool| if wrong { f64::INFINITY } else { 0.0 };
         match self.exact {
-            _ if alpha == 0.0 => {
-                if self.sure {
-                    f64::INFINITY
-                } else {
-                    0.0
-                }
-            }
-            None => {
-                if self.alpha.covers(alpha, 0.0) {
-                    0.0
-                } else {
-                    f64::INFINITY
-                }
-            }
+            _ if alpha == 0.0 => wrong_if(self.sure),
+            None => wrong_if(!self.alpha.covers(alpha, 0.0)),
             Some((exact, depth)) => {
                 let of_depth = seen.depth.map_or(0.0, |found| share(found.into(), depth, self.depth));
                 share(alpha, exact, self.alpha).max(of_depth)
@@ -150,7 +139,7 @@ pub fn alone(
     splats: &[Splat],
     least: usize,
     naive: impl Fn(&Splat) -> Vec<Seen>,
-) -> Result<Shares, Trouble> {
+) -> Result<Shares> {
     let expected = |splat: &Splat| Expected::new(view, splat, &method);
     compared(stage, method, view, splats, least, expected, naive)
 }
@@ -164,7 +153,7 @@ pub fn compared(
     least: usize,
     expected: impl Fn(&Splat) -> Option<Expected>,
     naive: impl Fn(&Splat) -> Vec<Seen>,
-) -> Result<Shares, Trouble> {
+) -> Result<Shares> {
     let (mut shares, mut clear) = (Shares::NOTHING, 0);
     for splat in splats {
         let Some(expected) = expected(splat) else { continue };

@@ -5,11 +5,11 @@ use glam::{DVec3, Vec3};
 use super::super::Stage;
 use super::super::discs::roundings;
 use super::super::stage::HALF_ULP;
-use super::super::verdict::Trouble;
 use super::alone::Shares;
 use super::shapes::some;
 use super::splats::{Splat, View, cloud, part};
 use super::{CaseResult, before};
+use pellucid_engine::Result;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::reference::gaussians::harmonics;
 use pellucid_engine::scene::{ColorSpace, GaussianSettings, Method};
@@ -30,7 +30,7 @@ fn compared(
     splats: &[Splat],
     off: impl Fn(&Splat, usize) -> f64,
     naive: impl Fn(&Splat) -> DVec3,
-) -> Result<Shares, Trouble> {
+) -> Result<Shares> {
     let mut shares = Shares::NOTHING;
     for splat in splats {
         let points = cloud(std::slice::from_ref(splat));

@@ -4,10 +4,10 @@ use glam::{DVec3, Vec3};
 
 use super::super::discs::roundings;
 use super::super::stage::{HALF_ULP, apart, at, pixels};
-use super::super::verdict::{Naive::Computed, Trouble};
 use super::super::{Finding, Stage};
 use super::CaseResult;
 use super::splats::{Splat, View, cloud};
+use pellucid_engine::Result;
 use pellucid_engine::scene::{GaussianSettings, Kernel, Method};
 
 /// Roundings in an optical depth over itself: of the axes and of the frame of a Gaussian that is turned by nothing,
@@ -15,7 +15,7 @@ use pellucid_engine::scene::{GaussianSettings, Kernel, Method};
 const DEPTH: f64 = 28.0;
 
 /// The only pixel, whose ray goes through all centers.
-fn pixel(stage: &mut Stage, method: Method, splats: &[Splat]) -> Result<[f32; 4], Trouble> {
+fn pixel(stage: &mut Stage, method: Method, splats: &[Splat]) -> Result<[f32; 4]> {
     let settings = GaussianSettings { kernel: Kernel::Ellipsoid, alpha_max: 1.0, ..GaussianSettings::default() };
     let view = View::new(pixels([1, 1]), [1, 1], settings, &method);
     Ok(stage.render(&cloud(splats), &view.frame(method))?.image.rgba[0])
@@ -44,9 +44,9 @@ pub(super) fn faint(stage: &mut Stage, method: Method) -> CaseResult {
         let open = if k < FAINT { k + 1 } else { 2 * FAINT - 1 - k };
         clear * (1.0 - segment * open as f32)
     });
-    let naive = Computed(apart(&[1.0 - clear], &[wanted]));
+    let naive = apart(&[1.0 - clear], &[wanted]);
     let bound = HALF_ULP * (DEPTH / std::f64::consts::E + roundings(&method, 2 * FAINT as usize) * wanted);
-    Ok(Finding { error: apart(&found[3..], &[wanted]), bound, naive })
+    Ok(Finding::new(apart(&found[3..], &[wanted]), bound, naive))
 }
 
 /// Thinner than a step between depths of float32.
@@ -61,10 +61,10 @@ pub(super) fn thin(stage: &mut Stage, method: Method) -> CaseResult {
     let length = |depth: f32| (depth + thickness) - (depth - thickness);
     let density = depth_of(0.5) as f32 / (2.0 * thickness);
     let clear = [9f32, 10.0, 11.0].map(|depth| (-density * length(depth)).exp());
-    let naive = Computed(apart(&[1.0 - clear.iter().product::<f32>()], &wanted[3..]));
+    let naive = apart(&[1.0 - clear.iter().product::<f32>()], &wanted[3..]);
     // x exp(-x) is at most 1/e.
     let bound = 3.0 * DEPTH * HALF_ULP / std::f64::consts::E;
-    Ok(Finding { error: apart(&found, &wanted), bound, naive })
+    Ok(Finding::new(apart(&found, &wanted), bound, naive))
 }
 
 /// A plate a hundred million times as dense as the ball that it is in: what is behind it in the ball has the ball's
@@ -79,9 +79,9 @@ pub(super) fn dense_within(stage: &mut Stage, method: Method) -> CaseResult {
     let (ball, plate) = (depth_of(0.75) as f32 / 1800.0, depth_of(0.5) as f32 / (2.0 * thickness));
     // A running sum: what is left of the ball's density when the plate's is taken out again.
     let left = ((ball + plate) - plate) * 900.0;
-    let naive = Computed(apart(&[0.5 + 0.25 * (1.0 - (-left).exp())], &wanted[1..2]));
+    let naive = apart(&[0.5 + 0.25 * (1.0 - (-left).exp())], &wanted[1..2]);
     let bound = 3.0 * DEPTH * HALF_ULP / std::f64::consts::E + 2e-8;
-    Ok(Finding { error: apart(&found, &wanted), bound, naive })
+    Ok(Finding::new(apart(&found, &wanted), bound, naive))
 }
 
 /// The eye is within: what lies before near is not seen.
@@ -90,9 +90,9 @@ pub(super) fn around_the_eye(stage: &mut Stage, method: Method) -> CaseResult {
     let found = pixel(stage, method, &[ball(2.0, 3.0, 0.984_375, Vec3::ONE)])?;
     let share = |part: f64| -(-depth_of(0.984_375) * part).exp_m1();
     let wanted = share(4.5 / 6.0);
-    let naive = Computed(apart(&[share(1.0) as f32], &[wanted]));
+    let naive = apart(&[share(1.0) as f32], &[wanted]);
     let bound = DEPTH * HALF_ULP / std::f64::consts::E;
-    Ok(Finding { error: apart(&found[3..], &[wanted]), bound, naive })
+    Ok(Finding::new(apart(&found[3..], &[wanted]), bound, naive))
 }
 
 /// Checks two ellipsoids of a centimeter, at coordinates of a projected map.
@@ -107,10 +107,10 @@ pub(super) fn georeferenced(stage: &mut Stage, method: Method) -> CaseResult {
     let found = stage.render(&cloud(&moved), &view.frame(method))?.image.rgba[0];
     let wanted = [0.5 + 0.5 * 0.75 * 0.5, 0.5 * 0.75 * 0.5 + 0.125 * 0.5, 0.0, 0.9375];
     // In float32 the offset in x is a multiple of half a meter, and the ray passes beside both.
-    let naive = Computed(apart(&[0.0; 4], &wanted));
+    let naive = apart(&[0.0; 4], &wanted);
     // Places are off by 2^-24 of depths of 5, the ends of chords twice: over a chord of 0.02, that has the optical
     // depth ln 4.
     let moved = 4.0 * HALF_ULP * 5.02 / 0.02 * depth_of(0.75);
     let bound = 4.0 * (DEPTH * HALF_ULP / std::f64::consts::E + moved);
-    Ok(Finding { error: apart(&found, &wanted), bound, naive })
+    Ok(Finding::new(apart(&found, &wanted), bound, naive))
 }

@@ -5,14 +5,13 @@ use glam::{DVec3, Vec3};
 use super::super::discs::roundings;
 use super::super::naive::gaussians::{Formula, projected};
 use super::super::naive::over_until;
-use super::super::stage::{HALF_ULP, apart, at, composed, dot, looking, pixels};
-use super::super::verdict::{Naive::Computed, Trouble};
+use super::super::stage::{HALF_ULP, apart, at, composed, dot, perspective, pixels};
 use super::super::{Finding, Stage};
-use super::alone::{Shares, alone};
-use super::shapes::{KERNELS, by, some};
+use super::alone::Shares;
+use super::shapes::{KERNELS, by, in_both, some};
 use super::splats::{Splat, View, cloud};
 use super::{CaseResult, before};
-use pellucid_engine::camera::Projection;
+use pellucid_engine::Result;
 use pellucid_engine::scene::{GaussianSettings, Method};
 
 const SIZE: [u32; 2] = [64, 48];
@@ -25,11 +24,9 @@ fn beyond_three(
     splats: &[Splat],
     least: usize,
 ) -> CaseResult {
-    let [ewa, rays] =
-        KERNELS.map(|kernel| View::new(before(5.0, 45.0), SIZE, GaussianSettings { kernel, ..settings }, &method));
+    let by = |kernel| View::new(before(5.0, 45.0), SIZE, GaussianSettings { kernel, ..settings }, &method);
     let cut = Formula { reach: Some(3.0), ..Formula::default() };
-    let shares = alone(stage, method, &ewa, splats, least, |splat| projected(splat, &ewa, &cut))?;
-    Ok(shares.and(alone(stage, method, &rays, splats, least, |splat| projected(splat, &rays, &cut))?).finding())
+    in_both(stage, method, KERNELS.map(by), splats, least, |splat, view| projected(splat, view, &cut))
 }
 
 pub(super) fn least_opacity(stage: &mut Stage, method: Method) -> CaseResult {
@@ -60,13 +57,7 @@ pub(super) fn most_opacity(stage: &mut Stage, method: Method) -> CaseResult {
 }
 
 /// White behind black layers. ρ is 0 in the middle of a pixel, so that opacities are those of the centers.
-fn shines_through(
-    stage: &mut Stage,
-    method: Method,
-    alpha_max: f32,
-    layers: &[f32],
-    bound: f64,
-) -> Result<Shares, Trouble> {
+fn shines_through(stage: &mut Stage, method: Method, alpha_max: f32, layers: &[f32], bound: f64) -> Result<Shares> {
     let settings = GaussianSettings { alpha_max, ..GaussianSettings::default() };
     let view = View::new(pixels([1, 1]), [1, 1], settings, &method);
     let color = |i: usize| if i + 1 == layers.len() { Vec3::ONE } else { Vec3::ZERO };
@@ -88,8 +79,7 @@ fn shines_through(
 }
 
 pub(super) fn behind(stage: &mut Stage, method: Method) -> CaseResult {
-    let projection = Projection::Perspective { fov_y: 60f64.to_radians() };
-    let camera = looking(DVec3::ZERO, DVec3::NEG_Z, projection, 0.5, 100.0);
+    let camera = perspective(DVec3::ZERO, DVec3::NEG_Z, 60.0, 0.5, 100.0);
     let splat =
         |z: f64| Splat { position: DVec3::new(0.01, 0.02, z), extents: Vec3::new(3.0, 2.0, 1.0), ..Splat::default() };
     let mut splats: Vec<Splat> = [1e-300, 1e-3, 0.4, 1.0, 5.0, 1e3, 1e30].map(splat).to_vec();
@@ -105,5 +95,5 @@ pub(super) fn behind(stage: &mut Stage, method: Method) -> CaseResult {
         let seen = splats.iter().flat_map(|splat| projected(splat, &view, &everywhere));
         naive = naive.min(seen.map(|seen| f64::from(seen.alpha)).fold(0.0, f64::max));
     }
-    Ok(Finding { error: drawn, bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::new(drawn, 0.0, naive))
 }

@@ -2,19 +2,19 @@
 
 use super::super::discs::roundings;
 use super::super::naive::over;
-use super::super::stage::{Dot, HALF_ULP, apart, at, composed, dot, pixels};
-use super::super::verdict::{Naive::Computed, Trouble};
+use super::super::stage::{Dot, HALF_ULP, at, composed, dot, pixels};
 use super::super::{Finding, Stage};
 use super::CaseResult;
 use super::splats::{Splat, View, cloud};
 use glam::Vec3;
+use pellucid_engine::Result;
 use pellucid_engine::scene::{GaussianSettings, Method};
 
 const COUNT: u32 = 100_000;
 const OPACITY: f32 = 1e-5;
 
 /// The pixel, in whose middle all centers are: ρ is 0 there, and each opacity that of the center.
-fn pixel(stage: &mut Stage, method: Method) -> Result<[f32; 4], Trouble> {
+fn pixel(stage: &mut Stage, method: Method) -> Result<[f32; 4]> {
     let settings = GaussianSettings { alpha_min: 2e-6, ..GaussianSettings::default() };
     let view = View::new(pixels([1, 1]), [1, 1], settings, &method);
     let splat = |i: u32| Splat { position: at(0, 0, depth(i)), opacity: OPACITY, ..Splat::default() };
@@ -37,12 +37,10 @@ fn bound(method: &Method, whole: f64) -> f64 {
 
 pub(super) fn layers(stage: &mut Stage, method: Method) -> CaseResult {
     let (found, wanted) = (pixel(stage, method)?, composed(&dots()));
-    let naive = Computed(apart(&over(&dots()), &wanted));
-    Ok(Finding { error: apart(&found, &wanted), bound: bound(&method, wanted[3]), naive })
+    Ok(Finding::apart(&found, &over(&dots()), &wanted, bound(&method, wanted[3])))
 }
 
 pub(super) fn coverage(stage: &mut Stage, method: Method) -> CaseResult {
     let (found, wanted) = (pixel(stage, method)?[3], composed(&dots())[3]);
-    let naive = Computed(apart(&[over(&dots())[3]], &[wanted]));
-    Ok(Finding { error: apart(&[found], &[wanted]), bound: bound(&method, wanted), naive })
+    Ok(Finding::apart(&[found], &[over(&dots())[3]], &[wanted], bound(&method, wanted)))
 }

@@ -4,7 +4,6 @@ use glam::{DVec3, Quat, Vec3};
 
 use super::super::naive::{bytes_apart as pixel_bytes, over};
 use super::super::stage::{self, Dot, at, bytes_apart, dot, pixels};
-use super::super::verdict::Naive::Computed;
 use super::super::{Finding, Stage};
 use super::alone::Shares;
 use super::shapes::some;
@@ -49,8 +48,8 @@ pub(super) fn ties(stage: &mut Stage, method: Method) -> CaseResult {
         let dots: Vec<Dot> = splats.iter().map(|splat| dot(-splat.position.z, splat.base, splat.opacity)).collect();
         [over(&dots)]
     };
-    let naive = Computed(pixel_bytes(&arrived(&splats), &arrived(&other)));
-    Ok(Finding { error: bytes_apart(&first, &second), bound: 0.0, naive })
+    let naive = pixel_bytes(&arrived(&splats), &arrived(&other));
+    Ok(Finding::new(bytes_apart(&first, &second), 0.0, naive))
 }
 
 pub(super) fn crossing(stage: &mut Stage, method: Method) -> CaseResult {
@@ -81,7 +80,7 @@ pub(super) fn by_centers(stage: &mut Stage, method: Method) -> CaseResult {
         ..Splat::default()
     };
     let points = cloud(&places.iter().enumerate().map(splat).collect::<Vec<_>>());
-    let camera = stage::looking(DVec3::ZERO, DVec3::NEG_Z, before(1.0, 80.0).projection, 0.1, 100.0);
+    let camera = stage::perspective(DVec3::ZERO, DVec3::NEG_Z, 80.0, 0.1, 100.0);
     let orders = [Order::Center, Order::Distance];
     let view = |order| View::new(camera, [48, 36], ordered(order), &method);
     let scene = |order| Scene { view: view(order), points: &points, color: ColorSpace::Encoded };

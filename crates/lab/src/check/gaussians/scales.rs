@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use super::super::Stage;
 use super::super::naive::gaussians::{Formula, along_rays, projected};
 use super::alone::alone;
-use super::shapes::{KERNELS, by, by_both, some};
+use super::shapes::{KERNELS, by, by_both, in_both, some};
 use super::splats::{Splat, View};
 use super::{CaseResult, before};
 use pellucid_engine::camera::Camera;
@@ -41,10 +41,12 @@ pub(super) fn far(stage: &mut Stage, method: Method) -> CaseResult {
     let splats: Vec<Splat> = some(6, Vec3::new(0.02, 0.01, 0.03), 0.1).into_iter().map(moved).collect();
     let camera = before(1.0, 20.0);
     let camera = Camera { eye: camera.eye + offset, ..camera };
-    let [ewa, rays] = KERNELS.map(|kernel| View::new(camera, SIZE, by(kernel), &method));
+    let views = KERNELS.map(|kernel| View::new(camera, SIZE, by(kernel), &method));
     // With positions in float32.
-    let shares = alone(stage, method, &ewa, &splats, 300, |splat| projected(splat, &ewa, &Formula::default()))?;
-    Ok(shares.and(alone(stage, method, &rays, &splats, 300, |splat| along_rays(splat, &rays))?).finding())
+    in_both(stage, method, views, &splats, 300, |splat, view| match view.settings.kernel {
+        Kernel::Ray => along_rays(splat, view),
+        _ => projected(splat, view, &Formula::default()),
+    })
 }
 
 pub(super) fn dilated(stage: &mut Stage, method: Method) -> CaseResult {

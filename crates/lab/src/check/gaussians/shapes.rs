@@ -4,8 +4,8 @@ use glam::{DVec2, DVec3, Quat, Vec3};
 
 use super::super::Stage;
 use super::super::discs::roundings;
-use super::super::naive::gaussians::{Formula, along_rays, projected};
-use super::super::stage::{HALF_ULP, looking};
+use super::super::naive::gaussians::{Formula, Seen, along_rays, projected};
+use super::super::stage::{HALF_ULP, perspective};
 use super::alone::{Expected, Known, Shares, alone, compared};
 use super::splats::{Splat, View, cloud, part, turned};
 use super::{CaseResult, before};
@@ -132,6 +132,19 @@ pub(super) fn by_both(stage: &mut Stage, method: Method, camera: Camera, splats:
     Ok(shares.finding())
 }
 
+/// Checks the views of both kernels; a naive formula must fail in each.
+pub(super) fn in_both(
+    stage: &mut Stage,
+    method: Method,
+    [ewa, rays]: [View; 2],
+    splats: &[Splat],
+    least: usize,
+    naive: impl Fn(&Splat, &View) -> Vec<Seen>,
+) -> CaseResult {
+    let shares = alone(stage, method, &ewa, splats, least, |splat| naive(splat, &ewa))?;
+    Ok(shares.and(alone(stage, method, &rays, splats, least, |splat| naive(splat, &rays))?).finding())
+}
+
 pub(super) fn wide(stage: &mut Stage, method: Method) -> CaseResult {
     let camera = before(5.0, 60.0);
     let view = View::new(camera, SIZE, GaussianSettings::default(), &method);
@@ -151,18 +164,12 @@ pub(super) fn parallel(stage: &mut Stage, method: Method) -> CaseResult {
     let camera = Camera { projection: Projection::Orthographic { height: 4.0 }, ..before(5.0, 45.0) };
     let splats = some(6, Vec3::new(0.6, 0.3, 0.05), 1.5);
     let of_perspective = Formula { perspective: true, ..Formula::default() };
-    let ewa = View::new(camera, SIZE, by(Kernel::Ewa), &method);
-    let naive = |splat: &Splat| projected(splat, &ewa, &of_perspective);
-    let shares = alone(stage, method, &ewa, &splats, 300, naive)?;
-    let rays = View::new(camera, SIZE, by(Kernel::Ray), &method);
-    Ok(shares
-        .and(alone(stage, method, &rays, &splats, 300, |splat| projected(splat, &rays, &of_perspective))?)
-        .finding())
+    let views = KERNELS.map(|kernel| View::new(camera, SIZE, by(kernel), &method));
+    in_both(stage, method, views, &splats, 300, |splat, view| projected(splat, view, &of_perspective))
 }
 
 pub(super) fn through_the_eye(stage: &mut Stage, method: Method) -> CaseResult {
-    let projection = Projection::Perspective { fov_y: 80f64.to_radians() };
-    let camera = looking(DVec3::ZERO, DVec3::NEG_Z, projection, 0.25, 100.0);
+    let camera = perspective(DVec3::ZERO, DVec3::NEG_Z, 80.0, 0.25, 100.0);
     let view = View::new(camera, SIZE, by(Kernel::Ray), &method);
     let around = |splat: Splat| Splat { position: 0.5 * splat.position + DVec3::NEG_Z, ..splat };
     let splats: Vec<Splat> = some(8, Vec3::new(1.2, 0.7, 0.9), 1.0).into_iter().map(around).collect();

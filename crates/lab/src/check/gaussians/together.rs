@@ -8,8 +8,8 @@ use glam::DVec3;
 use super::super::Stage;
 use super::super::discs::roundings;
 use super::super::stage::HALF_ULP;
-use super::super::verdict::Trouble;
 use super::splats::View;
+use pellucid_engine::Result;
 use pellucid_engine::points::Points;
 use pellucid_engine::reference::range::Range;
 use pellucid_engine::reference::{abuffer, coverage, gaussians, shading};
@@ -77,7 +77,7 @@ impl Scene<'_> {
 
     /// Renders it and compares what is clear, of which there must be two thirds of the image; `naive` are the pixels of
     /// another formula.
-    pub fn compare(&self, stage: &mut Stage, method: Method, naive: &[[f64; 4]]) -> Result<Shares, Trouble> {
+    pub fn compare(&self, stage: &mut Stage, method: Method, naive: &[[f64; 4]]) -> Result<Shares> {
         let frame = pellucid_engine::methods::Frame { color: self.color, ..self.view.frame(method) };
         let image = stage.render(self.points, &frame)?.image;
         let (wanted, bounds) = (self.pixels(), self.bounds(&method));

@@ -6,8 +6,7 @@ use glam::{DVec3, Vec3};
 
 use super::{CaseResult, DISTANCE, INTEGRAL, against_float64, beside, bound, lambda, opacity, truth, wide};
 use crate::check::naive::{self, over};
-use crate::check::stage::{Dot, HALF_ULP, apart, bytes_apart, cloud, composed, dot, pixels, pixels_apart};
-use crate::check::verdict::Naive::Computed;
+use crate::check::stage::{Dot, HALF_ULP, apart, bytes_apart, cloud, composed, dot, graded, mixed, pixels};
 use crate::check::{Finding, Stage};
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::reference::soft::{Behind, Model, Ray, Scene};
@@ -16,8 +15,7 @@ use pellucid_engine::scene::{Density, Method, SoftMethod};
 pub(super) fn inside_one(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let (camera, size) = (wide(90.0, 0.01), [8, 6]);
     let dots = [Dot { position: DVec3::new(0.2, -0.1, -0.3), ..beside(0, 0.0, 0.0, 1.0) }];
-    let naive = naive::Soft::new(1.0).image(&dots, &camera, size);
-    against_float64(stage, &dots, (camera, size), method, bound(1, 1.0, 1.0), &naive)
+    against_float64(stage, &dots, (camera, size), method, bound(1, 1.0, 1.0), naive::Soft::new(1.0))
 }
 
 /// Spheres that all hold the origin, of radii from 1 to 1.5, within 0.4 of it and before it.
@@ -26,8 +24,7 @@ fn around_the_origin() -> Vec<Dot> {
         // The golden angle spreads them, and their colors are any.
         let (turn, part) = (2.399_963 * f64::from(i), f64::from(i) / 300.0);
         let position = DVec3::new(0.2 * turn.cos(), 0.2 * turn.sin(), -0.05 - 0.3 * part);
-        let color = Vec3::new((i % 7) as f32 / 6.0, (i % 5) as f32 / 4.0, (i % 3) as f32 / 2.0);
-        Dot { position, radius: 1.0 + (i * 37 % 300) as f32 / 600.0, color, field: 1.0, ..Dot::default() }
+        Dot { position, radius: 1.0 + (i * 37 % 300) as f32 / 600.0, color: mixed(i), field: 1.0, ..Dot::default() }
     };
     (0..300).map(sphere).collect()
 }
@@ -36,8 +33,7 @@ pub(super) fn inside_many(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let (camera, size, dots) = (wide(60.0, 0.01), [4, 3], around_the_origin());
     let method = lambda(method, 0.01);
     let naive = naive::Soft { limits: [0.01, f32::INFINITY], most_open: 64, ..naive::Soft::new(0.01) };
-    let naive = naive.image(&dots, &camera, size);
-    against_float64(stage, &dots, (camera, size), method, bound(300, 0.01, 1.5), &naive)
+    against_float64(stage, &dots, (camera, size), method, bound(300, 0.01, 1.5), naive)
 }
 
 pub(super) fn near_plane(stage: &mut Stage, method: SoftMethod) -> CaseResult {
@@ -48,7 +44,7 @@ pub(super) fn near_plane(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let half = 0.25 * 2.0;
     let found = [image.rgba[0][3], image.depth[0]];
     let naive = apart(&[opacity(2.0 * half) as f32], &[opacity(half)]);
-    Ok(Finding { error: apart(&found, &[opacity(half), 10.0]), bound: bound(1, 0.25, 2.0), naive: Computed(naive) })
+    Ok(Finding::new(apart(&found, &[opacity(half), 10.0]), bound(1, 0.25, 2.0), naive))
 }
 
 pub(super) fn solid(stage: &mut Stage, method: SoftMethod) -> CaseResult {
@@ -70,16 +66,15 @@ pub(super) fn solid(stage: &mut Stage, method: SoftMethod) -> CaseResult {
         behind(2.0 / ray.stretch)
     });
     let naive: Vec<[f32; 4]> = cut_short.rgba.iter().map(|pixel| pixel.map(|c| c as f32)).collect();
-    let error = pixels_apart(&image.rgba, &wanted);
-    Ok(Finding { error, bound: bound(1, 0.01, 8.0), naive: Computed(pixels_apart(&naive, &wanted)) })
+    Ok(Finding::pixels(&image.rgba, &naive, &wanted, bound(1, 0.01, 8.0)))
 }
 
 pub(super) fn open_300(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let dots: Vec<Dot> = around_the_origin();
     let projection = Projection::Orthographic { height: 0.2 };
     let camera = Camera { projection, eye: DVec3::Z * 5.0, ..wide(90.0, 0.5) };
-    let naive = naive::Soft { most_open: 64, ..naive::Soft::new(0.01) }.image(&dots, &camera, [4, 3]);
-    against_float64(stage, &dots, (camera, [4, 3]), lambda(method, 0.01), bound(300, 0.01, 1.5), &naive)
+    let naive = naive::Soft { most_open: 64, ..naive::Soft::new(0.01) };
+    against_float64(stage, &dots, (camera, [4, 3]), lambda(method, 0.01), bound(300, 0.01, 1.5), naive)
 }
 
 pub(super) fn coincident(stage: &mut Stage, method: SoftMethod) -> CaseResult {
@@ -91,7 +86,7 @@ pub(super) fn coincident(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let found = stage.pixel(&vec![one; 300], method)?;
     // Keyed by depth, one of them is left.
     let lost = [0.25, 0.5, 1.0, 1.0].map(|c| (c * opacity(single)) as f32);
-    Ok(Finding { error: apart(&found, &wanted), bound: bound(300, 0.002, 2.0), naive: Computed(apart(&lost, &wanted)) })
+    Ok(Finding::apart(&found, &lost, &wanted, bound(300, 0.002, 2.0)))
 }
 
 pub(super) fn leftover(stage: &mut Stage, method: SoftMethod) -> CaseResult {
@@ -103,18 +98,11 @@ pub(super) fn leftover(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     };
     let dots: Vec<Dot> = (0..300).map(blue).chain([red]).collect();
     let (size, method) = ([1, 1], lambda(method, 0.04));
-    let naive = naive::Soft::new(0.04).image(&dots, &pixels(size), size);
     // Where red is alone, its weight cancels. Its own distance from the rim is 1/128 of the radius, so that an error of
     // d counts 128-fold, to the power 1.5, in an optical depth of 0.2; its weight among the blue ones is negligible.
     let own = 1.5 * 128.0 * DISTANCE * 0.2;
-    against_float64(
-        stage,
-        &dots,
-        (pixels(size), size),
-        method,
-        INTEGRAL / E + own + 600.0 * 4.0 * HALF_ULP * 0.2,
-        &naive,
-    )
+    let bound = INTEGRAL / E + own + 600.0 * 4.0 * HALF_ULP * 0.2;
+    against_float64(stage, &dots, (pixels(size), size), method, bound, naive::Soft::new(0.04))
 }
 
 pub(super) fn reversed(stage: &mut Stage, method: SoftMethod) -> CaseResult {
@@ -133,13 +121,12 @@ pub(super) fn reversed(stage: &mut Stage, method: SoftMethod) -> CaseResult {
         _ => naive::Soft::new(0.01).pixel(dots, &pixels([1, 1]), [1, 1], [0, 0]),
     };
     let differ = naive(&dots).iter().zip(naive(&backward)).filter(|(a, b)| **a != *b).count();
-    Ok(Finding { error: bytes_apart(&first, &second), bound: 0.0, naive: Computed(differ as f64) })
+    Ok(Finding::new(bytes_apart(&first, &second), 0.0, differ as f64))
 }
 
 pub(super) fn along_the_axis(stage: &mut Stage, method: SoftMethod) -> CaseResult {
-    let color = |i: u32| Vec3::new((i % 2) as f32, (i % 3) as f32 / 2.0, i as f32 / 200.0);
     // Through the middle, so that the opacity is λ itself.
-    let disc = |i: u32| Dot { field: 1.0, radius: 0.25, opacity: 0.02, ..dot(1.0 + f64::from(i), color(i), 1.0) };
+    let disc = |i: u32| Dot { field: 1.0, radius: 0.25, opacity: 0.02, ..dot(1.0 + f64::from(i), graded(i, 200), 1.0) };
     let dots: Vec<Dot> = (0..200).map(disc).collect();
     let wanted = composed(&dots);
     let mut shuffled = dots;
@@ -148,11 +135,7 @@ pub(super) fn along_the_axis(stage: &mut Stage, method: SoftMethod) -> CaseResul
     let method = method.changed(|soft| soft.density = Density::Softness(0.02));
     let found = stage.pixel(&shuffled, method)?;
     // Four roundings of each of a sum of at most 1.
-    Ok(Finding {
-        error: apart(&found, &wanted),
-        bound: 200.0 * 4.0 * HALF_ULP,
-        naive: Computed(apart(&over(&shuffled), &wanted)),
-    })
+    Ok(Finding::apart(&found, &over(&shuffled), &wanted, 200.0 * 4.0 * HALF_ULP))
 }
 
 pub(super) fn faint_discs(stage: &mut Stage, method: SoftMethod) -> CaseResult {
@@ -161,7 +144,7 @@ pub(super) fn faint_discs(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let wanted = composed(&dots);
     let found = stage.pixel(&dots, lambda(method, 1e-6))?;
     let bound = 10_000.0 * 4.0 * HALF_ULP * wanted[3];
-    Ok(Finding { error: apart(&found, &wanted), bound, naive: Computed(apart(&over(&dots), &wanted)) })
+    Ok(Finding::apart(&found, &over(&dots), &wanted, bound))
 }
 
 pub(super) fn one_layer(stage: &mut Stage, method: Method) -> CaseResult {
@@ -172,6 +155,5 @@ pub(super) fn one_layer(stage: &mut Stage, method: Method) -> CaseResult {
     let wanted = [0.5, 0.0, 0.5, 1.0, 2.0];
     // All of them powers of two. Blended one by one, two points of softness 1/2 hide 3/4.
     let half = Dot { opacity: 0.5, ..soft(Vec3::X) };
-    let naive = apart(&over(&[half, half, blue]), &wanted[..4]);
-    Ok(Finding { error: apart(&found, &wanted), bound: 0.0, naive: Computed(naive) })
+    Ok(Finding::new(apart(&found, &wanted), 0.0, apart(&over(&[half, half, blue]), &wanted[..4])))
 }

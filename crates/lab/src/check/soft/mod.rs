@@ -7,17 +7,12 @@ use std::f64::consts::E;
 
 use glam::{DVec3, Vec3};
 
-use super::stage::{Dot, HALF_ULP, at, cloud, pixels_apart};
-use super::verdict::Naive::Computed;
-use super::verdict::Trouble;
-use super::{Case, Finding, Stage, each};
-use pellucid_engine::camera::{Camera, Projection};
+use super::stage::{Dot, HALF_ULP, ULP, at, cloud, colors_of, perspective};
+use super::{Case, CaseResult, Finding, Stage, each, joined, naive};
+use pellucid_engine::camera::Camera;
 use pellucid_engine::reference::soft::{Behind, Model, Scene};
 use pellucid_engine::scene::{Density, Method, OneLayer, Shells, Soft, SoftMethod};
 
-type CaseResult = Result<Finding, Trouble>;
-
-const ULP: f64 = 2.0 * HALF_ULP;
 /// Relative error of an optical depth: the guarantee of shaders/shared/absorb.wgsl for its quadrature.
 const INTEGRAL: f64 = 1e-5;
 /// Relative error of a ray's distance from a center: position on the screen, world units per pixel, cross product and
@@ -32,80 +27,42 @@ pub(super) fn cases() -> Vec<Case> {
     let express = [SoftMethod::Express(Soft { density: Density::Softness(0.5), ..soft })];
     let all = [both[0], both[1], express[0]];
     let layer = [Method::OneLayer(OneLayer::default())];
-    [
-        each(&both, "faint", "lambda of 1e-6: 1 - exp(-x) of 6e-7, relative", rays::faint),
-        each(&both, "dense", "lambda of 1e6: rays that pass within 1e-2 to 1e-5 of the rim", rays::dense),
-        each(&base, "through-centre", "d of 0 to 1e-3: d² ln d tends to 0", rays::through_center),
-        each(&base, "grazing", "d = r (1 - 1e-4) at a depth of 1000, relative", rays::grazing),
-        each(&base, "thin-segment", "a segment of 1e-5 r between near and a solid point, relative", rays::thin_segment),
-        each(&both, "far-segment", "the same at a depth of 65536, relative", rays::far_segment),
-        each(
-            &both,
-            "inside-one",
-            "the camera inside a sphere: the part in front of near is left out",
-            many::inside_one,
-        ),
-        each(&both, "inside-many", "the camera inside 300 spheres", many::inside_many),
-        each(
-            &both,
-            "near-plane",
-            "a sphere cut by near through its center: 1 - exp(-λ r²/2) and 1 - exp(-λ r)",
-            many::near_plane,
-        ),
-        each(&both, "solid", "cut by a solid point off the axis: at z / cos φ along the ray", many::solid),
-        each(&all, "no-radius", "radii of 0, 1e-45 and 1e-20: nothing", rays::no_radius),
-        each(
-            &both,
-            "huge-radius",
-            "radii of 1e3 to 3.4e38 around the camera: opaque, of their color",
-            rays::huge_radius,
-        ),
-        each(&both, "open-300", "300 spheres open at once, of different colors, against float64", many::open_300),
-        each(&both, "coincident", "300 equal spheres: 1 - exp(-300 x)", many::coincident),
-        each(
-            &base,
-            "far-away",
-            "a sphere of radius 1 at a distance of 1000, 1 degree wide, against float64",
-            rays::far_away,
-        ),
-        each(&base, "quantised", "d and color of 32 spheres are not cut to 8 bits", rays::quantized),
-        each(
-            &concentric,
-            "shells-add-up",
-            "1 to 64 shells: 1 - exp(-2 λ r), whatever their number",
-            rays::shells_add_up,
-        ),
-        each(
-            &both,
-            "leftover",
-            "what 300 spheres leave of the running sums when they end, behind them one of weight 0.008",
-            many::leftover,
-        ),
-        each(
-            &all,
-            "reversed",
-            "coincident spheres of different colors, input reversed: no byte changes",
-            many::reversed,
-        ),
-        each(&all, "softness-0-and-1", "softness 0 shows nothing, softness 1 is opaque", rays::extremes),
-        each(&all, "modulated", "Eq. 22 half-way between threshold and modulation", rays::modulated),
-        each(
-            &express,
-            "along-the-axis",
-            "200 discs along the axis of the view, shuffled, against float64",
-            many::along_the_axis,
-        ),
-        each(&express, "faint", "10 000 discs of opacity 1e-6: 1 - (1 - 1e-6)^10000", many::faint_discs),
-        each(
-            &layer,
-            "coincident-layer",
-            "the nearest soft points are one layer, however many they are",
-            many::one_layer,
-        ),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+    joined([
+        each(&both, "faint", rays::faint).about("lambda of 1e-6: 1 - exp(-x) of 6e-7, relative"),
+        each(&both, "dense", rays::dense).about("lambda of 1e6: rays that pass within 1e-2 to 1e-5 of the rim"),
+        each(&base, "through-centre", rays::through_center).about("d of 0 to 1e-3: d² ln d tends to 0"),
+        each(&base, "grazing", rays::grazing).about("d = r (1 - 1e-4) at a depth of 1000, relative"),
+        each(&base, "thin-segment", rays::thin_segment)
+            .about("a segment of 1e-5 r between near and a solid point, relative"),
+        each(&both, "far-segment", rays::far_segment).about("the same at a depth of 65536, relative"),
+        each(&both, "inside-one", many::inside_one)
+            .about("the camera inside a sphere: the part in front of near is left out"),
+        each(&both, "inside-many", many::inside_many).about("the camera inside 300 spheres"),
+        each(&both, "near-plane", many::near_plane)
+            .about("a sphere cut by near through its center: 1 - exp(-λ r²/2) and 1 - exp(-λ r)"),
+        each(&both, "solid", many::solid).about("cut by a solid point off the axis: at z / cos φ along the ray"),
+        each(&all, "no-radius", rays::no_radius).about("radii of 0, 1e-45 and 1e-20: nothing"),
+        each(&both, "huge-radius", rays::huge_radius)
+            .about("radii of 1e3 to 3.4e38 around the camera: opaque, of their color"),
+        each(&both, "open-300", many::open_300).about("300 spheres open at once, of different colors, against float64"),
+        each(&both, "coincident", many::coincident).about("300 equal spheres: 1 - exp(-300 x)"),
+        each(&base, "far-away", rays::far_away)
+            .about("a sphere of radius 1 at a distance of 1000, 1 degree wide, against float64"),
+        each(&base, "quantised", rays::quantized).about("d and color of 32 spheres are not cut to 8 bits"),
+        each(&concentric, "shells-add-up", rays::shells_add_up)
+            .about("1 to 64 shells: 1 - exp(-2 λ r), whatever their number"),
+        each(&both, "leftover", many::leftover)
+            .about("what 300 spheres leave of the running sums when they end, behind them one of weight 0.008"),
+        each(&all, "reversed", many::reversed)
+            .about("coincident spheres of different colors, input reversed: no byte changes"),
+        each(&all, "softness-0-and-1", rays::extremes).about("softness 0 shows nothing, softness 1 is opaque"),
+        each(&all, "modulated", rays::modulated).about("Eq. 22 half-way between threshold and modulation"),
+        each(&express, "along-the-axis", many::along_the_axis)
+            .about("200 discs along the axis of the view, shuffled, against float64"),
+        each(&express, "faint", many::faint_discs).about("10 000 discs of opacity 1e-6: 1 - (1 - 1e-6)^10000"),
+        each(&layer, "coincident-layer", many::one_layer)
+            .about("the nearest soft points are one layer, however many they are"),
+    ])
 }
 
 fn lambda(method: SoftMethod, lambda: f32) -> SoftMethod {
@@ -125,9 +82,8 @@ fn opacity(depth: f64) -> f64 {
 /// The image in float64.
 fn truth(dots: &[Dot], camera: &Camera, size: [u32; 2], method: SoftMethod) -> Vec<[f64; 4]> {
     let points = cloud(dots);
-    let colors: Vec<DVec3> = points.colors.iter().map(|color| color.as_dvec3()).collect();
     let model = Model::new(method, &points);
-    Scene { camera, size, points: &points, colors: &colors, model }.render(|_| Behind::NOTHING).rgba
+    Scene { camera, size, points: &points, colors: &colors_of(&points), model }.render(|_| Behind::NOTHING).rgba
 }
 
 /// The largest error of an opacity: the quadrature, whose effect is at most x exp(-x) ≤ 1/e; the distance of the ray,
@@ -140,21 +96,21 @@ fn bound(spheres: usize, lambda: f64, radius: f64) -> f64 {
     INTEGRAL / E + distance + 10.0 * DISTANCE + 4.0 * ULP + n * 8.0 * HALF_ULP
 }
 
-/// An image against float64; `naive` is another one.
+/// An image against float64, and the naive one.
 fn against_float64(
     stage: &mut Stage,
     dots: &[Dot],
     (camera, size): (Camera, [u32; 2]),
     method: SoftMethod,
     bound: f64,
-    naive: &[[f32; 4]],
+    naive: naive::Soft,
 ) -> CaseResult {
     let wanted = truth(dots, &camera, size, method);
+    let naive = naive.image(dots, &camera, size);
     let image = stage.image(dots, camera, size, method)?;
-    Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound, naive: Computed(pixels_apart(naive, &wanted)) })
+    Ok(Finding::pixels(&image.rgba, &naive, &wanted, bound))
 }
 
 fn wide(degrees: f64, near: f64) -> Camera {
-    let projection = Projection::Perspective { fov_y: degrees.to_radians() };
-    super::stage::looking(DVec3::ZERO, DVec3::NEG_Z, projection, near, 1e6)
+    perspective(DVec3::ZERO, DVec3::NEG_Z, degrees, near, 1e6)
 }

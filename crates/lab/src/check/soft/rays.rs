@@ -4,9 +4,8 @@ use std::f64::consts::{E, PI};
 
 use glam::{DVec3, Vec3};
 
-use super::{CaseResult, DISTANCE, INTEGRAL, ULP, against_float64, beside, bound, lambda, opacity, truth, wide};
-use crate::check::stage::{Dot, HALF_ULP, apart, pixels, pixels_apart};
-use crate::check::verdict::Naive::{Computed, Stated};
+use super::{CaseResult, DISTANCE, INTEGRAL, against_float64, beside, bound, lambda, opacity, truth, wide};
+use crate::check::stage::{Dot, HALF_ULP, ULP, apart, pixels};
 use crate::check::{Finding, Stage, naive};
 use pellucid_engine::camera::Camera;
 use pellucid_engine::reference::soft::density::antiderivative;
@@ -29,7 +28,7 @@ pub(super) fn faint(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let depth = -(-wanted).ln_1p() as f32;
     // d(depth)/depth is at most 4 of the relative error of d here, where d = 0.3 r.
     let bound = INTEGRAL + 4.0 * DISTANCE + 8.0 * ULP;
-    Ok(Finding { error: relative(found, wanted), bound, naive: Computed(relative(1.0 - (-depth).exp(), wanted)) })
+    Ok(Finding::new(relative(found, wanted), bound, relative(1.0 - (-depth).exp(), wanted)))
 }
 
 pub(super) fn dense(stage: &mut Stage, method: SoftMethod) -> CaseResult {
@@ -37,18 +36,17 @@ pub(super) fn dense(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let sphere = |(x, edge): (u32, &f64)| beside(x, 0.25 * (1.0 - edge), 1000.0, 0.25);
     let dots: Vec<Dot> = (0..).zip(&edges).map(sphere).collect();
     let (size, method) = ([8, 1], lambda(method, 1e6));
-    let naive = naive::Soft::new(1e6).image(&dots, &pixels(size), size);
     // Placed in two floats: the distance from the rim is rounded as such, a few times, and counts to the power 1.5.
     let bound = (INTEGRAL + 1.5 * 16.0 * ULP) / E + 8.0 * ULP;
-    against_float64(stage, &dots, (pixels(size), size), method, bound, &naive)
+    against_float64(stage, &dots, (pixels(size), size), method, bound, naive::Soft::new(1e6))
 }
 
 pub(super) fn through_center(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let distances = [0.0, 1e-40, 1e-30, 1e-20, 1e-10, 1e-6, 1e-4, 1e-3];
     let dots: Vec<Dot> = (0..).zip(&distances).map(|(x, d)| beside(x, *d, 10.0, 0.25)).collect();
     let size = [8, 1];
-    let naive = naive::Soft::new(16.0).image(&dots, &pixels(size), size);
-    against_float64(stage, &dots, (pixels(size), size), lambda(method, 16.0), bound(1, 16.0, 0.25), &naive)
+    let naive = naive::Soft::new(16.0);
+    against_float64(stage, &dots, (pixels(size), size), lambda(method, 16.0), bound(1, 16.0, 0.25), naive)
 }
 
 pub(super) fn grazing(stage: &mut Stage, method: SoftMethod) -> CaseResult {
@@ -58,7 +56,7 @@ pub(super) fn grazing(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let naive = naive::Soft::new(1.0).pixel(&dots, &pixels([1, 1]), [1, 1], [0, 0])[3];
     // The error of d over r - d, to the power 1.5.
     let bound = 1.5 * DISTANCE / 1e-4;
-    Ok(Finding { error: relative(found, wanted), bound, naive: Computed(relative(naive, wanted)) })
+    Ok(Finding::new(relative(found, wanted), bound, relative(naive, wanted)))
 }
 
 /// A sphere of radius 1, cut by near and a solid point behind it: its visible part, and the result of the naive
@@ -87,7 +85,7 @@ fn segment(stage: &mut Stage, method: SoftMethod, near: f64, center: f64) -> Cas
     let naive = whole.pixel(&[sphere], &camera, [1, 1], [0, 0])[0];
     // Center and both ends are binary fractions, exact for any zero of depths, and so is the segment's length.
     let bound = INTEGRAL + 4.0 * DISTANCE + 16.0 * ULP;
-    Ok(Finding { error: relative(image.rgba[0][0], wanted), bound, naive: Computed(relative(naive, wanted)) })
+    Ok(Finding::new(relative(image.rgba[0][0], wanted), bound, relative(naive, wanted)))
 }
 
 pub(super) fn thin_segment(stage: &mut Stage, method: SoftMethod) -> CaseResult {
@@ -112,8 +110,7 @@ pub(super) fn no_radius(stage: &mut Stage, method: SoftMethod) -> CaseResult {
         SoftMethod::Express(_) => dots.iter().map(|dot| [naive::disc(0.0, dot.radius); 4]).collect(),
         _ => naive::Soft::new(1.0).image(&dots, &pixels([3, 1]), [3, 1]),
     };
-    let naive = pixels_apart(&naive, &wanted);
-    Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound: 4.0 * HALF_ULP, naive: Computed(naive) })
+    Ok(Finding::pixels(&image.rgba, &naive, &wanted, 4.0 * HALF_ULP))
 }
 
 pub(super) fn huge_radius(stage: &mut Stage, method: SoftMethod) -> CaseResult {
@@ -125,15 +122,14 @@ pub(super) fn huge_radius(stage: &mut Stage, method: SoftMethod) -> CaseResult {
         naive = naive.max(apart(&naive::Soft::new(1.0).pixel(&dots, &pixels([1, 1]), [1, 1], [0, 0]), &wanted));
     }
     // Opaque at once: one product and one quotient.
-    Ok(Finding { error, bound: 4.0 * ULP, naive: Computed(naive) })
+    Ok(Finding::new(error, 4.0 * ULP, naive))
 }
 
 pub(super) fn far_away(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let dots = [Dot { position: DVec3::new(0.3, 0.1, -1000.0), ..beside(0, 0.0, 0.0, 1.0) }];
     let (camera, size) = (wide(0.25, 1.0), [12, 9]);
-    let naive = naive::Soft::new(1.0).image(&dots, &camera, size);
     // Directions of 1/1000 are as exact as any.
-    against_float64(stage, &dots, (camera, size), method, bound(1, 1.0, 1.0), &naive)
+    against_float64(stage, &dots, (camera, size), method, bound(1, 1.0, 1.0), naive::Soft::new(1.0))
 }
 
 pub(super) fn quantized(stage: &mut Stage, method: SoftMethod) -> CaseResult {
@@ -141,9 +137,11 @@ pub(super) fn quantized(stage: &mut Stage, method: SoftMethod) -> CaseResult {
         |x: u32| Dot { color: Vec3::new(x as f32 / 31.3, 0.123, 0.777), ..beside(x, f64::from(x) / 140.0, 10.0, 0.25) };
     let dots: Vec<Dot> = (0..32).map(sphere).collect();
     let (size, method) = ([32, 1], lambda(method, 16.0));
-    let packed = truth(&dots, &pixels(size), size, method.changed(|soft| soft.layout = SoftLayout::Paper));
+    let in_float64 = |method: SoftMethod| truth(&dots, &pixels(size), size, method);
+    let packed = in_float64(method.changed(|soft| soft.layout = SoftLayout::Paper));
     let naive: Vec<[f32; 4]> = packed.iter().map(|pixel| pixel.map(|c| c as f32)).collect();
-    against_float64(stage, &dots, (pixels(size), size), method, bound(1, 16.0, 0.25), &naive)
+    let image = stage.image(&dots, pixels(size), size, method)?;
+    Ok(Finding::pixels(&image.rgba, &naive, &in_float64(method), bound(1, 16.0, 0.25)))
 }
 
 pub(super) fn shells_add_up(stage: &mut Stage, method: SoftMethod) -> CaseResult {
@@ -159,7 +157,7 @@ pub(super) fn shells_add_up(stage: &mut Stage, method: SoftMethod) -> CaseResult
     // Lengths of 64 segments come from depths around 10, relative to where they are counted from: a unit of 2 for each
     // end.
     let lengths = 0.25 * 128.0 * 2.0 * HALF_ULP;
-    Ok(Finding { error, bound: bound(64, 0.25, 2.0) + lengths, naive: Computed(naive) })
+    Ok(Finding::new(error, bound(64, 0.25, 2.0) + lengths, naive))
 }
 
 pub(super) fn extremes(stage: &mut Stage, method: SoftMethod) -> CaseResult {
@@ -167,15 +165,13 @@ pub(super) fn extremes(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let none = stage.pixel(&dots, method.changed(|soft| soft.density = Density::Softness(0.0)))?;
     let all = stage.pixel(&dots, method.changed(|soft| soft.density = Density::Softness(1.0)))?;
     let error = apart(&none, &[0.0; 4]).max(apart(&all, &[0.25, 0.5, 1.0, 1.0]));
-    let naive = match method {
-        SoftMethod::Express(_) => Stated { why: "the softness of a disc is the opacity of its middle, by any formula" },
-        // λ is infinite, times antiderivatives of what is 0 at a chord's end.
-        _ => {
-            let opaque = naive::Soft::new(-(-1f32).ln_1p()).pixel(&dots, &pixels([1, 1]), [1, 1], [0, 0]);
-            Computed(apart(&opaque, &[0.25, 0.5, 1.0, 1.0]))
-        }
-    };
-    Ok(Finding { error, bound: 4.0 * ULP, naive })
+    if matches!(method, SoftMethod::Express(_)) {
+        let why = "the softness of a disc is the opacity of its middle, by any formula";
+        return Ok(Finding::stated(error, 4.0 * ULP, why));
+    }
+    // λ is infinite, times antiderivatives of what is 0 at a chord's end.
+    let opaque = naive::Soft::new(-(-1f32).ln_1p()).pixel(&dots, &pixels([1, 1]), [1, 1], [0, 0]);
+    Ok(Finding::new(error, 4.0 * ULP, apart(&opaque, &[0.25, 0.5, 1.0, 1.0])))
 }
 
 pub(super) fn modulated(stage: &mut Stage, method: SoftMethod) -> CaseResult {
@@ -197,5 +193,5 @@ pub(super) fn modulated(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let wanted = peak * (1.0 - distance / radius) * 0.5 + plain * 0.5;
     // The law of the disc's profile is within 3e-7 (shaders/shared/profile.wgsl).
     let error = apart(&[found], &[wanted]);
-    Ok(Finding { error, bound: bound(1, 0.7, 1.0) + 3e-7, naive: Computed(apart(&[plain as f32], &[wanted])) })
+    Ok(Finding::new(error, bound(1, 0.7, 1.0) + 3e-7, apart(&[plain as f32], &[wanted])))
 }

@@ -2,6 +2,7 @@
 
 mod label;
 mod legend;
+mod parts;
 mod scale;
 
 use std::error::Error;
@@ -11,91 +12,11 @@ use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+pub use self::parts::{Axis, Guide, Panel, Point, Series, Steps};
+
 use self::label::Space;
 use self::legend::LEGEND;
 use self::scale::Scale;
-
-/// A measured value and its spread.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Point {
-    /// Position on the horizontal axis; above 0.
-    pub x: f64,
-    /// Position on the vertical axis.
-    pub y: f64,
-    /// Least and greatest x, drawn as a bar; both equal `x` to draw no bar.
-    pub range_x: [f64; 2],
-    /// Least and greatest y, drawn as a bar; both equal `y` to draw no bar.
-    pub range_y: [f64; 2],
-    /// Text near the marker, if space permits; empty for no label.
-    pub label: String,
-}
-
-impl Point {
-    /// A point alone.
-    pub fn new(x: f64, y: f64) -> Self {
-        Self { x, y, range_x: [x; 2], range_y: [y; 2], label: String::new() }
-    }
-
-    fn is_finite(&self) -> bool {
-        self.x.is_finite() && self.y.is_finite()
-    }
-}
-
-/// A line through points.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Series {
-    /// Index of the series' name in the figure's legend: decides color and marker.
-    pub name: usize,
-    /// Points in ascending x.
-    pub points: Vec<Point>,
-    /// Text beside the series' marker in a corner of the panel; empty for no note.
-    pub note: String,
-}
-
-/// A single coordinate system.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Panel {
-    /// Stands above it.
-    pub title: String,
-    /// Lines of the panel.
-    pub series: Vec<Series>,
-    /// The Pareto front in ascending x: points (x, y) that no other dominates, each marked with a ring. The line
-    /// through them falls in steps and separates dominated points from the unreached region. Empty for no front.
-    pub front: Vec<[f64; 2]>,
-    /// True if it shows the figure's guide.
-    pub is_guided: bool,
-}
-
-/// An axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Axis {
-    /// Quantity and unit.
-    pub label: &'static str,
-    /// Values below are drawn here: 0 has no logarithm.
-    pub floor: f64,
-    /// The spacing of the ticks.
-    pub steps: Steps,
-}
-
-/// The scale of an axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Steps {
-    /// Logarithmic, by powers of 10.
-    Tens,
-    /// Logarithmic, by powers of 2.
-    Twos,
-    /// Linear, like time on a path; a floor has no effect.
-    Even,
-}
-
-/// A straight line below the last point of a panel's first series, for the eye to compare slopes with.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Guide {
-    /// Name in the legend.
-    pub name: &'static str,
-    /// The exponent of its growth in x.
-    pub exponent: f64,
-}
 
 /// Panels in rows of `columns`, under one legend.
 #[derive(Debug, Clone, PartialEq)]
@@ -121,6 +42,8 @@ pub struct Figure {
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Drawn = Result<(), Box<dyn Error>>;
 
+/// Width of all panels of a row together, in pixels.
+const WIDTH: u32 = 1140;
 /// Width and height of one of several panels, in pixels.
 pub const PANEL: [u32; 2] = [380, 290];
 const INK: RGBColor = RGBColor(40, 40, 40);
@@ -136,6 +59,12 @@ const COLORS: [RGBColor; 6] = [
 ];
 
 impl Figure {
+    /// Panels of a height, up to three in a row, without a guide or a front.
+    pub fn in_rows(height: u32, names: Vec<String>, x: Axis, y: Axis, panels: Vec<Panel>) -> Self {
+        let columns = panels.len().clamp(1, 3);
+        Self { x, y, names, guide: None, front: "", panel: [WIDTH / columns as u32, height], columns, panels }
+    }
+
     /// The figure as one SVG element.
     ///
     /// # Errors
@@ -334,33 +263,30 @@ fn draw_dashed(root: &Area<'_>, line: [(i32, i32); 2]) -> Drawn {
 mod tests {
     use super::*;
 
-    pub(super) const TEN: Axis = Axis { label: "time in ms", floor: 0.0, steps: Steps::Tens };
-    pub(super) const TWO: Axis = Axis { label: "layers", floor: 0.0, steps: Steps::Twos };
+    pub(super) const TEN: Axis = Axis::tens("time in ms", 0.0);
+    pub(super) const TWO: Axis = Axis::twos("layers");
 
-    fn series(name: usize, points: impl IntoIterator<Item = Point>) -> Series {
-        Series { name, points: points.into_iter().collect(), note: String::new() }
+    /// A panel of one series that shows the guide.
+    fn guided(title: &str, series: Option<Series>) -> Panel {
+        Panel { is_guided: true, ..Panel::new(title, series) }
     }
 
     fn figure(panels: Vec<Panel>) -> Figure {
+        let guide = Some(Guide { name: "in proportion", exponent: 1.0 });
         Figure {
-            x: TWO,
-            y: TEN,
-            names: vec!["abuffer".into()],
-            guide: Some(Guide { name: "in proportion", exponent: 1.0 }),
+            guide,
             front: "front",
             panel: PANEL,
             columns: 2,
-            panels,
+            ..Figure::in_rows(0, vec!["abuffer".into()], TWO, TEN, panels)
         }
     }
 
     #[test]
     fn a_figure_holds_its_texts_and_a_marker_for_each_point() {
         let point = |x: f64| Point { range_y: [2.0 * x, 4.0 * x], label: format!("{x} MiB"), ..Point::new(x, 3.0 * x) };
-        let series = Series { note: "slope 1.00".into(), ..series(0, [1.0, 4.0, 16.0].map(point)) };
-        let panel = Panel { title: "stack".into(), series: vec![series], front: Vec::new(), is_guided: true };
-        let empty = Panel { title: "mosaic".into(), series: Vec::new(), front: Vec::new(), is_guided: true };
-        let svg = figure(vec![panel, empty]).svg().unwrap();
+        let series = Series { note: "slope 1.00".into(), ..Series::new(0, [1.0, 4.0, 16.0].map(point)) };
+        let svg = figure(vec![guided("stack", Some(series)), guided("mosaic", None)]).svg().unwrap();
         let texts = ["stack", "mosaic", "layers", "time in ms", "abuffer", "slope 1.00", "nothing measured", "16"];
         for text in texts.into_iter().chain(["1 MiB", "4 MiB", "16 MiB"]) {
             assert!(svg.contains(&format!("\n{text}\n")), "{text} in {svg}");
@@ -373,8 +299,7 @@ mod tests {
     #[test]
     fn points_that_are_not_numbers_are_left_out_and_a_front_gets_rings() {
         let points = [Point::new(1.0, 2.0), Point::new(f64::NAN, 1.0), Point::new(4.0, f64::INFINITY)];
-        let panel =
-            Panel { title: String::new(), series: vec![series(0, points)], front: vec![[1.0, 2.0]], is_guided: true };
+        let panel = Panel { front: vec![[1.0, 2.0]], ..guided("", Some(Series::new(0, points))) };
         let svg = figure(vec![panel]).svg().unwrap();
         // Marker and ring, here and in the legend.
         assert_eq!(svg.matches("<circle").count(), 2 + 2);
@@ -402,8 +327,7 @@ mod tests {
         let (x, y) = (Scale::new(TWO, [1.0, 1024.0].into_iter()), Scale::new(TEN, [0.1, 1000.0].into_iter()));
         for (exponent, last) in [(1.0, 1000.0), (-0.5, 1.0), (-0.5, 300.0)] {
             let point = Point::new(1024.0, last);
-            let panel =
-                Panel { title: String::new(), series: vec![series(0, [point])], front: Vec::new(), is_guided: true };
+            let panel = guided("", Some(Series::new(0, [point])));
             let [from, to] = guide_line(exponent, &panel, &x, &y).unwrap();
             let (factor_x, factor_y) = (2f64.powf(to.0 - from.0), 10f64.powf(to.1 - from.1));
             assert!((factor_x.powf(exponent) / factor_y - 1.0).abs() < 1e-9, "{factor_x} and {factor_y}");

@@ -160,9 +160,9 @@ mod tests {
         assert_eq!(labels(TEN, &[8.0, 143.0]), ["5", "10", "20", "50", "100", "200"]);
         assert_eq!(labels(TEN, &[3.0]), ["2", "5", "10", "20"]);
         assert_eq!(labels(TEN, &[]), ["1", "2", "5", "10"]);
-        assert_eq!(labels(Axis { floor: 1e-8, ..TEN }, &[0.0, 1e-5]), ["≤ 10⁻⁸", "10⁻⁷", "10⁻⁶", "10⁻⁵"]);
-        assert_eq!(labels(Axis { floor: 1e-8, ..TEN }, &[1e-8, 1e-5]), ["10⁻⁸", "10⁻⁷", "10⁻⁶", "10⁻⁵"]);
-        let even = Axis { steps: Steps::Even, ..TEN };
+        assert_eq!(labels(Axis::tens("", 1e-8), &[0.0, 1e-5]), ["≤ 10⁻⁸", "10⁻⁷", "10⁻⁶", "10⁻⁵"]);
+        assert_eq!(labels(Axis::tens("", 1e-8), &[1e-8, 1e-5]), ["10⁻⁸", "10⁻⁷", "10⁻⁶", "10⁻⁵"]);
+        let even = Axis::even("");
         assert_eq!(labels(even, &[3.0, 59.0]), ["0", "10", "20", "30", "40", "50", "60"]);
         assert_eq!(labels(even, &[0.25]), ["0", "0.05", "0.1", "0.15", "0.2", "0.25"]);
         assert_eq!(labels(even, &[]), ["0", "0.1", "0.2", "0.3", "0.4", "0.5", "0.6", "0.7", "0.8", "0.9", "1"]);

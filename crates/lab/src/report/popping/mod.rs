@@ -4,24 +4,19 @@
 //! error of [`tradeoff`](super::tradeoff); an error that stays as it is looks like another scene, and is not counted
 //! here.
 
-mod figures;
-mod files;
 mod follower;
 mod measure;
 mod methods;
 mod page;
-mod text;
 
 use serde::{Deserialize, Serialize};
 
-pub use files::{csv, write};
 pub use follower::Follower;
 pub use measure::{Film, measure, named};
 pub use methods::{Candidate, candidates, exact};
-pub use text::popping_table;
+pub use page::{csv, popping_table, write};
 
-pub(super) use figures::{Scale, over_frames};
-pub(super) use page::{caption, section};
+pub(super) use page::{over_frames, section};
 
 /// Error of a method in a single frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

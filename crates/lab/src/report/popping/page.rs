@@ -1,32 +1,74 @@
-//! Popping on the page of a comparison.
+//! Popping as tables and figures, on the page of a comparison and by themselves.
+
+use std::io::{self, Write};
+use std::path::Path;
 
 use maud::{Markup, html};
+use pellucid_engine::output;
+use serde::Serialize;
 
-use super::{Curve, Popping};
-use crate::report::page::{Column, table};
+use super::{Curve, FrameError, Popping};
+use crate::report::page::{Table, count};
+use crate::report::plot::{Axis, Figure, Panel, Point, Series};
+use crate::report::records::{self, record};
+
+/// A frame of a method as a record.
+#[derive(Serialize)]
+struct Line<'a> {
+    method: &'a str,
+    setting: &'a str,
+    error: &'a FrameError,
+}
+
+/// The table for programs: method after method, and of each frame after frame.
+///
+/// # Errors
+/// Writing fails.
+pub fn csv(popping: &Popping, file: impl Write) -> io::Result<()> {
+    let lines = popping.curves.iter().flat_map(|curve| {
+        let Curve { method, setting, frames, .. } = curve;
+        frames.iter().map(move |error| record(&Line { method, setting, error }))
+    });
+    let columns =
+        "method setting frame=error/frame error_rmse=error/error popping_rmse=error/rmse popping_flip=error/flip";
+    records::csv(file, columns, lines)
+}
+
+/// Writes the table to a file, whole or not at all.
+///
+/// # Errors
+/// Writing fails.
+pub fn write(path: &Path, popping: &Popping) -> Result<(), output::Error> {
+    output::write_atomically(path, |file| csv(popping, file))
+}
+
+/// A line for each method; `last` is the head of the last column.
+fn table<'a>(popping: &'a Popping, error: impl Fn(f64) -> String + Copy, last: &str) -> Table<'a, Curve> {
+    Table::new(&popping.curves)
+        .text("method", Curve::name)
+        .number("mean RMSE", error, |curve| curve.mean_rmse)
+        .number("worst RMSE", error, |curve| curve.worst_rmse)
+        .number("of frame", count, |curve| f64::from(curve.worst_frame))
+        .number("mean FLIP", error, |curve| curve.mean_flip)
+        .number("worst FLIP", error, |curve| curve.worst_flip)
+        .number(last, error, |curve| curve.mean_error)
+}
+
+/// The table for a terminal.
+pub fn popping_table(popping: &Popping) -> String {
+    let table = table(popping, |value| format!("{value:.2e}"), "mean error");
+    let refused: String =
+        popping.refused.iter().map(|r| format!("  {} was left out: {}\n", r.method, r.reason)).collect();
+    format!(
+        "popping over {} frames: the change of the error, against {}, from frame to frame\n{}\n{refused}",
+        popping.frames,
+        popping.exact,
+        table.terminal()
+    )
+}
 
 /// The section with its figures; `error` writes an error.
 pub(in crate::report) fn section(popping: &Popping, figures: &Markup, error: fn(f64) -> String) -> Markup {
-    let columns = [
-        Column::text("method"),
-        Column::number("mean RMSE"),
-        Column::number("worst RMSE"),
-        Column::number("of frame"),
-        Column::number("mean FLIP"),
-        Column::number("worst FLIP"),
-        Column::number("mean error (RMSE)"),
-    ];
-    let row = |curve: &Curve| {
-        vec![
-            curve.name(),
-            error(curve.mean_rmse),
-            error(curve.worst_rmse),
-            curve.worst_frame.to_string(),
-            error(curve.mean_flip),
-            error(curve.worst_flip),
-            error(curve.mean_error),
-        ]
-    };
     html! {
         h2 { "Popping" }
         p {
@@ -36,18 +78,31 @@ pub(in crate::report) fn section(popping: &Popping, figures: &Markup, error: fn(
             "exact frame plus the change. An error that moves with the scene changes, too. Steps as small as a film's keep that "
             "change small, so jumps stand out."
         }
-        (table(&columns, &popping.curves.iter().map(row).collect::<Vec<_>>()))
+        (table(popping, error, "mean error (RMSE)").html())
         (figures)
         @for refused in &popping.refused { p { (refused.method) " was left out: " (refused.reason) } }
     }
 }
 
-/// The caption of a figure, for `popping.svg` with RMSE and for the other with FLIP.
-pub(in crate::report) fn caption(name: &str) -> Markup {
-    let figure = if name == "popping.svg" { "RMSE" } else { "FLIP" };
-    html! {
-        b { "The change of the error since the frame before, as " (figure) ", over the frames of the path. " }
+/// A figure over the frames of the path, with a line for each method and its caption; `None` if there is nothing to
+/// show. Its axis has a label and a floor, and `value` is that of a frame by the measure.
+pub(in crate::report) fn over_frames(
+    popping: &Popping,
+    measure: &str,
+    axis: Axis,
+    value: fn(&FrameError) -> Option<f64>,
+) -> Option<(Figure, Markup)> {
+    if popping.frames < 2 || popping.curves.is_empty() {
+        return None;
+    }
+    let point = |frame: &FrameError| Some(Point::new(frame.frame.into(), value(frame)?));
+    let series = popping.curves.iter().enumerate();
+    let series = series.map(|(name, curve)| Series::new(name, curve.frames.iter().filter_map(point)));
+    let names = popping.curves.iter().map(Curve::name).collect();
+    let caption = html! {
+        b { "The change of the error since the frame before, as " (measure) ", over the frames of the path. " }
         "Lower is steadier. A peak is a frame in which much jumps at once; a level line is noise that is new in every frame. No change at all is "
         "drawn at the least value."
-    }
+    };
+    Some((Figure::in_rows(420, names, Axis::even("frame"), axis, vec![Panel::new("", series)]), caption))
 }

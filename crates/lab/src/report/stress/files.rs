@@ -3,13 +3,19 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+use maud::html;
 use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::{Cell, Settings, Skipped, Slope, Sweep, Workload, page};
-use crate::report::plot::{Axis, Figure, Guide, PANEL, Panel, Point, Series, Steps};
+use crate::report::page::{Drawn, add, mib};
+use crate::report::plot::{Axis, Figure, Guide, PANEL, Panel, Point, Series};
+use crate::report::records::{self, record};
 use pellucid_engine::gpu::DeviceInfo;
 use pellucid_engine::output::{self, Files};
+
+/// Errors below are drawn at this value: an error of 0 has no place on a logarithmic axis.
+const ERROR_FLOOR: f64 = 1e-9;
 
 /// A sweep with what it takes to understand it.
 #[derive(Debug, Clone)]
@@ -24,73 +30,40 @@ pub struct Report<'a> {
     pub command: &'a str,
 }
 
-/// A line of `stress.csv`. A skipped cell has its reason in place of figures.
-#[derive(Debug, Default, Serialize)]
-struct Row<'a> {
-    scene: &'a str,
-    side: u32,
-    pixels: u64,
-    layers: u32,
-    fragments: u64,
-    method: &'a str,
-    points: Option<u64>,
-    gpu_ms_min: Option<f64>,
-    gpu_ms_median: Option<f64>,
-    gpu_ms_max: Option<f64>,
-    wall_ms_min: Option<f64>,
-    wall_ms_median: Option<f64>,
-    wall_ms_max: Option<f64>,
-    mfragments_per_s: Option<f64>,
-    peak_device_bytes: Option<u64>,
-    bytes_per_fragment: Option<f64>,
-    fragment_bytes: Option<u64>,
-    bands: Option<u64>,
-    error_max: Option<f64>,
-    error_rmse: Option<f64>,
-    error_pixels: Option<usize>,
-    skipped: &'a str,
+/// Columns of `stress.csv`. A skipped cell has its reason in place of figures.
+const COLUMNS: &str = "
+    scene=workload side pixels layers fragments method points
+    gpu_ms/min gpu_ms/median gpu_ms/max wall_ms/min wall_ms/median wall_ms/max mfragments_per_s
+    peak_device_bytes bytes_per_fragment fragment_bytes bands error/max error/rmse error/pixels skipped=reason";
+
+/// A measured cell with what follows from it.
+#[derive(Serialize)]
+struct Measured<'a> {
+    #[serde(flatten)]
+    cell: &'a Cell,
+    mfragments_per_s: f64,
+    bytes_per_fragment: f64,
 }
 
-impl<'a> Row<'a> {
-    fn measured(cell: &Cell) -> Self {
-        Self {
-            scene: cell.workload.name(),
-            side: cell.side,
-            pixels: cell.pixels,
-            layers: cell.layers,
-            fragments: cell.fragments,
-            method: cell.method,
-            points: Some(cell.points),
-            gpu_ms_min: Some(cell.gpu_ms.min),
-            gpu_ms_median: Some(cell.gpu_ms.median),
-            gpu_ms_max: Some(cell.gpu_ms.max),
-            wall_ms_min: Some(cell.wall_ms.min),
-            wall_ms_median: Some(cell.wall_ms.median),
-            wall_ms_max: Some(cell.wall_ms.max),
-            mfragments_per_s: Some(cell.mfragments_per_s()),
-            peak_device_bytes: Some(cell.peak_device_bytes),
-            bytes_per_fragment: Some(cell.bytes_per_fragment()),
-            fragment_bytes: Some(cell.fragment_bytes),
-            bands: Some(cell.bands),
-            error_max: Some(cell.error.max),
-            error_rmse: Some(cell.error.rmse),
-            error_pixels: Some(cell.error.pixels),
-            skipped: "",
-        }
+impl<'a> Measured<'a> {
+    fn new(cell: &'a Cell) -> Self {
+        Self { cell, mfragments_per_s: cell.mfragments_per_s(), bytes_per_fragment: cell.bytes_per_fragment() }
     }
+}
 
-    fn skipped(skipped: &'a Skipped) -> Self {
+/// A skipped cell with what follows from it.
+#[derive(Serialize)]
+struct Left<'a> {
+    #[serde(flatten)]
+    skipped: &'a Skipped,
+    pixels: u64,
+    fragments: u64,
+}
+
+impl<'a> Left<'a> {
+    fn new(skipped: &'a Skipped) -> Self {
         let pixels = u64::from(skipped.side) * u64::from(skipped.side);
-        Self {
-            scene: skipped.workload.name(),
-            side: skipped.side,
-            pixels,
-            layers: skipped.layers,
-            fragments: pixels * u64::from(skipped.layers),
-            method: skipped.method,
-            skipped: &skipped.reason,
-            ..Self::default()
-        }
+        Self { skipped, pixels, fragments: pixels * u64::from(skipped.layers) }
     }
 }
 
@@ -98,12 +71,6 @@ impl Report<'_> {
     /// The document of `stress.json`.
     pub fn json(&self) -> Value {
         let Self { sweep, settings, device, command } = self;
-        let cell = |cell: &Cell| {
-            let mut value = json!(cell);
-            value["mfragments_per_s"] = json!(cell.mfragments_per_s());
-            value["bytes_per_fragment"] = json!(cell.bytes_per_fragment());
-            value
-        };
         json!({
             "version": 1,
             "pellucid": env!("CARGO_PKG_VERSION"),
@@ -123,45 +90,66 @@ impl Report<'_> {
                 "seed": settings.seed,
                 "memory_budget": settings.memory_budget,
             },
-            "cells": sweep.cells.iter().map(cell).collect::<Vec<_>>(),
+            "cells": sweep.cells.iter().map(Measured::new).collect::<Vec<_>>(),
             "slopes": sweep.slopes(),
             "skipped": sweep.skipped,
         })
     }
 
     fn csv(&self, file: impl Write) -> io::Result<()> {
-        let mut writer = csv::Writer::from_writer(file);
-        let measured = self.sweep.cells.iter().map(Row::measured);
-        for row in measured.chain(self.sweep.skipped.iter().map(Row::skipped)) {
-            writer.serialize(row).map_err(io::Error::other)?;
-        }
-        writer.flush()
+        let measured = self.sweep.cells.iter().map(|cell| record(&Measured::new(cell)));
+        let left = self.sweep.skipped.iter().map(|skipped| record(&Left::new(skipped)));
+        records::csv(file, COLUMNS, measured.chain(left))
     }
 
-    /// The figures by the names of their files.
-    pub(super) fn figures(&self) -> Result<Vec<(&'static str, String)>, output::Error> {
+    /// The figures with their captions.
+    pub(super) fn figures(&self) -> Result<Vec<Drawn>, output::Error> {
         let slopes = self.sweep.slopes();
         let time = |cell: &Cell| [cell.gpu_ms.median, cell.gpu_ms.min, cell.gpu_ms.max];
         let throughput = |cell: &Cell| time(cell).map(|ms| cell.fragments as f64 / (1e3 * ms));
-        let memory = |cell: &Cell| [cell.peak_device_bytes as f64 / f64::from(1 << 20); 3];
+        let memory = |cell: &Cell| [mib(cell.peak_device_bytes); 3];
         let error = |cell: &Cell| [cell.error.max; 3];
-        let figures = [
-            ("time.svg", "device time in ms", 0.0, self.figure(&slopes, time)),
-            ("throughput.svg", "million fragments per s", 0.0, self.figure(&[], throughput)),
-            ("memory.svg", "peak device memory in MiB", 0.0, self.figure(&[], memory)),
-            ("error.svg", "largest error", page::ERROR_FLOOR, self.figure(&[], error)),
-        ];
-        let drawn = figures.into_iter().map(|(name, label, floor, mut figure)| {
-            figure.y.label = label;
-            figure.y.floor = floor;
-            let failed = |error| output::Error::Report { reason: format!("{name}: {error}") };
-            Ok((name, figure.svg().map_err(failed)?))
-        });
-        drawn.collect()
+        let scale = |label| Axis::tens(label, 0.0);
+        Ok(vec![
+            Drawn::new(
+                "time.svg",
+                &self.figure(scale("device time in ms"), &slopes, time),
+                html! {
+                    b { "Device time of a frame. " }
+                    "Points are medians, bars reach from the shortest to the longest time, slopes are those of the table. The dashed line is parallel to everything that "
+                    "grows in proportion to the layers."
+                },
+            )?,
+            Drawn::new(
+                "throughput.svg",
+                &self.figure(scale("million fragments per s"), &[], throughput),
+                html! {
+                    b { "Fragments over device time. " }
+                    "The line is level where each further layer costs as much as the one before; it rises where a frame's fixed cost still counts."
+                },
+            )?,
+            Drawn::new(
+                "memory.svg",
+                &self.figure(scale("peak device memory in MiB"), &[], memory),
+                html! {
+                    b { "Largest amount of device memory at any time of a frame, " }
+                    "cloud and image included, as the allocator reserves it: in blocks of 8 MiB. The line is level where fragments no longer "
+                    "fit and the image is cut into bands."
+                },
+            )?,
+            Drawn::new(
+                "error.svg",
+                &self.figure(Axis::tens("largest error", ERROR_FLOOR), &[], error),
+                html! {
+                    b { "Largest difference in linear R, G, B and A from the float64 reference, " }
+                    "over the pixels compared. Below 10⁻⁹, equality included, it is drawn at 10⁻⁹."
+                },
+            )?,
+        ])
     }
 
     /// A panel for each scene and size, with (value, least, greatest) of each method over the layers.
-    fn figure(&self, slopes: &[Slope], values: impl Fn(&Cell) -> [f64; 3]) -> Figure {
+    fn figure(&self, y: Axis, slopes: &[Slope], values: impl Fn(&Cell) -> [f64; 3]) -> Figure {
         let names: Vec<_> = self.settings.methods.iter().map(|method| method.name()).collect();
         let panel = |workload: Workload, side: u32| {
             let series = names.iter().enumerate().map(|(name, method)| {
@@ -169,19 +157,18 @@ impl Report<'_> {
                     let [y, low, high] = values(cell);
                     Point { range_y: [low, high], ..Point::new(cell.layers.into(), y) }
                 };
-                let points = self.sweep.series(workload, side, method).iter().map(point).collect();
+                let points = self.sweep.series(workload, side, method);
                 let slope = slopes.iter().find(|s| (s.workload, s.side, s.method) == (workload, side, *method));
                 let note = |s: &Slope| format!("slope {:.2}", s.law.exponent);
-                Series { name, points, note: slope.map(note).unwrap_or_default() }
+                Series { note: slope.map(note).unwrap_or_default(), ..Series::new(name, points.iter().map(point)) }
             });
             let title = format!("{}, {side} × {side} pixels", workload.name());
-            Panel { title, series: series.collect(), front: Vec::new(), is_guided: true }
+            Panel { is_guided: true, ..Panel::new(title, series) }
         };
         let sides = || self.settings.sides.iter().copied();
-        let axis = Axis { label: "layers per pixel", floor: 0.0, steps: Steps::Twos };
         Figure {
-            x: axis,
-            y: Axis { steps: Steps::Tens, ..axis },
+            x: Axis::twos("layers per pixel"),
+            y,
             guide: (!slopes.is_empty()).then_some(Guide { name: "in proportion to the layers", exponent: 1.0 }),
             front: "",
             panel: PANEL,
@@ -204,9 +191,6 @@ pub fn write(folder: &Path, report: &Report<'_>) -> Result<(), output::Error> {
     let mut files = Files::default();
     files.add(&folder.join("stress.csv"), |file| report.csv(file))?;
     files.add(&folder.join("stress.json"), |file| writeln!(file, "{:#}", report.json()))?;
-    for (name, svg) in &figures {
-        files.add(&folder.join(name), |file| file.write_all(svg.as_bytes()))?;
-    }
-    files.add(&folder.join("report.html"), |file| file.write_all(html.as_bytes()))?;
+    add(&mut files, folder, &figures, &html)?;
     files.publish()
 }

@@ -150,7 +150,7 @@ impl Cell {
 }
 
 /// Summary of some measurements of one value.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     /// The least.
     pub min: f64,
@@ -218,6 +218,13 @@ pub struct Slope {
     /// Milliseconds of device time over layers.
     #[serde(flatten)]
     pub law: PowerLaw,
+}
+
+impl Slope {
+    /// The slope of a cell's series among some; `None` where the series is too short.
+    pub fn of<'a>(slopes: &'a [Self], cell: &Cell) -> Option<&'a Self> {
+        slopes.iter().find(|s| (s.workload, s.side, s.method) == (cell.workload, cell.side, cell.method))
+    }
 }
 
 /// All that a run found.

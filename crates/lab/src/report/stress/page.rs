@@ -4,15 +4,10 @@ use maud::{Markup, html};
 
 use super::files::Report;
 use super::{Cell, Slope, Workload};
-use crate::report::page::{Column, digits, facts, figure, grouped, page, table};
+use crate::report::page::{Drawn, Table, count, digits, facts, grouped, mib, page, passes as table_of};
 
-/// Errors below are drawn at this value: an error of 0 has no place on a logarithmic axis.
-pub(super) const ERROR_FLOOR: f64 = 1e-9;
-
-const MIB: f64 = (1 << 20) as f64;
-
-/// The whole page, with the figures by the names of their files.
-pub(super) fn html(report: &Report<'_>, figures: &[(&str, String)]) -> String {
+/// The whole page.
+pub(super) fn html(report: &Report<'_>, figures: &[Drawn]) -> String {
     let body = html! {
         p {
             "What layers of transparency cost: device time, memory and error of each method, over images in which every "
@@ -27,9 +22,7 @@ pub(super) fn html(report: &Report<'_>, figures: &[(&str, String)]) -> String {
             "proportion to the layers, 2 means quadratic."
         }
         h2 { "Figures" }
-        @for (name, svg) in figures {
-            (figure(svg, &format!("{name}: the values are those of the table of all cells"), &caption(name)))
-        }
+        @for figure in figures { (figure.html("the table of all cells")) }
         h2 { "Time of each pass" }
         p { "Median device time in ms over layers per pixel. An empty cell means that the pass did not run." }
         (passes(report))
@@ -58,74 +51,40 @@ fn about(report: &Report<'_>) -> Markup {
     ])
 }
 
-/// The columns of the slopes: exponent, range, share of the variance explained; empty where a series has too few cells.
-fn slope_texts(slopes: &[Slope], cell: &Cell) -> [String; 3] {
-    let same_series = |s: &&Slope| (s.workload, s.side, s.method) == (cell.workload, cell.side, cell.method);
-    slopes.iter().find(same_series).map_or_else(Default::default, |Slope { law, layers: [from, to], .. }| {
-        [format!("{:.2}", law.exponent), format!("{from}–{to}"), format!("{:.3}", law.r_squared)]
-    })
+/// A table of cells, with the columns that all have.
+fn about_cells<'a>(cells: impl IntoIterator<Item = &'a Cell>) -> Table<'a, Cell> {
+    Table::new(cells)
+        .text("scene", |cell| cell.workload.name())
+        .number("pixels", |side| size(side as u32), |cell| f64::from(cell.side))
+        .text("method", |cell| cell.method)
+        .number("layers", count, |cell| f64::from(cell.layers))
+}
+
+/// A whole number, with thousands apart.
+fn whole(value: f64) -> String {
+    grouped(value as u64)
+}
+
+fn small(value: f64) -> String {
+    format!("{value:.1e}")
 }
 
 fn summary(report: &Report<'_>) -> Markup {
     let slopes = report.sweep.slopes();
-    let columns = [
-        Column::text("scene"),
-        Column::number("pixels"),
-        Column::text("method"),
-        Column::number("layers"),
-        Column::number("fragments"),
-        Column::number("ms"),
-        Column::number("Mfragments/s"),
-        Column::number("slope"),
-        Column::number("over layers"),
-        Column::number("R²"),
-        Column::number("peak MiB"),
-        Column::number("B/fragment"),
-        Column::number("largest error"),
-    ];
-    let row = |cell: &&Cell| {
-        let [slope, over, explained] = slope_texts(&slopes, cell);
-        vec![
-            cell.workload.name().to_owned(),
-            size(cell.side),
-            cell.method.to_owned(),
-            cell.layers.to_string(),
-            grouped(cell.fragments),
-            digits(cell.gpu_ms.median),
-            digits(cell.mfragments_per_s()),
-            slope,
-            over,
-            explained,
-            digits(cell.peak_device_bytes as f64 / MIB),
-            digits(cell.bytes_per_fragment()),
-            format!("{:.1e}", cell.error.max),
-        ]
-    };
-    let rows: Vec<_> = report.sweep.deepest().iter().map(row).collect();
-    table(&columns, &rows)
-}
-
-fn caption(name: &str) -> Markup {
-    match name {
-        "time.svg" => html! {
-            b { "Device time of a frame. " }
-            "Points are medians, bars reach from the shortest to the longest time, slopes are those of the table. The dashed line is parallel to everything that "
-            "grows in proportion to the layers."
-        },
-        "throughput.svg" => html! {
-            b { "Fragments over device time. " }
-            "The line is level where each further layer costs as much as the one before; it rises where a frame's fixed cost still counts."
-        },
-        "memory.svg" => html! {
-            b { "Largest amount of device memory at any time of a frame, " }
-            "cloud and image included, as the allocator reserves it: in blocks of 8 MiB. The line is level where fragments no longer "
-            "fit and the image is cut into bands."
-        },
-        _ => html! {
-            b { "Largest difference in linear R, G, B and A from the float64 reference, " }
-            "over the pixels compared. Below 10⁻⁹, equality included, it is drawn at 10⁻⁹."
-        },
-    }
+    // None where a series has too few cells.
+    let slope = |cell: &Cell| Slope::of(&slopes, cell);
+    let range = |slope: &Slope| format!("{}–{}", slope.layers[0], slope.layers[1]);
+    about_cells(report.sweep.deepest())
+        .number("fragments", whole, |cell| cell.fragments as f64)
+        .number("ms", digits, |cell| cell.gpu_ms.median)
+        .number("Mfragments/s", digits, Cell::mfragments_per_s)
+        .number("slope", |exponent| format!("{exponent:.2}"), |cell| slope(cell).map(|slope| slope.law.exponent))
+        .written("over layers", |cell| (f64::NAN, slope(cell).map_or_else(String::new, range)))
+        .number("R²", |share| format!("{share:.3}"), |cell| slope(cell).map(|slope| slope.law.r_squared))
+        .number("peak MiB", digits, |cell| mib(cell.peak_device_bytes))
+        .number("B/fragment", digits, Cell::bytes_per_fragment)
+        .number("largest error", small, |cell| cell.error.max)
+        .html()
 }
 
 /// A table of passes for each scene and size; the middle size is open.
@@ -145,84 +104,41 @@ fn passes(report: &Report<'_>) -> Markup {
 
 fn passes_of(method: &str, series: &[&Cell]) -> Markup {
     // The deepest cell first: it has most passes, and has them in their order.
-    let mut names: Vec<&str> = Vec::new();
-    for pass in series.iter().rev().flat_map(|cell| &cell.passes) {
-        if !names.contains(&pass.name) {
-            names.push(pass.name);
-        }
-    }
-    let mut columns = vec![Column::text(method)];
-    columns.extend(series.iter().map(|cell| Column::number(cell.layers.to_string())));
-    let time = |cell: &Cell, name: &str| {
-        cell.passes.iter().find(|pass| pass.name == name).map(|pass| digits(pass.gpu_ms.median)).unwrap_or_default()
+    let names = series.iter().rev().flat_map(|cell| &cell.passes).map(|pass| pass.name).collect();
+    let frame = |cell: &&Cell| {
+        let times = cell.passes.iter().map(|pass| (pass.name, pass.gpu_ms.median)).collect();
+        (cell.layers.to_string(), times, cell.gpu_ms.median)
     };
-    let row = |name: &&str| {
-        std::iter::once((*name).to_owned()).chain(series.iter().map(|cell| time(cell, name))).collect::<Vec<_>>()
-    };
-    let mut rows: Vec<_> = names.iter().map(row).collect();
-    let sums = series.iter().map(|cell| digits(cell.gpu_ms.median));
-    rows.push(std::iter::once("all passes".to_owned()).chain(sums).collect());
-    table(&columns, &rows)
+    table_of(method, names, series.iter().map(frame).collect())
 }
 
 fn cells(report: &Report<'_>) -> Markup {
-    let columns = [
-        Column::text("scene"),
-        Column::number("pixels"),
-        Column::text("method"),
-        Column::number("layers"),
-        Column::number("points"),
-        Column::number("fragments"),
-        Column::number("min ms"),
-        Column::number("median ms"),
-        Column::number("max ms"),
-        Column::number("wall ms"),
-        Column::number("Mfragments/s"),
-        Column::number("peak MiB"),
-        Column::number("B/fragment"),
-        Column::number("bands"),
-        Column::number("largest error"),
-        Column::number("RMSE"),
-        Column::number("of pixels"),
-    ];
-    let row = |cell: &Cell| {
-        vec![
-            cell.workload.name().to_owned(),
-            size(cell.side),
-            cell.method.to_owned(),
-            cell.layers.to_string(),
-            grouped(cell.points),
-            grouped(cell.fragments),
-            digits(cell.gpu_ms.min),
-            digits(cell.gpu_ms.median),
-            digits(cell.gpu_ms.max),
-            digits(cell.wall_ms.median),
-            digits(cell.mfragments_per_s()),
-            digits(cell.peak_device_bytes as f64 / MIB),
-            digits(cell.bytes_per_fragment()),
-            cell.bands.to_string(),
-            format!("{:.1e}", cell.error.max),
-            format!("{:.1e}", cell.error.rmse),
-            cell.error.pixels.to_string(),
-        ]
-    };
-    table(&columns, &report.sweep.cells.iter().map(row).collect::<Vec<_>>())
+    about_cells(&report.sweep.cells)
+        .number("points", whole, |cell| cell.points as f64)
+        .number("fragments", whole, |cell| cell.fragments as f64)
+        .number("min ms", digits, |cell| cell.gpu_ms.min)
+        .number("median ms", digits, |cell| cell.gpu_ms.median)
+        .number("max ms", digits, |cell| cell.gpu_ms.max)
+        .number("wall ms", digits, |cell| cell.wall_ms.median)
+        .number("Mfragments/s", digits, Cell::mfragments_per_s)
+        .number("peak MiB", digits, |cell| mib(cell.peak_device_bytes))
+        .number("B/fragment", digits, Cell::bytes_per_fragment)
+        .number("bands", count, |cell| cell.bands as f64)
+        .number("largest error", small, |cell| cell.error.max)
+        .number("RMSE", small, |cell| cell.error.rmse)
+        .number("of pixels", count, |cell| cell.error.pixels as f64)
+        .html()
 }
 
 fn skipped(report: &Report<'_>) -> Markup {
-    let columns = [
-        Column::text("scene"),
-        Column::number("pixels"),
-        Column::text("method"),
-        Column::number("layers"),
-        Column::text("why"),
-    ];
-    let row = |s: &super::Skipped| {
-        vec![s.workload.name().to_owned(), size(s.side), s.method.to_owned(), s.layers.to_string(), s.reason.clone()]
-    };
-    let rows: Vec<_> = report.sweep.skipped.iter().map(row).collect();
+    let table = Table::new(&report.sweep.skipped)
+        .text("scene", |skipped| skipped.workload.name())
+        .number("pixels", |side| size(side as u32), |skipped| f64::from(skipped.side))
+        .text("method", |skipped| skipped.method)
+        .number("layers", count, |skipped| f64::from(skipped.layers))
+        .text("why", |skipped| &skipped.reason);
     html! {
-        @if rows.is_empty() { p { "None." } } @else { (table(&columns, &rows)) }
+        @if report.sweep.skipped.is_empty() { p { "None." } } @else { (table.html()) }
     }
 }
 

@@ -6,6 +6,7 @@ use pellucid_engine::progress::Progress;
 
 use super::{Cell, Pass, Settings, Skipped, Spread, Sweep, Workload};
 use crate::report::truth::Truth;
+use crate::report::unique;
 use pellucid_engine::Result;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::gpu::Device;
@@ -189,12 +190,7 @@ pub(in crate::report) fn predict(times: &[(f64, f64)], layers: f64) -> Option<f6
 }
 
 fn passes(frames: &[FrameProfile]) -> Vec<Pass> {
-    let mut names: Vec<&'static str> = Vec::new();
-    for pass in frames.iter().flat_map(|frame| &frame.passes) {
-        if !names.contains(&pass.name) {
-            names.push(pass.name);
-        }
-    }
+    let names = unique(frames.iter().flat_map(|frame| &frame.passes).map(|pass| pass.name));
     let times = |name| frames.iter().flat_map(|f| &f.passes).filter(move |p| p.name == name);
     let ms = |name| Spread::from_values(times(name).map(|pass| pass.gpu.as_secs_f64() * 1e3).collect());
     names.into_iter().map(|name| Pass { name, gpu_ms: ms(name) }).collect()

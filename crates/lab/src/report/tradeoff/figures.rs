@@ -1,58 +1,71 @@
-//! The figures.
+//! The figures and their captions.
+
+use maud::{Markup, html};
+use pellucid_engine::output;
 
 use super::surfaces::figures::{self as surfaces, Over};
 use super::{Analytic, Convergence, Errors, Row, Tradeoff};
 use crate::report::fit::PowerLaw;
-use crate::report::plot::{Axis, Figure, Guide, Panel, Point, Series, Steps};
-use crate::report::popping::{Scale, over_frames};
-use pellucid_engine::output;
+use crate::report::page::Drawn;
+use crate::report::plot::{Axis, Figure, Guide, Panel, Point, Series};
+use crate::report::{popping, unique};
 
 /// RMSE below is drawn at this value, since 0 has no place on a logarithmic axis: a forty-thousandth of an 8-bit step.
-pub(super) const RMSE_FLOOR: f64 = 1e-7;
+const RMSE_FLOOR: f64 = 1e-7;
 /// FLIP below is drawn at this value; it grows faster than small differences do.
-pub(super) const FLIP_FLOOR: f64 = 1e-6;
+const FLIP_FLOOR: f64 = 1e-6;
 /// A power law must explain at least this much of the variance.
-pub(super) const LAW_R_SQUARED: f64 = 0.95;
+const LAW_R_SQUARED: f64 = 0.95;
 /// Device time below is drawn here, in ms.
 const TIME_FLOOR: f64 = 1e-3;
-/// Width of all panels of a row together, in pixels.
-const WIDTH: u32 = 1140;
-
-/// A figure and the name of its file.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Drawn {
-    pub name: &'static str,
-    pub svg: String,
-}
 
 /// All figures that have something to show.
 pub(super) fn draw(report: &Tradeoff) -> Result<Vec<Drawn>, output::Error> {
     let over_size = |over| surfaces::over_size(report.surveyed.as_ref()?, &report.rows, over);
+    let over_frames = |measure, axis, value| popping::over_frames(report.popping.as_ref()?, measure, axis, value);
+    let [rmse, flip] = [Axis::tens("RMSE", RMSE_FLOOR), Axis::tens("FLIP", FLIP_FLOOR)];
+    let [rmse_change, flip_change] = ["change of the error, RMSE", "change of the error, FLIP"];
     let figures = [
         ("size-time.svg", over_size(Over::Time)),
         ("size-holes.svg", over_size(Over::Holes)),
         ("size-error.svg", over_size(Over::Error)),
-        ("error.svg", Some(error_over_time(report, RMSE_FLOOR, "RMSE", |errors| errors.rmse))),
-        ("flip.svg", Some(error_over_time(report, FLIP_FLOOR, "FLIP", |errors| errors.flip))),
+        ("error.svg", Some((error_over_time(report, rmse, |errors| errors.rmse), about_rmse(report)))),
+        ("flip.svg", Some((error_over_time(report, flip, |errors| errors.flip), about_flip(report)))),
         ("convergence.svg", convergence(report)),
         ("bias.svg", bias(report)),
-        ("popping.svg", popping(report, POPPING)),
-        ("popping-flip.svg", popping(report, POPPING_FLIP)),
+        ("popping.svg", over_frames("RMSE", Axis { label: rmse_change, ..rmse }, |frame| frame.rmse)),
+        ("popping-flip.svg", over_frames("FLIP", Axis { label: flip_change, ..flip }, |frame| frame.flip)),
     ];
     let drawn = figures.into_iter().filter_map(|(name, figure)| Some((name, figure?)));
-    let svg = |(name, figure): (&'static str, Figure)| {
-        let failed = |error| output::Error::Report { reason: format!("{name}: {error}") };
-        Ok(Drawn { name, svg: figure.svg().map_err(failed)? })
-    };
-    drawn.map(svg).collect()
+    drawn.map(|(name, (figure, caption))| Drawn::new(name, &figure, caption)).collect()
 }
 
-/// Scales of the figures of popping.
-const POPPING: Scale = Scale { label: "change of the error, RMSE", floor: RMSE_FLOOR, value: |frame| frame.rmse };
-const POPPING_FLIP: Scale = Scale { label: "change of the error, FLIP", floor: FLIP_FLOOR, value: |frame| frame.flip };
+fn about_rmse(report: &Tradeoff) -> Markup {
+    html! {
+        b { "RMSE over device time. " }
+        @if report.surveyed.is_some() {
+            "Lower left is better. Each cloud has a panel with its own front; the first point of a ladder names the setting that "
+            "changes, the last one gives its last value. No image with one sample per pixel is as smooth at edges as the reference, so 0 is out of reach."
+        } @else {
+            "Lower left is better. Points are medians, bars reach from the shortest to the longest time; the first point "
+            "of a ladder names the setting that changes. RMSE below " (power(RMSE_FLOOR)) ", equality included, is drawn there."
+        }
+    }
+}
 
-fn popping(report: &Tradeoff, scale: Scale) -> Option<Figure> {
-    over_frames(report.popping.as_ref()?, scale)
+fn about_flip(report: &Tradeoff) -> Markup {
+    html! {
+        b { "FLIP over device time, " }
+        "which weighs differences as an eye does while the two images alternate. "
+        @if report.surveyed.is_some() { "The fronts are those of FLIP." } @else {
+            "The front is that of FLIP. Values below " (power(FLIP_FLOOR)) ", equality included, are drawn there."
+        }
+    }
+}
+
+/// Numbers of a caption: powers of ten alone are floors.
+fn power(value: f64) -> Markup {
+    html! { "10" sup { "−" (-value.log10().round()) } }
 }
 
 /// A setting without what all methods' settings share: `samples=64` for `method.samples=64`.
@@ -109,7 +122,7 @@ fn index(names: &[String], method: &str) -> usize {
     names.iter().position(|name| name == method).unwrap_or(0)
 }
 
-fn error_over_time(report: &Tradeoff, floor: f64, label: &'static str, error: fn(&Errors) -> f64) -> Figure {
+fn error_over_time(report: &Tradeoff, y: Axis, error: fn(&Errors) -> f64) -> Figure {
     let names = surfaces::names(report.rows.iter());
     let series = |ladder: &Ladder<'_>| {
         // The panel's title already names the cloud.
@@ -124,37 +137,23 @@ fn error_over_time(report: &Tradeoff, floor: f64, label: &'static str, error: fn
         if let (Some(_), [_, between @ .., _]) = (&report.surveyed, points.as_mut_slice()) {
             between.iter_mut().for_each(|point| point.label.clear());
         }
-        Series { name: index(&names, &ladder.rows[0].method), points, note: String::new() }
+        Series::new(index(&names, &ladder.rows[0].method), points)
     };
     let all = ladders(report);
     let panel = |title: String, thinning: Option<u32>| {
         let is_in = |row: &Row| thinning.is_none_or(|one_of| row.thinning == one_of);
         let rows = report.rows.iter().filter(|row| is_in(row));
-        Panel {
-            title,
-            series: all.iter().filter(|ladder| is_in(ladder.rows[0])).map(series).collect(),
-            front: front(rows.map(|row| [row.gpu_ms.median, error(&row.errors)])),
-            is_guided: false,
-        }
+        let front = front(rows.map(|row| [row.gpu_ms.median, error(&row.errors)]));
+        Panel { front, ..Panel::new(title, all.iter().filter(|ladder| is_in(ladder.rows[0])).map(series)) }
     };
-    let x = Axis { label: "device time of a frame in ms", floor: TIME_FLOOR, steps: Steps::Tens };
+    let x = Axis::tens("device time of a frame in ms", TIME_FLOOR);
     if let Some(surveyed) = &report.surveyed {
         let of_cloud = |(thinning, points): &(u32, u64)| panel(surfaces::title(*thinning, *points), Some(*thinning));
         let panels = surveyed.clouds.iter().map(of_cloud).collect();
-        let y = Axis { label, floor, steps: Steps::Tens };
         return surfaces::side_by_side(names.clone(), x, y, panels);
     }
-    let panel = panel(String::new(), None);
-    Figure {
-        x,
-        y: Axis { label, floor, steps: Steps::Tens },
-        names,
-        guide: None,
-        front: "Pareto front",
-        panel: [WIDTH, 620],
-        columns: 1,
-        panels: vec![panel],
-    }
+    let panels = vec![panel(String::new(), None)];
+    Figure { front: "Pareto front", ..Figure::in_rows(620, names, x, y, panels) }
 }
 
 /// The first point of a ladder also names the key that varies.
@@ -180,15 +179,13 @@ fn front(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     points
 }
 
-/// Panels side by side.
-fn side_by_side(names: Vec<String>, x: &'static str, y: Axis, guide: Option<Guide>, panels: Vec<Panel>) -> Figure {
-    let columns = panels.len().clamp(1, 3);
-    let x = Axis { label: x, floor: 0.0, steps: Steps::Twos };
-    Figure { x, y, names, guide, front: "", panel: [WIDTH / columns as u32, 400], columns, panels }
+/// Panels of errors over the value of a setting.
+fn over_setting(names: Vec<String>, floor: f64, panels: Vec<Panel>) -> Figure {
+    Figure::in_rows(400, names, Axis::twos("value of the setting"), Axis::tens("RMSE", floor), panels)
 }
 
 /// RMSE over the ladders' settings: one panel for each key, those of stochastic methods first.
-fn convergence(report: &Tradeoff) -> Option<Figure> {
+fn convergence(report: &Tradeoff) -> Option<(Figure, Markup)> {
     if report.surveyed.is_some() {
         return None;
     }
@@ -199,57 +196,52 @@ fn convergence(report: &Tradeoff) -> Option<Figure> {
     ladders.sort_by_key(|ladder| !ladder.rows[0].stochastic);
     let mut names = surfaces::names(ladders.iter().map(|ladder| ladder.rows[0]));
     let key = |ladder: &Ladder<'_>| ladder.rows[0].step.as_ref().map(|(key, _)| key.clone()).unwrap_or_default();
-    let mut keys: Vec<String> = ladders.iter().map(key).collect();
     // Ladders of one key need not be adjacent.
-    let mut seen = Vec::new();
-    keys.retain(|key| {
-        !seen.contains(key) && {
-            seen.push(key.clone());
-            true
-        }
-    });
+    let keys = unique(ladders.iter().map(key));
     let series = |ladder: &Ladder<'_>| {
         let method = &ladder.rows[0].method;
         let is_law = |law: &PowerLaw| law.r_squared >= LAW_R_SQUARED;
         let turned = format!("{} {}", key(ladder), ladder.rest);
         let law = |c: &&Convergence| c.method == *method && c.key == turned.trim_end() && is_law(&c.rmse);
         let fitted = report.convergence.iter().find(law);
-        Series {
-            name: index(&names, method),
-            points: ladder.rows.iter().map(|row| Point::new(step(row), row.errors.rmse)).collect(),
-            note: fitted.map(|law| format!("slope {}", signed(law.rmse.exponent, 2))).unwrap_or_default(),
-        }
+        let note = fitted.map(|law| format!("slope {}", signed(law.rmse.exponent, 2))).unwrap_or_default();
+        let points = ladder.rows.iter().map(|row| Point::new(step(row), row.errors.rmse));
+        Series { note, ..Series::new(index(&names, method), points) }
     };
     let panel = |title: &String| {
         let of_key = ladders.iter().filter(|ladder| key(ladder) == *title);
         let is_guided = of_key.clone().any(|ladder| ladder.rows[0].stochastic);
-        Panel { title: title.clone(), series: of_key.map(series).collect(), front: Vec::new(), is_guided }
+        Panel { is_guided, ..Panel::new(title, of_key.map(series)) }
     };
     let mut panels: Vec<_> = keys.iter().map(panel).collect();
     if let (Some(analytic), Some(panel)) = (&report.analytic, panels.first_mut()) {
         panel.series.extend(blended(analytic, &report.rows, names.len()));
         names.extend(["against alpha blending".to_owned(), "expected of that".to_owned()]);
     }
-    let guide = Guide { name: "slope −1/2", exponent: -0.5 };
-    let y = Axis { label: "RMSE", floor: RMSE_FLOOR, steps: Steps::Tens };
-    (!panels.is_empty()).then(|| side_by_side(names, "value of the setting", y, Some(guide), panels))
+    let guide = Some(Guide { name: "slope −1/2", exponent: -0.5 });
+    let caption = html! {
+        b { "RMSE over the setting that changes. " }
+        "Errors of independent samples fall parallel to the dashed line. A slope is given where a power law explains "
+        (100.0 * LAW_R_SQUARED) " % of the variance. RMSE below " (power(RMSE_FLOOR))
+        " is drawn there."
+        @if report.analytic.is_some() { " The slope against alpha blending is that of settings that deal no point twice." }
+    };
+    (!panels.is_empty()).then(|| (Figure { guide, ..over_setting(names, RMSE_FLOOR, panels) }, caption))
 }
 
 /// Errors against the analytic image, measured and expected, with names that begin at an index.
 fn blended(analytic: &Analytic, rows: &[Row], name: usize) -> [Series; 2] {
     let found: Vec<_> = rows.iter().filter_map(|row| Some((step(row), row.rmse_analytic?))).collect();
     let slope = analytic.slope.map(|law| format!("slope {}", signed(law.exponent, 2)));
-    let expected = found.iter().map(|(step, _)| Point::new(*step, analytic.expected(*step))).collect();
-    let measured = found.iter().map(|(step, rmse)| Point::new(*step, *rmse)).collect();
+    let expected = found.iter().map(|(step, _)| Point::new(*step, analytic.expected(*step)));
+    let measured = found.iter().map(|(step, rmse)| Point::new(*step, *rmse));
     // Measured points are drawn on top.
-    [
-        Series { name: name + 1, points: expected, note: String::new() },
-        Series { name, points: measured, note: slope.unwrap_or_default() },
-    ]
+    let measured = Series { note: slope.unwrap_or_default(), ..Series::new(name, measured) };
+    [Series::new(name + 1, expected), measured]
 }
 
 /// The position of a zero bias: the power of ten below all noise and floors.
-pub(super) fn bias_floor(report: &Tradeoff) -> f64 {
+fn bias_floor(report: &Tradeoff) -> f64 {
     let repeats = report.rows.iter().filter_map(|row| row.repeats);
     let values = repeats.flat_map(|r| [r.noise, r.bias_floor]).filter(|value| *value > 0.0 && value.is_finite());
     let least = values.fold(1.0, f64::min);
@@ -257,23 +249,27 @@ pub(super) fn bias_floor(report: &Tradeoff) -> f64 {
 }
 
 /// Bias and noise over the ladders of stochastic methods: one panel for each.
-fn bias(report: &Tradeoff) -> Option<Figure> {
+fn bias(report: &Tradeoff) -> Option<(Figure, Markup)> {
     let panel = |ladder: Ladder<'_>| {
         let repeats = || ladder.rows.iter().filter(|row| step(row) > 0.0).filter_map(|r| Some((step(r), r.repeats?)));
         let (key, _) = ladder.rows[0].step.as_ref()?;
         let series = |name, value: fn(&super::Repeats) -> f64| {
-            let points = repeats().map(|(step, repeats)| Point::new(step, value(&repeats))).collect();
-            Series { name, points, note: String::new() }
+            Series::new(name, repeats().map(|(step, repeats)| Point::new(step, value(&repeats))))
         };
-        let series = vec![series(0, |r| r.noise), series(1, |r| r.bias), series(2, |r| r.bias_floor)];
+        let series = [series(0, |r| r.noise), series(1, |r| r.bias), series(2, |r| r.bias_floor)];
         let title = format!("{} over {key} {}", ladder.rows[0].method, ladder.rest);
         let has_points = repeats().next().is_some();
-        has_points.then(|| Panel { title: title.trim_end().to_owned(), series, front: Vec::new(), is_guided: false })
+        has_points.then(|| Panel::new(title.trim_end(), series))
     };
     let panels: Vec<_> = ladders(report).into_iter().filter_map(panel).collect();
     let names = ["noise of one image", "bias", "floor of the bias"].map(str::to_owned).to_vec();
-    let y = Axis { label: "RMSE", floor: bias_floor(report), steps: Steps::Tens };
-    (!panels.is_empty()).then(|| side_by_side(names, "value of the setting", y, None, panels))
+    let floor = bias_floor(report);
+    let caption = html! {
+        b { "Noise and bias of stochastic methods. " }
+        "Noise decreases with more images, bias stays. The floor is what noise alone leaves in the mean over the seeds: "
+        "a bias below it can't be distinguished from none. A bias below " (power(floor)) ", 0 included, is drawn there."
+    };
+    (!panels.is_empty()).then(|| (over_setting(names, floor, panels), caption))
 }
 
 #[cfg(test)]

@@ -127,28 +127,9 @@ mod tests {
 
     fn row(method: &str, setting: &str, ms: f64, rmse: f64, fragment_bytes: u64) -> Row {
         let spread = Spread { min: ms, median: ms, max: ms };
-        Row {
-            method: method.into(),
-            setting: setting.into(),
-            step: None,
-            stochastic: false,
-            gpu_ms: spread,
-            wall_ms: spread,
-            frames: 1,
-            peak_device_bytes: 0,
-            fragment_bytes,
-            errors: Errors { rmse, nmse: 0.0, psnr: None, ssim: 1.0, flip: 0.0, max: rmse, above_1_255: 0.0 },
-            repeats: None,
-            rmse_analytic: None,
-            holes: None,
-            rmse_inside: None,
-            look: None,
-            thinning: 1,
-            front: false,
-            picture: String::new(),
-            difference: String::new(),
-            passes: Vec::new(),
-        }
+        let errors = Errors { rmse, ssim: 1.0, max: rmse, ..Errors::default() };
+        let (method, setting) = (method.into(), setting.into());
+        Row { method, setting, gpu_ms: spread, fragment_bytes, errors, thinning: 1, ..Row::default() }
     }
 
     #[test]

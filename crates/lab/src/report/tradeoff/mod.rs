@@ -30,7 +30,7 @@ use super::stress::Spread;
 
 /// The error of an image against the reference, on composed linear R, G, B of all pixels; see
 /// [`pellucid_engine::metrics`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
     /// Root of the mean squared difference.
     pub rmse: f64,
@@ -63,7 +63,7 @@ pub struct Repeats {
 }
 
 /// Measurements of one method with one setting.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// The method's name.
     pub method: String,
@@ -109,6 +109,13 @@ pub struct Row {
     pub difference: String,
     /// Median device time of each pass, in the order of its first run.
     pub passes: Vec<(String, f64)>,
+}
+
+impl Row {
+    /// Method and setting, as one would say it.
+    pub fn name(&self) -> String {
+        format!("{} {}", self.method, figures::short(&self.setting)).trim_end().to_owned()
+    }
 }
 
 /// Amplification of the difference pictures.

@@ -6,29 +6,11 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Cause, Errors, Look, Reference, Repeats, Shaded};
+use super::{Cause, Reference, Row, Shaded};
 use pellucid_engine::atomic::Staged;
 use pellucid_engine::output;
 
 const NAME: &str = "tradeoff.partial.json";
-
-/// The first frames of a setting: its memory, its errors and its pictures.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Trial {
-    pub peak_device_bytes: u64,
-    pub fragment_bytes: u64,
-    pub errors: Errors,
-    pub repeats: Option<Repeats>,
-    pub rmse_analytic: Option<f64>,
-    pub holes: Option<f64>,
-    pub rmse_inside: Option<f64>,
-    #[serde(default)]
-    pub look: Option<Look>,
-    pub picture: String,
-    pub difference: String,
-    /// Host time of a frame whose buffers and shaders were ready.
-    pub seconds: f64,
-}
 
 /// A frame that was timed among those of the other settings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -43,7 +25,10 @@ pub(super) struct Timed {
 /// Results of a setting.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Measured {
-    pub trial: Trial,
+    /// Results of the first frames: all but times and the front.
+    pub row: Row,
+    /// Host time of a frame whose buffers and shaders were ready.
+    pub seconds: f64,
     pub frames: Vec<Timed>,
 }
 
@@ -80,7 +65,7 @@ impl Partial {
         let mut content = read().unwrap_or(Content { identity: identity.clone(), ..Content::default() });
         // Pictures may have been cleared away.
         content.settings.retain(|_, measured| {
-            [&measured.trial.picture, &measured.trial.difference].iter().all(|name| folder.join(name).is_file())
+            [&measured.row.picture, &measured.row.difference].iter().all(|name| folder.join(name).is_file())
         });
         content.sittings += 1;
         Self { folder: folder.to_owned(), content }
@@ -118,23 +103,14 @@ mod tests {
     fn only_what_belongs_to_the_same_scene_is_found_again() {
         let folder = tempfile::tempdir().unwrap();
         let mut partial = Partial::open(folder.path(), "a".to_owned());
-        let errors = Errors { rmse: 0.1, nmse: 0.0, psnr: None, ssim: 1.0, flip: 0.0, max: 0.0, above_1_255: 0.0 };
-        let trial = |picture: &str| Trial {
-            peak_device_bytes: 1,
-            fragment_bytes: 0,
-            errors,
-            repeats: None,
-            rmse_analytic: None,
-            holes: None,
-            rmse_inside: None,
-            look: None,
-            picture: picture.to_owned(),
-            difference: picture.to_owned(),
+        let measured = |picture: &str| Measured {
+            row: Row { picture: picture.to_owned(), difference: picture.to_owned(), ..Row::default() },
             seconds: 0.25,
+            frames: Vec::new(),
         };
         std::fs::write(folder.path().join("there.png"), "").unwrap();
         for (key, picture) in [("kept", "there.png"), ("lost", "gone.png")] {
-            partial.content.settings.insert(key.to_owned(), Measured { trial: trial(picture), frames: Vec::new() });
+            partial.content.settings.insert(key.to_owned(), measured(picture));
         }
         partial.save().unwrap();
         let again = Partial::open(folder.path(), "a".to_owned());

@@ -5,40 +5,21 @@ use super::partial::Measured;
 use super::{Convergence, Row};
 use crate::report::fit::power_law;
 use crate::report::stress::Spread;
+use crate::report::unique;
 use pellucid_engine::profile::median;
 use pellucid_session::candidates::Setting;
 
 /// A row without its place on the front.
-pub(super) fn row(setting: &Setting, measured: &Measured) -> Row {
-    let Measured { trial, frames } = measured;
-    let mut names: Vec<&str> = Vec::new();
-    for (name, _) in frames.iter().flat_map(|frame| &frame.passes) {
-        if !names.contains(&name.as_str()) {
-            names.push(name);
-        }
-    }
-    let times = |name| frames.iter().flat_map(|f| &f.passes).filter(move |pass| pass.0 == name).map(|pass| pass.1);
+pub(super) fn row(Measured { row, frames, .. }: &Measured) -> Row {
+    let passes = || frames.iter().flat_map(|frame| &frame.passes);
+    let time = |name: &str| median(passes().filter(|pass| pass.0 == name).map(|pass| pass.1).collect());
+    let names = unique(passes().map(|pass| &pass.0));
     Row {
-        method: setting.method.name().to_owned(),
-        setting: setting.text.clone(),
-        step: setting.step.map(|(key, value)| (key.to_owned(), value)),
-        thinning: setting.thinning,
-        stochastic: setting.is_stochastic(),
         gpu_ms: Spread::from_values(frames.iter().map(|frame| frame.gpu_ms).collect()),
         wall_ms: Spread::from_values(frames.iter().map(|frame| frame.wall_ms).collect()),
         frames: frames.len(),
-        peak_device_bytes: trial.peak_device_bytes,
-        fragment_bytes: trial.fragment_bytes,
-        errors: trial.errors,
-        repeats: trial.repeats,
-        rmse_analytic: trial.rmse_analytic,
-        holes: trial.holes,
-        rmse_inside: trial.rmse_inside,
-        look: trial.look,
-        front: false,
-        picture: trial.picture.clone(),
-        difference: trial.difference.clone(),
-        passes: names.into_iter().map(|name| (name.to_owned(), median(times(name).collect()))).collect(),
+        passes: names.into_iter().map(|name| (name.clone(), time(name))).collect(),
+        ..row.clone()
     }
 }
 
@@ -72,17 +53,14 @@ pub(super) fn frames(costs: &[f64], most: usize, allowed: f64) -> Vec<usize> {
 /// Slopes of every ladder with at least three rows; `rows` are those of `settings`.
 pub(super) fn convergence(settings: &[Setting], rows: &[Row]) -> Vec<Convergence> {
     let mut found: Vec<Convergence> = Vec::new();
-    let mut done: Vec<&str> = Vec::new();
-    for first in settings {
+    for series in unique(settings.iter().map(|setting| &setting.series)) {
+        let has_step = |setting: &&Setting| setting.series == *series && setting.step.is_some();
+        let Some(first) = settings.iter().find(has_step) else { continue };
         let Some((key, value)) = first.step else { continue };
-        if done.contains(&first.series.as_str()) {
-            continue;
-        }
-        done.push(&first.series);
         let ladder: Vec<(f64, &Row)> = settings
             .iter()
             .zip(rows)
-            .filter(|(setting, _)| setting.series == first.series)
+            .filter(|(setting, _)| setting.series == *series)
             .filter_map(|(setting, row)| Some((setting.step?.1, row)))
             .collect();
         let over_steps: Vec<_> = ladder.iter().map(|(step, row)| (*step, row.errors.rmse)).collect();
@@ -102,27 +80,14 @@ pub(super) fn convergence(settings: &[Setting], rows: &[Row]) -> Vec<Convergence
 mod tests {
     use super::*;
     use crate::report::tradeoff::Errors;
-    use crate::report::tradeoff::partial::{Timed, Trial};
+    use crate::report::tradeoff::partial::Timed;
     use pellucid_engine::scene::Discs;
     use pellucid_session::candidates::{Formation, Ladders, Occasion, settings};
 
     fn measured(times: &[f64], rmse: f64) -> Measured {
-        let errors = Errors { rmse, nmse: 0.0, psnr: None, ssim: 1.0, flip: 0.0, max: 0.0, above_1_255: 0.0 };
-        let trial = Trial {
-            peak_device_bytes: 5,
-            fragment_bytes: 0,
-            errors,
-            repeats: None,
-            rmse_analytic: None,
-            holes: None,
-            rmse_inside: None,
-            look: None,
-            picture: String::new(),
-            difference: String::new(),
-            seconds: 0.0,
-        };
+        let row = Row { errors: Errors { rmse, ..Errors::default() }, ..Row::default() };
         let frame = |ms: &f64| Timed { sitting: 1, gpu_ms: *ms, wall_ms: 2.0 * ms, passes: vec![("a/b".into(), *ms)] };
-        Measured { trial, frames: times.iter().map(frame).collect() }
+        Measured { row, seconds: 0.0, frames: times.iter().map(frame).collect() }
     }
 
     fn all() -> Vec<Setting> {
@@ -133,7 +98,7 @@ mod tests {
 
     #[test]
     fn rows_hold_medians() {
-        let row = row(&all()[0], &measured(&[3.0, 1.0, 2.0], 0.0));
+        let row = row(&measured(&[3.0, 1.0, 2.0], 0.0));
         assert_eq!((row.gpu_ms.min, row.gpu_ms.median, row.wall_ms.max, row.frames), (1.0, 2.0, 6.0, 3));
         assert_eq!(row.passes, [("a/b".to_owned(), 2.0)]);
     }
@@ -141,7 +106,7 @@ mod tests {
     #[test]
     fn the_front_is_what_nothing_beats() {
         let places = [(1.0, 0.5), (2.0, 0.5), (2.0, 0.1), (3.0, 0.2), (4.0, 0.0), (4.0, 0.0), (0.5, 0.9)];
-        let mut rows: Vec<Row> = places.map(|(ms, rmse)| row(&all()[0], &measured(&[ms], rmse))).into();
+        let mut rows: Vec<Row> = places.map(|(ms, rmse)| row(&measured(&[ms], rmse))).into();
         mark_front(&mut rows);
         let front: Vec<bool> = rows.iter().map(|row| row.front).collect();
         // Of two equal rows neither dominates.
@@ -166,7 +131,7 @@ mod tests {
             .iter()
             .map(|setting| {
                 let samples = setting.step.unwrap().1;
-                row(setting, &measured(&[samples], 0.5 / samples.sqrt()))
+                row(&measured(&[samples], 0.5 / samples.sqrt()))
             })
             .collect();
         let found = convergence(&settings, &rows);

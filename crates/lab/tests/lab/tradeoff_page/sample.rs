@@ -185,15 +185,9 @@ fn row(method: &str, step: Option<(&str, f64)>, ms: f64, rmse: f64, mib: u64) ->
             above_1_255: (9.0 * rmse).min(1.0),
         },
         repeats,
-        rmse_analytic: None,
-        holes: None,
-        rmse_inside: None,
-        look: None,
         thinning: 1,
-        front: false,
-        picture: String::new(),
-        difference: String::new(),
         passes: vec![("project/splats".into(), 0.2 * ms), (format!("{method}/blend"), 0.8 * ms)],
+        ..Row::default()
     }
 }
 

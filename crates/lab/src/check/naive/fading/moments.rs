@@ -126,7 +126,7 @@ mod tests {
     use pellucid_engine::scene::MomentCount;
 
     use super::*;
-    use crate::check::stage::dot;
+    use crate::check::stage::{dot, fragments};
 
     fn is_close(found: &[f32], wanted: &[f32]) -> bool {
         let mut found = found.to_vec();
@@ -149,11 +149,8 @@ mod tests {
     /// roundings.
     #[test]
     fn smooth_distributions_are_as_in_float64() {
-        use pellucid_engine::reference::abuffer::Fragment;
         let dots: Vec<Dot> = (0..24).map(|i| dot(1.1f64.powi(i), Vec3::splat(i as f32 / 24.0), 0.2)).collect();
-        let fragment = |(i, dot): (usize, &Dot)| Fragment { z: -dot.position.z, index: i as u32, alpha: 0.2f32.into() };
-        let list: Vec<Fragment> = dots.iter().enumerate().map(fragment).collect();
-        let colors: Vec<_> = dots.iter().map(|dot| dot.color.as_dvec3()).collect();
+        let (list, colors) = fragments(&dots);
         for moments in MomentCount::ALL {
             let settings = Moments { moments, ..Moments::default() };
             let wanted = pellucid_engine::reference::moments::moments(&list, &colors, [1.0, 10.0], &settings);

@@ -4,14 +4,13 @@
 mod measure;
 mod rows;
 mod table;
-mod text;
 
 use serde::{Deserialize, Serialize};
 
 pub(super) use measure::{Effort, measure};
 pub(super) use rows::{Change, changes};
-pub(super) use table::{csv, page};
-pub use text::causes_table;
+pub use table::causes_table;
+pub(super) use table::page;
 
 /// The image of `abuffer` with one thing changed, or that of `hybrid`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -37,22 +37,8 @@ pub(in super::super) struct Change {
 /// harmonics.
 pub(in super::super) fn changes(discs: &Discs, order: Order, degree: u32, projection: &Projection) -> Vec<Change> {
     let own = discs.gaussians;
-    let of = |cause, setting: &str, meaning: &str, settings| Change {
-        cause,
-        setting: setting.to_owned(),
-        against: "",
-        meaning: meaning.to_owned(),
-        settings,
-        base: None,
-        degree: None,
-        core_alpha_min: None,
-    };
-    let mut all = vec![of(
-        "the exact image",
-        "",
-        "The exact image, rendered once more: compare the times below with its time.",
-        own,
-    )];
+    let about = "The exact image, rendered once more: compare the times below with its time.";
+    let mut all = vec![of("the exact image", "", about, own)];
     // Ellipsoids are entered and left: neither one depth nor a fainter rim.
     let has_rims = own.kernel != Kernel::Ellipsoid;
     all.extend(orders(order).filter(|_| has_rims).map(|(changed, cause, meaning)| {
@@ -73,11 +59,25 @@ pub(in super::super) fn changes(discs: &Discs, order: Order, degree: u32, projec
         let meaning = "What is lost if a pixel ends once less than a ten-thousandth of the light is left, as in the original renderer.";
         all.push(of("early end", "method.stop=1e-4", meaning, GaussianSettings { stop: EARLY_END, ..own }));
     }
-    all.extend(projections(&own, projection, of));
+    all.extend(projections(&own, projection));
     // Methods of other lists refuse ellipsoids.
     all.extend(hybrids(own).filter(|_| has_rims));
-    all.extend((0..degree).map(|less| Change { degree: Some(less), ..of_degree(own, less) }));
+    all.extend((0..degree).map(|less| of_degree(own, less)));
     all
+}
+
+/// A change of the settings, compared with the exact image.
+fn of(cause: &'static str, setting: &str, meaning: &str, settings: GaussianSettings) -> Change {
+    Change {
+        cause,
+        setting: setting.to_owned(),
+        against: "",
+        meaning: meaning.to_owned(),
+        settings,
+        base: None,
+        degree: None,
+        core_alpha_min: None,
+    }
 }
 
 /// The other orders, what they change, and what that means.
@@ -105,11 +105,7 @@ fn orders(own: Order) -> impl Iterator<Item = (Order, &'static str, &'static str
 }
 
 /// Changes of how a Gaussian comes to the screen.
-fn projections(
-    own: &GaussianSettings,
-    projection: &Projection,
-    of: impl Fn(&'static str, &str, &str, GaussianSettings) -> Change,
-) -> Vec<Change> {
+fn projections(own: &GaussianSettings, projection: &Projection) -> Vec<Change> {
     let other = |kernel| GaussianSettings { kernel, ..*own };
     let along_rays = of(
         "kernel ray",
@@ -184,18 +180,12 @@ fn hybrids(own: GaussianSettings) -> impl Iterator<Item = Change> {
              (Hahlbohm et al. 2025).",
         ),
     ];
-    all.into_iter().map(move |(cause, least, meaning)| Change {
-        cause,
-        setting: match least {
+    all.into_iter().map(move |(cause, least, meaning)| {
+        let setting = match least {
             0.0 => "method.name=hybrid".to_owned(),
             _ => format!("method.name=hybrid method.core_alpha_min={least}"),
-        },
-        against: "",
-        meaning: meaning.to_owned(),
-        settings: own,
-        base: None,
-        degree: None,
-        core_alpha_min: Some(least),
+        };
+        Change { core_alpha_min: Some(least), ..of(cause, &setting, meaning, own) }
     })
 }
 
@@ -204,16 +194,7 @@ fn of_degree(own: GaussianSettings, degree: u32) -> Change {
         0 => "One color for every direction: the gloss and reflections that are lost without any harmonics.".to_owned(),
         _ => format!("The gloss and reflections that are lost with harmonics only up to degree {degree}."),
     };
-    Change {
-        cause: "harmonics",
-        setting: format!("cloud.*.sh_degree={degree}"),
-        against: "",
-        meaning,
-        settings: own,
-        base: None,
-        degree: Some(degree),
-        core_alpha_min: None,
-    }
+    Change { degree: Some(degree), ..of("harmonics", &format!("cloud.*.sh_degree={degree}"), &meaning, own) }
 }
 
 /// 1/255 as such, anything else as a number.

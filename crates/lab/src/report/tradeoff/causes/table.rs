@@ -1,75 +1,23 @@
 //! The causes of errors as tables.
 
-use std::io::{self, Write};
-
 use maud::{Markup, html};
-use serde::Serialize;
 
 use super::Cause;
-use crate::report::page::{Column, digits, table};
+use crate::report::page::{Table, digits};
 use crate::report::tradeoff::figures::short;
 use crate::report::tradeoff::page::{error, percent};
 
-/// A line of `causes.csv`.
-#[derive(Debug, Serialize)]
-struct Line<'a> {
-    cause: &'a str,
-    setting: &'a str,
-    against: &'a str,
-    rmse: f64,
-    flip: f64,
-    max: f64,
-    above_1_255: f64,
-    gpu_ms: f64,
-    difference: &'a str,
-    meaning: &'a str,
-}
-
-/// The table for programs.
-pub(in super::super) fn csv(causes: &[Cause], file: impl Write) -> io::Result<()> {
-    let mut writer = csv::Writer::from_writer(file);
-    for cause in causes {
-        let line = Line {
-            cause: &cause.cause,
-            setting: &cause.setting,
-            against: &cause.against,
-            rmse: cause.rmse,
-            flip: cause.flip,
-            max: cause.max,
-            above_1_255: cause.above_1_255,
-            gpu_ms: cause.gpu_ms,
-            difference: &cause.difference,
-            meaning: &cause.meaning,
-        };
-        writer.serialize(line).map_err(io::Error::other)?;
-    }
-    writer.flush()
-}
-
 /// The section of the page; nothing without causes.
 pub(in super::super) fn page(causes: &[Cause]) -> Markup {
-    let columns = [
-        Column::text("cause"),
-        Column::text("setting"),
-        Column::number("RMSE"),
-        Column::number("FLIP"),
-        Column::number("largest"),
-        Column::number("% off"),
-        Column::number("ms"),
-        Column::text("what it means"),
-    ];
-    let row = |cause: &Cause| {
-        vec![
-            cause.cause.clone(),
-            changed(cause),
-            error(cause.rmse),
-            error(cause.flip),
-            error(cause.max),
-            percent(cause.above_1_255),
-            digits(cause.gpu_ms),
-            cause.meaning.clone(),
-        ]
-    };
+    let table = Table::new(causes)
+        .text("cause", |cause| &cause.cause)
+        .text("setting", changed)
+        .number("RMSE", error, |cause| cause.rmse)
+        .number("FLIP", error, |cause| cause.flip)
+        .number("largest", error, |cause| cause.max)
+        .number("% off", percent, |cause| cause.above_1_255)
+        .number("ms", digits, |cause| cause.gpu_ms)
+        .text("what it means", |cause| &cause.meaning);
     html! {
         @if !causes.is_empty() {
             h2 { "Error by cause" }
@@ -80,13 +28,31 @@ pub(in super::super) fn page(causes: &[Cause]) -> Markup {
                 "share of pixels with a channel off by more than 1/255; times are the shorter of two frames. "
                 code { "cause-….png" } " beside this page show where the differences are."
             }
-            div.sentences { (table(&columns, &causes.iter().map(row).collect::<Vec<_>>())) }
+            div.sentences { (table.html()) }
         }
     }
 }
 
+/// The causes and their figures as a table for a terminal, without what they mean; empty without causes.
+pub fn causes_table(causes: &[Cause]) -> String {
+    if causes.is_empty() {
+        return String::new();
+    }
+    let error = |value: f64| format!("{value:.2e}");
+    let table = Table::new(causes)
+        .text("cause", |cause| &cause.cause)
+        .text("changed", changed)
+        .number("RMSE", error, |cause| cause.rmse)
+        .number("FLIP", error, |cause| cause.flip)
+        .number("largest", error, |cause| cause.max)
+        .number("> 1/255", |share| format!("{:.2}%", 100.0 * share), |cause| cause.above_1_255)
+        .number("ms", |ms| format!("{ms:.2}"), |cause| cause.gpu_ms);
+    let about = "by cause: the exact image of this kernel and order, compared with itself with one thing changed";
+    format!("{about}\n{}\n", table.terminal())
+}
+
 /// The setting, and what it is compared with if that is not the scene's image.
-pub(super) fn changed(cause: &Cause) -> String {
+fn changed(cause: &Cause) -> String {
     match cause.against.as_str() {
         "" => short(&cause.setting),
         against => format!("{} against {}", short(&cause.setting), short(against)),

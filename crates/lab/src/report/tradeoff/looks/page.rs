@@ -7,9 +7,9 @@ use pellucid_engine::output;
 
 use super::super::pictures::{cropped, read, uri};
 use super::super::{DIFFERENCE_GAIN, Tradeoff};
-use super::text::{name, sentences};
+use super::text::sentences;
 use super::{Look, Worst, shown};
-use crate::report::page::{Column, digits, table};
+use crate::report::page::{Table, digits};
 use crate::report::tradeoff::page::{error, percent};
 
 /// Pixels of the page across one of a crop.
@@ -37,30 +37,24 @@ impl Crops {
 /// The section; nothing without approximations.
 pub(in super::super) fn section(report: &Tradeoff, crops: &Crops) -> Markup {
     let shown = shown(report);
-    let columns = [
-        Column::text("method"),
-        Column::number("bias"),
-        Column::number("even %"),
-        Column::number("leak %"),
-        Column::number("ghost %"),
-        Column::number("noise %"),
-        Column::number("RMSE"),
-    ];
-    let line = |(_, row, look): &(usize, &super::Row, Look)| {
-        let share = |share: f64| if share < 0.0 { format!("−{}", percent(-share)) } else { percent(share) };
-        let leak = look.leak.map_or_else(String::new, share);
-        let shares = [share(look.even), leak, share(look.ghost), share(look.noise)];
-        [vec![name(row), signed(look.bias)], shares.to_vec(), vec![error(row.errors.rmse)]].concat()
-    };
+    let share = |share: f64| if share < 0.0 { format!("−{}", percent(-share)) } else { percent(share) };
+    let table = Table::new(&shown)
+        .text("method", |(_, row, _)| row.name())
+        .number("bias", signed, |(.., look)| look.bias)
+        .number("even %", share, |(.., look)| look.even)
+        .number("leak %", share, |(.., look)| look.leak)
+        .number("ghost %", share, |(.., look)| look.ghost)
+        .number("noise %", share, |(.., look)| look.noise)
+        .number("RMSE", error, |(_, row, _)| row.errors.rmse);
     html! {
         @if !shown.is_empty() {
             h2 { "How errors look" }
             (definitions())
-            (table(&columns, &shown.iter().map(line).collect::<Vec<_>>()))
+            (table.html())
             @for ((_, row, look), crops) in shown.iter().zip(&crops.0) {
                 @let [size, parts] = sentences(row, look);
                 div.look {
-                    h3 { (name(row)) }
+                    h3 { (row.name()) }
                     p { (size) " " (parts) }
                     (around(look, crops))
                 }

@@ -1,7 +1,6 @@
 //! Description of an error in two sentences.
 
 use super::super::Row;
-use super::super::figures::short;
 use super::super::page::error;
 use super::Look;
 
@@ -11,11 +10,6 @@ const LEAST_SHOWN: f64 = 0.5 / 255.0;
 const LEAST_SHARE: f64 = 0.05;
 /// A bias that is a smaller part of the RMSE is none to speak of.
 const LEAST_BIAS: f64 = 0.1;
-
-/// Method and setting, as one would say it.
-pub(super) fn name(row: &Row) -> String {
-    format!("{} {}", row.method, short(&row.setting)).trim_end().to_owned()
-}
 
 /// Returns a sentence about the size and the sign of the error, and a sentence about its parts.
 pub(super) fn sentences(row: &Row, look: &Look) -> [String; 2] {
@@ -65,7 +59,6 @@ fn joined(parts: &[String]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::stress::Spread;
     use crate::report::tradeoff::Errors;
     use crate::report::tradeoff::looks::Worst;
 
@@ -74,29 +67,8 @@ mod tests {
     }
 
     fn row(rmse: f64, max: f64) -> Row {
-        let spread = Spread { min: 1.0, median: 1.0, max: 1.0 };
-        Row {
-            method: "moments".into(),
-            setting: "method.moments=8".into(),
-            step: None,
-            thinning: 1,
-            stochastic: false,
-            gpu_ms: spread,
-            wall_ms: spread,
-            frames: 1,
-            peak_device_bytes: 0,
-            fragment_bytes: 0,
-            errors: Errors { rmse, nmse: 0.0, psnr: None, ssim: 1.0, flip: 0.0, max, above_1_255: 0.0 },
-            repeats: None,
-            rmse_analytic: None,
-            holes: None,
-            rmse_inside: None,
-            look: None,
-            front: false,
-            picture: String::new(),
-            difference: String::new(),
-            passes: Vec::new(),
-        }
+        let errors = Errors { rmse, max, ..Errors::default() };
+        Row { method: "moments".into(), setting: "method.moments=8".into(), errors, ..Row::default() }
     }
 
     #[test]
@@ -116,6 +88,6 @@ mod tests {
         let [size, what] = sentences(&row(0.02, 0.3), &look(0.02, [1.0, 0.0, 0.0, 0.0]));
         assert!(size.contains("too bright by 0.0200"), "{size}");
         assert_eq!(what, "Its squared error is 100 % an even shift (the same everywhere).");
-        assert_eq!(name(&row(0.0, 0.0)), "moments moments=8");
+        assert_eq!(row(0.0, 0.0).name(), "moments moments=8");
     }
 }

@@ -274,7 +274,7 @@ impl Run<'_> {
         let Self { device, subject, options, partial, made, analytic, surveyed, skipped, .. } = self;
         let facts = made.facts;
         let content = partial.content;
-        let row = |setting: &Setting| summary::row(setting, &content.settings[&setting.key()]);
+        let row = |setting: &Setting| summary::row(&content.settings[&setting.key()]);
         let mut rows: Vec<Row> = settings.iter().map(row).collect();
         summary::mark_front(&mut rows);
         // An image of one sample in a pixel tends to no reference with many.

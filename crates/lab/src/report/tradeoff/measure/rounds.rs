@@ -76,7 +76,7 @@ impl Run<'_> {
     /// time, and one for those that are timed alone. Without an end it depends only on the trials, so that an
     /// interrupted run arrives at the same numbers.
     fn wanted(&self, settings: &[Setting]) -> BTreeMap<String, usize> {
-        let seconds = |setting: &Setting| self.partial.content.settings[&setting.key()].trial.seconds;
+        let seconds = |setting: &Setting| self.partial.content.settings[&setting.key()].seconds;
         let most = self.options.seconds / ALONE_SHARE;
         let (in_turns, alone): (Vec<&Setting>, Vec<&Setting>) = settings.iter().partition(|s| seconds(s) <= most);
         let costs: Vec<f64> = in_turns.iter().map(|setting| seconds(setting)).collect();
@@ -87,7 +87,7 @@ impl Run<'_> {
     }
 
     fn peak(&self, setting: &Setting) -> u64 {
-        self.partial.content.settings[&setting.key()].trial.peak_device_bytes
+        self.partial.content.settings[&setting.key()].row.peak_device_bytes
     }
 }
 

@@ -10,9 +10,9 @@ use pellucid_engine::prepare::Arranged;
 
 use super::limit::{self, Account, Spent};
 use super::{ALONE_SHARE, FRAME_SHARE, Options, Run};
-use crate::report::tradeoff::partial::{Measured, Timed, Trial};
+use crate::report::tradeoff::partial::{Measured, Timed};
 use crate::report::tradeoff::repeats::Seeds;
-use crate::report::tradeoff::{DIFFERENCE_GAIN, Errors, analytic};
+use crate::report::tradeoff::{DIFFERENCE_GAIN, Errors, Row, analytic};
 use pellucid_session::candidates::Setting;
 
 /// The images of a stochastic setting take at most 1/`SEEDS_SHARE` of the time, beyond the two that it needs.
@@ -54,7 +54,7 @@ impl Run<'_> {
         match self.first_frames(setting) {
             Ok(measured) => {
                 self.device.check_validation()?;
-                self.tried.push(Spent { frame: measured.trial.seconds, whole: begin.elapsed().as_secs_f64() });
+                self.tried.push(Spent { frame: measured.seconds, whole: begin.elapsed().as_secs_f64() });
                 self.partial.content.settings.insert(setting.key(), measured);
                 self.partial.save()?;
                 Ok(true)
@@ -84,8 +84,8 @@ impl Run<'_> {
     }
 
     /// The first frames of a setting, if they are there.
-    fn first(&self, setting: &Setting) -> Option<&Trial> {
-        Some(&self.partial.content.settings.get(&setting.key())?.trial)
+    fn first(&self, setting: &Setting) -> Option<&Measured> {
+        self.partial.content.settings.get(&setting.key())
     }
 
     /// Returns the reason why a setting does not fit the time that is left for everything; `frame` are the predicted
@@ -111,11 +111,11 @@ impl Run<'_> {
         if seconds > most {
             return Some(format!("{about} one may take {most:.1} s"));
         }
-        let images = |trial: &Trial| trial.repeats.as_ref().map_or(2, |repeats| repeats.seeds.max(2));
+        let images = |first: &Measured| first.row.repeats.map_or(2, |repeats| repeats.seeds.max(2));
         let spent: f64 = before
             .iter()
             .filter_map(|other| self.first(other))
-            .map(|trial| f64::from(images(trial)) * trial.seconds)
+            .map(|first| f64::from(images(first)) * first.seconds)
             .sum();
         // Two of them, as of every setting.
         let left = TRIALS_SHARE * all - spent;
@@ -159,7 +159,12 @@ impl Run<'_> {
         // Written last, so that a skipped setting leaves no pictures.
         let [picture, difference] = self.pictures(setting, &image)?;
         let Facts { peak_device_bytes, fragment_bytes, .. } = first.facts;
-        let trial = Trial {
+        let row = Row {
+            method: setting.method.name().to_owned(),
+            setting: setting.text.clone(),
+            step: setting.step.map(|(key, value)| (key.to_owned(), value)),
+            thinning: setting.thinning,
+            stochastic: setting.is_stochastic(),
             peak_device_bytes,
             fragment_bytes,
             errors,
@@ -170,9 +175,9 @@ impl Run<'_> {
             look,
             picture,
             difference,
-            seconds,
+            ..Row::default()
         };
-        Ok(Measured { trial, frames })
+        Ok(Measured { row, seconds, frames })
     }
 
     /// Renders like [`Run::render`], but shuffles points into other ensembles: their choice is as random as the

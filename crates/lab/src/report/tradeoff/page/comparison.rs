@@ -5,7 +5,6 @@ use maud::{Markup, html};
 use super::{Row, Tradeoff, error};
 use crate::report::page::digits;
 use crate::report::tradeoff::DIFFERENCE_GAIN;
-use crate::report::tradeoff::figures::short;
 use crate::report::tradeoff::pictures::Pictures;
 
 /// The picture of a row over the reference, and the difference. The row with the median error is chosen at first, and
@@ -70,7 +69,7 @@ fn choices(report: &Tradeoff, pictures: &Pictures, chosen: usize) -> Markup {
             @for (index, (row, [picture, difference])) in report.rows.iter().zip(&pictures.rows).enumerate() {
                 option data-picture=(picture) data-difference=(difference) data-facts=(about_row(row))
                     selected[index == chosen] {
-                    (name(row)) " — RMSE " (error(row.errors.rmse)) ", " (digits(row.gpu_ms.median)) " ms"
+                    (row.name()) " — RMSE " (error(row.errors.rmse)) ", " (digits(row.gpu_ms.median)) " ms"
                 }
             }
         }
@@ -81,7 +80,7 @@ fn about_row(row: &Row) -> String {
     let Row { errors, gpu_ms, .. } = row;
     format!(
         "{}: RMSE {}, FLIP {}, largest error {}, {} ms; full size in {} and {}",
-        name(row),
+        row.name(),
         error(errors.rmse),
         error(errors.flip),
         error(errors.max),
@@ -89,9 +88,4 @@ fn about_row(row: &Row) -> String {
         row.picture,
         row.difference,
     )
-}
-
-/// Method and setting, as one would say it.
-fn name(row: &Row) -> String {
-    format!("{} {}", row.method, short(&row.setting)).trim_end().to_owned()
 }

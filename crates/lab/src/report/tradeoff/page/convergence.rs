@@ -3,57 +3,41 @@
 use maud::{Markup, html};
 
 use super::{Row, Tradeoff, error};
-use crate::report::page::{Cell, Column, Line, digits, sortable, table};
+use crate::report::page::{Table, count, digits};
 use crate::report::tradeoff::figures::{short, signed};
-use crate::report::tradeoff::{Analytic, Convergence};
+use crate::report::tradeoff::{Analytic, Repeats};
 
 pub(super) fn convergence(report: &Tradeoff) -> Markup {
-    let columns = [
-        Column::text("method"),
-        Column::text("over"),
-        Column::number("slope of RMSE"),
-        Column::number("R²"),
-        Column::number("slope of RMSE over time"),
-        Column::number("R²"),
-        Column::number("settings"),
-    ];
-    let row = |c: &Convergence| {
-        vec![
-            c.method.clone(),
-            c.key.clone(),
-            signed(c.rmse.exponent, 3),
-            format!("{:.3}", c.rmse.r_squared),
-            signed(c.over_time.exponent, 3),
-            format!("{:.3}", c.over_time.r_squared),
-            c.rows.to_string(),
-        ]
-    };
-    let rows: Vec<_> = report.convergence.iter().map(row).collect();
+    let [slope, explained] = [|slope: f64| signed(slope, 3), |share: f64| format!("{share:.3}")];
+    let table = Table::new(&report.convergence)
+        .text("method", |found| &found.method)
+        .text("over", |found| &found.key)
+        .number("slope of RMSE", slope, |found| found.rmse.exponent)
+        .number("R²", explained, |found| found.rmse.r_squared)
+        .number("slope of RMSE over time", slope, |found| found.over_time.exponent)
+        .number("R²", explained, |found| found.over_time.r_squared)
+        .number("settings", count, |found| found.rows as f64);
     html! {
-        @if rows.is_empty() { p { "No method has three settings on a ladder." } } @else {
+        @if report.convergence.is_empty() { p { "No method has three settings on a ladder." } } @else {
             p {
                 "Slopes of RMSE, both axes logarithmic, by least squares: −0.5 is what independent samples give. A law "
                 "with R² far from 1 does not hold."
             }
-            (table(&columns, &rows))
+            (table.html())
         }
     }
 }
 
 /// Errors against alpha blending of planes.
 pub(super) fn blended(report: &Tradeoff, analytic: &Analytic) -> Markup {
-    let columns = [
-        Column::text("setting"),
-        Column::number("ms"),
-        Column::number("RMSE against the reference"),
-        Column::number("against alpha blending"),
-        Column::number("expected"),
-    ];
-    let row = |row: &Row| {
-        let (_, count) = row.step.as_ref()?;
-        let numbers = [digits(row.gpu_ms.median), error(row.errors.rmse), error(row.rmse_analytic?)];
-        Some([vec![short(&row.setting)], numbers.to_vec(), vec![error(analytic.expected(*count))]].concat())
-    };
+    let expected = |row: &Row| row.step.as_ref().map(|(_, count)| analytic.expected(*count));
+    let rows = report.rows.iter().filter(|row| row.step.is_some() && row.rmse_analytic.is_some());
+    let table = Table::new(rows)
+        .text("setting", |row| short(&row.setting))
+        .number("ms", digits, |row| row.gpu_ms.median)
+        .number("RMSE against the reference", error, |row| row.errors.rmse)
+        .number("against alpha blending", error, |row| row.rmse_analytic)
+        .number("expected", error, expected);
     let list = |values: &[f64]| values.iter().map(|value| digits(*value)).collect::<Vec<_>>().join(", ");
     html! {
         h3 { "Against alpha blending" }
@@ -65,44 +49,29 @@ pub(super) fn blended(report: &Tradeoff, analytic: &Analytic) -> Markup {
             ". Beyond that, the random number of points on a pixel remains: " (error(analytic.floor))
             " is the error of the reference itself, " (error(analytic.expected_floor)) " is expected."
         }
-        (table(&columns, &report.rows.iter().filter_map(row).collect::<Vec<_>>()))
+        (table.html())
     }
 }
 
 pub(super) fn bias(report: &Tradeoff) -> Markup {
-    let columns = [
-        Column::text("method"),
-        Column::text("setting"),
-        Column::number("seeds"),
-        Column::number("RMSE"),
-        Column::number("noise"),
-        Column::number("bias"),
-        Column::number("floor of the bias"),
-        Column::text("bias seen"),
-    ];
-    let line = |row: &Row| {
-        let repeats = row.repeats?;
-        let number = |value| Cell::number(value, error);
-        let cells = vec![
-            Cell::text(&row.method),
-            Cell::text(short(&row.setting)),
-            Cell::number(repeats.seeds.into(), |seeds| seeds.to_string()),
-            number(row.errors.rmse),
-            number(repeats.noise),
-            number(repeats.bias),
-            number(repeats.bias_floor),
-            Cell::text(if repeats.bias > repeats.bias_floor { "yes" } else { "no" }),
-        ];
-        Some(Line { cells, is_marked: false })
-    };
-    let lines: Vec<_> = report.rows.iter().filter_map(line).collect();
+    let repeats = report.rows.iter().filter_map(|row| Some((row, row.repeats?)));
+    let repeats: Vec<(&Row, Repeats)> = repeats.collect();
+    let table = Table::new(&repeats)
+        .text("method", |(row, _)| &row.method)
+        .text("setting", |(row, _)| short(&row.setting))
+        .number("seeds", count, |(_, repeats)| f64::from(repeats.seeds))
+        .number("RMSE", error, |(row, _)| row.errors.rmse)
+        .number("noise", error, |(_, repeats)| repeats.noise)
+        .number("bias", error, |(_, repeats)| repeats.bias)
+        .number("floor of the bias", error, |(_, repeats)| repeats.bias_floor)
+        .text("bias seen", |(_, repeats)| if repeats.bias > repeats.bias_floor { "yes" } else { "no" });
     html! {
-        @if lines.is_empty() { p { "No method among those measured depends on a seed." } } @else {
+        @if repeats.is_empty() { p { "No method among those measured depends on a seed." } } @else {
             p {
                 "Images with different seeds are compared with their mean, and the mean with the reference. Noise is the RMSE of one "
                 "image against the mean. Bias is that of the mean against the reference, less what noise leaves in it."
             }
-            (sortable(&columns, &lines))
+            (table.sortable(|_| false))
         }
     }
 }

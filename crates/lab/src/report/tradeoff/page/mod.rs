@@ -1,6 +1,5 @@
 //! `report.html`.
 
-mod captions;
 mod comparison;
 mod convergence;
 mod passes;
@@ -8,20 +7,17 @@ mod surfaces;
 
 use maud::{Markup, PreEscaped, html};
 
-use self::captions::{named, shown};
 use self::comparison::compared;
 use self::convergence::{bias, blended, convergence};
 use self::passes::passes;
 use self::surfaces::{about_surfaces, iterations, shaded};
 use super::causes;
-use super::figures::{Drawn, short};
+use super::figures::short;
 use super::looks;
 use super::pictures::Pictures;
 use super::{Row, Tradeoff};
-use crate::report::page::{Cell, Column, Line, digits, facts, grouped, page, script, sortable, sorting, table};
+use crate::report::page::{Drawn, Table, count, digits, facts, grouped, mib, page, script, sorting};
 use crate::report::popping;
-
-const MIB: f64 = (1 << 20) as f64;
 
 const STYLE: &str = "
 .pair { display: grid; grid-template-columns: repeat(auto-fit, minmax(20rem, 1fr)); gap: 1rem; margin: 1rem 0; }
@@ -44,6 +40,13 @@ select { font: inherit; max-width: 100%; }
 
 /// The whole page.
 pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures, crops: &looks::Crops) -> String {
+    let shown = |names: &[&str]| {
+        html! {
+            @for drawn in figures.iter().filter(|drawn| names.contains(&drawn.name)) {
+                (drawn.html("the tables on this page"))
+            }
+        }
+    };
     let body = html! {
         style { (PreEscaped(STYLE)) }
         p {
@@ -69,26 +72,24 @@ pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures, cr
         (causes::page(&report.causes))
         (looks::section(report, crops))
         h2 { "Error over time" }
-        @for drawn in named(figures, &["error.svg", "flip.svg"]) { (shown(drawn, report)) }
+        (shown(&["error.svg", "flip.svg"]))
         @if let Some(surveyed) = &report.surveyed {
             h2 { "Size of splats" }
-            @for drawn in named(figures, &["size-time.svg", "size-holes.svg", "size-error.svg"]) { (shown(drawn, report)) }
+            (shown(&["size-time.svg", "size-holes.svg", "size-error.svg"]))
             h2 { "Filters of the image" }
             (iterations(report, surveyed))
             @if let Some(found) = &report.shaded { (shaded(found)) }
         } @else {
             h2 { "Convergence" }
-            @for drawn in named(figures, &["convergence.svg"]) { (shown(drawn, report)) }
+            (shown(&["convergence.svg"]))
             (convergence(report))
             @if let Some(analytic) = &report.analytic { (blended(report, analytic)) }
             h2 { "Bias and noise" }
-            @for drawn in named(figures, &["bias.svg"]) { (shown(drawn, report)) }
+            (shown(&["bias.svg"]))
             (bias(report))
         }
         @if let Some(found) = &report.popping {
-            (popping::section(found, &html! {
-                @for drawn in named(figures, &["popping.svg", "popping-flip.svg"]) { (shown(drawn, report)) }
-            }, error))
+            (popping::section(found, &shown(&["popping.svg", "popping-flip.svg"]), error))
         }
         h2 { "All settings" }
         p { "Settings on the Pareto front are marked. Click the head of a column to sort by it, and again to reverse the order; "
@@ -162,41 +163,26 @@ fn scientific(value: f64) -> String {
 }
 
 fn front(report: &Tradeoff) -> Markup {
-    let columns = [
-        Column::text("method"),
-        Column::text("setting"),
-        Column::number("ms"),
-        Column::number("RMSE"),
-        Column::number("FLIP"),
-        Column::number("largest error"),
-        Column::number("% of pixels off by > 1/255"),
-        Column::number("peak MiB"),
-    ];
     let mut rows: Vec<&Row> = report.rows.iter().filter(|row| row.front).collect();
     rows.sort_by(|a, b| a.gpu_ms.median.total_cmp(&b.gpu_ms.median));
-    let row = |row: &&Row| {
-        vec![
-            row.method.clone(),
-            short(&row.setting),
-            digits(row.gpu_ms.median),
-            error(row.errors.rmse),
-            error(row.errors.flip),
-            error(row.errors.max),
-            percent(row.errors.above_1_255),
-            digits(row.peak_device_bytes as f64 / MIB),
-        ]
-    };
-    table(&columns, &rows.iter().map(row).collect::<Vec<_>>())
+    Table::new(rows)
+        .text("method", |row| &row.method)
+        .text("setting", |row| short(&row.setting))
+        .number("ms", digits, |row| row.gpu_ms.median)
+        .number("RMSE", error, |row| row.errors.rmse)
+        .number("FLIP", error, |row| row.errors.flip)
+        .number("largest error", error, |row| row.errors.max)
+        .number("% of pixels off by > 1/255", percent, |row| row.errors.above_1_255)
+        .number("peak MiB", digits, |row| mib(row.peak_device_bytes))
+        .html()
 }
 
 fn findings(report: &Tradeoff) -> Markup {
-    let columns = [Column::text("the paper"), Column::text("measured here"), Column::text("holds here")];
-    let row = |finding: &super::Finding| {
-        let holds = finding.holds.map_or("", |holds| if holds { "yes" } else { "no" });
-        vec![finding.claim.clone(), finding.measured.clone(), holds.to_owned()]
-    };
-    let rows: Vec<_> = report.findings.iter().map(row).collect();
-    html! { div.sentences { (table(&columns, &rows)) } }
+    let table = Table::new(&report.findings)
+        .text("the paper", |finding| &finding.claim)
+        .text("measured here", |finding| &finding.measured)
+        .text("holds here", |finding| finding.holds.map_or("", |holds| if holds { "yes" } else { "no" }));
+    html! { div.sentences { (table.html()) } }
 }
 
 /// A share in percent, to the thousandth.
@@ -209,75 +195,42 @@ pub(super) fn percent(share: f64) -> String {
 }
 
 fn rows(report: &Tradeoff) -> Markup {
-    let columns = [
-        Column::text("method"),
-        Column::text("setting"),
-        Column::text("front"),
-        Column::number("ms"),
-        Column::number("from–to"),
-        Column::number("wall ms"),
-        Column::number("frames"),
-        Column::number("seeds"),
-        Column::number("peak MiB"),
-        Column::number("lists MiB"),
-        Column::number("RMSE"),
-        Column::number("NMSE"),
-        Column::number("PSNR"),
-        Column::number("SSIM"),
-        Column::number("FLIP"),
-        Column::number("largest"),
-        Column::number("% off"),
-    ]
-    .into_iter()
-    .chain(report.surveyed.iter().flat_map(|_| [Column::number("inside"), Column::number("% holes")]));
-    let columns: Vec<_> = columns.collect();
-    let line = |row: &Row| {
-        let ms = |value| Cell::number(value, digits);
-        let small = |value| Cell::number(value, error);
-        let count = |value: f64| Cell::number(value, |value| value.to_string());
-        let errors = row.errors;
-        let mut cells = vec![
-            Cell::text(&row.method),
-            Cell::text(short(&row.setting)),
-            Cell::text(if row.front { "front" } else { "" }),
-            ms(row.gpu_ms.median),
-            // Sorted by how far times are spread.
-            Cell::number((row.gpu_ms.max - row.gpu_ms.min) / row.gpu_ms.median, |_| {
-                format!("{}–{}", digits(row.gpu_ms.min), digits(row.gpu_ms.max))
-            }),
-            ms(row.wall_ms.median),
-            count(row.frames as f64),
-            row.repeats.map_or(Cell::text(""), |repeats| count(repeats.seeds.into())),
-            ms(row.peak_device_bytes as f64 / MIB),
-            ms(row.fragment_bytes as f64 / MIB),
-            small(errors.rmse),
-            small(errors.nmse),
-            Cell::number(errors.psnr.unwrap_or(f64::INFINITY), |db| {
-                if db.is_finite() { format!("{db:.1}") } else { "∞".to_owned() }
-            }),
-            Cell::number(errors.ssim, |ssim| format!("{ssim:.4}")),
-            small(errors.flip),
-            small(errors.max),
-            Cell::number(errors.above_1_255, percent),
-        ];
-        if report.surveyed.is_some() {
-            cells.push(row.rmse_inside.map_or(Cell::text(""), small));
-            cells.push(row.holes.map_or(Cell::text(""), |holes| Cell::number(holes, percent)));
-        }
-        Line { cells, is_marked: row.front }
-    };
-    let lines: Vec<_> = report.rows.iter().map(line).collect();
-    html! { div #settings { (sortable(&columns, &lines)) } }
+    let decibels = |db: f64| if db.is_finite() { format!("{db:.1}") } else { "∞".to_owned() };
+    let range = |row: &Row| format!("{}–{}", digits(row.gpu_ms.min), digits(row.gpu_ms.max));
+    let mut table = Table::new(&report.rows)
+        .text("method", |row| &row.method)
+        .text("setting", |row| short(&row.setting))
+        .text("front", |row| if row.front { "front" } else { "" })
+        .number("ms", digits, |row| row.gpu_ms.median)
+        // Sorted by how far times are spread.
+        .written("from–to", |row| ((row.gpu_ms.max - row.gpu_ms.min) / row.gpu_ms.median, range(row)))
+        .number("wall ms", digits, |row| row.wall_ms.median)
+        .number("frames", count, |row| row.frames as f64)
+        .number("seeds", count, |row| row.repeats.map(|repeats| f64::from(repeats.seeds)))
+        .number("peak MiB", digits, |row| mib(row.peak_device_bytes))
+        .number("lists MiB", digits, |row| mib(row.fragment_bytes))
+        .number("RMSE", error, |row| row.errors.rmse)
+        .number("NMSE", error, |row| row.errors.nmse)
+        .number("PSNR", decibels, |row| row.errors.psnr.unwrap_or(f64::INFINITY))
+        .number("SSIM", |ssim| format!("{ssim:.4}"), |row| row.errors.ssim)
+        .number("FLIP", error, |row| row.errors.flip)
+        .number("largest", error, |row| row.errors.max)
+        .number("% off", percent, |row| row.errors.above_1_255);
+    if report.surveyed.is_some() {
+        table = table.number("inside", error, |row| row.rmse_inside).number("% holes", percent, |row| row.holes);
+    }
+    html! { div #settings { (table.sortable(|row| row.front)) } }
 }
 
 fn skipped(report: &Tradeoff) -> Markup {
-    let columns = [Column::text("method"), Column::text("setting"), Column::text("why")];
-    let row = |s: &super::Skipped| vec![s.method.clone(), short(&s.setting), s.reason.clone()];
-    let rows: Vec<_> = report.skipped.iter().map(row).collect();
+    let table = Table::new(&report.skipped)
+        .text("method", |skipped| &skipped.method)
+        .text("setting", |skipped| short(&skipped.setting))
+        .text("why", |skipped| &skipped.reason);
     let late = report.skipped.iter().filter(|skipped| skipped.for_time).count();
     html! {
         @if late > 0 { p { (left_out(late)) } }
-        @if rows.is_empty() { p { "None." } } @else { (table(&columns, &rows)) }
+        @if report.skipped.is_empty() { p { "None." } } @else { (table.html()) }
     }
 }
 

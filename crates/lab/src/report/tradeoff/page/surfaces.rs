@@ -3,63 +3,50 @@
 use maud::{Markup, html};
 
 use super::{Row, Tradeoff, error, percent};
-use crate::report::page::{Column, digits, grouped, table};
+use crate::report::page::{Table, count, digits, grouped};
 use crate::report::tradeoff::figures::short;
-use crate::report::tradeoff::{Shaded, ShadedStep, Surveyed};
+use crate::report::tradeoff::{Shaded, Surveyed};
 
 /// The effect of more iterations on `image-space`, for each cloud.
 pub(super) fn iterations(report: &Tradeoff, surveyed: &Surveyed) -> Markup {
-    let columns = [
-        Column::text("points"),
-        Column::text("setting"),
-        Column::number("ms"),
-        Column::number("RMSE"),
-        Column::number("inside"),
-        Column::number("% holes"),
-    ];
     let points = |row: &Row| {
         let cloud = surveyed.clouds.iter().find(|(thinning, _)| *thinning == row.thinning);
         cloud.map_or_else(String::new, |(_, points)| grouped(*points))
     };
-    let line = |row: &Row| {
-        let inside = row.rmse_inside.map_or_else(String::new, error);
-        let holes = row.holes.map_or_else(String::new, percent);
-        let numbers = [digits(row.gpu_ms.median), error(row.errors.rmse), inside, holes];
-        [vec![points(row), short(&row.setting)], numbers.to_vec()].concat()
-    };
-    let rows: Vec<_> = report.rows.iter().filter(|row| row.method == "image-space").map(line).collect();
+    let rows: Vec<&Row> = report.rows.iter().filter(|row| row.method == "image-space").collect();
+    let table = Table::new(rows.iter().copied())
+        .text("points", points)
+        .text("setting", |row| short(&row.setting))
+        .number("ms", digits, |row| row.gpu_ms.median)
+        .number("RMSE", error, |row| row.errors.rmse)
+        .number("inside", error, |row| row.rmse_inside)
+        .number("% holes", percent, |row| row.holes);
     html! {
         @if rows.is_empty() { p { "The method image-space was not measured." } } @else {
             p {
                 "Points of one pixel whose holes are filled afterwards: an iteration fills holes one pixel farther from their rim, and "
                 "takes the same time whatever the points are."
             }
-            (table(&columns, &rows))
+            (table.html())
         }
     }
 }
 
 /// Soft shadows of more and fewer samples.
 pub(super) fn shaded(found: &Shaded) -> Markup {
-    let columns = [
-        Column::number("samples of the light"),
-        Column::number("ms"),
-        Column::number("from–to"),
-        Column::number("RMSE"),
-        Column::number("RMSE · √samples"),
-    ];
-    let row = |step: &ShadedStep| {
-        let scaled = step.rmse * f64::from(step.samples).sqrt();
-        let range = format!("{}–{}", digits(step.ms.min), digits(step.ms.max));
-        vec![step.samples.to_string(), digits(step.ms.median), range, error(step.rmse), error(scaled)]
-    };
+    let table = Table::new(&found.steps)
+        .number("samples of the light", count, |step| f64::from(step.samples))
+        .number("ms", digits, |step| step.ms.median)
+        .written("from–to", |step| (step.ms.median, format!("{}–{}", digits(step.ms.min), digits(step.ms.max))))
+        .number("RMSE", error, |step| step.rmse)
+        .number("RMSE · √samples", error, |step| step.rmse * f64::from(step.samples).sqrt());
     html! {
         h2 { "Shadows" }
         p {
             "With " code { (found.method) } ", against an image with " (found.reference_samples) " samples. The time is that of the passes "
             "that find the shadows, which a cloud keeps as long as light and points stay."
         }
-        (table(&columns, &found.steps.iter().map(row).collect::<Vec<_>>()))
+        (table.html())
     }
 }
 

@@ -1,10 +1,11 @@
 //! Figures of opaque points: a panel for each cloud, with all points and with fewer.
 
-use crate::report::plot::{Axis, Figure, Panel, Point, Series, Steps};
-use crate::report::tradeoff::{Row, Surveyed};
+use maud::{Markup, html};
 
-/// Width of all panels together and height of each, in pixels.
-const SIZE: [u32; 2] = [1140, 430];
+use crate::report::plot::{Axis, Figure, Panel, Point, Series};
+use crate::report::tradeoff::{Row, Surveyed};
+use crate::report::unique;
+
 /// Device time below is drawn here, in ms.
 const TIME_FLOOR: f64 = 1e-3;
 
@@ -16,9 +17,9 @@ pub(in super::super) enum Over {
     Error,
 }
 
-/// Time, holes or error over the size factor; `None` if no splats were measured. Methods without a size are a
-/// horizontal line: points of one pixel, and `image-space` with one iteration of each filter.
-pub(in super::super) fn over_size(surveyed: &Surveyed, rows: &[Row], over: Over) -> Option<Figure> {
+/// Time, holes or error over the size factor, and the caption; `None` if no splats were measured. Methods without a
+/// size are a horizontal line: points of one pixel, and `image-space` with one iteration of each filter.
+pub(in super::super) fn over_size(surveyed: &Surveyed, rows: &[Row], over: Over) -> Option<(Figure, Markup)> {
     let has_size = |row: &&Row| row.step.as_ref().is_some_and(|(key, _)| key == "size");
     let sized: Vec<&Row> = rows.iter().filter(has_size).collect();
     let names = names(rows.iter());
@@ -43,22 +44,41 @@ pub(in super::super) fn over_size(surveyed: &Surveyed, rows: &[Row], over: Over)
     let panel = |(thinning, count): &(u32, u64)| {
         let series = names.iter().enumerate().map(|(name, method)| {
             let rows = rows.iter().filter(|row| row.thinning == *thinning && row.method == *method);
-            Series { name, points: rows.flat_map(points).collect(), note: String::new() }
+            Series::new(name, rows.flat_map(points))
         });
-        Panel { title: title(*thinning, *count), series: series.collect(), front: Vec::new(), is_guided: false }
+        Panel::new(title(*thinning, *count), series)
     };
     let y = match over {
-        Over::Time => Axis { label: "device time in ms", floor: TIME_FLOOR, steps: Steps::Tens },
-        Over::Holes => Axis { label: "share of holes", floor: holes_floor(surveyed), steps: Steps::Tens },
-        Over::Error => Axis { label: "RMSE inside the silhouette", floor: 0.0, steps: Steps::Tens },
+        Over::Time => Axis::tens("device time in ms", TIME_FLOOR),
+        Over::Holes => Axis::tens("share of holes", holes_floor(surveyed)),
+        Over::Error => Axis::tens("RMSE inside the silhouette", 0.0),
     };
     let panels: Vec<Panel> = surveyed.clouds.iter().map(panel).collect();
-    let x = Axis { label: "size factor", floor: 0.0, steps: Steps::Even };
-    (!sized.is_empty()).then(|| side_by_side(names, x, y, panels))
+    (!sized.is_empty()).then(|| (side_by_side(names, Axis::even("size factor"), y, panels), caption(over)))
+}
+
+fn caption(over: Over) -> Markup {
+    match over {
+        Over::Time => html! {
+            b { "Device time over the size factor, " }
+            "as in Fig. 8 of Schütz and Wimmer (2015), but with times instead of frames per second: lower is better. Size 0 draws one pixel, "
+            "size 1 the radius of each point. Points of one pixel, and image-space with one iteration of its filters, have no size and are "
+            "horizontal lines. Bars reach from the shortest to the longest time."
+        },
+        Over::Holes => html! {
+            b { "Holes over the size factor: " }
+            "the share of the silhouette's pixels on which nothing is drawn. No holes at all appear as half a pixel, the least value."
+        },
+        Over::Error => html! {
+            b { "RMSE inside the silhouette over the size factor. " }
+            "Small points leave holes, and large points hide each other; the least error lies between. This figure leaves out how far splats reach "
+            "over the outline; the figures above include it."
+        },
+    }
 }
 
 /// Half a pixel of the silhouette: where no holes at all are drawn.
-pub(in super::super) fn holes_floor(surveyed: &Surveyed) -> f64 {
+fn holes_floor(surveyed: &Surveyed) -> f64 {
     0.5 / surveyed.silhouette.max(1) as f64
 }
 
@@ -72,20 +92,12 @@ pub(in super::super) fn title(thinning: u32, points: u64) -> String {
 
 /// Methods in the order of their rows.
 pub(in super::super) fn names<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for row in rows {
-        if !names.contains(&row.method) {
-            names.push(row.method.clone());
-        }
-    }
-    names
+    unique(rows.map(|row| row.method.clone()))
 }
 
 /// A figure with panels in a row.
 pub(in super::super) fn side_by_side(names: Vec<String>, x: Axis, y: Axis, panels: Vec<Panel>) -> Figure {
-    let columns = panels.len().clamp(1, 3);
-    let panel = [SIZE[0] / columns as u32, SIZE[1]];
-    Figure { x, y, names, guide: None, front: "Pareto front of the cloud", panel, columns, panels }
+    Figure { front: "Pareto front of the cloud", ..Figure::in_rows(430, names, x, y, panels) }
 }
 
 #[cfg(test)]
@@ -103,7 +115,7 @@ mod tests {
             Row { step: Some(("fill+occlusion".into(), count)), ..row }
         }));
         let surveyed = Surveyed { samples_across: 4, silhouette: 100, clouds: vec![(1, 80), (4, 20)] };
-        let figure = over_size(&surveyed, &rows, Over::Holes).unwrap();
+        let (figure, _) = over_size(&surveyed, &rows, Over::Holes).unwrap();
         assert_eq!(figure.names, ["circles", "points", "image-space"]);
         let places = |panel: usize, series: usize| {
             figure.panels[panel].series[series].points.iter().map(|p| [p.x, p.y]).collect::<Vec<_>>()
@@ -113,6 +125,6 @@ mod tests {
         assert_eq!((places(1, 0), places(1, 1)), (vec![[1.0, 0.01]], vec![]));
         assert_eq!((figure.panels[1].title.as_str(), figure.y.floor), ("1 of 4: 20 points", 0.005));
         assert!(figure.svg().unwrap().contains("\nall 80 points\n"));
-        assert_eq!(over_size(&surveyed, &rows[4..], Over::Time), None);
+        assert!(over_size(&surveyed, &rows[4..], Over::Time).is_none());
     }
 }

@@ -113,32 +113,17 @@ fn quality(rows: &[Row]) -> Option<Finding> {
 pub(in super::super) mod tests {
     use super::*;
     use crate::report::stress::Spread;
-    use crate::report::tradeoff::Errors;
 
     /// A row of splats, made up.
     pub fn made(method: &str, thinning: u32, size: f64, ms: f64, rmse: f64, holes: f64) -> Row {
-        let spread = Spread { min: ms, median: ms, max: ms };
         Row {
             method: method.into(),
-            setting: format!("method.size={size}"),
             step: Some(("size".into(), size)),
             thinning,
-            stochastic: false,
-            gpu_ms: spread,
-            wall_ms: spread,
-            frames: 1,
-            peak_device_bytes: 0,
-            fragment_bytes: 0,
-            errors: Errors { rmse: 0.5, nmse: 0.0, psnr: None, ssim: 1.0, flip: 0.0, max: 1.0, above_1_255: 0.0 },
-            repeats: None,
-            rmse_analytic: None,
+            gpu_ms: Spread { min: ms, median: ms, max: ms },
             holes: Some(holes),
             rmse_inside: Some(rmse),
-            look: None,
-            front: false,
-            picture: String::new(),
-            difference: String::new(),
-            passes: Vec::new(),
+            ..Row::default()
         }
     }
 
