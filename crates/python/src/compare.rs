@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use numpy::PyArray1;
 use pellucid_engine::image::LinearImage;
-use pellucid_engine::metrics::{self, Comparison};
+use pellucid_engine::metrics;
 use pellucid_engine::output::read_image;
 use pyo3::prelude::*;
 use serde_json::json;
@@ -70,17 +70,8 @@ pub fn compare<'py>(py: Python<'py>, a: Given<'_>, b: Given<'_>) -> PyResult<Com
             Failure::Value(format!("a and b: expected pictures of one size, found {a} and {b} pixels"))
         })?;
         let difference = metrics::difference_picture(&a.pixels, &b.pixels, 1.0);
-        Ok((described(&comparison), difference, [a.width, a.height]))
+        // JSON has no infinity: null is written for it.
+        Ok((json!(comparison).to_string(), difference, [a.width, a.height]))
     })?;
     Ok((json, arrays::flat(py, difference), width, height))
-}
-
-fn described(comparison: &Comparison) -> String {
-    let Comparison { rmse, nmse, psnr, ssim, flip, max, above_1_255 } = comparison;
-    // JSON has no infinity: null is written for it.
-    let value = json!({
-        "rmse": rmse, "nmse": nmse, "psnr": psnr, "ssim": ssim, "flip": flip,
-        "max": { "value": max.value, "x": max.x, "y": max.y }, "above_1_255": above_1_255,
-    });
-    value.to_string()
 }

@@ -5,7 +5,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use numpy::PyArray1;
 use pellucid_engine::image::Image;
-use pellucid_engine::output::WriteOptions;
 use pellucid_session::Session;
 use pyo3::prelude::*;
 
@@ -150,17 +149,12 @@ fn distance(session: &Session) -> f64 {
 
 /// Renders the frame that the session is ready for.
 fn render(session: &mut Session, talk: &Talk) -> Result<(Picture, Image), Failure> {
-    let mut rendered = session.render()?;
-    session.judge(&rendered.image, talk)?;
-    let brightness = session.brighten(&mut rendered, talk)?;
+    let (rendered, options) = session.picture(talk)?;
     let mut profile = session.profile();
     profile.add(&rendered);
-    let WriteOptions { background, color, metadata, .. } = session.write_options(brightness.as_ref(), Vec::new());
     let picture = Picture {
         size: session.frame.size,
-        background,
-        color,
-        metadata,
+        options,
         profile,
         camera: session.frame.camera,
         distance: distance(session),

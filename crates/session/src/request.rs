@@ -1,11 +1,10 @@
 //! Request of a caller, as plain data: made once from arguments, keywords or the state of a window.
 
 use pellucid_engine::Result;
-use pellucid_engine::methods::{Factors, Stop, see_through};
-use pellucid_engine::scene::{Error, Input, MethodChoice, Named, Scene};
+use pellucid_engine::methods::{Factors, Stop};
+use pellucid_engine::scene::{Input, MethodChoice, Named, Scene};
 
 use crate::choice::Wish;
-use crate::messages::Messages;
 use crate::sources::Limits;
 
 /// Everything that was requested of pictures of a scene.
@@ -113,19 +112,6 @@ impl Request {
             frame: FrameRequest::default(),
         }
     }
-
-    /// Refuses a share of light for a method without opacity.
-    pub(crate) fn check(&self, messages: &dyn Messages) -> Result<()> {
-        let Some(SeeThrough { share, by: SeeThroughBy::Option }) = self.see_through else { return Ok(()) };
-        match see_through::refusal(self.scene.method) {
-            Some(reason) => Err(refused(share, &reason, messages)),
-            None => Ok(()),
-        }
-    }
-}
-
-fn refused(share: f64, reason: &str, messages: &dyn Messages) -> pellucid_engine::Error {
-    Error::Usage(format!("{}: {reason}", messages.option("see-through", &share))).into()
 }
 
 impl SeeThrough {

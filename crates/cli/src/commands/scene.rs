@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use bytesize::ByteSize;
 use clap::Args;
@@ -119,10 +118,9 @@ impl VolumeArgs {
     }
 }
 
-pub fn run(args: SceneArgs, console: Console) -> Result<ExitCode> {
+pub fn run(args: SceneArgs, console: Console) -> Result<()> {
     if args.list {
-        console.print(&list())?;
-        return Ok(ExitCode::SUCCESS);
+        return console.print(&list());
     }
     if let (Some(name), Some(folder)) = (&args.name, &args.output) {
         let parameters = args.set.iter().map(|pair| parameter(pair)).collect::<Result<Vec<_>, _>>()?;
@@ -135,7 +133,7 @@ pub fn run(args: SceneArgs, console: Console) -> Result<ExitCode> {
         }
         console.detail(format_args!("{}: written", folder.join("scene.toml").display()));
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
 fn finite(text: &str) -> Result<f64, String> {

@@ -7,10 +7,9 @@ use pellucid_session::Prepared;
 use serde_json::json;
 
 use super::ranks::Ranks;
-use super::setting::Setting;
 use super::share::{Offer, time};
 use super::stage::Stage;
-use crate::commands::console::{Console, print, print_json};
+use crate::commands::console::Console;
 use crate::commands::mpi_args::SharingArgs;
 use crate::commands::plan::PlanArgs;
 
@@ -26,12 +25,11 @@ pub fn run(
     console: Console,
 ) -> Result<ExitCode> {
     let progress = console.progress();
-    let setting = Setting { device: &args.device, share: sharing.share };
     let prepare = || {
         let request = args.input.request(None, &progress, console)?;
         Ok((Prepared::new(request, &console, &progress)?, 1))
     };
-    let mut stage = match Stage::open(&setting, ranks, (console, &progress), prepare) {
+    let mut stage = match Stage::open((&args.device, sharing.share), ranks, (console, &progress), prepare) {
         Ok(stage) => stage,
         Err(status) => return Ok(status),
     };
@@ -48,7 +46,7 @@ pub fn run(
     let all = costs.whole().work.max(1.0);
     let offers = job.offers(count, link);
     if args.json {
-        print_json(&json!({
+        console.print_json(&json!({
             "ranks": count,
             "share": share.to_string(),
             "latency_s": link.latency,
@@ -79,6 +77,6 @@ pub fn run(
         text +=
             &format!("{whose:<10} columns {x0} to {x1}, rows {y0} to {y1}: {:.1} % of the work\n", 100.0 * work / all);
     }
-    print(&text)?;
+    console.print(&text)?;
     Ok(ExitCode::SUCCESS)
 }
