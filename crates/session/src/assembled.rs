@@ -101,8 +101,8 @@ impl Assembled {
         Ok(made)
     }
 
-    /// Finds facts about clouds in memory, reports what is odd, settles what they decide about the scene, and makes points
-    /// of them.
+    /// Finds facts about clouds in memory, reports what is odd, settles what they decide about the scene, and makes
+    /// points of them.
     fn of_clouds(
         scene: &Scene,
         (clouds, derived): (&mut Vec<Arc<Cloud>>, &mut [DerivedColumns]),

@@ -9,7 +9,7 @@ use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{self, Error, Scene};
 use pellucid_engine::{Result, output};
 
-use crate::assembled::{Assembled, Wanted};
+use crate::assembled::Assembled;
 use crate::choice::Wish;
 use crate::messages::Messages;
 use crate::request::{Request, SeeThrough, SeeThroughBy};
@@ -86,7 +86,7 @@ fn assemble(
     messages: &dyn Messages,
     progress: &Progress,
 ) -> Result<(Assembled, Camera)> {
-    let assembled = Assembled::new(sources, &request.scene, request.wanted(), messages, progress)?;
+    let assembled = Assembled::new(sources, &request.scene, request.wanted, messages, progress)?;
     let (camera, warnings) = find(&assembled.scene, assembled.points(), assembled.up)?;
     let distance = |bounds: Bounds| (bounds.center() - camera.eye).dot(camera.forward);
     messages.detail(&camera.to_toml(assembled.points().bounds().map_or(1.0, distance)));
@@ -164,13 +164,13 @@ impl Prepared {
             stop: if self.wish().is_some() { Stop::Exact } else { request.stop },
             factors: request.factors,
             max_error: request.max_error,
-            ..Frame::of_scene(&self.assembled.scene, self.camera, self.request.seed)
+            ..Frame::of_scene(&self.assembled.scene, self.camera, self.request.wanted.seed)
         }
     }
 
     /// Returns the metadata of an image by a method on a device.
     pub fn metadata(&self, method: &str, device: &str) -> Vec<(String, String)> {
-        output::tags(&self.request.name, method, &self.assembled.scene.settings, device, self.request.seed)
+        output::tags(&self.request.name, method, &self.assembled.scene.settings, device, self.request.wanted.seed)
     }
 
     /// Says how much was read of clouds that stay in their files.
@@ -178,12 +178,5 @@ impl Prepared {
         let [read, all] = self.assembled.stored()?.bytes_read();
         let share = 100.0 * read as f64 / all.max(1) as f64;
         Some(format!("{} of {} were read for the picture ({share:.1} %)", ByteSize(read), ByteSize(all)))
-    }
-}
-
-impl Request {
-    pub(crate) fn wanted(&self) -> Wanted {
-        let Self { seed, legend, radii, is_edited, .. } = *self;
-        Wanted { seed, legend, radii, is_edited }
     }
 }

@@ -120,7 +120,7 @@ impl Session {
         self.renderer.progress = progress.clone();
         self.progress = progress.clone();
         let decided = self.decided.take();
-        let is_other_form = request.wanted().radii != self.prepared.assembled.wanted().radii;
+        let is_other_form = request.wanted.radii != self.prepared.assembled.wanted().radii;
         let followed = if is_other_form { None } else { self.follow(&request, progress)? };
         // Method and opacity follow from the points.
         let decided = decided.filter(|_| followed.is_some_and(|changes| !changes.any()));
@@ -143,13 +143,13 @@ impl Session {
         let Self { renderer, uploaded, prepared, .. } = self;
         let Prepared { assembled, sources, .. } = prepared;
         sources.complete(&request.scene, progress)?;
-        uploaded.follow(renderer, assembled, sources, (&request.scene, request.seed), progress)
+        uploaded.follow(renderer, assembled, sources, (&request.scene, request.wanted.seed), progress)
     }
 
     /// Makes the points of a request, again from clouds in memory, or from their files.
     fn make_again(&mut self, request: Request, messages: &dyn Messages, progress: &Progress) -> Result<()> {
         let once = self.told.to(messages);
-        if request.is_edited {
+        if request.wanted.is_edited {
             self.prepared.make_again(request, &once, progress)?;
         } else {
             self.prepared = Prepared::new(request, &once, progress)?;

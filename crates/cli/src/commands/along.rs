@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use super::bar::Bar;
 use clap::Args;
 use pellucid_engine::Result;
 use pellucid_engine::camera::Camera;
@@ -10,12 +9,14 @@ use pellucid_engine::camera::import::Source;
 use pellucid_engine::camera::path::{self, Curve, Pose};
 use pellucid_engine::cloud::UpAxis;
 use pellucid_engine::points::Points;
-use pellucid_engine::scene::{self, Course, Scene};
+use pellucid_engine::scene::{Course, Scene};
 use pellucid_session::{Opened, Prepared, Request};
 
+use super::bar::Bar;
 use super::console::Console;
 use super::headings::FRAMES;
 use super::input::InputArgs;
+use super::limit::usage;
 
 /// A camera that moves.
 #[derive(Debug, Args)]
@@ -66,10 +67,7 @@ impl PathArgs {
         match (self.turntable, frames) {
             (false, _) => Ok(None),
             (true, Some(frames)) => Ok(Some(Along::Turn { frames })),
-            (true, None) => {
-                let problem = "--turntable needs the number of its frames, as in --frames 36";
-                Err(scene::Error::Usage(problem.into()).into())
-            }
+            (true, None) => Err(usage("--turntable needs the number of its frames, as in --frames 36")),
         }
     }
 }
@@ -91,8 +89,8 @@ impl Along {
         }
     }
 
-    /// Reads the clouds of a request, and finds the camera of each frame; there is at least one, and the first is that of
-    /// the request.
+    /// Reads the clouds of a request, and finds the camera of each frame; there is at least one, and the first is that
+    /// of the request.
     pub fn prepare(&self, request: Request, console: Console, progress: &Bar) -> Result<(Prepared, Vec<Camera>)> {
         let mut cameras = Vec::new();
         let find = |scene: &Scene, points: &Points, up: UpAxis| {

@@ -88,13 +88,8 @@ pub struct Console {
 }
 
 impl Console {
-    pub fn new(quiet: bool, verbose: bool) -> Self {
-        Self { quiet, verbose, streams: Streams::Process }
-    }
-
-    /// Returns the console with another destination.
-    pub fn with_streams(self, streams: Streams) -> Self {
-        Self { streams, ..self }
+    pub fn new(quiet: bool, verbose: bool, streams: Streams) -> Self {
+        Self { quiet, verbose, streams }
     }
 
     /// Returns a console for output that repeats an earlier one: only details.

@@ -14,6 +14,10 @@ pub enum Error {
     /// A film could not be encoded.
     #[error(transparent)]
     Film(#[from] super::films::Error),
+    /// A rank failed, and the first one has said why.
+    #[cfg(feature = "mpi")]
+    #[error("a rank failed")]
+    Told(u8),
     /// The window could not be opened, or was closed by a failure.
     #[cfg(feature = "viewer")]
     #[error(transparent)]
@@ -29,6 +33,8 @@ impl Error {
             #[cfg(feature = "viewer")]
             Self::Window(_) => 1,
             Self::Film(_) => 1,
+            #[cfg(feature = "mpi")]
+            Self::Told(status) => *status,
             Self::Engine(error) => error.exit_status(),
             Self::Output(error) => error.exit_status(),
         }

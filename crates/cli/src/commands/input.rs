@@ -171,7 +171,8 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 impl InputArgs {
-    /// The file or pattern that pictures of these inputs are written to if no other is named: after the first input, here.
+    /// The file or pattern that pictures of these inputs are written to if no other is named: after the first input,
+    /// here.
     pub fn default_output(&self, end: &str) -> PathBuf {
         let stem = self.inputs.first().and_then(|input| input.file_stem());
         let mut name = stem.unwrap_or(DEFAULT_SCENE.as_ref()).to_owned();

@@ -8,6 +8,7 @@ use pellucid_engine::output;
 use pellucid_session::choice::Wish;
 use pellucid_session::{FrameRequest, Request};
 
+use super::Error;
 use super::along::Along;
 use super::bar::Bar;
 use super::console::Console;
@@ -54,7 +55,7 @@ impl RenderJob {
             console.warn("--recalibrate has no effect without --max-error or --budget");
         }
         (request.choice.wish, request.choice.recalibrate) = (wish, args.choice.recalibrate);
-        request.legend = args.legend && is_png;
+        request.wanted.legend = args.legend && is_png;
         request.frame.memory_budget = args.device.budget();
         let deep = args.deep.format();
         // Samples of a deep image are all of them, and count themselves.
@@ -133,6 +134,51 @@ impl Target {
         }
         args.popping.iter().try_for_each(|path| output::check_folder(path))?;
         Ok(target)
+    }
+
+    /// Refuses options that don't go together or with the machine, and names those without an effect, before anything
+    /// is read.
+    pub fn check(&self, args: &RenderArgs, console: Console) -> Result<(), Error> {
+        if let Self::Frames(_, films) = self {
+            films.check_tools()?;
+        }
+        args.measure.check()?;
+        let is_deep = args.deep.format().is_some();
+        if is_deep {
+            self.check_deep(args)?;
+        }
+        if args.aov && is_deep {
+            console.warn("--aov has no effect with --deep: the samples already give depths and counts");
+        }
+        let png = is_png(&self.first());
+        for (is_vain, what) in [
+            (args.aov && png, "--aov has no effect on a PNG; write an .exr"),
+            (args.transparent && !png, "--transparent has no effect on an EXR, which holds the alpha channel anyway"),
+            (args.legend && !png, "--legend has no effect on an EXR; write a .png"),
+        ] {
+            if is_vain {
+                console.warn(what);
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses options that don't go with samples.
+    fn check_deep(&self, args: &RenderArgs) -> Result<()> {
+        let output = self.first();
+        if is_png(&output) {
+            let output = output.display();
+            return Err(usage(format!("--deep: {output} is a PNG, but only an .exr holds samples; name one with -o")));
+        }
+        let problems = [
+            (!matches!(self, Self::One(_)), "--deep writes one picture; --frames, --path and --turntable make several"),
+            (
+                args.choice.is_given(),
+                "--deep can't be combined with --max-error, --budget and --recalibrate; give --method and its settings instead",
+            ),
+            (args.measure.is_asked(), "--deep can't be combined with --profile and --trace; measure without --deep"),
+        ];
+        problems.into_iter().find(|(applies, _)| *applies).map_or(Ok(()), |(_, problem)| Err(usage(problem)))
     }
 
     /// The first picture.

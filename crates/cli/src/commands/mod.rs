@@ -156,7 +156,7 @@ pub fn run_from(arguments: impl IntoIterator<Item = OsString>, streams: Streams)
             return ExitCode::from(u8::try_from(stopped.exit_code()).unwrap_or(2));
         }
     };
-    let console = Console::new(verbosity.quiet, verbosity.verbose).with_streams(streams);
+    let console = Console::new(verbosity.quiet, verbosity.verbose, streams);
     if streams.is_process() {
         interrupt::watch();
         pellucid_engine::io::silence_decoder_panics();

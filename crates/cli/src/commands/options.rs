@@ -7,7 +7,6 @@ use bytesize::ByteSize;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use pellucid_engine::gpu::{Device, DeviceOptions};
-use pellucid_engine::profile::Profile;
 use pellucid_engine::progress::Phase;
 use pellucid_engine::{Result, output};
 use serde_json::Value;
@@ -78,11 +77,6 @@ impl MeasureArgs {
     pub fn write(&self, profile: &Value, trace: impl FnOnce() -> Value) -> Result<()> {
         self.profile.as_ref().map_or(Ok(()), |path| write_json(path, profile))?;
         self.trace.as_ref().map_or(Ok(()), |path| write_json(path, &trace()))
-    }
-
-    /// Writes those of a profile.
-    pub fn write_both(&self, profile: &Profile) -> Result<()> {
-        self.write(&profile.to_json(), || profile.to_trace())
     }
 }
 

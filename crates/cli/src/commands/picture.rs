@@ -31,8 +31,8 @@ pub fn one(job: &RenderJob, output: &Path, progress: &Bar, console: Console) -> 
     Ok(Some(profile))
 }
 
-/// A picture of the first cloud, of the first two and so on, by the camera that shows all of them. Returns the profile of
-/// all.
+/// A picture of the first cloud, of the first two and so on, by the camera that shows all of them. Returns the profile
+/// of all.
 pub fn steps(job: &RenderJob, pattern: &Pattern, progress: &Bar, console: Console) -> Result<Profile> {
     let opened = Opened::new(job.request.clone(), &console, progress)?;
     if matches!(opened.sources.clouds(), Clouds::Stored(_)) {
@@ -76,8 +76,8 @@ pub fn steps(job: &RenderJob, pattern: &Pattern, progress: &Bar, console: Consol
     Ok(profile)
 }
 
-/// Renders and writes a picture, and adds it to a profile; `step` is its number and the number of all pictures, if it is
-/// one of several.
+/// Renders and writes a picture, and adds it to a profile; `step` is its number and the number of all pictures, if it
+/// is one of several.
 fn picture(
     job: &RenderJob,
     mut session: Session,

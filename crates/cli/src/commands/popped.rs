@@ -30,8 +30,7 @@ impl Popped {
         let method = session.frame.method;
         let Some(exact) = popping::exact(&method, session.points()) else {
             let name = method.name();
-            let problem = format!("--popping measures transparent discs and soft spheres, not {name}");
-            return Err(usage(problem));
+            return Err(usage(format!("--popping measures transparent discs and soft spheres, not {name}")));
         };
         let mut frame = Frame { method: exact, stop: Stop::Exact, fragments: false, depths: false, ..session.frame };
         // A feature that the method's own frames lack is no error.

@@ -118,17 +118,8 @@ impl PrepareArgs {
         let mut overrides = Overrides::default();
         // A method that reads all the keys.
         overrides.set("prepare", "method.name", "soft-base")?;
-        let list = |text: &String| format!("[{text}]");
-        let options = [
-            ("columns", "columns", self.columns.as_ref().map(|names| format!("{names:?}"))),
-            ("neighbors", "neighbors", self.neighbors.clone()),
-            ("radius-cap", "radius_cap", self.radius_cap.clone()),
-            ("field", "field", self.field.as_ref().map(|name| format!("{name:?}"))),
-            ("soft-classes", "soft_classes", self.soft_classes.as_ref().map(list)),
-            ("axis-point", "axis.point", self.axis_point.as_ref().map(list)),
-            ("axis-direction", "axis.direction", self.axis_direction.as_ref().map(list)),
-        ];
-        for (option, key, value) in options {
+        let columns = self.columns.as_ref().map(|names| format!("{names:?}"));
+        for (option, key, value) in [("columns", "columns", columns)].into_iter().chain(self.values()) {
             for cloud in 0..self.inputs.len() {
                 if let Some(value) = &value {
                     overrides.set(format!("--{option}"), &format!("cloud.{cloud}.{key}"), value)?;
@@ -138,17 +129,22 @@ impl PrepareArgs {
         Ok(overrides)
     }
 
+    /// The options that say how values of points are computed, each with its key and its value as TOML.
+    fn values(&self) -> [(&'static str, &'static str, Option<String>); 6] {
+        let list = |text: &Option<String>| text.as_ref().map(|text| format!("[{text}]"));
+        [
+            ("neighbors", "neighbors", self.neighbors.clone()),
+            ("radius-cap", "radius_cap", self.radius_cap.clone()),
+            ("field", "field", self.field.as_ref().map(|name| format!("{name:?}"))),
+            ("soft-classes", "soft_classes", list(&self.soft_classes)),
+            ("axis-point", "axis.point", list(&self.axis_point)),
+            ("axis-direction", "axis.direction", list(&self.axis_direction)),
+        ]
+    }
+
     /// True if options ask for values of points to be computed, or say how.
     fn asks_for_values(&self) -> bool {
-        let asked = [
-            &self.neighbors,
-            &self.radius_cap,
-            &self.field,
-            &self.soft_classes,
-            &self.axis_point,
-            &self.axis_direction,
-        ];
-        self.normals || asked.into_iter().any(Option::is_some)
+        self.normals || self.values().iter().any(|(.., value)| value.is_some())
     }
 
     /// The options of the light as keys of a scene with shadows; `None` without a light.

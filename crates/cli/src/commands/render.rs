@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use pellucid_engine::Result;
 
 use super::Error;
 use super::along::PathArgs;
@@ -13,8 +12,7 @@ use super::deep::DeepArgs;
 use super::films::FilmArgs;
 use super::headings::{FRAMES, METHOD, OUTPUT};
 use super::input::InputArgs;
-use super::job::{RenderJob, Target, is_png};
-use super::limit::usage;
+use super::job::{RenderJob, Target};
 use super::options::{DeviceArgs, MeasureArgs};
 use super::{picture, sequence};
 
@@ -134,59 +132,9 @@ impl ChoiceArgs {
     }
 }
 
-impl RenderArgs {
-    /// Refuses options that don't go together or with the machine, and names those without an effect, before anything is
-    /// read.
-    fn check(&self, target: &Target, console: Console) -> Result<(), Error> {
-        if let Target::Frames(_, films) = target {
-            films.check_tools()?;
-        }
-        self.measure.check()?;
-        let is_deep = self.deep.format().is_some();
-        if is_deep {
-            self.check_deep(target)?;
-        }
-        if self.aov && is_deep {
-            console.warn("--aov has no effect with --deep: the samples already give depths and counts");
-        }
-        let png = is_png(&target.first());
-        for (is_vain, what) in [
-            (self.aov && png, "--aov has no effect on a PNG; write an .exr"),
-            (self.transparent && !png, "--transparent has no effect on an EXR, which holds the alpha channel anyway"),
-            (self.legend && !png, "--legend has no effect on an EXR; write a .png"),
-        ] {
-            if is_vain {
-                console.warn(what);
-            }
-        }
-        Ok(())
-    }
-
-    /// Refuses options that don't go with samples.
-    fn check_deep(&self, target: &Target) -> Result<()> {
-        let output = target.first();
-        if is_png(&output) {
-            let output = output.display();
-            return Err(usage(format!("--deep: {output} is a PNG, but only an .exr holds samples; name one with -o")));
-        }
-        let problems = [
-            (
-                !matches!(target, Target::One(_)),
-                "--deep writes one picture; --frames, --path and --turntable make several",
-            ),
-            (
-                self.choice.is_given(),
-                "--deep can't be combined with --max-error, --budget and --recalibrate; give --method and its settings instead",
-            ),
-            (self.measure.is_asked(), "--deep can't be combined with --profile and --trace; measure without --deep"),
-        ];
-        problems.into_iter().find(|(applies, _)| *applies).map_or(Ok(()), |(_, problem)| Err(usage(problem)))
-    }
-}
-
 pub fn run(args: RenderArgs, console: Console) -> Result<ExitCode, Error> {
     let target = Target::new(&args)?;
-    args.check(&target, console)?;
+    target.check(&args, console)?;
     let progress = console.progress();
     let job = RenderJob::new(args, target, &progress, console)?;
     if let (Target::Frames(pattern, films), Some(along)) = (&job.target, &job.along) {
@@ -198,7 +146,7 @@ pub fn run(args: RenderArgs, console: Console) -> Result<ExitCode, Error> {
     };
     if let Some(profile) = profile {
         console.detail(profile.host_text());
-        job.measure.write_both(&profile)?;
+        job.measure.write(&profile.to_json(), || profile.to_trace())?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -107,8 +107,7 @@ impl VolumeArgs {
             if self.volume.is_none() && self.values.is_empty() {
                 return Ok(None);
             }
-            let problem = format!("--volume and --values belong to the scene {}, not to {name}", iso::NAME);
-            return Err(scene::Error::Usage(problem).into());
+            return Err(usage(format!("--volume and --values belong to the scene {}, not to {name}", iso::NAME)));
         }
         let volume = match &self.volume {
             Some(path) => io::volume::read(path, self.dims, self.scalar)?,

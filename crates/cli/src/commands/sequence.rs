@@ -31,7 +31,7 @@ const IDENTITY: &str = "pellucid:sequence";
 pub struct Frames<'a> {
     job: &'a RenderJob,
     files: Vec<PathBuf>,
-    cameras: Vec<Camera>,
+    pub cameras: Vec<Camera>,
     /// The identity of each picture: a hash of everything it depends on.
     identities: Vec<String>,
     /// True of those that are not to be rendered again.
@@ -125,8 +125,8 @@ impl<'a> Frames<'a> {
     /// Finds the frames that exist, and removes those to be replaced.
     ///
     /// # Errors
-    /// Files with these names, or with numbers after the last one, that don't belong to the sequence, unless they may be
-    /// replaced.
+    /// Files with these names, or with numbers after the last one, that don't belong to the sequence, unless they may
+    /// be replaced.
     pub fn find(&mut self, pattern: &Pattern) -> Result<()> {
         // Whoever makes a film of the frames would take those that follow for the rest of it.
         let after = (self.files.len()..).map(|number| pattern.file(number)).take_while(|file| is_taken(file));
@@ -150,12 +150,6 @@ impl<'a> Frames<'a> {
     /// The numbers of those that are to be rendered.
     pub fn missing(&self) -> Vec<usize> {
         (0..self.files.len()).filter(|number| !self.there[*number]).collect()
-    }
-
-    /// The camera of a frame.
-    #[cfg(feature = "mpi")]
-    pub fn camera(&self, number: usize) -> Camera {
-        self.cameras[number]
     }
 
     /// Renders frames and returns how many were written. If errors are followed, those that are there are rendered for

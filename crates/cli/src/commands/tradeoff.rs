@@ -184,7 +184,8 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<()> {
     let frame = FrameRequest { memory_budget: args.device.budget(), ..FrameRequest::default() };
     let along = args.course(console)?;
     let size = along.as_ref().and_then(Along::size);
-    let request = Request { frame, radii: along.is_none(), ..args.input.request(size, &progress, console)? };
+    let mut request = Request { frame, ..args.input.request(size, &progress, console)? };
+    request.wanted.radii = along.is_none();
     let (prepared, cameras) = match along {
         Some(along) => along.prepare(request, console, &progress)?,
         None => {

@@ -120,8 +120,8 @@ impl FilmArgs {
             return Err(usage(format!("-o {output}: a film needs a camera that moves: --turntable or --path")));
         }
         match (&self.html, self.fps) {
-            (Some(_), _) => Err(usage("--html needs a camera that moves: --turntable or --path".to_owned())),
-            (None, Some(_)) => Err(usage("--fps needs a film, as in --turntable --frames 72 -o turn.mp4".to_owned())),
+            (Some(_), _) => Err(usage("--html needs a camera that moves: --turntable or --path")),
+            (None, Some(_)) => Err(usage("--fps needs a film, as in --turntable --frames 72 -o turn.mp4")),
             (None, None) => Ok(()),
         }
     }
@@ -134,8 +134,7 @@ impl FilmArgs {
         };
         if self.fps.is_some() && film.is_none() && self.html.is_none() {
             return Err(usage(
-                "--fps needs a film (-o turn.mp4, .webm, .gif or .apng) or --html; numbered frames have no pace"
-                    .to_owned(),
+                "--fps needs a film (-o turn.mp4, .webm, .gif or .apng) or --html; numbered frames have no pace",
             ));
         }
         let fps = self.fps.unwrap_or(FPS);
@@ -180,9 +179,7 @@ fn check_options(first: &Path, kind: Option<Kind>, page: bool, fps: u32, asked: 
         return Err(usage(format!("{path}: --deep writes one .exr, and not a film or a page")));
     }
     if asked.transparent && page {
-        return Err(usage(
-            "--html: its pictures are JPEGs, which can't be transparent; leave out --transparent".to_owned(),
-        ));
+        return Err(usage("--html: its pictures are JPEGs, which can't be transparent; leave out --transparent"));
     }
     if asked.transparent && !matches!(kind, Some(Kind::Apng)) && kind.is_some() {
         return Err(usage(format!("{path}: only an .apng keeps --transparent, of the films")));
@@ -193,7 +190,7 @@ fn check_options(first: &Path, kind: Option<Kind>, page: bool, fps: u32, asked: 
         )));
     }
     if page && asked.output.is_some_and(|output| extension(output).is_some_and(|extension| extension == "exr")) {
-        return Err(usage("--html is made of .png frames; give -o frame_%04d.png, or no -o".to_owned()));
+        return Err(usage("--html is made of .png frames; give -o frame_%04d.png, or no -o"));
     }
     Ok(())
 }

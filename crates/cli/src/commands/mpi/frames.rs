@@ -11,6 +11,7 @@ use super::frame;
 use super::ranks::{Ranks, together, told};
 use super::share::Share;
 use super::stage::Stage;
+use crate::commands::Error;
 use crate::commands::along::Along;
 use crate::commands::bar::Bar;
 use crate::commands::console::Console;
@@ -31,11 +32,12 @@ pub fn run(
     (along, pattern): (&Along, &Pattern),
     ranks: &Ranks,
     (console, progress): (Console, &Bar),
-) -> Result<ExitCode> {
+) -> Result<ExitCode, Error> {
     if job.measure.is_asked() || job.popping.is_some() {
         return Err(usage(
             "--profile, --trace and --popping of many frames are for pellucid; pellucid-mpi profile measures the frames of a path",
-        ));
+        )
+        .into());
     }
     let mut cameras = Vec::new();
     let prepare = || {
@@ -43,16 +45,11 @@ pub fn run(
         cameras = found;
         Ok((prepared, cameras.len()))
     };
-    let mut stage = match Stage::open((&job.device, sharing.share), ranks, (console, progress), prepare) {
-        Ok(stage) => stage,
-        Err(status) => return Ok(status),
-    };
+    let mut stage = Stage::open((&job.device, sharing.share), ranks, (console, progress), prepare)?;
     stage.session.renderer.timed = false;
     let mut frames = Frames::named(job, cameras, pattern, &stage.session);
     let found = if ranks.is_first() { frames.find(pattern) } else { Ok(()) };
-    if let Err(status) = together(ranks, found) {
-        return Ok(status);
-    }
+    together(ranks, found)?;
     // Before anybody renders one: who looks later would find those of others.
     frames.there = told(frames.there, ranks);
     interrupt::defer();
@@ -102,7 +99,7 @@ fn each_by_all(
         if told(interrupt::asked(), ranks) {
             break;
         }
-        stage.session.frame.camera = frames.camera(number);
+        stage.session.frame.camera = frames.cameras[number];
         let Some(shared) = frame::render(stage, ranks, false)? else { continue };
         let mut whole = Some(shared.rendered);
         let mut render =

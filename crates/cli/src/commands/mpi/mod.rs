@@ -56,12 +56,12 @@ pub fn main() -> ExitCode {
     ranks.tells = verbose;
     ranks.begin("joined");
     // A message of one rank is a message of all.
-    let console = Console::new(quiet || !ranks.is_first(), verbose && ranks.is_first());
+    let console = Console::new(quiet || !ranks.is_first(), verbose && ranks.is_first(), Streams::Process);
     super::interrupt::watch();
     pellucid_engine::io::silence_decoder_panics();
     let spread = cli.command.spread();
     if let (Some(device), false) = (spread, ranks.is_first()) {
-        return worker::serve(device, &ranks).unwrap_or_else(|error| fail(error, &ranks));
+        return worker::serve(device, &ranks).unwrap_or_else(|error| fail(&error.into(), &ranks));
     }
     let ranks = if spread.is_some() { ranks.leading() } else { ranks };
     let done = match cli.command {
@@ -71,13 +71,18 @@ pub fn main() -> ExitCode {
         }
         Command::Profile { mut args, sharing, spread } => {
             args.input.residence = residence(&sharing, spread, args.along.option().is_some(), &ranks);
-            profile::run(&args, &sharing, &ranks, console)
+            profile::run(&args, &sharing, &ranks, console).map(|()| ExitCode::SUCCESS)
         }
         Command::Plan { args, sharing, ranks: count } => {
-            plan::run(&args, &sharing, count.map(|count| count as usize), &ranks, console)
+            let count = count.map(|count| count as usize);
+            plan::run(&args, &sharing, count, &ranks, console).map(|()| ExitCode::SUCCESS)
         }
     };
-    let done = done.unwrap_or_else(|error| fail(error, &ranks));
+    let done = match done {
+        Ok(status) => status,
+        Err(Error::Told(status)) => ExitCode::from(status),
+        Err(error) => fail(&error, &ranks),
+    };
     ranks.led().into_iter().for_each(|others| orders::send_to_others(others, &Order::Stop, None));
     done
 }
@@ -94,8 +99,7 @@ fn residence(sharing: &SharingArgs, spread: SpreadArgs, is_film: bool, ranks: &R
     }
 }
 
-fn fail(error: pellucid_engine::Error, ranks: &Ranks) -> ! {
-    let error = Error::from(error);
+fn fail(error: &Error, ranks: &Ranks) -> ! {
     ranks.fail(&error.with_causes(), error.exit_status())
 }
 
@@ -111,18 +115,14 @@ impl Command {
 }
 
 /// A picture, or the frames of a path.
-fn render(args: RenderArgs, sharing: &SharingArgs, ranks: &Ranks, console: Console) -> Result<ExitCode> {
-    let target = match together(ranks, target(&args)) {
-        Ok(target) => target,
-        Err(status) => return Ok(status),
-    };
+fn render(args: RenderArgs, sharing: &SharingArgs, ranks: &Ranks, console: Console) -> Result<ExitCode, Error> {
+    let target = together(ranks, target(&args))?;
     let progress = console.progress();
-    let job = match together(ranks, RenderJob::new(args, target, &progress, console)) {
-        Ok(job) => job,
-        Err(status) => return Ok(status),
-    };
+    let job = together(ranks, RenderJob::new(args, target, &progress, console))?;
     match (&job.target, &job.along) {
-        (Target::One(output), _) => picture::run(&job, sharing, output, ranks, (console, &progress)),
+        (Target::One(output), _) => {
+            picture::run(&job, sharing, output, ranks, (console, &progress)).map(|()| ExitCode::SUCCESS)
+        }
         (Target::Frames(pattern, _), Some(along)) => {
             frames::run(&job, sharing, (along, pattern), ranks, (console, &progress))
         }

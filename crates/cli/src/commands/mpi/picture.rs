@@ -1,15 +1,14 @@
 //! Renders a picture with all ranks.
 
 use std::path::Path;
-use std::process::ExitCode;
 
-use pellucid_engine::Result;
 use pellucid_session::Prepared;
 
 use super::frame;
 use super::ranks::Ranks;
 use super::report::Report;
 use super::stage::Stage;
+use crate::commands::Error;
 use crate::commands::bar::Bar;
 use crate::commands::console::Console;
 use crate::commands::job::RenderJob;
@@ -26,19 +25,16 @@ pub fn run(
     output: &Path,
     ranks: &Ranks,
     (console, progress): (Console, &Bar),
-) -> Result<ExitCode> {
+) -> Result<(), Error> {
     let is_profiled = job.measure.is_asked();
     let prepare = || {
         let mut request = job.request.clone();
         request.frame.counts |= is_profiled;
         Ok((Prepared::new(request, &console, progress)?, 1))
     };
-    let mut stage = match Stage::open((&job.device, sharing.share), ranks, (console, progress), prepare) {
-        Ok(stage) => stage,
-        Err(status) => return Ok(status),
-    };
+    let mut stage = Stage::open((&job.device, sharing.share), ranks, (console, progress), prepare)?;
     stage.session.renderer.timed = is_profiled || console.is_verbose();
-    let Some(mut shared) = frame::render(&mut stage, ranks, is_profiled)? else { return Ok(ExitCode::SUCCESS) };
+    let Some(mut shared) = frame::render(&mut stage, ranks, is_profiled)? else { return Ok(()) };
     let Stage { mut session, share, .. } = stage;
     session.frame.depths = false;
     session.judge(&shared.rendered.image, &console)?;
@@ -48,6 +44,5 @@ pub fn run(
     report.add(shared);
     session.add_phases(&mut report.profile);
     console.detail(report.table());
-    report.write(&job.measure)?;
-    Ok(ExitCode::SUCCESS)
+    Ok(report.write(&job.measure)?)
 }

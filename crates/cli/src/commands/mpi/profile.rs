@@ -1,14 +1,13 @@
 //! `pellucid-mpi profile`: what each pass costs, on each rank.
 
-use std::process::ExitCode;
-
-use pellucid_engine::{Result, profile};
+use pellucid_engine::profile;
 
 use super::frame;
 use super::ranks::Ranks;
 use super::report::Report;
 use super::share::Share;
 use super::stage::Stage;
+use crate::commands::Error;
 use crate::commands::console::Console;
 use crate::commands::mpi_args::SharingArgs;
 use crate::commands::profile::ProfileArgs;
@@ -17,7 +16,7 @@ use crate::commands::profile::ProfileArgs;
 ///
 /// # Errors
 /// Errors of rendering, on any rank.
-pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Console) -> Result<ExitCode> {
+pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Console) -> Result<(), Error> {
     let progress = console.progress();
     let mut cameras = Vec::new();
     let prepare = || {
@@ -26,10 +25,7 @@ pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Co
         cameras = found;
         Ok((prepared, if args.along.option().is_some() { cameras.len() } else { 1 }))
     };
-    let mut stage = match Stage::open((&args.device, sharing.share), ranks, (console, &progress), prepare) {
-        Ok(stage) => stage,
-        Err(status) => return Ok(status),
-    };
+    let mut stage = Stage::open((&args.device, sharing.share), ranks, (console, &progress), prepare)?;
     // The first frame pays for pipelines and buffers, and counts lists.
     let first = match stage.share {
         Share::Frames => frame::film(&mut stage, &vec![cameras[0]; ranks.count()], ranks, false)?,
@@ -62,7 +58,7 @@ pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Co
         }
     }
     progress.finish_and_clear();
-    let Some((fragments, max_list, histogram)) = counted else { return Ok(ExitCode::SUCCESS) };
+    let Some((fragments, max_list, histogram)) = counted else { return Ok(()) };
     if args.along.option().is_none() {
         (report.profile.facts.fragments, report.profile.facts.max_list) = (fragments, max_list);
         report.profile.list_histogram = histogram;
@@ -76,5 +72,5 @@ pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Co
         let spread = stage.spread.as_ref().map_or_else(String::new, |spread| format!("\n{}", spread.described()));
         console.print(&format!("{passes}\n\n{}{spread}\n{}\n", report.table(), report.times()))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }

@@ -2,7 +2,6 @@
 
 use std::cell::Cell;
 use std::io::Write;
-use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use mpi::environment::{Threading, Universe, processor_name};
@@ -120,8 +119,8 @@ impl Ranks {
         usize::try_from(self.world.size()).unwrap_or(1)
     }
 
-    /// The device of this rank: the one that is asked for, or, where the host has several GPUs, that of the rank's number
-    /// on the host.
+    /// The device of this rank: the one that is asked for, or, where the host has several GPUs, that of the rank's
+    /// number on the host.
     pub fn device(&self, asked: &DeviceArgs) -> pellucid_engine::Result<gpu::Device> {
         let mut name = asked.device.clone();
         if name.is_none() {
@@ -182,16 +181,12 @@ impl Ranks {
 
     /// Returns the bytes of every rank, in their order, on all ranks.
     pub fn all_told(&self, said: &[u8]) -> Vec<Vec<u8>> {
-        told(self.first_told(said).unwrap_or_default(), self)
-    }
-
-    /// Returns the bytes of every rank, in their order, on the first one; `None` on the others.
-    pub fn first_told(&self, said: &[u8]) -> Option<Vec<Vec<u8>>> {
         if !self.is_first() {
             self.send(0, said);
-            return None;
+            return told(Vec::new(), self);
         }
-        Some(std::iter::once(said.to_vec()).chain((1..self.count()).map(|rank| self.received(rank))).collect())
+        let others = (1..self.count()).map(|rank| self.received(rank));
+        told(std::iter::once(said.to_vec()).chain(others).collect(), self)
     }
 
     /// Sends bytes to a rank, which has to ask for them ([`Self::received`]). Sleeps until it does: MPI would wait at
@@ -314,8 +309,8 @@ pub fn decoded<T: serde::de::DeserializeOwned>(from: usize, ranks: &Ranks) -> T 
 /// prints it.
 ///
 /// # Errors
-/// The exit status.
-pub fn together<T>(ranks: &Ranks, done: pellucid_engine::Result<T>) -> Result<T, ExitCode> {
+/// The exit status, as [`Error::Told`].
+pub fn together<T>(ranks: &Ranks, done: pellucid_engine::Result<T>) -> Result<T, Error> {
     let (own, said) = match done {
         Ok(own) => (Some(own), Vec::new()),
         Err(error) => {
@@ -326,12 +321,12 @@ pub fn together<T>(ranks: &Ranks, done: pellucid_engine::Result<T>) -> Result<T,
     };
     let all = ranks.all_told(&said);
     let Some(first) = all.iter().find(|said| !said.is_empty()) else {
-        return own.ok_or(ExitCode::FAILURE);
+        return own.ok_or(Error::Told(1));
     };
     if ranks.is_first() {
         let others = all.iter().filter(|said| !said.is_empty()).count() - 1;
         let more = if others > 0 { format!(" (and {others} other ranks)") } else { String::new() };
         Streams::Process.print_stderr(format_args!("error: {}{more}", String::from_utf8_lossy(&first[1..])));
     }
-    Err(ExitCode::from(first[0]))
+    Err(Error::Told(first[0]))
 }

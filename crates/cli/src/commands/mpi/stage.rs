@@ -1,7 +1,6 @@
 //! The scene on the devices of all ranks: the same everywhere, as the first rank decides it.
 
 use std::ops::Range;
-use std::process::ExitCode;
 
 use pellucid_engine::Result;
 use pellucid_engine::camera::Camera;
@@ -9,7 +8,7 @@ use pellucid_engine::methods::Frame;
 use pellucid_engine::passes::bands::Window;
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::progress::Phase;
-use pellucid_engine::scene::{Error, MethodChoice};
+use pellucid_engine::scene::MethodChoice;
 use pellucid_session::{Prepared, Session};
 
 use super::cut::{Costs, Load};
@@ -19,8 +18,10 @@ use super::share::{Job, Share};
 use super::spread;
 use super::spread::deal::Spread;
 use super::work::Work;
+use crate::commands::Error;
 use crate::commands::bar::Bar;
 use crate::commands::console::Console;
+use crate::commands::limit::usage;
 use crate::commands::mpi_args::Wanted;
 use crate::commands::options::DeviceArgs;
 use crate::legend;
@@ -64,13 +65,13 @@ impl Stage {
     /// Brings what `prepare` reads to the device; it also returns how many frames there are to render.
     ///
     /// # Errors
-    /// The exit status, once the first rank has said what went wrong.
+    /// The first error of a rank, once the first rank has said what went wrong.
     pub fn open(
         (device, wanted): (&DeviceArgs, Wanted),
         ranks: &Ranks,
         (console, progress): (Console, &Bar),
         prepare: impl FnOnce() -> Result<(Prepared, usize)>,
-    ) -> std::result::Result<Self, ExitCode> {
+    ) -> Result<Self, Error> {
         let checked = || {
             let (prepared, frames) = prepare()?;
             legend::check(&prepared, &console)?;
@@ -209,7 +210,7 @@ fn identity(prepared: &Prepared) -> [u8; 32] {
         "{} {} {camera:?} {} {} {:?} {stored:?}",
         env!("CARGO_PKG_VERSION"),
         prepared.scene().settings,
-        request.seed,
+        request.wanted.seed,
         points.positions.len(),
         points.bounds()
     );
@@ -224,11 +225,10 @@ fn identity(prepared: &Prepared) -> [u8; 32] {
 fn compare(own: &[u8], ranks: &Ranks) -> Result<()> {
     let all = ranks.all_told(own);
     match all.iter().position(|one| *one != all[0]) {
-        Some(other) => Err(Error::Usage(format!(
+        Some(other) => Err(usage(format!(
             "rank {other} found another scene, other points or another version of pellucid than rank 0: all ranks must see \
              the same files"
-        ))
-        .into()),
+        ))),
         None => Ok(()),
     }
 }
