@@ -37,7 +37,7 @@ impl Loaded {
         with_radii: bool,
         listener: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let device = device.device().map_err(|failure| failure.raise(py))?;
+        let device = device.device()?;
         let state = scene.state().clone();
         let session = work::run(py, listener, move |talk| Work::open(&device, state, &ask, with_radii, talk))?;
         Ok(Self(Mutex::new(Kept::new("scene", Arc::new(Mutex::new(session))))))
@@ -133,7 +133,7 @@ impl Loaded {
         task: impl FnOnce(&mut Work, &Talk) -> Result<T, Failure> + Send + 'static,
     ) -> PyResult<T> {
         let session = self.0.lock().unwrap_or_else(PoisonError::into_inner).get().cloned();
-        let session = session.map_err(|failure| failure.raise(py))?;
+        let session = session?;
         work::run(py, listener, move |talk| {
             let mut session = session.lock().unwrap_or_else(PoisonError::into_inner);
             task(&mut session, talk)

@@ -114,14 +114,14 @@ impl Picture {
 
     /// Write a PNG or an EXR, by the extension.
     fn save(&self, py: Python<'_>, path: PathBuf, transparent: bool, arrays: Arrays<'_>) -> PyResult<()> {
-        let image = self.image(&arrays).map_err(|failure| failure.raise(py))?;
+        let image = self.image(&arrays)?;
         let options = self.options(transparent);
         work::run(py, None, move |_| Ok(output::write_image(&path, &image, &options)?))
     }
 
     /// Return the bytes of a PNG.
     fn png<'py>(&self, py: Python<'py>, transparent: bool, arrays: Arrays<'_>) -> PyResult<Bound<'py, PyBytes>> {
-        let image = self.image(&arrays).map_err(|failure| failure.raise(py))?;
+        let image = self.image(&arrays)?;
         let options = self.options(transparent);
         let bytes = work::run(py, None, move |_| {
             output::png_bytes(&image, &options).map_err(|error| Failure::Refused(format!("no PNG: {error}")))
@@ -131,7 +131,7 @@ impl Picture {
 
     /// Return 8-bit sRGB over the background.
     fn srgb<'py>(&self, py: Python<'py>, arrays: Arrays<'_>) -> PyResult<Bound<'py, PyArray1<u8>>> {
-        let image = self.image(&arrays).map_err(|failure| failure.raise(py))?;
+        let image = self.image(&arrays)?;
         let options = self.options(false);
         let raster = py.detach(move || output::raster(&image, &options));
         Ok(PyArray1::from_vec(py, raster.bytes))
@@ -139,7 +139,7 @@ impl Picture {
 
     /// Return linear colors over the background.
     fn linear<'py>(&self, py: Python<'py>, arrays: Arrays<'_>) -> PyResult<Floats<'py>> {
-        let image = self.image(&arrays).map_err(|failure| failure.raise(py))?;
+        let image = self.image(&arrays)?;
         let WriteOptions { background, color, .. } = self.options;
         let LinearImage { pixels, .. } = py.detach(move || output::linear(&image, background, color));
         Ok(arrays::flat(py, pixels))
