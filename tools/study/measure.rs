@@ -9,8 +9,8 @@ use pellucid_engine::methods::Renderer;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::{Error, Result};
 use pellucid_lab::report::tradeoff::method_by_method;
-use pellucid_session::candidates::{Ladders, Setting};
-use pellucid_session::choice::{EXACT, Measured, Subject, Survey};
+use pellucid_session::candidates::{Ladders, Setting, settings};
+use pellucid_session::choice::{EXACT, Measured, Subject, Trials};
 
 use crate::Args;
 use crate::rows::{Device, Log, Row, rounded};
@@ -97,8 +97,8 @@ fn measure(device: &gpu::Device, base: &Base, fitted: &Fitted, part: Part, log: 
     let mut cloud = Renderer::new(device)?.upload_arranged(arranged)?;
     let subject = Subject { arranged, frame: base.frame, background: base.background, only: None };
     let progress = Progress::hidden();
-    let mut survey = Survey::open(device, &mut cloud, &subject, &progress)?;
-    let settings = survey.settings(&Ladders::FULL);
+    let mut trials = Trials::open(device, &mut cloud, &subject, true, &progress)?;
+    let settings = settings(&trials.occasion(), &Ladders::FULL).0;
     log.case(case.clone())?;
     let mut ladders = Ladder::default();
     let mut is_whole = true;
@@ -114,7 +114,7 @@ fn measure(device: &gpu::Device, base: &Base, fitted: &Fitted, part: Part, log: 
             Some(row) => Some(row),
             None if ladders.is_over(setting) => None,
             None => {
-                let found = survey.measure(setting, part.frames, ladders.most())?.map(|found| row(key, found));
+                let found = trials.measure(setting, part.frames, ladders.most())?.map(|found| row(key, found));
                 if let Some(row) = &found {
                     log.row(scene, target, row.clone())?;
                 }

@@ -141,13 +141,15 @@ impl<'a> FrameBuilder<'a> {
         if session.update(request, watcher, &watcher.progress()).map_err(of_engine)? {
             session.warn(watcher);
         }
-        let mut rendered = session.render().map_err(of_engine)?;
-        session.judge(&rendered.image, watcher).map_err(of_engine)?;
-        let brightness = session.brighten(&mut rendered, watcher).map_err(of_engine)?;
-        let options = session.write_options(brightness.as_ref(), Vec::new());
+        let (rendered, options) = session.picture(watcher).map_err(of_engine)?;
         let mut profile = session.profile();
         profile.add(&rendered);
-        let method = (session.frame.method.name(), session.why.clone());
-        Ok(Picture::new(rendered.image, options, method, Profile(profile)))
+        Ok(Picture {
+            image: rendered.image,
+            options,
+            method: session.frame.method.name(),
+            reason: session.why.clone(),
+            profile: Profile(profile),
+        })
     }
 }

@@ -11,23 +11,14 @@ use crate::{Error, Profile, Result};
 
 /// Picture: linear color, opacity and depth of each pixel, row by row from the top, and the frame's profile.
 pub struct Picture {
-    image: Image,
-    options: WriteOptions,
-    method: &'static str,
-    reason: String,
-    profile: Profile,
+    pub(crate) image: Image,
+    pub(crate) options: WriteOptions,
+    pub(crate) method: &'static str,
+    pub(crate) reason: String,
+    pub(crate) profile: Profile,
 }
 
 impl Picture {
-    pub(crate) fn new(
-        image: Image,
-        options: WriteOptions,
-        (method, reason): (&'static str, String),
-        profile: Profile,
-    ) -> Self {
-        Self { image, options, method, reason, profile }
-    }
-
     /// Returns the name of the method.
     pub fn method(&self) -> &'static str {
         self.method

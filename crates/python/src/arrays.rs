@@ -8,63 +8,38 @@ use glam::{DVec3, Vec3};
 use numpy::{Element, PyArray1, PyReadonlyArray1};
 use pellucid_engine::color::decode_srgb;
 use pellucid_engine::io::unit_or_zero;
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
 use crate::failure::Failure;
 
-/// Rows of a contiguous array.
-#[derive(FromPyObject)]
-pub enum Floats<'py> {
-    Single(PyReadonlyArray1<'py, f32>),
-    Double(PyReadonlyArray1<'py, f64>),
+/// Copy of a contiguous array.
+pub struct Rows<T>(pub Vec<T>);
+
+impl<'a, 'py, T: Element + Copy + 'a> FromPyObject<'a, 'py> for Rows<T> {
+    type Error = PyErr;
+
+    fn extract(array: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let array = PyReadonlyArray1::<'py, T>::extract(array)?;
+        let values = array.as_slice().map_err(|_| PyValueError::new_err("expected a contiguous array"))?;
+        Ok(Self(values.to_vec()))
+    }
 }
 
-/// Copy of the rows.
+/// Copy of an array of floats.
+#[derive(FromPyObject)]
 pub enum FloatRows {
-    Single(Vec<f32>),
-    Double(Vec<f64>),
+    Single(Rows<f32>),
+    Double(Rows<f64>),
 }
 
-impl Floats<'_> {
-    pub fn copied(&self, name: &str) -> Result<FloatRows, Failure> {
-        Ok(match self {
-            Self::Single(array) => FloatRows::Single(copied(name, array)?),
-            Self::Double(array) => FloatRows::Double(copied(name, array)?),
-        })
-    }
-}
-
-/// Colors as given; integers are sRGB.
+/// Copy of colors as given; integers are sRGB.
 #[derive(FromPyObject)]
-pub enum Colors<'py> {
-    Byte(PyReadonlyArray1<'py, u8>),
-    Short(PyReadonlyArray1<'py, u16>),
-    Single(PyReadonlyArray1<'py, f32>),
-    Double(PyReadonlyArray1<'py, f64>),
-}
-
-/// Copy of the rows.
 pub enum ColorRows {
-    Byte(Vec<u8>),
-    Short(Vec<u16>),
+    Byte(Rows<u8>),
+    Short(Rows<u16>),
     Floats(FloatRows),
-}
-
-impl Colors<'_> {
-    pub fn copied(&self, name: &str) -> Result<ColorRows, Failure> {
-        Ok(match self {
-            Self::Byte(array) => ColorRows::Byte(copied(name, array)?),
-            Self::Short(array) => ColorRows::Short(copied(name, array)?),
-            Self::Single(array) => ColorRows::Floats(FloatRows::Single(copied(name, array)?)),
-            Self::Double(array) => ColorRows::Floats(FloatRows::Double(copied(name, array)?)),
-        })
-    }
-}
-
-/// Returns a copy of a contiguous array.
-pub fn copied<T: Element + Copy>(name: &str, array: &PyReadonlyArray1<'_, T>) -> Result<Vec<T>, Failure> {
-    Ok(values(name, array)?.to_vec())
 }
 
 /// Returns the values of a contiguous array.
@@ -91,8 +66,8 @@ pub fn positions(rows: &FloatRows) -> Result<Vec<DVec3>, Failure> {
         }
     }
     match rows {
-        FloatRows::Single(values) => convert(values),
-        FloatRows::Double(values) => convert(values),
+        FloatRows::Single(Rows(values)) => convert(values),
+        FloatRows::Double(Rows(values)) => convert(values),
     }
 }
 
@@ -105,20 +80,20 @@ pub fn normals(rows: &FloatRows) -> Option<Vec<Vec3>> {
 /// Returns rows of three as float32.
 fn vectors(rows: &FloatRows) -> impl IndexedParallelIterator<Item = Vec3> + '_ {
     let count = match rows {
-        FloatRows::Single(values) => values.len() / 3,
-        FloatRows::Double(values) => values.len() / 3,
+        FloatRows::Single(Rows(values)) => values.len() / 3,
+        FloatRows::Double(Rows(values)) => values.len() / 3,
     };
     (0..count).into_par_iter().map(move |i| match rows {
-        FloatRows::Single(values) => Vec3::from_slice(&values[3 * i..]),
-        FloatRows::Double(values) => DVec3::from_slice(&values[3 * i..]).as_vec3(),
+        FloatRows::Single(Rows(values)) => Vec3::from_slice(&values[3 * i..]),
+        FloatRows::Double(Rows(values)) => DVec3::from_slice(&values[3 * i..]).as_vec3(),
     })
 }
 
 /// Returns linear colors. `srgb` is `true` if floats are sRGB.
 pub fn colors(rows: &ColorRows, srgb: bool) -> Result<Vec<Vec3>, Failure> {
     let rows = match rows {
-        ColorRows::Byte(values) => return Ok(decoded(values, 255)),
-        ColorRows::Short(values) => return Ok(decoded(values, u16::MAX)),
+        ColorRows::Byte(Rows(values)) => return Ok(decoded(values, 255)),
+        ColorRows::Short(Rows(values)) => return Ok(decoded(values, u16::MAX)),
         ColorRows::Floats(rows) => rows,
     };
     let in_range = |c: &Vec3| c.cmpge(Vec3::ZERO).all() && c.cmple(Vec3::ONE).all();
@@ -134,8 +109,8 @@ pub fn colors(rows: &ColorRows, srgb: bool) -> Result<Vec<Vec3>, Failure> {
 /// Returns colors as they are, whatever their range; integers are decoded.
 pub fn any_colors(rows: &ColorRows) -> Vec<[f32; 3]> {
     match rows {
-        ColorRows::Byte(values) => decoded(values, 255).into_iter().map(|c| c.to_array()).collect(),
-        ColorRows::Short(values) => decoded(values, u16::MAX).into_iter().map(|c| c.to_array()).collect(),
+        ColorRows::Byte(Rows(values)) => decoded(values, 255).into_iter().map(|c| c.to_array()).collect(),
+        ColorRows::Short(Rows(values)) => decoded(values, u16::MAX).into_iter().map(|c| c.to_array()).collect(),
         ColorRows::Floats(rows) => vectors(rows).map(|c| c.to_array()).collect(),
     }
 }

@@ -16,7 +16,7 @@ pub fn check(
     names: Vec<String>,
     listener: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<String> {
-    let device = device.device().map_err(|failure| failure.raise(py))?;
+    let device = device.device()?;
     work::run(py, listener, move |talk| {
         let asked = |case: &Case| names.is_empty() || names.iter().any(|name| case.name.contains(name.as_str()));
         let cases: Vec<Case> = lab::cases().into_iter().filter(asked).collect();

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use numpy::{PyArray1, PyReadonlyArray1};
+use numpy::PyArray1;
 use pellucid_engine::cloud::{Cloud as Columns, UpAxis};
 use pellucid_engine::io;
 use pellucid_session::describe_cloud;
 use pyo3::prelude::*;
 
-use crate::arrays::{self, ColorRows, Colors, FloatRows, Floats};
+use crate::arrays::{self, ColorRows, FloatRows, Rows};
 use crate::failure::Failure;
 use crate::work;
 
@@ -19,23 +19,23 @@ pub struct Cloud(pub Arc<Columns>);
 
 /// Columns given in addition to the points.
 #[derive(FromPyObject)]
-pub struct Given<'py> {
+pub struct Given {
     #[pyo3(item)]
-    colors: Option<Colors<'py>>,
+    colors: Option<ColorRows>,
     #[pyo3(item)]
     srgb: bool,
     #[pyo3(item)]
-    opacities: Option<PyReadonlyArray1<'py, f32>>,
+    opacities: Option<Rows<f32>>,
     #[pyo3(item)]
-    radii: Option<PyReadonlyArray1<'py, f32>>,
+    radii: Option<Rows<f32>>,
     #[pyo3(item)]
-    normals: Option<Floats<'py>>,
+    normals: Option<FloatRows>,
     #[pyo3(item)]
-    classification: Option<PyReadonlyArray1<'py, u8>>,
+    classification: Option<Rows<u8>>,
     #[pyo3(item)]
-    intensity: Option<PyReadonlyArray1<'py, f32>>,
+    intensity: Option<Rows<f32>>,
     #[pyo3(item)]
-    scalars: Vec<(String, PyReadonlyArray1<'py, f32>)>,
+    scalars: Vec<(String, Rows<f32>)>,
     #[pyo3(item)]
     z_up: Option<bool>,
 }
@@ -44,9 +44,8 @@ pub struct Given<'py> {
 impl Cloud {
     /// Return a cloud of flat, contiguous arrays whose lengths and types Python has checked.
     #[staticmethod]
-    fn of_arrays(py: Python<'_>, points: Floats<'_>, given: Given<'_>) -> PyResult<Self> {
-        let copies = Copies::new(&points, &given).map_err(|failure| failure.raise(py))?;
-        Ok(Self(Arc::new(work::run(py, None, move |_| copies.columns())?)))
+    fn of_arrays(py: Python<'_>, points: FloatRows, given: Given) -> PyResult<Self> {
+        Ok(Self(Arc::new(work::run(py, None, move |_| given.columns(&points))?)))
     }
 
     /// Return the cloud of a file.
@@ -111,49 +110,23 @@ impl Cloud {
     }
 }
 
-/// Copies of everything that was given.
-struct Copies {
-    points: FloatRows,
-    colors: Option<ColorRows>,
-    srgb: bool,
-    normals: Option<FloatRows>,
-    z_up: Option<bool>,
-    /// Columns that need no conversion.
-    columns: Columns,
-}
-
-impl Copies {
-    fn new(points: &Floats<'_>, given: &Given<'_>) -> Result<Self, Failure> {
-        let floats = |name: &str, array: &Option<PyReadonlyArray1<'_, f32>>| {
-            array.as_ref().map(|array| arrays::copied(name, array)).transpose()
-        };
-        let scalars = given.scalars.iter().map(|(name, values)| Ok((name.clone(), arrays::copied(name, values)?)));
-        let classification = given.classification.as_ref().map(|codes| arrays::copied("classification", codes));
-        Ok(Self {
-            points: points.copied("points")?,
-            colors: given.colors.as_ref().map(|colors| colors.copied("colors")).transpose()?,
-            srgb: given.srgb,
-            normals: given.normals.as_ref().map(|normals| normals.copied("normals")).transpose()?,
-            z_up: given.z_up,
-            columns: Columns {
-                alphas: floats("opacities", &given.opacities)?,
-                radii: floats("radii", &given.radii)?,
-                classification: classification.transpose()?,
-                intensity: floats("intensity", &given.intensity)?,
-                scalars: scalars.collect::<Result<_, Failure>>()?,
-                ..Columns::default()
-            },
-        })
-    }
-
+impl Given {
     /// Returns the columns of a cloud, of which every value is in its range.
-    fn columns(self) -> Result<Columns, Failure> {
-        let mut columns = self.columns;
+    fn columns(self, points: &FloatRows) -> Result<Columns, Failure> {
+        let floats = |rows: Option<Rows<f32>>| rows.map(|Rows(values)| values);
+        let mut columns = Columns {
+            alphas: floats(self.opacities),
+            radii: floats(self.radii),
+            classification: self.classification.map(|Rows(codes)| codes),
+            intensity: floats(self.intensity),
+            scalars: self.scalars.into_iter().map(|(name, Rows(values))| (name, values)).collect(),
+            ..Columns::default()
+        };
         let (alphas, radii) = (columns.alphas.as_deref(), columns.radii.as_deref());
         let not_negative = |r: f32| r >= 0.0 && r.is_finite();
         arrays::check("opacities", alphas.unwrap_or_default(), "numbers from 0 to 1", |a| (0.0..=1.0).contains(&a))?;
         arrays::check("radii", radii.unwrap_or_default(), "finite numbers of at least 0", not_negative)?;
-        columns.positions = arrays::positions(&self.points)?;
+        columns.positions = arrays::positions(points)?;
         columns.colors = self.colors.map(|colors| arrays::colors(&colors, self.srgb)).transpose()?;
         columns.normals = self.normals.and_then(|normals| arrays::normals(&normals));
         match self.z_up {

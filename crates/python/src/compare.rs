@@ -4,35 +4,23 @@ use std::path::PathBuf;
 
 use numpy::PyArray1;
 use pellucid_engine::image::LinearImage;
-use pellucid_engine::metrics::{self, Comparison};
+use pellucid_engine::metrics;
 use pellucid_engine::output::read_image;
 use pyo3::prelude::*;
 use serde_json::json;
 
-use crate::arrays::{self, ColorRows, Colors};
+use crate::arrays::{self, ColorRows};
 use crate::failure::Failure;
 use crate::work;
 
 /// A file, or R, G, B of this width and height, row by row: linear floats, or sRGB integers.
 #[derive(FromPyObject)]
-pub enum Given<'py> {
-    Pixels(Colors<'py>, u32, u32),
-    File(PathBuf),
-}
-
-enum Source {
+pub enum Source {
     Pixels(ColorRows, u32, u32),
     File(PathBuf),
 }
 
 impl Source {
-    fn new(name: &str, given: &Given<'_>) -> Result<Self, Failure> {
-        Ok(match given {
-            Given::Pixels(array, width, height) => Self::Pixels(array.copied(name)?, *width, *height),
-            Given::File(path) => Self::File(path.clone()),
-        })
-    }
-
     fn read(self, name: &str) -> Result<LinearImage, Failure> {
         let image = match self {
             Self::Pixels(rows, width, height) => LinearImage { width, height, pixels: arrays::any_colors(&rows) },
@@ -60,9 +48,7 @@ type Compared<'py> = (String, Bound<'py, PyArray1<f32>>, u32, u32);
 
 /// Compare a picture with another one, the reference.
 #[pyfunction]
-pub fn compare<'py>(py: Python<'py>, a: Given<'_>, b: Given<'_>) -> PyResult<Compared<'py>> {
-    let sources = Source::new("a", &a).and_then(|a| Ok((a, Source::new("b", &b)?)));
-    let (a, b) = sources.map_err(|failure| failure.raise(py))?;
+pub fn compare<'py>(py: Python<'py>, a: Source, b: Source) -> PyResult<Compared<'py>> {
     let (json, difference, [width, height]) = work::run(py, None, move |_| {
         let (a, b) = (a.read("a")?, b.read("b")?);
         let comparison = metrics::compare(&a, &b).ok_or_else(|| {
@@ -70,17 +56,8 @@ pub fn compare<'py>(py: Python<'py>, a: Given<'_>, b: Given<'_>) -> PyResult<Com
             Failure::Value(format!("a and b: expected pictures of one size, found {a} and {b} pixels"))
         })?;
         let difference = metrics::difference_picture(&a.pixels, &b.pixels, 1.0);
-        Ok((described(&comparison), difference, [a.width, a.height]))
+        // JSON has no infinity: null is written for it.
+        Ok((json!(comparison).to_string(), difference, [a.width, a.height]))
     })?;
     Ok((json, arrays::flat(py, difference), width, height))
-}
-
-fn described(comparison: &Comparison) -> String {
-    let Comparison { rmse, nmse, psnr, ssim, flip, max, above_1_255 } = comparison;
-    // JSON has no infinity: null is written for it.
-    let value = json!({
-        "rmse": rmse, "nmse": nmse, "psnr": psnr, "ssim": ssim, "flip": flip,
-        "max": { "value": max.value, "x": max.x, "y": max.y }, "above_1_255": above_1_255,
-    });
-    value.to_string()
 }

@@ -26,17 +26,17 @@ impl Device {
         Ok(Self(Arc::new(Mutex::new(Kept::new("renderer", opened)))))
     }
 
-    fn name(&self, py: Python<'_>) -> PyResult<String> {
-        Ok(self.device().map_err(|failure| failure.raise(py))?.info().name.clone())
+    fn name(&self) -> PyResult<String> {
+        Ok(self.device()?.info().name.clone())
     }
 
-    fn driver(&self, py: Python<'_>) -> PyResult<String> {
-        Ok(self.device().map_err(|failure| failure.raise(py))?.info().driver.clone())
+    fn driver(&self) -> PyResult<String> {
+        Ok(self.device()?.info().driver.clone())
     }
 
     /// Return the device memory that scenes and frames of this device use, in bytes.
-    fn bytes_in_use(&self, py: Python<'_>) -> PyResult<u64> {
-        let device = self.device().map_err(|failure| failure.raise(py))?;
+    fn bytes_in_use(&self) -> PyResult<u64> {
+        let device = self.device()?;
         Ok(device.live_allocations().iter().map(|(_, bytes)| bytes).sum())
     }
 

@@ -33,14 +33,14 @@ const VULKAN: &str = "\n\
     Windows: the driver of the GPU's maker, which brings Vulkan; without a GPU Mesa's lavapipe (github.com/pal1000/mesa-dist-win)\n  \
     macOS: brew install vulkan-loader molten-vk";
 
-impl Failure {
-    /// Converts it to an exception of the package.
-    pub fn raise(self, py: Python<'_>) -> PyErr {
-        match self {
-            Self::Value(message) => PyValueError::new_err(message),
-            Self::Refused(message) => of_class(py, "Error", message),
-            Self::Cancelled => of_class(py, "Error", "the work was cancelled".to_owned()),
-            Self::Engine(error) => {
+/// Converts a failure to an exception of the package.
+impl From<Failure> for PyErr {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Value(message) => PyValueError::new_err(message),
+            Failure::Refused(message) => of_class("Error", message),
+            Failure::Cancelled => of_class("Error", "the work was cancelled".to_owned()),
+            Failure::Engine(error) => {
                 let (class, more) = match &*error {
                     Error::Load(_) => ("ReadError", ""),
                     Error::Scene(_) | Error::Path(_) => ("SceneError", ""),
@@ -48,7 +48,7 @@ impl Failure {
                     Error::Gpu(gpu) | Error::Render(methods::Error::Gpu(gpu)) => ("DeviceError", install(gpu)),
                     _ => ("Error", ""),
                 };
-                of_class(py, class, format!("{error}{more}"))
+                of_class(class, format!("{error}{more}"))
             }
         }
     }
@@ -64,7 +64,9 @@ fn install(error: &pellucid_engine::gpu::Error) -> &'static str {
 }
 
 /// Returns an exception of a Python class, since some have two bases.
-fn of_class(py: Python<'_>, name: &str, message: String) -> PyErr {
-    let found = py.import("pellucid._errors").and_then(|module| module.getattr(name)?.call1((&message,)));
-    found.map_or_else(|_| PyRuntimeError::new_err(message), PyErr::from_value)
+fn of_class(name: &str, message: String) -> PyErr {
+    Python::attach(|py| {
+        let found = py.import("pellucid._errors").and_then(|module| module.getattr(name)?.call1((&message,)));
+        found.map_or_else(|_| PyRuntimeError::new_err(message), PyErr::from_value)
+    })
 }

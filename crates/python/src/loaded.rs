@@ -5,7 +5,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use numpy::PyArray1;
 use pellucid_engine::image::Image;
-use pellucid_engine::output::WriteOptions;
 use pellucid_session::Session;
 use pyo3::prelude::*;
 
@@ -38,7 +37,7 @@ impl Loaded {
         with_radii: bool,
         listener: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let device = device.device().map_err(|failure| failure.raise(py))?;
+        let device = device.device()?;
         let state = scene.state().clone();
         let session = work::run(py, listener, move |talk| Work::open(&device, state, &ask, with_radii, talk))?;
         Ok(Self(Mutex::new(Kept::new("scene", Arc::new(Mutex::new(session))))))
@@ -134,7 +133,7 @@ impl Loaded {
         task: impl FnOnce(&mut Work, &Talk) -> Result<T, Failure> + Send + 'static,
     ) -> PyResult<T> {
         let session = self.0.lock().unwrap_or_else(PoisonError::into_inner).get().cloned();
-        let session = session.map_err(|failure| failure.raise(py))?;
+        let session = session?;
         work::run(py, listener, move |talk| {
             let mut session = session.lock().unwrap_or_else(PoisonError::into_inner);
             task(&mut session, talk)
@@ -150,17 +149,12 @@ fn distance(session: &Session) -> f64 {
 
 /// Renders the frame that the session is ready for.
 fn render(session: &mut Session, talk: &Talk) -> Result<(Picture, Image), Failure> {
-    let mut rendered = session.render()?;
-    session.judge(&rendered.image, talk)?;
-    let brightness = session.brighten(&mut rendered, talk)?;
+    let (rendered, options) = session.picture(talk)?;
     let mut profile = session.profile();
     profile.add(&rendered);
-    let WriteOptions { background, color, metadata, .. } = session.write_options(brightness.as_ref(), Vec::new());
     let picture = Picture {
         size: session.frame.size,
-        background,
-        color,
-        metadata,
+        options,
         profile,
         camera: session.frame.camera,
         distance: distance(session),

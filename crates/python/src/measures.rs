@@ -4,11 +4,11 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use pellucid_engine::methods::{Frame, Stop};
+use pellucid_engine::output;
 use pellucid_engine::profile::{self, Profile};
-use pellucid_engine::{output, plan};
 use pellucid_lab::report::tradeoff::{self, Options, Subject};
-use pellucid_session::Session;
 use pellucid_session::candidates::{self, Formation, Ladders};
+use pellucid_session::{Messages, Session};
 use pyo3::prelude::*;
 use serde_json::json;
 
@@ -53,14 +53,7 @@ pub fn profile(session: &mut Session, frames: u32, talk: &Talk) -> Result<String
 
 /// Returns the passes of a frame, each with its reason; the reason of the method comes first.
 pub fn plan(session: &mut Session) -> Result<String, Failure> {
-    // Count lists as `profile` does, except for methods without lists.
-    let frame = Frame { fragments: !session.frame.counts_on_demand(), ..session.frame };
-    let facts = session.renderer.survey(&mut session.uploaded.cloud, &frame)?;
-    let mut steps = plan::plan(&session.device, &frame, &facts, session.renderer.switches.wide_atomics, &session.why);
-    if let Some(first) = steps.iter_mut().find(|step| step.on) {
-        first.reason = [std::slice::from_ref(&first.reason), &session.assembled().colorings].concat().join("; ");
-    }
-    Ok(json!(steps).to_string())
+    Ok(json!(session.plan()?).to_string())
 }
 
 /// Extent of a comparison.
@@ -103,7 +96,7 @@ pub fn tradeoff(work: &mut Work, ask: &Ask, extent: &Extent, folder: &Path, talk
     let formation = candidates::compared(&method, session.points())?;
     let mut shading = scene.shading;
     if shading.edl.edl && !matches!(formation, Formation::Surfaces(_)) {
-        talk.warn("eye-dome lighting is left out, because not all compared methods support it");
+        talk.warn(&"eye-dome lighting is left out, because not all compared methods support it");
         shading.edl.edl = false;
     }
     let shadows = scene.shadows.filter(|_| matches!(formation, Formation::Surfaces(_)));
@@ -126,7 +119,7 @@ pub fn tradeoff(work: &mut Work, ask: &Ask, extent: &Extent, folder: &Path, talk
     };
     output::check_report_folder(folder)?;
     let report = tradeoff::run(&session.device, &subject, &extent.options(begin), folder, &talk.progress)?;
-    talk.stage("writing the report");
+    talk.progress.set_message("writing the report");
     tradeoff::write(folder, &report)?;
     tradeoff::discard(folder)?;
     serde_json::to_string(&report).map_err(|error| Failure::Refused(format!("no report: {error}")))

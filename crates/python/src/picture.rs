@@ -2,13 +2,11 @@
 
 use std::path::PathBuf;
 
-use glam::Vec3;
-use numpy::{PyArray1, PyReadonlyArray1};
+use numpy::{Element, PyArray1, PyReadonlyArray1};
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::image::{Image, LinearImage};
 use pellucid_engine::output::{self, WriteOptions};
 use pellucid_engine::profile::Profile;
-use pellucid_engine::scene::ColorSpace;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -20,9 +18,7 @@ use crate::work;
 #[pyclass(frozen, module = "pellucid._pellucid")]
 pub struct Picture {
     pub size: [u32; 2],
-    pub background: Vec3,
-    pub color: ColorSpace,
-    pub metadata: Vec<(String, String)>,
+    pub options: WriteOptions,
     pub profile: Profile,
     pub camera: Camera,
     /// Distance from the eye to the point that the camera looks at.
@@ -104,7 +100,7 @@ impl Picture {
 
     #[getter]
     fn metadata(&self) -> Vec<(String, String)> {
-        self.metadata.clone()
+        self.options.metadata.clone()
     }
 
     /// Return eye, target, up, the angle in degrees or the height, then near and far.
@@ -118,14 +114,14 @@ impl Picture {
 
     /// Write a PNG or an EXR, by the extension.
     fn save(&self, py: Python<'_>, path: PathBuf, transparent: bool, arrays: Arrays<'_>) -> PyResult<()> {
-        let image = self.image(&arrays).map_err(|failure| failure.raise(py))?;
+        let image = self.image(&arrays)?;
         let options = self.options(transparent);
         work::run(py, None, move |_| Ok(output::write_image(&path, &image, &options)?))
     }
 
     /// Return the bytes of a PNG.
     fn png<'py>(&self, py: Python<'py>, transparent: bool, arrays: Arrays<'_>) -> PyResult<Bound<'py, PyBytes>> {
-        let image = self.image(&arrays).map_err(|failure| failure.raise(py))?;
+        let image = self.image(&arrays)?;
         let options = self.options(transparent);
         let bytes = work::run(py, None, move |_| {
             output::png_bytes(&image, &options).map_err(|error| Failure::Refused(format!("no PNG: {error}")))
@@ -135,7 +131,7 @@ impl Picture {
 
     /// Return 8-bit sRGB over the background.
     fn srgb<'py>(&self, py: Python<'py>, arrays: Arrays<'_>) -> PyResult<Bound<'py, PyArray1<u8>>> {
-        let image = self.image(&arrays).map_err(|failure| failure.raise(py))?;
+        let image = self.image(&arrays)?;
         let options = self.options(false);
         let raster = py.detach(move || output::raster(&image, &options));
         Ok(PyArray1::from_vec(py, raster.bytes))
@@ -143,8 +139,8 @@ impl Picture {
 
     /// Return linear colors over the background.
     fn linear<'py>(&self, py: Python<'py>, arrays: Arrays<'_>) -> PyResult<Floats<'py>> {
-        let image = self.image(&arrays).map_err(|failure| failure.raise(py))?;
-        let (background, color) = (self.background, self.color);
+        let image = self.image(&arrays)?;
+        let WriteOptions { background, color, .. } = self.options;
         let LinearImage { pixels, .. } = py.detach(move || output::linear(&image, background, color));
         Ok(arrays::flat(py, pixels))
     }
@@ -167,45 +163,43 @@ pub fn numbers(camera: &Camera, distance: f64) -> CameraNumbers {
 
 impl Picture {
     fn options(&self, transparent: bool) -> WriteOptions {
-        let Self { background, color, .. } = *self;
-        WriteOptions { background, color, transparent, metadata: self.metadata.clone() }
+        WriteOptions { transparent, ..self.options.clone() }
     }
 
     fn image(&self, arrays: &Arrays<'_>) -> Result<Image, Failure> {
         let [width, height] = self.size;
         let pixels = width as usize * height as usize;
-        let sized = |name: &str, found: usize, each: usize| {
-            let expected = pixels * each;
-            let message = || Failure::Value(format!("{name}: expected {expected} values, found {found}"));
-            if found == expected { Ok(()) } else { Err(message()) }
-        };
-        let floats = |name: &str, array: &PyReadonlyArray1<'_, f32>| {
-            let values = values(name, array)?;
-            sized(name, values.len(), 1)?;
-            Ok::<_, Failure>(values.to_vec())
-        };
-        let counts = |name: &str, array: &PyReadonlyArray1<'_, u32>| {
-            let values = values(name, array)?;
-            sized(name, values.len(), 1)?;
-            Ok::<_, Failure>(values.to_vec())
-        };
-        let rgba = values("rgba", &arrays.rgba)?;
-        sized("rgba", rgba.len(), 4)?;
-        let stderr = arrays.stderr.as_ref().map(|array| {
-            let values = values("stderr", array)?;
-            sized("stderr", values.len(), 3)?;
-            Ok::<_, Failure>(values.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect())
-        });
         Ok(Image {
             width,
             height,
-            rgba: rgba.chunks_exact(4).map(|c| [c[0], c[1], c[2], c[3]]).collect(),
-            depth: floats("depth", &arrays.depth)?,
-            depth_median: arrays.median.as_ref().map(|array| floats("median_depth", array)).transpose()?,
-            depth_mean: arrays.mean.as_ref().map(|array| floats("mean_depth", array)).transpose()?,
-            fragments: arrays.fragments.as_ref().map(|array| counts("fragments", array)).transpose()?,
-            layers: arrays.layers.as_ref().map(|array| counts("layers", array)).transpose()?,
-            stderr: stderr.transpose()?,
+            rgba: sized("rgba", &arrays.rgba, pixels)?,
+            depth: sized::<f32, 1>("depth", &arrays.depth, pixels)?.into_flattened(),
+            depth_median: given("median_depth", &arrays.median, pixels)?.map(Vec::<[f32; 1]>::into_flattened),
+            depth_mean: given("mean_depth", &arrays.mean, pixels)?.map(Vec::<[f32; 1]>::into_flattened),
+            fragments: given("fragments", &arrays.fragments, pixels)?.map(Vec::<[u32; 1]>::into_flattened),
+            layers: given("layers", &arrays.layers, pixels)?.map(Vec::<[u32; 1]>::into_flattened),
+            stderr: given("stderr", &arrays.stderr, pixels)?,
         })
     }
+}
+
+/// Returns an array as `N` values for each pixel.
+fn sized<T: Element + Copy, const N: usize>(
+    name: &str,
+    array: &PyReadonlyArray1<'_, T>,
+    pixels: usize,
+) -> Result<Vec<[T; N]>, Failure> {
+    let (expected, values) = (pixels * N, values(name, array)?);
+    match values.as_chunks() {
+        (chunks, []) if values.len() == expected => Ok(chunks.to_vec()),
+        _ => Err(Failure::Value(format!("{name}: expected {expected} values, found {}", values.len()))),
+    }
+}
+
+fn given<T: Element + Copy, const N: usize>(
+    name: &str,
+    array: &Option<PyReadonlyArray1<'_, T>>,
+    pixels: usize,
+) -> Result<Option<Vec<[T; N]>>, Failure> {
+    array.as_ref().map(|array| sized(name, array, pixels)).transpose()
 }

@@ -58,8 +58,8 @@ type Valued = (String, Option<String>);
 impl Scene {
     /// Return a scene of clouds, which have names in place of files.
     #[staticmethod]
-    fn of_clouds(py: Python<'_>, clouds: Vec<PyRef<'_, Cloud>>, names: Vec<String>) -> PyResult<Self> {
-        let document = Document::from_clouds(&names, &Overrides::default()).map_err(|error| raised(py, error))?;
+    fn of_clouds(clouds: Vec<PyRef<'_, Cloud>>, names: Vec<String>) -> PyResult<Self> {
+        let document = Document::from_clouds(&names, &Overrides::default()).map_err(Failure::from)?;
         let input = Input::Clouds(clouds.iter().map(|cloud| Arc::clone(&cloud.0)).collect());
         Ok(Self(Mutex::new(State::new(Named { name: names.join(" "), document, input }, 0))))
     }
@@ -67,21 +67,21 @@ impl Scene {
     /// Return the scene of a scene file or of clouds; without paths, the built-in scene by `seed`.
     #[staticmethod]
     fn of_files(py: Python<'_>, paths: Vec<PathBuf>, seed: u64) -> PyResult<Self> {
-        let read = move || {
+        let read = move || -> Result<State, Failure> {
             fork::enter()?;
             let named = engine::name(&paths, &Overrides::default(), seed)?;
             named.document.scene()?;
             Ok(State::new(named, seed))
         };
-        Ok(Self(Mutex::new(py.detach(read).map_err(|failure: Failure| failure.raise(py))?)))
+        Ok(Self(Mutex::new(py.detach(read)?)))
     }
 
     /// Return the scene of the text of a scene file, whose relative paths start from `folder`.
     #[staticmethod]
-    fn of_toml(py: Python<'_>, text: &str, folder: PathBuf) -> PyResult<Self> {
+    fn of_toml(text: &str, folder: PathBuf) -> PyResult<Self> {
         let origin = folder.join("scene.toml");
-        let document = Document::from_toml(text, &origin, &Overrides::default()).map_err(|error| raised(py, error))?;
-        document.scene().map_err(|error| raised(py, error))?;
+        let document = Document::from_toml(text, &origin, &Overrides::default()).map_err(Failure::from)?;
+        document.scene().map_err(Failure::from)?;
         let name = origin.display().to_string();
         Ok(Self(Mutex::new(State::new(Named::of_files(name, document), 0))))
     }
@@ -92,18 +92,23 @@ impl Scene {
     }
 
     /// Remove tables, then set keys; all or nothing.
-    fn change(&self, py: Python<'_>, drop: Vec<String>, changes: Changes) -> PyResult<()> {
-        self.lay_over(&drop, &changes).map_err(|failure| failure.raise(py))
+    fn change(&self, drop: Vec<String>, changes: Changes) -> PyResult<()> {
+        let changed = {
+            let mut state = self.state();
+            let mut document = state.document.clone();
+            request::lay_over(&mut document, &drop, &changes).map(|_| state.document = document)
+        };
+        Ok(changed?)
     }
 
     /// Remove a dotted key, so that its default holds; all or nothing.
-    fn remove(&self, py: Python<'_>, key: &str) -> PyResult<()> {
+    fn remove(&self, key: &str) -> PyResult<()> {
         let changed = self.state().document.change(&[(key.to_owned(), None)]);
-        changed.map(drop).map_err(|error| raised(py, error))
+        Ok(changed.map(drop).map_err(Failure::from)?)
     }
 
-    fn set_view(&self, py: Python<'_>, direction: Direction) -> PyResult<()> {
-        let view = direction.view().map_err(|failure| failure.raise(py))?;
+    fn set_view(&self, direction: Direction) -> PyResult<()> {
+        let view = direction.view()?;
         self.state().view = view;
         Ok(())
     }
@@ -122,20 +127,20 @@ impl Scene {
         self.state().seed = seed;
     }
 
-    fn to_toml(&self, py: Python<'_>, folder: PathBuf) -> PyResult<String> {
+    fn to_toml(&self, folder: PathBuf) -> PyResult<String> {
         let text = self.state().document.to_toml(&folder);
-        text.map_err(|error| raised(py, error))
+        Ok(text.map_err(Failure::from)?)
     }
 
     /// Return the keys that were given, as JSON.
-    fn given(&self, py: Python<'_>) -> PyResult<String> {
-        Ok(self.scene(py)?.settings)
+    fn given(&self) -> PyResult<String> {
+        Ok(self.scene()?.settings)
     }
 
     /// Return the keys of a table with their values in force: `image`, `camera`, `shading`, `shadows`, `detail`,
     /// `method` or `cloud.0`.
-    fn values(&self, py: Python<'_>, table: &str) -> PyResult<Vec<Valued>> {
-        let scene = self.scene(py)?;
+    fn values(&self, table: &str) -> PyResult<Vec<Valued>> {
+        let scene = self.scene()?;
         let keys: Vec<Key> = match table.split_once('.') {
             Some(("cloud", number)) => {
                 let cloud = number.parse().ok().and_then(|number: usize| scene.clouds.get(number));
@@ -160,8 +165,8 @@ impl Scene {
     }
 
     /// Return the numbers of clouds and of clips.
-    fn counts(&self, py: Python<'_>) -> PyResult<[usize; 2]> {
-        let scene = self.scene(py)?;
+    fn counts(&self) -> PyResult<[usize; 2]> {
+        let scene = self.scene()?;
         Ok([scene.clouds.len(), scene.clips.len()])
     }
 
@@ -185,20 +190,7 @@ impl Scene {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn scene(&self, py: Python<'_>) -> PyResult<engine::Scene> {
-        let scene = self.state().document.scene();
-        scene.map_err(|error| raised(py, error))
+    fn scene(&self) -> Result<engine::Scene, Failure> {
+        Ok(self.state().document.scene()?)
     }
-
-    fn lay_over(&self, drop: &[String], changes: &Changes) -> Result<(), Failure> {
-        let mut state = self.state();
-        let mut document = state.document.clone();
-        request::lay_over(&mut document, drop, changes)?;
-        state.document = document;
-        Ok(())
-    }
-}
-
-fn raised(py: Python<'_>, error: engine::Error) -> PyErr {
-    Failure::from(error).raise(py)
 }

@@ -25,7 +25,8 @@ impl Work {
     pub fn open(device: &Device, state: State, ask: &Ask, radii: bool, talk: &Talk) -> Result<Self, Failure> {
         ask.check()?;
         let mut parsed = None;
-        let request = Request { radii, ..request(&state, &mut parsed, ask)? };
+        let mut request = request(&state, &mut parsed, ask)?;
+        request.wanted.radii = radii;
         let prepared = Prepared::new(request, talk, &talk.progress)?;
         talk.go_on()?;
         let session = Session::upload(device, prepared, false, &talk.progress)?;
@@ -35,8 +36,8 @@ impl Work {
     /// Makes everything ready for the frame that is asked for.
     pub fn prepare(&mut self, ask: &Ask, talk: &Talk) -> Result<(), Failure> {
         ask.check()?;
-        let request = request(&self.state, &mut self.parsed, ask)?;
-        let request = Request { radii: self.radii, ..request };
+        let mut request = request(&self.state, &mut self.parsed, ask)?;
+        request.wanted.radii = self.radii;
         if self.session.update(request, talk, &talk.progress)? {
             self.session.warn(talk);
         }

@@ -86,7 +86,7 @@ pub fn stress(
     extent: Extent,
     listener: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<String> {
-    let device = device.device().map_err(|failure| failure.raise(py))?;
+    let device = device.device()?;
     work::run(py, listener, move |talk| {
         let settings = extent.settings()?;
         talk.progress.set_message("stress");

@@ -66,18 +66,6 @@ impl Talk {
         Self { progress: Progress::observed(Listener(Arc::clone(&shared))), shared }
     }
 
-    pub fn warn(&self, message: impl Into<String>) {
-        self.shared.heard().warnings.push(message.into());
-    }
-
-    pub fn note(&self, message: impl Into<String>) {
-        self.shared.heard().notes.push(message.into());
-    }
-
-    pub fn stage(&self, name: &'static str) {
-        self.progress.set_message(name);
-    }
-
     /// Makes the work end at the next check.
     pub fn cancel(&self) {
         self.shared.cancelled.store(true, Ordering::Relaxed);
@@ -118,11 +106,11 @@ impl Talk {
 
 impl Messages for Talk {
     fn warn(&self, warning: &dyn Display) {
-        Talk::warn(self, warning.to_string());
+        self.shared.heard().warnings.push(warning.to_string());
     }
 
     fn note(&self, note: &dyn Display) {
-        Talk::note(self, note.to_string());
+        self.shared.heard().notes.push(note.to_string());
     }
 
     /// Returns the argument for an option of the command line.

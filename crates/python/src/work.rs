@@ -44,7 +44,7 @@ pub fn run<T: Send + 'static>(
     listener: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Talk) -> Result<T, Failure> + Send + 'static,
 ) -> PyResult<T> {
-    fork::enter().map_err(|failure| failure.raise(py))?;
+    fork::enter()?;
     let (talk, (sender, receiver)) = (Talk::new(), sync_channel(1));
     let receiver = Mutex::new(receiver);
     let (busy, at_work) = (Busy::new(), talk.clone());
@@ -60,7 +60,7 @@ pub fn run<T: Send + 'static>(
         // Messages since the last glance.
         talk.tell(listener)?;
     }
-    result.map_err(|failure| failure.raise(py))
+    Ok(result?)
 }
 
 fn wait_for<T: Send>(

@@ -88,12 +88,8 @@ impl Assembled {
         let is_classified = sources.are_classified();
         let Sources { clouds, derived, memory, .. } = sources;
         let made = match clouds {
-            Clouds::Held(clouds) if !wanted.is_edited => {
-                let clouds = std::mem::take(clouds);
-                Self::of_clouds(scene.clone(), clouds, wanted, is_classified, messages, progress)?
-            }
             Clouds::Held(clouds) => {
-                Self::tracked(scene.clone(), (clouds, derived), wanted, is_classified, messages, progress)?
+                Self::of_clouds(scene, (clouds, derived), wanted, is_classified, messages, progress)?
             }
             Clouds::Stored(stores) => {
                 let stored = Stored::new(scene, stores, *memory, progress)?;
@@ -105,42 +101,57 @@ impl Assembled {
         Ok(made)
     }
 
+    /// Finds facts about clouds in memory, reports what is odd, settles what they decide about the scene, and makes
+    /// points of them.
     fn of_clouds(
-        mut scene: Scene,
-        clouds: Vec<Arc<Cloud>>,
+        scene: &Scene,
+        (clouds, derived): (&mut Vec<Arc<Cloud>>, &mut [DerivedColumns]),
         wanted: Wanted,
         is_classified: bool,
         messages: &dyn Messages,
         progress: &Progress,
     ) -> Result<Self> {
-        let facts = facts(&mut scene, &clouds, wanted, messages);
-        let clouds: Vec<Cloud> = clouds.into_iter().map(Arc::unwrap_or_clone).collect();
-        let with_radii = for_points(&scene, wanted);
-        let (arranged, legend) = if wanted.legend {
-            let (arranged, legend) = scene::arrange_with_legend(&with_radii, clouds, wanted.seed, progress)?;
-            (arranged, Some(legend))
+        let (mut scene, mut with_radii) = (scene.clone(), for_points(scene, wanted));
+        scene::notes(&with_radii, clouds, with_radii.method.needs_radii()).iter().for_each(|note| messages.note(note));
+        let (shadow_texture, note) = scene::shadow_texture(&with_radii, clouds, wanted.seed);
+        note.iter().for_each(|note| messages.note(note));
+        let up = scene::up_axis(clouds);
+        let has_gaussians = clouds.iter().any(|cloud| cloud.gaussians.is_some());
+        let recipe = Recipe::of(&scene, wanted.seed, up, has_gaussians);
+        let mut colorings = colorings(&with_radii, &scene::colorings(&with_radii, clouds));
+        let settled = Settled { is_encoded: with_radii.settle(clouds), is_unlit: false };
+        scene.image.color = with_radii.image.color;
+        colorings.extend(settled.is_encoded.then(blended_displays));
+        let mut legend = None;
+        let origin = if wanted.is_edited {
+            let tracked = Tracked::new(&with_radii, clouds, derived, wanted.seed, progress)?;
+            if wanted.legend {
+                legend = Some(tracked::legend(&with_radii, clouds, derived)?);
+            }
+            Origin::Tracked(Box::new(tracked))
         } else {
-            (scene::arrange(&with_radii, clouds, wanted.seed, progress)?, None)
+            let clouds = std::mem::take(clouds).into_iter().map(Arc::unwrap_or_clone).collect();
+            Origin::Once(if wanted.legend {
+                let (arranged, found) = scene::arrange_with_legend(&with_radii, clouds, wanted.seed, progress)?;
+                legend = Some(found);
+                arranged
+            } else {
+                scene::arrange(&with_radii, clouds, wanted.seed, progress)?
+            })
         };
-        Ok(facts.with(scene, Origin::Once(arranged), legend, is_classified))
-    }
-
-    fn tracked(
-        mut scene: Scene,
-        (clouds, derived): (&[Arc<Cloud>], &mut [DerivedColumns]),
-        wanted: Wanted,
-        is_classified: bool,
-        messages: &dyn Messages,
-        progress: &Progress,
-    ) -> Result<Self> {
-        let facts = facts(&mut scene, clouds, wanted, messages);
-        let with_radii = for_points(&scene, wanted);
-        let tracked = Tracked::new(&with_radii, clouds, derived, wanted.seed, progress)?;
-        let legend = match wanted.legend {
-            true => Some(tracked::legend(&with_radii, clouds, derived)?),
-            false => None,
-        };
-        Ok(facts.with(scene, Origin::Tracked(Box::new(tracked)), legend, is_classified))
+        Ok(Self {
+            scene,
+            legend,
+            colorings,
+            up,
+            shadow_texture,
+            is_classified,
+            origin,
+            settled,
+            recipe,
+            has_gaussians,
+            wanted,
+        })
     }
 
     /// Points stay in their files; for ensembles they are shuffled into a temporary file.
@@ -303,53 +314,6 @@ impl Assembled {
     /// Returns the form in which the points were wanted.
     pub fn wanted(&self) -> Wanted {
         self.wanted
-    }
-}
-
-/// Facts about clouds in memory that are found before points are made of them.
-struct CloudFacts {
-    colorings: Vec<String>,
-    up: UpAxis,
-    shadow_texture: Option<ShadowTexture>,
-    settled: Settled,
-    recipe: Recipe,
-    has_gaussians: bool,
-    wanted: Wanted,
-}
-
-/// Finds facts about clouds, reports what is odd, and settles what they decide about the scene.
-fn facts(scene: &mut Scene, clouds: &[Arc<Cloud>], wanted: Wanted, messages: &dyn Messages) -> CloudFacts {
-    let mut with_radii = for_points(scene, wanted);
-    scene::notes(&with_radii, clouds, with_radii.method.needs_radii()).iter().for_each(|note| messages.note(note));
-    let (shadow_texture, note) = scene::shadow_texture(&with_radii, clouds, wanted.seed);
-    note.iter().for_each(|note| messages.note(note));
-    let up = scene::up_axis(clouds);
-    let has_gaussians = clouds.iter().any(|cloud| cloud.gaussians.is_some());
-    let recipe = Recipe::of(scene, wanted.seed, up, has_gaussians);
-    let mut colorings = colorings(&with_radii, &scene::colorings(&with_radii, clouds));
-    let is_encoded = with_radii.settle(clouds);
-    scene.image.color = with_radii.image.color;
-    colorings.extend(is_encoded.then(blended_displays));
-    let settled = Settled { is_encoded, is_unlit: false };
-    CloudFacts { colorings, up, shadow_texture, settled, recipe, has_gaussians, wanted }
-}
-
-impl CloudFacts {
-    fn with(self, scene: Scene, origin: Origin, legend: Option<Legend>, is_classified: bool) -> Assembled {
-        let Self { colorings, up, shadow_texture, settled, recipe, has_gaussians, wanted } = self;
-        Assembled {
-            scene,
-            legend,
-            colorings,
-            up,
-            shadow_texture,
-            is_classified,
-            origin,
-            settled,
-            recipe,
-            has_gaussians,
-            wanted,
-        }
     }
 }
 

@@ -14,7 +14,6 @@ pub mod choice;
 mod ensemble_warnings;
 mod messages;
 mod notes;
-mod opacity;
 mod prepared;
 mod request;
 mod session;
@@ -23,7 +22,6 @@ mod uploaded;
 
 pub use assembled::{Assembled, Wanted};
 pub use messages::{Messages, Silent};
-pub use notes::empty;
 pub use prepared::{Opened, Prepared};
 pub use request::{ChoiceRequest, FrameRequest, Request, SeeThrough, SeeThroughBy};
 pub use session::Session;

@@ -1,23 +1,38 @@
-//! Notes on a frame: warnings about whatever differs from the request, and the metadata of its image.
+//! Notes on a frame: warnings about whatever differs from the request, the opacity that was found, pictures that show
+//! nothing or surfaces alone, and the metadata of an image.
 
+use pellucid_engine::Result;
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::brightness::Applied;
-use pellucid_engine::methods::see_through::Found;
-use pellucid_engine::methods::{Frame, spbr};
+use pellucid_engine::methods::see_through::{self, Found};
+use pellucid_engine::methods::{Frame, Renderer, spbr};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
-use pellucid_engine::scene::CloudSettings;
+use pellucid_engine::scene::{CloudSettings, Family};
 use serde_json::{Value, json};
 
 use crate::ensemble_warnings;
+use crate::messages::Messages;
+use crate::prepared::Prepared;
 
-/// A sentence for each setting and each cloud that doesn't come out as asked; `names` are those of the clouds that have
-/// points, `why` the reason for the frame's method.
-pub fn warnings(names: &[String], arranged: &Arranged, cloud: &DeviceCloud, frame: &Frame, why: &str) -> Vec<String> {
+/// Opacity or transmittance below which a pixel looks empty or opaque.
+const HARDLY: f32 = 0.01;
+
+/// Share of the covered pixels that all look alike.
+const NEARLY_ALL: f64 = 0.9;
+
+/// Share of light that an advice aims at.
+const ADVISED: f64 = 0.5;
+
+/// A sentence for each setting and each cloud that doesn't come out as asked; `why` is the reason for the frame's
+/// method.
+pub fn warnings(prepared: &Prepared, cloud: &DeviceCloud, frame: &Frame, why: &str) -> Vec<String> {
+    let assembled = &prepared.assembled;
     // Other methods, and points that were not dealt, need no warning.
     let shares = spbr::shares(cloud, frame).unwrap_or_default();
-    let mut warnings = ensemble_warnings::warnings(names, arranged.surfaces(), &shares, frame);
+    let mut warnings =
+        ensemble_warnings::warnings(&assembled.cloud_names(), assembled.arranged().surfaces(), &shares, frame);
     let name = frame.method.name();
     if !frame.detail.is_whole() && frame.method.is_dealt() {
         warnings.push(format!("[detail] has no effect: method {name} deals all points to ensembles"));
@@ -70,4 +85,112 @@ fn left_out(frame: &Frame, cloud: &DeviceCloud) -> Option<Value> {
         "points": cut.points(),
         "of": cloud.total(),
     }))
+}
+
+/// Returns `opacity 0.031`, or for clouds of several opacities `opacities 0.031, 0.0062 of the clouds, in order`.
+fn listed(opacities: &[f32]) -> String {
+    match opacities {
+        [first, rest @ ..] if rest.iter().any(|opacity| opacity != first) => {
+            let all: Vec<_> = opacities.iter().map(f32::to_string).collect();
+            format!("opacities {} of the clouds, in order", all.join(", "))
+        }
+        [first, ..] => format!("opacity {first}"),
+        [] => "no opacity".to_owned(),
+    }
+}
+
+/// Says which opacity was found for a share of light.
+pub fn describe_opacity(share: f64, found: Option<Found>, prepared: &Prepared, messages: &dyn Messages) {
+    let option = messages.option("see-through", &share);
+    let Some(found) = found else {
+        messages.warn(&format_args!("{option}: no opacity can be found, because no pixel is covered"));
+        return;
+    };
+    let opacities = said(found.factor, prepared, |opacity| opacity);
+    let Found { transmittance, trials, .. } = found;
+    if found.meets(share) {
+        messages.note(&format_args!(
+            "see-through {share}: {opacities} (the median covered pixel lets {transmittance:.3} of the light through; {trials} \
+             trials)"
+        ));
+    } else {
+        messages.warn(&format_args!(
+            "{option} is out of reach: the nearest is {opacities}, where the median covered pixel lets {transmittance:.3} of \
+             the light through"
+        ));
+    }
+}
+
+/// Says so where nearly every covered pixel looks opaque or empty though the points don't, and which opacity to try.
+pub fn judge(
+    (renderer, cloud, frame): (&mut Renderer, &mut DeviceCloud, &Frame),
+    prepared: &Prepared,
+    image: &Image,
+    messages: &dyn Messages,
+) -> Result<()> {
+    let opacities = &prepared.points().opacities;
+    // An author of a scene file knows; whoever gave one number for all may have guessed.
+    if !prepared.request.opacity_given || opacities.iter().all(|opacity| *opacity >= 1.0) {
+        return Ok(());
+    }
+    let method = frame.method;
+    if method.family() == Family::Opaque {
+        let (name, auto) = (method.name(), messages.option("method", &"auto"));
+        messages.warn(&format_args!("the opacity has no effect: method {name} is opaque; {auto} shows it"));
+    }
+    if !method.family().has_opacity() {
+        return Ok(());
+    }
+    let Some(seems) = looks(image) else { return Ok(()) };
+    let largest = see_through::largest_factor(prepared.points());
+    // Each trial would read a cloud that is not in memory.
+    let found = match prepared.assembled.arranged() {
+        Arranged::Supplied(_) => None,
+        _ => see_through::estimate(renderer, cloud, frame, ADVISED, largest)?,
+    };
+    let found = found.filter(|found| found.meets(ADVISED));
+    let option = messages.option("see-through", &ADVISED);
+    let advice = found.map(|found| match has_own_opacities(prepared) {
+        true => format!("; {option} finds the factor on all opacities that lets half of the light through"),
+        false => {
+            let tried = opacity_to_try(found.factor, prepared);
+            format!("; {tried} would let half of the light through ({option} finds it)")
+        }
+    });
+    messages.note(&format_args!("nearly every covered pixel looks {seems}{}", advice.unwrap_or_default()));
+    Ok(())
+}
+
+/// Returns how nearly every covered pixel looks, if all look alike.
+fn looks(image: &Image) -> Option<&'static str> {
+    let alphas = image.rgba.iter().map(|pixel| pixel[3]);
+    let covered = alphas.clone().filter(|a| *a > 0.0).count();
+    let nearly_all = |count: usize| count as f64 >= NEARLY_ALL * covered as f64;
+    let opaque = nearly_all(alphas.clone().filter(|a| *a > 1.0 - HARDLY).count());
+    let faint = nearly_all(alphas.filter(|a| *a > 0.0 && *a < HARDLY).count());
+    match (opaque, faint) {
+        (true, _) => Some("opaque"),
+        (false, true) => Some("empty"),
+        (false, false) => None,
+    }
+}
+
+/// Returns the opacities with a factor, to two digits.
+fn opacity_to_try(factor: f32, prepared: &Prepared) -> String {
+    said(factor, prepared, |opacity| format!("{opacity:.1e}").parse().unwrap_or(opacity))
+}
+
+/// Returns `true` if surfaces or classes have opacities, so that points of a cloud have several, which one option
+/// doesn't set.
+fn has_own_opacities(prepared: &Prepared) -> bool {
+    let of_classes = |cloud: &CloudSettings| cloud.class.iter().any(|entry| entry.opacity.is_some());
+    prepared.scene().clouds.iter().any(|cloud| cloud.surface_opacity.is_some() || of_classes(cloud))
+}
+
+/// Returns the opacities with a factor, or the factor itself where points of a cloud have several.
+fn said(factor: f32, prepared: &Prepared, rounded: impl Fn(f32) -> f32) -> String {
+    if has_own_opacities(prepared) {
+        return format!("{} times the opacity of each point", rounded(factor));
+    }
+    listed(&see_through::opacities(factor, &prepared.scene().clouds).into_iter().map(rounded).collect::<Vec<_>>())
 }

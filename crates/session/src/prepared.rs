@@ -3,16 +3,16 @@
 use bytesize::ByteSize;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::cloud::{Bounds, UpAxis};
-use pellucid_engine::methods::{Frame, Stop};
+use pellucid_engine::methods::{Frame, Stop, see_through};
 use pellucid_engine::points::Points;
 use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{self, Scene};
+use pellucid_engine::scene::{self, Error, Scene};
 use pellucid_engine::{Result, output};
 
-use crate::assembled::{Assembled, Wanted};
+use crate::assembled::Assembled;
 use crate::choice::Wish;
 use crate::messages::Messages;
-use crate::request::Request;
+use crate::request::{Request, SeeThrough, SeeThroughBy};
 use crate::sources::Sources;
 
 /// A request whose clouds were read.
@@ -30,7 +30,7 @@ impl Opened {
     /// # Errors
     /// Returns an error if a file can't be read, or if the request contradicts itself.
     pub fn new(request: Request, messages: &dyn Messages, progress: &Progress) -> Result<Self> {
-        request.check(messages)?;
+        check(&request, messages)?;
         let sources = Sources::open(&request.input, &request.scene, request.limits, messages, progress)?;
         Ok(Self { request, sources })
     }
@@ -70,6 +70,14 @@ impl Opened {
     }
 }
 
+/// Refuses a share of light for a method without opacity.
+pub(crate) fn check(request: &Request, messages: &dyn Messages) -> Result<()> {
+    let Some(SeeThrough { share, by: SeeThroughBy::Option }) = request.see_through else { return Ok(()) };
+    see_through::refusal(request.scene.method).map_or(Ok(()), |reason| {
+        Err(Error::Usage(format!("{}: {reason}", messages.option("see-through", &share))).into())
+    })
+}
+
 /// Makes points of the clouds of a request, and has the camera found.
 fn assemble(
     request: &Request,
@@ -78,9 +86,10 @@ fn assemble(
     messages: &dyn Messages,
     progress: &Progress,
 ) -> Result<(Assembled, Camera)> {
-    let assembled = Assembled::new(sources, &request.scene, request.wanted(), messages, progress)?;
+    let assembled = Assembled::new(sources, &request.scene, request.wanted, messages, progress)?;
     let (camera, warnings) = find(&assembled.scene, assembled.points(), assembled.up)?;
-    messages.detail(&described(&camera, assembled.points()));
+    let distance = |bounds: Bounds| (bounds.center() - camera.eye).dot(camera.forward);
+    messages.detail(&camera.to_toml(assembled.points().bounds().map_or(1.0, distance)));
     for warning in assembled.scene.warnings.iter().chain(&warnings) {
         messages.warn(warning);
     }
@@ -91,12 +100,6 @@ fn assemble(
 fn find_camera(scene: &Scene, points: &Points, up: UpAxis, messages: &dyn Messages) -> Result<(Camera, Vec<String>)> {
     scene::camera_notes(scene, points, up).iter().for_each(|note| messages.note(note));
     Ok(scene::camera(scene, points, up)?)
-}
-
-/// Returns the camera that was found as a scene file has it.
-fn described(camera: &Camera, points: &Points) -> String {
-    let distance = points.bounds().map_or(1.0, |bounds| (bounds.center() - camera.eye).dot(camera.forward));
-    camera.to_toml(distance)
 }
 
 /// A request with its points and camera.
@@ -161,13 +164,13 @@ impl Prepared {
             stop: if self.wish().is_some() { Stop::Exact } else { request.stop },
             factors: request.factors,
             max_error: request.max_error,
-            ..Frame::of_scene(&self.assembled.scene, self.camera, self.request.seed)
+            ..Frame::of_scene(&self.assembled.scene, self.camera, self.request.wanted.seed)
         }
     }
 
     /// Returns the metadata of an image by a method on a device.
     pub fn metadata(&self, method: &str, device: &str) -> Vec<(String, String)> {
-        output::tags(&self.request.name, method, &self.assembled.scene.settings, device, self.request.seed)
+        output::tags(&self.request.name, method, &self.assembled.scene.settings, device, self.request.wanted.seed)
     }
 
     /// Says how much was read of clouds that stay in their files.
@@ -175,12 +178,5 @@ impl Prepared {
         let [read, all] = self.assembled.stored()?.bytes_read();
         let share = 100.0 * read as f64 / all.max(1) as f64;
         Some(format!("{} of {} were read for the picture ({share:.1} %)", ByteSize(read), ByteSize(all)))
-    }
-}
-
-impl Request {
-    pub(crate) fn wanted(&self) -> Wanted {
-        let Self { seed, legend, radii, is_edited, .. } = *self;
-        Wanted { seed, legend, radii, is_edited }
     }
 }

@@ -1,11 +1,11 @@
 //! Request of a caller, as plain data: made once from arguments, keywords or the state of a window.
 
 use pellucid_engine::Result;
-use pellucid_engine::methods::{Factors, Stop, see_through};
-use pellucid_engine::scene::{Error, Input, MethodChoice, Named, Scene};
+use pellucid_engine::methods::{Factors, Stop};
+use pellucid_engine::scene::{Input, MethodChoice, Named, Scene};
 
+use crate::assembled::Wanted;
 use crate::choice::Wish;
-use crate::messages::Messages;
 use crate::sources::Limits;
 
 /// Everything that was requested of pictures of a scene.
@@ -19,20 +19,14 @@ pub struct Request {
     pub input: Input,
     /// Limits on reading the clouds.
     pub limits: Limits,
-    /// Seed of everything random.
-    pub seed: u64,
+    /// Form in which points are wanted, with the seed of everything random.
+    pub wanted: Wanted,
     /// Share of the light that is to get through.
     pub see_through: Option<SeeThrough>,
     /// `true` if an option gave all points one opacity, which may have been a guess.
     pub opacity_given: bool,
     /// Choice of the method by error or time.
     pub choice: ChoiceRequest,
-    /// `true` if the meaning of colors is wanted.
-    pub legend: bool,
-    /// `true` if radii are wanted whatever the method.
-    pub radii: bool,
-    /// `true` if the keys will change while the clouds stay: clouds and derived columns are retained.
-    pub is_edited: bool,
     /// Properties of frames.
     pub frame: FrameRequest,
 }
@@ -103,29 +97,13 @@ impl Request {
             scene,
             input,
             limits,
-            seed,
+            wanted: Wanted { seed, legend: false, radii: false, is_edited },
             see_through: None,
             opacity_given: false,
             choice: ChoiceRequest::default(),
-            legend: false,
-            radii: false,
-            is_edited,
             frame: FrameRequest::default(),
         }
     }
-
-    /// Refuses a share of light for a method without opacity.
-    pub(crate) fn check(&self, messages: &dyn Messages) -> Result<()> {
-        let Some(SeeThrough { share, by: SeeThroughBy::Option }) = self.see_through else { return Ok(()) };
-        match see_through::refusal(self.scene.method) {
-            Some(reason) => Err(refused(share, &reason, messages)),
-            None => Ok(()),
-        }
-    }
-}
-
-fn refused(share: f64, reason: &str, messages: &dyn Messages) -> pellucid_engine::Error {
-    Error::Usage(format!("{}: {reason}", messages.option("see-through", &share))).into()
 }
 
 impl SeeThrough {

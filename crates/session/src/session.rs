@@ -7,11 +7,10 @@ use pellucid_engine::Result;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
-use pellucid_engine::methods::brightness::{self, Applied};
+use pellucid_engine::methods::brightness;
 use pellucid_engine::methods::see_through::{self, Found};
 use pellucid_engine::methods::{DrawnPart, Frame, PassProfile, Rendered, Renderer, SamplePart};
 use pellucid_engine::output::WriteOptions;
-use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::plan;
 use pellucid_engine::points::{Changes, Points};
 use pellucid_engine::profile::Profile;
@@ -24,7 +23,7 @@ use crate::messages::{Messages, Told};
 use crate::prepared::Prepared;
 use crate::request::Request;
 use crate::uploaded::Uploaded;
-use crate::{notes, opacity};
+use crate::{notes, prepared};
 
 /// Factor on opacities before one is found: a scene that can be seen through, so that `auto` takes a method for that.
 const UNKNOWN_OPACITY: f32 = 0.5;
@@ -117,11 +116,11 @@ impl Session {
     /// Returns the errors of [`Opened::prepare`](crate::Opened::prepare) and [`Self::open`]. The next request is then
     /// decided anew.
     pub fn update(&mut self, request: Request, messages: &dyn Messages, progress: &Progress) -> Result<bool> {
-        request.check(messages)?;
+        prepared::check(&request, messages)?;
         self.renderer.progress = progress.clone();
         self.progress = progress.clone();
         let decided = self.decided.take();
-        let is_other_form = request.wanted().radii != self.prepared.assembled.wanted().radii;
+        let is_other_form = request.wanted.radii != self.prepared.assembled.wanted().radii;
         let followed = if is_other_form { None } else { self.follow(&request, progress)? };
         // Method and opacity follow from the points.
         let decided = decided.filter(|_| followed.is_some_and(|changes| !changes.any()));
@@ -144,13 +143,13 @@ impl Session {
         let Self { renderer, uploaded, prepared, .. } = self;
         let Prepared { assembled, sources, .. } = prepared;
         sources.complete(&request.scene, progress)?;
-        uploaded.follow(renderer, assembled, sources, (&request.scene, request.seed), progress)
+        uploaded.follow(renderer, assembled, sources, (&request.scene, request.wanted.seed), progress)
     }
 
     /// Makes the points of a request, again from clouds in memory, or from their files.
     fn make_again(&mut self, request: Request, messages: &dyn Messages, progress: &Progress) -> Result<()> {
         let once = self.told.to(messages);
-        if request.is_edited {
+        if request.wanted.is_edited {
             self.prepared.make_again(request, &once, progress)?;
         } else {
             self.prepared = Prepared::new(request, &once, progress)?;
@@ -234,18 +233,11 @@ impl Session {
 
     /// Returns the limits by which the method is chosen, and says so where they have no effect.
     fn wish(&self, messages: &dyn Messages) -> Option<Wish> {
-        let request = &self.prepared.request.choice;
-        if !request.wish.is_any() {
-            return None;
-        }
-        match Wish::hindrance(self.prepared.scene(), self.prepared.points()) {
-            Some(reason) => {
-                let [error, time] = ["max-error", "budget"].map(|option| messages.name(option));
-                self.told.to(messages).warn(&format_args!("{error} and {time} have no effect {reason}"));
-                None
-            }
-            None => Some(request.wish),
-        }
+        let wish = Some(self.prepared.request.choice.wish).filter(Wish::is_any)?;
+        let Some(reason) = Wish::hindrance(self.scene(), self.points()) else { return Some(wish) };
+        let [error, time] = ["max-error", "budget"].map(|option| messages.name(option));
+        self.told.to(messages).warn(&format_args!("{error} and {time} have no effect {reason}"));
+        None
     }
 
     /// Chooses the method and its setting by the limits that they must keep to.
@@ -298,11 +290,6 @@ impl Session {
         Ok(())
     }
 
-    /// Returns the points on the device.
-    pub fn cloud(&self) -> &DeviceCloud {
-        &self.uploaded.cloud
-    }
-
     /// Returns all points on the host, or a sample of those that stay in files.
     pub fn points(&self) -> &Points {
         self.prepared.points()
@@ -327,24 +314,18 @@ impl Session {
         messages.detail(&format_args!("{} points, {width} × {height} pixels", self.uploaded.cloud.total()));
     }
 
-    /// Returns the request with its points, once the device has done its part.
-    pub fn into_prepared(self) -> Prepared {
-        self.prepared
-    }
-
     /// Says which opacity was found, if one was looked for.
     pub fn describe_opacity(&self, messages: &dyn Messages) {
         if let Some(share) = self.prepared.see_through() {
-            opacity::describe(share, self.found, &self.prepared, messages);
+            notes::describe_opacity(share, self.found, &self.prepared, messages);
         }
     }
 
     /// Says which opacity was found, and warns of settings and clouds that don't come out as requested.
     pub fn warn(&self, messages: &dyn Messages) {
         self.describe_opacity(messages);
-        let (assembled, once) = (&self.prepared.assembled, self.told.to(messages));
-        let names = assembled.cloud_names();
-        let warnings = notes::warnings(&names, assembled.arranged(), &self.uploaded.cloud, &self.frame, &self.why);
+        let once = self.told.to(messages);
+        let warnings = notes::warnings(&self.prepared, &self.uploaded.cloud, &self.frame, &self.why);
         warnings.iter().for_each(|warning| once.warn(warning));
     }
 
@@ -371,19 +352,44 @@ impl Session {
             messages.warn(&empty);
         } else if !std::mem::replace(&mut self.is_judged, true) {
             let Self { renderer, uploaded, frame, prepared, .. } = self;
-            opacity::judge((renderer, &mut uploaded.cloud, frame), prepared, image, messages)?;
+            notes::judge((renderer, &mut uploaded.cloud, frame), prepared, image, messages)?;
         }
         Ok(())
     }
 
-    /// Brightens a frame's image if its method is to do so, and reports the frame.
+    /// Renders a picture, reports what is odd about it, and returns it as it is written, with the way in which that is
+    /// done.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Self::render`], [`Self::judge`] and [`Self::finish`].
+    pub fn picture(&mut self, messages: &dyn Messages) -> Result<(Rendered, WriteOptions)> {
+        let mut rendered = self.render()?;
+        self.judge(&rendered.image, messages)?;
+        let options = self.finish(&mut rendered, Vec::new(), messages)?;
+        Ok((rendered, options))
+    }
+
+    /// Brightens a frame's image if its method is to do so, reports the frame, and returns how the image is written,
+    /// with its metadata; `own` is added to them.
     ///
     /// # Errors
     /// Returns an error if a trial frame can't be rendered, or if the device fails.
-    pub fn brighten(&mut self, rendered: &mut Rendered, messages: &dyn Messages) -> Result<Option<Applied>> {
-        let Self { renderer, uploaded, frame, .. } = self;
+    pub fn finish(
+        &mut self,
+        rendered: &mut Rendered,
+        own: Vec<(String, String)>,
+        messages: &dyn Messages,
+    ) -> Result<WriteOptions> {
+        let Self { renderer, uploaded, frame, found, prepared, device, choice, .. } = self;
         let applied = brightness::apply(renderer, &mut uploaded.cloud, frame, &mut rendered.image)?;
-        self.device.check_validation()?;
+        device.check_validation()?;
+        let scene = prepared.scene();
+        let mut metadata = prepared.metadata(frame.method.name(), &device.info().name);
+        metadata.extend(notes::decisions(frame, &uploaded.cloud, &scene.clouds, applied.as_ref(), found.as_ref()));
+        let choice = choice.as_ref().map(Choice::json);
+        metadata.extend(choice.map(|json| ("pellucid:choice".to_owned(), json.to_string())));
+        metadata.extend(own);
+        let (background, color) = (scene.image.background, scene.image.color_space());
         describe_frame(rendered, messages);
         self.prepared.described_reads().iter().for_each(|reads| messages.detail(reads));
         self.describe_detail(messages);
@@ -393,24 +399,7 @@ impl Session {
             }
             applied.warning().iter().for_each(|warning| messages.warn(warning));
         }
-        Ok(applied)
-    }
-
-    /// Returns how the last frame's image is written, with its metadata; `own` is added to them.
-    pub fn write_options(&self, applied: Option<&Applied>, own: Vec<(String, String)>) -> WriteOptions {
-        let Self { frame, found, prepared, uploaded, .. } = self;
-        let scene = prepared.scene();
-        let mut metadata = prepared.metadata(frame.method.name(), &self.device.info().name);
-        metadata.extend(notes::decisions(frame, &uploaded.cloud, &scene.clouds, applied, found.as_ref()));
-        let choice = self.choice.as_ref().map(Choice::json);
-        metadata.extend(choice.map(|json| ("pellucid:choice".to_owned(), json.to_string())));
-        metadata.extend(own);
-        WriteOptions {
-            background: scene.image.background,
-            color: scene.image.color_space(),
-            transparent: false,
-            metadata,
-        }
+        Ok(WriteOptions { background, color, transparent: false, metadata })
     }
 
     /// Reports how many points were left out of the last frame.
@@ -440,6 +429,21 @@ impl Session {
         let rendered = self.renderer.resolve_parts(&self.uploaded.cloud, &self.frame, parts)?;
         self.device.check_validation()?;
         Ok(rendered)
+    }
+
+    /// Returns the passes of the frame, each with its reason; that of the first, which takes the points, also says how
+    /// clouds are colored. Lists are counted as for a profile, except for methods without lists.
+    ///
+    /// # Errors
+    /// Returns an error if the frame does not fit, if it was canceled, or if the device fails.
+    pub fn plan(&mut self) -> Result<Vec<plan::Step>> {
+        let frame = Frame { fragments: !self.frame.counts_on_demand(), ..self.frame };
+        let facts = self.renderer.survey(&mut self.uploaded.cloud, &frame)?;
+        let mut steps = plan::plan(&self.device, &frame, &facts, self.renderer.switches.wide_atomics, &self.why);
+        if let Some(first) = steps.iter_mut().find(|step| step.on) {
+            first.reason = [std::slice::from_ref(&first.reason), &self.assembled().colorings].concat().join("; ");
+        }
+        Ok(steps)
     }
 
     /// Returns a profile without frames.

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use super::bar::Bar;
 use clap::Args;
 use pellucid_engine::Result;
 use pellucid_engine::camera::Camera;
@@ -10,12 +9,14 @@ use pellucid_engine::camera::import::Source;
 use pellucid_engine::camera::path::{self, Curve, Pose};
 use pellucid_engine::cloud::UpAxis;
 use pellucid_engine::points::Points;
-use pellucid_engine::scene::{self, Course, Scene};
-use pellucid_session::{FrameRequest, Opened, Prepared, Request};
+use pellucid_engine::scene::{Course, Scene};
+use pellucid_session::{Opened, Prepared, Request};
 
+use super::bar::Bar;
 use super::console::Console;
 use super::headings::FRAMES;
 use super::input::InputArgs;
+use super::limit::usage;
 
 /// A camera that moves.
 #[derive(Debug, Args)]
@@ -66,10 +67,7 @@ impl PathArgs {
         match (self.turntable, frames) {
             (false, _) => Ok(None),
             (true, Some(frames)) => Ok(Some(Along::Turn { frames })),
-            (true, None) => {
-                let problem = "--turntable needs the number of its frames, as in --frames 36";
-                Err(scene::Error::Usage(problem.into()).into())
-            }
+            (true, None) => Err(usage("--turntable needs the number of its frames, as in --frames 36")),
         }
     }
 }
@@ -83,29 +81,26 @@ impl Along {
         }
     }
 
-    /// Reads the inputs, and finds the camera of each frame; there is at least one, and the scene's is the first. With
-    /// `legend` the meaning of colors as well.
-    pub fn prepare(
-        &self,
-        input: &InputArgs,
-        (legend, frame): (bool, FrameRequest),
-        console: Console,
-        progress: &Bar,
-    ) -> Result<(Prepared, Vec<Camera>)> {
-        let size = match self {
+    /// The size of the images that the path was made for, if its file has one.
+    pub fn size(&self) -> Option<[u32; 2]> {
+        match self {
             Self::Keys { source, .. } => source.size(),
             Self::Turn { .. } => None,
-        };
+        }
+    }
+
+    /// Reads the clouds of a request, and finds the camera of each frame; there is at least one, and the first is that
+    /// of the request.
+    pub fn prepare(&self, request: Request, console: Console, progress: &Bar) -> Result<(Prepared, Vec<Camera>)> {
         let mut cameras = Vec::new();
         let find = |scene: &Scene, points: &Points, up: UpAxis| {
             let (found, warnings) = self.cameras(scene, points, up)?;
             cameras = found;
             Ok((cameras[0], warnings))
         };
-        let request = Request { legend, frame, ..input.request(size, progress, console)? };
         let prepared = Opened::new(request, &console, progress)?.prepare_by(find, &console, progress)?;
-        let given =
-            prepared.scene().camera.eye.filter(|_| matches!(self, Self::Turn { .. }) && !input.view.view().is_given());
+        let settings = &prepared.scene().camera;
+        let given = settings.eye.filter(|_| matches!(self, Self::Turn { .. }) && !settings.view.is_given());
         if let (Some(eye), Some(first)) = (given.map(|eye| eye.to_array()), cameras.first().map(|c| c.eye.to_array()))
             && eye != first
         {

@@ -3,11 +3,12 @@
 use std::process::ExitCode;
 
 use clap::Args;
-use pellucid_engine::gpu::{Device, DeviceOptions};
-use pellucid_engine::{Result, scene};
+use pellucid_engine::Result;
 use pellucid_lab::check::{self, Case, Counts, Finding, Naive, Verdict};
 
 use super::console::Console;
+use super::limit::usage;
+use super::options::device;
 
 #[derive(Debug, Args)]
 pub struct CheckArgs {
@@ -33,13 +34,13 @@ pub fn run(args: CheckArgs, console: Console) -> Result<ExitCode> {
     let cases: Vec<Case> = check::cases().into_iter().filter(asked).collect();
     if cases.is_empty() {
         let names = args.names.join(", ");
-        return Err(scene::Error::Usage(format!("no case matches {names}; `pellucid check --list` lists all")).into());
+        return Err(usage(format!("no case matches {names}; `pellucid check --list` lists all")));
     }
     if args.list {
         console.print(&cases.iter().map(|case| format!("{:<36} {}\n", case.name, case.about)).collect::<String>())?;
         return Ok(ExitCode::SUCCESS);
     }
-    let device = Device::open(&DeviceOptions { device: args.device, ..DeviceOptions::from_env() })?;
+    let device = device(args.device)?;
     let mut stage = check::stage(&device)?;
     let progress = console.progress();
     progress.set_length(cases.len() as u64);
@@ -108,13 +109,13 @@ mod tests {
     /// A case for each way in which one comes out.
     fn results(cases: &[Case]) -> Vec<(&Case, Verdict)> {
         let found = |error, naive| Verdict::Found(Finding { error, bound: 1e-6, naive });
-        let failed = scene::Error::Usage("lost".into());
+        let failed = usage("lost");
         let verdicts = [
             found(1e-7, Naive::Computed(f64::INFINITY)),
             found(2e-6, Naive::Stated { why: "it would allocate too much" }),
             found(f64::NAN, Naive::Computed(1.0)),
             Verdict::NotApplicable(Lack::Subgroups, "no subgroups".into()),
-            Verdict::Failed(failed.into()),
+            Verdict::Failed(failed),
         ];
         cases.iter().zip(verdicts).collect()
     }

@@ -58,20 +58,15 @@ pub struct CompareArgs {
 }
 
 /// The metrics of pictures that have a limit.
-const METRICS: [&str; 7] = ["rmse", "nmse", "psnr", "ssim", "flip", "max", "above_1_255"];
-
-fn value(comparison: &Comparison, metric: &str) -> Option<f64> {
-    match metric {
-        "rmse" => Some(comparison.rmse),
-        "nmse" => Some(comparison.nmse),
-        "psnr" => Some(comparison.psnr),
-        "ssim" => Some(comparison.ssim),
-        "flip" => Some(comparison.flip),
-        "max" => Some(comparison.max.value),
-        "above_1_255" => Some(comparison.above_1_255),
-        _ => None,
-    }
-}
+const METRICS: [(&str, fn(&Comparison) -> f64); 7] = [
+    ("rmse", |found| found.rmse),
+    ("nmse", |found| found.nmse),
+    ("psnr", |found| found.psnr),
+    ("ssim", |found| found.ssim),
+    ("flip", |found| found.flip),
+    ("max", |found| found.max.value),
+    ("above_1_255", |found| found.above_1_255),
+];
 
 pub fn run(args: CompareArgs, console: Console) -> Result<ExitCode> {
     let limits = Limit::all(&args.fail_above, &args.fail_below)?;
@@ -106,14 +101,16 @@ fn pictures(args: &CompareArgs, limits: &[Limit], console: Console) -> Result<bo
     report(&comparison, args.json, console)?;
     // Every limit is looked at, so that all broken ones are named.
     let broken = limits.iter().filter(|limit| {
-        value(&comparison, &limit.metric).is_some_and(|measured| limit.is_broken_by(measured, console))
+        let metric = METRICS.iter().find(|(name, _)| *name == limit.metric);
+        metric.is_some_and(|(_, value)| limit.is_broken_by(value(&comparison), console))
     });
     Ok(broken.count() == 0)
 }
 
 fn check_metrics(limits: &[Limit]) -> Result<()> {
-    match limits.iter().find(|limit| !METRICS.contains(&limit.metric.as_str())) {
-        Some(limit) => Err(limit.unusable(&format!("unknown metric; expected one of {}", METRICS.join(", ")))),
+    let names = METRICS.map(|(name, _)| name);
+    match limits.iter().find(|limit| !names.contains(&limit.metric.as_str())) {
+        Some(limit) => Err(limit.unusable(&format!("unknown metric; expected one of {}", names.join(", ")))),
         None => Ok(()),
     }
 }
@@ -138,19 +135,11 @@ fn sizes_differ(args: &CompareArgs, a: &LinearImage, b: &LinearImage) -> output:
 }
 
 fn report(comparison: &Comparison, json: bool, console: Console) -> Result<()> {
-    let Comparison { rmse, nmse, psnr, ssim, flip, max, above_1_255 } = comparison;
     if json {
         // JSON has no infinity: serde_json writes null for it.
-        return console.print_json(&json!({
-            "rmse": rmse,
-            "nmse": nmse,
-            "psnr": psnr,
-            "ssim": ssim,
-            "flip": flip,
-            "max": { "value": max.value, "x": max.x, "y": max.y },
-            "above_1_255": above_1_255,
-        }));
+        return console.print_json(&json!(comparison));
     }
+    let Comparison { rmse, nmse, psnr, ssim, flip, max, above_1_255 } = comparison;
     let lines = [
         format!("rmse         {rmse:.9}"),
         format!("nmse         {nmse:.9}"),

@@ -10,6 +10,7 @@ use serde_json::json;
 use super::console::Console;
 use super::limit::{Limit, Slower};
 use super::noise::{MIN_TIMES, Times, Verdict};
+use super::tables::table;
 
 /// The part of a profile that is compared.
 #[derive(Debug, Deserialize)]
@@ -179,12 +180,9 @@ fn to_json(rows: &[Row]) -> serde_json::Value {
 }
 
 fn to_text(rows: &[Row]) -> String {
-    let mut table = comfy_table::Table::new();
-    let header = ["pass", "A ms", "B ms", "share", "B/A", "interval", "verdict"];
-    table.load_style(comfy_table::presets::NOTHING).set_header(header);
     let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
-    for row in rows {
-        table.add_row([
+    let line = |row: &Row| {
+        [
             row.name.clone(),
             number(row.a.median()),
             number(row.b.median()),
@@ -192,11 +190,10 @@ fn to_text(rows: &[Row]) -> String {
             number(row.ratio()),
             row.interval().map_or("-".to_owned(), |[low, high]| format!("{low:.3}–{high:.3}")),
             verdict_text(row),
-        ]);
-    }
-    for column in table.column_iter_mut().skip(1).take(header.len() - 2) {
-        column.set_cell_alignment(comfy_table::CellAlignment::Right);
-    }
+        ]
+    };
+    let header = ["pass", "A ms", "B ms", "share", "B/A", "interval", "verdict"];
+    let table = table(header, rows.iter().map(line), 1..6);
     let notes: String = notes(rows).iter().map(|note| format!("{note}\n")).collect();
     format!("{}\n{notes}", table.trim_fmt())
 }

@@ -1,7 +1,5 @@
 //! `pellucid completions`: the script that completes the command line in a shell.
 
-use std::process::ExitCode;
-
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 use pellucid_engine::Result;
@@ -15,9 +13,8 @@ pub struct CompletionsArgs {
     shell: Shell,
 }
 
-pub fn run(args: &CompletionsArgs, console: Console) -> Result<ExitCode> {
+pub fn run(args: CompletionsArgs, console: Console) -> Result<()> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "pellucid", &mut script);
-    console.print(&String::from_utf8_lossy(&script))?;
-    Ok(ExitCode::SUCCESS)
+    console.print(&String::from_utf8_lossy(&script))
 }

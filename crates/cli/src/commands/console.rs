@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 use std::io::{self, ErrorKind, IsTerminal, Write};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use pellucid_engine::{Result, output};
 use pellucid_session::Messages;
@@ -27,6 +27,10 @@ pub struct Captured {
     pub stderr: String,
 }
 
+fn locked(captured: &Mutex<Captured>) -> MutexGuard<'_, Captured> {
+    captured.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 impl Streams {
     /// True for the streams of the process.
     pub fn is_process(self) -> bool {
@@ -38,7 +42,7 @@ impl Streams {
         let mut stdout = match self {
             Self::Process => io::stdout().lock(),
             Self::Captured(captured) => {
-                captured.lock().unwrap_or_else(PoisonError::into_inner).stdout.push_str(text);
+                locked(captured).stdout.push_str(text);
                 return Ok(());
             }
         };
@@ -55,7 +59,7 @@ impl Streams {
                 let _ = writeln!(io::stderr(), "{line}");
             }
             Self::Captured(captured) => {
-                captured.lock().unwrap_or_else(PoisonError::into_inner).stderr.push_str(&format!("{line}\n"));
+                locked(captured).stderr.push_str(&format!("{line}\n"));
             }
         }
     }
@@ -66,7 +70,7 @@ impl Streams {
             // Without the stream there is nobody to tell.
             Self::Process => drop(stopped.print()),
             Self::Captured(captured) => {
-                let mut captured = captured.lock().unwrap_or_else(PoisonError::into_inner);
+                let mut captured = locked(captured);
                 let Captured { stdout, stderr } = &mut *captured;
                 let stream = if stopped.use_stderr() { stderr } else { stdout };
                 stream.push_str(&stopped.render().to_string());
@@ -84,13 +88,8 @@ pub struct Console {
 }
 
 impl Console {
-    pub fn new(quiet: bool, verbose: bool) -> Self {
-        Self { quiet, verbose, streams: Streams::Process }
-    }
-
-    /// Returns the console with another destination.
-    pub fn with_streams(self, streams: Streams) -> Self {
-        Self { streams, ..self }
+    pub fn new(quiet: bool, verbose: bool, streams: Streams) -> Self {
+        Self { quiet, verbose, streams }
     }
 
     /// Returns a console for output that repeats an earlier one: only details.
@@ -157,22 +156,4 @@ impl Messages for Console {
     fn detail(&self, detail: &dyn Display) {
         Console::detail(*self, detail);
     }
-}
-
-/// Prints a line on standard error; without a standard error the line is lost.
-#[cfg(feature = "mpi")]
-pub fn print_stderr(line: impl Display) {
-    Streams::Process.print_stderr(line);
-}
-
-/// A result on standard output. A reader that has seen enough (`| head`) is no error.
-#[cfg(feature = "mpi")]
-pub fn print(text: &str) -> Result<()> {
-    Streams::Process.print(text)
-}
-
-/// Prints a JSON document on standard output.
-#[cfg(feature = "mpi")]
-pub fn print_json(value: &serde_json::Value) -> Result<()> {
-    print(&format!("{value:#}\n"))
 }

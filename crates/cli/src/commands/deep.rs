@@ -17,9 +17,7 @@ use pellucid_session::{Prepared, Session, Uploaded};
 use super::bar::Bar;
 use super::console::Console;
 use super::headings::OUTPUT;
-use super::limit::usage;
-use super::render::{RenderArgs, is_png};
-use super::session;
+use super::options::{DeviceArgs, one_of};
 
 /// Samples of each pixel.
 #[derive(Debug, Args)]
@@ -31,86 +29,50 @@ pub struct DeepArgs {
     /// (the default) merges fragments at one depth and splits volumes where others begin or end; `sorted` keeps each
     /// fragment as it is.
     #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "tidy", help_heading = OUTPUT)]
-    deep: Option<DeepState>,
+    #[arg(value_parser = one_of(&[("tidy", State::Tidy), ("sorted", State::Sorted)]))]
+    deep: Option<State>,
     /// With --deep: type of color and A.
     ///
     /// `float` (the default) keeps all 24 bits of precision, `half` 11 bits in half the space. Z and ZBack are always
     /// float.
     #[arg(long, value_name = "NUMBERS", requires = "deep", help_heading = OUTPUT)]
-    deep_type: Option<DeepType>,
+    #[arg(value_parser = one_of(&[("float", Numbers::Float), ("half", Numbers::Half)]))]
+    deep_type: Option<Numbers>,
     /// With --deep: compression; `zips` compresses each row without loss.
     #[arg(long, value_name = "HOW", requires = "deep", help_heading = OUTPUT)]
-    deep_compression: Option<DeepCompression>,
+    #[arg(value_parser = one_of(&[("zips", Packing::Zips), ("none", Packing::Raw)]))]
+    deep_compression: Option<Packing>,
 }
 
-/// Order of the samples in a pixel.
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum DeepState {
-    Tidy,
-    Sorted,
-}
-
-/// The numbers of color and opacity.
-#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
-enum DeepType {
-    #[default]
-    Float,
-    Half,
-}
-
-/// Compression of rows.
-#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
-enum DeepCompression {
-    #[default]
-    Zips,
-    None,
+/// Form of a deep image.
+#[derive(Debug, Clone, Copy)]
+pub struct DeepFormat {
+    state: State,
+    numbers: Numbers,
+    packing: Packing,
 }
 
 impl DeepArgs {
-    /// Returns the requested order of samples, if a deep image is asked for.
-    fn state(&self) -> Option<State> {
-        self.deep.map(|state| match state {
-            DeepState::Tidy => State::Tidy,
-            DeepState::Sorted => State::Sorted,
-        })
+    /// Returns the form of the deep image, if one is asked for.
+    pub fn format(&self) -> Option<DeepFormat> {
+        let (numbers, packing) =
+            (self.deep_type.unwrap_or(Numbers::Float), self.deep_compression.unwrap_or(Packing::Zips));
+        Some(DeepFormat { state: self.deep?, numbers, packing })
     }
-
-    /// True if samples are asked for.
-    pub fn is_asked(&self) -> bool {
-        self.deep.is_some()
-    }
-}
-
-/// Refuses options that don't go with samples, before anything is read; `several`: more than one picture is asked for.
-pub fn check(args: &RenderArgs, output: &Path, several: bool, console: Console) -> Result<()> {
-    if is_png(output) {
-        return Err(usage(format!(
-            "--deep: {} is a PNG, but only an .exr holds samples; name one with -o",
-            output.display()
-        )));
-    }
-    if several {
-        return Err(usage("--deep writes one picture; --frames, --path and --turntable make several"));
-    }
-    if args.chooses() {
-        return Err(usage(
-            "--deep can't be combined with --max-error, --budget and --recalibrate; give --method and its settings instead",
-        ));
-    }
-    if args.measure.is_asked() {
-        return Err(usage("--deep can't be combined with --profile and --trace; measure without --deep"));
-    }
-    if args.aov {
-        console.warn("--aov has no effect with --deep: the samples already give depths and counts");
-    }
-    Ok(())
 }
 
 /// Writes the samples of a scene.
-pub fn run(args: &RenderArgs, prepared: Prepared, output: &Path, progress: &Bar, console: Console) -> Result<()> {
-    let Some(state) = args.deep.state() else { return Ok(()) };
+pub fn run(
+    format: DeepFormat,
+    device: &DeviceArgs,
+    prepared: Prepared,
+    output: &Path,
+    progress: &Bar,
+    console: Console,
+) -> Result<()> {
+    let state = format.state;
     deep::check(&prepared.frame(), prepared.points().splats().is_some(), state)?;
-    let mut session = session::upload(&args.device, prepared, false, progress)?;
+    let mut session = Session::upload(&device.open(progress)?, prepared, false, progress)?;
     session.find_opacity()?;
     session.why = match session.scene().method {
         MethodChoice::Auto(_) => "--deep needs lists of fragments".to_owned(),
@@ -118,7 +80,7 @@ pub fn run(args: &RenderArgs, prepared: Prepared, output: &Path, progress: &Bar,
     };
     session.describe(&console);
     session.warn(&console);
-    let layout = layout(args, state, &session);
+    let layout = layout(format, &session);
     progress.stage("counting");
     let Session { renderer, uploaded: Uploaded { cloud, .. }, frame, device, .. } = &mut session;
     let most = renderer.most_samples(cloud, frame, state)?;
@@ -145,21 +107,15 @@ pub fn run(args: &RenderArgs, prepared: Prepared, output: &Path, progress: &Bar,
     Ok(())
 }
 
-fn layout(args: &RenderArgs, state: State, session: &Session) -> Layout {
+fn layout(DeepFormat { state, numbers, packing }: DeepFormat, session: &Session) -> Layout {
     let mut metadata = session.prepared.metadata(session.frame.method.name(), &session.device.info().name);
     let found = session.found.map(|found| found.json(&session.scene().clouds));
     metadata.extend(found.map(|json| ("pellucid:see-through".to_owned(), json.to_string())));
     Layout {
         size: session.frame.size,
         state,
-        numbers: match args.deep.deep_type.unwrap_or_default() {
-            DeepType::Float => Numbers::Float,
-            DeepType::Half => Numbers::Half,
-        },
-        packing: match args.deep.deep_compression.unwrap_or_default() {
-            DeepCompression::Zips => Packing::Zips,
-            DeepCompression::None => Packing::Raw,
-        },
+        numbers,
+        packing,
         volumes: deep::has_volumes(&session.frame.method, session.uploaded.cloud.has_gaussians()),
         metadata,
     }

@@ -1,7 +1,5 @@
 //! `pellucid devices`.
 
-use std::process::ExitCode;
-
 use clap::Args;
 use pellucid_engine::{Result, gpu, methods};
 use serde_json::json;
@@ -28,15 +26,14 @@ fn slow_mesa(driver: &str) -> Option<&str> {
     (major < FAST_MESA).then_some(version)
 }
 
-pub fn run(args: DevicesArgs, console: Console) -> Result<ExitCode> {
+pub fn run(args: DevicesArgs, console: Console) -> Result<()> {
     let (devices, taken) = gpu::devices(args.device.as_deref())?;
     if args.json {
         let list: Vec<_> = devices
             .iter()
             .map(|d| json!({"index": d.index, "name": d.name, "driver": d.driver, "lacks": d.lacks, "taken": taken == Some(d.index)}))
             .collect();
-        console.print_json(&json!(list))?;
-        return Ok(ExitCode::SUCCESS);
+        return console.print_json(&json!(list));
     }
     let mut text = String::new();
     for d in &devices {
@@ -59,8 +56,7 @@ pub fn run(args: DevicesArgs, console: Console) -> Result<ExitCode> {
         }
     }
     text += if taken.is_some() { "* selected\n" } else { "no device can be used\n" };
-    console.print(&text)?;
-    Ok(ExitCode::SUCCESS)
+    console.print(&text)
 }
 
 #[cfg(test)]

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use pellucid_engine::Result;
-use pellucid_engine::scene::Error;
+
+use super::limit;
 
 /// Digits of a number at most.
 const MAX_WIDTH: usize = 9;
@@ -48,7 +49,7 @@ impl Pattern {
     pub fn parse(path: &Path, naming: Naming) -> Result<Self> {
         let usage = |problem: &str| {
             let path = path.display();
-            Error::Usage(format!("-o {path}: {problem}; {}", naming.needs()))
+            limit::usage(format!("-o {path}: {problem}; {}", naming.needs()))
         };
         let name = path.file_name().ok_or_else(|| usage("this names no file"))?;
         let name = name.to_str().ok_or_else(|| usage("the name is not UTF-8"))?;
@@ -68,17 +69,17 @@ impl Pattern {
             let width = if digits.is_empty() { Some(0) } else { digits.parse().ok() };
             let width = width.filter(|width| *width <= MAX_WIDTH);
             let (Some(behind), Some(width)) = (behind.strip_prefix('d'), width) else {
-                return Err(usage("% stands neither for a number (%d, %02d) nor for itself (%%)").into());
+                return Err(usage("% stands neither for a number (%d, %02d) nor for itself (%%)"));
             };
             if number.replace((width, digits.starts_with('0'))).is_some() {
-                return Err(usage("there is more than one number").into());
+                return Err(usage("there is more than one number"));
             }
             rest = behind;
         }
         parts[usize::from(number.is_some())].push_str(rest);
         let (width, zeros) = number.ok_or_else(|| usage("every picture would have this name"))?;
         if naming == Naming::Frames && width > 0 && !zeros {
-            return Err(usage("spaces would fill the number").into());
+            return Err(usage("spaces would fill the number"));
         }
         let [before, after] = parts;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();

@@ -7,7 +7,6 @@ mod proposal;
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 use pellucid_engine::Result;
@@ -60,7 +59,7 @@ pub struct InfoArgs {
     json: bool,
 }
 
-pub fn run(args: InfoArgs, console: Console) -> Result<ExitCode> {
+pub fn run(args: InfoArgs, console: Console) -> Result<()> {
     let columns = args.columns.as_deref().map(ColumnNames::parse).transpose();
     let columns = columns.map_err(|problem| usage(format!("--columns: {problem}")))?;
     let hints = Hints { columns: columns.as_ref(), ..Hints::default() };
@@ -78,11 +77,10 @@ pub fn run(args: InfoArgs, console: Console) -> Result<ExitCode> {
         cloud.warnings.iter().for_each(|warning| console.warn(format_args!("{}: {warning}", file.display())));
     }
     match (args.json, seen.as_slice()) {
-        (true, [seen]) => console.print_json(&to_json(seen))?,
-        (true, seen) => console.print_json(&seen.iter().map(with_file).collect())?,
-        (false, seen) => console.print(&seen.iter().map(to_text).collect::<Vec<_>>().join("\n"))?,
+        (true, [seen]) => console.print_json(&to_json(seen)),
+        (true, seen) => console.print_json(&seen.iter().map(with_file).collect()),
+        (false, seen) => console.print(&seen.iter().map(to_text).collect::<Vec<_>>().join("\n")),
     }
-    Ok(ExitCode::SUCCESS)
 }
 
 /// A file and what was found in it.
@@ -143,29 +141,25 @@ fn to_json(seen: &Seen) -> Value {
     if let Value::Object(object) = &mut value {
         facts.add_to(object);
     }
-    if let (Value::Object(object), Some(outliers)) = (&mut value, *outliers) {
-        object.insert("outliers".to_owned(), outliers.into());
+    if let Some(outliers) = *outliers {
+        value["outliers"] = outliers.into();
     }
-    if let (Value::Object(object), Some(splats)) = (&mut value, &cloud.gaussians) {
-        object.insert("gaussians".to_owned(), gaussians::json(splats, cloud.filter));
+    if let Some(splats) = &cloud.gaussians {
+        value["gaussians"] = gaussians::json(splats, cloud.filter);
     }
-    if let (Value::Object(object), Some(prepared)) = (&mut value, &cloud.prepared) {
-        let quantiles: serde_json::Map<_, _> = quantiles(prepared)
-            .into_iter()
-            .map(|(share, threshold)| (share.to_string(), f64::from(threshold).into()))
-            .collect();
-        let shadows = prepared.shadows.as_ref().map(|shadows| shadows.casting);
-        let mut prepared = json!({
+    if let Some(prepared) = &cloud.prepared {
+        let threshold = |(share, threshold): (f64, f32)| (share.to_string(), f64::from(threshold).into());
+        let quantiles: serde_json::Map<_, _> = quantiles(prepared).into_iter().map(threshold).collect();
+        value["prepared"] = json!({
             "neighbors": prepared.neighbors,
             "radius_cap": prepared.radius_cap,
             "estimated_radii": prepared.estimated_radii,
             "field": prepared.field,
             "quantiles": quantiles,
         });
-        if let (Value::Object(prepared), Some(shadows)) = (&mut prepared, shadows) {
-            prepared.insert("shadows".to_owned(), json!(shadows));
+        if let Some(shadows) = &prepared.shadows {
+            value["prepared"]["shadows"] = json!(shadows.casting);
         }
-        object.insert("prepared".to_owned(), prepared);
     }
     value
 }

@@ -5,17 +5,16 @@ use std::path::PathBuf;
 use bytesize::ByteSize;
 use clap::Args;
 use pellucid_engine::Result;
+use pellucid_engine::io::{LEAST_MEMORY, memory_for_points};
 use pellucid_engine::methods::see_through;
-use pellucid_engine::progress::Phase;
-use pellucid_engine::scene::{self, DEFAULT_SCENE, Family, Named, Overrides, Scene, View, ViewName};
+use pellucid_engine::progress::{Phase, Progress};
+use pellucid_engine::scene::{self, DEFAULT_SCENE, Family, Named, Overrides, ViewName};
 use pellucid_session::{Limits, Request, Residence, SeeThrough, SeeThroughBy};
 
-use super::bar::Bar;
 use super::console::Console;
 use super::filters;
 use super::headings::{APPEARANCE, DEVICE, METHOD, POINTS};
 use super::limit::usage;
-use super::prepare_store::host_memory;
 use super::presets::{self, Asked, Preset};
 use super::view_args::ViewArgs;
 
@@ -172,27 +171,9 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 impl InputArgs {
-    /// The method requested by `--method`; `None` for `auto`.
-    fn asked_method(&self) -> Option<&str> {
-        self.method.as_deref().filter(|name| *name != "auto")
-    }
-
-    /// The file that a picture of these inputs is written to if no other is named: after the first input, here.
-    pub fn default_output(&self) -> PathBuf {
-        self.named(".png")
-    }
-
-    /// Like [`InputArgs::default_output`], for the steps of a time series.
-    pub fn default_steps(&self) -> PathBuf {
-        self.named("_%02d.png")
-    }
-
-    /// Like [`InputArgs::default_output`], for the frames of a camera path.
-    pub fn default_frames(&self) -> PathBuf {
-        self.named("_%04d.png")
-    }
-
-    fn named(&self, end: &str) -> PathBuf {
+    /// The file or pattern that pictures of these inputs are written to if no other is named: after the first input,
+    /// here.
+    pub fn default_output(&self, end: &str) -> PathBuf {
         let stem = self.inputs.first().and_then(|input| input.file_stem());
         let mut name = stem.unwrap_or(DEFAULT_SCENE.as_ref()).to_owned();
         name.push(end);
@@ -212,32 +193,26 @@ impl InputArgs {
         if let Some(size) = &self.size {
             let option = format!("--size {size}");
             let Some((width, height)) = size.split_once(['x', 'X', '×']) else {
-                return Err(scene::Error::Usage(format!("{option}: expected WxH, as in 1024x768")).into());
+                return Err(usage(format!("{option}: expected WxH, as in 1024x768")));
             };
             overrides.set(option, "image.size", &format!("[{width}, {height}]"))?;
         }
-        if let Some(columns) = &self.columns {
-            overrides.set(format!("--columns {columns}"), "cloud.*.columns", &format!("{columns:?}"))?;
-        }
-        if let Some(background) = &self.background {
-            overrides.set(format!("--background {background}"), "image.background", &color_as_toml(background))?;
-        }
-        let short = [
-            ("method", "method.name", &self.method),
-            ("opacity", "cloud.*.opacity", &self.opacity),
-            ("surface-opacity", "cloud.*.surface_opacity", &self.surface_opacity),
-            ("radius", "cloud.*.radius", &self.radius),
-            ("colormap", "cloud.*.colormap", &self.colormap),
-            ("detail", "detail.spacing_px", &self.detail),
-            ("max-points", "detail.max_points", &self.max_points),
-        ];
-        if let Some(name) = &self.color_by {
-            // The name of a scalar may look like a number.
-            overrides.set(format!("--color-by {name}"), "cloud.*.color_by", &format!("{name:?}"))?;
-        }
-        for (option, key, value) in short {
+        // Texts, of which a name may look like a number.
+        let quoted = |text: &Option<String>| text.as_ref().map(|text| format!("{text:?}"));
+        for (option, key, value, toml) in [
+            ("columns", "cloud.*.columns", &self.columns, quoted(&self.columns)),
+            ("background", "image.background", &self.background, self.background.as_deref().map(color_as_toml)),
+            ("color-by", "cloud.*.color_by", &self.color_by, quoted(&self.color_by)),
+            ("method", "method.name", &self.method, None),
+            ("opacity", "cloud.*.opacity", &self.opacity, None),
+            ("surface-opacity", "cloud.*.surface_opacity", &self.surface_opacity, None),
+            ("radius", "cloud.*.radius", &self.radius, None),
+            ("colormap", "cloud.*.colormap", &self.colormap, None),
+            ("detail", "detail.spacing_px", &self.detail, None),
+            ("max-points", "detail.max_points", &self.max_points, None),
+        ] {
             if let Some(value) = value {
-                overrides.set(format!("--{option} {value}"), key, value)?;
+                overrides.set(format!("--{option} {value}"), key, toml.as_deref().unwrap_or(value))?;
             }
         }
         let Self { class, classes, without, slice, .. } = self;
@@ -271,52 +246,53 @@ impl InputArgs {
         short.iter().any(|(known, value)| *known == key && value.is_some()) || of_clouds.any(|(_, known)| known == key)
     }
 
-    /// Returns the request for frames of these inputs; `size` counts where `--size` is not given. Begins the phase of
-    /// reading.
-    pub fn request(&self, size: Option<[u32; 2]>, progress: &Bar, console: Console) -> Result<Request> {
-        let overrides = self.overrides(size)?;
-        progress.begin(Phase::Read);
-        self.request_of(&scene::name(&self.inputs, &overrides, self.seed)?, console)
+    /// Returns the request for frames of these inputs; see [`Self::named`].
+    pub fn request(&self, size: Option<[u32; 2]>, progress: &Progress, console: Console) -> Result<Request> {
+        Ok(self.named(size, progress, console)?.1)
     }
 
-    /// Returns the request for frames of a scene.
-    pub fn request_of(&self, named: &Named, console: Console) -> Result<Request> {
-        let scene = named.document.scene()?;
+    /// Returns the scene of these inputs, and the request for frames of it; `size` counts where `--size` is not given.
+    /// Begins the phase of reading.
+    pub fn named(&self, size: Option<[u32; 2]>, progress: &Progress, console: Console) -> Result<(Named, Request)> {
+        let overrides = self.overrides(size)?;
+        let limits = Limits { memory: host_memory(self.host_memory)?, residence: self.residence };
+        let (see_through, mut view) = (self.share(), self.view.view());
+        progress.begin(Phase::Read);
+        let named = scene::name(&self.inputs, &overrides, self.seed)?;
+        let mut request = Request::new(&named, limits, self.seed)?;
         self.preset().iter().for_each(|preset| console.note(preset.note()));
-        if let (Some(share), Some(reason)) = (self.see_through, see_through::refusal(scene.method)) {
+        if let (Some(share), Some(reason)) = (self.see_through, see_through::refusal(request.scene.method)) {
             return Err(usage(format!("--see-through {share}: {reason} (--help lists them)")));
         }
-        let limits = Limits { memory: host_memory(self.host_memory)?, residence: self.residence };
-        let mut request = Request::of_scene(named.name.clone(), scene, named.input.clone(), limits, self.seed);
-        request.scene.camera.view = self.view_of(&request.scene);
-        request.see_through = self.share();
+        let camera = &mut request.scene.camera;
+        let is_free = !view.is_given() && camera.eye.is_none() && camera.target.is_none();
+        if is_free && self.preset().is_some_and(|preset| preset.from_outside) {
+            view.name = Some(ViewName::Iso);
+        }
+        camera.view = view;
+        request.see_through = see_through;
         request.opacity_given = self.opacity.is_some() || self.surface_opacity.is_some();
-        request.choice.only = self.asked_method().map(str::to_owned);
-        Ok(request)
+        // `auto` leaves the choice open.
+        request.choice.only = self.method.clone().filter(|name| name != "auto");
+        Ok((named, request))
     }
 
     /// Returns the share of light that is to get through: that of the option, else of the preset.
     fn share(&self) -> Option<SeeThrough> {
-        if let Some(share) = self.see_through {
-            return Some(SeeThrough { share, by: SeeThroughBy::Option });
-        }
-        let of_preset = self.preset().and_then(|preset| preset.see_through);
-        let of_preset = of_preset.filter(|_| !self.gives("opacity") && !self.gives("surface_opacity"))?;
-        let by = match of_preset.without_classes {
-            true => SeeThroughBy::PresetWithoutClasses,
-            false => SeeThroughBy::Preset,
-        };
-        Some(SeeThrough { share: of_preset.share, by })
+        let of_option = self.see_through.map(|share| SeeThrough { share, by: SeeThroughBy::Option });
+        let gives_opacity = self.gives("opacity") || self.gives("surface_opacity");
+        of_option.or_else(|| self.preset()?.see_through.filter(|_| !gives_opacity))
     }
+}
 
-    /// The direction that was asked for by options, else by the preset where the scene's camera stands nowhere.
-    fn view_of(&self, scene: &Scene) -> View {
-        let from_outside = self.preset().is_some_and(|preset| preset.from_outside);
-        let view = self.view.view();
-        if from_outside && !view.is_given() && scene.camera.eye.is_none() && scene.camera.target.is_none() {
-            return View { name: Some(ViewName::Iso), ..View::default() };
+/// The memory to use: as asked for, else half of what is free.
+pub fn host_memory(asked: Option<ByteSize>) -> Result<u64> {
+    match asked.map(|size| size.as_u64()) {
+        Some(bytes) if bytes < LEAST_MEMORY => {
+            Err(usage(format!("--host-memory {}: at least 1 MiB is needed", ByteSize(bytes))))
         }
-        view
+        Some(bytes) => Ok(bytes),
+        None => Ok(memory_for_points()),
     }
 }
 
@@ -326,4 +302,16 @@ fn color_as_toml(color: &str) -> String {
     let numbers: Option<Vec<f64>> = color.split(',').map(finite).collect();
     // Numbers are formatted anew, because TOML rejects a form like .5.
     numbers.map_or_else(|| format!("{color:?}"), |numbers| format!("{numbers:?}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_of_the_memory_is_used() {
+        assert_eq!(host_memory(Some(ByteSize::mib(64))).unwrap(), 64 << 20);
+        assert!(host_memory(Some(ByteSize::kib(64))).is_err());
+        assert!(host_memory(None).unwrap() >= LEAST_MEMORY);
+    }
 }

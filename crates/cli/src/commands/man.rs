@@ -1,7 +1,6 @@
 //! `pellucid man`: the manual pages, one for the program and one for each command.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::{Args, Command, CommandFactory};
 use clap_mangen::Man;
@@ -21,7 +20,7 @@ pub struct ManArgs {
     folder: PathBuf,
 }
 
-pub fn run(args: &ManArgs, console: Console) -> Result<ExitCode> {
+pub fn run(args: ManArgs, console: Console) -> Result<()> {
     check_report_folder(&args.folder)?;
     let _folder = make_folder(&args.folder)?;
     let mut files = Files::default();
@@ -30,7 +29,7 @@ pub fn run(args: &ManArgs, console: Console) -> Result<ExitCode> {
     }
     files.publish()?;
     console.detail(format_args!("{}: manual pages written", args.folder.display()));
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
 /// The pages of the programs that are built, each before those of its commands.

@@ -9,13 +9,15 @@ mod completions;
 pub mod console;
 mod deep;
 mod devices;
-pub mod films;
+mod error;
+mod films;
 mod filters;
 mod frames;
 mod headings;
 mod info;
-pub mod input;
+mod input;
 mod interrupt;
+mod job;
 mod limit;
 mod man;
 mod measured;
@@ -24,6 +26,8 @@ pub mod mpi;
 #[cfg(any(feature = "mpi", test))]
 mod mpi_args;
 mod noise;
+mod options;
+mod picture;
 mod plan;
 mod popped;
 mod prepare;
@@ -33,22 +37,21 @@ mod profile;
 mod render;
 mod scene;
 mod sequence;
-mod session;
 mod stress;
+mod tables;
 mod tradeoff;
+mod typed;
 #[cfg(feature = "viewer")]
 mod view;
 mod view_args;
 
 use std::ffi::OsString;
-use std::path::PathBuf;
-use std::process::ExitCode;
+use std::process::{ExitCode, Termination};
 
-use bytesize::ByteSize;
 use clap::{Args, Parser, Subcommand};
-use pellucid_engine::Result;
 
 use console::{Console, Streams};
+pub use error::Error;
 
 /// Render point clouds you can see through, with exact transparency and every GPU pass timed.
 #[derive(Debug, Parser)]
@@ -56,6 +59,13 @@ use console::{Console, Streams};
 pub struct Cli {
     #[command(subcommand)]
     command: Command,
+    #[command(flatten)]
+    verbosity: VerbosityArgs,
+}
+
+/// Amount of output on standard error.
+#[derive(Debug, Args)]
+pub struct VerbosityArgs {
     /// Print no progress and no warnings.
     #[arg(short, long, global = true, conflicts_with = "verbose", display_order = 1000)]
     quiet: bool,
@@ -64,20 +74,47 @@ pub struct Cli {
     verbose: bool,
 }
 
-#[derive(Debug, Subcommand)]
-enum Command {
+/// The table of commands, in the order of `--help`: sentence, name, and the module with its arguments and its `run`.
+/// `{ input }` stands behind arguments with a field of that name, for which `--preset list` prints the presets.
+macro_rules! commands {
+    (@input $args:ident) => { None };
+    (@input $args:ident $input:ident) => { Some(&$args.$input) };
+    ($($(#[doc = $about:tt])+ $(#[cfg($cfg:meta)])? $name:ident($module:ident::$args:ident $({ $input:ident })?),)+) => {
+        #[derive(Debug, Subcommand)]
+        enum Command {
+            $($(#[doc = $about])+ $(#[cfg($cfg)])? $name($module::$args),)+
+        }
+
+        impl Command {
+            /// The inputs, of commands that render them.
+            fn input(&self) -> Option<&input::InputArgs> {
+                match self {
+                    $($(#[cfg($cfg)])? Self::$name(_args) => commands!(@input _args $($input)?),)+
+                }
+            }
+
+            fn run(self, console: Console) -> Result<ExitCode, Error> {
+                Ok(match self {
+                    $($(#[cfg($cfg)])? Self::$name(args) => $module::run(args, console)?.report(),)+
+                })
+            }
+        }
+    };
+}
+
+commands! {
     /// Render point clouds or a scene to a picture.
-    Render(render::RenderArgs),
+    Render(render::RenderArgs { input }),
     /// Render a few frames and print the time of each pass.
-    Profile(profile::ProfileArgs),
+    Profile(profile::ProfileArgs { input }),
     /// Measure time, memory and error of the exact methods as layers increase.
     Stress(stress::StressArgs),
     /// Measure time and error of every method on one scene.
-    Tradeoff(tradeoff::TradeoffArgs),
+    Tradeoff(tradeoff::TradeoffArgs { input }),
     /// Run numerically hard cases on a device and compare errors with bounds.
     Check(check::CheckArgs),
     /// Print the passes of a frame, and the reason for each.
-    Plan(plan::PlanArgs),
+    Plan(plan::PlanArgs { input }),
     /// Store a cloud with its radii and fields, or as an octree.
     Prepare(prepare::PrepareArgs),
     /// Print the contents of point-cloud files, and a command that suits them.
@@ -86,7 +123,7 @@ enum Command {
     Scene(scene::SceneArgs),
     /// Open a scene in a window.
     #[cfg(feature = "viewer")]
-    View(view::ViewArgs),
+    View(view::ViewArgs { input }),
     /// List the Vulkan devices.
     Devices(devices::DevicesArgs),
     /// Compare two pictures or two profiles.
@@ -97,102 +134,41 @@ enum Command {
     Man(man::ManArgs),
 }
 
-impl Command {
-    /// The inputs, of commands that render them.
-    fn input(&self) -> Option<&input::InputArgs> {
-        match self {
-            Self::Render(args) => Some(&args.input),
-            Self::Profile(args) => Some(&args.input),
-            Self::Tradeoff(args) => Some(&args.input),
-            Self::Plan(args) => Some(&args.input),
-            #[cfg(feature = "viewer")]
-            Self::View(args) => Some(&args.input),
-            _ => None,
-        }
-    }
-}
-
-/// The device and what it may use.
-#[derive(Debug, Args)]
-struct DeviceArgs {
-    /// Device to render on, by index or part of its name.
-    ///
-    /// `pellucid devices` lists them.
-    #[arg(long, value_name = "NAME_OR_INDEX", help_heading = headings::DEVICE)]
-    device: Option<String>,
-    /// Device memory for the fragments of a frame, as in 256MiB.
-    ///
-    /// Default: three quarters of the memory of the device, less the cloud.
-    #[arg(long, value_name = "SIZE", help_heading = headings::DEVICE)]
-    memory_budget: Option<ByteSize>,
-}
-
-/// Measurements of a frame, as files.
-#[derive(Debug, Args)]
-struct MeasureArgs {
-    /// Write the time of each pass and of each phase on the CPU as JSON.
-    #[arg(long, value_name = "FILE.json", help_heading = headings::MEASUREMENTS)]
-    profile: Option<PathBuf>,
-    /// Write a timeline of phases, frames and passes; opens in Perfetto.
-    #[arg(long, value_name = "FILE.json", help_heading = headings::MEASUREMENTS)]
-    trace: Option<PathBuf>,
-}
-
-impl MeasureArgs {
-    /// True if passes have to be timed.
-    fn is_asked(&self) -> bool {
-        self.profile.is_some() || self.trace.is_some()
-    }
-
-    /// Refuses files that could not be written in the end.
-    fn check(&self) -> Result<()> {
-        for path in [&self.profile, &self.trace].into_iter().flatten() {
-            pellucid_engine::output::check_folder(path)?;
-        }
-        Ok(())
-    }
-}
-
 /// The command line of `pellucid-mpi`.
 #[cfg(any(feature = "mpi", test))]
 pub fn command_of_ranks() -> clap::Command {
     <mpi_args::Cli as clap::CommandFactory>::command()
 }
 
-/// Parses a command line and runs its command.
-pub fn run(given: impl IntoIterator<Item = OsString>, streams: Streams) -> Result<ExitCode, crate::error::Error> {
-    let cli = match Cli::try_parse_from(given) {
+/// `pellucid`.
+pub fn main() -> ExitCode {
+    run_from(std::env::args_os(), Streams::Process)
+}
+
+/// Runs a command line, whose first argument is the program's name, and returns its exit status.
+///
+/// Tests capture the output and start no process. Then the handlers of signals and panics stay those of the caller.
+pub fn run_from(arguments: impl IntoIterator<Item = OsString>, streams: Streams) -> ExitCode {
+    let Cli { command, verbosity } = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(stopped) => {
             streams.print_usage(&stopped);
-            return Ok(ExitCode::from(u8::try_from(stopped.exit_code()).unwrap_or(2)));
+            return ExitCode::from(u8::try_from(stopped.exit_code()).unwrap_or(2));
         }
     };
-    let console = Console::new(cli.quiet, cli.verbose).with_streams(streams);
+    let console = Console::new(verbosity.quiet, verbosity.verbose, streams);
     if streams.is_process() {
         interrupt::watch();
         pellucid_engine::io::silence_decoder_panics();
     }
-    if cli.command.input().is_some_and(input::InputArgs::lists_presets) {
-        console.print(&presets::list())?;
-        return Ok(ExitCode::SUCCESS);
-    }
-    Ok(match cli.command {
-        Command::Render(args) => render::run(args, console)?,
-        Command::Profile(args) => profile::run(args, console)?,
-        Command::Stress(args) => stress::run(args, console)?,
-        Command::Tradeoff(args) => tradeoff::run(args, console)?,
-        Command::Check(args) => check::run(args, console)?,
-        Command::Plan(args) => plan::run(args, console)?,
-        Command::Prepare(args) => prepare::run(args, console)?,
-        Command::Info(args) => info::run(args, console)?,
-        Command::Scene(args) => scene::run(args, console)?,
-        #[cfg(feature = "viewer")]
-        Command::View(args) => view::run(args, console)?,
-        Command::Devices(args) => devices::run(args, console)?,
-        Command::Compare(args) => compare::run(args, console)?,
-        Command::Completions(args) => completions::run(&args, console)?,
-        Command::Man(args) => man::run(&args, console)?,
+    let done = if command.input().is_some_and(input::InputArgs::lists_presets) {
+        console.print(&presets::list()).map(|()| ExitCode::SUCCESS).map_err(Error::from)
+    } else {
+        command.run(console)
+    };
+    done.unwrap_or_else(|error| {
+        streams.print_stderr(format_args!("error: {}", error.with_causes()));
+        ExitCode::from(error.exit_status())
     })
 }
 

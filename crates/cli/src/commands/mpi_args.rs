@@ -2,6 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use super::VerbosityArgs;
 use super::plan::PlanArgs;
 use super::profile::ProfileArgs;
 use super::render::RenderArgs;
@@ -15,12 +16,8 @@ use super::render::RenderArgs;
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
-    /// Print no progress and no warnings.
-    #[arg(short, long, global = true, conflicts_with = "verbose", display_order = 1000)]
-    pub quiet: bool,
-    /// Print details: files, choices, counts and times.
-    #[arg(short, long, global = true, display_order = 1001)]
-    pub verbose: bool,
+    #[command(flatten)]
+    pub verbosity: VerbosityArgs,
 }
 
 #[derive(Debug, Subcommand)]

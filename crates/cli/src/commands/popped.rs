@@ -10,7 +10,6 @@ use pellucid_session::Session;
 
 use super::console::Console;
 use super::limit::usage;
-use super::render::RenderArgs;
 
 /// The method's frames so far, and what renders the exact ones.
 pub struct Popped {
@@ -23,24 +22,22 @@ pub struct Popped {
 }
 
 impl Popped {
-    /// Begins, if it was asked for.
+    /// Begins a table in a file.
     ///
     /// # Errors
     /// A method whose frames no other one draws exactly.
-    pub fn open(args: &RenderArgs, session: &Session) -> Result<Option<Self>> {
-        let Some(path) = args.popping.clone() else { return Ok(None) };
+    pub fn open(path: PathBuf, session: &Session) -> Result<Self> {
         let method = session.frame.method;
         let Some(exact) = popping::exact(&method, session.points()) else {
             let name = method.name();
-            let problem = format!("--popping measures transparent discs and soft spheres, not {name}");
-            return Err(usage(problem));
+            return Err(usage(format!("--popping measures transparent discs and soft spheres, not {name}")));
         };
         let mut frame = Frame { method: exact, stop: Stop::Exact, fragments: false, depths: false, ..session.frame };
         // A feature that the method's own frames lack is no error.
         frame.shading.edl.edl &= method.takes_edl();
         let followed = Candidate { method, setting: String::new() };
         let renderer = Renderer::new(&session.device)?;
-        Ok(Some(Self { path, renderer, frame, followed, follower: Follower::default() }))
+        Ok(Self { path, renderer, frame, followed, follower: Follower::default() })
     }
 
     /// Takes a frame of the session as it was rendered.

@@ -2,21 +2,19 @@
 
 use pellucid_session::describe_cloud;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use super::bar::Bar;
 use bytesize::ByteSize;
 use clap::{ArgGroup, Args};
 use pellucid_engine::cloud::shadow_texture::ShadowTexture;
 use pellucid_engine::cloud::{Cloud, Prepared};
-use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::scene::{self, CloudSettings, Overrides, Scene};
 use pellucid_engine::{Result, io, output, prepare};
 
-use super::DeviceArgs;
 use super::console::Console;
 use super::limit::usage;
+use super::options::{DeviceArgs, device};
 use super::prepare_store;
 
 /// The soft methods (soft-base, soft-concentric, soft-express, one-layer) tell solid points from soft ones by a field F
@@ -120,17 +118,8 @@ impl PrepareArgs {
         let mut overrides = Overrides::default();
         // A method that reads all the keys.
         overrides.set("prepare", "method.name", "soft-base")?;
-        let list = |text: &String| format!("[{text}]");
-        let options = [
-            ("columns", "columns", self.columns.as_ref().map(|names| format!("{names:?}"))),
-            ("neighbors", "neighbors", self.neighbors.clone()),
-            ("radius-cap", "radius_cap", self.radius_cap.clone()),
-            ("field", "field", self.field.as_ref().map(|name| format!("{name:?}"))),
-            ("soft-classes", "soft_classes", self.soft_classes.as_ref().map(list)),
-            ("axis-point", "axis.point", self.axis_point.as_ref().map(list)),
-            ("axis-direction", "axis.direction", self.axis_direction.as_ref().map(list)),
-        ];
-        for (option, key, value) in options {
+        let columns = self.columns.as_ref().map(|names| format!("{names:?}"));
+        for (option, key, value) in [("columns", "columns", columns)].into_iter().chain(self.values()) {
             for cloud in 0..self.inputs.len() {
                 if let Some(value) = &value {
                     overrides.set(format!("--{option}"), &format!("cloud.{cloud}.{key}"), value)?;
@@ -140,17 +129,22 @@ impl PrepareArgs {
         Ok(overrides)
     }
 
+    /// The options that say how values of points are computed, each with its key and its value as TOML.
+    fn values(&self) -> [(&'static str, &'static str, Option<String>); 6] {
+        let list = |text: &Option<String>| text.as_ref().map(|text| format!("[{text}]"));
+        [
+            ("neighbors", "neighbors", self.neighbors.clone()),
+            ("radius-cap", "radius_cap", self.radius_cap.clone()),
+            ("field", "field", self.field.as_ref().map(|name| format!("{name:?}"))),
+            ("soft-classes", "soft_classes", list(&self.soft_classes)),
+            ("axis-point", "axis.point", list(&self.axis_point)),
+            ("axis-direction", "axis.direction", list(&self.axis_direction)),
+        ]
+    }
+
     /// True if options ask for values of points to be computed, or say how.
     fn asks_for_values(&self) -> bool {
-        let asked = [
-            &self.neighbors,
-            &self.radius_cap,
-            &self.field,
-            &self.soft_classes,
-            &self.axis_point,
-            &self.axis_direction,
-        ];
-        self.normals || asked.into_iter().any(Option::is_some)
+        self.normals || self.values().iter().any(|(.., value)| value.is_some())
     }
 
     /// The options of the light as keys of a scene with shadows; `None` without a light.
@@ -185,13 +179,12 @@ impl PrepareArgs {
         progress.stage("casting shadows");
         let points = scene::assemble(scene, vec![cloud.clone()], false, progress)?;
         let (camera, _) = scene::camera(scene, &points, cloud.up)?;
-        let options = DeviceOptions { device: self.device.device.clone(), ..DeviceOptions::from_env() };
-        let device = Device::open(&options)?;
+        let device = device(self.device.device.clone())?;
         let frame = Frame {
             shading: scene.shading,
             shadows: scene.shadows,
             color: scene.image.color_space(),
-            memory_budget: self.device.memory_budget.map(|budget| budget.as_u64()),
+            memory_budget: self.device.budget(),
             seed: self.seed.unwrap_or(0),
             ..Frame::new(camera, scene.image.size, scene.method.representative())
         };
@@ -210,7 +203,7 @@ impl PrepareArgs {
     }
 }
 
-pub fn run(args: PrepareArgs, console: Console) -> Result<ExitCode> {
+pub fn run(args: PrepareArgs, console: Console) -> Result<()> {
     let has = |path: &Path, extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
     if let Some(scene) = args.inputs.iter().find(|input| has(input, "toml")) {
         return Err(usage(format!("{}: prepare takes a point cloud, not a scene file", scene.display())));
@@ -238,7 +231,7 @@ pub fn run(args: PrepareArgs, console: Console) -> Result<ExitCode> {
 }
 
 /// Writes a store.
-fn run_store(args: &PrepareArgs, console: Console) -> Result<ExitCode> {
+fn run_store(args: &PrepareArgs, console: Console) -> Result<()> {
     if args.light.is_some() || args.light_position.is_some() {
         return Err(usage(format!(
             "{}: shadows can only be stored in a PLY file; name an output that ends in .ply",
@@ -252,7 +245,7 @@ fn run_store(args: &PrepareArgs, console: Console) -> Result<ExitCode> {
 }
 
 /// Writes a PLY file.
-fn run_ply(args: &PrepareArgs, input: &PathBuf, console: Console) -> Result<ExitCode> {
+fn run_ply(args: &PrepareArgs, input: &PathBuf, console: Console) -> Result<()> {
     output::check_folder(&args.output)?;
     let scene = Scene::from_clouds([input], &args.overrides()?)?;
     let light = args.light()?.map(|overrides| Scene::from_clouds([input], &overrides)).transpose()?;
@@ -267,11 +260,9 @@ fn run_ply(args: &PrepareArgs, input: &PathBuf, console: Console) -> Result<Exit
         progress.stage("writing");
         write_splats(args, input, &cloud, console)?;
         progress.finish_and_clear();
-        return Ok(ExitCode::SUCCESS);
+        return Ok(());
     }
-    let radius_cap = settings.as_ref().and_then(|cloud| cloud.strays.radius_cap);
-    let (neighbors, field) = settings.map(|cloud| (cloud.neighbors, cloud.field)).unwrap_or_default();
-    let request = prepare::Request { neighbors, radius_cap, field, normals: args.normals, ..Default::default() };
+    let request = prepare_store::request(settings.as_ref(), args.normals);
     progress.reset();
     progress.set_message("finding neighbors");
     let prepared = prepare::prepared(cloud, &request, &progress);
@@ -284,7 +275,7 @@ fn run_ply(args: &PrepareArgs, input: &PathBuf, console: Console) -> Result<Exit
     io::ply::write_prepared(&args.output, &prepared)?;
     progress.finish_and_clear();
     console.detail(format_args!("{}: written", args.output.display()));
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
 /// Writes Gaussian splats, which have nothing to be prepared.

@@ -1,10 +1,8 @@
 //! The part of `pellucid prepare` that writes a store.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use bytesize::ByteSize;
-use pellucid_engine::io::LEAST_MEMORY;
 use pellucid_engine::io::store::build::{NODE_POINTS, Settings};
 use pellucid_engine::io::store::{self, Octree, Store};
 use pellucid_engine::prepare::{self, Request};
@@ -14,6 +12,7 @@ use pellucid_session::describe_store;
 
 use super::bar::Bar;
 use super::console::Console;
+use super::input;
 use super::limit::usage;
 
 /// True if the output is to be a folder: it ends in `/`, has no extension, or is one, unless it is called like a file.
@@ -23,24 +22,24 @@ pub fn is_store(output: &Path) -> bool {
     output.is_dir() && !is_called_file || is_written_as_one || output.extension().is_none()
 }
 
-/// The memory to use: as asked for, else half of what is free.
-pub fn host_memory(asked: Option<ByteSize>) -> Result<u64> {
-    match asked.map(|size| size.as_u64()) {
-        Some(bytes) if bytes < LEAST_MEMORY => {
-            Err(usage(format!("--host-memory {}: at least 1 MiB is needed", ByteSize(bytes))))
-        }
-        Some(bytes) => Ok(bytes),
-        None => Ok(io::memory_for_points()),
-    }
-}
-
 /// Returns the settings for building a store.
 pub fn settings(host_memory: Option<ByteSize>, node_points: Option<u32>) -> Result<Settings> {
     let node_points = node_points.map_or(Ok(NODE_POINTS), |points| match usize::try_from(points) {
         Ok(points) if points >= 100 => Ok(points),
         _ => Err(usage(format!("--node-points {points}: expected 100 or more"))),
     })?;
-    Ok(Settings { node_points, host_memory: self::host_memory(host_memory)? })
+    Ok(Settings { node_points, host_memory: input::host_memory(host_memory)? })
+}
+
+/// Returns what is computed of the points of a cloud.
+pub fn request(cloud: Option<&CloudSettings>, normals: bool) -> Request {
+    Request {
+        neighbors: cloud.and_then(|cloud| cloud.neighbors),
+        radius_cap: cloud.and_then(|cloud| cloud.strays.radius_cap),
+        field: cloud.and_then(|cloud| cloud.field.clone()),
+        normals,
+        ..Request::default()
+    }
 }
 
 /// Opens the inputs. An octree is read in place, a file of another format into memory.
@@ -69,20 +68,13 @@ pub fn run(
     settings: &Settings,
     asks: bool,
     console: Console,
-) -> Result<ExitCode> {
+) -> Result<()> {
     let progress = console.progress();
     let stores = open(inputs, scene, &progress, console)?;
     if asks && let Some(splats) = stores.iter().find(|store| store.summary().like.gaussians.is_some()) {
         console.warn(prepare_without(&splats.summary().path));
     }
-    let cloud = scene.clouds.first();
-    let request = Request {
-        neighbors: cloud.and_then(|cloud| cloud.neighbors),
-        radius_cap: cloud.and_then(|cloud| cloud.strays.radius_cap),
-        field: cloud.and_then(|cloud| cloud.field.clone()),
-        normals,
-        ..Request::default()
-    };
+    let request = request(scene.clouds.first(), normals);
     let made = prepare::store::prepare(&stores, output, &request, settings, &progress);
     let built = made.map_err(|error| match error {
         prepare::store::Error::Io(error) => pellucid_engine::Error::from(error),
@@ -98,7 +90,7 @@ pub fn run(
         console
             .detail(format_args!("{shown}: positions moved by up to {:.3e}, onto a grid of integers", built.rounding));
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
 #[cfg(test)]
@@ -113,12 +105,5 @@ mod tests {
         for file in ["a.ply", "a/b.las", ".x/y.PLY"] {
             assert!(!is_store(Path::new(file)), "{file}");
         }
-    }
-
-    #[test]
-    fn a_part_of_the_memory_is_used() {
-        assert_eq!(host_memory(Some(ByteSize::mib(64))).unwrap(), 64 << 20);
-        assert!(host_memory(Some(ByteSize::kib(64))).is_err());
-        assert!(host_memory(None).unwrap() >= LEAST_MEMORY);
     }
 }

@@ -3,6 +3,7 @@
 
 use pellucid_engine::Result;
 use pellucid_engine::scene::Overrides;
+use pellucid_session::{SeeThrough, SeeThroughBy};
 
 /// A recipe.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,14 +18,6 @@ pub struct Preset {
     /// True if `--view iso` is taken where nothing says from where to look: from outside, whatever surrounds the
     /// middle.
     pub from_outside: bool,
-}
-
-/// The share of light that a preset lets through.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SeeThrough {
-    pub share: f64,
-    /// True if classes have opacities of their own, so that it only counts where no file has classes.
-    pub without_classes: bool,
 }
 
 /// The value of `--preset`.
@@ -72,7 +65,7 @@ const PRESETS: [Preset; 5] = [
             (CLASS, "{ id = \"low-noise\", visible = false }"),
             (CLASS, "{ id = \"high-noise\", visible = false }"),
         ],
-        see_through: Some(SeeThrough { share: 0.5, without_classes: true }),
+        see_through: Some(SeeThrough { share: 0.5, by: SeeThroughBy::PresetWithoutClasses }),
         from_outside: false,
     },
     Preset {
@@ -92,14 +85,14 @@ const PRESETS: [Preset; 5] = [
             (CLASS, "{ id = \"low-noise\", visible = false }"),
             (CLASS, "{ id = \"high-noise\", visible = false }"),
         ],
-        see_through: Some(SeeThrough { share: 0.6, without_classes: true }),
+        see_through: Some(SeeThrough { share: 0.6, by: SeeThroughBy::PresetWithoutClasses }),
         from_outside: false,
     },
     Preset {
         name: "indoor",
         purpose: "rooms and halls from outside, through walls and ceiling",
         keys: &[("image.background", "\"#5b6b7b\""), ("cloud.*.opacity", "0.1"), ("cloud.*.outliers", "\"drop\"")],
-        see_through: Some(SeeThrough { share: 0.4, without_classes: false }),
+        see_through: Some(SeeThrough { share: 0.4, by: SeeThroughBy::Preset }),
         from_outside: true,
     },
     Preset {
@@ -112,7 +105,7 @@ const PRESETS: [Preset; 5] = [
             ("cloud.*.radius_factor", "0.8"),
             ("cloud.*.outliers", "\"drop\""),
         ],
-        see_through: Some(SeeThrough { share: 0.5, without_classes: false }),
+        see_through: Some(SeeThrough { share: 0.5, by: SeeThroughBy::Preset }),
         from_outside: false,
     },
     Preset {
@@ -181,8 +174,8 @@ impl Preset {
             Some(key) => format!("{key} += {value}"),
             None => format!("{key} = {value}{}", unless(key)),
         };
-        let see_through = self.see_through.map(|SeeThrough { share, without_classes }| {
-            let when = if without_classes { ", for files without classes" } else { "" };
+        let see_through = self.see_through.map(|SeeThrough { share, by }| {
+            let when = if by == SeeThroughBy::PresetWithoutClasses { ", for files without classes" } else { "" };
             format!("--see-through {share}{when}, unless an option gives an opacity")
         });
         let view =

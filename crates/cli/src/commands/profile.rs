@@ -1,20 +1,17 @@
 //! `pellucid profile`.
 
-use std::process::ExitCode;
-
 use clap::Args;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::methods::{Rendered, Stop};
 use pellucid_engine::{Result, profile};
 use pellucid_session::{FrameRequest, Prepared, Request, Session};
 
-use super::along::PathArgs;
+use super::along::{Along, PathArgs};
 use super::bar::Bar;
 use super::console::Console;
 use super::input::InputArgs;
 use super::measured::Measured;
-use super::session;
-use super::{DeviceArgs, MeasureArgs};
+use super::options::{DeviceArgs, MeasureArgs, one_of};
 
 #[derive(Debug, Args)]
 pub struct ProfileArgs {
@@ -36,7 +33,8 @@ pub struct ProfileArgs {
     /// For an EXR every fragment that changes a bit is blended. For a PNG the methods sorted and abuffer stop when no
     /// 8-bit value would change by more than a quarter of a step. Other methods take the same time for both.
     #[arg(long = "for", value_name = "FORMAT", default_value = "exr")]
-    pub format: Format,
+    #[arg(value_parser = one_of(&[("exr", Stop::Exact), ("png", Stop::EightBit { transparent: false })]))]
+    stop: Stop,
     /// Print JSON instead of the table, as --profile writes it.
     #[arg(long)]
     pub json: bool,
@@ -45,43 +43,28 @@ pub struct ProfileArgs {
 /// Default number of frames of a camera at rest.
 pub const DEFAULT_FRAMES: u32 = 5;
 
-/// An output format.
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-pub enum Format {
-    Exr,
-    Png,
-}
-
-impl Format {
-    /// The accuracy at which blending may stop.
-    pub fn stop(self) -> Stop {
-        match self {
-            Self::Exr => Stop::Exact,
-            Self::Png => Stop::EightBit { transparent: false },
-        }
-    }
-}
-
 impl ProfileArgs {
     /// Reads the inputs, and finds the camera of each frame.
     pub fn prepare(&self, progress: &Bar, console: Console) -> Result<(Prepared, Vec<Camera>)> {
-        let memory_budget = self.device.memory_budget.map(|budget| budget.as_u64());
-        let frame = FrameRequest { memory_budget, counts: true, stop: self.format.stop(), ..FrameRequest::default() };
-        if let Some(along) = self.along.course(self.frames, &self.input, console)? {
-            return along.prepare(&self.input, (false, frame), console, progress);
+        let (memory_budget, stop) = (self.device.budget(), self.stop);
+        let frame = FrameRequest { memory_budget, counts: true, stop, ..FrameRequest::default() };
+        let along = self.along.course(self.frames, &self.input, console)?;
+        let size = along.as_ref().and_then(Along::size);
+        let request = Request { frame, ..self.input.request(size, progress, console)? };
+        if let Some(along) = along {
+            return along.prepare(request, console, progress);
         }
-        let request = Request { frame, ..self.input.request(None, progress, console)? };
         let prepared = Prepared::new(request, &console, progress)?;
         let cameras = vec![prepared.camera; self.frames.unwrap_or(DEFAULT_FRAMES) as usize];
         Ok((prepared, cameras))
     }
 }
 
-pub fn run(args: ProfileArgs, console: Console) -> Result<ExitCode> {
+pub fn run(args: ProfileArgs, console: Console) -> Result<()> {
     args.measure.check()?;
     let progress = console.progress();
     let (prepared, cameras) = args.prepare(&progress, console)?;
-    let mut session = session::open(&args.device, prepared, &progress, console)?;
+    let mut session = Session::open(&args.device.open(&progress)?, prepared, &console, &progress)?;
     session.describe(&console);
     session.warn(&console);
     // The first frame pays for pipelines and buffers.
@@ -131,14 +114,11 @@ pub fn run(args: ProfileArgs, console: Console) -> Result<ExitCode> {
         profile.list_histogram = histogram;
     }
     let json = if moves { measured.to_json(&profile) } else { profile.to_json() };
-    args.measure.write_profile(&json)?;
-    args.measure.write_trace(&profile)?;
+    args.measure.write(&json, || profile.to_trace())?;
     if args.json {
-        console.print_json(&json)?;
-    } else {
-        console.print(&format!("{}\n", pellucid_lab::profile_table(&profile, Some(copy_rate))))?;
+        return console.print_json(&json);
     }
-    Ok(ExitCode::SUCCESS)
+    console.print(&format!("{}\n", pellucid_lab::profile_table(&profile, Some(copy_rate))))
 }
 
 /// Renders a frame with counted lists, for methods that don't need the counts; its times must not be used.

@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use bytesize::ByteSize;
 use clap::Args;
@@ -108,8 +107,7 @@ impl VolumeArgs {
             if self.volume.is_none() && self.values.is_empty() {
                 return Ok(None);
             }
-            let problem = format!("--volume and --values belong to the scene {}, not to {name}", iso::NAME);
-            return Err(scene::Error::Usage(problem).into());
+            return Err(usage(format!("--volume and --values belong to the scene {}, not to {name}", iso::NAME)));
         }
         let volume = match &self.volume {
             Some(path) => io::volume::read(path, self.dims, self.scalar)?,
@@ -119,10 +117,9 @@ impl VolumeArgs {
     }
 }
 
-pub fn run(args: SceneArgs, console: Console) -> Result<ExitCode> {
+pub fn run(args: SceneArgs, console: Console) -> Result<()> {
     if args.list {
-        console.print(&list())?;
-        return Ok(ExitCode::SUCCESS);
+        return console.print(&list());
     }
     if let (Some(name), Some(folder)) = (&args.name, &args.output) {
         let parameters = args.set.iter().map(|pair| parameter(pair)).collect::<Result<Vec<_>, _>>()?;
@@ -135,7 +132,7 @@ pub fn run(args: SceneArgs, console: Console) -> Result<ExitCode> {
         }
         console.detail(format_args!("{}: written", folder.join("scene.toml").display()));
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
 fn finite(text: &str) -> Result<f64, String> {

@@ -5,7 +5,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use super::bar::Bar;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::methods::{Frame, Rendered};
 use pellucid_engine::profile::Profile;
@@ -13,23 +12,26 @@ use pellucid_engine::{Result, identity, output};
 use pellucid_session::Session;
 
 use super::along::Along;
+use super::bar::Bar;
 use super::console::Console;
 use super::films::{Caption, Films};
 use super::frames::Pattern;
-use super::interrupt;
+use super::job::RenderJob;
 use super::measured::{Journal, Measured};
+use super::options::write_json;
+use super::picture::finish;
 use super::popped::Popped;
-use super::render::{RenderArgs, finish};
-use super::session;
+use super::{Error, interrupt};
 use crate::legend;
 
 /// The metadata by which a frame is known to belong to a sequence.
 const IDENTITY: &str = "pellucid:sequence";
 
 /// The files of the frames, and which of them exist.
-pub struct Frames {
+pub struct Frames<'a> {
+    job: &'a RenderJob,
     files: Vec<PathBuf>,
-    cameras: Vec<Camera>,
+    pub cameras: Vec<Camera>,
     /// The identity of each picture: a hash of everything it depends on.
     identities: Vec<String>,
     /// True of those that are not to be rendered again.
@@ -47,6 +49,7 @@ pub struct Due<'a> {
 }
 
 /// Measurements of the sequence.
+#[derive(Default)]
 pub struct Records {
     measured: Measured,
     journal: Option<Journal>,
@@ -57,27 +60,26 @@ pub struct Records {
 }
 
 pub fn run(
-    args: &RenderArgs,
+    job: &RenderJob,
     along: &Along,
     (pattern, films): (&Pattern, &Films),
+    progress: &Bar,
     console: Console,
-) -> Result<ExitCode, crate::error::Error> {
-    let progress = console.progress();
-    let legend = args.draws_legend(&pattern.file(0));
-    let (prepared, cameras) = along.prepare(&args.input, (legend, args.frame(&pattern.file(0))), console, &progress)?;
-    legend::check(&prepared, console)?;
-    let mut session = session::open(&args.device, prepared, &progress, console)?;
+) -> Result<ExitCode, Error> {
+    let (prepared, cameras) = along.prepare(job.request.clone(), console, progress)?;
+    legend::check(&prepared, &console)?;
+    let mut session = Session::open(&job.device.open(progress)?, prepared, &console, progress)?;
     session.describe(&console);
     session.warn(&console);
-    session.renderer.timed = args.measure.is_asked() || console.is_verbose();
-    let mut frames = Frames::named(args, cameras, pattern, &session);
-    frames.find(args.overwrite, pattern)?;
+    session.renderer.timed = job.measure.is_asked() || console.is_verbose();
+    let mut frames = Frames::named(job, cameras, pattern, &session);
+    frames.find(pattern)?;
     let _folder = films.make_folder()?;
-    let mut records = Records::open(args, &frames, &session)?;
+    let mut records = Records::open(&frames, &session)?;
     interrupt::defer();
     let due = if records.popped.is_some() { (0..frames.files.len()).collect() } else { frames.missing() };
     let due = Due { count: due.len(), numbers: &mut due.into_iter(), render: &mut Session::render };
-    let rendered = frames.render(args, &mut session, &mut records, due, &progress, console)?;
+    let rendered = frames.render(&mut session, &mut records, due, progress, console)?;
     progress.finish_and_clear();
     let (count, before) = (frames.files.len(), frames.there.iter().filter(|there| **there).count());
     if before > 0 {
@@ -89,7 +91,7 @@ pub fn run(
             .note(format_args!("interrupted with {finished} of {count} frames; the same command renders the others"));
         return Ok(ExitCode::from(interrupt::STATUS));
     }
-    records.finish(args, &session, count, console)?;
+    records.finish(job, &session, count, console)?;
     if films.is_none() || films.make(&frames.files, &caption(along, &session), console)? {
         return Ok(ExitCode::SUCCESS);
     }
@@ -111,21 +113,21 @@ fn caption(along: &Along, session: &Session) -> Caption {
     }
 }
 
-impl Frames {
+impl<'a> Frames<'a> {
     /// The frames of cameras, of which none is known to exist.
-    pub fn named(args: &RenderArgs, cameras: Vec<Camera>, pattern: &Pattern, session: &Session) -> Self {
+    pub fn named(job: &'a RenderJob, cameras: Vec<Camera>, pattern: &Pattern, session: &Session) -> Self {
         let files = (0..cameras.len()).map(|number| pattern.file(number)).collect();
-        let identities = identities(args, &cameras, session);
+        let identities = identities(job, &cameras, session);
         let there = vec![false; cameras.len()];
-        Self { files, cameras, identities, there }
+        Self { job, files, cameras, identities, there }
     }
 
     /// Finds the frames that exist, and removes those to be replaced.
     ///
     /// # Errors
-    /// Files with these names, or with numbers after the last one, that don't belong to the sequence, unless
-    /// `overwrite` says that they may be replaced.
-    pub fn find(&mut self, overwrite: bool, pattern: &Pattern) -> Result<()> {
+    /// Files with these names, or with numbers after the last one, that don't belong to the sequence, unless they may
+    /// be replaced.
+    pub fn find(&mut self, pattern: &Pattern) -> Result<()> {
         // Whoever makes a film of the frames would take those that follow for the rest of it.
         let after = (self.files.len()..).map(|number| pattern.file(number)).take_while(|file| is_taken(file));
         let mut foreign: Vec<PathBuf> = after.collect();
@@ -135,7 +137,7 @@ impl Frames {
             foreign.extend(Some(file.clone()).filter(|_| taken && !*there));
         }
         if let Some(first) = foreign.iter().min()
-            && !overwrite
+            && !self.job.overwrite
         {
             return Err(output::Error::Foreign { path: first.clone(), count: foreign.len() }.into());
         }
@@ -150,18 +152,10 @@ impl Frames {
         (0..self.files.len()).filter(|number| !self.there[*number]).collect()
     }
 
-    /// The camera of a frame.
-    #[cfg(feature = "mpi")]
-    pub fn camera(&self, number: usize) -> Camera {
-        self.cameras[number]
-    }
-
     /// Renders frames and returns how many were written. If errors are followed, those that are there are rendered for
     /// it alone.
-    #[allow(clippy::too_many_arguments, reason = "what a command has at hand")]
     pub fn render(
         &self,
-        args: &RenderArgs,
         session: &mut Session,
         records: &mut Records,
         due: Due<'_>,
@@ -196,7 +190,7 @@ impl Frames {
                 (IDENTITY.to_owned(), self.identities[number].clone()),
             ];
             let console_for_frame = if done == 0 { console } else { console.without_repeats() };
-            finish(args, session, &mut rendered, &self.files[number], own, console_for_frame)?;
+            finish(self.job, session, &mut rendered, &self.files[number], own, console_for_frame)?;
             session.renderer.recycle(rendered.image);
             done += 1;
             progress.inc(1);
@@ -212,10 +206,11 @@ impl Frames {
 
 impl Records {
     /// Reads back the measurements of existing frames.
-    pub fn open(args: &RenderArgs, frames: &Frames, session: &Session) -> Result<Self> {
-        let popped = Popped::open(args, session)?;
-        let trace = args.measure.trace.as_ref().map(|_| session.profile());
-        let (journal, measured) = match &args.measure.profile {
+    fn open(frames: &Frames<'_>, session: &Session) -> Result<Self> {
+        let RenderJob { popping, measure, .. } = frames.job;
+        let popped = popping.clone().map(|path| Popped::open(path, session)).transpose()?;
+        let trace = measure.trace.as_ref().map(|_| session.profile());
+        let (journal, measured) = match &measure.profile {
             Some(path) => {
                 let (journal, measured) = Journal::open(path, &frames.identities, &frames.there)?;
                 (Some(journal), measured)
@@ -225,7 +220,7 @@ impl Records {
         Ok(Self { measured, journal, trace, popped })
     }
 
-    fn add(&mut self, frames: &Frames, number: usize, session: &Session, rendered: &Rendered) -> Result<()> {
+    fn add(&mut self, frames: &Frames<'_>, number: usize, session: &Session, rendered: &Rendered) -> Result<()> {
         if let Some(journal) = &mut self.journal {
             let (camera, identity) = (&frames.cameras[number], frames.identities[number].as_str());
             journal.add(self.measured.add(number, camera, Some(identity), session, rendered))?;
@@ -237,7 +232,7 @@ impl Records {
     }
 
     /// Writes the requested files.
-    fn finish(self, args: &RenderArgs, session: &Session, count: usize, console: Console) -> Result<()> {
+    fn finish(self, job: &RenderJob, session: &Session, count: usize, console: Console) -> Result<()> {
         self.popped.map_or(Ok(()), |popped| popped.finish(count, console))?;
         let mut host = session.profile();
         session.add_phases(&mut host);
@@ -253,13 +248,9 @@ impl Records {
             }
             journal.finish(&self.measured.to_json(&host))?;
         }
-        match self.trace {
-            Some(mut trace) => {
-                trace.host = host.host;
-                args.measure.write_trace(&trace)
-            }
-            None => Ok(()),
-        }
+        let Some((mut trace, path)) = self.trace.zip(job.measure.trace.as_ref()) else { return Ok(()) };
+        trace.host = host.host;
+        write_json(path, &trace.to_trace())
     }
 }
 
@@ -269,13 +260,13 @@ fn is_taken(file: &Path) -> bool {
 }
 
 /// A hash, for each frame, of everything its file depends on.
-fn identities(args: &RenderArgs, cameras: &[Camera], session: &Session) -> Vec<String> {
+fn identities(job: &RenderJob, cameras: &[Camera], session: &Session) -> Vec<String> {
     let prepared = &session.prepared;
     let depths = prepared.request.frame.depths;
     let frame = Frame { camera: prepared.camera, depths, ..session.frame };
     let info = session.device.info();
     let metadata = prepared.metadata(session.frame.method.name(), &info.name);
-    let mut written = format!("{:?} {metadata:?} {} {}", session.frame.method, args.aov, args.transparent);
+    let mut written = format!("{:?} {metadata:?} {} {}", session.frame.method, job.aov, job.transparent);
     if let Some(legend) = &prepared.assembled.legend {
         // Other values may have the same colors.
         written.push_str(&format!(" {legend:?}"));

@@ -1,18 +1,17 @@
 //! `pellucid stress`.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use pellucid_engine::Result;
-use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::scene::Method;
 use pellucid_lab::report::page::{self, Table};
 use pellucid_lab::report::stress::{self, Cell, Report, Settings, Slope, Sweep};
 
-use super::DeviceArgs;
 use super::console::Console;
+use super::options::{DeviceArgs, device};
+use super::typed::command;
 
 const ABOUT: &str = "\
 Scenes: In both built-in scenes every pixel has one fragment per layer. In `stack` a layer is one disc over the whole image, in \
@@ -76,18 +75,17 @@ impl StressArgs {
             max_fragments: self.max_fragments.unwrap_or(default.max_fragments),
             max_seconds: self.max_seconds.unwrap_or(default.max_seconds),
             seed: self.seed,
-            memory_budget: self.device.memory_budget.map(|b| b.as_u64()),
+            memory_budget: self.device.budget(),
             ..default
         }
     }
 }
 
-pub fn run(args: StressArgs, console: Console) -> Result<ExitCode> {
+pub fn run(args: StressArgs, console: Console) -> Result<()> {
     pellucid_engine::output::check_report_folder(&args.output)?;
     let settings = args.settings();
     let progress = console.progress();
-    let options = DeviceOptions { device: args.device.device.clone(), ..DeviceOptions::from_env() };
-    let device = Device::open(&options)?;
+    let device = device(args.device.device.clone())?;
     console.detail(format_args!("device {} ({})", device.info().name, device.info().driver));
     progress.counted("stress", settings.cells() as u64);
     let sweep = stress::run(&device, &settings, &progress)?;
@@ -101,16 +99,10 @@ pub fn run(args: StressArgs, console: Console) -> Result<ExitCode> {
             ));
         }
     }
-    let command: Vec<_> = std::env::args().skip(1).collect();
-    let command = format!("pellucid {}", command.join(" "));
+    let command = command();
     let report = Report { sweep: &sweep, settings: &settings, device: device.info(), command: &command };
     stress::write(&args.output, &report)?;
-    if args.json {
-        console.print_json(&report.json())?;
-    } else {
-        console.print(&summary(&sweep, &args.output))?;
-    }
-    Ok(ExitCode::SUCCESS)
+    if args.json { console.print_json(&report.json()) } else { console.print(&summary(&sweep, &args.output)) }
 }
 
 /// The end of each series, how much was skipped, and where the rest is.

@@ -1,7 +1,6 @@
 //! `pellucid tradeoff`.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -15,15 +14,15 @@ use pellucid_lab::report::page::{self, Table};
 use pellucid_lab::report::popping;
 use pellucid_lab::report::tradeoff::{self, Options, Shaded, ShadedStep, Skipped, Subject, Tradeoff};
 use pellucid_session::candidates::{self, Formation, Ladders, Occasion, Surfaces};
-use pellucid_session::{Clouds, FrameRequest, Opened, Prepared, Request};
+use pellucid_session::{Clouds, FrameRequest, Opened, Prepared, Request, Session};
 
-use super::DeviceArgs;
 use super::along::{Along, PathArgs};
 use super::console::Console;
 use super::input::InputArgs;
 use super::limit::usage;
-use super::session;
+use super::options::{self, DeviceArgs};
 use super::stress::seconds;
+use super::typed::command;
 
 const ABOUT: &str = "\
 Methods: All methods that draw the scene's transparent discs are compared, with the scene's shape and falloff: the exact ones; peel \
@@ -169,26 +168,26 @@ impl TradeoffArgs {
     fn options(&self, begin: Instant) -> Options {
         let (ladders, (rounds, seeds)) =
             if self.quick { (Ladders::QUICK, QUICK_REPEATS) } else { (Ladders::FULL, REPEATS) };
-        let command: Vec<_> = std::env::args().skip(1).collect();
-        let command = format!("pellucid {}", command.join(" "));
         let seconds = self.time.unwrap_or(if self.quick { QUICK_SECONDS } else { SECONDS });
         // A time beyond what a clock can hold is no limit.
         let end = Duration::try_from_secs_f64(seconds).ok().and_then(|time| begin.checked_add(time));
         let end = end.filter(|_| self.quick);
-        Options { ladders, only: self.only.clone(), seconds, end, rounds, seeds, command }
+        Options { ladders, only: self.only.clone(), seconds, end, rounds, seeds, command: command() }
     }
 }
 
-pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
+pub fn run(args: TradeoffArgs, console: Console) -> Result<()> {
     let begin = Instant::now();
     output::check_report_folder(&args.output)?;
     let progress = console.progress();
-    let memory_budget = args.device.memory_budget.map(|budget| budget.as_u64());
-    let frame = FrameRequest { memory_budget, ..FrameRequest::default() };
-    let (prepared, cameras) = match args.course(console)? {
-        Some(along) => along.prepare(&args.input, (false, frame), console, &progress)?,
+    let frame = FrameRequest { memory_budget: args.device.budget(), ..FrameRequest::default() };
+    let along = args.course(console)?;
+    let size = along.as_ref().and_then(Along::size);
+    let mut request = Request { frame, ..args.input.request(size, &progress, console)? };
+    request.wanted.radii = along.is_none();
+    let (prepared, cameras) = match along {
+        Some(along) => along.prepare(request, console, &progress)?,
         None => {
-            let request = Request { frame, radii: true, ..args.input.request(None, &progress, console)? };
             let opened = Opened::new(request, &console, &progress)?;
             if matches!(opened.sources.clouds(), Clouds::Stored(_)) {
                 return Err(usage(IN_FILES));
@@ -201,15 +200,15 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
     let (prepared, factors) = match prepared.see_through() {
         None => (prepared, Factors::default()),
         Some(_) => {
-            let mut session = session::upload(&args.device, prepared, false, &progress)?;
+            let mut session = Session::upload(&args.device.open(&progress)?, prepared, false, &progress)?;
             session.find_opacity()?;
             session.describe_opacity(&console);
             let factors = session.frame.factors;
-            (session.into_prepared(), factors)
+            (session.prepared, factors)
         }
     };
     progress.stage("uploading");
-    let device = session::device(&args.device)?;
+    let device = options::device(args.device.device.clone())?;
     console.detail(format_args!("device {} ({})", device.info().name, device.info().driver));
     let scene = prepared.scene();
     let mut shading = scene.shading;
@@ -235,11 +234,9 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
     if args.json {
         let value =
             serde_json::to_value(&report).map_err(|error| output::Error::Report { reason: error.to_string() })?;
-        console.print_json(&value)?;
-    } else {
-        console.print(&summary(&report, &args))?;
+        return console.print_json(&value);
     }
-    Ok(ExitCode::SUCCESS)
+    console.print(&summary(&report, &args))
 }
 
 /// Names the settings that were left out because of the time.

@@ -1,19 +1,16 @@
 //! `pellucid view`.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use pellucid_engine::camera::import::Source;
 use pellucid_engine::gpu::DeviceOptions;
-use pellucid_engine::scene;
 use pellucid_viewer::{Display, Opened, Options};
 
-use super::DeviceArgs;
+use super::Error;
 use super::console::Console;
 use super::input::InputArgs;
-use super::prepare_store::host_memory;
-use crate::error::Error;
+use super::options::DeviceArgs;
 
 /// Default size of the window, in columns and rows.
 const SIZE: [u32; 2] = [1280, 720];
@@ -45,16 +42,14 @@ fn positive(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite()).ok_or_else(|| "expected a number above 0".into())
 }
 
-pub fn run(args: ViewArgs, console: Console) -> Result<ExitCode, Error> {
+pub fn run(args: ViewArgs, console: Console) -> Result<(), Error> {
     // Before anything is read: without a display that would be in vain.
     let display = Display::connect()?;
     let ViewArgs { input, device, path, budget } = args;
     let cameras = path.as_deref().map(Source::read).transpose().map_err(pellucid_engine::Error::from)?;
     let progress = console.progress();
-    let host_memory = host_memory(input.host_memory)?;
-    let named =
-        scene::name(&input.inputs, &input.overrides(None)?, input.seed).map_err(pellucid_engine::Error::from)?;
-    let request = input.request_of(&named, console)?;
+    let (named, request) = input.named(None, &progress, console)?;
+    let host_memory = request.limits.memory;
     let opened = Opened::open(named, &request.scene, host_memory, &console, &progress)?;
     progress.finish_and_clear();
     let is_classified = opened.sources.are_classified();
@@ -68,13 +63,12 @@ pub fn run(args: ViewArgs, console: Console) -> Result<ExitCode, Error> {
         opened,
         view: request.scene.camera.view,
         seed: input.seed,
+        memory_budget: device.budget(),
         device: DeviceOptions { device: device.device, ..DeviceOptions::from_env() },
-        memory_budget: device.memory_budget.map(|budget| budget.as_u64()),
         host_memory,
         size: if input.size.is_some() { request.scene.image.size } else { SIZE },
         budget_ms: budget,
         path: path.zip(cameras),
     };
-    display.show(options, Box::new(move |line| console.detail(format_args!("view: {line}"))))?;
-    Ok(ExitCode::SUCCESS)
+    Ok(display.show(options, Box::new(move |line| console.detail(format_args!("view: {line}"))))?)
 }

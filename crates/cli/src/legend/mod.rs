@@ -15,9 +15,8 @@ use pellucid_engine::image::Image;
 use pellucid_engine::output::{self, Raster, WriteOptions};
 use pellucid_engine::scene::Error;
 use pellucid_engine::scene::legend::{Legend, ScaleBar, Values};
-use pellucid_session::Prepared;
+use pellucid_session::{Messages, Prepared};
 
-use crate::commands::console::Console;
 use canvas::{Canvas, Ink};
 use layout::{Layout, Row};
 
@@ -57,12 +56,12 @@ impl Looks {
 ///
 /// # Errors
 /// The legend does not fit into the picture.
-pub fn check(prepared: &Prepared, console: Console) -> Result<()> {
+pub fn check(prepared: &Prepared, messages: &dyn Messages) -> Result<()> {
     let Some(legend) = &prepared.assembled.legend else { return Ok(()) };
     match Layout::new(legend, &prepared.camera, prepared.scene().image.size) {
         Ok(Some(_)) => {}
-        Ok(None) => console.note(
-            "--legend draws nothing: the colors show neither values nor classes (see --color-by), and a scale bar needs an \
+        Ok(None) => messages.note(
+            &"--legend draws nothing: the colors show neither values nor classes (see --color-by), and a scale bar needs an \
              orthographic camera (--ortho)",
         ),
         Err(misfit) => return Err(Error::Usage(misfit).into()),
@@ -77,7 +76,7 @@ pub fn write(
     options: &WriteOptions,
     legend: &Legend,
     camera: &Camera,
-    console: Console,
+    messages: &dyn Messages,
 ) -> Result<()> {
     let mut raster = output::raster(image, options);
     // The background of a transparent picture is not known.
@@ -85,7 +84,7 @@ pub fn write(
     match Layout::new(legend, camera, raster.size) {
         Ok(Some(layout)) => draw(&layout, looks, &mut raster),
         Ok(None) => {}
-        Err(misfit) => console.warn(misfit),
+        Err(misfit) => messages.warn(&misfit),
     }
     Ok(output::write_raster(path, &raster, &options.metadata)?)
 }

@@ -15,7 +15,7 @@ use crate::image::LinearImage;
 pub const STEP: f64 = 1.0 / 255.0;
 
 /// The largest difference and the first pixel, row by row, that has it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Largest {
     /// |a − b| of the channel that differs most; at least 0, infinite where only one value is finite.
     pub value: f64,
@@ -26,7 +26,7 @@ pub struct Largest {
 }
 
 /// The differences of two images.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Comparison {
     /// See [`rmse`].
     pub rmse: f64,

@@ -103,9 +103,7 @@ fn circle(mut uses: Uses) -> BTreeSet<String> {
 }
 
 /// Rooms that use each other in a circle today, each list with the reason. Entries are only ever deleted.
-const KNOWN: [(&str, &[&str], &[&str]); 7] = [
-    // Commands are documented by a room that runs them.
-    ("cli", &[], &["commands", "error"]),
+const KNOWN: [(&str, &[&str], &[&str]); 6] = [
     // Context, recorder, buffers and pipelines hold each other.
     (
         "gpu",

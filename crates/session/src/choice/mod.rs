@@ -36,9 +36,9 @@ use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::{self, Detail, Method, Scene};
 pub use renderers::Renderers;
-pub use survey::{Lists, Measured, Survey};
+pub use survey::{Lists, Measured};
 pub use table::Row;
-use trials::Trials;
+pub use trials::Trials;
 
 /// RMSE up to this is rounding: settings below it count as equally accurate, and the fastest of them wins.
 pub const EXACT: f64 = 1e-6;

@@ -1,14 +1,8 @@
-//! All settings on one image, one by one, for whoever compares images (tools/study).
+//! What is measured of single settings and images, for whoever compares them (tools/study).
 
-use pellucid_engine::Result;
-use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::Rendered;
-use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::progress::Progress;
 
-use super::trials::Trials;
-use super::{Figures, Subject};
-use crate::candidates::{Ladders, Setting, settings};
+use super::Figures;
 
 /// Lists of an image of the exact method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -41,40 +35,6 @@ pub struct Measured {
     pub figures: Figures,
     /// Largest number of device bytes at any time of a frame, cloud and image included.
     pub peak_device_bytes: u64,
-}
-
-/// Measures settings as a choice does, but those that are asked for, and without what earlier choices measured.
-pub struct Survey<'a> {
-    trials: Trials<'a>,
-}
-
-impl<'a> Survey<'a> {
-    /// Renders the image of the exact method.
-    ///
-    /// # Errors
-    /// Errors of [`super::choose`].
-    pub fn open(
-        device: &'a Device,
-        cloud: &'a mut DeviceCloud,
-        subject: &'a Subject<'a>,
-        progress: &'a Progress,
-    ) -> Result<Self> {
-        Ok(Self { trials: Trials::open(device, cloud, subject, true, progress)? })
-    }
-
-    /// The settings that apply, each ladder ascending, exact methods first.
-    pub fn settings(&self, ladders: &Ladders) -> Vec<Setting> {
-        settings(&self.trials.occasion(), ladders).0
-    }
-
-    /// The error of a setting and the median time of so many frames, at least 1, after one that pays for buffers and
-    /// shaders; `None` if the device can't render it. A frame that takes more than `most` ms is the last one.
-    ///
-    /// # Errors
-    /// A lost device, a message of the validation layers.
-    pub fn measure(&mut self, setting: &Setting, frames: usize, most: Option<f64>) -> Result<Option<Measured>> {
-        self.trials.measure(setting, frames, most)
-    }
 }
 
 #[cfg(test)]

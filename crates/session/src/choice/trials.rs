@@ -16,6 +16,7 @@ use pellucid_engine::image::LinearImage;
 use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop};
 use pellucid_engine::output::linear;
 use pellucid_engine::passes::project::DeviceCloud;
+use pellucid_engine::prepare::Arranged;
 use pellucid_engine::profile::median;
 use pellucid_engine::scene::{Detail, Method};
 use pellucid_engine::{Result, gpu, identity, metrics};
@@ -95,10 +96,10 @@ impl CachedRecords {
     }
 }
 
-/// Everything that is measured of one scene.
-pub(super) struct Trials<'a> {
+/// Everything that is measured of one scene: by a choice, or setting by setting for whoever compares images.
+pub struct Trials<'a> {
     device: &'a Device,
-    cloud: &'a mut DeviceCloud,
+    clouds: Clouds<'a>,
     subject: &'a Subject<'a>,
     progress: &'a Progress,
     /// The reference frame.
@@ -108,17 +109,19 @@ pub(super) struct Trials<'a> {
     known: CachedRecords,
     /// Settings that could not be rendered, and why the last of them could not.
     refused: BTreeSet<String>,
-    pub refusal: Option<methods::Error>,
+    pub(super) refusal: Option<methods::Error>,
     renderer: Renderer,
-    /// The points for frames that leave some out, if `cloud` has all of them on the device.
-    levels: Option<DeviceCloud>,
     /// Rendered once anything has to be compared with it.
     reference: Option<LinearImage>,
     /// Rendered so far.
-    pub frames: usize,
+    pub(super) frames: usize,
 }
 
 impl<'a> Trials<'a> {
+    /// Renders the image of the exact method, unless measurements of this scene are known and not to be repeated.
+    ///
+    /// # Errors
+    /// Errors of [`super::choose`].
     pub fn open(
         device: &'a Device,
         cloud: &'a mut DeviceCloud,
@@ -137,7 +140,7 @@ impl<'a> Trials<'a> {
         let (is_new, known) = (known.is_none(), known.unwrap_or_default());
         let mut trials = Self {
             device,
-            cloud,
+            clouds: Clouds { arranged: subject.arranged, cloud, levels: None },
             subject,
             progress,
             frame,
@@ -147,7 +150,6 @@ impl<'a> Trials<'a> {
             refused: BTreeSet::new(),
             refusal: None,
             renderer,
-            levels: None,
             reference: None,
             frames: 0,
         };
@@ -158,26 +160,29 @@ impl<'a> Trials<'a> {
     }
 
     /// Keeps what is known for the next run.
-    pub fn store(&self) {
+    pub(super) fn store(&self) {
         if let Ok(bytes) = serde_json::to_vec(&self.known.kept()) {
             gpu::cache::store(KIND, &self.key, &bytes);
         }
     }
 
     /// The earlier choice for the same constraint. Times differ from run to run, but the choice must not.
-    pub fn chosen(&self, wish: &str, all: &[Setting]) -> Option<(Setting, Figures)> {
+    pub(super) fn chosen(&self, wish: &str, all: &[Setting]) -> Option<(Setting, Figures)> {
         let key = self.known.chosen.get(wish)?;
         let setting = all.iter().find(|setting| setting.key() == *key)?;
         Some((setting.clone(), self.figures(setting)?))
     }
 
     /// Takes note of a choice.
-    pub fn choose(&mut self, wish: String, setting: &Setting) {
+    pub(super) fn choose(&mut self, wish: String, setting: &Setting) {
         self.known.chosen.insert(wish, setting.key());
     }
 
     /// A setting by a median of so many frames, at least 1, whatever else is known of it; `None` if it can't be
     /// rendered. A frame that takes more than `most` ms is the last one.
+    ///
+    /// # Errors
+    /// A lost device, a message of the validation layers.
     pub fn measure(&mut self, setting: &Setting, frames: usize, most: Option<f64>) -> Result<Option<Measured>> {
         match self.first_frames(setting, frames, most.map(|most| most / CLOSE)) {
             Ok(Record { rmse, gpu_ms, peak_device_bytes }) => {
@@ -196,12 +201,12 @@ impl<'a> Trials<'a> {
     }
 
     /// The number of settings with measurements.
-    pub fn known(&self) -> usize {
+    pub(super) fn known(&self) -> usize {
         self.known.records.len()
     }
 
     /// A row for each setting that was measured.
-    pub fn rows(&self, all: &[Setting]) -> Vec<Row> {
+    pub(super) fn rows(&self, all: &[Setting]) -> Vec<Row> {
         let row = |setting: &Setting| {
             let record = self.known.records.get(&setting.key())?;
             let name = format!("{} {}", setting.method.name(), setting.text).trim_end().to_owned();
@@ -211,14 +216,14 @@ impl<'a> Trials<'a> {
     }
 
     /// The figures of a setting that was measured.
-    pub fn figures(&self, setting: &Setting) -> Option<Figures> {
+    pub(super) fn figures(&self, setting: &Setting) -> Option<Figures> {
         self.known.records.get(&setting.key()).map(Record::figures)
     }
 
     /// The figures of a setting, measured now unless they are cached; `None` if it can't be rendered. `best` is the
     /// time of the best setting so far. The first frame pays for buffers and shaders; after it, a much slower setting
     /// gets one frame, others two.
-    pub fn look(&mut self, setting: &Setting, best: Option<f64>) -> Result<Option<Figures>> {
+    pub(super) fn look(&mut self, setting: &Setting, best: Option<f64>) -> Result<Option<Figures>> {
         if self.figures(setting).is_none() && !self.refused.contains(&setting.key()) {
             self.progress.set_message(format!("choosing the method: {}", setting.key()));
             match self.first_frames(setting, LOOKS, best) {
@@ -261,12 +266,8 @@ impl<'a> Trials<'a> {
 
     /// A frame; of a detail that leaves nothing out with that of the scene.
     fn render(&mut self, method: Method, detail: Detail) -> Result<Rendered> {
-        let rendered = if detail.is_whole() {
-            self.renderer.render(self.cloud, &Frame { method, ..self.frame })?
-        } else {
-            let cloud = leveled(self.cloud, &mut self.levels, &self.renderer, self.subject, &detail)?;
-            self.renderer.render(cloud, &Frame { method, detail, ..self.frame })?
-        };
+        let (cloud, detail) = self.clouds.of(&self.renderer, self.frame.detail, detail)?;
+        let rendered = self.renderer.render(cloud, &Frame { method, detail, ..self.frame })?;
         self.frames += 1;
         Ok(rendered)
     }
@@ -285,7 +286,7 @@ impl<'a> Trials<'a> {
     }
 
     /// The fastest of some measured settings: those close to it take turns until their medians are reliable.
-    pub fn fastest(&mut self, settings: &[&Setting]) -> Result<Option<(Setting, Figures)>> {
+    pub(super) fn fastest(&mut self, settings: &[&Setting]) -> Result<Option<(Setting, Figures)>> {
         let ms = |trials: &Self, setting: &Setting| trials.figures(setting).map_or(f64::INFINITY, |f| f.gpu_ms);
         let least = settings.iter().map(|setting| ms(self, setting)).fold(f64::INFINITY, f64::min);
         let close: Vec<&Setting> =
@@ -296,7 +297,7 @@ impl<'a> Trials<'a> {
     }
 
     /// Times settings in turns until their medians are reliable.
-    pub fn settle(&mut self, settings: &[&Setting]) -> Result<()> {
+    pub(super) fn settle(&mut self, settings: &[&Setting]) -> Result<()> {
         let open = |trials: &Self, setting: &Setting| {
             trials.known.records.get(&setting.key()).is_some_and(|record| !record.is_settled())
         };
@@ -312,15 +313,13 @@ impl<'a> Trials<'a> {
                 self.progress.set_message(format!("choosing the method: {} again", setting.key()));
                 let renderer = renderers.for_method(setting.method.name())?;
                 self.frames += 1;
-                let (method, detail) = (setting.method, setting.detail);
-                let rendered = if detail.is_whole() {
-                    renderer.render(self.cloud, &Frame { method, ..self.frame })?
-                } else {
-                    let cloud = leveled(self.cloud, &mut self.levels, renderer, self.subject, &detail)?;
+                let (cloud, detail) = self.clouds.of(renderer, self.frame.detail, setting.detail)?;
+                let frame = Frame { method: setting.method, detail, ..self.frame };
+                if !setting.detail.is_whole() {
                     // Which points it has is found once.
-                    renderer.render(cloud, &Frame { method, detail, ..self.frame })?;
-                    renderer.render(cloud, &Frame { method, detail, ..self.frame })?
-                };
+                    renderer.render(cloud, &frame)?;
+                }
+                let rendered = renderer.render(cloud, &frame)?;
                 let ms = gpu(&rendered);
                 renderer.recycle(rendered.image);
                 if let (true, Some(record)) = (is_warm, self.known.records.get_mut(&setting.key())) {
@@ -334,20 +333,25 @@ impl<'a> Trials<'a> {
     }
 }
 
-/// The points for frames that leave some out.
-fn leveled<'a>(
+/// The points on the device.
+struct Clouds<'a> {
+    arranged: &'a Arranged,
     cloud: &'a mut DeviceCloud,
-    levels: &'a mut Option<DeviceCloud>,
-    renderer: &Renderer,
-    subject: &Subject<'_>,
-    detail: &Detail,
-) -> Result<&'a mut DeviceCloud, methods::Error> {
-    if cloud.supply().is_some() {
-        return Ok(cloud);
-    }
-    match levels {
-        Some(levels) => Ok(levels),
-        None => Ok(levels.insert(renderer.upload_for(detail, subject.arranged, None)?)),
+    /// The points for frames that leave some out, if `cloud` has all of them on the device.
+    levels: Option<DeviceCloud>,
+}
+
+impl Clouds<'_> {
+    /// The points for frames of a detail, and the detail; that of the scene where it leaves nothing out.
+    fn of(&mut self, renderer: &Renderer, own: Detail, detail: Detail) -> Result<(&mut DeviceCloud, Detail)> {
+        if detail.is_whole() || self.cloud.supply().is_some() {
+            return Ok((&mut *self.cloud, if detail.is_whole() { own } else { detail }));
+        }
+        let levels = match self.levels.take() {
+            Some(levels) => levels,
+            None => renderer.upload_for(&detail, self.arranged, None)?,
+        };
+        Ok((self.levels.insert(levels), detail))
     }
 }
 

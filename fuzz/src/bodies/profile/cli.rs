@@ -6,6 +6,8 @@ pub mod compare_profiles;
 pub mod limit;
 #[path = "../../../../crates/cli/src/commands/noise.rs"]
 pub mod noise;
+#[path = "../../../../crates/cli/src/commands/tables.rs"]
+pub mod tables;
 
 /// Stands for the program's standard output and error.
 pub mod console {

@@ -141,15 +141,8 @@ impl Encoding<'_> {
         let (encoder, _, settings) = coding(self.kind).unwrap_or(("libx264", "", &[]));
         let mut command = Command::new(program);
         command.args(["-hide_banner", "-nostdin", "-loglevel", "error", "-y"]);
-        command.args(["-f", "rawvideo", "-pixel_format", "rgb24"]);
-        command.args([
-            "-video_size",
-            &format!("{width}x{height}"),
-            "-framerate",
-            &self.fps.to_string(),
-            "-i",
-            "pipe:0",
-        ]);
+        command.args(["-f", "rawvideo", "-pixel_format", "rgb24", "-video_size", &format!("{width}x{height}")]);
+        command.args(["-framerate", &self.fps.to_string(), "-i", "pipe:0"]);
         // The matrix of BT.709 on the way, and said in the file: players would guess by the size.
         command.args(["-vf", "scale=in_range=pc:out_range=tv:out_color_matrix=bt709:flags=bicubic+accurate_rnd+full_chroma_int+bitexact,format=yuv420p"]);
         command.args([

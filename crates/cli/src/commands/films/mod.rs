@@ -14,14 +14,16 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use pellucid_engine::Result;
 use pellucid_engine::atomic::Writer;
 use pellucid_engine::output::{self, Files};
-use pellucid_engine::scene;
 
+use super::bar::Bar;
 use super::console::Console;
 use super::frames::{Naming, Pattern};
 use super::headings::FRAMES;
-use super::interrupt;
+use super::limit::usage;
+use super::{Error as CommandError, interrupt};
 pub use ffmpeg::Error;
 pub use page::Caption;
 use stills::Stills;
@@ -76,7 +78,7 @@ fn extension(path: &Path) -> Option<String> {
 }
 
 /// Refuses the name of a film with a number in it, as numbered frames have.
-fn refuse_number(path: &Path) -> pellucid_engine::Result<()> {
+fn refuse_number(path: &Path) -> Result<()> {
     if Pattern::parse(path, Naming::Frames).is_err() {
         return Ok(());
     }
@@ -88,10 +90,6 @@ fn refuse_number(path: &Path) -> pellucid_engine::Result<()> {
 fn names_film(path: &Path) -> bool {
     let others = ["mkv", "mov", "avi", "m4v", "ogv"];
     Kind::of(path).is_some() || extension(path).is_some_and(|extension| others.contains(&extension.as_str()))
-}
-
-fn usage(problem: String) -> pellucid_engine::Error {
-    scene::Error::Usage(problem).into()
 }
 
 /// The options of a render that decide whether a film can be made.
@@ -115,29 +113,28 @@ pub struct Films {
 
 impl FilmArgs {
     /// Refuses films and their options where the camera doesn't move.
-    pub fn refuse(&self, output: Option<&Path>) -> pellucid_engine::Result<()> {
+    pub fn refuse(&self, output: Option<&Path>) -> Result<()> {
         if let Some(output) = output.filter(|output| names_film(output)) {
             refuse_number(output)?;
             let output = output.display();
             return Err(usage(format!("-o {output}: a film needs a camera that moves: --turntable or --path")));
         }
         match (&self.html, self.fps) {
-            (Some(_), _) => Err(usage("--html needs a camera that moves: --turntable or --path".to_owned())),
-            (None, Some(_)) => Err(usage("--fps needs a film, as in --turntable --frames 72 -o turn.mp4".to_owned())),
+            (Some(_), _) => Err(usage("--html needs a camera that moves: --turntable or --path")),
+            (None, Some(_)) => Err(usage("--fps needs a film, as in --turntable --frames 72 -o turn.mp4")),
             (None, None) => Ok(()),
         }
     }
 
     /// Returns the film and the page that the options request.
-    pub fn films(&self, asked: &Asked<'_>) -> pellucid_engine::Result<Films> {
+    pub fn films(&self, asked: &Asked<'_>) -> Result<Films> {
         let film = match asked.output.filter(|output| names_film(output)) {
             Some(path) => Some((path.to_owned(), known_kind(path)?)),
             None => None,
         };
         if self.fps.is_some() && film.is_none() && self.html.is_none() {
             return Err(usage(
-                "--fps needs a film (-o turn.mp4, .webm, .gif or .apng) or --html; numbered frames have no pace"
-                    .to_owned(),
+                "--fps needs a film (-o turn.mp4, .webm, .gif or .apng) or --html; numbered frames have no pace",
             ));
         }
         let fps = self.fps.unwrap_or(FPS);
@@ -160,7 +157,7 @@ impl FilmArgs {
     }
 }
 
-fn known_kind(path: &Path) -> pellucid_engine::Result<Kind> {
+fn known_kind(path: &Path) -> Result<Kind> {
     refuse_number(path)?;
     Kind::of(path).ok_or_else(|| {
         let path = path.display();
@@ -171,13 +168,7 @@ fn known_kind(path: &Path) -> pellucid_engine::Result<Kind> {
 }
 
 /// Refuses options that would have no effect on a film or a page.
-fn check_options(
-    first: &Path,
-    kind: Option<Kind>,
-    page: bool,
-    fps: u32,
-    asked: &Asked<'_>,
-) -> pellucid_engine::Result<()> {
+fn check_options(first: &Path, kind: Option<Kind>, page: bool, fps: u32, asked: &Asked<'_>) -> Result<()> {
     let path = first.display();
     if asked.aov {
         return Err(usage(format!(
@@ -188,9 +179,7 @@ fn check_options(
         return Err(usage(format!("{path}: --deep writes one .exr, and not a film or a page")));
     }
     if asked.transparent && page {
-        return Err(usage(
-            "--html: its pictures are JPEGs, which can't be transparent; leave out --transparent".to_owned(),
-        ));
+        return Err(usage("--html: its pictures are JPEGs, which can't be transparent; leave out --transparent"));
     }
     if asked.transparent && !matches!(kind, Some(Kind::Apng)) && kind.is_some() {
         return Err(usage(format!("{path}: only an .apng keeps --transparent, of the films")));
@@ -201,7 +190,7 @@ fn check_options(
         )));
     }
     if page && asked.output.is_some_and(|output| extension(output).is_some_and(|extension| extension == "exr")) {
-        return Err(usage("--html is made of .png frames; give -o frame_%04d.png, or no -o".to_owned()));
+        return Err(usage("--html is made of .png frames; give -o frame_%04d.png, or no -o"));
     }
     Ok(())
 }
@@ -218,12 +207,12 @@ impl Films {
     }
 
     /// The names of the frames, if they are not what `-o` names.
-    pub fn pattern(&self) -> pellucid_engine::Result<Option<Pattern>> {
+    pub fn pattern(&self) -> Result<Option<Pattern>> {
         let pattern = |folder: &PathBuf| Pattern::parse(&folder.join("frame_%04d.png"), Naming::Frames);
         self.folder.as_ref().map(pattern).transpose()
     }
 
-    fn check_targets(&self) -> pellucid_engine::Result<()> {
+    fn check_targets(&self) -> Result<()> {
         let films = self.film.iter().map(|(path, _)| path);
         films.chain(&self.page).try_for_each(|path| output::check_folder(path))?;
         self.folder.iter().try_for_each(|folder| output::check_report_folder(folder))?;
@@ -239,7 +228,7 @@ impl Films {
     }
 
     /// Makes the folder of the frames. If it stays empty, dropping the result removes it.
-    pub fn make_folder(&self) -> pellucid_engine::Result<Option<pellucid_engine::atomic::NewFolder>> {
+    pub fn make_folder(&self) -> Result<Option<pellucid_engine::atomic::NewFolder>> {
         Ok(self.folder.as_ref().map(|folder| output::make_folder(folder)).transpose()?)
     }
 
@@ -247,7 +236,7 @@ impl Films {
     ///
     /// # Errors
     /// Frames that can't be read, files that can't be written, and a failure of ffmpeg.
-    pub fn make(&self, files: &[PathBuf], caption: &Caption, console: Console) -> Result<bool, crate::error::Error> {
+    pub fn make(&self, files: &[PathBuf], caption: &Caption, console: Console) -> Result<bool, CommandError> {
         let stills = Stills::open(files)?;
         let mut made = Files::default();
         let done = self
@@ -257,7 +246,7 @@ impl Films {
             Err(_) if interrupt::asked() => return Ok(false),
             done => done?,
         }
-        made.publish().map_err(pellucid_engine::Error::from)?;
+        made.publish()?;
         for path in self.film.iter().map(|(path, _)| path).chain(&self.page) {
             let bytes = fs::metadata(path).map_or(0, |found| found.len());
             let (count, size) = (files.len(), bytesize::ByteSize(bytes));
@@ -269,25 +258,14 @@ impl Films {
         Ok(true)
     }
 
-    fn film(
-        &self,
-        made: &mut Files,
-        stills: &Stills,
-        caption: &Caption,
-        console: Console,
-    ) -> Result<(), crate::error::Error> {
+    fn film(&self, made: &mut Files, stills: &Stills, caption: &Caption, console: Console) -> Result<(), CommandError> {
         let Some((path, kind)) = &self.film else { return Ok(()) };
-        let progress = console.progress();
-        progress.counted(&format!("making {}", path.display()), stills.count() as u64);
+        let progress = making(path, stills, console);
         let step = || progress.inc(1);
         match kind {
             Kind::Mp4 | Kind::Webm => self.encode(made, (path, *kind), stills, caption, (console, &step))?,
-            Kind::Gif => made
-                .add(path, |out| gif::write(out, stills, self.fps, caption.closed, &step))
-                .map_err(pellucid_engine::Error::from)?,
-            Kind::Apng => made
-                .add(path, |out| animation::write(out, stills, self.fps, caption, &step))
-                .map_err(pellucid_engine::Error::from)?,
+            Kind::Gif => made.add(path, |out| gif::write(out, stills, self.fps, caption.closed, &step))?,
+            Kind::Apng => made.add(path, |out| animation::write(out, stills, self.fps, caption, &step))?,
         }
         progress.finish_and_clear();
         Ok(())
@@ -301,7 +279,7 @@ impl Films {
         stills: &Stills,
         caption: &Caption,
         (console, step): (Console, &dyn Fn()),
-    ) -> Result<(), crate::error::Error> {
+    ) -> Result<(), CommandError> {
         let [width, height] = stills.size();
         let [wide, high] = [width, height].map(|side| side.next_multiple_of(2));
         if [wide, high] != [width, height] {
@@ -314,31 +292,30 @@ impl Films {
         let folder = self.folder.as_deref().unwrap_or(Path::new("."));
         let part = folder.join(if kind == Kind::Mp4 { PARTS[0] } else { PARTS[1] });
         let encoding = ffmpeg::Encoding { film: path, kind, part: &part, fps: self.fps, title: &caption.title };
-        let encoded = encoding.run(stills, step).map_err(crate::error::Error::from).and_then(|()| {
+        let encoded = encoding.run(stills, step).map_err(CommandError::from).and_then(|()| {
             let copy = |out: &mut Writer| io::copy(&mut fs::File::open(&part)?, out).map(drop);
-            Ok(made.add(path, copy).map_err(pellucid_engine::Error::from)?)
+            Ok(made.add(path, copy)?)
         });
         // Half a film is of no use. What can't be removed is replaced the next time.
         let _ = fs::remove_file(&part);
         encoded
     }
 
-    fn page(
-        &self,
-        made: &mut Files,
-        stills: &Stills,
-        caption: &Caption,
-        console: Console,
-    ) -> Result<(), crate::error::Error> {
+    fn page(&self, made: &mut Files, stills: &Stills, caption: &Caption, console: Console) -> Result<(), CommandError> {
         let Some(path) = &self.page else { return Ok(()) };
-        let progress = console.progress();
-        progress.counted(&format!("making {}", path.display()), stills.count() as u64);
+        let progress = making(path, stills, console);
         let warn = |warning: String| console.warn(format_args!("{}: {warning}", path.display()));
-        made.add(path, |out| page::write(out, stills, self.fps, caption, &warn, &|| progress.inc(1)))
-            .map_err(pellucid_engine::Error::from)?;
+        made.add(path, |out| page::write(out, stills, self.fps, caption, &warn, &|| progress.inc(1)))?;
         progress.finish_and_clear();
         Ok(())
     }
+}
+
+/// Begins the progress of a file that is made of all frames.
+fn making(path: &Path, stills: &Stills<'_>, console: Console) -> Bar {
+    let progress = console.progress();
+    progress.counted(&format!("making {}", path.display()), stills.count() as u64);
+    progress
 }
 
 /// Removes frames and their folder. Whatever else is in it stays, and the folder with it.

@@ -15,6 +15,7 @@ use pellucid_lab::report::page;
 
 use super::interrupted;
 use super::stills::Stills;
+use crate::commands::typed::quoted;
 
 /// Quality of the JPEG pictures, of 100; docs/films.md has what others would take.
 const QUALITY: u8 = 85;
@@ -122,15 +123,6 @@ fn command() -> String {
     std::iter::once("pellucid".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
 }
 
-/// An argument as a POSIX shell reads it.
-fn quoted(argument: &str) -> String {
-    let is_plain = |c: char| c.is_alphanumeric() || "-_./,:=+%@".contains(c);
-    if !argument.is_empty() && argument.chars().all(is_plain) {
-        return argument.to_owned();
-    }
-    format!("'{}'", argument.replace('\'', r"'\''"))
-}
-
 fn jpeg(raster: &Raster) -> io::Result<Vec<u8>> {
     let side = |side: u32| u16::try_from(side).map_err(|_| io::Error::other("a JPEG has at most 65535 pixels a side"));
     let mut bytes = Vec::new();
@@ -147,19 +139,6 @@ fn jpeg(raster: &Raster) -> io::Result<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn arguments_are_quoted_where_a_shell_would_read_them_otherwise() {
-        let read = [
-            ("scan.laz", "scan.laz"),
-            ("a b", "'a b'"),
-            ("it's", r"'it'\''s'"),
-            ("", "''"),
-            ("<x>", "'<x>'"),
-            ("-5,2.5", "-5,2.5"),
-        ];
-        read.iter().for_each(|(argument, expected)| assert_eq!(quoted(argument), *expected));
-    }
 
     #[test]
     fn text_can_be_read_on_the_background() {

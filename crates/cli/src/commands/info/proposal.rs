@@ -6,6 +6,7 @@ use pellucid_engine::cloud::{Cloud, UpAxis};
 use pellucid_engine::scene::Overview;
 
 use super::facts::Classes;
+use crate::commands::typed::quoted;
 
 /// Classes besides 0 and 1 from which on they tell a scan's parts apart.
 const ENOUGH_CLASSES: usize = 3;
@@ -70,15 +71,6 @@ fn is_near(cloud: &Cloud) -> bool {
 fn file_argument(file: &Path) -> String {
     let text = file.display().to_string();
     quoted(&if text.starts_with('-') { format!("./{text}") } else { text })
-}
-
-/// A word of a POSIX shell.
-fn quoted(text: &str) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "_./-+=:,@%".contains(c);
-    if !text.is_empty() && text.chars().all(plain) {
-        return text.to_owned();
-    }
-    format!("'{}'", text.replace('\'', "'\\''"))
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use super::ranks::Ranks;
 use super::share::Share;
 use super::spread;
 use super::stage::Stage;
-use super::turn::{Shared, Turn};
+use super::turn::{Measured, Shared, Turn};
 use super::work::{Work, imbalance, ms};
 
 /// Renders a frame with all ranks; the first one gets it.
@@ -33,7 +33,7 @@ pub fn render(stage: &mut Stage, ranks: &Ranks, listed: bool) -> Result<Option<S
     turn.work.read = stage.bytes_read() - read;
     turn.work.note(ranks.traffic().since(before));
     let shared = turn.end(own);
-    if let Some(Shared { work, .. }) = &shared
+    if let Some(Shared { measured: Measured { work, .. }, .. }) = &shared
         && ranks.count() > 1
         && stage.share == Share::Windows
     {

@@ -4,80 +4,70 @@ use std::process::ExitCode;
 
 use pellucid_engine::Result;
 use pellucid_engine::methods::Rendered;
-use pellucid_engine::scene::Error;
+use pellucid_session::Session;
 
 use super::desk::Desk;
 use super::frame;
-use super::ranks::Ranks;
-use super::setting::Setting;
+use super::ranks::{Ranks, together, told};
 use super::share::Share;
 use super::stage::Stage;
-use super::together::together;
+use crate::commands::Error;
 use crate::commands::along::Along;
 use crate::commands::bar::Bar;
 use crate::commands::console::Console;
 use crate::commands::frames::Pattern;
 use crate::commands::interrupt;
+use crate::commands::job::RenderJob;
+use crate::commands::limit::usage;
 use crate::commands::mpi_args::SharingArgs;
-use crate::commands::render::RenderArgs;
 use crate::commands::sequence::{Due, Frames, Records};
-use pellucid_session::Session;
 
 /// Renders the frames that are not there yet.
 ///
 /// # Errors
 /// Errors of rendering, on any rank.
 pub fn run(
-    args: &RenderArgs,
+    job: &RenderJob,
     sharing: &SharingArgs,
     (along, pattern): (&Along, &Pattern),
     ranks: &Ranks,
-    console: Console,
-) -> Result<ExitCode> {
-    if args.measure.is_asked() || args.popping.is_some() {
-        let problem = "--profile, --trace and --popping of many frames are for pellucid; pellucid-mpi profile measures the frames of a path";
-        return Err(Error::Usage(problem.to_owned()).into());
+    (console, progress): (Console, &Bar),
+) -> Result<ExitCode, Error> {
+    if job.measure.is_asked() || job.popping.is_some() {
+        return Err(usage(
+            "--profile, --trace and --popping of many frames are for pellucid; pellucid-mpi profile measures the frames of a path",
+        )
+        .into());
     }
-    let progress = console.progress();
     let mut cameras = Vec::new();
-    let output = pattern.file(0);
     let prepare = || {
-        let wanted = (args.draws_legend(&output), args.frame(&output));
-        let (prepared, found) = along.prepare(&args.input, wanted, console, &progress)?;
+        let (prepared, found) = along.prepare(job.request.clone(), console, progress)?;
         cameras = found;
         Ok((prepared, cameras.len()))
     };
-    let setting = Setting { device: &args.device, share: sharing.share };
-    let mut stage = match Stage::open(&setting, ranks, (console, &progress), prepare) {
-        Ok(stage) => stage,
-        Err(status) => return Ok(status),
-    };
+    let mut stage = Stage::open((&job.device, sharing.share), ranks, (console, progress), prepare)?;
     stage.session.renderer.timed = false;
-    let mut frames = Frames::named(args, cameras, pattern, &stage.session);
-    let found = if ranks.is_first() { frames.find(args.overwrite, pattern) } else { Ok(()) };
-    if let Err(status) = together(ranks, found) {
-        return Ok(status);
-    }
+    let mut frames = Frames::named(job, cameras, pattern, &stage.session);
+    let found = if ranks.is_first() { frames.find(pattern) } else { Ok(()) };
+    together(ranks, found)?;
     // Before anybody renders one: who looks later would find those of others.
-    let there = ranks.told(frames.there.iter().map(|there| u8::from(*there)).collect());
-    frames.there = there.iter().map(|there| *there != 0).collect();
+    frames.there = told(frames.there, ranks);
     interrupt::defer();
     let rendered = match stage.share {
-        Share::Frames => each_its_own(args, &frames, &mut stage, ranks, &progress, console)?,
-        Share::Windows | Share::Samples => each_by_all(args, &frames, &mut stage, ranks, &progress, console)?,
+        Share::Frames => each_its_own(&frames, &mut stage, ranks, progress, console)?,
+        Share::Windows | Share::Samples => each_by_all(&frames, &mut stage, ranks, progress, console)?,
     };
     progress.finish_and_clear();
     let all = ranks.all_told(&(rendered as u64).to_le_bytes());
     let rendered: u64 = all.iter().filter_map(|one| one.as_slice().try_into().ok()).map(u64::from_le_bytes).sum();
-    let (count, before) = (there.len() as u64, there.iter().filter(|there| **there != 0).count() as u64);
+    let (count, before) = (frames.there.len() as u64, frames.there.iter().filter(|there| **there).count() as u64);
     console.note(format_args!("{count} frames: {before} were there already, {rendered} were rendered"));
     Ok(if before + rendered < count { ExitCode::from(interrupt::STATUS) } else { ExitCode::SUCCESS })
 }
 
 /// Renders and writes, on each rank, frames as long as there are some; returns their number.
 fn each_its_own(
-    args: &RenderArgs,
-    frames: &Frames,
+    frames: &Frames<'_>,
     stage: &mut Stage,
     ranks: &Ranks,
     progress: &Bar,
@@ -85,11 +75,10 @@ fn each_its_own(
 ) -> Result<usize> {
     let missing = frames.missing();
     let session = &mut stage.session;
-    let mut records = Records::open(args, frames, session)?;
     let mut desk = Desk::open(ranks, missing.len());
     let mut numbers = desk.by_ref().map(|unit| missing[unit]);
     let due = Due { numbers: &mut numbers, count: missing.len(), render: &mut Session::render };
-    let rendered = frames.render(args, session, &mut records, due, progress, console)?;
+    let rendered = frames.render(session, &mut Records::default(), due, progress, console)?;
     // Whoever was interrupted leaves the rest to nobody.
     desk.by_ref().for_each(drop);
     desk.close();
@@ -98,8 +87,7 @@ fn each_its_own(
 
 /// Renders each frame with all ranks, and writes it on the first one; returns the number of frames there.
 fn each_by_all(
-    args: &RenderArgs,
-    frames: &Frames,
+    frames: &Frames<'_>,
     stage: &mut Stage,
     ranks: &Ranks,
     progress: &Bar,
@@ -108,20 +96,18 @@ fn each_by_all(
     let mut rendered = 0;
     progress.counted("frames", frames.missing().len() as u64);
     for number in frames.missing() {
-        let goes_on = ranks.told(vec![u8::from(!interrupt::asked())]);
-        if goes_on == [0] {
+        if told(interrupt::asked(), ranks) {
             break;
         }
-        stage.session.frame.camera = frames.camera(number);
+        stage.session.frame.camera = frames.cameras[number];
         let Some(shared) = frame::render(stage, ranks, false)? else { continue };
         let mut whole = Some(shared.rendered);
         let mut render =
             |session: &mut Session| -> Result<Rendered> { whole.take().map_or_else(|| session.render(), Ok) };
         let session = &mut stage.session;
-        let mut records = Records::open(args, frames, session)?;
         let due = Due { numbers: &mut std::iter::once(number), count: 1, render: &mut render };
         let console = if rendered == 0 { console } else { console.without_repeats() };
-        rendered += frames.render(args, session, &mut records, due, progress, console)?;
+        rendered += frames.render(session, &mut Records::default(), due, progress, console)?;
     }
     Ok(rendered)
 }

@@ -4,8 +4,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use super::messages::told;
-use super::ranks::Ranks;
+use super::ranks::{Ranks, told};
 
 /// Messages there and back that are timed, short and long ones, and bytes of a long one.
 const SHORT: usize = 50;

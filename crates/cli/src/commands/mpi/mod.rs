@@ -5,18 +5,15 @@ mod desk;
 mod frame;
 mod frames;
 mod link;
-mod messages;
 mod picture;
 mod pixels;
 mod plan;
 mod profile;
 mod ranks;
 mod report;
-mod setting;
 mod share;
 mod spread;
 mod stage;
-mod together;
 mod turn;
 mod work;
 
@@ -24,23 +21,25 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use pellucid_engine::Result;
-use pellucid_engine::scene::Error;
-
-use self::ranks::Ranks;
-use self::spread::{orders, worker};
-use self::together::together;
-use super::DeviceArgs;
-use super::console::{Console, print_stderr};
-use super::mpi_args::{Cli, Command, SharingArgs, SpreadArgs, Wanted};
-use super::render::{RenderArgs, Target};
 use pellucid_session::Residence;
 
+use self::ranks::{Ranks, together};
+use self::spread::orders::{self, Order};
+use self::spread::worker;
+use super::console::{Console, Streams};
+use super::job::{RenderJob, Target};
+use super::limit::usage;
+use super::mpi_args::{Cli, Command, SharingArgs, SpreadArgs, Wanted};
+use super::options::DeviceArgs;
+use super::render::RenderArgs;
+use super::{Error, VerbosityArgs};
+
 /// Parses the command line and runs its command on all ranks.
-pub fn run() -> ExitCode {
+pub fn main() -> ExitCode {
     let mut ranks = match Ranks::join() {
         Ok(ranks) => ranks,
         Err(problem) => {
-            print_stderr(format_args!("error: {problem}"));
+            Streams::Process.print_stderr(format_args!("error: {problem}"));
             return ExitCode::FAILURE;
         }
     };
@@ -53,32 +52,38 @@ pub fn run() -> ExitCode {
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }
     };
-    ranks.tells = cli.verbose;
+    let VerbosityArgs { quiet, verbose } = cli.verbosity;
+    ranks.tells = verbose;
     ranks.begin("joined");
     // A message of one rank is a message of all.
-    let console = Console::new(cli.quiet || !ranks.is_first(), cli.verbose && ranks.is_first());
+    let console = Console::new(quiet || !ranks.is_first(), verbose && ranks.is_first(), Streams::Process);
     super::interrupt::watch();
     pellucid_engine::io::silence_decoder_panics();
     let spread = cli.command.spread();
     if let (Some(device), false) = (spread, ranks.is_first()) {
-        return worker::serve(device, &ranks).unwrap_or_else(|error| fail(error, &ranks));
+        return worker::serve(device, &ranks).unwrap_or_else(|error| fail(&error.into(), &ranks));
     }
     let ranks = if spread.is_some() { ranks.leading() } else { ranks };
     let done = match cli.command {
         Command::Render { mut args, sharing, spread } => {
-            args.input.residence = residence(&sharing, spread, args.is_film(), &ranks);
-            render(&args, &sharing, &ranks, console)
+            args.input.residence = residence(&sharing, spread, args.along.option().is_some(), &ranks);
+            render(args, &sharing, &ranks, console)
         }
         Command::Profile { mut args, sharing, spread } => {
             args.input.residence = residence(&sharing, spread, args.along.option().is_some(), &ranks);
-            profile::run(&args, &sharing, &ranks, console)
+            profile::run(&args, &sharing, &ranks, console).map(|()| ExitCode::SUCCESS)
         }
         Command::Plan { args, sharing, ranks: count } => {
-            plan::run(&args, &sharing, count.map(|count| count as usize), &ranks, console)
+            let count = count.map(|count| count as usize);
+            plan::run(&args, &sharing, count, &ranks, console).map(|()| ExitCode::SUCCESS)
         }
     };
-    let done = done.unwrap_or_else(|error| fail(error, &ranks));
-    ranks.led().into_iter().for_each(orders::stop);
+    let done = match done {
+        Ok(status) => status,
+        Err(Error::Told(status)) => ExitCode::from(status),
+        Err(error) => fail(&error, &ranks),
+    };
+    ranks.led().into_iter().for_each(|others| orders::send_to_others(others, &Order::Stop, None));
     done
 }
 
@@ -94,9 +99,8 @@ fn residence(sharing: &SharingArgs, spread: SpreadArgs, is_film: bool, ranks: &R
     }
 }
 
-fn fail(error: pellucid_engine::Error, ranks: &Ranks) -> ! {
-    let error = crate::error::Error::from(error);
-    ranks.fail(&crate::with_causes(&error), error.exit_status())
+fn fail(error: &Error, ranks: &Ranks) -> ! {
+    ranks.fail(&error.with_causes(), error.exit_status())
 }
 
 impl Command {
@@ -111,45 +115,45 @@ impl Command {
 }
 
 /// A picture, or the frames of a path.
-fn render(args: &RenderArgs, sharing: &SharingArgs, ranks: &Ranks, console: Console) -> Result<ExitCode> {
-    let target = match together(ranks, target(args)) {
-        Ok(target) => target,
-        Err(status) => return Ok(status),
-    };
-    match target {
-        Target::One(output) => picture::run(args, sharing, &output, ranks, console),
-        Target::Frames(pattern, _) | Target::Steps(pattern) => match together(ranks, args.course(console)) {
-            Ok(Some(along)) => frames::run(args, sharing, (&along, &pattern), ranks, console),
-            Ok(None) => Ok(ExitCode::FAILURE),
-            Err(status) => Ok(status),
-        },
+fn render(args: RenderArgs, sharing: &SharingArgs, ranks: &Ranks, console: Console) -> Result<ExitCode, Error> {
+    let target = together(ranks, target(&args))?;
+    let progress = console.progress();
+    let job = together(ranks, RenderJob::new(args, target, &progress, console))?;
+    match (&job.target, &job.along) {
+        (Target::One(output), _) => {
+            picture::run(&job, sharing, output, ranks, (console, &progress)).map(|()| ExitCode::SUCCESS)
+        }
+        (Target::Frames(pattern, _), Some(along)) => {
+            frames::run(&job, sharing, (along, pattern), ranks, (console, &progress))
+        }
+        // Refused before.
+        (Target::Frames(..) | Target::Steps(_), _) => Ok(ExitCode::FAILURE),
     }
 }
 
 /// Returns the destination of pictures, if ranks can share the work.
 fn target(args: &RenderArgs) -> Result<Target> {
     args.measure.check()?;
-    let usage = |problem: &str| Err(Error::Usage(problem.to_owned()).into());
-    if args.chooses() {
-        return usage(
+    if args.choice.is_given() {
+        return Err(usage(
             "--max-error, --budget and --recalibrate measure a single device: choose with `pellucid render`, then give the \
              method here",
-        );
+        ));
     }
-    if args.deep.is_asked() {
-        return usage(
+    if args.deep.format().is_some() {
+        return Err(usage(
             "--deep is not supported here, because a deep file is written during rendering; use `pellucid render`",
-        );
+        ));
     }
-    match Target::from_args(args)? {
-        Target::Frames(_, films) if !films.is_none() => usage(
+    match Target::new(args)? {
+        Target::Frames(_, films) if !films.is_none() => Err(usage(
             "films and pages are not supported here: render numbered frames (-o frame_%04d.png), then give `pellucid render` the same \
              options and --html, or make a film of them (ffmpeg -framerate 25 -i frame_%04d.png -pix_fmt yuv420p film.mp4)",
-        ),
-        Target::Steps(_) => usage(
+        )),
+        Target::Steps(_) => Err(usage(
             "a time series is not supported here, because each picture depends on the previous one; \
               use `pellucid render`",
-        ),
+        )),
         target => Ok(target),
     }
 }

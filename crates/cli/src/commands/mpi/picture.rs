@@ -1,54 +1,48 @@
 //! Renders a picture with all ranks.
 
 use std::path::Path;
-use std::process::ExitCode;
 
-use pellucid_engine::Result;
 use pellucid_session::Prepared;
 
 use super::frame;
 use super::ranks::Ranks;
 use super::report::Report;
-use super::setting::Setting;
 use super::stage::Stage;
+use crate::commands::Error;
+use crate::commands::bar::Bar;
 use crate::commands::console::Console;
+use crate::commands::job::RenderJob;
 use crate::commands::mpi_args::SharingArgs;
-use crate::commands::render::{self, RenderArgs};
+use crate::commands::picture;
 
 /// Renders the picture.
 ///
 /// # Errors
 /// Errors of rendering, on any rank.
 pub fn run(
-    args: &RenderArgs,
+    job: &RenderJob,
     sharing: &SharingArgs,
     output: &Path,
     ranks: &Ranks,
-    console: Console,
-) -> Result<ExitCode> {
-    let progress = console.progress();
+    (console, progress): (Console, &Bar),
+) -> Result<(), Error> {
+    let is_profiled = job.measure.is_asked();
     let prepare = || {
-        let mut request = args.request(output, &progress, console)?;
-        request.frame.counts |= args.measure.is_asked();
-        Ok((Prepared::new(request, &console, &progress)?, 1))
+        let mut request = job.request.clone();
+        request.frame.counts |= is_profiled;
+        Ok((Prepared::new(request, &console, progress)?, 1))
     };
-    let setting = Setting { device: &args.device, share: sharing.share };
-    let mut stage = match Stage::open(&setting, ranks, (console, &progress), prepare) {
-        Ok(stage) => stage,
-        Err(status) => return Ok(status),
-    };
-    let is_profiled = args.measure.is_asked();
+    let mut stage = Stage::open((&job.device, sharing.share), ranks, (console, progress), prepare)?;
     stage.session.renderer.timed = is_profiled || console.is_verbose();
-    let Some(mut shared) = frame::render(&mut stage, ranks, is_profiled)? else { return Ok(ExitCode::SUCCESS) };
+    let Some(mut shared) = frame::render(&mut stage, ranks, is_profiled)? else { return Ok(()) };
     let Stage { mut session, share, .. } = stage;
     session.frame.depths = false;
     session.judge(&shared.rendered.image, &console)?;
     progress.finish_and_clear();
-    render::finish(args, &mut session, &mut shared.rendered, output, Vec::new(), console)?;
+    picture::finish(job, &mut session, &mut shared.rendered, output, Vec::new(), console)?;
     let mut report = Report::new(&session, share);
-    report.add(&shared);
+    report.add(shared);
     session.add_phases(&mut report.profile);
     console.detail(report.table());
-    report.write(&args.measure)?;
-    Ok(ExitCode::SUCCESS)
+    Ok(report.write(&job.measure)?)
 }

@@ -1,16 +1,13 @@
 //! `pellucid-mpi plan`: how the ranks would share the work, and why.
 
-use std::process::ExitCode;
-
-use pellucid_engine::Result;
 use pellucid_session::Prepared;
 use serde_json::json;
 
 use super::ranks::Ranks;
-use super::setting::Setting;
 use super::share::{Offer, time};
 use super::stage::Stage;
-use crate::commands::console::{Console, print, print_json};
+use crate::commands::Error;
+use crate::commands::console::Console;
 use crate::commands::mpi_args::SharingArgs;
 use crate::commands::plan::PlanArgs;
 
@@ -24,20 +21,16 @@ pub fn run(
     count: Option<usize>,
     ranks: &Ranks,
     console: Console,
-) -> Result<ExitCode> {
+) -> Result<(), Error> {
     let progress = console.progress();
-    let setting = Setting { device: &args.device, share: sharing.share };
     let prepare = || {
         let request = args.input.request(None, &progress, console)?;
         Ok((Prepared::new(request, &console, &progress)?, 1))
     };
-    let mut stage = match Stage::open(&setting, ranks, (console, &progress), prepare) {
-        Ok(stage) => stage,
-        Err(status) => return Ok(status),
-    };
+    let mut stage = Stage::open((&args.device, sharing.share), ranks, (console, &progress), prepare)?;
     progress.finish_and_clear();
     if !ranks.is_first() {
-        return Ok(ExitCode::SUCCESS);
+        return Ok(());
     }
     let count = count.unwrap_or(ranks.count());
     let (job, link) = (stage.job, stage.link);
@@ -48,7 +41,7 @@ pub fn run(
     let all = costs.whole().work.max(1.0);
     let offers = job.offers(count, link);
     if args.json {
-        print_json(&json!({
+        console.print_json(&json!({
             "ranks": count,
             "share": share.to_string(),
             "latency_s": link.latency,
@@ -57,7 +50,7 @@ pub fn run(
             "offers": offers.iter().map(|o| json!({"share": o.share.to_string(), "seconds": o.seconds, "why": o.why})).collect::<Vec<_>>(),
             "windows": windows.iter().zip(&work).map(|(window, work)| json!({"window": window, "share": work / all})).collect::<Vec<_>>(),
         }))?;
-        return Ok(ExitCode::SUCCESS);
+        return Ok(());
     }
     let line = |offer: &Offer| {
         let mark = if offer.share == share { "on " } else { "off" };
@@ -79,6 +72,6 @@ pub fn run(
         text +=
             &format!("{whose:<10} columns {x0} to {x1}, rows {y0} to {y1}: {:.1} % of the work\n", 100.0 * work / all);
     }
-    print(&text)?;
-    Ok(ExitCode::SUCCESS)
+    console.print(&text)?;
+    Ok(())
 }

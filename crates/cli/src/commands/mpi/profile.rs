@@ -1,16 +1,14 @@
 //! `pellucid-mpi profile`: what each pass costs, on each rank.
 
-use std::process::ExitCode;
-
-use pellucid_engine::{Result, profile};
+use pellucid_engine::profile;
 
 use super::frame;
 use super::ranks::Ranks;
 use super::report::Report;
-use super::setting::Setting;
 use super::share::Share;
 use super::stage::Stage;
-use crate::commands::console::{Console, print, print_json};
+use crate::commands::Error;
+use crate::commands::console::Console;
 use crate::commands::mpi_args::SharingArgs;
 use crate::commands::profile::ProfileArgs;
 
@@ -18,7 +16,7 @@ use crate::commands::profile::ProfileArgs;
 ///
 /// # Errors
 /// Errors of rendering, on any rank.
-pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Console) -> Result<ExitCode> {
+pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Console) -> Result<(), Error> {
     let progress = console.progress();
     let mut cameras = Vec::new();
     let prepare = || {
@@ -27,11 +25,7 @@ pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Co
         cameras = found;
         Ok((prepared, if args.along.option().is_some() { cameras.len() } else { 1 }))
     };
-    let setting = Setting { device: &args.device, share: sharing.share };
-    let mut stage = match Stage::open(&setting, ranks, (console, &progress), prepare) {
-        Ok(stage) => stage,
-        Err(status) => return Ok(status),
-    };
+    let mut stage = Stage::open((&args.device, sharing.share), ranks, (console, &progress), prepare)?;
     // The first frame pays for pipelines and buffers, and counts lists.
     let first = match stage.share {
         Share::Frames => frame::film(&mut stage, &vec![cameras[0]; ranks.count()], ranks, false)?,
@@ -53,19 +47,18 @@ pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Co
     progress.counted("measuring", cameras.len() as u64);
     let listed = args.measure.trace.is_some();
     if stage.share == Share::Frames {
-        frame::film(&mut stage, &cameras, ranks, listed)?.iter().for_each(|shared| report.add(shared));
+        frame::film(&mut stage, &cameras, ranks, listed)?.into_iter().for_each(|shared| drop(report.add(shared)));
     } else {
         for camera in &cameras {
             stage.session.frame.camera = *camera;
             if let Some(shared) = frame::render(&mut stage, ranks, listed)? {
-                report.add(&shared);
-                stage.session.renderer.recycle(shared.rendered.image);
+                stage.session.renderer.recycle(report.add(shared));
             }
             progress.inc(1);
         }
     }
     progress.finish_and_clear();
-    let Some((fragments, max_list, histogram)) = counted else { return Ok(ExitCode::SUCCESS) };
+    let Some((fragments, max_list, histogram)) = counted else { return Ok(()) };
     if args.along.option().is_none() {
         (report.profile.facts.fragments, report.profile.facts.max_list) = (fragments, max_list);
         report.profile.list_histogram = histogram;
@@ -73,11 +66,11 @@ pub fn run(args: &ProfileArgs, sharing: &SharingArgs, ranks: &Ranks, console: Co
     stage.session.add_phases(&mut report.profile);
     report.write(&args.measure)?;
     if args.json {
-        print_json(&report.to_json())?;
+        console.print_json(&report.to_json())?;
     } else {
         let passes = pellucid_lab::profile_table(&report.profile, None);
         let spread = stage.spread.as_ref().map_or_else(String::new, |spread| format!("\n{}", spread.described()));
-        print(&format!("{passes}\n\n{}{spread}\n{}\n", report.table(), report.times()))?;
+        console.print(&format!("{passes}\n\n{}{spread}\n{}\n", report.table(), report.times()))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }

@@ -7,6 +7,11 @@ use std::time::{Duration, Instant};
 use mpi::environment::{Threading, Universe, processor_name};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
+use pellucid_engine::gpu;
+
+use crate::commands::Error;
+use crate::commands::console::Streams;
+use crate::commands::options::{DeviceArgs, device};
 
 /// Bytes of a message at most: MPI counts elements with 31 bits.
 const PIECE: usize = 1 << 30;
@@ -39,6 +44,7 @@ const LONGEST_PATIENCE: Duration = Duration::from_secs(3);
 /// The ranks of a run, seen from one of them. The first one reads arguments for all, decides, and writes.
 pub struct Ranks {
     world: SimpleCommunicator,
+    /// Number of this rank among those of its host, from 0.
     local: usize,
     host: String,
     traffic: Cell<Traffic>,
@@ -113,9 +119,16 @@ impl Ranks {
         usize::try_from(self.world.size()).unwrap_or(1)
     }
 
-    /// Number of this rank among those of its host, from 0: on a machine with several GPUs each rank takes its own.
-    pub fn local(&self) -> usize {
-        self.local
+    /// The device of this rank: the one that is asked for, or, where the host has several GPUs, that of the rank's
+    /// number on the host.
+    pub fn device(&self, asked: &DeviceArgs) -> pellucid_engine::Result<gpu::Device> {
+        let mut name = asked.device.clone();
+        if name.is_none() {
+            let (all, _) = gpu::devices(None)?;
+            let gpus: Vec<_> = all.iter().filter(|d| d.kind.contains("discrete") && d.lacks.is_empty()).collect();
+            name = (gpus.len() > 1).then(|| gpus[self.local % gpus.len()].index.to_string());
+        }
+        device(name)
     }
 
     /// The name of its host.
@@ -168,19 +181,12 @@ impl Ranks {
 
     /// Returns the bytes of every rank, in their order, on all ranks.
     pub fn all_told(&self, said: &[u8]) -> Vec<Vec<u8>> {
-        let all = self.first_told(said).unwrap_or_default();
-        let lengths: Vec<u8> = all.iter().flat_map(|one| (one.len() as u64).to_le_bytes()).collect();
-        let (lengths, all) = (self.told(lengths), self.told(all.concat()));
-        cut(&lengths, &all)
-    }
-
-    /// Returns the bytes of every rank, in their order, on the first one; `None` on the others.
-    pub fn first_told(&self, said: &[u8]) -> Option<Vec<Vec<u8>>> {
         if !self.is_first() {
             self.send(0, said);
-            return None;
+            return told(Vec::new(), self);
         }
-        Some(std::iter::once(said.to_vec()).chain((1..self.count()).map(|rank| self.received(rank))).collect())
+        let others = (1..self.count()).map(|rank| self.received(rank));
+        told(std::iter::once(said.to_vec()).chain(others).collect(), self)
     }
 
     /// Sends bytes to a rank, which has to ask for them ([`Self::received`]). Sleeps until it does: MPI would wait at
@@ -282,14 +288,45 @@ fn say(line: &str) {
     let _ = std::io::stderr().write_all(format!("{line}\n").as_bytes());
 }
 
-fn cut(lengths: &[u8], all: &[u8]) -> Vec<Vec<u8>> {
-    let mut rest = all;
-    let lengths = lengths.chunks_exact(8).filter_map(|length| length.try_into().ok().map(u64::from_le_bytes));
-    lengths
-        .map(|length| {
-            let (one, others) = rest.split_at((length as usize).min(rest.len()));
-            rest = others;
-            one.to_vec()
-        })
-        .collect()
+/// The value that the first rank has, to all.
+pub fn told<T: serde::Serialize + serde::de::DeserializeOwned>(value: T, ranks: &Ranks) -> T {
+    let said = ranks.told(encoded(&value));
+    postcard::from_bytes(&said).unwrap_or(value)
+}
+
+/// A value as bytes for another rank.
+pub fn encoded(value: &impl serde::Serialize) -> Vec<u8> {
+    postcard::to_allocvec(value).unwrap_or_default()
+}
+
+/// The value that a rank sends; another one than expected ends all ranks.
+pub fn decoded<T: serde::de::DeserializeOwned>(from: usize, ranks: &Ranks) -> T {
+    postcard::from_bytes(&ranks.received(from))
+        .unwrap_or_else(|error| ranks.fail(&format!("rank {from} sent an unexpected message: {error}"), 1))
+}
+
+/// Returns the result of a rank once all others have theirs: an error of one is an error of all, and the first rank
+/// prints it.
+///
+/// # Errors
+/// The exit status, as [`Error::Told`].
+pub fn together<T>(ranks: &Ranks, done: pellucid_engine::Result<T>) -> Result<T, Error> {
+    let (own, said) = match done {
+        Ok(own) => (Some(own), Vec::new()),
+        Err(error) => {
+            let error = Error::from(error);
+            let text = format!("{}: {}", ranks.name(), error.with_causes());
+            (None, [vec![error.exit_status()], text.into_bytes()].concat())
+        }
+    };
+    let all = ranks.all_told(&said);
+    let Some(first) = all.iter().find(|said| !said.is_empty()) else {
+        return own.ok_or(Error::Told(1));
+    };
+    if ranks.is_first() {
+        let others = all.iter().filter(|said| !said.is_empty()).count() - 1;
+        let more = if others > 0 { format!(" (and {others} other ranks)") } else { String::new() };
+        Streams::Process.print_stderr(format_args!("error: {}{more}", String::from_utf8_lossy(&first[1..])));
+    }
+    Err(Error::Told(first[0]))
 }

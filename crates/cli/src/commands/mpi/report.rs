@@ -1,18 +1,16 @@
 //! The profile of frames that ranks shared: that of `pellucid`, and what each rank did.
 
-use std::time::Duration;
-
-use comfy_table::{CellAlignment, Table, presets};
 use pellucid_engine::Result;
+use pellucid_engine::image::Image;
 use pellucid_engine::profile::{self, Profile};
+use pellucid_session::Session;
 use serde_json::{Value, json};
 
 use super::share::Share;
-use super::turn::Shared;
+use super::turn::{Measured, Shared};
 use super::work::{Work, imbalance, ms};
-use crate::commands::MeasureArgs;
-use crate::commands::session::write_json;
-use pellucid_session::Session;
+use crate::commands::options::MeasureArgs;
+use crate::commands::tables;
 
 /// Measurements of frames.
 pub struct Report {
@@ -22,13 +20,6 @@ pub struct Report {
     frames: Vec<Measured>,
     /// Distribution of points over the ranks, if they are distributed.
     pub spread: Option<Value>,
-}
-
-/// Measurements of a frame.
-struct Measured {
-    work: Vec<Work>,
-    wall: Duration,
-    gather: Duration,
 }
 
 impl Measured {
@@ -57,11 +48,11 @@ impl Report {
         Self { profile: session.profile(), share, frames: Vec::new(), spread: None }
     }
 
-    /// Adds a frame.
-    pub fn add(&mut self, shared: &Shared) {
-        self.profile.add(&shared.rendered);
-        let Shared { work, wall, gather, .. } = shared;
-        self.frames.push(Measured { work: work.clone(), wall: *wall, gather: *gather });
+    /// Adds a frame, and returns its image.
+    pub fn add(&mut self, Shared { rendered, measured }: Shared) -> Image {
+        self.profile.add(&rendered);
+        self.frames.push(measured);
+        rendered.image
     }
 
     /// Formats the times of frames in a line.
@@ -113,29 +104,17 @@ impl Report {
 
     /// Writes the files that were asked for.
     pub fn write(&self, args: &MeasureArgs) -> Result<()> {
-        args.write_profile(&self.to_json())?;
-        args.trace.as_ref().map_or(Ok(()), |path| write_json(path, &self.to_trace()))
+        args.write(&self.to_json(), || self.to_trace())
     }
 
     /// Returns a table of the work of each rank in the last frame.
     pub fn table(&self) -> String {
         let Some(frame) = self.frames.last() else { return String::new() };
-        let mut table = Table::new();
-        table.load_style(presets::NOTHING);
-        table.set_header([
-            "rank",
-            "host",
-            "parts",
-            "work ms",
-            "passes ms",
-            "wait ms",
-            "sent MiB",
-            "received MiB",
-            "read MiB",
-        ]);
+        let header =
+            ["rank", "host", "parts", "work ms", "passes ms", "wait ms", "sent MiB", "received MiB", "read MiB"];
         let mib = |bytes: u64| format!("{:.1}", bytes as f64 / f64::from(1 << 20));
-        for work in &frame.work {
-            table.add_row([
+        let rows = frame.work.iter().map(|work| {
+            [
                 work.rank.to_string(),
                 work.host.clone(),
                 (work.windows.len() + work.samples.len() + work.frames.len()).max(1).to_string(),
@@ -145,9 +124,9 @@ impl Report {
                 mib(work.sent),
                 mib(work.received),
                 mib(work.read),
-            ]);
-        }
-        table.column_iter_mut().skip(2).for_each(|column| column.set_cell_alignment(CellAlignment::Right));
+            ]
+        });
+        let table = tables::table(header, rows, 2..9);
         format!(
             "{table}\n{} {} {}: {:.1} ms, of which {:.1} ms ({:.1} %) to bring the parts together; imbalance {:.2}",
             frame.work.len(),

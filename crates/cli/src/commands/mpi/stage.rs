@@ -1,30 +1,29 @@
 //! The scene on the devices of all ranks: the same everywhere, as the first rank decides it.
 
 use std::ops::Range;
-use std::process::ExitCode;
 
 use pellucid_engine::Result;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::methods::Frame;
 use pellucid_engine::passes::bands::Window;
 use pellucid_engine::prepare::Arranged;
-use pellucid_engine::scene::{Error, MethodChoice};
+use pellucid_engine::progress::Phase;
+use pellucid_engine::scene::MethodChoice;
 use pellucid_session::{Prepared, Session};
 
 use super::cut::{Costs, Load};
 use super::link::Link;
-use super::messages;
-use super::ranks::Ranks;
-use super::setting::{Setting, device_of};
+use super::ranks::{Ranks, together, told};
 use super::share::{Job, Share};
 use super::spread;
 use super::spread::deal::Spread;
-use super::together::together;
 use super::work::Work;
-use crate::commands::DeviceArgs;
+use crate::commands::Error;
 use crate::commands::bar::Bar;
 use crate::commands::console::Console;
-use crate::commands::session;
+use crate::commands::limit::usage;
+use crate::commands::mpi_args::Wanted;
+use crate::commands::options::DeviceArgs;
 use crate::legend;
 
 /// Least work of a rank, in seconds, for which some regions are handed out on demand: for each, points are picked,
@@ -66,36 +65,39 @@ impl Stage {
     /// Brings what `prepare` reads to the device; it also returns how many frames there are to render.
     ///
     /// # Errors
-    /// The exit status, once the first rank has said what went wrong.
+    /// The first error of a rank, once the first rank has said what went wrong.
     pub fn open(
-        setting: &Setting<'_>,
+        (device, wanted): (&DeviceArgs, Wanted),
         ranks: &Ranks,
         (console, progress): (Console, &Bar),
         prepare: impl FnOnce() -> Result<(Prepared, usize)>,
-    ) -> std::result::Result<Self, ExitCode> {
+    ) -> Result<Self, Error> {
         let checked = || {
             let (prepared, frames) = prepare()?;
-            legend::check(&prepared, console)?;
+            legend::check(&prepared, &console)?;
             Ok((prepared, frames))
         };
         ranks.begin("reading");
         if let Some(all) = ranks.led() {
-            return together(ranks, checked().and_then(|found| Self::spread(setting, all, (console, progress), found)));
+            return together(
+                ranks,
+                checked().and_then(|found| Self::spread((device, wanted), all, (console, progress), found)),
+            );
         }
         let (prepared, frames) = together(ranks, checked())?;
         together(ranks, compare(&identity(&prepared), ranks))?;
         let link = Link::measured(ranks).unwrap_or_default();
         // Points come region by region, so that each rank takes those of its own.
-        let expected = Job::of(&prepared.frame(), &prepared, frames).choose(setting.share, ranks.count(), link);
+        let expected = Job::of(&prepared.frame(), &prepared, frames).choose(wanted, ranks.count(), link);
         let by_windows =
             ranks.count() > 1 && matches!(expected, Ok(Share::Windows)) && prepared.assembled.shadow_texture.is_none();
         ranks.begin("uploading");
-        let mut session = together(ranks, open(setting, prepared, by_windows, ranks, (console, progress)))?;
+        let mut session = together(ranks, open(device, prepared, by_windows, ranks, (console, progress)))?;
         // Method and opacity, too, are those of the first rank.
-        session.frame = messages::told(session.frame, ranks);
+        session.frame = told(session.frame, ranks);
         session.frame.depths = session.prepared.request.frame.depths;
         let job = together(ranks, job(&mut session, frames))?;
-        let share = together(ranks, job.choose(setting.share, ranks.count(), link))?;
+        let share = together(ranks, job.choose(wanted, ranks.count(), link))?;
         if ranks.is_first() {
             session.describe(&console);
             session.warn(&console);
@@ -108,12 +110,12 @@ impl Stage {
 
     /// Makes the stage with the points distributed over all ranks, as this one orders.
     fn spread(
-        setting: &Setting<'_>,
+        asked: (&DeviceArgs, Wanted),
         all: &Ranks,
         (console, progress): (Console, &Bar),
         (prepared, frames): (Prepared, usize),
     ) -> Result<Self> {
-        let (session, spread) = spread::open(setting, prepared, all, (console, progress))?;
+        let (session, spread) = spread::open(asked, prepared, all, (console, progress))?;
         session.describe(&console);
         session.warn(&console);
         console.detail(spread.described());
@@ -129,7 +131,7 @@ impl Stage {
     /// The regions of the ranks for the session's camera, and those on demand; the first rank cuts.
     pub fn windows(&mut self, ranks: &Ranks) -> Vec<Window> {
         let cut = if ranks.is_first() { self.cut(ranks.count()) } else { Vec::new() };
-        messages::told(cut, ranks)
+        told(cut, ranks)
     }
 
     /// Cuts the image into regions for any number of ranks.
@@ -208,7 +210,7 @@ fn identity(prepared: &Prepared) -> [u8; 32] {
         "{} {} {camera:?} {} {} {:?} {stored:?}",
         env!("CARGO_PKG_VERSION"),
         prepared.scene().settings,
-        request.seed,
+        request.wanted.seed,
         points.positions.len(),
         points.bounds()
     );
@@ -223,28 +225,28 @@ fn identity(prepared: &Prepared) -> [u8; 32] {
 fn compare(own: &[u8], ranks: &Ranks) -> Result<()> {
     let all = ranks.all_told(own);
     match all.iter().position(|one| *one != all[0]) {
-        Some(other) => Err(Error::Usage(format!(
+        Some(other) => Err(usage(format!(
             "rank {other} found another scene, other points or another version of pellucid than rank 0: all ranks must see \
              the same files"
-        ))
-        .into()),
+        ))),
         None => Ok(()),
     }
 }
 
 /// Brings the points to the device; the first rank decides the method and the opacity, too.
 fn open(
-    setting: &Setting<'_>,
+    device: &DeviceArgs,
     prepared: Prepared,
     by_windows: bool,
     ranks: &Ranks,
     (console, progress): (Console, &Bar),
 ) -> Result<Session> {
-    let device = DeviceArgs { device: device_of(setting.device, ranks)?, memory_budget: setting.device.memory_budget };
     // Method and opacity are those of a rank alone, which has all points at once.
     let follows = matches!(prepared.scene().method, MethodChoice::Auto(..)) || prepared.see_through().is_some();
     let is_first = ranks.is_first();
-    let mut session = session::upload(&device, prepared, by_windows && !(is_first && follows), progress)?;
+    progress.begin(Phase::Upload);
+    let device = ranks.device(device)?;
+    let mut session = Session::upload(&device, prepared, by_windows && !(is_first && follows), progress)?;
     if is_first {
         session.decide(&console)?;
         if by_windows

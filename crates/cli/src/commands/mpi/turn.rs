@@ -4,21 +4,25 @@ use std::time::{Duration, Instant};
 
 use pellucid_engine::Result;
 use pellucid_engine::image::Image;
-use pellucid_engine::methods::{Rendered, SamplePart};
+use pellucid_engine::methods::{Rendered, Renderer, SamplePart};
 use pellucid_engine::passes::bands::Window;
 use pellucid_session::Session;
 
 use super::cut::is_empty;
 use super::desk::Desk;
-use super::messages::{decoded, encoded};
 use super::pixels;
-use super::ranks::Ranks;
+use super::ranks::{Ranks, decoded, encoded};
 use super::stage::Stage;
 use super::work::{Work, joined, ms};
 
 /// A frame, on the first rank.
 pub struct Shared {
     pub rendered: Rendered,
+    pub measured: Measured,
+}
+
+/// Measurements of a frame.
+pub struct Measured {
     /// Work of each rank.
     pub work: Vec<Work>,
     /// Time from the moment at which all ranks began until the image was whole.
@@ -51,7 +55,7 @@ impl Turn<'_> {
         if ranks.count() > 1 {
             joined(&mut rendered.facts, &all);
         }
-        Some(Shared { rendered, work: all, wall: begin.elapsed(), gather })
+        Some(Shared { rendered, measured: Measured { work: all, wall: begin.elapsed(), gather } })
     }
 
     /// The whole frame by one rank.
@@ -118,15 +122,8 @@ impl Turn<'_> {
         let session = &mut stage.session;
         let (mut desk, mut own) = (Desk::open(self.ranks, windows.len()), None);
         for window in desk.by_ref().map(|unit| windows[unit]).filter(|window| !is_empty(*window)) {
-            let mut part = self.window(session, window)?;
-            match &mut own {
-                None => own = Some(part),
-                Some(Rendered { image, .. }) => {
-                    pixels::copy(image, &mut part.image, window);
-                    session.renderer.recycle(part.image);
-                }
-            }
-            self.work.windows.push(window);
+            let part = self.window(session, window)?;
+            self.keep(&mut own, part, window, &mut session.renderer);
         }
         self.work.work_ms = ms(self.begin.elapsed());
         self.ranks.begin("bringing parts together");
@@ -140,6 +137,18 @@ impl Turn<'_> {
         desk.close();
         session.renderer.region = None;
         Ok(whole)
+    }
+
+    /// Adds a rendered window to those before, if there are any.
+    pub fn keep(&mut self, own: &mut Option<Rendered>, mut part: Rendered, window: Window, renderer: &mut Renderer) {
+        match own {
+            None => *own = Some(part),
+            Some(Rendered { image, .. }) => {
+                pixels::copy(image, &mut part.image, window);
+                renderer.recycle(part.image);
+            }
+        }
+        self.work.windows.push(window);
     }
 
     /// Renders a window. Of an empty one there is an image, too, into which the others are put.

@@ -10,8 +10,8 @@ use pellucid_session::Assembled;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use super::super::ranks::Ranks;
-use super::orders;
+use super::super::ranks::{Ranks, encoded};
+use super::orders::Order;
 use crate::commands::bar::Bar;
 
 /// Blocks that are read at once, at most.
@@ -153,7 +153,8 @@ impl<'a> Dealer<'a> {
     fn flush(&mut self) {
         if !self.waiting.is_empty() {
             self.sent += self.waiting.len() as u64;
-            orders::send_runs(self.ranks, self.owner, &self.waiting);
+            self.ranks.send(self.owner, &encoded(&Order::Keep));
+            self.ranks.send(self.owner, &self.waiting);
             self.waiting.clear();
         }
     }

@@ -11,7 +11,6 @@ use pellucid_engine::points::Points;
 use pellucid_engine::supply::Held;
 
 use super::super::cut::is_empty;
-use super::super::pixels;
 use super::super::ranks::Ranks;
 use super::super::stage::Stage;
 use super::super::turn::{Turn, Whole};
@@ -68,22 +67,15 @@ impl Own<'_> {
     /// # Errors
     /// Errors of rendering.
     pub fn rounds(&mut self, turn: &mut Turn<'_>, rounds: &[Vec<Window>]) -> Result<Option<Rendered>> {
-        let mut whole: Option<Rendered> = None;
+        let mut whole = None;
         for windows in rounds {
             self.bring(turn.ranks, windows);
             let window = windows[turn.ranks.own()];
             if is_empty(window) {
                 continue;
             }
-            let mut part = self.window(turn, window)?;
-            match &mut whole {
-                None => whole = Some(part),
-                Some(Rendered { image, .. }) => {
-                    pixels::copy(image, &mut part.image, window);
-                    self.renderer.recycle(part.image);
-                }
-            }
-            turn.work.windows.push(window);
+            let part = self.window(turn, window)?;
+            turn.keep(&mut whole, part, window, self.renderer);
         }
         turn.work.work_ms = ms(turn.begin.elapsed());
         Ok(whole)

@@ -15,6 +15,7 @@ use std::sync::Arc;
 
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::{Arranged, Supplied};
+use pellucid_engine::progress::Phase;
 use pellucid_engine::scene::{Error, MethodChoice};
 use pellucid_engine::supply::Held;
 use pellucid_engine::{Result, methods, passes};
@@ -23,12 +24,10 @@ use pellucid_session::{Prepared, Session};
 use self::deal::{Dealer, Spread};
 use self::orders::Order;
 use super::ranks::Ranks;
-use super::setting::{Setting, device_of};
-use crate::commands::DeviceArgs;
 use crate::commands::bar::Bar;
 use crate::commands::console::Console;
 use crate::commands::mpi_args::Wanted;
-use crate::commands::session;
+use crate::commands::options::DeviceArgs;
 
 /// Bytes of a message with points, about: with that many the next message begins.
 const PIECE: usize = 16 << 20;
@@ -38,16 +37,16 @@ const PIECE: usize = 16 << 20;
 /// # Errors
 /// Settings that don't work with distributed points; errors of reading points and of the device.
 pub fn open(
-    setting: &Setting<'_>,
+    (device, wanted): (&DeviceArgs, Wanted),
     prepared: Prepared,
     all: &Ranks,
     (console, progress): (Console, &Bar),
 ) -> Result<(Session, Spread)> {
-    refuse(setting, &prepared)?;
+    refuse(wanted, &prepared)?;
     // Method and opacity are those of a rank alone, which has all points at once.
     let by_windows = matches!(prepared.scene().method, MethodChoice::Fixed(_)) && prepared.see_through().is_none();
-    let device = DeviceArgs { device: device_of(setting.device, all)?, memory_budget: setting.device.memory_budget };
-    let mut session = session::upload(&device, prepared, by_windows, progress)?;
+    progress.begin(Phase::Upload);
+    let mut session = Session::upload(&all.device(device)?, prepared, by_windows, progress)?;
     session.decide(&console)?;
     session.frame.depths = session.prepared.request.frame.depths;
     let parts = session.frame.method.threshold().map(|threshold| {
@@ -86,9 +85,9 @@ pub fn open(
 }
 
 /// Refuses what needs all points in one place.
-fn refuse(setting: &Setting<'_>, prepared: &Prepared) -> Result<()> {
+fn refuse(wanted: Wanted, prepared: &Prepared) -> Result<()> {
     let scene = prepared.scene();
-    let problem = match setting.share {
+    let problem = match wanted {
         Wanted::Ensembles | Wanted::Frames => Some("each rank has points for its windows alone: --share windows"),
         _ if scene.method.is_dealt() => Some("the method deals all points to ensembles, which each rank has to see"),
         _ if scene.shadows.is_some() || prepared.assembled.shadow_texture.is_some() => {

@@ -6,8 +6,7 @@ use pellucid_engine::passes::project::Parts;
 use pellucid_engine::points::Known;
 use serde::{Deserialize, Serialize};
 
-use super::super::messages::{decoded, encoded};
-use super::super::ranks::Ranks;
+use super::super::ranks::{Ranks, encoded};
 
 /// A thing to do. Some have bytes with them, in a message of their own.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -30,23 +29,6 @@ pub fn send_to_others(ranks: &Ranks, order: &Order, bytes: Option<&[u8]>) {
         ranks.send(rank, &written);
         bytes.into_iter().for_each(|bytes| ranks.send(rank, bytes));
     }
-}
-
-/// Has a rank keep runs of points.
-pub fn send_runs(ranks: &Ranks, to: usize, runs: &[u8]) {
-    ranks.send(to, &encoded(&Order::Keep));
-    ranks.send(to, runs);
-}
-
-/// Lets all others go.
-pub fn stop(ranks: &Ranks) {
-    let written = encoded(&Order::Stop);
-    (1..ranks.count()).for_each(|rank| ranks.send(rank, &written));
-}
-
-/// Waits for the next order of the first rank.
-pub fn next(ranks: &Ranks) -> Order {
-    decoded(0, ranks)
 }
 
 #[cfg(test)]

@@ -5,22 +5,19 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use pellucid_engine::Result;
-use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::passes::bands::Window;
 use pellucid_engine::passes::portion::{Portion, Runs};
 use pellucid_engine::passes::project::{DeviceCloud, Parts};
 use pellucid_engine::points::{Points, Unreadable};
 
-use super::super::messages::encoded;
-use super::super::ranks::Ranks;
-use super::super::setting::device_of;
+use super::super::ranks::{Ranks, decoded, encoded};
 use super::super::turn::Turn;
 use super::super::work::Work;
 use super::frame::Own;
 use super::nowhere;
-use super::orders::{self, Order};
-use crate::commands::DeviceArgs;
+use super::orders::Order;
+use crate::commands::options::DeviceArgs;
 
 /// The device of a rank, with what it knows of the scene.
 struct Worker {
@@ -37,7 +34,7 @@ struct Worker {
 pub fn serve(device: &DeviceArgs, ranks: &Ranks) -> Result<ExitCode> {
     let (mut worker, mut portion) = (None, Portion::default());
     loop {
-        match orders::next(ranks) {
+        match decoded(0, ranks) {
             Order::Open { known, parts, .. } => {
                 let sample = read(ranks, |mut bytes| Points::unpack(&mut bytes)).standing_for(&known, String::new());
                 worker = Some(Worker::open(device, ranks, sample, parts)?);
@@ -65,8 +62,7 @@ fn read<T>(ranks: &Ranks, from: impl FnOnce(&[u8]) -> std::result::Result<T, Unr
 
 impl Worker {
     fn open(asked: &DeviceArgs, ranks: &Ranks, sample: Points, parts: Option<(f32, Parts)>) -> Result<Self> {
-        let options = DeviceOptions { device: device_of(asked, ranks)?, ..DeviceOptions::from_env() };
-        let renderer = Renderer::new(&Device::open(&options)?)?;
+        let renderer = Renderer::new(&ranks.device(asked)?)?;
         let mut cloud = renderer.supply(&sample, &(Arc::new(nowhere(&sample)) as Arc<_>))?;
         if let Some((threshold, parts)) = parts {
             cloud.know_parts(threshold, parts);

@@ -1,14 +1,23 @@
 //! Errors that end a command, and their exit status.
 
+use std::error::Error as _;
+
 /// Anything that keeps a command from its result.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The engine could not do the work.
     #[error(transparent)]
     Engine(#[from] pellucid_engine::Error),
+    /// A file could not be written.
+    #[error(transparent)]
+    Output(#[from] pellucid_engine::output::Error),
     /// A film could not be encoded.
     #[error(transparent)]
-    Film(#[from] crate::commands::films::Error),
+    Film(#[from] super::films::Error),
+    /// A rank failed, and the first one has said why.
+    #[cfg(feature = "mpi")]
+    #[error("a rank failed")]
+    Told(u8),
     /// The window could not be opened, or was closed by a failure.
     #[cfg(feature = "viewer")]
     #[error(transparent)]
@@ -24,7 +33,24 @@ impl Error {
             #[cfg(feature = "viewer")]
             Self::Window(_) => 1,
             Self::Film(_) => 1,
+            #[cfg(feature = "mpi")]
+            Self::Told(status) => *status,
             Self::Engine(error) => error.exit_status(),
+            Self::Output(error) => error.exit_status(),
         }
+    }
+
+    /// The message and those of its causes that it doesn't contain already.
+    pub fn with_causes(&self) -> String {
+        let mut message = self.to_string();
+        let mut cause = self.source();
+        while let Some(error) = cause {
+            let text = error.to_string();
+            if !message.contains(&text) {
+                message = format!("{message}: {text}");
+            }
+            cause = error.source();
+        }
+        message
     }
 }

@@ -1,0 +1,196 @@
+//! Everything that `pellucid render` was asked for, as plain data: made once from its arguments.
+
+use std::path::{Path, PathBuf};
+
+use pellucid_engine::Result;
+use pellucid_engine::methods::Stop;
+use pellucid_engine::output;
+use pellucid_session::choice::Wish;
+use pellucid_session::{FrameRequest, Request};
+
+use super::Error;
+use super::along::Along;
+use super::bar::Bar;
+use super::console::Console;
+use super::deep::DeepFormat;
+use super::films::{Asked, Films};
+use super::frames::{Naming, Pattern};
+use super::limit::usage;
+use super::options::{DeviceArgs, MeasureArgs};
+use super::render::RenderArgs;
+
+/// Pictures to render, and what becomes of them.
+pub struct RenderJob {
+    /// Destination of the pictures.
+    pub target: Target,
+    /// Motion of the camera, if there are frames of one.
+    pub along: Option<Along>,
+    /// Request for one picture, or for one after another.
+    pub request: Request,
+    pub device: DeviceArgs,
+    pub measure: MeasureArgs,
+    /// True if a PNG has straight alpha in place of the background.
+    pub transparent: bool,
+    /// True if an EXR has more channels.
+    pub aov: bool,
+    /// Form of samples in place of pixels.
+    pub deep: Option<DeepFormat>,
+    /// File for the change of the error from frame to frame.
+    pub popping: Option<PathBuf>,
+    /// True if frames of another sequence may be replaced.
+    pub overwrite: bool,
+}
+
+impl RenderJob {
+    /// Reads the camera's path and the keys of the scene. Begins the phase of reading.
+    ///
+    /// # Errors
+    /// Returns an error if a file can't be read, or if a key is wrong.
+    pub fn new(args: RenderArgs, target: Target, progress: &Bar, console: Console) -> Result<Self> {
+        let along = args.along.course(args.frames.flatten(), &args.input, console)?;
+        let mut request = args.input.request(along.as_ref().and_then(Along::size), progress, console)?;
+        let is_png = is_png(&target.first());
+        let wish = Wish { max_error: args.choice.max_error, budget_ms: args.choice.budget };
+        if args.choice.recalibrate && !wish.is_any() {
+            console.warn("--recalibrate has no effect without --max-error or --budget");
+        }
+        (request.choice.wish, request.choice.recalibrate) = (wish, args.choice.recalibrate);
+        request.wanted.legend = args.legend && is_png;
+        request.frame.memory_budget = args.device.budget();
+        let deep = args.deep.format();
+        // Samples of a deep image are all of them, and count themselves.
+        if deep.is_none() {
+            request.frame = FrameRequest {
+                counts: args.aov || args.measure.profile.is_some(),
+                depths: args.aov && !is_png,
+                stop: if is_png { Stop::EightBit { transparent: args.transparent } } else { Stop::Exact },
+                ..request.frame
+            };
+        }
+        let RenderArgs { device, measure, transparent, aov, popping, overwrite, .. } = args;
+        Ok(Self { target, along, request, device, measure, transparent, aov, deep, popping, overwrite })
+    }
+}
+
+/// The destination of pictures.
+pub enum Target {
+    One(PathBuf),
+    /// A picture for each step of a time series.
+    Steps(Pattern),
+    /// A picture for each frame of a camera path, and what is made of them.
+    Frames(Pattern, Films),
+}
+
+impl Target {
+    /// Checks that the options fit together and that the first picture could be written in the end.
+    pub fn new(args: &RenderArgs) -> Result<Self> {
+        let refuse = |problem: String| Err(usage(problem));
+        let given = args.output.clone();
+        if args.along.option().is_none() {
+            args.films.refuse(given.as_deref())?;
+        }
+        let target = match (args.along.option(), args.frames) {
+            (Some(option), Some(None)) => {
+                return refuse(format!("--frames needs the number of frames beside {option}, as in --frames 36"));
+            }
+            (Some(option), _) if args.choice.is_given() => {
+                return refuse(format!(
+                    "--max-error, --budget and --recalibrate choose for one picture, but {option} makes many; choose for one of \
+                     them and give its --method and settings"
+                ));
+            }
+            (Some(_), _) => {
+                let films = args.films.films(&Asked {
+                    output: args.output.as_deref(),
+                    transparent: args.transparent,
+                    aov: args.aov,
+                    deep: args.deep.format().is_some(),
+                })?;
+                let pattern = match films.pattern()? {
+                    Some(pattern) => pattern,
+                    None => Pattern::parse(
+                        &given.unwrap_or_else(|| args.input.default_output("_%04d.png")),
+                        Naming::Frames,
+                    )?,
+                };
+                Self::Frames(pattern, films)
+            }
+            (None, Some(Some(count))) => {
+                return refuse(format!(
+                    "--frames {count} needs --path or --turntable; the time series has as many pictures as the scene has clouds"
+                ));
+            }
+            (None, _) if args.popping.is_some() => return refuse("--popping needs --path or --turntable".to_owned()),
+            (None, _) if args.overwrite => return refuse("--overwrite needs --path or --turntable".to_owned()),
+            (None, Some(None)) => {
+                let pattern = given.unwrap_or_else(|| args.input.default_output("_%02d.png"));
+                Self::Steps(Pattern::parse(&pattern, Naming::Steps)?)
+            }
+            (None, None) => Self::One(given.unwrap_or_else(|| args.input.default_output(".png"))),
+        };
+        // The folder of a film's frames need not be there yet.
+        if !matches!(&target, Self::Frames(_, films) if films.has_folder()) {
+            output::check_target(&target.first())?;
+        }
+        args.popping.iter().try_for_each(|path| output::check_folder(path))?;
+        Ok(target)
+    }
+
+    /// Refuses options that don't go together or with the machine, and names those without an effect, before anything
+    /// is read.
+    pub fn check(&self, args: &RenderArgs, console: Console) -> Result<(), Error> {
+        if let Self::Frames(_, films) = self {
+            films.check_tools()?;
+        }
+        args.measure.check()?;
+        let is_deep = args.deep.format().is_some();
+        if is_deep {
+            self.check_deep(args)?;
+        }
+        if args.aov && is_deep {
+            console.warn("--aov has no effect with --deep: the samples already give depths and counts");
+        }
+        let png = is_png(&self.first());
+        for (is_vain, what) in [
+            (args.aov && png, "--aov has no effect on a PNG; write an .exr"),
+            (args.transparent && !png, "--transparent has no effect on an EXR, which holds the alpha channel anyway"),
+            (args.legend && !png, "--legend has no effect on an EXR; write a .png"),
+        ] {
+            if is_vain {
+                console.warn(what);
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses options that don't go with samples.
+    fn check_deep(&self, args: &RenderArgs) -> Result<()> {
+        let output = self.first();
+        if is_png(&output) {
+            let output = output.display();
+            return Err(usage(format!("--deep: {output} is a PNG, but only an .exr holds samples; name one with -o")));
+        }
+        let problems = [
+            (!matches!(self, Self::One(_)), "--deep writes one picture; --frames, --path and --turntable make several"),
+            (
+                args.choice.is_given(),
+                "--deep can't be combined with --max-error, --budget and --recalibrate; give --method and its settings instead",
+            ),
+            (args.measure.is_asked(), "--deep can't be combined with --profile and --trace; measure without --deep"),
+        ];
+        problems.into_iter().find(|(applies, _)| *applies).map_or(Ok(()), |(_, problem)| Err(usage(problem)))
+    }
+
+    /// The first picture.
+    pub fn first(&self) -> PathBuf {
+        match self {
+            Self::One(path) => path.clone(),
+            Self::Steps(pattern) => pattern.file(1),
+            Self::Frames(pattern, _) => pattern.file(0),
+        }
+    }
+}
+
+pub fn is_png(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
+}

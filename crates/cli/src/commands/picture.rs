@@ -1,0 +1,133 @@
+//! One picture, and the pictures of a time series.
+
+use std::path::Path;
+
+use pellucid_engine::Result;
+use pellucid_engine::methods::Rendered;
+use pellucid_engine::output::{self, WriteOptions};
+use pellucid_engine::profile::Profile;
+use pellucid_session::{Clouds, Opened, Prepared, Session, Silent};
+
+use super::bar::Bar;
+use super::console::Console;
+use super::deep;
+use super::frames::Pattern;
+use super::job::RenderJob;
+use super::limit::usage;
+use super::tradeoff::IN_FILES;
+use crate::legend;
+
+/// Renders a picture, and returns its profile; a deep one has none.
+pub fn one(job: &RenderJob, output: &Path, progress: &Bar, console: Console) -> Result<Option<Profile>> {
+    let prepared = Prepared::new(job.request.clone(), &console, progress)?;
+    if let Some(format) = job.deep {
+        deep::run(format, &job.device, prepared, output, progress, console)?;
+        return Ok(None);
+    }
+    legend::check(&prepared, &console)?;
+    let session = Session::open(&job.device.open(progress)?, prepared, &console, progress)?;
+    let mut profile = session.profile();
+    picture(job, session, output, None, &mut profile, progress, console)?;
+    Ok(Some(profile))
+}
+
+/// A picture of the first cloud, of the first two and so on, by the camera that shows all of them. Returns the profile
+/// of all.
+pub fn steps(job: &RenderJob, pattern: &Pattern, progress: &Bar, console: Console) -> Result<Profile> {
+    let opened = Opened::new(job.request.clone(), &console, progress)?;
+    if matches!(opened.sources.clouds(), Clouds::Stored(_)) {
+        return Err(usage(IN_FILES));
+    }
+    let count = opened.sources.clouds().len();
+    (1..=count).try_for_each(|step| output::check_target(&pattern.file(step)))?;
+    let mut whole = opened.clone().prepare(&console, progress)?;
+    legend::check(&whole, &console)?;
+    let (mut compilations, mut found) = (Vec::new(), None);
+    if whole.see_through().is_some() {
+        // As with the camera, clouds that are there already stay as they are when one joins.
+        let mut session = Session::upload(&job.device.open(progress)?, whole, false, progress)?;
+        session.find_opacity()?;
+        (found, compilations) = (session.found, session.device.compilations());
+        whole = session.prepared;
+    }
+    let camera = whole.camera;
+    // Each picture has a progress of its own.
+    let phases = progress.spans();
+    progress.finish_and_clear();
+    let (mut whole, mut profile) = (Some(whole), None);
+    for step in 1..=count {
+        let progress = console.progress();
+        let prepared = match whole.take_if(|_| step == count) {
+            Some(whole) => whole,
+            None => {
+                progress.stage(&format!("step {step} of {count}"));
+                // Messages about the scene were printed already.
+                opened.first(step).prepare_by(|_, _, _| Ok((camera, Vec::new())), &Silent, &progress)?
+            }
+        };
+        let mut session = Session::upload(&job.device.open(&progress)?, prepared, false, &progress)?;
+        session.opacity_of_whole = found;
+        session.decide(&console)?;
+        let profile = profile.get_or_insert_with(|| session.profile());
+        picture(job, session, &pattern.file(step), Some((step, count)), profile, &progress, console)?;
+    }
+    let mut profile = profile.ok_or_else(|| usage(IN_FILES))?;
+    profile.add_host(phases, &compilations);
+    Ok(profile)
+}
+
+/// Renders and writes a picture, and adds it to a profile; `step` is its number and the number of all pictures, if it
+/// is one of several.
+fn picture(
+    job: &RenderJob,
+    mut session: Session,
+    output: &Path,
+    step: Option<(usize, usize)>,
+    profile: &mut Profile,
+    progress: &Bar,
+    console: Console,
+) -> Result<()> {
+    session.renderer.timed = job.measure.is_asked() || console.is_verbose();
+    session.describe(&console);
+    // In a time series, warn only once.
+    let last = step.is_none_or(|(step, count)| step == count);
+    if last {
+        session.warn(&console);
+    }
+    let mut rendered = session.render()?;
+    if last {
+        session.judge(&rendered.image, &console)?;
+    }
+    progress.finish_and_clear();
+    let own = step.map(|(step, count)| ("pellucid:step".to_owned(), format!("{step} of {count}")));
+    finish(job, &mut session, &mut rendered, output, own.into_iter().collect(), console)?;
+    profile.add(&rendered);
+    session.add_phases(profile);
+    Ok(())
+}
+
+/// Brightens a rendered image if its method is to do so, and writes it with its metadata, `own` among it. List lengths
+/// and layers are as they were afterwards, if they are written or were counted for a profile.
+pub fn finish(
+    job: &RenderJob,
+    session: &mut Session,
+    rendered: &mut Rendered,
+    output: &Path,
+    own: Vec<(String, String)>,
+    console: Console,
+) -> Result<()> {
+    let options = session.finish(rendered, own, &console)?;
+    let options = WriteOptions { transparent: job.transparent, ..options };
+    // If not requested, the counts served only the profile's histogram.
+    let counted = if job.aov { None } else { rendered.image.fragments.take() };
+    rendered.image.layers = rendered.image.layers.take().filter(|_| job.aov);
+    rendered.image.stderr = rendered.image.stderr.take().filter(|_| job.aov);
+    session.begin_writing();
+    match &session.assembled().legend {
+        Some(legend) => legend::write(output, &rendered.image, &options, legend, &session.frame.camera, &console)?,
+        None => output::write_image(output, &rendered.image, &options)?,
+    }
+    rendered.image.fragments = rendered.image.fragments.take().or(counted);
+    console.detail(format_args!("{}: written", output.display()));
+    Ok(())
+}
