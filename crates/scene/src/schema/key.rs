@@ -168,3 +168,10 @@ pub struct Ladder {
     /// The methods that differ by the key, of those that have it; empty: all of them.
     pub only: &'static [&'static str],
 }
+
+impl Ladder {
+    /// Returns values that are done one by one, all of which a choice considers.
+    pub(crate) const fn new(full: &'static [u32], quick: &'static [u32]) -> Self {
+        Self { full, quick, fine: full, ends_at_longest_list: false, at_once: 1, only: &[] }
+    }
+}

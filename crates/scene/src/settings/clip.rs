@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use crate::error::Error;
-use crate::schema::{Key, Kind, Range};
+use crate::schema::{Key, Kind, Range, keys};
 use crate::table::Table;
 
 /// An entry of `[[clip]]`. A point is drawn if every entry keeps its center.
@@ -53,32 +53,19 @@ const KEYS: [&str; 5] = ["box", "plane", "slab", "polygon", "invert"];
 impl Clip {
     /// Returns the keys of `[[clip]]` with their descriptions.
     pub fn keys() -> Vec<Key> {
-        let key = |name, about, kind| Key { kind, without: "one of the four must be given", ..Key::new(name, about) };
-        let invert =
-            Key { value: Some(false.into()), kind: Kind::Flag, ..Key::new("invert", "Keep the outside instead.") };
-        vec![
-            key(
-                "box",
-                "Keep the inside of a box along the axes.",
-                Kind::Other("`{ min = [x, y, z], max = [x, y, z] }`"),
-            ),
-            key(
-                "plane",
-                "Keep the side of a plane that its normal points to.",
-                Kind::Other("`{ point = [x, y, z], normal = [x, y, z] }`"),
-            ),
-            key(
-                "slab",
-                "Keep the space from `min` to `max` along an axis; one of them may be left out.",
-                Kind::Other("`{ axis = \"x\", min = …, max = … }`, or `\"y\"`, or `\"z\"`"),
-            ),
-            key(
-                "polygon",
-                "GeoJSON file; keep the inside of its polygons in x and y, without their holes.",
-                Kind::Text,
-            ),
-            invert,
-        ]
+        keys! {
+            /// Keep the inside of a box along the axes.
+            "box": Kind::Other("`{ min = [x, y, z], max = [x, y, z] }`"), without "one of the four must be given";
+            /// Keep the side of a plane that its normal points to.
+            "plane": Kind::Other("`{ point = [x, y, z], normal = [x, y, z] }`"), without "one of the four must be given";
+            /// Keep the space from `min` to `max` along an axis; one of them may be left out.
+            "slab": Kind::Other("`{ axis = \"x\", min = …, max = … }`, or `\"y\"`, or `\"z\"`"),
+                without "one of the four must be given";
+            /// GeoJSON file; keep the inside of its polygons in x and y, without their holes.
+            "polygon": Kind::Text, without "one of the four must be given";
+            /// Keep the outside instead.
+            "invert": Kind::Flag, value Some(false.into());
+        }
     }
 
     /// Reads an entry.
