@@ -33,40 +33,24 @@ pub enum Setting {
     Integers(Vec<u32>),
 }
 
-impl From<f64> for Setting {
-    fn from(value: f64) -> Self {
-        Self::Number(value)
-    }
+/// Implements the conversion of a type, of any length `N`, to the variant that holds it.
+macro_rules! from {
+    ($($From:ty => $Variant:ident $(, const $N:ident)?;)+) => {
+        $(impl $(<const $N: usize>)? From<$From> for Setting {
+            fn from(value: $From) -> Self {
+                Self::$Variant(value.into())
+            }
+        })+
+    };
 }
 
-impl From<u32> for Setting {
-    fn from(value: u32) -> Self {
-        Self::Integer(value)
-    }
-}
-
-impl From<bool> for Setting {
-    fn from(value: bool) -> Self {
-        Self::Flag(value)
-    }
-}
-
-impl From<&str> for Setting {
-    fn from(value: &str) -> Self {
-        Self::Word(value.to_owned())
-    }
-}
-
-impl<const N: usize> From<[f64; N]> for Setting {
-    fn from(values: [f64; N]) -> Self {
-        Self::Numbers(values.to_vec())
-    }
-}
-
-impl<const N: usize> From<[u32; N]> for Setting {
-    fn from(values: [u32; N]) -> Self {
-        Self::Integers(values.to_vec())
-    }
+from! {
+    f64 => Number;
+    u32 => Integer;
+    bool => Flag;
+    &str => Word;
+    [f64; N] => Numbers, const N;
+    [u32; N] => Integers, const N;
 }
 
 /// A dotted key and its value; `None` removes the key.
@@ -156,7 +140,7 @@ impl Document {
     /// Takes a key out of a table, if both are there. The table is named by its dotted path (`cloud.0`, `cloud.*` for
     /// all of them), the root by an empty one. In place of the two an array and a number take a table out of it.
     pub fn remove(&mut self, table: &str, key: &str) {
-        visit(&mut self.root, &path(table), &mut |value| match (value, key.parse::<usize>()) {
+        self.root.visit(&path(table), &mut |value| match (value, key.parse::<usize>()) {
             (Value::Table(entries), _) => drop(entries.remove(key)),
             (Value::Array(items), Ok(index)) if index < items.len() => drop(items.remove(index)),
             _ => {}
@@ -249,25 +233,6 @@ fn grow(node: &mut Node, path: &[&str], place: &Place) {
             }
             if let Some(item) = items.get_mut(index) {
                 grow(item, rest, place);
-            }
-        }
-        _ => {}
-    }
-}
-
-/// Goes to everything of a path that is there.
-fn visit(node: &mut Node, path: &[&str], at: &mut impl FnMut(&mut Value)) {
-    match (path, &mut node.value) {
-        ([], value) => at(value),
-        ([key, rest @ ..], Value::Table(entries)) => {
-            if let Some((_, node)) = entries.get_mut(*key) {
-                visit(node, rest, at);
-            }
-        }
-        (["*", rest @ ..], Value::Array(items)) => items.iter_mut().for_each(|item| visit(item, rest, at)),
-        ([index, rest @ ..], Value::Array(items)) => {
-            if let Some(item) = index.parse().ok().and_then(|i: usize| items.get_mut(i)) {
-                visit(item, rest, at);
             }
         }
         _ => {}

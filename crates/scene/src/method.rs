@@ -17,9 +17,9 @@ pub(super) fn read(table: &Table<'_>) -> Result<MethodChoice, Error> {
     known.sort_unstable();
     table.refuse_unknown(&known)?;
     let mut choice = choice(table)?;
-    if let (Some(softness), true) = (table.get("softness"), table.get("lambda").is_some()) {
-        let problem = "`method.lambda` and `method.softness` set the same thing: keep one".into();
-        return Err(Error::Conflict { place: softness.place.clone(), problem });
+    if table.get("softness").is_some() && table.get("lambda").is_some() {
+        let problem = "`method.lambda` and `method.softness` set the same thing: keep one";
+        return Err(table.conflict("softness", problem));
     }
     let name = choice.name();
     let own = choice.keys();

@@ -96,8 +96,7 @@ pub(super) fn read_scene(root: &Node, folder: Option<&Path>) -> Result<Scene, Er
     let detail = read(&table.table("detail")?)?;
     check_edl(&table, &shading, &method)?;
     if settings.is_empty() {
-        let problem = "no cloud: add [[cloud]] with path = \"FILE\"".into();
-        return Err(Error::Conflict { place: table.place, problem });
+        return Err(table.conflict("", "no cloud: add [[cloud]] with path = \"FILE\""));
     }
     let warnings = context.warnings.take();
     let json = root.value.to_json().to_string();
@@ -124,14 +123,12 @@ fn cloud(table: &Table<'_>) -> Result<CloudSettings, Error> {
     let mut cloud = CloudSettings::default();
     table.refuse_unknown(&names(&cloud))?;
     if table.get("path").is_none() {
-        let problem = "a [[cloud]] needs `path`, the file of its points".into();
-        return Err(Error::Conflict { place: table.place.clone(), problem });
+        return Err(table.conflict("", "a [[cloud]] needs `path`, the file of its points"));
     }
     cloud.read(table)?;
-    if let (Some(node), Some(_)) = (table.get("surface_opacity"), table.get("opacity")) {
-        let problem =
-            "`opacity` (of each splat) and `surface_opacity` (of the surface) exclude each other: keep one".into();
-        return Err(Error::Conflict { place: node.place.clone(), problem });
+    if table.get("surface_opacity").is_some() && table.get("opacity").is_some() {
+        let problem = "`opacity` (of each splat) and `surface_opacity` (of the surface) exclude each other: keep one";
+        return Err(table.conflict("surface_opacity", problem));
     }
     Ok(cloud)
 }
@@ -147,14 +144,9 @@ fn warn_of_fields(cloud: &Table<'_>, method: &MethodChoice) {
 /// only known once the points are.
 fn check_edl(root: &Table<'_>, shading: &Shading, method: &MethodChoice) -> Result<(), Error> {
     let Some(method) = method.fixed().filter(|method| shading.edl.edl && !method.takes_edl()) else { return Ok(()) };
-    let table = root.table("shading")?;
-    let place = table.get("edl").map_or(&table.place, |node| &node.place).clone();
-    let problem = format!(
-        "`shading.edl` needs the depth of a surface, but method {:?} has none: {}",
-        method.name(),
-        edl_methods()
-    );
-    Err(Error::Conflict { place, problem })
+    let (name, others) = (method.name(), edl_methods());
+    let problem = format!("`shading.edl` needs the depth of a surface, but method {name:?} has none: {others}");
+    Err(root.table("shading")?.conflict("edl", problem))
 }
 
 /// `[shadows]`; a method that can't have shadows leaves a warning. The method that `auto` becomes is only known once

@@ -40,7 +40,7 @@ pub(super) fn read(cloud: &Table<'_>, key: &str) -> Result<Option<Photo>, Error>
                 "`photo.{given}` needs `photo.{missing}`: they are the picture's edges as vectors in the world; \
                  without both its width is 1 along x"
             );
-            return Err(Error::Conflict { place: node.place.clone(), problem });
+            return Err(table.conflict("", problem));
         }
     };
     let scale = table.number("height_scale", Range::COORDINATE)?;
@@ -53,7 +53,7 @@ pub(super) fn read(cloud: &Table<'_>, key: &str) -> Result<Option<Photo>, Error>
         (Some(path), Some(scale)) => Some(Heights { path, scale }),
         (Some(_), None) => {
             let problem = "`photo.heights` needs `photo.height_scale`, the height of white over black in world units";
-            return Err(Error::Conflict { place: node.place.clone(), problem: problem.into() });
+            return Err(table.conflict("", problem));
         }
     };
     Ok(Some(Photo { origin: table.vector("origin")?, edges, heights }))

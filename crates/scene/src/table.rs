@@ -108,7 +108,14 @@ impl<'a> Table<'a> {
         self.error(key, node, format!("must be {wanted}, found {}", node.value.describe()))
     }
 
-    /// What a reader makes of a key's value, if it has one.
+    /// Returns an error about keys that contradict each other, or lack one, at the place of one of them; at that of the
+    /// table if it is not there.
+    pub fn conflict(&self, key: &str, problem: impl Into<String>) -> Error {
+        let place = self.get(key).map_or(&self.place, |node| &node.place).clone();
+        Error::Conflict { place, problem: problem.into() }
+    }
+
+    /// Reads the value of a key, if it has one.
     fn read<T>(&self, key: &str, read: impl FnOnce(&'a Node) -> Result<T, Error>) -> Result<Option<T>, Error> {
         self.get(key).map(read).transpose()
     }

@@ -47,21 +47,15 @@ impl Part for View {
 }
 
 fn agree(settings: &CameraSettings, table: &Table<'_>) -> Result<(), Error> {
-    let conflict = |key: &str, problem: String| {
-        let place = table.get(key).map_or(&table.place, |node| &node.place).clone();
-        Err(Error::Conflict { place, problem })
+    let conflict = |key: &str, problem: String| Err(table.conflict(key, problem));
+    let kept = |other: &str| {
+        format!("`camera.fov_y` (perspective) and `camera.{other}` (orthographic) are both given: keep one")
     };
     if settings.fov_y.is_some() && settings.height.is_some() {
-        return conflict(
-            "height",
-            "`camera.fov_y` (perspective) and `camera.height` (orthographic) are both given: keep one".into(),
-        );
+        return conflict("height", kept("height"));
     }
     if settings.fov_y.is_some() && settings.ortho {
-        return conflict(
-            "ortho",
-            "`camera.fov_y` (perspective) and `camera.ortho` (orthographic) are both given: keep one".into(),
-        );
+        return conflict("ortho", kept("ortho"));
     }
     if let (Some(near), Some(far)) = (settings.near, settings.far)
         && near >= far

@@ -80,16 +80,15 @@ fn code(table: &Table<'_>, node: &Node) -> Result<u8, Error> {
 
 fn read(table: &Table<'_>) -> Result<ClassSettings, Error> {
     table.refuse_unknown(&["id", "scalar", "range", "opacity", "color", "visible"])?;
-    let conflict = |problem: &str| Error::Conflict { place: table.place.clone(), problem: problem.to_owned() };
     let points = match (table.get("id"), table.string("scalar")?, table.range("range")?) {
         (Some(node), None, None) => Selection::Class(code(table, node)?),
         (None, Some(name), Some(range)) => Selection::Scalar { name: name.to_owned(), range },
-        _ => return Err(conflict("a [[cloud.class]] needs either `id`, or `scalar` and `range`")),
+        _ => return Err(table.conflict("", "a [[cloud.class]] needs either `id`, or `scalar` and `range`")),
     };
     let opacity = table.number32("opacity", Range::UNIT)?;
     let (color, visible) = (table.color("color")?, table.boolean("visible")?);
     if opacity.is_none() && color.is_none() && visible.is_none() {
-        return Err(conflict("a [[cloud.class]] needs `opacity`, `color` or `visible`"));
+        return Err(table.conflict("", "a [[cloud.class]] needs `opacity`, `color` or `visible`"));
     }
     Ok(ClassSettings { points, opacity, color, visible })
 }

@@ -73,9 +73,8 @@ impl Clip {
         table.refuse_unknown(&KEYS)?;
         let given: Vec<_> = KEYS[..4].iter().copied().filter(|key| table.get(key).is_some()).collect();
         let [shape] = given[..] else {
-            let problem =
-                format!("a [[clip]] needs one of `box`, `plane`, `slab` and `polygon`, found {}", given.len());
-            return Err(Error::Conflict { place: table.place.clone(), problem });
+            let problem = "a [[clip]] needs one of `box`, `plane`, `slab` and `polygon`, found";
+            return Err(table.conflict("", format!("{problem} {}", given.len())));
         };
         let shape = match shape {
             "box" => read_box(&table.table("box")?)?,
@@ -87,16 +86,12 @@ impl Clip {
     }
 }
 
-fn conflict(table: &Table<'_>, problem: &str) -> Error {
-    Error::Conflict { place: table.place.clone(), problem: problem.to_owned() }
-}
-
 fn read_box(table: &Table<'_>) -> Result<ClipShape, Error> {
     table.refuse_unknown(&["min", "max"])?;
     match (table.vector("min")?, table.vector("max")?) {
         (Some(min), Some(max)) if min.cmple(max).all() => Ok(ClipShape::Box { min, max }),
-        (Some(_), Some(_)) => Err(conflict(table, "the `min` of a box must be at most its `max`, on every axis")),
-        _ => Err(conflict(table, "a box needs `min` and `max`")),
+        (Some(_), Some(_)) => Err(table.conflict("", "the `min` of a box must be at most its `max`, on every axis")),
+        _ => Err(table.conflict("", "a box needs `min` and `max`")),
     }
 }
 
@@ -104,7 +99,7 @@ fn read_plane(table: &Table<'_>) -> Result<ClipShape, Error> {
     table.refuse_unknown(&["point", "normal"])?;
     match (table.vector("point")?, table.direction("normal")?) {
         (Some(point), Some(normal)) => Ok(ClipShape::Plane { point, normal }),
-        _ => Err(conflict(table, "a plane needs `point` and `normal`")),
+        _ => Err(table.conflict("", "a plane needs `point` and `normal`")),
     }
 }
 
@@ -114,10 +109,10 @@ fn read_slab(table: &Table<'_>) -> Result<ClipShape, Error> {
     match (axis, table.number("min", Range::ANY)?, table.number("max", Range::ANY)?) {
         (Some(axis), min, max) if min.or(max).is_some() => match (min, max) {
             (Some(least), Some(most)) if least > most => {
-                Err(conflict(table, "the `min` of a slab must be at most its `max`"))
+                Err(table.conflict("", "the `min` of a slab must be at most its `max`"))
             }
             _ => Ok(ClipShape::Slab { axis, min, max }),
         },
-        _ => Err(conflict(table, "a slab needs `axis`, and `min` or `max`")),
+        _ => Err(table.conflict("", "a slab needs `axis`, and `min` or `max`")),
     }
 }

@@ -135,9 +135,8 @@ fn field(table: &Table<'_>, key: &str) -> Result<Option<Field>, Error> {
         Some("uncertainty") => Field::Uncertainty,
         Some("classification") => {
             let Some(mut classes) = classes else {
-                let place = table.get(key).map_or(&table.place, |node| &node.place).clone();
-                let problem = "field = \"classification\" needs soft_classes, as in soft_classes = [3, 4, 5]".into();
-                return Err(Error::Conflict { place, problem });
+                let problem = "field = \"classification\" needs soft_classes, as in soft_classes = [3, 4, 5]";
+                return Err(table.conflict(key, problem));
             };
             classes.sort_unstable();
             classes.dedup();

@@ -27,20 +27,16 @@ settings! {
 }
 
 fn agree(soft: &Soft, table: &Table<'_>) -> Result<(), Error> {
-    let (Some(most), Some(node)) = (soft.modulation, table.get("modulation")) else { return Ok(()) };
-    let conflict = |problem| Err(Error::Conflict { place: node.place.clone(), problem });
+    let Some(most) = soft.modulation.filter(|_| table.get("modulation").is_some()) else { return Ok(()) };
     let threshold = soft.threshold;
-    if most <= threshold {
-        return conflict(format!(
-            "`method.modulation` must lie above `method.threshold`, found {most} and {threshold}"
-        ));
-    }
-    if soft.layout == SoftLayout::Paper {
-        return conflict(
-            "`method.layout = \"paper\"` has no room for what `method.modulation` needs: keep one".to_owned(),
-        );
-    }
-    Ok(())
+    let problem = if most <= threshold {
+        format!("`method.modulation` must lie above `method.threshold`, found {most} and {threshold}")
+    } else if soft.layout == SoftLayout::Paper {
+        "`method.layout = \"paper\"` has no room for what `method.modulation` needs: keep one".to_owned()
+    } else {
+        return Ok(());
+    };
+    Err(table.conflict("modulation", problem))
 }
 
 /// Density of the spheres of the soft methods.
