@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 
 pub use ranges::{Ranges, ranges};
 
-use super::abuffer::{Composite, Fragment, composite};
+use super::fragments::{Composite, Fragment, composite};
 use super::range::{DEPTH_ERROR, ROUNDING, screen_error};
 use super::{Picture, dealing};
 use pellucid_core::camera::{Camera, Projection};
@@ -334,11 +334,5 @@ pub fn limit(camera: &Camera, size: [u32; 2], dealt: &Dealt, colors: &[DVec3], r
         composite(list, colors)
     });
     let composites: Vec<Composite> = composites.collect();
-    Picture {
-        width: size[0],
-        height: size[1],
-        rgba: composites.iter().map(|c| c.color.extend(c.alpha).to_array()).collect(),
-        depth: composites.iter().map(|c| c.depth).collect(),
-        counts: lists.iter().map(|list| list.len() as u32).collect(),
-    }
+    Picture::of(size, &composites, lists.iter().map(|list| list.len() as u32).collect())
 }
