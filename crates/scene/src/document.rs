@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use super::error::{Error, Place};
 use super::overrides::Overrides;
 use super::parse;
-use super::settings::Scene;
+use super::scene::Scene;
+use super::setting::Setting;
 use super::tree::{self, Entries, Node, Value};
 
 /// The keys of a scene with their values, as given by a file and options; others are absent.
@@ -14,43 +15,6 @@ pub struct Document {
     root: Node,
     /// The folder that relative paths of clouds start from.
     folder: Option<PathBuf>,
-}
-
-/// A value for a key.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Setting {
-    /// A number.
-    Number(f64),
-    /// A whole number.
-    Integer(u32),
-    /// True or false.
-    Flag(bool),
-    /// A string.
-    Word(String),
-    /// Some numbers.
-    Numbers(Vec<f64>),
-    /// Some whole numbers.
-    Integers(Vec<u32>),
-}
-
-/// Implements the conversion of a type, of any length `N`, to the variant that holds it.
-macro_rules! from {
-    ($($From:ty => $Variant:ident $(, const $N:ident)?;)+) => {
-        $(impl $(<const $N: usize>)? From<$From> for Setting {
-            fn from(value: $From) -> Self {
-                Self::$Variant(value.into())
-            }
-        })+
-    };
-}
-
-from! {
-    f64 => Number;
-    u32 => Integer;
-    bool => Flag;
-    &str => Word;
-    [f64; N] => Numbers, const N;
-    [u32; N] => Integers, const N;
 }
 
 /// A dotted key and its value; `None` removes the key.
@@ -207,6 +171,44 @@ impl Document {
     }
 }
 
+impl Scene {
+    /// Returns the scene that `text` describes. `origin` is the file's path: named in errors, and clouds are relative
+    /// to its folder.
+    ///
+    /// # Errors
+    /// Whatever is wrong with the text, with line and column.
+    pub fn from_toml(text: &str, origin: &Path) -> Result<Self, Error> {
+        Self::from_toml_with(text, origin, &Overrides::default())
+    }
+
+    /// Reads a scene like [`Scene::from_toml`], with options merged into the file before any check.
+    ///
+    /// # Errors
+    /// Invalid text (with line and column) or an invalid option (with its name).
+    pub fn from_toml_with(text: &str, origin: &Path, overrides: &Overrides) -> Result<Self, Error> {
+        Document::from_toml(text, origin, overrides)?.scene()
+    }
+
+    /// Returns the scene in the file `path`, with options laid over it.
+    ///
+    /// # Errors
+    /// A file that is missing, empty, too large or not text, and all of [`Scene::from_toml_with`].
+    pub fn read(path: &Path, overrides: &Overrides) -> Result<Self, Error> {
+        Document::read(path, overrides)?.scene()
+    }
+
+    /// Returns a scene of cloud files with every default, and options laid over it.
+    ///
+    /// # Errors
+    /// Whatever is wrong with an option.
+    pub fn from_clouds(
+        paths: impl IntoIterator<Item = impl AsRef<Path>>,
+        overrides: &Overrides,
+    ) -> Result<Self, Error> {
+        Document::from_clouds(paths, overrides)?.scene()
+    }
+}
+
 /// The segments of a dotted path; empty for an empty one.
 fn path(dotted: &str) -> Vec<&str> {
     dotted.split('.').filter(|segment| !segment.is_empty()).collect()
@@ -236,34 +238,6 @@ fn grow(node: &mut Node, path: &[&str], place: &Place) {
             }
         }
         _ => {}
-    }
-}
-
-/// The notation of a scene file.
-impl std::fmt::Display for Setting {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Number(x) => write!(f, "{x:?}"),
-            Self::Integer(i) => write!(f, "{i}"),
-            Self::Flag(flag) => write!(f, "{flag}"),
-            Self::Word(word) => write!(f, "{word:?}"),
-            Self::Numbers(list) => write!(f, "{list:?}"),
-            Self::Integers(list) => write!(f, "{list:?}"),
-        }
-    }
-}
-
-impl Setting {
-    pub(super) fn into_value(self, place: &Place) -> Value {
-        let node = |value| Node { place: place.clone(), value };
-        match self {
-            Self::Number(x) => Value::Float(x),
-            Self::Integer(i) => Value::Integer(i.into()),
-            Self::Flag(flag) => Value::Boolean(flag),
-            Self::Word(word) => Value::String(word),
-            Self::Numbers(list) => Value::Array(list.into_iter().map(|x| node(Value::Float(x))).collect()),
-            Self::Integers(list) => Value::Array(list.into_iter().map(|i| node(Value::Integer(i.into()))).collect()),
-        }
     }
 }
 

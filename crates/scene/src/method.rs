@@ -1,11 +1,11 @@
 //! `[method]`: the method in force, its keys, and the keys of others.
 
 use super::choice::MethodChoice;
-use super::document::Setting;
 use super::error::{Error, Place};
 use super::keys::{all_method_keys, owners};
 use super::methods::{METHODS, Method};
 use super::schema::{Key, Kind, Word};
+use super::setting::Setting;
 use super::settings::Raster;
 use super::table::{Context, Table};
 use super::tree::{Entries, Node, Value};

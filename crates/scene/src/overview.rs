@@ -5,9 +5,9 @@ use rayon::prelude::*;
 
 use super::covered::Pixels;
 use super::document::Document;
-use super::framing::{camera, vertical_of};
+use super::framing::camera;
 use super::overrides::Overrides;
-use super::settings::Scene;
+use super::scene::Scene;
 use super::surroundings;
 use crate::prepare::sampled::{Sampled, sample};
 use crate::prepare::{DEFAULT_NEIGHBORS, radius};
@@ -62,7 +62,7 @@ fn automatic(cloud: &Cloud, points: &Points) -> Option<(Camera, [u32; 2], bool)>
     let document = Document::from_clouds(["cloud"], &Overrides::default()).ok()?;
     let scene: Scene = document.scene().ok()?;
     let (camera, _) = camera(&scene, points, cloud.up).ok()?;
-    let vertical = vertical_of(&scene.camera, cloud.up);
+    let vertical = scene.camera.vertical(cloud.up);
     let inside = surroundings::inside(&scene.camera, points, vertical).is_some();
     Some((camera, scene.image.size, inside))
 }

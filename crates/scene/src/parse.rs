@@ -3,12 +3,11 @@
 use std::path::Path;
 
 use super::choice::MethodChoice;
-use super::document::Document;
 use super::error::{Error, Place};
 use super::keys::owners;
 use super::method;
 use super::methods::edl_methods;
-use super::overrides::Overrides;
+use super::scene::Scene;
 use super::schema::{Key, Settings, Value};
 use super::settings::*;
 use super::table::{Context, Table};
@@ -16,44 +15,6 @@ use super::tree::Node;
 
 /// Scene files are text written by hand; one above this size is something else.
 const MAX_FILE_BYTES: u64 = 16 << 20;
-
-impl Scene {
-    /// Returns the scene that `text` describes. `origin` is the file's path: named in errors, and clouds are relative
-    /// to its folder.
-    ///
-    /// # Errors
-    /// Whatever is wrong with the text, with line and column.
-    pub fn from_toml(text: &str, origin: &Path) -> Result<Self, Error> {
-        Self::from_toml_with(text, origin, &Overrides::default())
-    }
-
-    /// Reads a scene like [`Scene::from_toml`], with options merged into the file before any check.
-    ///
-    /// # Errors
-    /// Invalid text (with line and column) or an invalid option (with its name).
-    pub fn from_toml_with(text: &str, origin: &Path, overrides: &Overrides) -> Result<Self, Error> {
-        Document::from_toml(text, origin, overrides)?.scene()
-    }
-
-    /// Returns the scene in the file `path`, with options laid over it.
-    ///
-    /// # Errors
-    /// A file that is missing, empty, too large or not text, and all of [`Scene::from_toml_with`].
-    pub fn read(path: &Path, overrides: &Overrides) -> Result<Self, Error> {
-        Document::read(path, overrides)?.scene()
-    }
-
-    /// Returns a scene of cloud files with every default, and options laid over it.
-    ///
-    /// # Errors
-    /// Whatever is wrong with an option.
-    pub fn from_clouds(
-        paths: impl IntoIterator<Item = impl AsRef<Path>>,
-        overrides: &Overrides,
-    ) -> Result<Self, Error> {
-        Document::from_clouds(paths, overrides)?.scene()
-    }
-}
 
 /// Returns a scene file's text.
 pub(super) fn read_text(path: &Path) -> Result<String, Error> {

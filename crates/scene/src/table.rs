@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use glam::{DVec3, Vec3};
 
 use super::error::{Error, Place};
-use super::schema::Range;
+use super::range::Range;
 use super::tree::{Entries, Node, Value};
 use pellucid_core::words::nearest;
 

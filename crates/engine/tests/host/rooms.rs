@@ -103,7 +103,7 @@ fn circle(mut uses: Uses) -> BTreeSet<String> {
 }
 
 /// Rooms that use each other in a circle today, each list with the reason. Entries are only ever deleted.
-const KNOWN: [(&str, &[&str], &[&str]); 7] = [
+const KNOWN: [(&str, &[&str], &[&str]); 5] = [
     // Commands are documented by a room that runs them.
     ("cli", &[], &["commands", "error"]),
     // Context, recorder, buffers and pipelines hold each other.
@@ -117,31 +117,6 @@ const KNOWN: [(&str, &[&str], &[&str]); 7] = [
     ),
     // Readers and stores share the error and the source of the root.
     ("io", &[], &["channel", "columns", "las", "store"]),
-    // Methods share fragments and compositing.
-    ("reference", &[], &["abuffer", "approximate", "gaussians", "mlab", "moments", "wavelet"]),
-    // Settings read themselves from the tables that they describe.
-    (
-        "scene",
-        &[],
-        &[
-            "assemble",
-            "choice",
-            "coloring",
-            "document",
-            "framing",
-            "gaussians",
-            "keys",
-            "legend",
-            "method",
-            "methods",
-            "overrides",
-            "parse",
-            "schema",
-            "settings",
-            "surroundings",
-            "table",
-        ],
-    ),
     // The panel and its parts share the state of the app.
     (
         "viewer",

@@ -1,7 +1,7 @@
 //! Properties of a key that are known without reading a scene.
 
 use super::Range;
-use crate::Setting;
+use crate::setting::Setting;
 
 /// A key of the scene file.
 #[derive(Debug, Clone, PartialEq)]

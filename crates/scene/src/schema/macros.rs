@@ -177,7 +177,7 @@ macro_rules! words {
         $crate::schema::value! {
             $Name => $crate::schema::Kind::Words($Name::WORDS);
             |table, key| table.choice(key, $Name::ALL);
-            |word| Some($crate::Setting::Word(word.word().to_owned()));
+            |word| Some($crate::setting::Setting::Word(word.word().to_owned()));
         }
     };
 }
@@ -208,7 +208,7 @@ macro_rules! value {
                 $read
             }
 
-            fn setting(&self) -> Option<$crate::Setting> {
+            fn setting(&self) -> Option<$crate::setting::Setting> {
                 let $value = self;
                 $setting
             }

@@ -7,13 +7,11 @@
 
 mod key;
 mod macros;
-mod range;
 mod value;
 
+pub use super::range::Range;
 pub use key::{Key, Kind, Ladder, Slider, Word};
 pub(crate) use macros::{allowed, keys, settings, value, words};
-pub(crate) use range::MAX_COORDINATE;
-pub use range::Range;
 pub use value::rounded;
 pub(crate) use value::{Part, Value, Vectors};
 

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use glam::{DVec3, Vec3};
 
 use super::{Key, Kind, Range, value};
-use crate::Setting;
 use crate::error::Error;
+use crate::setting::Setting;
 use crate::table::Table;
 
 /// A type that a key gives a value to.

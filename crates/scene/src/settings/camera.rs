@@ -5,7 +5,8 @@ use glam::DVec3;
 use crate::error::Error;
 use crate::schema::{Key, Part, Range, Vectors, settings};
 use crate::table::Table;
-use crate::view::View;
+use crate::view::{Vertical, View};
+use pellucid_core::cloud::UpAxis;
 
 settings! {
     /// `[camera]` as given, and the view asked for on the command line; [`camera`](crate::camera) fills in the rest.
@@ -32,6 +33,13 @@ settings! {
         view: View = View::default();
     }
     check agree;
+}
+
+impl CameraSettings {
+    /// Returns the vertical: the axis nearest to `up` of the camera, else that of the clouds.
+    pub(crate) fn vertical(&self, up: UpAxis) -> Vertical {
+        self.up.and_then(Vertical::nearest).unwrap_or(up.into())
+    }
 }
 
 impl Part for View {

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use glam::{DVec3, Vec3};
 
-use crate::Setting;
 use crate::error::Error;
 use crate::photo;
 use crate::schema::{Key, Kind, Part, Range, Slider, Vectors, keys, settings, value, words};
+use crate::setting::Setting;
 use crate::settings::{ClassSettings, ColorSettings, Strays};
 use crate::table::Table;
 use pellucid_core::cloud::field::Field;
@@ -69,6 +69,11 @@ words! {
 }
 
 impl CloudSettings {
+    /// Returns the position of a point of the file in the scene.
+    pub(crate) fn placed(&self, position: DVec3) -> DVec3 {
+        self.scale * position + self.translate
+    }
+
     /// Returns the hints that the settings give about the file.
     pub fn hints(&self) -> Hints<'_> {
         let las = if self.color.is_some() { LasColumns::default() } else { self.coloring.color_by.las_columns() };

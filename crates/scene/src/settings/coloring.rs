@@ -1,8 +1,8 @@
 //! The keys of a `[[cloud]]` that decide the colors of its points.
 
-use crate::Setting;
 use crate::error::Error;
 use crate::schema::{Kind, Word, settings, value, words};
+use crate::setting::Setting;
 use crate::table::Table;
 use pellucid_core::color::colormap::Colormap;
 use pellucid_io::LasColumns;

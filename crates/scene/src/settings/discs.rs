@@ -1,7 +1,7 @@
 //! Transparent discs, and the methods that blend them.
 
-use crate::Setting;
 use crate::schema::{Kind, Ladder, Range, Slider, settings, value, words};
+use crate::setting::Setting;
 
 settings! {
     /// Settings of the disc family (`abuffer` and its relatives).

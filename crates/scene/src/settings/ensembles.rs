@@ -1,7 +1,7 @@
 //! Points that are dealt to ensembles.
 
-use crate::Setting;
 use crate::schema::{Kind, Ladder, Range, Slider, rounded, settings, value};
+use crate::setting::Setting;
 use crate::tree;
 
 /// Most ensembles.

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use crate::document::Setting;
 use crate::schema::{Kind, Word, settings, value};
+use crate::setting::Setting;
 use pellucid_core::color::ColorSpace;
 use pellucid_core::image::MAX_SIDE;
 

@@ -1,7 +1,7 @@
 //! `[shading]` and its light, and `[shadows]`.
 
-use crate::Setting;
 use crate::schema::{Kind, Range, Slider, settings, value, words};
+use crate::setting::Setting;
 use crate::tree;
 use pellucid_core::cloud::shadow_texture::Casting;
 use pellucid_core::image::MAX_SIDE;

@@ -1,8 +1,8 @@
 //! Soft spheres, and the one transparent layer: methods that tell soft points from solid ones.
 
-use crate::Setting;
 use crate::error::Error;
 use crate::schema::{Key, Kind, Ladder, Part, Range, Slider, keys, rounded, settings, value, words};
+use crate::setting::Setting;
 use crate::table::Table;
 use crate::tree;
 

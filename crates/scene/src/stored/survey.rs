@@ -5,7 +5,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::super::assemble::placed;
 use super::super::settings::CloudSettings;
 use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::facts::Facts;
@@ -101,7 +100,7 @@ fn survey(
         let cloud = store.read(node)?.cloud;
         progress.inc(cloud.len() as u64);
         let positions = cloud.positions.iter().enumerate();
-        let taken = positions.filter(|(_, position)| sampling.takes(placed(settings, **position)));
+        let taken = positions.filter(|(_, position)| sampling.takes(settings.placed(**position)));
         let taken: Vec<u32> = taken.map(|(at, _)| at as u32).collect();
         let mut range = NONE;
         if let Some(field) = field {
