@@ -1,7 +1,7 @@
 //! The methods in float64 over slices, written from the equations; no device is involved.
 //!
 //! Nothing here is fast, nothing is shared with a shader: a method and its reference agree only if both are right.
-//! Hand-worked cases in `crates/engine/tests/host/reference/` check the references, the references check the device.
+//! Hand-worked cases in `tests/host/` check the references, the references check the device.
 
 pub mod abuffer;
 pub mod approximate;

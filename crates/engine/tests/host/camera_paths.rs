@@ -4,7 +4,6 @@ mod curve;
 mod exact;
 mod file;
 mod import;
-mod turntable;
 
 use glam::DVec3;
 use pellucid_engine::camera::Projection;

@@ -1,31 +1,13 @@
 //! Tests without a device: files, scenes, points, camera paths, images and the float64 references.
 
 mod camera_paths;
-mod classes;
 mod clips;
-mod coloring;
 mod comments;
 mod deep;
-mod edl;
-mod ensembles;
 mod in_place;
 mod io;
-mod legend;
 mod metrics;
 mod output;
-mod photo;
-mod prepare;
-mod prepare_store;
-mod procedural;
 mod reach;
-mod reference;
 mod rooms;
-mod scene;
-mod scene_camera;
-mod scene_points;
-mod shading_normals;
-mod strays;
-mod surface_opacity;
-mod terrain;
-mod terrain_store;
-mod tracked;
+mod soft_model;
