@@ -57,7 +57,7 @@ impl<'a> Course<'a> {
         let bounds = &self.subject.bounds;
         let (near, far) = framing::depths(given, pose.eye, pose.forward, bounds, self.subject.radius);
         let camera = pose.camera(near, far);
-        if !(camera.eye.is_finite() && far.is_finite() && near > 0.0 && near < far) {
+        if !framing::is_usable(&camera) {
             return Err(Error::Extent { min: bounds.min, max: bounds.max });
         }
         Ok(camera)

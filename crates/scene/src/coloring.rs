@@ -151,16 +151,24 @@ pub(super) struct ColorKey {
 impl<'a> Coloring<'a> {
     /// Returns the coloring of the cloud at a place in the scene.
     pub fn of(scene: &'a Scene, index: usize, cloud: &'a Cloud) -> Self {
-        let settings = &scene.clouds[index];
-        let choice = Choice::of(&settings.coloring.color_by, cloud, None);
-        Self { settings, cloud, index, choice, vertical: scene.camera.vertical(cloud.up), scales: None }
+        let choice = Choice::of(&scene.clouds[index].coloring.color_by, cloud, None);
+        Self::with(scene, index, cloud, choice, None)
     }
 
     /// Returns the coloring of a cloud of which some points are there, given the facts of all of them.
     pub fn of_sample(scene: &'a Scene, index: usize, sample: &'a Cloud, facts: &Facts) -> Self {
-        let settings = &scene.clouds[index];
-        let choice = Choice::of(&settings.coloring.color_by, sample, Some(facts));
-        Self { settings, cloud: sample, index, choice, vertical: scene.camera.vertical(sample.up), scales: None }
+        let choice = Choice::of(&scene.clouds[index].coloring.color_by, sample, Some(facts));
+        Self::with(scene, index, sample, choice, None)
+    }
+
+    /// Returns the coloring of a part of a cloud.
+    pub fn of_part(scene: &'a Scene, index: usize, part: &'a Cloud, scales: &'a Scales) -> Self {
+        Self::with(scene, index, part, scales.choice.clone(), Some(scales))
+    }
+
+    fn with(scene: &'a Scene, index: usize, cloud: &'a Cloud, choice: Choice, scales: Option<&'a Scales>) -> Self {
+        let vertical = scene.camera.vertical(cloud.up);
+        Self { settings: &scene.clouds[index], cloud, index, choice, vertical, scales }
     }
 
     /// Returns the same of another part of the same cloud, with the scales of this one. `fields` as for
@@ -173,12 +181,6 @@ impl<'a> Coloring<'a> {
         let light =
             self.cloud.intensity.as_ref().filter(|_| self.choice.modulated).map(|values| self.light(&doubles(values)));
         Ok(Scales { choice: self.choice.clone(), values, light })
-    }
-
-    /// Returns the coloring of a part of a cloud.
-    pub fn of_part(scene: &'a Scene, index: usize, part: &'a Cloud, scales: &'a Scales) -> Self {
-        let (settings, choice) = (&scene.clouds[index], scales.choice.clone());
-        Self { settings, cloud: part, index, choice, vertical: scene.camera.vertical(part.up), scales: Some(scales) }
     }
 
     /// Returns `true` if F of the points must be known.

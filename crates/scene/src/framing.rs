@@ -67,7 +67,7 @@ pub(super) fn camera_of(
         return Err(Error::Conflict { place: super::Place::Option("camera.up".into()), problem });
     };
     let (near, far) = (camera.near, camera.far);
-    if !(camera.eye.is_finite() && far.is_finite() && near > 0.0 && near < far) {
+    if !is_usable(&camera) {
         return Err(Error::Extent { min: bounds.min, max: bounds.max });
     }
     let mut warnings = Vec::new();
@@ -93,9 +93,12 @@ pub fn camera_at(settings: &CameraSettings, bounds: &Bounds, radius: f64) -> Opt
     }
     let (eye, target, up) = (settings.eye?, settings.target?, settings.up?);
     let pose = Pose { eye, forward: (target - eye).try_normalize()?, up };
-    let camera = placed(settings, &pose, bounds, radius)?;
-    let usable = camera.eye.is_finite() && camera.far.is_finite() && camera.near > 0.0 && camera.near < camera.far;
-    Some(camera).filter(|_| usable)
+    placed(settings, &pose, bounds, radius).filter(is_usable)
+}
+
+/// Returns `true` if coordinates and depths are such that a picture can be made.
+pub(super) fn is_usable(&Camera { eye, near, far, .. }: &Camera) -> bool {
+    eye.is_finite() && far.is_finite() && near > 0.0 && near < far
 }
 
 /// Returns the part of a scene to frame.

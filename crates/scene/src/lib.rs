@@ -5,6 +5,7 @@
 
 mod along;
 mod assemble;
+mod batches;
 mod broadest_side;
 mod choice;
 mod classes;

@@ -327,7 +327,8 @@ fn ensembles_of_copies_tend_to_the_limit_too() {
     }
     assert!(errors[1] < 0.35 * errors[0] && errors[2] < 0.35 * errors[1], "{errors:?}");
     // Dealt in the same order again and again, they are no better than the first pass.
-    let same = |deal: &Deal, e: u32| deal.slots(e).map(|slot| slot % deal.points).collect();
+    let again = |deal: &Deal, e: u32| deal.slots(e).map(|slot| slot % deal.points).collect();
+    let same = |deal: &Deal| (0..deal.ensembles).map(|e| again(deal, e)).collect();
     let (picture, _) = render_with(&wide(), WIDE, &dealt, &white(&dealt), &rule(400), 5, same);
     let squares = picture.rgba.iter().zip(&exact.rgba).map(|(a, b)| (a[0] - b[0]).powi(2)).sum::<f64>() / AREA;
     assert!(squares > 3.0 * errors[2], "{squares}, {errors:?}");
@@ -338,7 +339,8 @@ fn ensembles_of_copies_tend_to_the_limit_too() {
 fn judge(hand: impl Fn(&Deal, u32) -> Vec<u64>) -> Result<(), String> {
     let (ensembles, alpha) = (10u32, 0.5f32);
     let dealt = dealt(&[(plane(200.0, 5.0, 11), 200.0, alpha)]);
-    let (picture, stderr) = render_with(&wide(), WIDE, &dealt, &white(&dealt), &rule(ensembles), 0, hand);
+    let hands = |deal: &Deal| (0..deal.ensembles).map(|e| hand(deal, e)).collect();
+    let (picture, stderr) = render_with(&wide(), WIDE, &dealt, &white(&dealt), &rule(ensembles), 0, hands);
     let alpha = f64::from(alpha);
     let variance = alpha * (1.0 - alpha) / f64::from(ensembles);
     let off = picture.rgba.iter().map(|c| (c[3] - alpha).powi(2)).sum::<f64>() / AREA;

@@ -6,6 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::super::settings::CloudSettings;
+use crate::batches::batches;
 use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::facts::Facts;
 use pellucid_core::cloud::field::{self, Field};
@@ -114,10 +115,10 @@ fn survey(
     let mut range = NONE;
     let nodes: Vec<usize> = (0..store.nodes().len()).filter(|node| store.nodes()[*node].points > 0).collect();
     let most = POINTS * rayon::current_num_threads() as u64;
-    for batch in batches(&nodes, most, |node| store.nodes()[node].points) {
+    for batch in batches(nodes.iter().map(|node| store.nodes()[*node].points), most, BATCH) {
         let cancelled = |_| pellucid_io::Error::Cancelled { path: summary.path.clone() };
         progress.check().map_err(cancelled)?;
-        let parts = batch.par_iter().map(|node| look(*node)).collect::<Result<Vec<_>, crate::OpenError>>()?;
+        let parts = nodes[batch].par_iter().map(|node| look(*node)).collect::<Result<Vec<_>, crate::OpenError>>()?;
         for (facts, sample, [least, most]) in parts {
             found.facts = found.facts.and(&facts);
             found.sample.append(sample);
@@ -125,36 +126,4 @@ fn survey(
         }
     }
     Ok((found, range))
-}
-
-/// Nodes in batches of at most [`BATCH`], and of at most so many points if more than one has some.
-fn batches(nodes: &[usize], most: u64, points: impl Fn(usize) -> u64) -> Vec<&[usize]> {
-    let (mut rest, mut found) = (nodes, Vec::new());
-    while !rest.is_empty() {
-        let mut sum = 0;
-        let fits = rest.iter().take(BATCH).take_while(|node| {
-            sum += points(**node);
-            sum <= most
-        });
-        let (batch, others) = rest.split_at(fits.count().max(1));
-        found.push(batch);
-        rest = others;
-    }
-    found
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn batches_have_few_points_and_every_node() {
-        let points = [3, 3, 5, 20, 1, 1, 9, 2];
-        let nodes: Vec<usize> = (0..points.len()).collect();
-        let found = batches(&nodes, 10, |node| points[node]);
-        assert_eq!(found, [&[0, 1][..], &[2], &[3], &[4, 5], &[6], &[7]]);
-        let small: Vec<usize> = (0..150).collect();
-        assert_eq!(batches(&small, 1000, |_| 1).iter().map(|batch| batch.len()).collect::<Vec<_>>(), [64, 64, 22]);
-        assert!(batches(&[], 10, |_| 1).is_empty());
-    }
 }
