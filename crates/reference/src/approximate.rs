@@ -4,21 +4,12 @@
 
 use glam::DVec3;
 
-use super::abuffer::{Composite, Fragment, composite, lists};
+use super::abuffer::lists;
+use super::fragments::{Composite, Fragment, composite, coverage, nearest, place};
 use super::{Picture, gaussians, mlab, moments, wavelet};
 use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
 use pellucid_scene::{Hybrid, Method, Mlab, Moments, Tail, Wavelet};
-
-/// z of the nearest fragment with α > 0, +inf if none has.
-pub(super) fn nearest(list: &[Fragment]) -> f64 {
-    list.iter().filter(|f| f.alpha > 0.0).map(|f| f.z).fold(f64::INFINITY, f64::min)
-}
-
-/// 1 − ∏(1−αᵢ).
-pub(super) fn coverage(list: &[Fragment]) -> f64 {
-    0.0 - list.iter().map(|f| (-f.alpha).ln_1p()).sum::<f64>().exp_m1()
-}
 
 /// Σwᵢcᵢ / Σwᵢ of the fragments with a weight, black if none has.
 fn mean(list: &[Fragment], colors: &[DVec3], weight: impl Fn(&Fragment) -> f64) -> DVec3 {
@@ -46,11 +37,6 @@ pub fn weighted(list: &[Fragment], colors: &[DVec3], depth_range: [f64; 2]) -> C
 pub fn average(list: &[Fragment], colors: &[DVec3]) -> Composite {
     let alpha = if list.is_empty() { 0.0 } else { 1.0 };
     Composite { color: mean(list, colors, |_| 1.0), alpha, depth: nearest(list) }
-}
-
-/// Returns the place of a fragment's point in the files.
-pub(super) fn place(f: &Fragment, places: &[u32]) -> u32 {
-    places.get(f.index as usize).copied().unwrap_or(f.index)
 }
 
 /// Blended over one another in the order of `places`, where in the files each point stood: later over earlier.
@@ -112,12 +98,7 @@ pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3]
         _ => None,
     };
     let shown = |list: &[Fragment], key| gaussians::depth_of_key(camera, points, &discs.gaussians, list, key);
-    let pixels = lists.iter().map(pixel).collect::<Option<Vec<Composite>>>()?;
-    Some(Picture {
-        width: size[0],
-        height: size[1],
-        rgba: pixels.iter().map(|p| p.color.extend(p.alpha).to_array()).collect(),
-        depth: pixels.iter().zip(&lists).map(|(p, list)| shown(list, p.depth)).collect(),
-        counts: lists.iter().map(|list| list.len() as u32).collect(),
-    })
+    let mut pixels = lists.iter().map(pixel).collect::<Option<Vec<Composite>>>()?;
+    pixels.iter_mut().zip(&lists).for_each(|(pixel, list)| pixel.depth = shown(list, pixel.depth));
+    Some(Picture::of(size, &pixels, lists.iter().map(|list| list.len() as u32).collect()))
 }

@@ -115,9 +115,7 @@ impl<'a> Placed<'a> {
     }
 
     fn is_within_depth_range(&self) -> bool {
-        let z = self.position_view.z;
-        let before_eye = z > 0.0 || matches!(self.camera.projection, Projection::Orthographic { .. });
-        before_eye && z >= self.camera.near && z <= self.camera.far
+        is_in_depth(self.camera, self.position_view.z)
     }
 
     /// Returns `true` if a pixel contains the projected center.
@@ -181,28 +179,13 @@ impl<'a> Placed<'a> {
             }
             Outline::Tangent { radius, normal_view } => self.tangent_window(radius, normal_view),
         };
-        let first = |low: f64| (low.floor() - 1.0).max(0.0) as u32;
-        let end = |high: f64, size: u32| ((high.ceil() + 1.0).max(0.0) as u32).min(size);
-        let columns = first(low.x)..end(high.x, self.size[0]);
-        let rows = first(low.y).max(wanted.start)..end(high.y, self.size[1]).min(wanted.end);
-        rows.flat_map(move |y| columns.clone().map(move |x| [x, y]))
+        pixels_within(self.size, [low, high], wanted)
     }
 
     /// Image positions around a tilted disc, from its box in camera coordinates; everything if that reaches the eye.
     fn tangent_window(&self, radius: f64, normal_view: DVec3) -> (DVec2, DVec2) {
         let half = radius * (DVec3::ONE - normal_view * normal_view).max(DVec3::ZERO).map(f64::sqrt);
-        let (min, max) = (self.position_view - half, self.position_view + half);
-        let center = 0.5 * DVec2::new(f64::from(self.size[0]), f64::from(self.size[1]));
-        let (left, right) = match self.camera.projection {
-            Projection::Orthographic { .. } => (min.truncate(), max.truncate()),
-            Projection::Perspective { .. } if min.z <= 0.0 => return (DVec2::NEG_INFINITY, DVec2::INFINITY),
-            Projection::Perspective { .. } => {
-                let (low, high) = (min.truncate(), max.truncate());
-                ((low / min.z).min(low / max.z), (high / min.z).max(high / max.z))
-            }
-        };
-        let focal = self.camera.focal_px(self.size[1]);
-        (center + focal * DVec2::new(left.x, -right.y), center + focal * DVec2::new(right.x, -left.y))
+        on_screen(self.camera, self.size, self.position_view - half, self.position_view + half).into()
     }
 
     fn depth_margin_px(&self) -> f64 {
@@ -251,6 +234,38 @@ impl<'a> Placed<'a> {
             _ => 0.0,
         }
     }
+}
+
+/// Returns `true` if a depth is before the eye and from near to far.
+pub(crate) fn is_in_depth(camera: &Camera, z: f64) -> bool {
+    let before_eye = z > 0.0 || matches!(camera.projection, Projection::Orthographic { .. });
+    before_eye && z >= camera.near && z <= camera.far
+}
+
+/// Returns the pixels of some rows whose centers are within a box on the screen, and at least one more on each side.
+pub(crate) fn pixels_within(
+    size: [u32; 2],
+    [low, high]: [DVec2; 2],
+    wanted: Range<u32>,
+) -> impl Iterator<Item = [u32; 2]> + use<> {
+    let first = |low: f64| (low.floor() - 1.0).max(0.0) as u32;
+    let end = |high: f64, size: u32| ((high.ceil() + 1.0).max(0.0) as u32).min(size);
+    let columns = first(low.x)..end(high.x, size[0]);
+    let rows = first(low.y).max(wanted.start)..end(high.y, size[1]).min(wanted.end);
+    rows.flat_map(move |y| columns.clone().map(move |x| [x, y]))
+}
+
+/// Returns the box on the screen around one in camera coordinates; everything if that reaches the eye.
+pub(crate) fn on_screen(camera: &Camera, size: [u32; 2], min: DVec3, max: DVec3) -> [DVec2; 2] {
+    let (low, high) = (min.truncate(), max.truncate());
+    let (low, high) = match camera.projection {
+        Projection::Orthographic { .. } => (low, high),
+        Projection::Perspective { .. } if min.z <= 0.0 => return [DVec2::NEG_INFINITY, DVec2::INFINITY],
+        Projection::Perspective { .. } => ((low / min.z).min(low / max.z), (high / min.z).max(high / max.z)),
+    };
+    let focal = camera.focal_px(size[1]);
+    let middle = 0.5 * DVec2::new(f64::from(size[0]), f64::from(size[1]));
+    [middle + focal * DVec2::new(low.x, -high.y), middle + focal * DVec2::new(high.x, -low.y)]
 }
 
 /// Distance over radius; 1 for a radius of 0, where the point alone is its rim.

@@ -54,8 +54,9 @@ pub fn surface(positions: &[DVec3], normals: &[DVec3], neighbors: usize, cap: f6
         let around = lists[i].iter().chain([&i]).map(|&j| uncapped[j]).collect();
         if cap == 0.0 { uncapped[i] } else { uncapped[i].min(cap * median(around)) }
     };
+    let around = |i: usize| lists[i].iter().chain([&i]).map(|&j| positions[j] - positions[i]).collect();
     let normal = |i: usize| match normals[i] {
-        DVec3::ZERO => smallest_axis(lists[i].iter().chain([&i]).map(|&j| positions[j] - positions[i]).collect()),
+        DVec3::ZERO => smallest_axis(around(i)),
         given => given,
     };
     let radii: Vec<f64> = (0..positions.len()).map(radius).collect();
@@ -70,7 +71,6 @@ pub fn surface(positions: &[DVec3], normals: &[DVec3], neighbors: usize, cap: f6
     // Values that differ by rounding only are equal.
     let constant = most - least <= 1e-9 * most;
     let fields = raw.iter().map(|f| if constant { 0.0 } else { (f - least) / (most - least) }).collect();
-    let around = |i: usize| lists[i].iter().chain([&i]).map(|&j| positions[j] - positions[i]).collect();
     let planarity = (0..positions.len()).map(|i| planarity(around(i))).collect();
     Surface { radii, uncapped, normals, planarity, fields }
 }
@@ -96,13 +96,21 @@ pub fn outlying(positions: &[DVec3], neighbors: usize, factor: f64) -> Vec<f64> 
     distances.iter().map(|d| (d - mean - factor * variance.sqrt()) / mean).collect()
 }
 
+/// Covariance of points, times their number.
+fn covariance(points: &[DVec3]) -> DMat3 {
+    let mean = points.iter().sum::<DVec3>() / points.len() as f64;
+    let outer = |p: DVec3| DMat3::from_cols(p * p.x, p * p.y, p * p.z);
+    points.iter().fold(DMat3::ZERO, |sum, p| sum + outer(*p - mean))
+}
+
+fn trace(m: DMat3) -> f64 {
+    m.x_axis.x + m.y_axis.y + m.z_axis.z
+}
+
 /// (λ₂ − 4λ₃) / (λ₁ + λ₂ + λ₃) of the covariance of points, by the trigonometric roots of its characteristic polynomial
 /// (Smith 1961); 0 in a single place.
 fn planarity(points: Vec<DVec3>) -> f64 {
-    let mean = points.iter().sum::<DVec3>() / points.len() as f64;
-    let outer = |p: DVec3| DMat3::from_cols(p * p.x, p * p.y, p * p.z);
-    let covariance = points.iter().fold(DMat3::ZERO, |sum, p| sum + outer(*p - mean));
-    let trace = |m: DMat3| m.x_axis.x + m.y_axis.y + m.z_axis.z;
+    let covariance = covariance(&points);
     let total = trace(covariance);
     if total == 0.0 {
         return 0.0;
@@ -123,10 +131,7 @@ fn planarity(points: Vec<DVec3>) -> f64 {
 /// The direction in which points vary least: the eigenvector for the smallest eigenvalue of their covariance C, which
 /// has the largest one of tr(C) − C, and so is all that is left of a high power of that matrix.
 fn smallest_axis(points: Vec<DVec3>) -> DVec3 {
-    let mean = points.iter().sum::<DVec3>() / points.len() as f64;
-    let outer = |p: DVec3| DMat3::from_cols(p * p.x, p * p.y, p * p.z);
-    let covariance = points.iter().fold(DMat3::ZERO, |sum, p| sum + outer(*p - mean));
-    let trace = |m: DMat3| m.x_axis.x + m.y_axis.y + m.z_axis.z;
+    let covariance = covariance(&points);
     let total = trace(covariance);
     if total == 0.0 {
         return DVec3::ZERO;

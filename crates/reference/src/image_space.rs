@@ -148,19 +148,26 @@ impl Layer {
 
     /// Returns all filters in their order; `far` is the camera's.
     pub fn filtered(self, filters: &ImageSpace, distance: f64, far: f64) -> Self {
-        let mut layer = self;
-        for _ in 0..filters.fill {
-            layer = layer.filled();
-        }
-        for _ in 0..filters.occlusion {
-            layer = layer.occluded_replaced(distance);
-        }
-        for _ in 0..filters.smooth {
-            layer = layer.smoothed();
-        }
-        let threshold = f64::from(filters.antialias_threshold);
-        if filters.antialias { layer.antialiased(distance, far, threshold) } else { layer }
+        let soften = |layer: &Self, threshold| layer.antialiased(distance, far, threshold);
+        in_order(self, filters, Self::filled, |layer| layer.occluded_replaced(distance), Self::smoothed, soften)
     }
+}
+
+/// Returns a layer after all filters in their order. `soften` has the threshold of edges.
+fn in_order<L>(
+    mut layer: L,
+    filters: &ImageSpace,
+    fill: impl Fn(&L) -> L,
+    replace: impl Fn(&L) -> L,
+    smooth: impl Fn(&L) -> L,
+    soften: impl Fn(&L, f64) -> L,
+) -> L {
+    let steps: [(u32, &dyn Fn(&L) -> L); 3] =
+        [(filters.fill, &fill), (filters.occlusion, &replace), (filters.smooth, &smooth)];
+    for (times, filter) in steps {
+        (0..times).for_each(|_| layer = filter(&layer));
+    }
+    if filters.antialias { soften(&layer, f64::from(filters.antialias_threshold)) } else { layer }
 }
 
 /// n·v of a point, v toward the viewer and of any length: a point is culled unless it is positive. `None` without a

@@ -1,7 +1,7 @@
 //! The methods in float64 over slices, written from the equations; no device is involved.
 //!
 //! Nothing here is fast, nothing is shared with a shader: a method and its reference agree only if both are right.
-//! Hand-worked cases in `crates/engine/tests/host/reference/` check the references, the references check the device.
+//! Hand-worked cases in `tests/host/` check the references, the references check the device.
 
 pub mod abuffer;
 pub mod approximate;
@@ -9,6 +9,7 @@ pub mod coverage;
 pub mod dealing;
 pub mod edl;
 pub mod field;
+pub mod fragments;
 pub mod gaussians;
 pub mod image_space;
 pub mod mlab;
@@ -30,6 +31,8 @@ pub mod wavelet;
 
 use glam::DVec3;
 
+use fragments::Composite;
+
 /// A method's result in float64; the counterpart of [`pellucid_core::image::Image`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
@@ -46,6 +49,12 @@ pub struct Picture {
 }
 
 impl Picture {
+    /// Makes a picture of pixels, row by row from the top.
+    fn of(size: [u32; 2], pixels: &[Composite], counts: Vec<u32>) -> Self {
+        let rgba = pixels.iter().map(|p| p.color.extend(p.alpha).to_array()).collect();
+        Self { width: size[0], height: size[1], rgba, depth: pixels.iter().map(|p| p.depth).collect(), counts }
+    }
+
     /// Returns the image over a background: C + (1 − A)·background.
     pub fn composed(&self, background: DVec3) -> Vec<DVec3> {
         self.rgba.iter().map(|&[r, g, b, a]| DVec3::new(r, g, b) + (1.0 - a) * background).collect()

@@ -3,8 +3,7 @@
 
 use glam::DVec3;
 
-use super::abuffer::{Composite, Fragment};
-use super::approximate::{coverage, nearest, place};
+use super::fragments::{Composite, Fragment, coverage, nearest, place};
 
 /// A fragment, or several that became one.
 #[derive(Debug, Clone, Copy, PartialEq)]

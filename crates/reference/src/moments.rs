@@ -4,8 +4,7 @@
 
 use glam::DVec3;
 
-use super::abuffer::{Composite, Fragment};
-use super::approximate::{coverage, nearest};
+use super::fragments::{Composite, Fragment, coverage, nearest};
 use pellucid_scene::Moments;
 
 /// Most optical depth of a fragment: that of an opaque one.

@@ -7,8 +7,8 @@ use glam::DVec3;
 pub use ranges::ranges;
 
 use super::Picture;
-use super::abuffer::Composite;
 use super::coverage::Shape;
+use super::fragments::Composite;
 use super::splats::{self, Fragment};
 use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
@@ -74,5 +74,5 @@ pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3]
     let lists = lists(camera, size, points, settings.threshold);
     let (softness, blend_depth) = (f64::from(settings.softness), f64::from(BlendedSplats::default().blend_depth));
     let pixels: Vec<Composite> = lists.iter().map(|parts| parts.blend(colors, softness, blend_depth)).collect();
-    splats::picture(size, &pixels, lists.iter().map(|parts| (parts.soft.len() + parts.solid.len()) as u32).collect())
+    Picture::of(size, &pixels, lists.iter().map(|parts| (parts.soft.len() + parts.solid.len()) as u32).collect())
 }

@@ -3,29 +3,19 @@
 
 use glam::DVec3;
 
-use super::abuffer::{Fragment, before_end, splat};
-use super::coverage::footprint;
+use super::abuffer::of_point;
+use super::fragments::{Fragment, before_end};
 use super::{Picture, gaussians};
 use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
-use pellucid_scene::{Discs, Falloff};
+use pellucid_scene::Discs;
 
 /// Returns fragments of each pixel in the order of the points, unsorted by depth.
 pub fn fragments(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -> Vec<Vec<Fragment>> {
     let mut pixels = vec![Vec::new(); size[0] as usize * size[1] as usize];
     for index in 0..points.len() {
-        if let Some(all) = gaussians::fragments(camera, size, points, index, &discs.gaussians) {
-            all.into_iter().for_each(|(at, fragment)| pixels[at].push(fragment));
-            continue;
-        }
-        for pixel in footprint(camera, size, &splat(points, index, discs.shape)) {
-            let falloff = match discs.falloff {
-                Falloff::Flat => 1.0,
-                Falloff::Gaussian => (-2.0 * pixel.rho * pixel.rho).exp(),
-            };
-            let alpha = f64::from(points.opacities[index]) * falloff;
-            let at = pixel.y as usize * size[0] as usize + pixel.x as usize;
-            pixels[at].push(Fragment { z: pixel.z, index: index as u32, alpha });
+        for (at, fragment) in of_point(camera, size, points, index, discs) {
+            pixels[at].push(fragment);
         }
     }
     pixels

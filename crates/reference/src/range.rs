@@ -48,6 +48,12 @@ impl Range {
         Self::around(z, DEPTH_ERROR * z.abs())
     }
 
+    /// Returns the range from the smallest to the largest of some numbers.
+    pub fn spanning(numbers: [f64; 4]) -> Self {
+        let low = numbers.into_iter().fold(f64::INFINITY, f64::min);
+        Self { low, high: numbers.into_iter().fold(f64::NEG_INFINITY, f64::max) }
+    }
+
     /// Returns the range from the smaller low to the larger high end.
     pub fn hull(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }

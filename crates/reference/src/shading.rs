@@ -32,6 +32,14 @@ pub fn shade_lit(points: &Points, camera: &Camera, shading: &Shading, space: Col
     shaded.collect()
 }
 
+/// Returns the unit vector toward the viewer; zero in the eye.
+pub(super) fn to_viewer(camera: &Camera, position: DVec3) -> DVec3 {
+    match camera.projection {
+        Projection::Perspective { .. } => (camera.eye - position).normalize_or_zero(),
+        Projection::Orthographic { .. } => -camera.forward,
+    }
+}
+
 /// Lambert: c·(ambient + m·diffuse·max(0, n·l)). Phong adds the white highlight m·specular·max(0, r·v)^shininess, with
 /// r = 2(n·l)n − l, on the lit side (n·l > 0). The normal is turned toward the viewer first. Without a normal the light
 /// counts as coming along it, scaled to the brightness of the unlit color: in full light the color is unchanged.
@@ -44,10 +52,7 @@ fn shade_point(camera: &Camera, shading: &Shading, position: DVec3, normal: DVec
         let full = ambient + diffuse;
         return if full > 0.0 { color * (ambient + m * diffuse) / full } else { color };
     };
-    let to_viewer = match camera.projection {
-        Projection::Perspective { .. } => (camera.eye - position).normalize_or_zero(),
-        Projection::Orthographic { .. } => -camera.forward,
-    };
+    let to_viewer = to_viewer(camera, position);
     let to_light = match shading.light {
         Light::Headlight => to_viewer,
         Light::Direction(travels) => -travels.normalize_or_zero(),

@@ -3,12 +3,11 @@
 
 use glam::DVec3;
 
-use super::abuffer::{Composite, Fragment, before_end, composite, splat};
-use super::coverage::footprint;
+use super::fragments::{Composite, Fragment, before_end, composite, of_disc};
 use super::{Picture, gaussians};
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::points::Points;
-use pellucid_scene::{Discs, Falloff, GaussianSettings, Order};
+use pellucid_scene::{Discs, GaussianSettings, Order};
 
 /// Returns what this method orders Gaussians by. Each has one place for the whole image.
 pub fn key(settings: &GaussianSettings) -> Order {
@@ -38,25 +37,17 @@ pub fn order(camera: &Camera, points: &Points, settings: &GaussianSettings) -> V
 /// Returns fragments of each pixel in the order of their centers; z is the fragment's own depth in the pixel, of a
 /// Gaussian that of its center.
 pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -> Vec<Vec<Fragment>> {
-    let mut pixels = vec![Vec::new(); size[0] as usize * size[1] as usize];
+    let mut pixels: Vec<Vec<Fragment>> = vec![Vec::new(); size[0] as usize * size[1] as usize];
     for index in order(camera, points, &discs.gaussians) {
         if let Some(gaussian) = gaussians::gaussian(points, index) {
             let hits = gaussians::footprint(camera, size, &gaussian, &discs.gaussians, key(&discs.gaussians));
             for hit in hits {
-                let list: &mut Vec<Fragment> = &mut pixels[hit.y as usize * size[0] as usize + hit.x as usize];
-                list.push(Fragment { z: hit.z, index: index as u32, alpha: hit.alpha });
+                let fragment = Fragment { z: hit.z, index: index as u32, alpha: hit.alpha };
+                pixels[hit.y as usize * size[0] as usize + hit.x as usize].push(fragment);
             }
             continue;
         }
-        for covered in footprint(camera, size, &splat(points, index, discs.shape)) {
-            let falloff = match discs.falloff {
-                Falloff::Flat => 1.0,
-                Falloff::Gaussian => (-2.0 * covered.rho.powi(2)).exp(),
-            };
-            let alpha = falloff * f64::from(points.opacities[index]);
-            let list: &mut Vec<Fragment> = &mut pixels[covered.y as usize * size[0] as usize + covered.x as usize];
-            list.push(Fragment { z: covered.z, index: index as u32, alpha });
-        }
+        of_disc(camera, size, points, index, discs).into_iter().for_each(|(at, fragment)| pixels[at].push(fragment));
     }
     pixels
 }
@@ -67,11 +58,5 @@ pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3]
     let lists = lists(camera, size, points, discs);
     let stop = gaussians::stop(points, &discs.gaussians);
     let pixels: Vec<Composite> = lists.iter().map(|list| composite(before_end(list, stop), colors)).collect();
-    Picture {
-        width: size[0],
-        height: size[1],
-        rgba: pixels.iter().map(|p| p.color.extend(p.alpha).to_array()).collect(),
-        depth: pixels.iter().map(|p| p.depth).collect(),
-        counts: lists.iter().map(|list| list.len() as u32).collect(),
-    }
+    Picture::of(size, &pixels, lists.iter().map(|list| list.len() as u32).collect())
 }

@@ -13,8 +13,9 @@ use glam::{DVec2, DVec3};
 
 pub use ranges::{Ranges, ranges};
 
-use super::abuffer::{Composite, Fragment, composite};
+use super::fragments::{Composite, Fragment, composite};
 use super::range::{DEPTH_ERROR, ROUNDING, screen_error};
+use super::shading::to_viewer;
 use super::{Picture, dealing};
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::cloud::Bounds;
@@ -184,10 +185,7 @@ fn weight(opacity: f64, unit: f64) -> f64 {
 /// |cos θ| of a point's normal where the rule wants it, else 1.
 fn slant(view: &View<'_>, index: usize) -> f64 {
     let normal = view.dealt.points.normals.as_ref().and_then(|normals| normals[index].as_dvec3().try_normalize());
-    let to_viewer = match view.camera.projection {
-        Projection::Perspective { .. } => (view.camera.eye - view.dealt.points.positions[index]).normalize_or_zero(),
-        Projection::Orthographic { .. } => -view.camera.forward,
-    };
+    let to_viewer = to_viewer(view.camera, view.dealt.points.positions[index]);
     match normal {
         Some(normal) if !view.rule.cos_theta => normal.dot(to_viewer).abs(),
         _ => 1.0,
@@ -219,24 +217,11 @@ pub fn render(
     rule: &Rule,
     seed: u64,
 ) -> (Picture, Vec<DVec3>) {
-    render_hands(camera, size, dealt, colors, rule, seed, dealing::hands)
+    render_with(camera, size, dealt, colors, rule, seed, dealing::hands)
 }
 
-/// Renders like [`render`], with the points of an ensemble, counted from the cloud's first, from elsewhere.
+/// Renders like [`render`], with the points of each ensemble, counted from the cloud's first, from elsewhere.
 pub fn render_with(
-    camera: &Camera,
-    size: [u32; 2],
-    dealt: &Dealt,
-    colors: &[DVec3],
-    rule: &Rule,
-    seed: u64,
-    hand: impl Fn(&Deal, u32) -> Vec<u64>,
-) -> (Picture, Vec<DVec3>) {
-    let hands = |deal: &Deal| (0..deal.ensembles).map(|ensemble| hand(deal, ensemble)).collect();
-    render_hands(camera, size, dealt, colors, rule, seed, hands)
-}
-
-fn render_hands(
     camera: &Camera,
     size: [u32; 2],
     dealt: &Dealt,
@@ -334,11 +319,5 @@ pub fn limit(camera: &Camera, size: [u32; 2], dealt: &Dealt, colors: &[DVec3], r
         composite(list, colors)
     });
     let composites: Vec<Composite> = composites.collect();
-    Picture {
-        width: size[0],
-        height: size[1],
-        rgba: composites.iter().map(|c| c.color.extend(c.alpha).to_array()).collect(),
-        depth: composites.iter().map(|c| c.depth).collect(),
-        counts: lists.iter().map(|list| list.len() as u32).collect(),
-    }
+    Picture::of(size, &composites, lists.iter().map(|list| list.len() as u32).collect())
 }

@@ -9,8 +9,8 @@ pub use ranges::ranges;
 pub(super) use ranges::{Candidate, blend as blend_ranges, count, for_each_list, nearest};
 
 use super::Picture;
-use super::abuffer::Composite;
 use super::coverage::{Shape, Splat, footprint};
+use super::fragments::Composite;
 use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
 use pellucid_scene::{BlendedSplats, ScreenSplats};
@@ -90,17 +90,6 @@ pub fn blend(list: &[Fragment], colors: &[DVec3], blend_depth: f64) -> Composite
     }
 }
 
-/// Pixels to a picture; `counts` are the lengths of the lists.
-pub(super) fn picture(size: [u32; 2], pixels: &[Composite], counts: Vec<u32>) -> Picture {
-    Picture {
-        width: size[0],
-        height: size[1],
-        rgba: pixels.iter().map(|p| p.color.extend(p.alpha).to_array()).collect(),
-        depth: pixels.iter().map(|p| p.depth).collect(),
-        counts,
-    }
-}
-
 /// Returns the whole image, screen-aligned ([`Shape::Disc`]) or in the tangent planes ([`Shape::Oriented`]); opacity is
 /// ignored. `colors` holds a color for each point, shaded and in the space that the image is in
 /// ([`super::shading::shade`]).
@@ -115,5 +104,5 @@ pub fn render(
     let lists = lists(camera, size, points, shape, &settings.splats, |_| true);
     let blend_depth = f64::from(settings.blend_depth);
     let pixels: Vec<Composite> = lists.iter().map(|list| blend(list, colors, blend_depth)).collect();
-    picture(size, &pixels, lists.iter().map(|list| list.len() as u32).collect())
+    Picture::of(size, &pixels, lists.iter().map(|list| list.len() as u32).collect())
 }

@@ -7,7 +7,8 @@
 
 use glam::DVec3;
 
-use super::abuffer::{Fragment, composite, lists};
+use super::abuffer::lists;
+use super::fragments::{Fragment, composite};
 use super::{Picture, gaussians};
 use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;

@@ -3,8 +3,7 @@
 
 use glam::DVec3;
 
-use super::abuffer::{Composite, Fragment};
-use super::approximate::{coverage, nearest};
+use super::fragments::{Composite, Fragment, coverage, nearest};
 use super::moments::{optical_depth, place_of, weighed};
 
 /// The optical depth before each place of a pixel. Places go from 0 to 1.

@@ -6,7 +6,8 @@ use rayon::prelude::*;
 
 use super::error::{Error, Place};
 use super::framing::{self, Extent, Spheres, Subject};
-use super::settings::{CameraSettings, Scene};
+use super::scene::Scene;
+use super::settings::CameraSettings;
 use super::view::Vertical;
 use pellucid_core::camera::path::{Defaults, Pose, Turntable};
 use pellucid_core::camera::{Camera, Projection};
@@ -34,7 +35,7 @@ impl<'a> Course<'a> {
     /// Returns values for keys that leave them open: `[camera] up`, or else the vertical, and the scene's lens.
     pub fn defaults(&self) -> Defaults {
         let settings = &self.scene.camera;
-        let vertical = framing::vertical_of(settings, self.up);
+        let vertical = settings.vertical(self.up);
         let settings = framing::with_height(settings, &self.subject, self.scene.image.size, vertical);
         path_defaults(&settings, self.up)
     }
@@ -56,7 +57,7 @@ impl<'a> Course<'a> {
         let bounds = &self.subject.bounds;
         let (near, far) = framing::depths(given, pose.eye, pose.forward, bounds, self.subject.radius);
         let camera = pose.camera(near, far);
-        if !(camera.eye.is_finite() && far.is_finite() && near > 0.0 && near < far) {
+        if !framing::is_usable(&camera) {
             return Err(Error::Extent { min: bounds.min, max: bounds.max });
         }
         Ok(camera)
@@ -78,7 +79,7 @@ impl<'a> Course<'a> {
         let own = !settings.view.is_given();
         let center = settings.target.filter(|_| own).unwrap_or_else(|| self.subject.bounds.center());
         let axis = settings.up.filter(|_| own);
-        let axis = axis.unwrap_or_else(|| framing::vertical_of(settings, self.up).up()).normalize();
+        let axis = axis.unwrap_or_else(|| settings.vertical(self.up).up()).normalize();
         let start = if settings.ortho && settings.height.is_none() {
             self.widened(start, settings, center, axis)
         } else {

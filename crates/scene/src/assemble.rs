@@ -14,8 +14,9 @@ use super::error::Error;
 use super::gaussians;
 use super::legend::Legend;
 use super::procedural::Generated;
+use super::scene::Scene;
 use super::seen::{leave_out, seen};
-use super::settings::{CloudSettings, Outliers, Scene};
+use super::settings::{CloudSettings, Outliers};
 use super::surface_opacity::Opacity;
 use crate::prepare;
 use crate::prepare::Arranged;
@@ -300,7 +301,7 @@ pub(super) fn transformed(
     let base = Opacity { settings, estimated: found.uncapped.as_deref(), neighbors: request.neighbors_of(&cloud) };
     let one = |i: usize| opacity(base, &rules, &cloud, i, radii[i]);
     let opacities = (0..count).into_par_iter().map(one).collect();
-    cloud.positions.par_iter_mut().for_each(|position| *position = placed(settings, *position));
+    cloud.positions.par_iter_mut().for_each(|position| *position = settings.placed(*position));
     let seen = seen(visible, clips, &cloud.positions);
     let mut points = Points {
         positions: cloud.positions,
@@ -323,11 +324,6 @@ pub(super) fn transformed(
 /// Normals, unless no point has one.
 pub(super) fn shown(normals: Option<Vec<Vec3>>) -> Option<Vec<Vec3>> {
     normals.filter(|normals| normals.iter().any(|normal| *normal != Vec3::ZERO))
-}
-
-/// Returns the position of a cloud's point in the scene.
-pub(super) fn placed(settings: &CloudSettings, position: DVec3) -> DVec3 {
-    settings.scale * position + settings.translate
 }
 
 /// Returns the opacity of a point of this radius: that of its class, else the cloud's, times its alpha if it has one.

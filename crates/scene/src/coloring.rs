@@ -6,9 +6,9 @@ use std::borrow::Cow;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::assemble::placed;
 use super::error::Error;
-use super::settings::{CloudSettings, ColorBy, ColorSettings, Scene};
+use super::scene::Scene;
+use super::settings::{CloudSettings, ColorBy, ColorSettings};
 use super::view::Vertical;
 use pellucid_core::cloud::facts::Facts;
 use pellucid_core::cloud::field;
@@ -24,12 +24,6 @@ const ENOUGH_CLASSES: usize = 3;
 
 /// Brightness of a height where intensity is smallest.
 const DARKEST: f64 = 0.35;
-
-/// The vertical along which height is measured: the axis nearest to the camera's `up`, else that of the file's
-/// convention.
-fn vertical(scene: &Scene, cloud: &Cloud) -> Vertical {
-    scene.camera.up.and_then(Vertical::nearest).unwrap_or(cloud.up.into())
-}
 
 /// Meaning of the colors of a cloud, once `auto` is decided.
 #[derive(Debug, Clone, PartialEq)]
@@ -112,6 +106,7 @@ pub(super) struct Coloring<'a> {
     /// The place of the cloud in the scene.
     pub index: usize,
     choice: Choice,
+    /// The vertical along which height is measured.
     vertical: Vertical,
     /// Scales of the whole cloud, if this is a part of it.
     scales: Option<&'a Scales>,
@@ -156,16 +151,24 @@ pub(super) struct ColorKey {
 impl<'a> Coloring<'a> {
     /// Returns the coloring of the cloud at a place in the scene.
     pub fn of(scene: &'a Scene, index: usize, cloud: &'a Cloud) -> Self {
-        let settings = &scene.clouds[index];
-        let choice = Choice::of(&settings.coloring.color_by, cloud, None);
-        Self { settings, cloud, index, choice, vertical: vertical(scene, cloud), scales: None }
+        let choice = Choice::of(&scene.clouds[index].coloring.color_by, cloud, None);
+        Self::with(scene, index, cloud, choice, None)
     }
 
     /// Returns the coloring of a cloud of which some points are there, given the facts of all of them.
     pub fn of_sample(scene: &'a Scene, index: usize, sample: &'a Cloud, facts: &Facts) -> Self {
-        let settings = &scene.clouds[index];
-        let choice = Choice::of(&settings.coloring.color_by, sample, Some(facts));
-        Self { settings, cloud: sample, index, choice, vertical: vertical(scene, sample), scales: None }
+        let choice = Choice::of(&scene.clouds[index].coloring.color_by, sample, Some(facts));
+        Self::with(scene, index, sample, choice, None)
+    }
+
+    /// Returns the coloring of a part of a cloud.
+    pub fn of_part(scene: &'a Scene, index: usize, part: &'a Cloud, scales: &'a Scales) -> Self {
+        Self::with(scene, index, part, scales.choice.clone(), Some(scales))
+    }
+
+    fn with(scene: &'a Scene, index: usize, cloud: &'a Cloud, choice: Choice, scales: Option<&'a Scales>) -> Self {
+        let vertical = scene.camera.vertical(cloud.up);
+        Self { settings: &scene.clouds[index], cloud, index, choice, vertical, scales }
     }
 
     /// Returns the same of another part of the same cloud, with the scales of this one. `fields` as for
@@ -178,12 +181,6 @@ impl<'a> Coloring<'a> {
         let light =
             self.cloud.intensity.as_ref().filter(|_| self.choice.modulated).map(|values| self.light(&doubles(values)));
         Ok(Scales { choice: self.choice.clone(), values, light })
-    }
-
-    /// Returns the coloring of a part of a cloud.
-    pub fn of_part(scene: &'a Scene, index: usize, part: &'a Cloud, scales: &'a Scales) -> Self {
-        let (settings, choice) = (&scene.clouds[index], scales.choice.clone());
-        Self { settings, cloud: part, index, choice, vertical: vertical(scene, part), scales: Some(scales) }
     }
 
     /// Returns `true` if F of the points must be known.
@@ -274,7 +271,7 @@ impl<'a> Coloring<'a> {
             | ColorBy::Cloud
             | ColorBy::Uniform => return Ok(None),
             ColorBy::Height => {
-                let height = |p: &DVec3| self.vertical.up().dot(placed(self.settings, *p));
+                let height = |p: &DVec3| self.vertical.up().dot(self.settings.placed(*p));
                 cloud.positions.par_iter().map(height).collect()
             }
             ColorBy::Intensity => cloud.intensity.as_deref().map(doubles).ok_or_else(|| self.lacking("intensity"))?,
@@ -326,9 +323,8 @@ impl<'a> Coloring<'a> {
         if sampling.takes_all() {
             return values.into();
         }
-        let placed = |position: &DVec3| placed(self.settings, *position);
         let both = self.cloud.positions.par_iter().zip(values).with_min_len(1 << 14);
-        both.filter(|(position, _)| sampling.takes(placed(position)))
+        both.filter(|(position, _)| sampling.takes(self.settings.placed(**position)))
             .map(|(_, value)| *value)
             .collect::<Vec<_>>()
             .into()

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use super::error::{Error, Place};
 use super::overrides::Overrides;
 use super::parse;
-use super::settings::Scene;
+use super::scene::Scene;
+use super::setting::Setting;
 use super::tree::{self, Entries, Node, Value};
 
 /// The keys of a scene with their values, as given by a file and options; others are absent.
@@ -14,59 +15,6 @@ pub struct Document {
     root: Node,
     /// The folder that relative paths of clouds start from.
     folder: Option<PathBuf>,
-}
-
-/// A value for a key.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Setting {
-    /// A number.
-    Number(f64),
-    /// A whole number.
-    Integer(u32),
-    /// True or false.
-    Flag(bool),
-    /// A string.
-    Word(String),
-    /// Some numbers.
-    Numbers(Vec<f64>),
-    /// Some whole numbers.
-    Integers(Vec<u32>),
-}
-
-impl From<f64> for Setting {
-    fn from(value: f64) -> Self {
-        Self::Number(value)
-    }
-}
-
-impl From<u32> for Setting {
-    fn from(value: u32) -> Self {
-        Self::Integer(value)
-    }
-}
-
-impl From<bool> for Setting {
-    fn from(value: bool) -> Self {
-        Self::Flag(value)
-    }
-}
-
-impl From<&str> for Setting {
-    fn from(value: &str) -> Self {
-        Self::Word(value.to_owned())
-    }
-}
-
-impl<const N: usize> From<[f64; N]> for Setting {
-    fn from(values: [f64; N]) -> Self {
-        Self::Numbers(values.to_vec())
-    }
-}
-
-impl<const N: usize> From<[u32; N]> for Setting {
-    fn from(values: [u32; N]) -> Self {
-        Self::Integers(values.to_vec())
-    }
 }
 
 /// A dotted key and its value; `None` removes the key.
@@ -156,7 +104,7 @@ impl Document {
     /// Takes a key out of a table, if both are there. The table is named by its dotted path (`cloud.0`, `cloud.*` for
     /// all of them), the root by an empty one. In place of the two an array and a number take a table out of it.
     pub fn remove(&mut self, table: &str, key: &str) {
-        visit(&mut self.root, &path(table), &mut |value| match (value, key.parse::<usize>()) {
+        self.root.visit(&path(table), &mut |value| match (value, key.parse::<usize>()) {
             (Value::Table(entries), _) => drop(entries.remove(key)),
             (Value::Array(items), Ok(index)) if index < items.len() => drop(items.remove(index)),
             _ => {}
@@ -223,6 +171,44 @@ impl Document {
     }
 }
 
+impl Scene {
+    /// Returns the scene that `text` describes. `origin` is the file's path: named in errors, and clouds are relative
+    /// to its folder.
+    ///
+    /// # Errors
+    /// Whatever is wrong with the text, with line and column.
+    pub fn from_toml(text: &str, origin: &Path) -> Result<Self, Error> {
+        Self::from_toml_with(text, origin, &Overrides::default())
+    }
+
+    /// Reads a scene like [`Scene::from_toml`], with options merged into the file before any check.
+    ///
+    /// # Errors
+    /// Invalid text (with line and column) or an invalid option (with its name).
+    pub fn from_toml_with(text: &str, origin: &Path, overrides: &Overrides) -> Result<Self, Error> {
+        Document::from_toml(text, origin, overrides)?.scene()
+    }
+
+    /// Returns the scene in the file `path`, with options laid over it.
+    ///
+    /// # Errors
+    /// A file that is missing, empty, too large or not text, and all of [`Scene::from_toml_with`].
+    pub fn read(path: &Path, overrides: &Overrides) -> Result<Self, Error> {
+        Document::read(path, overrides)?.scene()
+    }
+
+    /// Returns a scene of cloud files with every default, and options laid over it.
+    ///
+    /// # Errors
+    /// Whatever is wrong with an option.
+    pub fn from_clouds(
+        paths: impl IntoIterator<Item = impl AsRef<Path>>,
+        overrides: &Overrides,
+    ) -> Result<Self, Error> {
+        Document::from_clouds(paths, overrides)?.scene()
+    }
+}
+
 /// The segments of a dotted path; empty for an empty one.
 fn path(dotted: &str) -> Vec<&str> {
     dotted.split('.').filter(|segment| !segment.is_empty()).collect()
@@ -252,53 +238,6 @@ fn grow(node: &mut Node, path: &[&str], place: &Place) {
             }
         }
         _ => {}
-    }
-}
-
-/// Goes to everything of a path that is there.
-fn visit(node: &mut Node, path: &[&str], at: &mut impl FnMut(&mut Value)) {
-    match (path, &mut node.value) {
-        ([], value) => at(value),
-        ([key, rest @ ..], Value::Table(entries)) => {
-            if let Some((_, node)) = entries.get_mut(*key) {
-                visit(node, rest, at);
-            }
-        }
-        (["*", rest @ ..], Value::Array(items)) => items.iter_mut().for_each(|item| visit(item, rest, at)),
-        ([index, rest @ ..], Value::Array(items)) => {
-            if let Some(item) = index.parse().ok().and_then(|i: usize| items.get_mut(i)) {
-                visit(item, rest, at);
-            }
-        }
-        _ => {}
-    }
-}
-
-/// The notation of a scene file.
-impl std::fmt::Display for Setting {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Number(x) => write!(f, "{x:?}"),
-            Self::Integer(i) => write!(f, "{i}"),
-            Self::Flag(flag) => write!(f, "{flag}"),
-            Self::Word(word) => write!(f, "{word:?}"),
-            Self::Numbers(list) => write!(f, "{list:?}"),
-            Self::Integers(list) => write!(f, "{list:?}"),
-        }
-    }
-}
-
-impl Setting {
-    pub(super) fn into_value(self, place: &Place) -> Value {
-        let node = |value| Node { place: place.clone(), value };
-        match self {
-            Self::Number(x) => Value::Float(x),
-            Self::Integer(i) => Value::Integer(i.into()),
-            Self::Flag(flag) => Value::Boolean(flag),
-            Self::Word(word) => Value::String(word),
-            Self::Numbers(list) => Value::Array(list.into_iter().map(|x| node(Value::Float(x))).collect()),
-            Self::Integers(list) => Value::Array(list.into_iter().map(|i| node(Value::Integer(i.into()))).collect()),
-        }
     }
 }
 

@@ -5,8 +5,9 @@ use rayon::prelude::*;
 
 use super::broadest_side::broadest_side;
 use super::error::Error;
-use super::schema::MAX_COORDINATE;
-use super::settings::{CameraSettings, Scene};
+use super::range::MAX_COORDINATE;
+use super::scene::Scene;
+use super::settings::CameraSettings;
 use super::surroundings;
 use super::view::Vertical;
 use pellucid_core::camera::{Camera, Projection};
@@ -43,7 +44,7 @@ pub fn camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(Camera, Vec
 
 /// Returns the scene's settings of the camera, with what the points ask for where nothing is said.
 pub(super) fn automatic(scene: &Scene, points: &Points, up: UpAxis) -> CameraSettings {
-    let vertical = vertical_of(&scene.camera, up);
+    let vertical = scene.camera.vertical(up);
     let inside = surroundings::inside(&scene.camera, points, vertical);
     inside.or_else(|| broadest_side(&scene.camera, points, vertical)).unwrap_or(scene.camera)
 }
@@ -57,7 +58,7 @@ pub(super) fn camera_of(
 ) -> Result<(Camera, Vec<String>), Error> {
     let subject = subject(scene, points)?;
     let Subject { bounds, radius, .. } = subject;
-    let vertical = vertical_of(settings, up);
+    let vertical = settings.vertical(up);
     let settings = &with_height(settings, &subject, scene.image.size, vertical);
     let pose = Pose::new(settings, &subject, projection(settings), scene.image.size, vertical);
     let Some(camera) = placed(settings, &pose, &bounds, radius) else {
@@ -66,7 +67,7 @@ pub(super) fn camera_of(
         return Err(Error::Conflict { place: super::Place::Option("camera.up".into()), problem });
     };
     let (near, far) = (camera.near, camera.far);
-    if !(camera.eye.is_finite() && far.is_finite() && near > 0.0 && near < far) {
+    if !is_usable(&camera) {
         return Err(Error::Extent { min: bounds.min, max: bounds.max });
     }
     let mut warnings = Vec::new();
@@ -92,9 +93,12 @@ pub fn camera_at(settings: &CameraSettings, bounds: &Bounds, radius: f64) -> Opt
     }
     let (eye, target, up) = (settings.eye?, settings.target?, settings.up?);
     let pose = Pose { eye, forward: (target - eye).try_normalize()?, up };
-    let camera = placed(settings, &pose, bounds, radius)?;
-    let usable = camera.eye.is_finite() && camera.far.is_finite() && camera.near > 0.0 && camera.near < camera.far;
-    Some(camera).filter(|_| usable)
+    placed(settings, &pose, bounds, radius).filter(is_usable)
+}
+
+/// Returns `true` if coordinates and depths are such that a picture can be made.
+pub(super) fn is_usable(&Camera { eye, near, far, .. }: &Camera) -> bool {
+    eye.is_finite() && far.is_finite() && near > 0.0 && near < far
 }
 
 /// Returns the part of a scene to frame.
@@ -125,11 +129,6 @@ fn placed(settings: &CameraSettings, pose: &Pose, bounds: &Bounds, radius: f64) 
     // Along the camera's own direction, whose last bit may be another one: a key frame knows no other.
     let (near, far) = depths([settings.near, settings.far], pose.eye, axes.forward, bounds, radius);
     Some(Camera { eye: pose.eye, near, far, ..axes })
-}
-
-/// Returns the vertical that a camera's `up` stands for, else that of the clouds.
-pub(super) fn vertical_of(settings: &CameraSettings, up: UpAxis) -> Vertical {
-    settings.up.and_then(Vertical::nearest).unwrap_or(up.into())
 }
 
 /// Returns settings in which `ortho` has become the `height` that shows the whole subject from the direction of view.

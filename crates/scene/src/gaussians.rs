@@ -3,19 +3,15 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::settings::{CloudSettings, Primitive, Scene};
+use super::scene::Scene;
+use super::settings::CloudSettings;
 use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::gaussians::{self, Gaussians};
 use pellucid_core::color::encode_srgb_f64;
 
 /// Returns `true` if a cloud's points are drawn as the Gaussians that its file has.
 pub(super) fn are_drawn(scene: &Scene, settings: &CloudSettings, cloud: &Cloud) -> bool {
-    cloud.gaussians.is_some() && would_be_drawn(scene, settings)
-}
-
-/// Returns `true` if the Gaussians of a cloud's file are drawn, should it hold some.
-pub(super) fn would_be_drawn(scene: &Scene, settings: &CloudSettings) -> bool {
-    settings.primitive == Primitive::Gaussians && scene.method.is_made_of_discs()
+    cloud.gaussians.is_some() && scene.draws_gaussians(settings)
 }
 
 /// Source of the colors of a cloud's points.

@@ -1,6 +1,6 @@
 //! Notes on the distance of layers.
 
-use super::settings::Scene;
+use super::scene::Scene;
 use crate::prepare::layer_distance;
 use pellucid_core::points::Points;
 

@@ -1,11 +1,11 @@
 //! `[method]`: the method in force, its keys, and the keys of others.
 
 use super::choice::MethodChoice;
-use super::document::Setting;
 use super::error::{Error, Place};
 use super::keys::{all_method_keys, owners};
 use super::methods::{METHODS, Method};
 use super::schema::{Key, Kind, Word};
+use super::setting::Setting;
 use super::settings::Raster;
 use super::table::{Context, Table};
 use super::tree::{Entries, Node, Value};
@@ -17,9 +17,9 @@ pub(super) fn read(table: &Table<'_>) -> Result<MethodChoice, Error> {
     known.sort_unstable();
     table.refuse_unknown(&known)?;
     let mut choice = choice(table)?;
-    if let (Some(softness), true) = (table.get("softness"), table.get("lambda").is_some()) {
-        let problem = "`method.lambda` and `method.softness` set the same thing: keep one".into();
-        return Err(Error::Conflict { place: softness.place.clone(), problem });
+    if table.get("softness").is_some() && table.get("lambda").is_some() {
+        let problem = "`method.lambda` and `method.softness` set the same thing: keep one";
+        return Err(table.conflict("softness", problem));
     }
     let name = choice.name();
     let own = choice.keys();

@@ -2,11 +2,14 @@
 //!
 //! Reader, help, reference and window list methods in the order of this table.
 
+mod properties;
+
 use super::schema::{Key, Settings};
 use super::settings::{
     BlendedSplats, Discs, Hybrid, ImageSpace, Interpolated, Mlab, Moments, OneLayer, Peel, PeelLayers, ScreenSplats,
     Soft, SoftLayout, Spbr, SpbrSimplified, Stochastic, Wavelet,
 };
+pub use properties::{Relief, SoftMethod};
 
 /// The name that leaves the method to the scene.
 pub(super) const AUTO: &str = "auto";

@@ -103,11 +103,7 @@ impl Named {
     /// Returns an error if a file can't be read.
     fn load(self, progress: &Progress) -> Result<Opened, OpenError> {
         let scene = self.document.scene()?;
-        let clouds = match &self.input {
-            Input::Files => load_clouds(&scene, progress)?,
-            Input::Generated(generated) => take_generated(&scene, generated)?,
-            Input::Clouds(clouds) => clouds.iter().map(|cloud| Cloud::clone(cloud)).collect(),
-        };
+        let clouds = self.input.load(&scene, progress)?.into_iter().map(Arc::unwrap_or_clone).collect();
         Ok(Opened { generated: self.is_generated(), name: self.name, document: self.document, clouds })
     }
 }

@@ -92,27 +92,12 @@ fn drop_rival(root: &mut Node, path: &[String]) {
     let owner: Vec<&str> = table.iter().map(|segment| if numbered(segment) { "*" } else { segment.as_str() }).collect();
     for [of, own, rival] in keys::rivals() {
         if owner.join(".") == of && key == own {
-            remove(root, table, rival);
+            root.visit(table, &mut |value| {
+                if let Value::Table(entries) = value {
+                    entries.retain(|key, (place, _)| key != rival || !matches!(place, Place::File { .. }));
+                }
+            });
         }
-    }
-}
-
-/// Takes a key of the file out of the tables at a path.
-fn remove(at: &mut Node, path: &[String], key: &str) {
-    match (&mut at.value, path.split_first()) {
-        (Value::Table(entries), None) => {
-            if matches!(entries.get(key), Some((Place::File { .. }, _))) {
-                entries.remove(key);
-            }
-        }
-        (Value::Table(entries), Some((segment, rest))) => {
-            entries.get_mut(segment).into_iter().for_each(|(_, child)| remove(child, rest, key));
-        }
-        (Value::Array(items), Some((segment, rest))) => {
-            let picked = |index: usize| segment == "*" || segment.parse() == Ok(index);
-            items.iter_mut().enumerate().filter(|(i, _)| picked(*i)).for_each(|(_, item)| remove(item, rest, key));
-        }
-        _ => {}
     }
 }
 

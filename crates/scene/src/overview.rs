@@ -1,12 +1,13 @@
 //! Facts that a picture of a cloud would meet, found on the host without a device: spacing, and layers on a pixel.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 
+use super::covered::Pixels;
 use super::document::Document;
-use super::framing::{camera, vertical_of};
+use super::framing::camera;
 use super::overrides::Overrides;
-use super::settings::Scene;
+use super::scene::Scene;
 use super::surroundings;
 use crate::prepare::sampled::{Sampled, sample};
 use crate::prepare::{DEFAULT_NEIGHBORS, radius};
@@ -61,7 +62,7 @@ fn automatic(cloud: &Cloud, points: &Points) -> Option<(Camera, [u32; 2], bool)>
     let document = Document::from_clouds(["cloud"], &Overrides::default()).ok()?;
     let scene: Scene = document.scene().ok()?;
     let (camera, _) = camera(&scene, points, cloud.up).ok()?;
-    let vertical = vertical_of(&scene.camera, cloud.up);
+    let vertical = scene.camera.vertical(cloud.up);
     let inside = surroundings::inside(&scene.camera, points, vertical).is_some();
     Some((camera, scene.image.size, inside))
 }
@@ -87,72 +88,13 @@ fn layers(camera: &Camera, size: [u32; 2], points: &Points) -> Option<f64> {
         },
     );
     let all = drawn.reduce(|| Pixels::none(size), Pixels::joined);
-    let covered: u64 = all.map.iter().map(|bits| u64::from(bits.count_ones())).sum();
-    (covered > 0).then(|| step as f64 * all.fragments as f64 / covered as f64)
+    let [fragments, covered] = all.counts();
+    (covered > 0).then(|| step as f64 * fragments as f64 / covered as f64)
 }
 
 fn is_in_depth(camera: &Camera, z: f64) -> bool {
     let before_eye = z > 0.0 || matches!(camera.projection, Projection::Orthographic { .. });
     before_eye && (camera.near..=camera.far).contains(&z)
-}
-
-/// Pixels that discs cover.
-struct Pixels {
-    size: [u32; 2],
-    /// Words in a row of the map.
-    words: usize,
-    /// Bits of the pixels, row by row.
-    map: Vec<u64>,
-    /// Pairs of a disc and a pixel.
-    fragments: u64,
-}
-
-impl Pixels {
-    fn none(size: [u32; 2]) -> Self {
-        let words = size[0].div_ceil(u64::BITS) as usize;
-        Self { size, words, map: vec![0; words * size[1] as usize], fragments: 0 }
-    }
-
-    fn joined(mut self, other: Self) -> Self {
-        self.map.iter_mut().zip(&other.map).for_each(|(bits, more)| *bits |= more);
-        self.fragments += other.fragments;
-        self
-    }
-
-    /// Adds a disc: the pixels whose centers lie in it, and the one that its center is in.
-    fn cover(&mut self, center: DVec2, radius: f64) {
-        let home = center.floor();
-        for y in inside(center.y, radius, self.size[1]) {
-            let off = f64::from(y) + 0.5 - center.y;
-            let half = (radius * radius - off * off).max(0.0).sqrt();
-            self.span(y, inside(center.x, half, self.size[0]));
-        }
-        if (home + 0.5).distance(center) > radius {
-            let pixel = |at: f64, length: u32| inside(at + 0.5, 0.0, length);
-            for y in pixel(home.y, self.size[1]) {
-                self.span(y, pixel(home.x, self.size[0]));
-            }
-        }
-    }
-
-    /// Adds pixels of a row.
-    fn span(&mut self, y: u32, columns: std::ops::Range<u32>) {
-        self.fragments += u64::from(columns.end.saturating_sub(columns.start));
-        let row = &mut self.map[y as usize * self.words..][..self.words];
-        let mut x = columns.start;
-        while x < columns.end {
-            let (bit, left) = (x % u64::BITS, columns.end - x);
-            let count = left.min(u64::BITS - bit);
-            row[(x / u64::BITS) as usize] |= (u64::MAX >> (u64::BITS - count)) << bit;
-            x += count;
-        }
-    }
-}
-
-/// The pixels of a line of this length whose centers lie within `reach` of a place on it.
-fn inside(at: f64, reach: f64, length: u32) -> std::ops::Range<u32> {
-    let border = |place: f64| place.clamp(0.0, f64::from(length)) as u32;
-    border((at - reach - 0.5).ceil())..border((at + reach - 0.5).floor() + 1.0)
 }
 
 #[cfg(test)]

@@ -3,12 +3,11 @@
 use std::path::Path;
 
 use super::choice::MethodChoice;
-use super::document::Document;
 use super::error::{Error, Place};
 use super::keys::owners;
 use super::method;
 use super::methods::edl_methods;
-use super::overrides::Overrides;
+use super::scene::Scene;
 use super::schema::{Key, Settings, Value};
 use super::settings::*;
 use super::table::{Context, Table};
@@ -16,44 +15,6 @@ use super::tree::Node;
 
 /// Scene files are text written by hand; one above this size is something else.
 const MAX_FILE_BYTES: u64 = 16 << 20;
-
-impl Scene {
-    /// Returns the scene that `text` describes. `origin` is the file's path: named in errors, and clouds are relative
-    /// to its folder.
-    ///
-    /// # Errors
-    /// Whatever is wrong with the text, with line and column.
-    pub fn from_toml(text: &str, origin: &Path) -> Result<Self, Error> {
-        Self::from_toml_with(text, origin, &Overrides::default())
-    }
-
-    /// Reads a scene like [`Scene::from_toml`], with options merged into the file before any check.
-    ///
-    /// # Errors
-    /// Invalid text (with line and column) or an invalid option (with its name).
-    pub fn from_toml_with(text: &str, origin: &Path, overrides: &Overrides) -> Result<Self, Error> {
-        Document::from_toml(text, origin, overrides)?.scene()
-    }
-
-    /// Returns the scene in the file `path`, with options laid over it.
-    ///
-    /// # Errors
-    /// A file that is missing, empty, too large or not text, and all of [`Scene::from_toml_with`].
-    pub fn read(path: &Path, overrides: &Overrides) -> Result<Self, Error> {
-        Document::read(path, overrides)?.scene()
-    }
-
-    /// Returns a scene of cloud files with every default, and options laid over it.
-    ///
-    /// # Errors
-    /// Whatever is wrong with an option.
-    pub fn from_clouds(
-        paths: impl IntoIterator<Item = impl AsRef<Path>>,
-        overrides: &Overrides,
-    ) -> Result<Self, Error> {
-        Document::from_clouds(paths, overrides)?.scene()
-    }
-}
 
 /// Returns a scene file's text.
 pub(super) fn read_text(path: &Path) -> Result<String, Error> {
@@ -96,8 +57,7 @@ pub(super) fn read_scene(root: &Node, folder: Option<&Path>) -> Result<Scene, Er
     let detail = read(&table.table("detail")?)?;
     check_edl(&table, &shading, &method)?;
     if settings.is_empty() {
-        let problem = "no cloud: add [[cloud]] with path = \"FILE\"".into();
-        return Err(Error::Conflict { place: table.place, problem });
+        return Err(table.conflict("", "no cloud: add [[cloud]] with path = \"FILE\""));
     }
     let warnings = context.warnings.take();
     let json = root.value.to_json().to_string();
@@ -124,14 +84,12 @@ fn cloud(table: &Table<'_>) -> Result<CloudSettings, Error> {
     let mut cloud = CloudSettings::default();
     table.refuse_unknown(&names(&cloud))?;
     if table.get("path").is_none() {
-        let problem = "a [[cloud]] needs `path`, the file of its points".into();
-        return Err(Error::Conflict { place: table.place.clone(), problem });
+        return Err(table.conflict("", "a [[cloud]] needs `path`, the file of its points"));
     }
     cloud.read(table)?;
-    if let (Some(node), Some(_)) = (table.get("surface_opacity"), table.get("opacity")) {
-        let problem =
-            "`opacity` (of each splat) and `surface_opacity` (of the surface) exclude each other: keep one".into();
-        return Err(Error::Conflict { place: node.place.clone(), problem });
+    if table.get("surface_opacity").is_some() && table.get("opacity").is_some() {
+        let problem = "`opacity` (of each splat) and `surface_opacity` (of the surface) exclude each other: keep one";
+        return Err(table.conflict("surface_opacity", problem));
     }
     Ok(cloud)
 }
@@ -147,14 +105,9 @@ fn warn_of_fields(cloud: &Table<'_>, method: &MethodChoice) {
 /// only known once the points are.
 fn check_edl(root: &Table<'_>, shading: &Shading, method: &MethodChoice) -> Result<(), Error> {
     let Some(method) = method.fixed().filter(|method| shading.edl.edl && !method.takes_edl()) else { return Ok(()) };
-    let table = root.table("shading")?;
-    let place = table.get("edl").map_or(&table.place, |node| &node.place).clone();
-    let problem = format!(
-        "`shading.edl` needs the depth of a surface, but method {:?} has none: {}",
-        method.name(),
-        edl_methods()
-    );
-    Err(Error::Conflict { place, problem })
+    let (name, others) = (method.name(), edl_methods());
+    let problem = format!("`shading.edl` needs the depth of a surface, but method {name:?} has none: {others}");
+    Err(root.table("shading")?.conflict("edl", problem))
 }
 
 /// `[shadows]`; a method that can't have shadows leaves a warning. The method that `auto` becomes is only known once

@@ -3,51 +3,24 @@
 use glam::DVec3;
 
 use super::error::Error;
-use super::schema::{Key, Kind, Range};
+use super::schema::{Key, Kind, Range, keys};
 use super::table::Table;
 use pellucid_io::photo::{Heights, Photo};
 
 /// Returns the keys of the table.
 pub(super) fn keys() -> Vec<Key> {
-    let key = |name, kind, unit, without, about| Key { kind, unit, without, ..Key::new(name, about) };
-    let length = "world units";
-    vec![
-        key(
-            "photo.origin",
-            Kind::Vector,
-            length,
-            "its middle is at (0, 0, 0)",
-            "Position of the lower left corner of a picture.",
-        ),
-        key(
-            "photo.right",
-            Kind::Direction,
-            length,
-            "width 1 along x",
-            "Vector from the left to the right edge of a picture; needs `photo.up`.",
-        ),
-        key(
-            "photo.up",
-            Kind::Direction,
-            length,
-            "along y, with square pixels",
-            "Vector from the lower to the upper edge of a picture; needs `photo.right`.",
-        ),
-        key(
-            "photo.heights",
-            Kind::Text,
-            "",
-            "the picture is flat",
-            "Grayscale picture of heights, relative to the folder of the scene file; needs `photo.height_scale`.",
-        ),
-        key(
-            "photo.height_scale",
-            Kind::Number(Range::COORDINATE),
-            length,
-            "the picture is flat",
-            "Height of white above black; if negative, white is deepest.",
-        ),
-    ]
+    keys! {
+        /// Position of the lower left corner of a picture.
+        "photo.origin": Kind::Vector, unit "world units", without "its middle is at (0, 0, 0)";
+        /// Vector from the left to the right edge of a picture; needs `photo.up`.
+        "photo.right": Kind::Direction, unit "world units", without "width 1 along x";
+        /// Vector from the lower to the upper edge of a picture; needs `photo.right`.
+        "photo.up": Kind::Direction, unit "world units", without "along y, with square pixels";
+        /// Grayscale picture of heights, relative to the folder of the scene file; needs `photo.height_scale`.
+        "photo.heights": Kind::Text, without "the picture is flat";
+        /// Height of white above black; if negative, white is deepest.
+        "photo.height_scale": Kind::Number(Range::COORDINATE), unit "world units", without "the picture is flat";
+    }
 }
 
 /// Reads the table inside that of a cloud; `None` if it is absent.
@@ -67,7 +40,7 @@ pub(super) fn read(cloud: &Table<'_>, key: &str) -> Result<Option<Photo>, Error>
                 "`photo.{given}` needs `photo.{missing}`: they are the picture's edges as vectors in the world; \
                  without both its width is 1 along x"
             );
-            return Err(Error::Conflict { place: node.place.clone(), problem });
+            return Err(table.conflict("", problem));
         }
     };
     let scale = table.number("height_scale", Range::COORDINATE)?;
@@ -80,7 +53,7 @@ pub(super) fn read(cloud: &Table<'_>, key: &str) -> Result<Option<Photo>, Error>
         (Some(path), Some(scale)) => Some(Heights { path, scale }),
         (Some(_), None) => {
             let problem = "`photo.heights` needs `photo.height_scale`, the height of white over black in world units";
-            return Err(Error::Conflict { place: node.place.clone(), problem: problem.into() });
+            return Err(table.conflict("", problem));
         }
     };
     Ok(Some(Photo { origin: table.vector("origin")?, edges, heights }))

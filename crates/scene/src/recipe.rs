@@ -5,8 +5,8 @@
 
 use glam::DVec3;
 
-use super::settings::{Clip, CloudSettings, Detail, ImageSettings, Light, Scene, Shading, Shadows};
-use super::view::Vertical;
+use super::scene::Scene;
+use super::settings::{Clip, CloudSettings, Detail, ImageSettings, Light, Shading, Shadows};
 use super::{ColorSpace, MethodChoice};
 use crate::prepare::ShadingNormals;
 use pellucid_core::cloud::UpAxis;
@@ -35,13 +35,12 @@ impl Recipe {
         let Scene { image, camera, shading: _, clouds, clips, method, detail, shadows: _, warnings: _, settings: _ } =
             scene;
         let ImageSettings { size: _, background: _, color } = image;
-        let vertical = camera.up.and_then(Vertical::nearest).unwrap_or(up.into());
         Self {
             clouds: clouds.clone(),
             clips: clips.clone(),
             columns: [method.needs_radii(), method.needs_field()],
             normals: scene.shading_normals(),
-            vertical: vertical.up(),
+            vertical: camera.vertical(up).up(),
             shuffled: method.is_dealt().then_some(seed),
             gaussians: has_gaussians.then_some((*method, *color, *detail)),
         }

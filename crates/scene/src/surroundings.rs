@@ -4,7 +4,8 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::settings::{CameraSettings, Scene, ShadingModel};
+use super::scene::Scene;
+use super::settings::{CameraSettings, ShadingModel};
 use super::view::Vertical;
 use pellucid_core::cloud::depth_camera::hundredths;
 use pellucid_core::cloud::{Bounds, UpAxis};
@@ -206,7 +207,7 @@ fn may_be_inside(settings: &CameraSettings) -> bool {
 /// be the vertical, and that there may be nothing to see because points have the color of the background.
 pub fn camera_notes(scene: &Scene, points: &Points, up: UpAxis) -> Vec<String> {
     let settings = &scene.camera;
-    let vertical = super::framing::vertical_of(settings, up);
+    let vertical = settings.vertical(up);
     let mut notes = Vec::new();
     let layout = if settings.eye.is_none() { Layout::of(points, vertical) } else { None };
     if may_be_inside(settings) && layout.as_ref().is_some_and(|layout| layout.within().is_some()) {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use glam::{DVec3, Vec3};
 
 use super::error::{Error, Place};
-use super::schema::Range;
+use super::range::Range;
 use super::tree::{Entries, Node, Value};
 use pellucid_core::words::nearest;
 
@@ -21,6 +21,7 @@ pub(crate) struct Context<'a> {
 }
 
 /// A table of the scene and its dotted name.
+#[derive(Clone)]
 pub(crate) struct Table<'a> {
     entries: Option<&'a Entries>,
     /// Keys that are there but not read.
@@ -54,8 +55,7 @@ impl<'a> Table<'a> {
 
     /// Returns the same table as if it didn't have some of its keys.
     pub fn without(&self, hidden: Vec<&'a str>) -> Self {
-        let Self { entries, context, .. } = *self;
-        Self { entries, hidden, name: self.name.clone(), place: self.place.clone(), context }
+        Self { hidden, ..self.clone() }
     }
 
     /// Notes that something has no effect.
@@ -72,10 +72,7 @@ impl<'a> Table<'a> {
     pub fn table(&self, key: &str) -> Result<Self, Error> {
         match self.get(key) {
             Some(node) => Self::new(node, self.path(key), self.context),
-            None => {
-                let (hidden, place) = (Vec::new(), self.place.clone());
-                Ok(Self { entries: None, hidden, name: self.path(key), place, context: self.context })
-            }
+            None => Ok(Self { entries: None, name: self.path(key), ..self.without(Vec::new()) }),
         }
     }
 
@@ -83,11 +80,7 @@ impl<'a> Table<'a> {
     pub fn tables(&self, key: &str) -> Result<Vec<Self>, Error> {
         let Some(node) = self.get(key) else { return Ok(Vec::new()) };
         let Value::Array(items) = &node.value else {
-            return Err(self.error(
-                key,
-                node,
-                format!("must be written as [[{}]], found {}", named(&self.path(key)), node.value.describe()),
-            ));
+            return Err(self.wrong(key, node, &format!("written as [[{}]]", named(&self.path(key)))));
         };
         let table = |(i, item)| Self::new(item, format!("{}.{i}", self.path(key)), self.context);
         items.iter().enumerate().map(table).collect()
@@ -110,22 +103,36 @@ impl<'a> Table<'a> {
         value_error(node, &self.path(key), problem)
     }
 
+    /// Returns an error about a value that is not what it must be, in words.
+    pub fn wrong(&self, key: &str, node: &Node, wanted: &str) -> Error {
+        self.error(key, node, format!("must be {wanted}, found {}", node.value.describe()))
+    }
+
+    /// Returns an error about keys that contradict each other, or lack one, at the place of one of them; at that of the
+    /// table if it is not there.
+    pub fn conflict(&self, key: &str, problem: impl Into<String>) -> Error {
+        let place = self.get(key).map_or(&self.place, |node| &node.place).clone();
+        Error::Conflict { place, problem: problem.into() }
+    }
+
+    /// Reads the value of a key, if it has one.
+    fn read<T>(&self, key: &str, read: impl FnOnce(&'a Node) -> Result<T, Error>) -> Result<Option<T>, Error> {
+        self.get(key).map(read).transpose()
+    }
+
     pub fn number(&self, key: &str, range: Range) -> Result<Option<f64>, Error> {
-        self.get(key).map(|node| self.number_at(key, node, range)).transpose()
+        self.read(key, |node| self.number_at(key, node, range))
     }
 
     /// Returns a number that is stored as float32.
     pub fn number32(&self, key: &str, range: Range) -> Result<Option<f32>, Error> {
-        self.get(key).map(|node| self.number32_at(key, node, range)).transpose()
+        self.read(key, |node| self.number32_at(key, node, range))
     }
 
     fn number32_at(&self, key: &str, node: &Node, range: Range) -> Result<f32, Error> {
-        let number = self.number_at(key, node, range)? as f32;
-        if number.is_finite() {
-            Ok(number)
-        } else {
-            Err(self.error(key, node, format!("does not fit into float32: {}", node.value.describe())))
-        }
+        let number = Some(self.number_at(key, node, range)? as f32).filter(|number| number.is_finite());
+        let found = || format!("does not fit into float32: {}", node.value.describe());
+        number.ok_or_else(|| self.error(key, node, found()))
     }
 
     fn number_at(&self, key: &str, node: &Node, range: Range) -> Result<f64, Error> {
@@ -134,42 +141,33 @@ impl<'a> Table<'a> {
             Value::Float(f) => Some(f),
             _ => None,
         };
-        number.filter(|x| range.contains(*x)).ok_or_else(|| {
-            self.error(key, node, format!("must be a number{}, found {}", range.describe(), node.value.describe()))
-        })
+        let number = number.filter(|x| range.contains(*x));
+        number.ok_or_else(|| self.wrong(key, node, &format!("a number{}", range.describe())))
     }
 
     /// Returns an integer from `min` to `max`.
     pub fn integer(&self, key: &str, min: u32, max: u32) -> Result<Option<u32>, Error> {
-        self.get(key).map(|node| self.integer_at(key, node, min, max)).transpose()
+        self.read(key, |node| self.integer_at(key, node, min, max))
     }
 
     fn integer_at(&self, key: &str, node: &Node, min: u32, max: u32) -> Result<u32, Error> {
-        let integer = match node.value {
-            Value::Integer(i) => u32::try_from(i).ok(),
-            _ => None,
-        };
-        integer.filter(|i| (min..=max).contains(i)).ok_or_else(|| {
-            self.error(key, node, format!("must be an integer from {min} to {max}, found {}", node.value.describe()))
-        })
+        let integer = if let Value::Integer(i) = node.value { u32::try_from(i).ok() } else { None };
+        let integer = integer.filter(|i| (min..=max).contains(i));
+        integer.ok_or_else(|| self.wrong(key, node, &format!("an integer from {min} to {max}")))
     }
 
     pub fn boolean(&self, key: &str) -> Result<Option<bool>, Error> {
-        let Some(node) = self.get(key) else { return Ok(None) };
-        match node.value {
-            Value::Boolean(value) => Ok(Some(value)),
-            _ => Err(self.error(key, node, format!("must be true or false, found {}", node.value.describe()))),
-        }
+        self.read(key, |node| match node.value {
+            Value::Boolean(value) => Ok(value),
+            _ => Err(self.wrong(key, node, "true or false")),
+        })
     }
 
     pub fn string(&self, key: &str) -> Result<Option<&'a str>, Error> {
-        let Some(node) = self.get(key) else { return Ok(None) };
-        match &node.value {
-            Value::String(text) if !text.is_empty() => Ok(Some(text)),
-            other => {
-                Err(self.error(key, node, format!("must be a string that is not empty, found {}", other.describe())))
-            }
-        }
+        self.read(key, |node| match &node.value {
+            Value::String(text) if !text.is_empty() => Ok(text.as_str()),
+            _ => Err(self.wrong(key, node, "a string that is not empty")),
+        })
     }
 
     /// Returns a file, from the scene's folder.
@@ -183,96 +181,82 @@ impl<'a> Table<'a> {
 
     /// Returns one of a few words, each with its meaning.
     pub fn choice<T: Copy>(&self, key: &str, words: &[(&str, T)]) -> Result<Option<T>, Error> {
-        let Some(node) = self.get(key) else { return Ok(None) };
-        let found = match &node.value {
-            Value::String(text) => words.iter().find(|(word, _)| word == text),
-            _ => None,
-        };
-        found.map(|(_, meaning)| Some(*meaning)).ok_or_else(|| {
-            let list: Vec<_> = words.iter().map(|(word, _)| format!("{word:?}")).collect();
-            self.error(key, node, format!("must be one of {}, found {}", list.join(", "), node.value.describe()))
+        self.read(key, |node| {
+            let is_found = |word: &str| matches!(&node.value, Value::String(text) if word == text);
+            let found = words.iter().find(|(word, _)| is_found(word));
+            found.map(|(_, meaning)| *meaning).ok_or_else(|| {
+                let list: Vec<_> = words.iter().map(|(word, _)| format!("{word:?}")).collect();
+                self.wrong(key, node, &format!("one of {}", list.join(", ")))
+            })
         })
     }
 
     fn items<const N: usize>(&self, key: &str, node: &'a Node, what: &str) -> Result<&'a [Node; N], Error> {
-        let items = match &node.value {
-            Value::Array(items) => <&[Node; N]>::try_from(items.as_slice()).ok(),
-            _ => None,
-        };
-        let found = || node.value.describe();
-        items.ok_or_else(|| self.error(key, node, format!("must be an array of {N} {what}, found {}", found())))
+        let items = if let Value::Array(items) = &node.value { items.as_slice().try_into().ok() } else { None };
+        items.ok_or_else(|| self.wrong(key, node, &format!("an array of {N} {what}")))
+    }
+
+    fn vector_at(&self, key: &str, node: &'a Node) -> Result<DVec3, Error> {
+        let [x, y, z] = self.items(key, node, "numbers")?;
+        let number = |node| self.number_at(key, node, Range::COORDINATE);
+        Ok(DVec3::new(number(x)?, number(y)?, number(z)?))
     }
 
     /// Returns three coordinates in float64.
     pub fn vector(&self, key: &str) -> Result<Option<DVec3>, Error> {
-        let Some(node) = self.get(key) else { return Ok(None) };
-        let [x, y, z] = self.items(key, node, "numbers")?;
-        let number = |node| self.number_at(key, node, Range::COORDINATE);
-        Ok(Some(DVec3::new(number(x)?, number(y)?, number(z)?)))
-    }
-
-    /// Two numbers.
-    pub fn pair(&self, key: &str) -> Result<Option<[f64; 2]>, Error> {
-        let Some(node) = self.get(key) else { return Ok(None) };
-        let [a, b] = self.items(key, node, "numbers")?;
-        let number = |node| self.number_at(key, node, Range::ANY);
-        Ok(Some([number(a)?, number(b)?]))
+        self.read(key, |node| self.vector_at(key, node))
     }
 
     /// Two numbers, the second at least the first.
     pub fn range(&self, key: &str) -> Result<Option<[f64; 2]>, Error> {
-        let pair = self.pair(key)?;
-        match (pair, self.get(key)) {
-            (Some([low, high]), Some(node)) if low > high => {
-                Err(self.error(key, node, format!("must go from low to high, found [{low:?}, {high:?}]")))
+        self.read(key, |node| {
+            let [low, high] = self.items(key, node, "numbers")?;
+            let number = |node| self.number_at(key, node, Range::ANY);
+            match [number(low)?, number(high)?] {
+                [low, high] if low > high => {
+                    Err(self.error(key, node, format!("must go from low to high, found [{low:?}, {high:?}]")))
+                }
+                range => Ok(range),
             }
-            _ => Ok(pair),
-        }
+        })
     }
 
     /// Returns a vector with a direction: not zero, and short enough to be normalized.
     pub fn direction(&self, key: &str) -> Result<Option<DVec3>, Error> {
-        let vector = self.vector(key)?;
-        match (vector, self.get(key)) {
-            (Some(v), Some(node)) if v.try_normalize().is_none() => {
-                Err(self.error(key, node, format!("must be a direction, found {v}")))
-            }
-            _ => Ok(vector),
-        }
+        self.read(key, |node| match self.vector_at(key, node)? {
+            v if v.try_normalize().is_none() => Err(self.error(key, node, format!("must be a direction, found {v}"))),
+            v => Ok(v),
+        })
     }
 
     /// Returns linear RGB, each from 0 to 1; or a color of CSS in a text, which is sRGB.
     pub fn color(&self, key: &str) -> Result<Option<Vec3>, Error> {
-        let Some(node) = self.get(key) else { return Ok(None) };
-        if let Value::String(text) = &node.value {
-            let wanted = "must be [r, g, b] in linear light, or a color such as \"white\" or \"#80c0ff\"";
-            let color = pellucid_core::color::named(text)
-                .ok_or_else(|| self.error(key, node, format!("{wanted}, found {text:?}")));
-            return color.map(Some);
-        }
-        let [r, g, b] = self.items(key, node, "numbers from 0 to 1")?;
-        let number = |node| self.number32_at(key, node, Range::UNIT);
-        Ok(Some(Vec3::new(number(r)?, number(g)?, number(b)?)))
+        self.read(key, |node| {
+            if let Value::String(text) = &node.value {
+                let wanted = "must be [r, g, b] in linear light, or a color such as \"white\" or \"#80c0ff\"";
+                let color = pellucid_core::color::named(text);
+                return color.ok_or_else(|| self.error(key, node, format!("{wanted}, found {text:?}")));
+            }
+            let [r, g, b] = self.items(key, node, "numbers from 0 to 1")?;
+            let number = |node| self.number32_at(key, node, Range::UNIT);
+            Ok(Vec3::new(number(r)?, number(g)?, number(b)?))
+        })
     }
 
     /// Two integers from 1 to `max`.
     pub fn size(&self, key: &str, max: u32) -> Result<Option<[u32; 2]>, Error> {
-        let Some(node) = self.get(key) else { return Ok(None) };
-        let [width, height] = self.items(key, node, "integers (width, height)")?;
-        Ok(Some([self.integer_at(key, width, 1, max)?, self.integer_at(key, height, 1, max)?]))
+        self.read(key, |node| {
+            let [width, height] = self.items(key, node, "integers (width, height)")?;
+            Ok([self.integer_at(key, width, 1, max)?, self.integer_at(key, height, 1, max)?])
+        })
     }
 
     /// Returns a list of integers from 0 to `max`.
     pub fn integers(&self, key: &str, max: u32) -> Result<Option<Vec<u32>>, Error> {
-        let Some(node) = self.get(key) else { return Ok(None) };
-        let Value::Array(items) = &node.value else {
-            return Err(self.error(
-                key,
-                node,
-                format!("must be an array of integers, found {}", node.value.describe()),
-            ));
-        };
-        items.iter().map(|item| self.integer_at(key, item, 0, max)).collect::<Result<_, _>>().map(Some)
+        self.read(key, |node| match &node.value {
+            Value::Array(items) => items.iter().map(|item| self.integer_at(key, item, 0, max)).collect(),
+            _ => Err(self.wrong(key, node, "an array of integers")),
+        })
     }
 }
 

@@ -32,6 +32,23 @@ pub(crate) enum Value {
     Path(PathBuf),
 }
 
+impl Node {
+    /// Goes to everything of a path that is there; `*` are all items of an array.
+    pub fn visit(&mut self, path: &[impl AsRef<str>], at: &mut impl FnMut(&mut Value)) {
+        let Some((key, rest)) = path.split_first() else { return at(&mut self.value) };
+        let key = key.as_ref();
+        match &mut self.value {
+            Value::Table(entries) => entries.get_mut(key).into_iter().for_each(|(_, node)| node.visit(rest, at)),
+            Value::Array(items) => {
+                let picked = |index: usize| key == "*" || key.parse() == Ok(index);
+                let items = items.iter_mut().enumerate().filter(|(index, _)| picked(*index));
+                items.for_each(|(_, item)| item.visit(rest, at));
+            }
+            _ => {}
+        }
+    }
+}
+
 impl Value {
     /// Returns the type and, where it is short, the value, for error messages.
     pub fn describe(&self) -> String {

@@ -54,9 +54,10 @@ impl std::fmt::Display for Vertical {
     }
 }
 
-/// Declares the named directions with their words and what the words mean.
+/// Declares the named directions with their words, azimuths, elevations where these are not the usual one, and what the
+/// words mean.
 macro_rules! view_names {
-    ($($Name:ident = $word:literal, $about:literal;)+) => {
+    ($($Name:ident = $word:literal, $azimuth:literal, $elevation:expr, $about:literal;)+) => {
         /// A named direction. Those of a compass look from there at the usual elevation, where +X is east and, with Z
         /// up, +Y is north.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,26 +68,34 @@ macro_rules! view_names {
         impl ViewName {
             /// All, with the word for each and its meaning.
             pub const ALL: &'static [(Self, &'static str, &'static str)] = &[$((Self::$Name, $word, $about)),+];
+
+            /// Azimuth and elevation in degrees; `None` of the usual elevation.
+            fn angles(self) -> (f64, Option<f64>) {
+                match self {
+                    $(Self::$Name => ($azimuth, $elevation),)+
+                }
+            }
         }
     };
 }
 
 view_names! {
-    Front = "front", "From the front: −Y in surveys (from the south), +Z in models.";
-    Back = "back", "From behind.";
-    Left = "left", "From −X.";
-    Right = "right", "From +X.";
-    Top = "top", "From above, with north (surveys) or the back (models) at the top of the image.";
-    Bottom = "bottom", "From below.";
-    Iso = "iso", "From the front's right and above, all three axes equally foreshortened.";
-    South = "south", "From the south and above.";
-    SouthEast = "south-east", "From the south-east and above.";
-    East = "east", "From the east and above.";
-    NorthEast = "north-east", "From the north-east and above.";
-    North = "north", "From the north and above.";
-    NorthWest = "north-west", "From the north-west and above.";
-    West = "west", "From the west and above.";
-    SouthWest = "south-west", "From the south-west and above.";
+    Front = "front", 0.0, Some(0.0), "From the front: −Y in surveys (from the south), +Z in models.";
+    Back = "back", 180.0, Some(0.0), "From behind.";
+    Left = "left", 270.0, Some(0.0), "From −X.";
+    Right = "right", 90.0, Some(0.0), "From +X.";
+    Top = "top", 0.0, Some(90.0), "From above, with north (surveys) or the back (models) at the top of the image.";
+    Bottom = "bottom", 0.0, Some(-90.0), "From below.";
+    Iso = "iso", 45.0, Some(1.0f64.atan2(std::f64::consts::SQRT_2).to_degrees()),
+        "From the front's right and above, all three axes equally foreshortened.";
+    South = "south", 0.0, None, "From the south and above.";
+    SouthEast = "south-east", 45.0, None, "From the south-east and above.";
+    East = "east", 90.0, None, "From the east and above.";
+    NorthEast = "north-east", 135.0, None, "From the north-east and above.";
+    North = "north", 180.0, None, "From the north and above.";
+    NorthWest = "north-west", 225.0, None, "From the north-west and above.";
+    West = "west", 270.0, None, "From the west and above.";
+    SouthWest = "south-west", 315.0, None, "From the south-west and above.";
 }
 
 impl ViewName {
@@ -117,25 +126,8 @@ impl View {
     fn angles(&self, vertical: Vertical) -> (f64, f64) {
         // Things that stand are looked at, landscapes looked down upon.
         let (usual, above) = if vertical.index() == 1 { (20.0, 15.0) } else { (30.0, 35.0) };
-        let (azimuth, elevation) = match self.name {
-            Some(ViewName::Front) => (0.0, 0.0),
-            Some(ViewName::Right) => (90.0, 0.0),
-            Some(ViewName::Back) => (180.0, 0.0),
-            Some(ViewName::Left) => (270.0, 0.0),
-            Some(ViewName::Top) => (0.0, 90.0),
-            Some(ViewName::Bottom) => (0.0, -90.0),
-            Some(ViewName::Iso) => (45.0, 1.0f64.atan2(std::f64::consts::SQRT_2).to_degrees()),
-            Some(ViewName::South) => (0.0, above),
-            Some(ViewName::SouthEast) => (45.0, above),
-            Some(ViewName::East) => (90.0, above),
-            Some(ViewName::NorthEast) => (135.0, above),
-            Some(ViewName::North) => (180.0, above),
-            Some(ViewName::NorthWest) => (225.0, above),
-            Some(ViewName::West) => (270.0, above),
-            Some(ViewName::SouthWest) => (315.0, above),
-            None => (usual, above),
-        };
-        (self.azimuth.unwrap_or(azimuth), self.elevation.unwrap_or(elevation))
+        let (azimuth, elevation) = self.name.map_or((usual, None), ViewName::angles);
+        (self.azimuth.unwrap_or(azimuth), self.elevation.or(elevation).unwrap_or(above))
     }
 
     /// Returns its azimuth in degrees.

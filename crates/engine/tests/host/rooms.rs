@@ -115,31 +115,6 @@ const KNOWN: [(&str, &[&str], &[&str]); 6] = [
     ),
     // Readers and stores share the error and the source of the root.
     ("io", &[], &["channel", "columns", "las", "store"]),
-    // Methods share fragments and compositing.
-    ("reference", &[], &["abuffer", "approximate", "gaussians", "mlab", "moments", "wavelet"]),
-    // Settings read themselves from the tables that they describe.
-    (
-        "scene",
-        &[],
-        &[
-            "assemble",
-            "choice",
-            "coloring",
-            "document",
-            "framing",
-            "gaussians",
-            "keys",
-            "legend",
-            "method",
-            "methods",
-            "overrides",
-            "parse",
-            "schema",
-            "settings",
-            "surroundings",
-            "table",
-        ],
-    ),
     // The panel and its parts share the state of the app.
     (
         "viewer",

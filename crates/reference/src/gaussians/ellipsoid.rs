@@ -12,7 +12,7 @@
 
 use glam::DVec3;
 
-use super::super::abuffer::{Composite, of_disc};
+use super::super::fragments::{Composite, of_disc};
 use super::super::soft::Ray;
 use super::super::{Picture, gaussians};
 use super::{Hit, Placed};
@@ -271,11 +271,5 @@ pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3]
     let stretch = |pixel: usize| ray(camera, size, [pixel as u32 % size[0], pixel as u32 / size[0]]).stretch;
     let blended = bodies.iter().enumerate().map(|(pixel, list)| blend(list, colors, stretch(pixel)));
     let pixels: Vec<Composite> = blended.collect();
-    Picture {
-        width: size[0],
-        height: size[1],
-        rgba: pixels.iter().map(|p| p.color.extend(p.alpha).to_array()).collect(),
-        depth: pixels.iter().map(|p| p.depth).collect(),
-        counts: bodies.iter().map(|list| list.len() as u32).collect(),
-    }
+    Picture::of(size, &pixels, bodies.iter().map(|list| list.len() as u32).collect())
 }

@@ -15,7 +15,8 @@ use glam::{DMat3, DVec2, DVec3};
 
 pub use ranges::{Possible, PossibleChord, possible, possible_chords};
 
-use super::abuffer::Fragment;
+use super::coverage::{is_in_depth, pixels_within};
+use super::fragments::Fragment;
 use pellucid_core::camera::{Camera, Projection};
 use pellucid_core::points::Points;
 use pellucid_scene::{GaussianSettings, Kernel, Order};
@@ -132,8 +133,7 @@ impl<'a> Placed<'a> {
     /// `None` of a center that is outside the range of depths, or nowhere.
     pub fn new(camera: &'a Camera, size: [u32; 2], gaussian: &Gaussian) -> Option<Self> {
         let center = camera.to_view(gaussian.position);
-        let before_eye = center.z > 0.0 || is_orthographic(camera);
-        if !gaussian.position.is_finite() || !before_eye || center.z < camera.near || center.z > camera.far {
+        if !gaussian.position.is_finite() || !is_in_depth(camera, center.z) {
             return None;
         }
         let to_view = DMat3::from_cols(camera.right, camera.up, camera.forward).transpose();
@@ -174,12 +174,8 @@ impl<'a> Placed<'a> {
     }
 
     /// The pixels whose centers are within a box on the screen, and at least one more on each side.
-    fn window(&self, [low, high]: [DVec2; 2]) -> impl Iterator<Item = [u32; 2]> + use<> {
-        let first = |low: f64| (low.floor() - 1.0).max(0.0) as u32;
-        let end = |high: f64, size: u32| ((high.ceil() + 1.0).max(0.0) as u32).min(size);
-        let columns = first(low.x)..end(high.x, self.size[0]);
-        let rows = first(low.y)..end(high.y, self.size[1]);
-        rows.flat_map(move |y| columns.clone().map(move |x| [x, y]))
+    fn window(&self, ends: [DVec2; 2]) -> impl Iterator<Item = [u32; 2]> + use<> {
+        pixels_within(self.size, ends, 0..self.size[1])
     }
 }
 

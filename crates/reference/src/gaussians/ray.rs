@@ -9,6 +9,7 @@
 use glam::{DMat3, DVec2, DVec3};
 
 use super::{Hit, Placed, alpha, is_orthographic, largest_rho2};
+use crate::coverage::on_screen;
 use pellucid_scene::{GaussianSettings, Order};
 
 /// Place at which a Gaussian is densest along a ray.
@@ -44,18 +45,7 @@ pub fn densest(placed: &Placed, axes: DMat3, pixel: [u32; 2]) -> Densest {
 pub(super) fn bounds(placed: &Placed, rho2: f64) -> [DVec2; 2] {
     let rows = placed.axes.transpose();
     let half = rho2.sqrt() * DVec3::from([rows.x_axis, rows.y_axis, rows.z_axis].map(|row| row.length()));
-    let (min, max) = (placed.center - half, placed.center + half);
-    let (low, high) = (min.truncate(), max.truncate());
-    let (low, high) = if is_orthographic(placed.camera) {
-        (low, high)
-    } else if min.z <= 0.0 {
-        return [DVec2::NEG_INFINITY, DVec2::INFINITY];
-    } else {
-        ((low / min.z).min(low / max.z), (high / min.z).max(high / max.z))
-    };
-    let focal = placed.camera.focal_px(placed.size[1]);
-    let middle = 0.5 * DVec2::new(f64::from(placed.size[0]), f64::from(placed.size[1]));
-    [middle + focal * DVec2::new(low.x, -high.y), middle + focal * DVec2::new(high.x, -low.y)]
+    on_screen(placed.camera, placed.size, placed.center - half, placed.center + half)
 }
 
 pub(super) fn footprint(placed: &Placed, settings: &GaussianSettings, order: Order) -> Vec<Hit> {

@@ -5,9 +5,10 @@
 
 use glam::DVec3;
 
+use super::super::coverage::is_in_depth;
 use super::super::range::{ColorRange, NOTHING, PictureRange, ROUNDING, Range, hull, screen_error};
-use super::{EDGES, RING, facing, is_ring_masked, layer_distance, neighbor};
-use pellucid_core::camera::{Camera, Projection};
+use super::{EDGES, RING, facing, in_order, is_ring_masked, layer_distance, neighbor};
+use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
 use pellucid_scene::ImageSpace;
 
@@ -36,8 +37,7 @@ pub struct Home {
 /// Returns the pixels of a point: one, or several if it lies on their border as closely as that is computed.
 pub fn homes(camera: &Camera, size: [u32; 2], position: DVec3) -> Vec<Home> {
     let (at, z) = camera.project(position, size);
-    let before_eye = z > 0.0 || matches!(camera.projection, Projection::Orthographic { .. });
-    if !position.is_finite() || !before_eye || z < camera.near || z > camera.far {
+    if !position.is_finite() || !is_in_depth(camera, z) {
         return Vec::new();
     }
     let reach = |axis: usize| {
@@ -246,18 +246,8 @@ impl LayerRange {
 
     /// See [`super::Layer::filtered`].
     pub fn filtered(self, filters: &ImageSpace, distance: Range, far: f64) -> Self {
-        let mut layer = self;
-        for _ in 0..filters.fill {
-            layer = layer.filled();
-        }
-        for _ in 0..filters.occlusion {
-            layer = layer.occluded_replaced(distance);
-        }
-        for _ in 0..filters.smooth {
-            layer = layer.smoothed();
-        }
-        let threshold = f64::from(filters.antialias_threshold);
-        if filters.antialias { layer.antialiased(distance, far, threshold) } else { layer }
+        let soften = |layer: &Self, threshold| layer.antialiased(distance, far, threshold);
+        in_order(self, filters, Self::filled, |layer| layer.occluded_replaced(distance), Self::smoothed, soften)
     }
 }
 

@@ -7,16 +7,9 @@ use glam::DVec3;
 use super::density::modulated_opacity;
 use super::{Behind, Model, Pixel};
 use crate::coverage::{Shape, Splat, footprint};
+use crate::fragments::{self, Fragment};
 use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
-
-/// A disc on a pixel.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fragment {
-    z: f64,
-    index: u32,
-    alpha: f64,
-}
 
 /// Eq. 19: the opacity at ρ = d/r, at most 1.
 pub fn opacity(peak: f64, rho: f64) -> f64 {
@@ -77,13 +70,8 @@ pub fn lists(
 
 /// Blends a pixel's list front to back: the fragments before the solid.
 pub fn blend(list: &[Fragment], colors: &[DVec3], behind: &Behind) -> Pixel {
-    let drawn: Vec<&Fragment> = list.iter().filter(|fragment| fragment.z < behind.depth).collect();
-    let mut log_transmittance = 0.0f64;
-    let mut color = DVec3::ZERO;
-    for fragment in &drawn {
-        color += colors[fragment.index as usize] * (fragment.alpha * log_transmittance.exp());
-        log_transmittance += (-fragment.alpha).ln_1p();
-    }
+    let drawn: Vec<Fragment> = list.iter().filter(|fragment| fragment.z < behind.depth).copied().collect();
+    let (color, log_transmittance) = fragments::blend(&drawn, colors);
     let first = drawn.iter().find(|fragment| fragment.alpha > 0.0).map(|fragment| fragment.z);
     Pixel::before(color, log_transmittance, first, drawn.len() as u32, behind)
 }

@@ -17,7 +17,8 @@ pub use self::density::Strength;
 pub use self::ray::{Chord, Ray};
 pub use self::spans::{Limits, Medium, Span, in_8_bits};
 use super::Picture;
-use pellucid_core::camera::{Camera, Projection};
+use super::coverage::is_in_depth;
+use pellucid_core::camera::Camera;
 use pellucid_core::points::Points;
 use pellucid_scene::{MAX_SHELLS, Shells, Soft, SoftMethod};
 
@@ -136,8 +137,7 @@ impl Scene<'_> {
         let soft = (0..points.fields.len()).filter(|i| points.fields[*i] > model.soft.threshold);
         let sphere = |i: usize| {
             let center = camera.to_view(points.positions[i]);
-            let before_eye = center.z > 0.0 || matches!(camera.projection, Projection::Orthographic { .. });
-            let drawn = center.is_finite() && before_eye && center.z >= camera.near && center.z <= camera.far;
+            let drawn = center.is_finite() && is_in_depth(camera, center.z);
             let radius = f64::from(points.radii[i]);
             drawn.then(|| Sphere {
                 center,

@@ -5,7 +5,6 @@ mod scale_bar;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::assemble::placed;
 use super::classes::Rules;
 use super::clip::Clips;
 use super::coloring::Coloring;
@@ -223,7 +222,7 @@ fn met(coloring: &Coloring<'_>, rules: &Rules<'_>, clips: &Clips, scaled: &Scale
         let positions: Vec<DVec3> = if clips.is_empty() {
             Vec::new()
         } else {
-            cloud.positions.par_iter().map(|p| placed(settings, *p)).collect()
+            cloud.positions.par_iter().map(|p| settings.placed(*p)).collect()
         };
         seen(rules.visible_points(count), clips, &positions)
     };

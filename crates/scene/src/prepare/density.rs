@@ -29,6 +29,7 @@ use glam::DVec3;
 use pellucid_core::progress::Progress;
 use rayon::prelude::*;
 
+use crate::lists::Lists;
 use pellucid_core::cloud::Bounds;
 
 /// Diagonals of the box to a sphere's radius.
@@ -187,9 +188,7 @@ struct Band {
 /// The centers whose spheres may reach into each cell.
 struct Grid {
     centers: Vec<DVec3>,
-    /// Start of each cell's centers in `members`, with their number as the last entry.
-    starts: Vec<u32>,
-    members: Vec<u32>,
+    cells: Lists,
 }
 
 impl Grid {
@@ -204,29 +203,14 @@ impl Grid {
                 rows.clone().flat_map(move |y| columns.clone().map(move |x| (z * height + y) * width + x))
             })
         };
-        let mut starts = vec![0u32; frame.cells.iter().product::<usize>() + 1];
-        centers.iter().for_each(|&center| cells(center).for_each(|cell| starts[cell + 1] += 1));
-        for cell in 1..starts.len() {
-            starts[cell] += starts[cell - 1];
-        }
-        let mut members = vec![0; starts[starts.len() - 1] as usize];
-        let mut next = starts.clone();
-        for (index, &center) in centers.iter().enumerate() {
-            for cell in cells(center) {
-                members[next[cell] as usize] = index as u32;
-                next[cell] += 1;
-            }
-        }
-        Self { centers, starts, members }
-    }
-
-    fn members(&self, cell: usize) -> Range<usize> {
-        self.starts[cell] as usize..self.starts[cell + 1] as usize
+        let members = |(center, place): (u32, &DVec3)| cells(*place).map(move |cell| (cell, center));
+        let lists = Lists::new(frame.cells.iter().product(), || (0..).zip(&centers).flat_map(members));
+        Self { cells: lists, centers }
     }
 
     /// The pairs of a center and one of some points that may be near to it.
     fn pairs(&self, frame: &Frame, points: &[DVec3]) -> u64 {
-        points.par_iter().map(|&p| self.members(frame.cell(frame.local(p))).len() as u64).sum()
+        points.par_iter().map(|&p| self.cells.of(frame.cell(frame.local(p))).len() as u64).sum()
     }
 
     /// Adds to the bands. Band b holds the pairs of a center and another point whose distance d has 2⁻ᵇ⁻¹ ≤ d < 2⁻ᵇ;
@@ -237,7 +221,7 @@ impl Grid {
             let mut bands = [Band::default(); RADII];
             for (i, &point) in points.iter().enumerate() {
                 let local = frame.local(point);
-                for &center in &self.members[self.members(frame.cell(local))] {
+                for &center in self.cells.of(frame.cell(local)) {
                     let squared = self.centers[center as usize].distance_squared(local);
                     if squared < 1.0 && center as usize != first + block * BLOCK + i {
                         let band = &mut bands[band_of(squared)];

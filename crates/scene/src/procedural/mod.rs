@@ -50,29 +50,61 @@ pub struct Parameter {
     pub summary: &'static str,
 }
 
-impl Parameter {
-    const fn count(name: &'static str, default: f64, min: f64, max: f64, summary: &'static str) -> Self {
-        Self { name, default, min, max, integer: true, summary }
-    }
-
-    const fn real(name: &'static str, default: f64, min: f64, max: f64, summary: &'static str) -> Self {
-        Self { name, default, min, max, integer: false, summary }
-    }
+const fn count(name: &'static str, default: f64, min: f64, max: f64, summary: &'static str) -> Parameter {
+    Parameter { name, default, min, max, integer: true, summary }
 }
 
-/// All built-in scenes; the first is the one rendered without input.
-pub const BUILTINS: &[Builtin] = &[
-    garden::BUILTIN,
-    tori::BUILTIN,
-    volume::BUILTIN,
-    stack::BUILTIN,
-    mosaic::BUILTIN,
-    plane::BUILTIN,
-    planes::BUILTIN,
-    spheres::BUILTIN,
-    sign::BUILTIN,
-    terrain::BUILTIN,
-];
+const fn real(name: &'static str, default: f64, min: f64, max: f64, summary: &'static str) -> Parameter {
+    Parameter { name, default, min, max, integer: false, summary }
+}
+
+/// Lists the built-in scenes: the module that makes one, which has its name, what it is, and its parameters.
+macro_rules! builtins {
+    ($($module:ident: $summary:literal; $($parameter:expr),+;)+) => {
+        /// All built-in scenes; the first is the one rendered without input.
+        pub const BUILTINS: &[Builtin] = &[$(Builtin {
+            name: stringify!($module),
+            summary: $summary,
+            parameters: &[$($parameter),+],
+            generate: |given, seed| $module::generate(given.values(&[$($parameter),+])?, seed),
+        }),+];
+    };
+}
+
+builtins! {
+    garden: "a simulated scan of a furnished garden house among trees";
+        count("points", 500_000.0, 1000.0, MAX_POINTS, "points of the scan, nearly");
+    tori: "three nested tori, brown in green in blue, of opacity 1, 0.5 and 0.3";
+        count("points", 600_000.0, 100.0, MAX_POINTS, "points of all three together");
+    volume: "uniform random points in a cube, with a wanted mean number of layers per covered pixel";
+        count("points", 200_000.0, 1.0, MAX_POINTS, "points in the cube"),
+        real("layers", 32.0, 1.0, 100_000.0, "mean fragments of the pixels that hold any");
+    stack: "parallel layers, each over the whole image: every pixel holds exactly as many fragments";
+        count("layers", 64.0, 1.0, stack::MAX_LAYERS, "fragments in every pixel"),
+        count("size", 256.0, 1.0, 16384.0, "width and height of the image"),
+        real("opacity", 0.05, 0.0, 1.0, "opacity of a layer");
+    mosaic: "parallel layers of discs of 9 pixels that tile the image: every pixel holds exactly as many fragments";
+        count("layers", 16.0, 1.0, stack::MAX_LAYERS, "fragments in every pixel"),
+        count("size", 256.0, 1.0, 16384.0, "width and height of the image"),
+        real("opacity", 0.05, 0.0, 1.0, "opacity of a layer");
+    plane: "uniform random points on a white square, parallel to the image or tilted";
+        count("points", 1e6, 1.0, MAX_POINTS, "points on the square"),
+        real("tilt", 0.0, -89.0, 89.0, "turn about the vertical, in degrees"),
+        real("opacity", 0.5, 0.0, 1.0, "opacity of the plane");
+    planes: "parallel planes of random points over the whole image, a cloud each: alpha blending is their exact picture";
+        count("planes", 2.0, 1.0, 64.0, "number of planes"),
+        count("points", 1e6, 1.0, MAX_POINTS, "points of each plane, 81% of them on the image"),
+        count("size", 128.0, 1.0, 16384.0, "width and height of the image"),
+        real("opacity", 0.5, 0.0, 1.0, "opacity of the nearest plane"),
+        real("back", 0.7, 0.0, 1.0, "opacity of the farthest; those between in even steps");
+    spheres: "one sphere, two that intersect, or a random soup; a point with a radius each";
+        count("count", 2.0, 1.0, MAX_POINTS, "number of spheres; a soup from 3 on");
+    sign: "lettering and a checker on a sign seen aslant, for methods of opaque points";
+        count("points", 60_000.0, 100.0, MAX_POINTS, "points on the sign, give or take a row"),
+        real("noise", 0.25, 0.0, 10.0, "standard deviation of depths, in distances between points");
+    terrain: "an airborne scan of a river valley with a town, fields and forests";
+        terrain::POINTS;
+}
 
 /// A generated scene: its clouds and the scene file that shows them.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,21 +5,8 @@ use glam::DVec3;
 
 use super::builder::CloudBuilder;
 use super::random::Random;
-use super::stack::{COLORS, EYE_Z, MAX_LAYERS, height, shuffle};
-use super::{Builtin, Error, Generated, Given, MAX_POINTS, Parameter};
-
-const PARAMETERS: [Parameter; 3] = [
-    Parameter::count("layers", 16.0, 1.0, MAX_LAYERS, "fragments in every pixel"),
-    Parameter::count("size", 256.0, 1.0, 16384.0, "width and height of the image"),
-    Parameter::real("opacity", 0.05, 0.0, 1.0, "opacity of a layer"),
-];
-
-pub(super) const BUILTIN: Builtin = Builtin {
-    name: "mosaic",
-    summary: "parallel layers of discs of 9 pixels that tile the image: every pixel holds exactly as many fragments",
-    parameters: &PARAMETERS,
-    generate,
-};
+use super::stack::{COLORS, EYE_Z, height, shuffle};
+use super::{Error, Generated, MAX_POINTS};
 
 /// Pixels between the centers of a layer's discs.
 const PITCH: usize = 3;
@@ -28,8 +15,7 @@ const PITCH: usize = 3;
 /// the rim is 0.28 pixels away from any pixel's center, so that float32 decides as float64 does.
 const RADIUS: f64 = 1.7;
 
-fn generate(given: &Given<'_>, seed: u64) -> Result<Generated, Error> {
-    let [layers, size, opacity] = given.values(&PARAMETERS)?;
+pub(super) fn generate([layers, size, opacity]: [f64; 3], seed: u64) -> Result<Generated, Error> {
     let (layers, size) = (layers as usize, size as usize);
     let most = (size / PITCH + 2).pow(2) as f64 * layers as f64;
     if most > MAX_POINTS {

@@ -4,26 +4,12 @@ use glam::DVec3;
 
 use super::builder::CloudBuilder;
 use super::random::{Random, unit_circle};
-use super::{Builtin, Error, Generated, Given, MAX_POINTS, Parameter};
-
-const PARAMETERS: [Parameter; 3] = [
-    Parameter::count("points", 1e6, 1.0, MAX_POINTS, "points on the square"),
-    Parameter::real("tilt", 0.0, -89.0, 89.0, "turn about the vertical, in degrees"),
-    Parameter::real("opacity", 0.5, 0.0, 1.0, "opacity of the plane"),
-];
-
-pub(super) const BUILTIN: Builtin = Builtin {
-    name: "plane",
-    summary: "uniform random points on a white square, parallel to the image or tilted",
-    parameters: &PARAMETERS,
-    generate,
-};
+use super::{Error, Generated};
 
 /// Half the side of the square, which is centered on the origin in the plane z = 0 before the tilt.
 const HALF: f64 = 1.0;
 
-fn generate(given: &Given<'_>, seed: u64) -> Result<Generated, Error> {
-    let [points, tilt, opacity] = given.values(&PARAMETERS)?;
+pub(super) fn generate([points, tilt, opacity]: [f64; 3], seed: u64) -> Result<Generated, Error> {
     let points = points as usize;
     let (cos, sin) = unit_circle(tilt / 360.0);
     let (right, normal) = (DVec3::new(cos, 0.0, -sin), DVec3::new(sin, 0.0, cos));

@@ -5,29 +5,13 @@ use glam::DVec3;
 use super::builder::CloudBuilder;
 use super::random::Random;
 use super::stack::COLORS;
-use super::{Builtin, Error, Generated, Given, MAX_POINTS, Parameter};
-
-const PARAMETERS: [Parameter; 5] = [
-    Parameter::count("planes", 2.0, 1.0, 64.0, "number of planes"),
-    Parameter::count("points", 1e6, 1.0, MAX_POINTS, "points of each plane, 81% of them on the image"),
-    Parameter::count("size", 128.0, 1.0, 16384.0, "width and height of the image"),
-    Parameter::real("opacity", 0.5, 0.0, 1.0, "opacity of the nearest plane"),
-    Parameter::real("back", 0.7, 0.0, 1.0, "opacity of the farthest; those between in even steps"),
-];
-
-pub(super) const BUILTIN: Builtin = Builtin {
-    name: "planes",
-    summary: "parallel planes of random points over the whole image, a cloud each: alpha blending is their exact picture",
-    parameters: &PARAMETERS,
-    generate,
-};
+use super::{Error, Generated, MAX_POINTS};
 
 /// Half the side of a plane, and of what the camera sees of it, so that no rim is in the image.
 const HALF: f64 = 1.0;
 const SEEN: f64 = 0.9;
 
-fn generate(given: &Given<'_>, seed: u64) -> Result<Generated, Error> {
-    let [planes, points, size, front, back] = given.values(&PARAMETERS)?;
+pub(super) fn generate([planes, points, size, front, back]: [f64; 5], seed: u64) -> Result<Generated, Error> {
     let [planes, points, size] = [planes, points, size].map(|count| count as usize);
     if (planes * points) as f64 > MAX_POINTS {
         return Err(Error::TooLarge { points: planes * points, bytes: planes * points * size_of::<DVec3>() });

@@ -5,19 +5,7 @@ use glam::{DVec2, DVec3};
 
 use super::builder::{CloudBuilder, Rgb};
 use super::random::Random;
-use super::{Builtin, Error, Generated, Given, MAX_POINTS, Parameter};
-
-const PARAMETERS: [Parameter; 2] = [
-    Parameter::count("points", 60_000.0, 100.0, MAX_POINTS, "points on the sign, give or take a row"),
-    Parameter::real("noise", 0.25, 0.0, 10.0, "standard deviation of depths, in distances between points"),
-];
-
-pub(super) const BUILTIN: Builtin = Builtin {
-    name: "sign",
-    summary: "lettering and a checker on a sign seen aslant, for methods of opaque points",
-    parameters: &PARAMETERS,
-    generate,
-};
+use super::{Error, Generated};
 
 /// Half the sign's width and height; it lies in the plane z = 0.
 const HALF: DVec2 = DVec2::new(1.2, 0.8);
@@ -40,8 +28,7 @@ const PAPER: Rgb = [240, 236, 224];
 const INK: Rgb = [24, 34, 58];
 const RED: Rgb = [190, 40, 36];
 
-fn generate(given: &Given<'_>, seed: u64) -> Result<Generated, Error> {
-    let [points, noise] = given.values(&PARAMETERS)?;
+pub(super) fn generate([points, noise]: [f64; 2], seed: u64) -> Result<Generated, Error> {
     let points = points as usize;
     let spacing = (4.0 * HALF.x * HALF.y / points as f64).sqrt();
     let [columns, rows] = (2.0 * HALF / spacing).to_array().map(|n| n.ceil() as usize);

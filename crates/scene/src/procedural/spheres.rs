@@ -4,23 +4,13 @@ use glam::DVec3;
 
 use super::builder::{CloudBuilder, Rgb};
 use super::random::Random;
-use super::{Builtin, Error, Generated, Given, MAX_POINTS, Parameter};
-
-const PARAMETERS: [Parameter; 1] =
-    [Parameter::count("count", 2.0, 1.0, MAX_POINTS, "number of spheres; a soup from 3 on")];
-
-pub(super) const BUILTIN: Builtin = Builtin {
-    name: "spheres",
-    summary: "one sphere, two that intersect, or a random soup; a point with a radius each",
-    parameters: &PARAMETERS,
-    generate,
-};
+use super::{Error, Generated};
 
 const RED: Rgb = [225, 70, 60];
 const BLUE: Rgb = [60, 105, 225];
 
-fn generate(given: &Given<'_>, seed: u64) -> Result<Generated, Error> {
-    let count = given.values(&PARAMETERS)?[0] as usize;
+pub(super) fn generate([count]: [f64; 1], seed: u64) -> Result<Generated, Error> {
+    let count = count as usize;
     let mut builder = CloudBuilder::with_capacity(count)?;
     let mut sphere = |center: DVec3, radius: f64, color: Rgb| {
         builder.point(center, color);

@@ -4,20 +4,7 @@ use glam::DVec3;
 
 use super::builder::{CloudBuilder, Rgb};
 use super::random::Random;
-use super::{Builtin, Error, Generated, Given, Parameter};
-
-const PARAMETERS: [Parameter; 3] = [
-    Parameter::count("layers", 64.0, 1.0, MAX_LAYERS, "fragments in every pixel"),
-    Parameter::count("size", 256.0, 1.0, 16384.0, "width and height of the image"),
-    Parameter::real("opacity", 0.05, 0.0, 1.0, "opacity of a layer"),
-];
-
-pub(super) const BUILTIN: Builtin = Builtin {
-    name: "stack",
-    summary: "parallel layers, each over the whole image: every pixel holds exactly as many fragments",
-    parameters: &PARAMETERS,
-    generate,
-};
+use super::{Error, Generated};
 
 /// Depths are in [1, 2), where float32 has 2²³ values: each layer has its own.
 pub(super) const MAX_LAYERS: f64 = (1u32 << 23) as f64;
@@ -32,8 +19,7 @@ const RADIUS: f64 = 1.5;
 pub(super) const COLORS: [Rgb; 6] =
     [[230, 60, 50], [60, 180, 75], [60, 100, 230], [245, 200, 40], [170, 60, 200], [50, 200, 210]];
 
-fn generate(given: &Given<'_>, seed: u64) -> Result<Generated, Error> {
-    let [layers, size, opacity] = given.values(&PARAMETERS)?;
+pub(super) fn generate([layers, size, opacity]: [f64; 3], seed: u64) -> Result<Generated, Error> {
     let (layers, size) = (layers as usize, size as usize);
     let mut order: Vec<usize> = (0..layers).collect();
     shuffle(&mut order, &mut Random::new(seed));

@@ -6,18 +6,8 @@ use glam::DVec3;
 
 use super::builder::{CloudBuilder, Rgb};
 use super::random::{Random, unit_circle};
-use super::{Builtin, Error, Generated, Given, MAX_POINTS, Parameter};
+use super::{Error, Generated};
 use pellucid_core::cloud::Cloud;
-
-const PARAMETERS: [Parameter; 1] =
-    [Parameter::count("points", 600_000.0, 100.0, MAX_POINTS, "points of all three together")];
-
-pub(super) const BUILTIN: Builtin = Builtin {
-    name: "tori",
-    summary: "three nested tori, brown in green in blue, of opacity 1, 0.5 and 0.3",
-    parameters: &PARAMETERS,
-    generate,
-};
 
 /// Name, radius of the tube, opacity, color. All share the center circle of radius 1 in the plane z = 0.
 const TORI: [(&str, f64, f64, Rgb); 3] =
@@ -28,11 +18,10 @@ const TORI: [(&str, f64, f64, Rgb); 3] =
 /// setting. No position is farther from a point than √2/2 spacings, so the surfaces are closed.
 const RADIUS_PER_SPACING: f64 = 0.858;
 
-fn generate(given: &Given<'_>, seed: u64) -> Result<Generated, Error> {
-    let points = given.values(&PARAMETERS)?[0] as usize;
+pub(super) fn generate([points]: [f64; 1], seed: u64) -> Result<Generated, Error> {
     let mut random = Random::new(seed);
     let area: f64 = TORI.iter().map(|&(_, tube, ..)| TAU * TAU * tube).sum();
-    let spacing = (area / points as f64).sqrt();
+    let spacing = (area / points).sqrt();
     let mut scene_toml = String::from(HEADER);
     let mut clouds = Vec::with_capacity(TORI.len());
     for (name, tube, opacity, color) in TORI {

@@ -4,22 +4,11 @@ use glam::{DVec2, DVec3};
 
 use super::builder::CloudBuilder;
 use super::random::Random;
-use super::{Builtin, Error, Generated, Given, MAX_POINTS, Parameter};
-
-const PARAMETERS: [Parameter; 2] = [
-    Parameter::count("points", 200_000.0, 1.0, MAX_POINTS, "points in the cube"),
-    Parameter::real("layers", 32.0, 1.0, 100_000.0, "mean fragments of the pixels that hold any"),
-];
-
-pub(super) const BUILTIN: Builtin = Builtin {
-    name: "volume",
-    summary: "uniform random points in a cube, with a wanted mean number of layers per covered pixel",
-    parameters: &PARAMETERS,
-    generate,
-};
+use super::{Error, Generated};
+use crate::covered::Pixels;
 
 /// Image side in pixels, and world units over it: the cube [−1, 1]³ leaves a margin.
-const SIZE: usize = 512;
+const SIZE: u32 = 512;
 const HEIGHT: f64 = 2.5;
 
 /// Reaches from any point of the cube over the whole image: at most √2·(1 + 1.25) world units.
@@ -28,8 +17,7 @@ const LARGEST_RADIUS: f64 = 3.2;
 /// The search ends this near to the wanted layers; a pixel more or less on a rim is of this order for small clouds.
 const TOLERANCE: f64 = 1e-3;
 
-fn generate(given: &Given<'_>, seed: u64) -> Result<Generated, Error> {
-    let [points, layers] = given.values(&PARAMETERS)?;
+pub(super) fn generate([points, layers]: [f64; 2], seed: u64) -> Result<Generated, Error> {
     let points = points as usize;
     let mut random = Random::new(seed);
     let mut builder = CloudBuilder::with_capacity(points)?;
@@ -64,10 +52,15 @@ name = "abuffer"
 
 /// Bisection on the radius: the mean grows with it, up to the discreteness of pixels.
 fn solve_radius(positions: &[DVec3], layers: f64) -> Result<f64, Error> {
-    let scale = SIZE as f64 / HEIGHT;
-    let centers = || positions.iter().map(|p| DVec2::new(p.x, -p.y) * scale + 0.5 * SIZE as f64);
-    let mut counter = Counter::new();
-    let least = counter.mean_layers(centers(), 0.0);
+    let scale = f64::from(SIZE) / HEIGHT;
+    let centers = || positions.iter().map(|p| DVec2::new(p.x, -p.y) * scale + 0.5 * f64::from(SIZE));
+    let mean_layers = |radius_px: f64| {
+        let mut pixels = Pixels::none([SIZE; 2]);
+        centers().for_each(|center| pixels.cover(center, radius_px));
+        let [fragments, covered] = pixels.counts();
+        if covered == 0 { 0.0 } else { fragments as f64 / covered as f64 }
+    };
+    let least = mean_layers(0.0);
     let most = positions.len() as f64;
     if layers < least * (1.0 - TOLERANCE) || layers > most {
         return Err(Error::OutOfReach { layers, points: positions.len(), least, most });
@@ -80,7 +73,7 @@ fn solve_radius(positions: &[DVec3], layers: f64) -> Result<f64, Error> {
     // The square law (layers ∝ R²) is exact except for rims and the center's own pixel, so a few steps with it suffice;
     // the halvings after it always end. A remainder after 50 steps is a jump of the mean, which no radius avoids.
     for step in 0..50 {
-        let mean = counter.mean_layers(centers(), radius * scale);
+        let mean = mean_layers(radius * scale);
         if (mean / layers - 1.0).abs() < TOLERANCE {
             break;
         }
@@ -93,56 +86,4 @@ fn solve_radius(positions: &[DVec3], layers: f64) -> Result<f64, Error> {
         radius = if step < 10 && low < next && next < high { next } else { 0.5 * (low + high) };
     }
     Ok(radius)
-}
-
-/// Counts fragments and covered pixels of screen-aligned discs by the coverage rule of the disc methods.
-struct Counter {
-    /// Change of each pixel's count against its left neighbor; one column more than the image.
-    changes: Vec<i64>,
-}
-
-impl Counter {
-    fn new() -> Self {
-        Self { changes: vec![0; (SIZE + 1) * SIZE] }
-    }
-
-    /// Fragments over covered pixels; 0 if nothing is covered.
-    fn mean_layers(&mut self, centers: impl Iterator<Item = DVec2>, radius_px: f64) -> f64 {
-        self.changes.fill(0);
-        for center in centers {
-            self.add_disc(center, radius_px);
-        }
-        let (mut fragments, mut covered) = (0i64, 0i64);
-        for row in self.changes.chunks_exact(SIZE + 1) {
-            let mut count = 0;
-            for change in &row[..SIZE] {
-                count += change;
-                fragments += count;
-                covered += i64::from(count > 0);
-            }
-        }
-        if covered == 0 { 0.0 } else { fragments as f64 / covered as f64 }
-    }
-
-    fn add_disc(&mut self, center: DVec2, radius: f64) {
-        let own = center.floor();
-        let first = (center.y - radius - 0.5).ceil().min(own.y).max(0.0) as usize;
-        let last = ((center.y + radius - 0.5).floor().max(own.y).min(SIZE as f64 - 1.0)) as usize;
-        for row in first..=last {
-            let dy = row as f64 + 0.5 - center.y;
-            // NaN where the row misses the disc; then `f64::min` and `max` keep the pixel of the center alone.
-            let half = (radius * radius - dy * dy).sqrt();
-            let (mut left, mut right) = ((center.x - half - 0.5).ceil(), (center.x + half - 0.5).floor());
-            if row as f64 == own.y {
-                left = left.min(own.x);
-                right = right.max(own.x);
-            }
-            if left <= right {
-                let left = left.max(0.0) as usize;
-                let right = right.min(SIZE as f64 - 1.0) as usize;
-                self.changes[row * (SIZE + 1) + left] += 1;
-                self.changes[row * (SIZE + 1) + right + 1] -= 1;
-            }
-        }
-    }
 }

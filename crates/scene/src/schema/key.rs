@@ -1,7 +1,7 @@
 //! Properties of a key that are known without reading a scene.
 
 use super::Range;
-use crate::Setting;
+use crate::setting::Setting;
 
 /// A key of the scene file.
 #[derive(Debug, Clone, PartialEq)]
@@ -167,4 +167,11 @@ pub struct Ladder {
     pub at_once: u32,
     /// The methods that differ by the key, of those that have it; empty: all of them.
     pub only: &'static [&'static str],
+}
+
+impl Ladder {
+    /// Returns values that are done one by one, all of which a choice considers.
+    pub(crate) const fn new(full: &'static [u32], quick: &'static [u32]) -> Self {
+        Self { full, quick, fine: full, ends_at_longest_list: false, at_once: 1, only: &[] }
+    }
 }

@@ -1,4 +1,4 @@
-//! The two macros.
+//! The macros.
 
 /// Declares settings: a struct with its defaults, its reader and the list of its keys.
 ///
@@ -174,26 +174,69 @@ macro_rules! words {
             }
         }
 
-        impl $crate::schema::Value for $Name {
-            type Allowed = ();
+        $crate::schema::value! {
+            $Name => $crate::schema::Kind::Words($Name::WORDS);
+            |table, key| table.choice(key, $Name::ALL);
+            |word| Some($crate::setting::Setting::Word(word.word().to_owned()));
+        }
+    };
+}
 
-            fn kind((): ()) -> $crate::schema::Kind {
-                $crate::schema::Kind::Words(Self::WORDS)
+/// Makes a type the value of a key ([`Value`](super::Value)): its form in a file, how it is read, and what a file has
+/// for it. `in Type as name` gives both of the former what is allowed.
+macro_rules! value {
+    ($Type:ty => $kind:expr; $($rest:tt)+) => {
+        $crate::schema::value! { $Type, in () as () => $kind; $($rest)+ }
+    };
+    (
+        $Type:ty, in $Allowed:ty as $allowed:pat => $kind:expr;
+        |$table:ident, $key:ident| $read:expr;
+        |$value:pat_param| $setting:expr;
+    ) => {
+        impl $crate::schema::Value for $Type {
+            type Allowed = $Allowed;
+
+            fn kind($allowed: $Allowed) -> $crate::schema::Kind {
+                $kind
             }
 
             fn read(
-                table: &$crate::table::Table<'_>,
-                key: &str,
-                (): (),
+                $table: &$crate::table::Table<'_>,
+                $key: &str,
+                $allowed: $Allowed,
             ) -> Result<Option<Self>, $crate::error::Error> {
-                table.choice(key, Self::ALL)
+                $read
             }
 
-            fn setting(&self) -> Option<$crate::Setting> {
-                Some($crate::Setting::Word(self.word().to_owned()))
+            fn setting(&self) -> Option<$crate::setting::Setting> {
+                let $value = self;
+                $setting
             }
         }
     };
 }
 
-pub(crate) use {allowed, settings, words};
+/// Lists keys that no field declares: names, behind the sentences that say what they do, and what is declared of fields
+/// as well.
+macro_rules! keys {
+    ($(
+        $(#[doc = $about:literal])+
+        $name:literal: $kind:expr
+        $(, unit $unit:literal)?
+        $(, value $value:expr)?
+        $(, without $without:literal)?
+        $(, rival $rival:literal)?
+        ;
+    )+) => {
+        vec![$($crate::schema::Key {
+            kind: $kind,
+            $(unit: $unit,)?
+            $(value: $value,)?
+            $(without: $without,)?
+            $(rival: Some($rival),)?
+            ..$crate::schema::Key::new($name, concat!($($about),+))
+        }),+]
+    };
+}
+
+pub(crate) use {allowed, keys, settings, value, words};

@@ -1,18 +1,17 @@
 //! Declaration of the keys of the scene file: once, beside the field that they set.
 //!
-//! [`settings!`] declares a struct whose fields are keys, [`words!`] an enum that a file spells as words. The struct,
-//! its defaults, its reader and the list of its keys ([`Key`]) all follow from that one declaration; the reference of
-//! the scene file, the controls of the window and the ladders of comparisons follow from the list.
+//! [`settings!`] declares a struct whose fields are keys, [`words!`] an enum that a file spells as words, [`value!`] how
+//! a file writes another type. The struct, its defaults, its reader and the list of its keys ([`Key`]) all follow from
+//! that one declaration; the reference of the scene file, the controls of the window and the ladders of comparisons
+//! follow from the list.
 
 mod key;
 mod macros;
-mod range;
 mod value;
 
+pub use super::range::Range;
 pub use key::{Key, Kind, Ladder, Slider, Word};
-pub(crate) use macros::{allowed, settings, words};
-pub(crate) use range::MAX_COORDINATE;
-pub use range::Range;
+pub(crate) use macros::{allowed, keys, settings, value, words};
 pub use value::rounded;
 pub(crate) use value::{Part, Value, Vectors};
 

@@ -6,9 +6,9 @@ use std::path::PathBuf;
 
 use glam::{DVec3, Vec3};
 
-use super::{Key, Kind, Range};
-use crate::Setting;
+use super::{Key, Kind, Range, value};
 use crate::error::Error;
+use crate::setting::Setting;
 use crate::table::Table;
 
 /// A type that a key gives a value to.
@@ -72,101 +72,41 @@ impl<T: Value> Value for Option<T> {
     }
 }
 
-impl Value for f32 {
-    type Allowed = Range;
-
-    fn kind(allowed: Range) -> Kind {
-        Kind::Number(allowed)
-    }
-
-    fn read(table: &Table<'_>, key: &str, allowed: Range) -> Result<Option<Self>, Error> {
-        table.number32(key, allowed)
-    }
-
-    fn setting(&self) -> Option<Setting> {
-        Some(Setting::Number(rounded(*self)))
-    }
+value! {
+    f32, in Range as allowed => Kind::Number(allowed);
+    |table, key| table.number32(key, allowed);
+    |x| Some(Setting::Number(rounded(*x)));
 }
 
-impl Value for f64 {
-    type Allowed = Range;
-
-    fn kind(allowed: Range) -> Kind {
-        Kind::Number(allowed)
-    }
-
-    fn read(table: &Table<'_>, key: &str, allowed: Range) -> Result<Option<Self>, Error> {
-        table.number(key, allowed)
-    }
-
-    fn setting(&self) -> Option<Setting> {
-        Some(Setting::Number(*self))
-    }
+value! {
+    f64, in Range as allowed => Kind::Number(allowed);
+    |table, key| table.number(key, allowed);
+    |x| Some(Setting::Number(*x));
 }
 
-impl Value for u32 {
-    type Allowed = RangeInclusive<u32>;
-
-    fn kind(allowed: RangeInclusive<u32>) -> Kind {
-        Kind::Integer(*allowed.start(), *allowed.end())
-    }
-
-    fn read(table: &Table<'_>, key: &str, allowed: RangeInclusive<u32>) -> Result<Option<Self>, Error> {
-        table.integer(key, *allowed.start(), *allowed.end())
-    }
-
-    fn setting(&self) -> Option<Setting> {
-        Some(Setting::Integer(*self))
-    }
+value! {
+    u32, in RangeInclusive<u32> as allowed => Kind::Integer(*allowed.start(), *allowed.end());
+    |table, key| table.integer(key, *allowed.start(), *allowed.end());
+    |i| Some(Setting::Integer(*i));
 }
 
-impl Value for usize {
-    type Allowed = RangeInclusive<u32>;
-
-    fn kind(allowed: RangeInclusive<u32>) -> Kind {
-        u32::kind(allowed)
-    }
-
-    fn read(table: &Table<'_>, key: &str, allowed: RangeInclusive<u32>) -> Result<Option<Self>, Error> {
-        Ok(u32::read(table, key, allowed)?.map(|count| count as Self))
-    }
-
-    fn setting(&self) -> Option<Setting> {
-        u32::try_from(*self).ok().map(Setting::Integer)
-    }
+value! {
+    usize, in RangeInclusive<u32> as allowed => u32::kind(allowed);
+    |table, key| Ok(u32::read(table, key, allowed)?.map(|count| count as usize));
+    |count| u32::try_from(*count).ok().map(Setting::Integer);
 }
 
-impl Value for bool {
-    type Allowed = ();
-
-    fn kind((): ()) -> Kind {
-        Kind::Flag
-    }
-
-    fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
-        table.boolean(key)
-    }
-
-    fn setting(&self) -> Option<Setting> {
-        Some(Setting::Flag(*self))
-    }
+value! {
+    bool => Kind::Flag;
+    |table, key| table.boolean(key);
+    |flag| Some(Setting::Flag(*flag));
 }
 
-/// Linear R, G, B.
-impl Value for Vec3 {
-    type Allowed = ();
-
-    fn kind((): ()) -> Kind {
-        Kind::Color
-    }
-
-    fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
-        table.color(key)
-    }
-
-    fn setting(&self) -> Option<Setting> {
-        Some(Setting::Numbers(self.to_array().map(rounded).to_vec()))
-    }
+// Linear R, G, B.
+value! {
+    Vec3 => Kind::Color;
+    |table, key| table.color(key);
+    |color| Some(Setting::Numbers(color.to_array().map(rounded).to_vec()));
 }
 
 /// Vectors that are allowed.
@@ -178,60 +118,37 @@ pub(crate) enum Vectors {
     Directions,
 }
 
-impl Value for DVec3 {
-    type Allowed = Vectors;
-
-    fn kind(allowed: Vectors) -> Kind {
-        match allowed {
-            Vectors::Any => Kind::Vector,
-            Vectors::Directions => Kind::Direction,
-        }
-    }
-
-    fn read(table: &Table<'_>, key: &str, allowed: Vectors) -> Result<Option<Self>, Error> {
-        match allowed {
-            Vectors::Any => table.vector(key),
-            Vectors::Directions => table.direction(key),
-        }
-    }
-
-    fn setting(&self) -> Option<Setting> {
-        Some(Setting::Numbers(self.to_array().to_vec()))
-    }
+value! {
+    DVec3, in Vectors as allowed => match allowed {
+        Vectors::Any => Kind::Vector,
+        Vectors::Directions => Kind::Direction,
+    };
+    |table, key| match allowed {
+        Vectors::Any => table.vector(key),
+        Vectors::Directions => table.direction(key),
+    };
+    |vector| Some(Setting::from(vector.to_array()));
 }
 
-/// Width and height.
-impl Value for [u32; 2] {
-    type Allowed = RangeInclusive<u32>;
-
-    fn kind(allowed: RangeInclusive<u32>) -> Kind {
-        Kind::Size(*allowed.end())
-    }
-
-    fn read(table: &Table<'_>, key: &str, allowed: RangeInclusive<u32>) -> Result<Option<Self>, Error> {
-        table.size(key, *allowed.end())
-    }
-
-    fn setting(&self) -> Option<Setting> {
-        Some(Setting::Integers(self.to_vec()))
-    }
+// Width and height.
+value! {
+    [u32; 2], in RangeInclusive<u32> as allowed => Kind::Size(*allowed.end());
+    |table, key| table.size(key, *allowed.end());
+    |size| Some(Setting::from(*size));
 }
 
-/// A file, relative to the folder of the scene file.
-impl Value for PathBuf {
-    type Allowed = ();
+// The lower and the upper end of a range.
+value! {
+    [f64; 2] => Kind::Other("`[low, high]`");
+    |table, key| table.range(key);
+    |range| Some(Setting::from(*range));
+}
 
-    fn kind((): ()) -> Kind {
-        Kind::Text
-    }
-
-    fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
-        table.path_of(key)
-    }
-
-    fn setting(&self) -> Option<Setting> {
-        None
-    }
+// A file, relative to the folder of the scene file.
+value! {
+    PathBuf => Kind::Text;
+    |table, key| table.path_of(key);
+    |_| None;
 }
 
 /// Returns the shortest number that is this one in float32: 0.17 and not 0.17000000178813934.

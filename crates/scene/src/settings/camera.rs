@@ -5,7 +5,8 @@ use glam::DVec3;
 use crate::error::Error;
 use crate::schema::{Key, Part, Range, Vectors, settings};
 use crate::table::Table;
-use crate::view::View;
+use crate::view::{Vertical, View};
+use pellucid_core::cloud::UpAxis;
 
 settings! {
     /// `[camera]` as given, and the view asked for on the command line; [`camera`](crate::camera) fills in the rest.
@@ -34,6 +35,13 @@ settings! {
     check agree;
 }
 
+impl CameraSettings {
+    /// Returns the vertical: the axis nearest to `up` of the camera, else that of the clouds.
+    pub(crate) fn vertical(&self, up: UpAxis) -> Vertical {
+        self.up.and_then(Vertical::nearest).unwrap_or(up.into())
+    }
+}
+
 impl Part for View {
     type Allowed = ();
 
@@ -47,21 +55,15 @@ impl Part for View {
 }
 
 fn agree(settings: &CameraSettings, table: &Table<'_>) -> Result<(), Error> {
-    let conflict = |key: &str, problem: String| {
-        let place = table.get(key).map_or(&table.place, |node| &node.place).clone();
-        Err(Error::Conflict { place, problem })
+    let conflict = |key: &str, problem: String| Err(table.conflict(key, problem));
+    let kept = |other: &str| {
+        format!("`camera.fov_y` (perspective) and `camera.{other}` (orthographic) are both given: keep one")
     };
     if settings.fov_y.is_some() && settings.height.is_some() {
-        return conflict(
-            "height",
-            "`camera.fov_y` (perspective) and `camera.height` (orthographic) are both given: keep one".into(),
-        );
+        return conflict("height", kept("height"));
     }
     if settings.fov_y.is_some() && settings.ortho {
-        return conflict(
-            "ortho",
-            "`camera.fov_y` (perspective) and `camera.ortho` (orthographic) are both given: keep one".into(),
-        );
+        return conflict("ortho", kept("ortho"));
     }
     if let (Some(near), Some(far)) = (settings.near, settings.far)
         && near >= far

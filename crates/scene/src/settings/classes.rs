@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::error::Error;
-use crate::schema::{Key, Kind, Part, Range};
+use crate::schema::{Key, Kind, Part, Range, keys};
 use crate::table::Table;
 use crate::tree::{Node, Value};
 use pellucid_core::cloud::CLASSIFICATION_NAMES;
@@ -75,25 +75,20 @@ fn code(table: &Table<'_>, node: &Node) -> Result<u8, Error> {
         },
         _ => None,
     };
-    found.ok_or_else(|| {
-        let problem =
-            format!("must be an integer from 0 to 255 or the name of a class, found {}", node.value.describe());
-        table.error("id", node, problem)
-    })
+    found.ok_or_else(|| table.wrong("id", node, "an integer from 0 to 255 or the name of a class"))
 }
 
 fn read(table: &Table<'_>) -> Result<ClassSettings, Error> {
     table.refuse_unknown(&["id", "scalar", "range", "opacity", "color", "visible"])?;
-    let conflict = |problem: &str| Error::Conflict { place: table.place.clone(), problem: problem.to_owned() };
     let points = match (table.get("id"), table.string("scalar")?, table.range("range")?) {
         (Some(node), None, None) => Selection::Class(code(table, node)?),
         (None, Some(name), Some(range)) => Selection::Scalar { name: name.to_owned(), range },
-        _ => return Err(conflict("a [[cloud.class]] needs either `id`, or `scalar` and `range`")),
+        _ => return Err(table.conflict("", "a [[cloud.class]] needs either `id`, or `scalar` and `range`")),
     };
     let opacity = table.number32("opacity", Range::UNIT)?;
     let (color, visible) = (table.color("color")?, table.boolean("visible")?);
     if opacity.is_none() && color.is_none() && visible.is_none() {
-        return Err(conflict("a [[cloud.class]] needs `opacity`, `color` or `visible`"));
+        return Err(table.conflict("", "a [[cloud.class]] needs `opacity`, `color` or `visible`"));
     }
     Ok(ClassSettings { points, opacity, color, visible })
 }
@@ -102,32 +97,23 @@ impl Part for Vec<ClassSettings> {
     type Allowed = ();
 
     fn keys(&self, _: Key, (): ()) -> Vec<Key> {
-        let key = |name, about, kind, without| Key { kind, without, ..Key::new(name, about) };
-        vec![
-            key(
-                "class.id",
-                "Class of the points that this entry of `[[cloud.class]]` changes. For each key the last matching entry counts.",
-                Kind::Other(
-                    "integer from 0 to 255, or a name as `\"ground\"`, `\"high-vegetation\"`, `\"building\"`, `\"water\"`",
-                ),
-                "by `scalar`",
-            ),
-            key("class.scalar", "Name of the scalar that selects the points, with `range`.", Kind::Text, "by `id`"),
-            key("class.range", "Range of the scalar, including both ends.", Kind::Other("`[low, high]`"), "by `id`"),
-            key(
-                "class.opacity",
-                "Opacity of these points, in place of the cloud's.",
-                Kind::Number(Range::UNIT),
-                "the cloud's",
-            ),
-            key("class.color", "Color of these points, in place of the cloud's.", Kind::Color, "the cloud's"),
-            key(
-                "class.visible",
-                "False hides these points; they still count for radii, percentiles and the camera.",
-                Kind::Flag,
-                "`true`",
-            ),
-        ]
+        keys! {
+            /// Class of the points that this entry of `[[cloud.class]]` changes. For each key the last matching entry
+            /// counts.
+            "class.id": Kind::Other(
+                "integer from 0 to 255, or a name as `\"ground\"`, `\"high-vegetation\"`, `\"building\"`, `\"water\"`",
+            ), without "by `scalar`";
+            /// Name of the scalar that selects the points, with `range`.
+            "class.scalar": Kind::Text, without "by `id`";
+            /// Range of the scalar, including both ends.
+            "class.range": Kind::Other("`[low, high]`"), without "by `id`";
+            /// Opacity of these points, in place of the cloud's.
+            "class.opacity": Kind::Number(Range::UNIT), without "the cloud's";
+            /// Color of these points, in place of the cloud's.
+            "class.color": Kind::Color, without "the cloud's";
+            /// False hides these points; they still count for radii, percentiles and the camera.
+            "class.visible": Kind::Flag, without "`true`";
+        }
     }
 
     fn update(&mut self, table: &Table<'_>, key: &str, (): ()) -> Result<(), Error> {

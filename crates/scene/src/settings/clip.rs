@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use crate::error::Error;
-use crate::schema::{Key, Kind, Range};
+use crate::schema::{Key, Kind, Range, keys};
 use crate::table::Table;
 
 /// An entry of `[[clip]]`. A point is drawn if every entry keeps its center.
@@ -53,32 +53,19 @@ const KEYS: [&str; 5] = ["box", "plane", "slab", "polygon", "invert"];
 impl Clip {
     /// Returns the keys of `[[clip]]` with their descriptions.
     pub fn keys() -> Vec<Key> {
-        let key = |name, about, kind| Key { kind, without: "one of the four must be given", ..Key::new(name, about) };
-        let invert =
-            Key { value: Some(false.into()), kind: Kind::Flag, ..Key::new("invert", "Keep the outside instead.") };
-        vec![
-            key(
-                "box",
-                "Keep the inside of a box along the axes.",
-                Kind::Other("`{ min = [x, y, z], max = [x, y, z] }`"),
-            ),
-            key(
-                "plane",
-                "Keep the side of a plane that its normal points to.",
-                Kind::Other("`{ point = [x, y, z], normal = [x, y, z] }`"),
-            ),
-            key(
-                "slab",
-                "Keep the space from `min` to `max` along an axis; one of them may be left out.",
-                Kind::Other("`{ axis = \"x\", min = …, max = … }`, or `\"y\"`, or `\"z\"`"),
-            ),
-            key(
-                "polygon",
-                "GeoJSON file; keep the inside of its polygons in x and y, without their holes.",
-                Kind::Text,
-            ),
-            invert,
-        ]
+        keys! {
+            /// Keep the inside of a box along the axes.
+            "box": Kind::Other("`{ min = [x, y, z], max = [x, y, z] }`"), without "one of the four must be given";
+            /// Keep the side of a plane that its normal points to.
+            "plane": Kind::Other("`{ point = [x, y, z], normal = [x, y, z] }`"), without "one of the four must be given";
+            /// Keep the space from `min` to `max` along an axis; one of them may be left out.
+            "slab": Kind::Other("`{ axis = \"x\", min = …, max = … }`, or `\"y\"`, or `\"z\"`"),
+                without "one of the four must be given";
+            /// GeoJSON file; keep the inside of its polygons in x and y, without their holes.
+            "polygon": Kind::Text, without "one of the four must be given";
+            /// Keep the outside instead.
+            "invert": Kind::Flag, value Some(false.into());
+        }
     }
 
     /// Reads an entry.
@@ -86,9 +73,8 @@ impl Clip {
         table.refuse_unknown(&KEYS)?;
         let given: Vec<_> = KEYS[..4].iter().copied().filter(|key| table.get(key).is_some()).collect();
         let [shape] = given[..] else {
-            let problem =
-                format!("a [[clip]] needs one of `box`, `plane`, `slab` and `polygon`, found {}", given.len());
-            return Err(Error::Conflict { place: table.place.clone(), problem });
+            let problem = "a [[clip]] needs one of `box`, `plane`, `slab` and `polygon`, found";
+            return Err(table.conflict("", format!("{problem} {}", given.len())));
         };
         let shape = match shape {
             "box" => read_box(&table.table("box")?)?,
@@ -100,16 +86,12 @@ impl Clip {
     }
 }
 
-fn conflict(table: &Table<'_>, problem: &str) -> Error {
-    Error::Conflict { place: table.place.clone(), problem: problem.to_owned() }
-}
-
 fn read_box(table: &Table<'_>) -> Result<ClipShape, Error> {
     table.refuse_unknown(&["min", "max"])?;
     match (table.vector("min")?, table.vector("max")?) {
         (Some(min), Some(max)) if min.cmple(max).all() => Ok(ClipShape::Box { min, max }),
-        (Some(_), Some(_)) => Err(conflict(table, "the `min` of a box must be at most its `max`, on every axis")),
-        _ => Err(conflict(table, "a box needs `min` and `max`")),
+        (Some(_), Some(_)) => Err(table.conflict("", "the `min` of a box must be at most its `max`, on every axis")),
+        _ => Err(table.conflict("", "a box needs `min` and `max`")),
     }
 }
 
@@ -117,7 +99,7 @@ fn read_plane(table: &Table<'_>) -> Result<ClipShape, Error> {
     table.refuse_unknown(&["point", "normal"])?;
     match (table.vector("point")?, table.direction("normal")?) {
         (Some(point), Some(normal)) => Ok(ClipShape::Plane { point, normal }),
-        _ => Err(conflict(table, "a plane needs `point` and `normal`")),
+        _ => Err(table.conflict("", "a plane needs `point` and `normal`")),
     }
 }
 
@@ -127,10 +109,10 @@ fn read_slab(table: &Table<'_>) -> Result<ClipShape, Error> {
     match (axis, table.number("min", Range::ANY)?, table.number("max", Range::ANY)?) {
         (Some(axis), min, max) if min.or(max).is_some() => match (min, max) {
             (Some(least), Some(most)) if least > most => {
-                Err(conflict(table, "the `min` of a slab must be at most its `max`"))
+                Err(table.conflict("", "the `min` of a slab must be at most its `max`"))
             }
             _ => Ok(ClipShape::Slab { axis, min, max }),
         },
-        _ => Err(conflict(table, "a slab needs `axis`, and `min` or `max`")),
+        _ => Err(table.conflict("", "a slab needs `axis`, and `min` or `max`")),
     }
 }

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use glam::{DVec3, Vec3};
 
-use crate::Setting;
 use crate::error::Error;
 use crate::photo;
-use crate::schema::{Key, Kind, Part, Range, Slider, Value, Vectors, settings, words};
+use crate::schema::{Key, Kind, Part, Range, Slider, Vectors, keys, settings, value, words};
+use crate::setting::Setting;
 use crate::settings::{ClassSettings, ColorSettings, Strays};
 use crate::table::Table;
 use pellucid_core::cloud::field::Field;
@@ -69,6 +69,11 @@ words! {
 }
 
 impl CloudSettings {
+    /// Returns the position of a point of the file in the scene.
+    pub(crate) fn placed(&self, position: DVec3) -> DVec3 {
+        self.scale * position + self.translate
+    }
+
     /// Returns the hints that the settings give about the file.
     pub fn hints(&self) -> Hints<'_> {
         let las = if self.color.is_some() { LasColumns::default() } else { self.coloring.color_by.las_columns() };
@@ -77,21 +82,14 @@ impl CloudSettings {
     }
 }
 
-impl Value for ColumnNames {
-    type Allowed = ();
-
-    fn kind((): ()) -> Kind {
-        Kind::Text
-    }
-
-    fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
+value! {
+    ColumnNames => Kind::Text;
+    |table, key| {
         let (Some(text), Some(node)) = (table.string(key)?, table.get(key)) else { return Ok(None) };
-        Self::parse(text).map(Some).map_err(|problem| table.error(key, node, format!("names columns: {problem}")))
-    }
-
-    fn setting(&self) -> Option<Setting> {
-        None
-    }
+        let named = ColumnNames::parse(text).map(Some);
+        named.map_err(|problem| table.error(key, node, format!("names columns: {problem}")))
+    };
+    |_| None;
 }
 
 /// The keys of a cloud that only methods with solid and soft points read.
@@ -105,20 +103,16 @@ impl Part for Option<Field> {
         let kind = Kind::Other(
             "`\"uncertainty\"`, `\"classification\"`, `\"intensity\"`, `\"distance-to-axis\"`, or the name of a scalar of the file",
         );
-        let axis = |name, about, kind, without| Key { kind, without, ..Key::new(name, about) };
-        vec![
-            Key { kind, value, without: "that of a prepared file, else uncertainty", ..key },
-            Key {
-                kind: Kind::Integers(255),
-                without: "none; classification needs some",
-                ..Key::new("soft_classes", "Classes whose points are soft (classification).")
-            },
-            Key {
-                unit: "world units",
-                ..axis("axis.point", "A point of the axis (distance-to-axis).", Kind::Vector, "the middle of the cloud")
-            },
-            axis("axis.direction", "The direction of the axis (distance-to-axis).", Kind::Direction, "the vertical"),
-        ]
+        let mut keys = vec![Key { kind, value, without: "that of a prepared file, else uncertainty", ..key }];
+        keys.extend(keys! {
+            /// Classes whose points are soft (classification).
+            "soft_classes": Kind::Integers(255), without "none; classification needs some";
+            /// A point of the axis (distance-to-axis).
+            "axis.point": Kind::Vector, unit "world units", without "the middle of the cloud";
+            /// The direction of the axis (distance-to-axis).
+            "axis.direction": Kind::Direction, without "the vertical";
+        });
+        keys
     }
 
     fn update(&mut self, table: &Table<'_>, key: &str, (): ()) -> Result<(), Error> {
@@ -146,9 +140,8 @@ fn field(table: &Table<'_>, key: &str) -> Result<Option<Field>, Error> {
         Some("uncertainty") => Field::Uncertainty,
         Some("classification") => {
             let Some(mut classes) = classes else {
-                let place = table.get(key).map_or(&table.place, |node| &node.place).clone();
-                let problem = "field = \"classification\" needs soft_classes, as in soft_classes = [3, 4, 5]".into();
-                return Err(Error::Conflict { place, problem });
+                let problem = "field = \"classification\" needs soft_classes, as in soft_classes = [3, 4, 5]";
+                return Err(table.conflict(key, problem));
             };
             classes.sort_unstable();
             classes.dedup();

@@ -1,8 +1,8 @@
 //! The keys of a `[[cloud]]` that decide the colors of its points.
 
-use crate::Setting;
 use crate::error::Error;
-use crate::schema::{Kind, Value, Word, settings, words};
+use crate::schema::{Kind, Word, settings, value, words};
+use crate::setting::Setting;
 use crate::table::Table;
 use pellucid_core::color::colormap::Colormap;
 use pellucid_io::LasColumns;
@@ -160,39 +160,14 @@ impl ColorBy {
     }
 }
 
-impl Value for ColorBy {
-    type Allowed = ();
-
-    fn kind((): ()) -> Kind {
-        Kind::WordsOr(Self::WORDS, "the name of a scalar of the file")
-    }
-
-    fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
+value! {
+    ColorBy => Kind::WordsOr(ColorBy::WORDS, "the name of a scalar of the file");
+    |table, key| {
         let Some(given) = table.string(key)? else { return Ok(None) };
-        let known = Self::known().find(|(word, _)| *word == given);
-        Ok(Some(known.map_or_else(|| Self::Scalar(given.to_owned()), |(_, by)| by)))
-    }
-
-    fn setting(&self) -> Option<Setting> {
-        Some(Setting::Word(self.word().to_owned()))
-    }
-}
-
-/// The lower and the upper end of a range.
-impl Value for [f64; 2] {
-    type Allowed = ();
-
-    fn kind((): ()) -> Kind {
-        Kind::Other("`[low, high]`")
-    }
-
-    fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
-        table.range(key)
-    }
-
-    fn setting(&self) -> Option<Setting> {
-        Some(Setting::from(*self))
-    }
+        let known = ColorBy::known().find(|(word, _)| *word == given);
+        Ok(Some(known.map_or_else(|| ColorBy::Scalar(given.to_owned()), |(_, by)| by)))
+    };
+    |by| Some(Setting::Word(by.word().to_owned()));
 }
 
 /// Refuses a logarithm of what has none, and notes keys without effect.

@@ -1,9 +1,7 @@
 //! Transparent discs, and the methods that blend them.
 
-use crate::Setting;
-use crate::error::Error;
-use crate::schema::{Kind, Ladder, Range, Slider, Value, settings, words};
-use crate::table::Table;
+use crate::schema::{Kind, Ladder, Range, Slider, settings, value, words};
+use crate::setting::Setting;
 
 settings! {
     /// Settings of the disc family (`abuffer` and its relatives).
@@ -127,14 +125,7 @@ settings! {
     }
 }
 
-const LAYERS: Ladder = Ladder {
-    full: &[1, 2, 4, 8, 16, 32, 64],
-    quick: &[1, 8],
-    fine: &[1, 2, 4, 8, 16, 32, 64],
-    ends_at_longest_list: true,
-    at_once: 1,
-    only: &[],
-};
+const LAYERS: Ladder = Ladder { ends_at_longest_list: true, ..Ladder::new(&[1, 2, 4, 8, 16, 32, 64], &[1, 8]) };
 
 /// Samples of a pixel that stochastic transparency takes at most.
 pub const MAX_SAMPLES: u32 = 4096;
@@ -153,12 +144,9 @@ settings! {
 }
 
 const SAMPLES: Ladder = Ladder {
-    full: &[1, 4, 16, 64, 256, 1024],
-    quick: &[1, 8, 64],
     fine: &[1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096],
-    ends_at_longest_list: false,
     at_once: 4,
-    only: &[],
+    ..Ladder::new(&[1, 4, 16, 64, 256, 1024], &[1, 8, 64])
 };
 
 /// Fragments that `hybrid` composes exactly at most.
@@ -191,14 +179,7 @@ words! {
     }
 }
 
-const NEAREST: Ladder = Ladder {
-    full: &[1, 2, 4, 8, 16, 32],
-    quick: &[1, 8],
-    fine: &[1, 2, 4, 8, 16, 32],
-    ends_at_longest_list: true,
-    at_once: 1,
-    only: &[],
-};
+const NEAREST: Ladder = Ladder { ends_at_longest_list: true, ..Ladder::new(&[1, 2, 4, 8, 16, 32], &[1, 8]) };
 
 /// Layers that `mlab` keeps at most.
 pub const MAX_NODES: u32 = 16;
@@ -214,14 +195,7 @@ settings! {
     }
 }
 
-const NODES: Ladder = Ladder {
-    full: &[1, 2, 4, 8, 16],
-    quick: &[1, 4],
-    fine: &[1, 2, 4, 8, 16],
-    ends_at_longest_list: true,
-    at_once: 1,
-    only: &[],
-};
+const NODES: Ladder = Ladder { ends_at_longest_list: true, ..Ladder::new(&[1, 2, 4, 8, 16], &[1, 4]) };
 
 settings! {
     /// Settings of moment-based transparency.
@@ -250,8 +224,7 @@ impl Moments {
     }
 }
 
-const MOMENTS: Ladder =
-    Ladder { full: &[4, 6, 8], quick: &[4, 8], fine: &[4, 6, 8], ends_at_longest_list: false, at_once: 1, only: &[] };
+const MOMENTS: Ladder = Ladder::new(&[4, 6, 8], &[4, 8]);
 
 /// Number of power moments, besides the sum itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -278,25 +251,17 @@ impl MomentCount {
     }
 }
 
-impl Value for MomentCount {
-    type Allowed = ();
-
-    fn kind((): ()) -> Kind {
-        Kind::OneOf(&[4, 6, 8])
-    }
-
-    fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
+value! {
+    MomentCount => Kind::OneOf(&[4, 6, 8]);
+    |table, key| {
         let Some(number) = table.integer(key, 4, 8)? else { return Ok(None) };
-        let found = Self::ALL.into_iter().find(|count| count.get() == number);
+        let found = MomentCount::ALL.into_iter().find(|count| count.get() == number);
         match (found, table.get(key)) {
             (None, Some(node)) => Err(table.error(key, node, format!("must be 4, 6 or 8, found {number}"))),
             _ => Ok(found),
         }
-    }
-
-    fn setting(&self) -> Option<Setting> {
-        Some(Setting::Integer(self.get()))
-    }
+    };
+    |count| Some(Setting::Integer(count.get()));
 }
 
 /// Largest rank of `wavelet`.
@@ -313,11 +278,4 @@ settings! {
     }
 }
 
-const RANKS: Ladder = Ladder {
-    full: &[1, 2, 3, 4, 5],
-    quick: &[1, 3],
-    fine: &[1, 2, 3, 4, 5],
-    ends_at_longest_list: false,
-    at_once: 1,
-    only: &[],
-};
+const RANKS: Ladder = Ladder::new(&[1, 2, 3, 4, 5], &[1, 3]);

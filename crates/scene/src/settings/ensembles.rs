@@ -1,9 +1,7 @@
 //! Points that are dealt to ensembles.
 
-use crate::Setting;
-use crate::error::Error;
-use crate::schema::{Kind, Ladder, Range, Slider, Value, rounded, settings};
-use crate::table::Table;
+use crate::schema::{Kind, Ladder, Range, Slider, rounded, settings, value};
+use crate::setting::Setting;
 use crate::tree;
 
 /// Most ensembles.
@@ -34,12 +32,8 @@ settings! {
 }
 
 const ENSEMBLES: Ladder = Ladder {
-    full: &[1, 3, 10, 30, 100, 300, 1000],
-    quick: &[1, 10, 100],
     fine: &[1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024],
-    ends_at_longest_list: false,
-    at_once: 1,
-    only: &[],
+    ..Ladder::new(&[1, 3, 10, 30, 100, 300, 1000], &[1, 10, 100])
 };
 
 /// The factor p on the colors of an image (Uchida et al. 2020, Section 3.4).
@@ -51,24 +45,14 @@ pub enum Brightness {
     Factor(f32),
 }
 
-impl Value for Brightness {
-    type Allowed = ();
-
-    fn kind((): ()) -> Kind {
-        Kind::WordOr("auto", &Kind::Number(Range::POSITIVE))
-    }
-
-    fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
-        match table.get(key).map(|node| &node.value) {
-            Some(tree::Value::String(_)) => table.choice(key, &[("auto", Self::Auto)]),
-            _ => Ok(table.number32(key, Range::POSITIVE)?.map(Self::Factor)),
-        }
-    }
-
-    fn setting(&self) -> Option<Setting> {
-        match *self {
-            Self::Auto => None,
-            Self::Factor(factor) => Some(Setting::Number(rounded(factor))),
-        }
-    }
+value! {
+    Brightness => Kind::WordOr("auto", &Kind::Number(Range::POSITIVE));
+    |table, key| match table.get(key).map(|node| &node.value) {
+        Some(tree::Value::String(_)) => table.choice(key, &[("auto", Brightness::Auto)]),
+        _ => Ok(table.number32(key, Range::POSITIVE)?.map(Brightness::Factor)),
+    };
+    |brightness| match *brightness {
+        Brightness::Auto => None,
+        Brightness::Factor(factor) => Some(Setting::Number(rounded(factor))),
+    };
 }

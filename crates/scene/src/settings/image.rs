@@ -2,10 +2,8 @@
 
 use glam::Vec3;
 
-use crate::document::Setting;
-use crate::error::Error;
-use crate::schema::{Kind, Value, Word, settings};
-use crate::table::Table;
+use crate::schema::{Kind, Word, settings, value};
+use crate::setting::Setting;
 use pellucid_core::color::ColorSpace;
 use pellucid_core::image::MAX_SIDE;
 
@@ -37,18 +35,8 @@ const SPACE_WORDS: [Word; 2] = [
     Word { name: "encoded", about: "The stored sRGB values as they are." },
 ];
 
-impl Value for ColorSpace {
-    type Allowed = ();
-
-    fn kind((): ()) -> Kind {
-        Kind::Words(&SPACE_WORDS)
-    }
-
-    fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
-        table.choice(key, &SPACES)
-    }
-
-    fn setting(&self) -> Option<Setting> {
-        SPACES.iter().find(|(_, space)| space == self).map(|(word, _)| Setting::Word((*word).to_owned()))
-    }
+value! {
+    ColorSpace => Kind::Words(&SPACE_WORDS);
+    |table, key| table.choice(key, &SPACES);
+    |own| SPACES.iter().find(|(_, space)| space == own).map(|(word, _)| Setting::from(*word));
 }

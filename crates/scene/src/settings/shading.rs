@@ -1,9 +1,7 @@
 //! `[shading]` and its light, and `[shadows]`.
 
-use crate::Setting;
-use crate::error::Error;
-use crate::schema::{Kind, Range, Slider, Value, settings, words};
-use crate::table::Table;
+use crate::schema::{Kind, Range, Slider, settings, value, words};
+use crate::setting::Setting;
 use crate::tree;
 use pellucid_core::cloud::shadow_texture::Casting;
 use pellucid_core::image::MAX_SIDE;
@@ -93,46 +91,30 @@ impl ShadingModel {
     }
 }
 
-impl Value for Light {
-    type Allowed = ();
-
-    fn kind((): ()) -> Kind {
-        Kind::Other(
-            "`\"headlight\"`, the direction `[x, y, z]` in which the light travels, or `{ position = [x, y, z] }` in world units",
-        )
-    }
-
-    fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
+value! {
+    Light => Kind::Other(
+        "`\"headlight\"`, the direction `[x, y, z]` in which the light travels, or `{ position = [x, y, z] }` in world units",
+    );
+    |table, key| {
         let Some(node) = table.get(key) else { return Ok(None) };
         match &node.value {
-            tree::Value::String(word) if word == "headlight" => Ok(Some(Self::Headlight)),
-            tree::Value::Array(_) => Ok(table.direction(key)?.map(Self::Direction)),
+            tree::Value::String(word) if word == "headlight" => Ok(Some(Light::Headlight)),
+            tree::Value::Array(_) => Ok(table.direction(key)?.map(Light::Direction)),
             tree::Value::Table(_) => {
                 let light = table.table(key)?;
                 light.refuse_unknown(&["position"])?;
-                match light.vector("position")? {
-                    Some(position) => Ok(Some(Self::Position(position))),
-                    None => Err(table.error(key, node, "must have a `position` if it is a table".into())),
-                }
+                let position = light.vector("position")?.map(|position| Some(Light::Position(position)));
+                position.ok_or_else(|| table.error(key, node, "must have a `position` if it is a table".into()))
             }
-            other => {
-                let problem = format!(
-                    "must be \"headlight\", a direction [x, y, z] or {{ position = [x, y, z] }}, found {}",
-                    other.describe()
-                );
-                Err(table.error(key, node, problem))
-            }
+            _ => Err(table.wrong(key, node, "\"headlight\", a direction [x, y, z] or { position = [x, y, z] }")),
         }
-    }
-
-    fn setting(&self) -> Option<Setting> {
-        match self {
-            Self::Headlight => Some(Setting::Word("headlight".to_owned())),
-            Self::Direction(direction) => Some(Setting::Numbers(direction.to_array().to_vec())),
-            // A table, which no setting is.
-            Self::Position(_) => None,
-        }
-    }
+    };
+    |light| match light {
+        Light::Headlight => Some(Setting::from("headlight")),
+        Light::Direction(direction) => Some(Setting::from(direction.to_array())),
+        // A table, which no setting is.
+        Light::Position(_) => None,
+    };
 }
 
 /// Most samples of an area light.

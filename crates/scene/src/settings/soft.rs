@@ -1,8 +1,8 @@
 //! Soft spheres, and the one transparent layer: methods that tell soft points from solid ones.
 
-use crate::Setting;
 use crate::error::Error;
-use crate::schema::{Key, Kind, Ladder, Part, Range, Slider, Value, rounded, settings, words};
+use crate::schema::{Key, Kind, Ladder, Part, Range, Slider, keys, rounded, settings, value, words};
+use crate::setting::Setting;
 use crate::table::Table;
 use crate::tree;
 
@@ -27,20 +27,16 @@ settings! {
 }
 
 fn agree(soft: &Soft, table: &Table<'_>) -> Result<(), Error> {
-    let (Some(most), Some(node)) = (soft.modulation, table.get("modulation")) else { return Ok(()) };
-    let conflict = |problem| Err(Error::Conflict { place: node.place.clone(), problem });
+    let Some(most) = soft.modulation.filter(|_| table.get("modulation").is_some()) else { return Ok(()) };
     let threshold = soft.threshold;
-    if most <= threshold {
-        return conflict(format!(
-            "`method.modulation` must lie above `method.threshold`, found {most} and {threshold}"
-        ));
-    }
-    if soft.layout == SoftLayout::Paper {
-        return conflict(
-            "`method.layout = \"paper\"` has no room for what `method.modulation` needs: keep one".to_owned(),
-        );
-    }
-    Ok(())
+    let problem = if most <= threshold {
+        format!("`method.modulation` must lie above `method.threshold`, found {most} and {threshold}")
+    } else if soft.layout == SoftLayout::Paper {
+        "`method.layout = \"paper\"` has no room for what `method.modulation` needs: keep one".to_owned()
+    } else {
+        return Ok(());
+    };
+    Err(table.conflict("modulation", problem))
 }
 
 /// Density of the spheres of the soft methods.
@@ -61,22 +57,12 @@ impl Part for Density {
             Self::Lambda(lambda) => (None, Some(lambda)),
         };
         let value = |x: Option<f32>| x.map(|x| Setting::Number(rounded(x)));
-        vec![
-            Key {
-                kind: Kind::Number(Range::NOT_NEGATIVE),
-                value: value(lambda),
-                without: "softness",
-                rival: Some("softness"),
-                ..Key::new("lambda", "Density of soft spheres, as in the equations, in place of softness.")
-            },
-            Key {
-                kind: Kind::Number(Range::UNIT),
-                value: value(softness),
-                without: "lambda",
-                rival: Some("lambda"),
-                ..Key::new("softness", "Opacity of a ray through the middle of a soft sphere of median radius.")
-            },
-        ]
+        keys! {
+            /// Density of soft spheres, as in the equations, in place of softness.
+            "lambda": Kind::Number(Range::NOT_NEGATIVE), value value(lambda), without "softness", rival "softness";
+            /// Opacity of a ray through the middle of a soft sphere of median radius.
+            "softness": Kind::Number(Range::UNIT), value value(softness), without "lambda", rival "lambda";
+        }
     }
 
     fn update(&mut self, table: &Table<'_>, _: &str, (): ()) -> Result<(), Error> {
@@ -102,36 +88,19 @@ pub enum Shells {
     Fixed(u32),
 }
 
-impl Value for Shells {
-    type Allowed = ();
-
-    fn kind((): ()) -> Kind {
-        Kind::WordOr("adaptive", &Kind::Integer(1, MAX_SHELLS))
-    }
-
-    fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
-        match table.get(key).map(|node| &node.value) {
-            Some(tree::Value::String(_)) => table.choice(key, &[("adaptive", Self::Adaptive)]),
-            _ => Ok(table.integer(key, 1, MAX_SHELLS)?.map(Self::Fixed)),
-        }
-    }
-
-    fn setting(&self) -> Option<Setting> {
-        match self {
-            Self::Adaptive => None,
-            Self::Fixed(shells) => Some(Setting::Integer(*shells)),
-        }
-    }
+value! {
+    Shells => Kind::WordOr("adaptive", &Kind::Integer(1, MAX_SHELLS));
+    |table, key| match table.get(key).map(|node| &node.value) {
+        Some(tree::Value::String(_)) => table.choice(key, &[("adaptive", Shells::Adaptive)]),
+        _ => Ok(table.integer(key, 1, MAX_SHELLS)?.map(Shells::Fixed)),
+    };
+    |shells| match *shells {
+        Shells::Adaptive => None,
+        Shells::Fixed(shells) => Some(Setting::Integer(shells)),
+    };
 }
 
-const SHELLS: Ladder = Ladder {
-    full: &[1, 2, 4, 8],
-    quick: &[1, 4],
-    fine: &[1, 2, 4, 8],
-    ends_at_longest_list: false,
-    at_once: 1,
-    only: &["soft-concentric"],
-};
+const SHELLS: Ladder = Ladder { only: &["soft-concentric"], ..Ladder::new(&[1, 2, 4, 8], &[1, 4]) };
 
 words! {
     /// `layout`: what is stored of an event of a sphere and a ray.

@@ -41,7 +41,7 @@ impl Cache {
 
     /// Returns the number of bytes that were read of the store so far.
     pub fn bytes_read(&self) -> u64 {
-        self.held.lock().unwrap_or_else(PoisonError::into_inner).read
+        self.lock().read
     }
 
     /// Counts bytes that were read of the store for points that are not kept.

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use super::super::assemble::{self, Known, Source, placed, radius, transformed};
+use super::super::assemble::{self, Known, Source, radius, transformed};
 use super::super::clip::Clips;
 use super::super::coloring::Coloring;
 use super::super::error::Error;
 use super::super::gaussians;
 use super::super::legend::Legend;
-use super::super::settings::Scene;
+use super::super::scene::Scene;
 use super::levels::branches;
 use super::survey::OpenStore;
 use crate::prepare;
@@ -209,6 +209,6 @@ fn request(scene: &Scene, index: usize, like: &Cloud) -> Result<prepare::Request
 
 /// A box of a cloud in the scene.
 fn in_scene(scene: &Scene, index: usize, bounds: &Bounds) -> Bounds {
-    let ends = [bounds.min, bounds.max].map(|corner| placed(&scene.clouds[index], corner));
+    let ends = [bounds.min, bounds.max].map(|corner| scene.clouds[index].placed(corner));
     Bounds { min: ends[0].min(ends[1]), max: ends[0].max(ends[1]) }
 }

@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::super::assemble::placed;
 use super::super::settings::CloudSettings;
+use crate::batches::batches;
 use pellucid_core::cloud::Cloud;
 use pellucid_core::cloud::facts::Facts;
 use pellucid_core::cloud::field::{self, Field};
@@ -101,7 +101,7 @@ fn survey(
         let cloud = store.read(node)?.cloud;
         progress.inc(cloud.len() as u64);
         let positions = cloud.positions.iter().enumerate();
-        let taken = positions.filter(|(_, position)| sampling.takes(placed(settings, **position)));
+        let taken = positions.filter(|(_, position)| sampling.takes(settings.placed(**position)));
         let taken: Vec<u32> = taken.map(|(at, _)| at as u32).collect();
         let mut range = NONE;
         if let Some(field) = field {
@@ -115,10 +115,10 @@ fn survey(
     let mut range = NONE;
     let nodes: Vec<usize> = (0..store.nodes().len()).filter(|node| store.nodes()[*node].points > 0).collect();
     let most = POINTS * rayon::current_num_threads() as u64;
-    for batch in batches(&nodes, most, |node| store.nodes()[node].points) {
+    for batch in batches(nodes.iter().map(|node| store.nodes()[*node].points), most, BATCH) {
         let cancelled = |_| pellucid_io::Error::Cancelled { path: summary.path.clone() };
         progress.check().map_err(cancelled)?;
-        let parts = batch.par_iter().map(|node| look(*node)).collect::<Result<Vec<_>, crate::OpenError>>()?;
+        let parts = nodes[batch].par_iter().map(|node| look(*node)).collect::<Result<Vec<_>, crate::OpenError>>()?;
         for (facts, sample, [least, most]) in parts {
             found.facts = found.facts.and(&facts);
             found.sample.append(sample);
@@ -126,36 +126,4 @@ fn survey(
         }
     }
     Ok((found, range))
-}
-
-/// Nodes in batches of at most [`BATCH`], and of at most so many points if more than one has some.
-fn batches(nodes: &[usize], most: u64, points: impl Fn(usize) -> u64) -> Vec<&[usize]> {
-    let (mut rest, mut found) = (nodes, Vec::new());
-    while !rest.is_empty() {
-        let mut sum = 0;
-        let fits = rest.iter().take(BATCH).take_while(|node| {
-            sum += points(**node);
-            sum <= most
-        });
-        let (batch, others) = rest.split_at(fits.count().max(1));
-        found.push(batch);
-        rest = others;
-    }
-    found
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn batches_have_few_points_and_every_node() {
-        let points = [3, 3, 5, 20, 1, 1, 9, 2];
-        let nodes: Vec<usize> = (0..points.len()).collect();
-        let found = batches(&nodes, 10, |node| points[node]);
-        assert_eq!(found, [&[0, 1][..], &[2], &[3], &[4, 5], &[6], &[7]]);
-        let small: Vec<usize> = (0..150).collect();
-        assert_eq!(batches(&small, 1000, |_| 1).iter().map(|batch| batch.len()).collect::<Vec<_>>(), [64, 64, 22]);
-        assert!(batches(&[], 10, |_| 1).is_empty());
-    }
 }

@@ -3,14 +3,14 @@
 use glam::DVec3;
 
 use super::Block;
+use crate::lists::Lists;
 use pellucid_core::cloud::Bounds;
 
 /// The trees of some blocks.
 #[derive(Debug)]
 pub(super) struct Tree {
-    /// First child of each block in `children`, with their number as the last entry.
-    starts: Vec<u32>,
-    children: Vec<u32>,
+    /// Children of each block.
+    children: Lists,
     roots: Vec<u32>,
     /// Root of each block's tree; the block's own number without levels.
     root_of: Vec<u32>,
@@ -20,35 +20,14 @@ impl Tree {
     /// Builds the tree of blocks whose parents come before them.
     pub fn new(blocks: &[Block]) -> Self {
         let parent = |block: &Block| block.branch.and_then(|branch| branch.parent);
-        let mut starts = vec![0; blocks.len() + 1];
-        for above in blocks.iter().filter_map(parent) {
-            starts[above as usize + 1] += 1;
+        let pair = |(number, block): (u32, &Block)| Some((parent(block)? as usize, number));
+        let children = Lists::new(blocks.len(), || (0..).zip(blocks).filter_map(pair));
+        let (mut roots, mut root_of) = (Vec::new(), Vec::<u32>::with_capacity(blocks.len()));
+        for (number, block) in (0..).zip(blocks) {
+            root_of.push(parent(block).map_or(number, |above| root_of[above as usize]));
+            roots.extend(block.branch.filter(|branch| branch.parent.is_none()).map(|_| number));
         }
-        for i in 0..blocks.len() {
-            starts[i + 1] += starts[i];
-        }
-        let mut next = starts.clone();
-        let mut children = vec![0; starts[blocks.len()] as usize];
-        let (mut roots, mut root_of) = (Vec::new(), Vec::with_capacity(blocks.len()));
-        for (number, block) in blocks.iter().enumerate() {
-            let root = match parent(block) {
-                Some(above) => {
-                    let place = &mut next[above as usize];
-                    children[*place as usize] = number as u32;
-                    *place += 1;
-                    root_of[above as usize]
-                }
-                None => number as u32,
-            };
-            root_of.push(root);
-            roots.extend(block.branch.filter(|branch| branch.parent.is_none()).map(|_| number as u32));
-        }
-        Self { starts, children, roots, root_of }
-    }
-
-    fn children(&self, block: u32) -> &[u32] {
-        let block = block as usize;
-        &self.children[self.starts[block] as usize..self.starts[block + 1] as usize]
+        Self { children, roots, root_of }
     }
 
     /// Returns the factor on the radius of a point of this block, where the blocks that are not `kept` are left out:
@@ -58,7 +37,7 @@ impl Tree {
         let mut at = self.root_of[block as usize];
         loop {
             let mut nearest: Option<(f64, u32)> = None;
-            for child in self.children(at) {
+            for child in self.children.of(at as usize) {
                 let bounds = &blocks[*child as usize].bounds;
                 let apart = place.distance(place.clamp(bounds.min, bounds.max));
                 if apart <= reach(&blocks[*child as usize]) && nearest.is_none_or(|(least, _)| apart < least) {
@@ -78,7 +57,7 @@ impl Tree {
         let mut open = self.roots.clone();
         let mut most = 1.0f32;
         while let Some(at) = open.pop() {
-            for child in self.children(at) {
+            for child in self.children.of(at as usize) {
                 let block = &blocks[*child as usize];
                 let reach = DVec3::splat(reach(block));
                 let meets = bounds.min.cmple(block.bounds.max + reach).all()

@@ -24,8 +24,9 @@ use super::coloring::{ColorKey, Coloring, Colors};
 use super::error::Error;
 use super::gaussians;
 use super::legend::Legend;
+use super::scene::Scene;
 use super::seen::{leave_out, seen};
-use super::settings::{ClassSettings, Clip, CloudSettings, ColorSettings, Outliers, Scene, Selection};
+use super::settings::{ClassSettings, Clip, CloudSettings, ColorSettings, Outliers, Selection};
 use super::surface_opacity::Opacity;
 use crate::prepare::ensembles::{self, Trace};
 use crate::prepare::order;
@@ -183,7 +184,7 @@ impl CloudView<'_> {
         let count = self.cloud.len();
         let all = || (0..count).into_par_iter();
         let mut points = Points {
-            positions: self.cloud.positions.par_iter().map(|p| assemble::placed(self.settings, *p)).collect(),
+            positions: self.cloud.positions.par_iter().map(|p| self.settings.placed(*p)).collect(),
             colors: all().map(|i| self.color(i)).collect(),
             opacities: all().map(|i| self.opacity(i)).collect(),
             radii: all().map(|i| self.radius(i)).collect(),
@@ -418,7 +419,7 @@ impl<'a> ColumnUpdate<'a> {
         let radii = self.clouds.iter().enumerate().flat_map(|(cloud, view)| {
             let is_there = |i: &usize| {
                 let dropped = view.dropped.is_some_and(|dropped| dropped[*i]);
-                !dropped && assemble::placed(view.settings, view.cloud.positions[*i]).is_finite()
+                !dropped && view.settings.placed(view.cloud.positions[*i]).is_finite()
             };
             let left_out = self.origins.left_out(cloud, view.cloud.len());
             left_out.into_iter().filter(is_there).map(|i| view.radius(i))

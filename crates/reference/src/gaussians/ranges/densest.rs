@@ -121,16 +121,10 @@ pub(super) fn chord(bounded: &Bounded, offset: DVec2, screen_error: DVec2) -> Op
         Range { low: 1.0 - met.rho2.high, high: 1.0 - met.rho2.low }
     } else {
         let steep = across.times(across);
-        let factor = Range { low: steep.low - 1.0, high: steep.high - 1.0 };
-        let ends = [
-            factor.low * met.rho2.low,
-            factor.low * met.rho2.high,
-            factor.high * met.rho2.low,
-            factor.high * met.rho2.high,
-        ];
-        let low = ends.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = ends.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        squared(w) + Range { low, high }
+        let [least, most] = [steep.low - 1.0, steep.high - 1.0];
+        let Range { low, high } = met.rho2;
+        let ends = [least * low, least * high, most * low, most * high];
+        squared(w) + Range::spanning(ends)
     };
     let rest = rest.widened(6.0 * u * (shared.high + met.rho2.high));
     if rest.high < 0.0 {
@@ -163,9 +157,8 @@ fn depth(z: f64, w: Range, shared: Range) -> Range {
         return Possible::ANYTHING.depth;
     }
     let all = [w.low / shared.low, w.low / shared.high, w.high / shared.low, w.high / shared.high].map(|part| z * part);
-    let low = all.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    Range { low, high }.widened((DEPTH_ERROR + 5.0 * ROUNDING) * low.abs().max(high.abs()))
+    let all = Range::spanning(all);
+    all.widened((DEPTH_ERROR + 5.0 * ROUNDING) * all.low.abs().max(all.high.abs()))
 }
 
 /// The square of a number of any sign.

@@ -11,6 +11,7 @@ use super::pile::{Extent, Pile};
 use super::places::{self, Places};
 use super::records::Layout;
 use super::{Seen, Settings, Source};
+use crate::batches::batches;
 use crate::prepare::ensembles::Shuffle;
 use crate::prepare::morton::Cells;
 use crate::prepare::{keyed, order};
@@ -73,7 +74,7 @@ impl List {
             Ok((Seen::of(&points), points.len() as u64))
         };
         let (mut seen, mut len) = (None, 0);
-        for batch in batches(&source.blocks, settings.memory / 4 / READ_BYTES) {
+        for batch in batches(source.blocks.iter().copied(), settings.memory / 4 / READ_BYTES, usize::MAX) {
             check(&source, progress)?;
             for (own, points) in batch.into_par_iter().map(look).collect::<Result<Vec<_>, Error>>()? {
                 seen = [seen, own].into_iter().flatten().reduce(Seen::and);
@@ -196,7 +197,7 @@ impl List {
             }
             Ok([alone, others])
         };
-        for batch in batches(&source.blocks, self.memory / 4 / READ_BYTES) {
+        for batch in batches(source.blocks.iter().copied(), self.memory / 4 / READ_BYTES, usize::MAX) {
             check(source, progress)?;
             for [alone, others] in batch.into_par_iter().map(read).collect::<Result<Vec<_>, Error>>()? {
                 buckets.add_all(&alone.0, &alone.1)?;
@@ -257,32 +258,4 @@ impl List {
 
 fn check(source: &Source, progress: &Progress) -> Result<(), Error> {
     progress.check().map_err(|_| Error::Cancelled { path: source.path.clone() })
-}
-
-/// Blocks that have at most so many points together, or one.
-fn batches(blocks: &[u64], most: u64) -> Vec<Range<usize>> {
-    let (mut found, mut first, mut points) = (Vec::new(), 0, 0);
-    for (at, own) in blocks.iter().enumerate() {
-        if at > first && points + own > most {
-            found.push(first..at);
-            (first, points) = (at, 0);
-        }
-        points += own;
-    }
-    if first < blocks.len() {
-        found.push(first..blocks.len());
-    }
-    found
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn batches_hold_all_blocks() {
-        assert_eq!(batches(&[3, 3, 3, 9, 1], 6), [0..2, 2..3, 3..4, 4..5]);
-        assert_eq!(batches(&[5], 1), vec![0..1]);
-        assert!(batches(&[], 1).is_empty());
-    }
 }

@@ -14,21 +14,11 @@ use glam::DVec3;
 
 use super::builder::{CloudBuilder, encode};
 use super::random::Random;
-use super::{Builtin, Error, Generated, Given, MAX_POINTS, Parameter};
+use super::{Error, Generated};
 use light::{Occupancy, ShadowMap, shade};
 use model::class;
 use pellucid_core::cloud::Cloud;
 use scan::{Sample, scan};
-
-const PARAMETERS: [Parameter; 1] =
-    [Parameter::count("points", 500_000.0, 1000.0, MAX_POINTS, "points of the scan, nearly")];
-
-pub(super) const BUILTIN: Builtin = Builtin {
-    name: "garden",
-    summary: "a simulated scan of a furnished garden house among trees",
-    parameters: &PARAMETERS,
-    generate,
-};
 
 /// A single cloud of the scene.
 struct Part {
@@ -56,8 +46,7 @@ const OUTLIERS: usize = 1200;
 /// A part, its points without light, and their spacing.
 type Scanned = (Part, Vec<Sample>, f64);
 
-fn generate(given: &Given<'_>, seed: u64) -> Result<Generated, Error> {
-    let points = given.values(&PARAMETERS)?[0];
+pub(super) fn generate([points]: [f64; 1], seed: u64) -> Result<Generated, Error> {
     let mut random = Random::new(seed);
     let count = |part: &Part| (part.share * points).round() as usize;
 

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use super::builder::{CloudBuilder, Rgb};
 use super::random::Random;
-use super::{Error, Generated, Given, MAX_POINTS, Parameter};
+use super::{Error, Generated, Given, MAX_POINTS, Parameter, count};
 use field::Field;
 use pellucid_io::volume::Volume;
 use surface::Surface;
@@ -20,8 +20,8 @@ pub const NAME: &str = "iso";
 pub const SUMMARY: &str = "nested surfaces of equal value in a volume (--volume FILE, or a hydrogen orbital), at --values or at some chosen ones";
 /// The parameters of `--set`.
 pub const PARAMETERS: &[Parameter; 2] = &[
-    Parameter::count("points", 535_000.0, 100.0, MAX_POINTS, "points of all surfaces together"),
-    Parameter::count("surfaces", 3.0, 1.0, MAX_SURFACES as f64, "surfaces, if no values are given"),
+    count("points", 535_000.0, 100.0, MAX_POINTS, "points of all surfaces together"),
+    count("surfaces", 3.0, 1.0, MAX_SURFACES as f64, "surfaces, if no values are given"),
 ];
 
 /// Surfaces at most.

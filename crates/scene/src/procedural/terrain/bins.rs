@@ -2,6 +2,8 @@
 
 use glam::DVec2;
 
+use crate::lists::Lists;
+
 /// Side of a cell, meters.
 const CELL: f64 = 4.0;
 
@@ -10,9 +12,7 @@ const CELL: f64 = 4.0;
 pub(super) struct Bins {
     low: DVec2,
     side: usize,
-    /// Index at which the list of each cell begins, and the last one ends.
-    starts: Vec<u32>,
-    members: Vec<u32>,
+    cells: Lists,
 }
 
 impl Bins {
@@ -29,30 +29,16 @@ impl Bins {
             let (columns, rows) = (span(center.x - low.x), span(center.y - low.y));
             rows.flat_map(move |y| columns.clone().map(move |x| (y * side as i64 + x) as usize))
         };
-        let mut starts = vec![0; side * side + 1];
-        for cell in circles.iter().flat_map(cells) {
-            starts[cell + 1] += 1;
-        }
-        for cell in 0..side * side {
-            starts[cell + 1] += starts[cell];
-        }
-        let (mut next, mut members) = (starts.clone(), vec![0; starts[side * side] as usize]);
-        for (member, circle) in (0..).zip(circles) {
-            for cell in cells(circle) {
-                members[next[cell] as usize] = member;
-                next[cell] += 1;
-            }
-        }
-        Self { low, side, starts, members }
+        let members = |(member, circle): (u32, &(DVec2, f64))| cells(circle).map(move |cell| (cell, member));
+        Self { low, side, cells: Lists::new(side * side, || (0..).zip(circles).flat_map(members)) }
     }
 
     /// Returns the circles that may be over a position; none outside the square.
     pub(super) fn at(&self, p: DVec2) -> impl Iterator<Item = usize> + '_ {
         let cell = (p - self.low) / CELL;
         let inside = cell.min_element() >= 0.0 && cell.max_element() < self.side as f64;
-        let cell = if inside { cell.y as usize * self.side + cell.x as usize } else { 0 };
-        let list = if inside { self.starts[cell] as usize..self.starts[cell + 1] as usize } else { 0..0 };
-        self.members[list].iter().map(|member| *member as usize)
+        let list = if inside { self.cells.of(cell.y as usize * self.side + cell.x as usize) } else { &[] };
+        list.iter().map(|member| *member as usize)
     }
 }
 

@@ -22,7 +22,7 @@ pub use store::Terrain;
 use rayon::prelude::*;
 
 use super::builder::CloudBuilder;
-use super::{Builtin, Error, Generated, Given, MAX_POINTS, Parameter};
+use super::{Error, Generated, Given, MAX_POINTS, Parameter, count};
 use pellucid_io::store::Store;
 
 /// The name of the scene.
@@ -34,14 +34,8 @@ pub const FILE_POINTS: u64 = 10_000_000;
 /// Fewest and most points of a [`Terrain`].
 const RANGE: [f64; 2] = [10_000.0, 1e10];
 
-const PARAMETERS: [Parameter; 1] = [Parameter::count("points", 1e6, RANGE[0], RANGE[1], "points of the scan")];
-
-pub(super) const BUILTIN: Builtin = Builtin {
-    name: NAME,
-    summary: "an airborne scan of a river valley with a town, fields and forests",
-    parameters: &PARAMETERS,
-    generate,
-};
+/// The parameter of the scene.
+pub(super) const POINTS: Parameter = count("points", 1e6, RANGE[0], RANGE[1], "points of the scan");
 
 /// Tiles that are made at once.
 const BATCH: usize = 32;
@@ -51,13 +45,12 @@ const BATCH: usize = 32;
 /// # Errors
 /// An unknown parameter, a value out of range or not whole.
 pub fn points(parameters: &[(String, f64)]) -> Result<u64, Error> {
-    let [points] = Given { scene: NAME, values: parameters }.values(&PARAMETERS)?;
+    let [points] = Given { scene: NAME, values: parameters }.values(&[POINTS])?;
     Ok(points as u64)
 }
 
 /// All of it in memory.
-fn generate(given: &Given<'_>, seed: u64) -> Result<Generated, Error> {
-    let [points] = given.values(&PARAMETERS)?;
+pub(super) fn generate([points]: [f64; 1], seed: u64) -> Result<Generated, Error> {
     if points > MAX_POINTS {
         return Err(Error::OutOfRange { scene: NAME, name: "points", value: points, min: RANGE[0], max: MAX_POINTS });
     }

@@ -9,7 +9,7 @@ use super::super::random::Random;
 use super::land::Land;
 use super::scan::{columns, scan, weight};
 use super::site::Site;
-use super::{BUILTIN, Error, RANGE};
+use super::{Error, NAME, RANGE};
 use pellucid_core::cloud::{Bounds, Cloud, UpAxis};
 use pellucid_core::progress::Progress;
 use pellucid_io::store::build::{Built, Cube, Settings, Streamed, Types, stream};
@@ -56,7 +56,7 @@ impl Terrain {
         let count = points as f64;
         let [min, max] = RANGE;
         if !(min..=max).contains(&count) {
-            return Err(Error::OutOfRange { scene: BUILTIN.name, name: "points", value: count, min, max });
+            return Err(Error::OutOfRange { scene: NAME, name: "points", value: count, min, max });
         }
         let wanted = 1000.0 * SIDE * cube_root(count);
         let fits = |bits: &u32| {
@@ -107,7 +107,7 @@ impl Terrain {
     pub fn write(&self, folder: &Path, settings: &Settings, progress: &Progress) -> Result<Built, pellucid_io::Error> {
         // Colors have 8 bits.
         let layout = Types::default().columns(&Cloud { normals: None, ..self.summary.like.clone() });
-        let key = format!("{} of {} points, seed {}", BUILTIN.name, self.summary.points, self.seed);
+        let key = format!("{NAME} of {} points, seed {}", self.summary.points, self.seed);
         let streamed = Streamed { store: self, cube: self.cube(), layout: &layout, key: &key };
         stream(&streamed, folder, settings, progress)
     }
@@ -227,7 +227,7 @@ impl Store for Terrain {
 fn summary(points: u64, side: f64) -> Summary {
     let corner = DVec3::new(0.5 * side, 0.5 * side, 0.0);
     Summary {
-        path: PathBuf::from(BUILTIN.name),
+        path: PathBuf::from(NAME),
         points,
         bounds: Bounds { min: -corner, max: corner },
         up: UpAxis::Z,
