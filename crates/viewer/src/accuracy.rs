@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::stage::Pose;
+use super::navigate::Pose;
 use pellucid_engine::metrics;
 use pellucid_engine::plan;
 use pellucid_engine::points::Points;

@@ -13,13 +13,14 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::keyboard::{Key, NamedKey};
 use winit::window::{Fullscreen, Window, WindowId};
 
-use super::graphics::{Graphics, Opening};
+use super::graphics::{Graphics, Opening, Wake};
 use super::loss::{self, Losses, Lost};
+use super::messages::{News, Setup, Task};
 use super::model::Model;
 use super::sources::Opened;
 use super::status_log::StatusLog;
 use super::visibility::Visibility;
-use super::worker::{News, Setup, Task, Workload};
+use super::worker::Workload;
 use super::{Options, ui};
 use crate::Result;
 use pellucid_engine::gpu::ValidationLog;
@@ -40,10 +41,6 @@ const LOOK: Duration = Duration::from_millis(250);
 /// Longest time for which the screen may stay unchanged while a picture is being rendered. Drawing the window takes the
 /// device's only queue away from the picture and, on a CPU, the same cores.
 const UNCHANGED: Duration = Duration::from_millis(50);
-
-/// The worker has news.
-#[derive(Debug)]
-pub struct Wake;
 
 /// Everything that lives as long as the window. Field order matters: fields are dropped in this order, and whatever
 /// belongs to a device must go before the window.

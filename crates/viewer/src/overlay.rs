@@ -7,9 +7,9 @@ use egui::{Align2, Area, Color32, Context, Frame, Grid, Id, Label, RichText, Sen
 use egui_plot::{Bar, BarChart, Plot};
 
 use super::accuracy::{Accuracy, Reference, Standing};
+use super::messages::Picture;
 use super::model::{Model, Passes};
 use super::times::{HISTORY, Medians};
-use super::worker::Picture;
 
 const BLUE: Color32 = Color32::from_rgb(110, 170, 255);
 

@@ -12,9 +12,11 @@ use super::accuracy::{History, Rung, Standing};
 use super::display::{self, SceneImage, ScreenEncoder};
 use super::legend::Legends;
 use super::loss;
-use super::save::{self, Saving};
+use super::messages::{News, Picture, Request, Saving, Setup, Task};
+use super::navigate::Pose;
+use super::save;
 use super::sources::{Opened, census};
-use super::stage::{Pose, Stage, TakenPicture};
+use super::stage::{Stage, TakenPicture};
 use pellucid_engine::camera::import::Source;
 use pellucid_engine::camera::path;
 use pellucid_engine::gpu::{self, Device};
@@ -22,10 +24,6 @@ use pellucid_engine::methods::{self, Frame};
 use pellucid_engine::scene::{self, Overrides, Scene};
 use pellucid_engine::{Error, Result};
 use pellucid_session::{Silent, Sources};
-
-mod messages;
-
-pub use messages::{News, Picture, Request, Task};
 
 /// Flags that control which tasks may be stopped.
 #[derive(Default)]
@@ -182,17 +180,6 @@ impl Drop for Worker {
             let _ = thread.join();
         }
     }
-}
-
-/// Settings that stay the same when other files are opened.
-#[derive(Debug, Clone, Copy)]
-pub struct Setup {
-    /// Seed of stochastic methods and of the built-in scene.
-    pub seed: u64,
-    /// Device bytes for a frame's fragments.
-    pub memory_budget: Option<u64>,
-    /// Bytes of memory for points: clouds that take more stay in their files.
-    pub host_memory: u64,
 }
 
 struct Work {
@@ -386,7 +373,7 @@ impl Work {
         let standing = whole.as_ref().map(|whole| whole.standing);
         if let (Some(whole), Some(Standing::Approximation(method))) = (whole, standing) {
             self.supply(&whole.scene, whole.pose)?;
-            let rendered = self.stage.exact(&whole.scene, &whole.frame, method)?;
+            let rendered = self.stage.exact(&whole.scene, whole.pose, &whole.frame, method)?;
             let image = SceneImage { size: [rendered.image.width, rendered.image.height], scene: &whole.scene };
             let exact = image.composed(&rendered.image.rgba);
             self.stage.recycle(rendered.image);
@@ -415,7 +402,7 @@ impl Work {
     fn save(&mut self, saving: &Saving) -> Result<News> {
         // The saved picture takes its place.
         self.unread = None;
-        save::write(&mut self.stage, saving, self.generated, self.setup.seed).map(News::Saved)
+        save::write(&mut self.stage, saving, self.generated).map(News::Saved)
     }
 }
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::{Model, PictureState};
 use crate::accuracy::Standing;
 use crate::draft::Effort;
-use crate::worker::{Request, Task};
+use crate::messages::{Request, Task};
 use pellucid_engine::scene::Scene;
 
 /// Factor between the time of a picture at rest and that of the one before it: all drafts together take a third of the
