@@ -9,7 +9,7 @@ use ash::vk::{self, Handle};
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocation;
 
-use super::graves::Grave;
+use super::deletions::Deletion;
 use super::{Context, Error, GpuType, Recorder, guard};
 
 /// Bytes of the staging buffer that uploads and read-backs pass through.
@@ -191,7 +191,7 @@ impl<T: GpuType> Buffer<T> {
 
 impl<T> Drop for Buffer<T> {
     fn drop(&mut self) {
-        self.context.bury(Grave::Buffer(self.raw, self.allocation.take()));
+        self.context.delete(Deletion::Buffer(self.raw, self.allocation.take()));
     }
 }
 

@@ -9,7 +9,7 @@ use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc};
 use gpu_allocator::{AllocationSizes, AllocatorDebugSettings, MemoryLocation};
 
-use super::graves::Graves;
+use super::deletions::Deletions;
 use super::instance::Instance;
 use super::limits::{DeviceInfo, DeviceOptions, Limits, features, has_extension, queue_family};
 use super::pipeline::{Compilation, Pipeline, PipelineKey};
@@ -55,7 +55,7 @@ pub struct Context {
     /// Command buffers that nobody records, each with a pool of its own.
     pub idle_commands: Mutex<Vec<Commands>>,
     /// Resources that interrupted recordings may still need.
-    pub graves: Mutex<Graves>,
+    pub deletions: Mutex<Deletions>,
     allocator: Mutex<Option<Allocator>>,
     /// Names and sizes by kind and handle: handles of different kinds may be equal.
     live: Mutex<HashMap<(vk::ObjectType, u64), (String, u64)>>,
@@ -139,7 +139,7 @@ impl Context {
             instance,
             submission: Mutex::new(()),
             idle_commands: Mutex::default(),
-            graves: Mutex::default(),
+            deletions: Mutex::default(),
             allocator: Mutex::new(Some(allocator)),
             live: Mutex::default(),
             peak: AtomicU64::new(0),

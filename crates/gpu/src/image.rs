@@ -9,7 +9,7 @@ use ash::vk::{self, Handle};
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocation;
 
-use super::graves::Grave;
+use super::deletions::Deletion;
 use super::instance::Instance;
 use super::{Context, Device, Error, Resource};
 
@@ -198,7 +198,7 @@ impl Attachment {
 
 impl Drop for Attachment {
     fn drop(&mut self) {
-        self.context.bury(Grave::Image(self.raw, self.view, self.allocation.take()));
+        self.context.delete(Deletion::Image(self.raw, self.view, self.allocation.take()));
     }
 }
 

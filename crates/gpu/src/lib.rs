@@ -15,7 +15,7 @@ mod error;
 #[doc(hidden)]
 pub mod fault;
 mod foresee;
-mod graves;
+mod deletions;
 mod guard;
 mod image;
 mod instance;
