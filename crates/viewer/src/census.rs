@@ -106,17 +106,22 @@ fn automatic(cloud: &Cloud) -> ColorBy {
 }
 
 fn classes(codes: &[u8]) -> BTreeMap<u8, usize> {
-    let add = |mut sum: [usize; 256], more: [usize; 256]| {
+    let counts: [usize; 256] = counts(codes, |code| usize::from(*code));
+    (0u8..=255).zip(counts).filter(|(_, count)| *count > 0).collect()
+}
+
+/// Counts items by their bin, below N.
+fn counts<T: Sync, const N: usize>(items: &[T], bin: impl Fn(&T) -> usize + Sync) -> [usize; N] {
+    let add = |mut sum: [usize; N], more: [usize; N]| {
         sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
         sum
     };
-    let of_chunk = |codes: &[u8]| {
-        let mut counts = [0; 256];
-        codes.iter().for_each(|code| counts[usize::from(*code)] += 1);
+    let of_chunk = |items: &[T]| {
+        let mut counts = [0; N];
+        items.iter().for_each(|item| counts[bin(item)] += 1);
         counts
     };
-    let counts = codes.par_chunks(1 << 16).map(of_chunk).reduce(|| [0; 256], add);
-    (0u8..=255).zip(counts).filter(|(_, count)| *count > 0).collect()
+    items.par_chunks(1 << 16).map(of_chunk).reduce(|| [0; N], add)
 }
 
 /// The smallest and the largest finite value of the column called `name`; 0 and 0 if it has none.
@@ -177,17 +182,9 @@ impl Histograms {
 }
 
 fn histogram(fields: &[f32]) -> Arc<[u64]> {
-    let add = |mut sum: [u64; BINS], more: [u64; BINS]| {
-        sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
-        sum
-    };
-    let of_chunk = |fields: &[f32]| {
-        let mut counts = [0; BINS];
-        // The cast clamps at both ends; 1 belongs to the last bin.
-        fields.iter().for_each(|f| counts[((f * BINS as f32) as usize).min(BINS - 1)] += 1);
-        counts
-    };
-    Arc::new(fields.par_chunks(1 << 16).map(of_chunk).reduce(|| [0; BINS], add))
+    // The cast clamps at both ends; 1 belongs to the last bin.
+    let counts: [usize; BINS] = counts(fields, |f| ((f * BINS as f32) as usize).min(BINS - 1));
+    Arc::new(counts.map(|count| count as u64))
 }
 
 #[cfg(test)]

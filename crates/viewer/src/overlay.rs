@@ -136,17 +136,20 @@ fn bar(ui: &mut Ui, share: f32) {
     ui.painter().rect_filled(filled, 1.0, BLUE);
 }
 
+/// Returns a plot from 0 to `most` that the pointer does not move.
+pub fn still_plot(id: &str, height: f32, most: f64) -> Plot<'static> {
+    let plot = Plot::new(id.to_owned()).height(height).include_x(0.0).include_x(most).include_y(0.0).show_grid(false);
+    plot.allow_drag(false).allow_zoom(false).allow_scroll(false).allow_boxed_zoom(false).show_x(false)
+}
+
 /// The strip chart of the last frames.
 fn strip(ui: &mut Ui, model: &Model) {
     let walls = model.times.walls();
     let start = HISTORY.saturating_sub(walls.len());
     let bars = walls.enumerate().map(|(i, ms)| Bar::new((start + i) as f64, ms).width(1.0)).collect();
     let chart = BarChart::new("frame", bars).color(BLUE);
-    let plot = Plot::new("frames").height(60.0).include_x(0.0).include_x(HISTORY as f64).include_y(0.0);
-    let plot =
-        plot.show_axes([false, true]).show_grid(false).y_axis_min_width(32.0).set_margin_fraction([0.0, 0.05].into());
-    let plot = plot.allow_drag(false).allow_zoom(false).allow_scroll(false).allow_boxed_zoom(false).show_x(false);
-    plot.show(ui, |plot| plot.bar_chart(chart));
+    let plot = still_plot("frames", 60.0, HISTORY as f64).show_axes([false, true]).y_axis_min_width(32.0);
+    plot.set_margin_fraction([0.0, 0.05].into()).show(ui, |plot| plot.bar_chart(chart));
 }
 
 fn facts(ui: &mut Ui, picture: &Picture) {

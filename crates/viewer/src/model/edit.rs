@@ -26,9 +26,9 @@ impl Model {
         self.document.has(key)
     }
 
-    /// Sets a key of the scene file; a value the scene rejects becomes a message.
-    pub fn set(&mut self, key: &str, value: Setting) {
-        self.change(&[(key.to_owned(), Some(value))]);
+    /// Sets a key of the scene file, or removes it; a value the scene rejects becomes a message.
+    pub fn set(&mut self, key: &str, value: impl Into<Option<Setting>>) {
+        self.change(&[(key.to_owned(), value.into())]);
     }
 
     /// Sets or removes keys of the scene file, all at once; changes the scene rejects become a message.

@@ -100,7 +100,7 @@ fn eye(ui: &mut Ui, model: &mut Model, i: usize, code: u8, look: ClassLook) -> O
     let symbol = RichText::new("👁").size(16.0);
     let symbol = if look.visible { symbol.strong() } else { symbol.weak().strikethrough() };
     let response = ui.add(Button::new(symbol).frame(false).min_size(vec2(20.0, 0.0)));
-    note(ui, model, &format!("cloud.{i}.class.{code}.visible"), &response);
+    let response = note(model, &format!("cloud.{i}.class.{code}.visible"), response);
     let response = response.on_hover_text(if look.visible { "is drawn" } else { "is not drawn" });
     response.clicked().then_some(ClassKey::Visible(!look.visible))
 }
@@ -125,7 +125,7 @@ fn faintness(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings,
     ui.spacing_mut().slider_width = SLIDER;
     ui.spacing_mut().interact_size.x = 36.0;
     let response = ui.add_enabled(look.visible, opacity_slider(&mut value));
-    note(ui, model, &format!("cloud.{i}.class.{code}.opacity"), &response);
+    let response = note(model, &format!("cloud.{i}.class.{code}.opacity"), response);
     let response = response.on_hover_text(match look.opacity {
         Some(_) => "opacity of this class, in place of the cloud's",
         None => "the cloud's opacity; move to give the class its own",

@@ -28,10 +28,8 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         _ if blended => opacity::all(ui, model, &clouds),
         _ => {}
     }
-    if method.needs_radii()
-        && let Some(first) = clouds.first()
-        && let Some(entry) = controls::cloud(first, "radius_factor", false, None, model.extent())
-    {
+    if let Some(first) = clouds.first().filter(|_| method.needs_radii()) {
+        let entry = controls::cloud(first, "radius_factor", false, None, model.extent());
         row(ui, model, "cloud.*.radius_factor", "radius ×", entry);
     }
     if clouds.len() <= MANY {
@@ -62,8 +60,7 @@ fn list(ui: &mut Ui, model: &mut Model, faint: bool) {
                 opacity::one(ui, model, i, settings, &name)
             } else {
                 let response = row_name(ui, "", &name).on_hover_text(settings.path.display().to_string());
-                note(ui, model, &format!("cloud.{i}"), &response);
-                response.clicked()
+                note(model, &format!("cloud.{i}"), response).clicked()
             };
         });
         if clicked {
@@ -103,9 +100,8 @@ fn details(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, c
     }
     let prepared = census.prepared.as_ref().map(|(neighbors, _)| *neighbors);
     for (key, _) in keys.into_iter().filter(|(_, shown)| *shown) {
-        if let Some(entry) = controls::cloud(settings, key, census.own_radii, prepared, model.extent()) {
-            row(ui, model, &format!("cloud.{i}.{key}"), &controls::label(key), entry);
-        }
+        let entry = controls::cloud(settings, key, census.own_radii, prepared, model.extent());
+        row(ui, model, &format!("cloud.{i}.{key}"), &controls::label(key), entry);
     }
     // A single cloud has its own section for this.
     if method.needs_field() && model.scene().clouds.len() > 1 {

@@ -4,9 +4,9 @@ use egui::{ComboBox, DragValue, Id, Ui};
 
 use super::clips::shown_decimals;
 use super::clouds;
-use super::row::{choice, name, note, row, takes_out};
+use super::row::{choice_row, name, row};
 use crate::census::Census;
-use crate::controls::{self, Presence, changes, short_number};
+use crate::controls::{self, Entry, Presence, short_number};
 use crate::legend;
 use crate::model::Model;
 use pellucid_engine::scene::{Change, CloudSettings, ColorBy, Setting};
@@ -82,19 +82,17 @@ fn target(ui: &mut Ui, clouds: &[CloudSettings]) -> Target {
 
 /// Shows the row of a single color that replaces all others.
 fn one_color(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSettings) {
-    if let Some(mut entry) = controls::cloud(settings, "color", false, None, model.extent()) {
-        if let Presence::Optional { without, .. } = &mut entry.presence {
-            without.clear();
-        }
-        row(ui, model, &target.key("color"), "one color", entry);
+    let mut entry = controls::cloud(settings, "color", false, None, model.extent());
+    if let Some(Entry { presence: Presence::Optional { without, .. }, .. }) = &mut entry {
+        without.clear();
     }
+    row(ui, model, &target.key("color"), "one color", entry);
 }
 
 /// The row of a key that needs nothing but its control.
 fn plain(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSettings, key: &str) {
-    if let Some(entry) = controls::cloud(settings, key, false, None, model.extent()) {
-        row(ui, model, &target.key(key), &controls::label(key), entry);
-    }
+    let entry = controls::cloud(settings, key, false, None, model.extent());
+    row(ui, model, &target.key(key), &controls::label(key), entry);
 }
 
 /// Shows the choice of what the colors mean, among the quantities that all of the clouds have.
@@ -107,19 +105,8 @@ fn meaning(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSetti
     let words: Vec<&str> =
         first.iter().copied().filter(|word| others.iter().all(|other| other.contains(word))).collect();
     let key = target.key("color_by");
-    let given = model.is_given(&key);
-    let (chosen, out) = ui
-        .horizontal(|ui| {
-            let (response, chosen) = choice(ui, &key, settings.coloring.color_by.word(), &words);
-            note(ui, model, &key, &response);
-            name(ui, &key, "colored by");
-            (chosen, given && takes_out(ui, model, &key))
-        })
-        .inner;
-    if out {
-        model.change(&by(target, None));
-    } else if let Some(word) = chosen {
-        model.change(&by(target, Some(word)));
+    if let Some(word) = choice_row(ui, model, &key, "colored by", settings.coloring.color_by.word(), &words) {
+        model.change(&by(target, word));
     }
 }
 
@@ -184,9 +171,9 @@ fn range(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSetting
         given.is_some() && ui.small_button("percentiles").on_hover_text("1 and 99, as without `range`").clicked()
     });
     if out.inner {
-        model.change(&changes(&key, None));
+        model.set(&key, None);
     } else if ends != [low, high] {
-        model.change(&changes(&key, Some(ends.into())));
+        model.set(&key, Setting::from(ends));
     }
 }
 

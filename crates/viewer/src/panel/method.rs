@@ -24,7 +24,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
                 }
             }
         });
-        note(ui, model, "method.name", &shown.response);
+        note(model, "method.name", shown.response);
         if let Some(taken) = taken {
             ui.weak(format!("here {taken}"));
         }

@@ -1,7 +1,8 @@
 //! The path of key frames: keys of the present camera, and running along them.
 
-use egui::{DragValue, Response, ScrollArea, Slider, SliderClamping, Ui};
+use egui::{DragValue, ScrollArea, Slider, SliderClamping, Ui};
 
+use super::row::note;
 use crate::model::Model;
 
 /// Height of the list of keys in points.
@@ -23,14 +24,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 /// A button that is there for tests to find, too.
 fn button(ui: &mut Ui, model: &mut Model, name: &str, text: &str, enabled: bool, hint: &str) -> bool {
     let response = ui.add_enabled(enabled, egui::Button::new(text)).on_hover_text(hint);
-    note(ui, model, name, &response);
-    response.clicked()
-}
-
-fn note(ui: &Ui, model: &mut Model, name: &str, response: &Response) {
-    let (rect, scale) = (response.rect, ui.ctx().pixels_per_point());
-    let place = [rect.left(), rect.top(), rect.width(), rect.height()].map(|x| (x * scale).round() as i32);
-    model.controls.insert(format!("path.{name}"), place);
+    note(model, &format!("path.{name}"), response).clicked()
 }
 
 fn edit(ui: &mut Ui, model: &mut Model) {
@@ -81,8 +75,7 @@ fn row(ui: &mut Ui, model: &mut Model, at: usize) {
     let is_selected = model.route.selected() == Some(at);
     let response = ui.selectable_label(is_selected, format!("{:>3}", at + 1));
     let response = response.on_hover_text(format!("eye at {x:.3}, {y:.3}, {z:.3}"));
-    note(ui, model, &format!("key.{}", at + 1), &response);
-    if response.clicked() {
+    if note(model, &format!("path.key.{}", at + 1), response).clicked() {
         model.go_to_key(at);
     }
     match time {
@@ -137,9 +130,7 @@ fn run(ui: &mut Ui, model: &mut Model) {
         // Only what a hand does is rounded: a slider that rounds what it shows would stop the camera.
         let slider = Slider::new(&mut position, 0.0..=duration.max(f64::MIN_POSITIVE)).clamping(SliderClamping::Edits);
         let slider = slider.max_decimals(2).suffix(" s");
-        let response = ui.add_enabled(duration > 0.0, slider);
-        note(ui, model, "position", &response);
-        if response.changed() {
+        if note(model, "path.position", ui.add_enabled(duration > 0.0, slider)).changed() {
             model.seek(position);
         }
     });
