@@ -162,7 +162,7 @@ impl App {
                 };
                 match begun_anew {
                     // Printed at once, because the next movement of a control clears the message.
-                    Ok(()) => running.status_log.tell(&self.say, &running.model),
+                    Ok(()) => running.status_log.report(&self.say, &running.model),
                     Err(error) => self.end(event_loop, Err(error)),
                 }
             }
@@ -315,11 +315,11 @@ impl Running {
             self.again_at = None;
             self.window.request_redraw();
         }
-        self.status_log.tell(say, &self.model);
+        self.status_log.report(say, &self.model);
         if self.model.is_at_rest(now)
             && let Some(graphics) = &self.graphics
         {
-            self.status_log.tell_at_rest(say, &self.model, self.shown, &graphics.device);
+            self.status_log.report_at_rest(say, &self.model, self.shown, &graphics.device);
         }
         let drop_at = (!self.dropped.is_empty()).then(|| self.dropped_at + DROP);
         [self.again_at, self.model.due_at(now), drop_at].into_iter().flatten().min()
@@ -350,7 +350,7 @@ impl Running {
         if hidden {
             self.again_at = self.again_at.or(Some(now + LOOK));
         }
-        self.status_log.tell_hidden(say, hidden);
+        self.status_log.report_hidden(say, hidden);
     }
 
     /// Returns the time until which the screen may stay unchanged because a picture in progress would replace the

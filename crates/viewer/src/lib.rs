@@ -16,7 +16,6 @@
 
 mod accuracy;
 mod app;
-mod census;
 mod controls;
 mod counts;
 mod dialog;
@@ -38,6 +37,7 @@ mod route;
 mod save;
 mod sources;
 mod stage;
+mod statistics;
 mod status_log;
 mod thinned;
 mod times;

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::accuracy::Accuracy;
-use crate::census::{Census, FieldFacts};
 use crate::draft::Effort;
 use crate::navigate::{Pose, Subject};
+use crate::statistics::{FieldFacts, Statistics};
 use pellucid_engine::Error;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::camera::import::Source;
@@ -128,7 +128,7 @@ pub enum News {
     /// Name and scene document of other files that were opened.
     Opened(String, Box<Document>),
     /// Statistics of the clouds, in the scene's order.
-    Clouds(Arc<[Census]>),
+    Clouds(Arc<[Statistics]>),
     /// Cameras were read from this file.
     Cameras(PathBuf, Box<Source>),
     /// The error of the pictures of the view with this serial against the exact one.

@@ -4,11 +4,11 @@ use std::time::Instant;
 
 use pellucid_engine::progress::{Observer, Progress};
 
-use super::accuracy::Standing;
-use super::census::{FieldFacts, Histograms};
+use super::accuracy::Exactness;
 use super::draft::{Cost, Costs, Draft, Effort};
 use super::messages::{Held, Setup};
 use super::navigate::{Pose, Subject};
+use super::statistics::{FieldFacts, Histograms};
 use super::thinned::{self, ThinnedCloud};
 use pellucid_engine::camera::Camera;
 use pellucid_engine::gpu::Device;
@@ -57,7 +57,7 @@ pub struct TakenPicture {
     /// Lights that stand for an area light: the number used, and the number the scene wants.
     pub lights: Option<[u32; 2]>,
     /// The picture's relation to the exact one, for whole pictures.
-    pub standing: Option<Standing>,
+    pub exactness: Option<Exactness>,
     /// The distribution of F over the points, if the method uses it.
     pub field: Option<FieldFacts>,
     /// How much of clouds that stay in their files the picture holds.
@@ -202,7 +202,7 @@ impl Stage {
         let (points, cloud) = (session.prepared.points(), &mut session.uploaded.cloud);
         // Medians of radii may be asked for, which drafts have no time for.
         let whole = effort == Effort::Whole || draft == Draft::whole(&method);
-        let standing = whole.then(|| Standing::for_method(&method, points));
+        let exactness = whole.then(|| Exactness::for_method(&method, points));
         let field = method.threshold().map(|threshold| FieldFacts {
             histogram: self.histograms.for_scene(scene, &points.fields),
             parts: cloud.parts(threshold),
@@ -214,7 +214,7 @@ impl Stage {
             Held { points, all, is_fine: is_fine && draft.steps == Draft::whole(&method).steps }
         });
         let subject = *subject;
-        Ok(TakenPicture { rendered, frame, why, brightness, subject, draft, lights, standing, field, held })
+        Ok(TakenPicture { rendered, frame, why, brightness, subject, draft, lights, exactness, field, held })
     }
 
     /// Returns how the last picture is written to a file, with the metadata of a scene of this name.

@@ -3,14 +3,14 @@
 use std::sync::Arc;
 
 use super::Model;
-use crate::census::Census;
 use crate::controls::Extent;
+use crate::statistics::Statistics;
 use pellucid_engine::scene::{Change, Error, Scene, Setting, method_keys};
 
 impl Model {
     /// Statistics of the clouds, in the scene's order; empty until they are gathered.
-    pub fn census(&self) -> Arc<[Census]> {
-        self.census.clone()
+    pub fn statistics(&self) -> Arc<[Statistics]> {
+        self.statistics.clone()
     }
 
     /// The extent of the last picture's scene and its soft points.

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::due::STILL;
 use super::*;
-use crate::accuracy::{Accuracy, History, Reference, Standing};
+use crate::accuracy::{Accuracy, Exactness, History, Reference};
 use crate::draft::Effort;
 use crate::messages::{Held, Request};
 use crate::navigate::Subject;
@@ -185,8 +185,8 @@ fn approximations_at_rest_are_held_against_the_exact_picture_once() {
     let now = Instant::now();
     let request = asked(&mut model, now).unwrap();
     let News::Picture(mut shown) = picture(&request, true) else { unreachable!() };
-    shown.accuracy.standing =
-        Some(Standing::Approximation(pellucid_engine::scene::Method::ABuffer(Default::default())));
+    shown.accuracy.exactness =
+        Some(Exactness::Approximation(pellucid_engine::scene::Method::ABuffer(Default::default())));
     model.take_in(News::Picture(shown)).unwrap();
     assert!(model.next_task(now + REST).is_none());
     let due = model.due_at(now + REST).unwrap();
@@ -194,13 +194,13 @@ fn approximations_at_rest_are_held_against_the_exact_picture_once() {
     let Some(Task::Measure(serial)) = model.next_task(due) else { panic!("no measurement") };
     assert_eq!(serial, request.serial);
     assert!(model.next_task(due).is_none());
-    let measured = Accuracy { rungs: Vec::new(), against: Some(Reference::Exact("abuffer")), standing: None };
+    let measured = Accuracy { refinements: Vec::new(), against: Some(Reference::Exact("abuffer")), exactness: None };
     model.take_in(News::Measured(serial, measured.clone())).unwrap();
     assert_eq!(model.picture().unwrap().accuracy, measured);
     // A stopped picture is requested again.
     let (mut model, now) = settled();
-    model.picture.as_mut().unwrap().accuracy.standing =
-        Some(Standing::Approximation(pellucid_engine::scene::Method::ABuffer(Default::default())));
+    model.picture.as_mut().unwrap().accuracy.exactness =
+        Some(Exactness::Approximation(pellucid_engine::scene::Method::ABuffer(Default::default())));
     let Some(Task::Measure(serial)) = model.next_task(now + STILL) else { panic!("no measurement") };
     model.take_in(News::Stopped(serial)).unwrap();
     assert!(matches!(model.next_task(now + STILL), Some(Task::Measure(_))));

@@ -6,11 +6,11 @@ use egui::{Color32, ScrollArea, Ui};
 use egui_plot::{Bar, BarChart, VLine};
 
 use super::row::{choice_row, note, vector};
-use crate::census::{BINS, FieldFacts};
 use crate::counts::grouped;
 use crate::hints::hint;
 use crate::model::Model;
 use crate::overlay::still_plot;
+use crate::statistics::{BINS, FieldFacts};
 use pellucid_engine::cloud::UpAxis;
 use pellucid_engine::cloud::field::Field;
 use pellucid_engine::color::classes;
@@ -41,21 +41,21 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 
 /// The chooser of the field of some clouds, which `cloud.TARGET` names, with what belongs to the field.
 pub fn chooser(ui: &mut Ui, model: &mut Model, target: &str, clouds: &[usize]) {
-    let (census, scene) = (model.census(), model.scene().clone());
-    let known: Vec<_> = clouds.iter().filter_map(|i| Some((scene.clouds.get(*i)?, census.get(*i)?))).collect();
-    let fields: Vec<Field> = known.iter().map(|(settings, census)| census.field(settings)).collect();
+    let (statistics, scene) = (model.statistics(), model.scene().clone());
+    let known: Vec<_> = clouds.iter().filter_map(|i| Some((scene.clouds.get(*i)?, statistics.get(*i)?))).collect();
+    let fields: Vec<Field> = known.iter().map(|(settings, statistics)| statistics.field(settings)).collect();
     let (Some(first), Some((_, some))) = (fields.first(), known.first()) else {
         ui.weak("examining the clouds");
         return;
     };
     let same = fields.iter().all(|field| field.name() == first.name());
     let word = if same { first.name() } else { "several" };
-    let has = |name: &&str| known.iter().all(|(_, census)| census.fields().contains(name));
+    let has = |name: &&str| known.iter().all(|(_, statistics)| statistics.fields().contains(name));
     let words: Vec<&str> = some.fields().into_iter().filter(has).collect();
     let key = format!("cloud.{target}.field");
     let chosen = choice_row(ui, model, &key, "field F", word, &words);
-    let counts = known.iter().fold(BTreeMap::new(), |mut sum: BTreeMap<u8, usize>, (_, census)| {
-        census.classes.iter().for_each(|(code, count)| *sum.entry(*code).or_default() += count);
+    let counts = known.iter().fold(BTreeMap::new(), |mut sum: BTreeMap<u8, usize>, (_, statistics)| {
+        statistics.classes.iter().for_each(|(code, count)| *sum.entry(*code).or_default() += count);
         sum
     });
     if let Some(word) = chosen {
@@ -157,8 +157,8 @@ fn around(target: &str, part: &str, numbers: Option<[f64; 3]>) -> Vec<Change> {
 }
 
 /// Shows the least and the largest value of a property.
-fn range(ui: &mut Ui, census: &crate::census::Census, field: &str, clouds: usize) {
-    let found = census.scalars.iter().find(|(name, _)| name == field);
+fn range(ui: &mut Ui, statistics: &crate::statistics::Statistics, field: &str, clouds: usize) {
+    let found = statistics.scalars.iter().find(|(name, _)| name == field);
     if let (Some((_, [least, most])), 1) = (found, clouds) {
         let scaled = if *least >= 0.0 && *most <= 1.0 { "as stored" } else { "scaled to 0 to 1" };
         ui.weak(format!("{least} to {most}, {scaled}"));

@@ -57,7 +57,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
             section(ui, model, "Solid and soft", true, field::show);
         }
         section(ui, model, "Clouds", true, clouds::show);
-        if model.census().iter().any(|census| !census.classes.is_empty()) {
+        if model.statistics().iter().any(|statistics| !statistics.classes.is_empty()) {
             section(ui, model, "Classes", false, classes::show);
         }
         model.shows.colors = section(ui, model, "Colors", false, colors::show);

@@ -1,8 +1,8 @@
 //! Edits of the scene by the panel.
 
 use super::*;
-use crate::census::{Census, FieldFacts};
 use crate::controls::{self, Extent};
+use crate::statistics::{FieldFacts, Statistics};
 use pellucid_engine::passes::project::Parts;
 use pellucid_engine::scene::{METHODS, Method, Shells, method_keys};
 
@@ -104,9 +104,9 @@ fn statistics_of_clouds_and_points_come_with_the_news() {
     let diagonal = 6.0 * 3f64.sqrt();
     assert!((model.extent().diagonal - diagonal).abs() < 1e-9 && model.extent().median_radius == 0.0);
     assert_eq!(self::model().extent(), Extent::default());
-    assert!(model.census().is_empty());
-    model.take_in(News::Clouds([Census { points: 7, ..Census::default() }].into())).unwrap();
-    assert_eq!(model.census()[0].points, 7);
+    assert!(model.statistics().is_empty());
+    model.take_in(News::Clouds([Statistics { points: 7, ..Statistics::default() }].into())).unwrap();
+    assert_eq!(model.statistics()[0].points, 7);
     model.set("method.name", word("soft-base"));
     let request = asked(&mut model, Instant::now()).unwrap();
     let News::Picture(mut shown) = picture(&request, true) else { panic!("a picture") };
@@ -117,5 +117,5 @@ fn statistics_of_clouds_and_points_come_with_the_news() {
     // Other clouds are not those.
     let document = Document::from_clouds(["b.ply"], &Overrides::default()).unwrap();
     model.take_in(News::Opened("b.ply".into(), Box::new(document))).unwrap();
-    assert!(model.census().is_empty());
+    assert!(model.statistics().is_empty());
 }
