@@ -16,7 +16,7 @@ use super::{Buffer, Compilation, Error, GpuType, Made, Memory, Preferences, Reco
 /// Returns the Vulkan devices in Vulkan's order, and the index of the one that `--device wanted` (or nothing) would
 /// take, if it can be.
 pub fn devices(wanted: Option<&str>) -> Result<(Vec<DeviceInfo>, Option<usize>), Error> {
-    let instance = Instance::new(false, false)?;
+    let instance = Instance::new(false, false, &[])?;
     let found = enumerate(&instance)?;
     let taken = match wanted {
         Some(wanted) => Some(named(&found, wanted)?).filter(|(info, _)| info.lacks.is_empty()),
@@ -150,7 +150,7 @@ pub struct Device(pub(super) Arc<Context>);
 impl Device {
     /// Opens the device that `options` names, or the best one.
     pub fn open(options: &DeviceOptions) -> Result<Self, Error> {
-        Self::open_on(Instance::new(options.validation, options.gpu_assisted)?, options)
+        Self::open_on(Instance::new(options.validation, options.gpu_assisted, &[])?, options)
     }
 
     /// Opens the device that `options` names, or the best one of those that can present to a surface, which needs these
@@ -165,7 +165,8 @@ impl Device {
         extensions: &[*const c_char],
         surface: impl FnOnce(&ash::Entry, &ash::Instance) -> Result<Surface, Error>,
     ) -> Result<Self, Error> {
-        let instance = Instance::for_surface(options.validation, options.gpu_assisted, extensions, surface)?;
+        let mut instance = Instance::new(options.validation, options.gpu_assisted, extensions)?;
+        instance.surface = Some(surface(&instance.entry, &instance.raw)?);
         Self::open_on(instance, options)
     }
 
