@@ -7,9 +7,9 @@ use std::sync::atomic::Ordering;
 
 use ash::vk::{self, Handle};
 use gpu_allocator::MemoryLocation;
-use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
+use gpu_allocator::vulkan::Allocation;
 
-use super::graves::Grave;
+use super::deletions::Deletion;
 use super::{Context, Error, GpuType, Recorder, guard};
 
 /// Bytes of the staging buffer that uploads and read-backs pass through.
@@ -67,26 +67,14 @@ impl<T: GpuType> Buffer<T> {
             | vk::BufferUsageFlags::TRANSFER_SRC
             | vk::BufferUsageFlags::TRANSFER_DST;
         let info = vk::BufferCreateInfo::default().size(bytes).usage(usage).sharing_mode(vk::SharingMode::EXCLUSIVE);
-        let out_of_memory = || Error::OutOfMemory { name: name.to_owned(), bytes, in_use: context.in_use() };
         // SAFETY: a live device; the handle is destroyed in drop.
-        let raw = unsafe { context.device.create_buffer(&info, None) }.map_err(|_| out_of_memory())?;
+        let raw =
+            unsafe { context.device.create_buffer(&info, None) }.map_err(|_| context.out_of_memory(name, bytes))?;
         let mut buffer =
             Self { context: context.clone(), name: name.to_owned(), raw, allocation: None, len, element: PhantomData };
         // SAFETY: `raw` was just made from this device.
         let requirements = unsafe { context.device.get_buffer_memory_requirements(raw) };
-        crate::fault::vulkan("allocate").map_err(|_| out_of_memory())?;
-        let allocation = context
-            .with_allocator(|allocator| {
-                allocator.allocate(&AllocationCreateDesc {
-                    name,
-                    requirements,
-                    location: memory.location(),
-                    linear: true,
-                    allocation_scheme: AllocationScheme::GpuAllocatorManaged,
-                })
-            })
-            .and_then(Result::ok)
-            .ok_or_else(out_of_memory)?;
+        let allocation = context.allocate(name, bytes, requirements, (memory.location(), true))?;
         // SAFETY: the memory is fresh and large enough, at the offset that the allocator aligned.
         let bound = unsafe { context.device.bind_buffer_memory(raw, allocation.memory(), allocation.offset()) };
         context.note_allocation((vk::Buffer::TYPE, raw.as_raw()), name, requirements.size);
@@ -134,21 +122,7 @@ impl<T: GpuType> Buffer<T> {
 
     /// Copies `data` to the front of the buffer and waits for it.
     pub fn upload(&self, data: &[T]) -> Result<(), Error> {
-        assert!(data.len() as u64 <= self.len.max(1), "{}: upload larger than the buffer", self.name);
-        let bytes: &[u8] = bytemuck::cast_slice(data);
-        self.context.uploaded.fetch_add(bytes.len() as u64, Ordering::Relaxed);
-        let staging_bytes = STAGING_BYTES.min(bytes.len() as u64).max(4);
-        let mut staging = Buffer::<u32>::new(&self.context, "staging", staging_bytes.div_ceil(4), Memory::Upload)?;
-        let mut offset = 0;
-        for chunk in bytes.chunks(staging_bytes as usize) {
-            staging.mapped_mut()[..chunk.len()].copy_from_slice(chunk);
-            let mut recorder = Recorder::new(&self.context, false)?;
-            let bytes = chunk.len() as u64;
-            recorder.copy_raw("upload", staging.raw_slice(0, bytes), self.raw_slice(offset, bytes));
-            recorder.submit("upload")?;
-            offset += chunk.len() as u64;
-        }
-        Ok(())
+        self.upload_by(data.len() as u64, |range, to| to.copy_from_slice(&data[range]))
     }
 
     /// Fills the first `len` elements of the buffer, some after others, and waits for it: `fill` puts those of a range
@@ -162,8 +136,8 @@ impl<T: GpuType> Buffer<T> {
         let mut first = 0;
         while first < len {
             let count = most.min(len - first);
-            let elements: &mut [T] = bytemuck::cast_slice_mut(staging.mapped_mut());
-            fill(first as usize..(first + count) as usize, &mut elements[..count as usize]);
+            let elements = bytemuck::cast_slice_mut(&mut staging.mapped_mut()[..(count * size) as usize]);
+            fill(first as usize..(first + count) as usize, elements);
             let mut recorder = Recorder::new(&self.context, false)?;
             recorder.copy_raw("upload", staging.raw_slice(0, count * size), self.raw_slice(first * size, count * size));
             recorder.submit("upload")?;
@@ -217,7 +191,7 @@ impl<T: GpuType> Buffer<T> {
 
 impl<T> Drop for Buffer<T> {
     fn drop(&mut self) {
-        self.context.bury(Grave::Buffer(self.raw, self.allocation.take()));
+        self.context.delete(Deletion::Buffer(self.raw, self.allocation.take()));
     }
 }
 

@@ -28,22 +28,6 @@ pub struct Executable {
     pub statistics: Vec<(String, f64)>,
 }
 
-/// Returns `true` if pipelines of this device can be asked what became of them.
-pub(super) fn is_supported(instance: &ash::Instance, physical: vk::PhysicalDevice) -> bool {
-    let mut feature = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default();
-    // SAFETY: plain queries on a live instance; the struct is only asked for where its extension is present.
-    unsafe {
-        let extensions = instance.enumerate_device_extension_properties(physical).unwrap_or_default();
-        let name = ash::khr::pipeline_executable_properties::NAME;
-        if !extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(name)) {
-            return false;
-        }
-        let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut feature);
-        instance.get_physical_device_features2(physical, &mut features);
-    }
-    feature.pipeline_executable_info == vk::TRUE
-}
-
 impl Device {
     /// Compiles a variant of a pass, to draw where there are `outputs`, and asks the driver what became of it. Nothing
     /// runs.

@@ -6,14 +6,14 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use ash::{ext, khr, vk};
-use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
-use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
+use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc};
+use gpu_allocator::{AllocationSizes, AllocatorDebugSettings, MemoryLocation};
 
-use super::graves::Graves;
+use super::deletions::Deletions;
 use super::instance::Instance;
-use super::limits::{DeviceInfo, DeviceOptions, Limits, has_extension, queue_family};
-use super::pipeline::{Compilation, Made, Pipeline, PipelineKey};
-use super::{Error, cache, compiled, guard};
+use super::limits::{DeviceInfo, DeviceOptions, Limits, features, has_extension, queue_family};
+use super::pipeline::{Compilation, Pipeline, PipelineKey};
+use super::{Error, cache, fault, guard};
 
 /// Bytes of one block of sub-allocated memory: small, so that the reserved peak stays near what is used.
 const BLOCK_BYTES: u64 = 8 << 20;
@@ -53,22 +53,24 @@ pub struct Context {
     /// Held for every submission: a queue must not be used from two threads at once.
     pub submission: Mutex<()>,
     /// Command buffers that nobody records, each with a pool of its own.
-    idle_commands: Mutex<Vec<Commands>>,
+    pub idle_commands: Mutex<Vec<Commands>>,
     /// Resources that interrupted recordings may still need.
-    pub graves: Mutex<Graves>,
+    pub deletions: Mutex<Deletions>,
     allocator: Mutex<Option<Allocator>>,
     /// Names and sizes by kind and handle: handles of different kinds may be equal.
     live: Mutex<HashMap<(vk::ObjectType, u64), (String, u64)>>,
-    peak: AtomicU64,
+    /// Largest number of bytes of device memory that were allocated.
+    pub peak: AtomicU64,
     /// Bytes of [`super::Buffer::upload`] so far.
     pub uploaded: AtomicU64,
     /// Submissions that the host has waited for so far.
     pub waits: AtomicU64,
     /// Submissions that may still be made.
     pub allowed: AtomicU64,
-    pipelines: Mutex<HashMap<PipelineKey, Arc<Pipeline>>>,
+    /// All pipelines so far.
+    pub pipelines: Mutex<HashMap<PipelineKey, Arc<Pipeline>>>,
     /// Times at which each of them was made.
-    compilations: Mutex<Vec<Compilation>>,
+    pub compilations: Mutex<Vec<Compilation>>,
     cache_key: String,
 }
 
@@ -88,9 +90,13 @@ impl Context {
         info: DeviceInfo,
         options: &DeviceOptions,
     ) -> Result<Self, Error> {
-        let family = queue_family(&instance, physical)
+        let family = queue_family(&instance.raw, physical)
             .ok_or_else(|| Error::Lacks { device: info.name.clone(), missing: "a queue".to_owned() })?;
-        let statistics = options.statistics && compiled::is_supported(&instance.raw, physical);
+        let statistics = options.statistics && {
+            let found: vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR<'_> =
+                features(&instance.raw, physical, Some(khr::pipeline_executable_properties::NAME));
+            found.pipeline_executable_info == vk::TRUE
+        };
         let device = create_device(&instance, physical, family, &info, (options.robust, statistics))?;
         // SAFETY: the family and index are those the device was created with.
         let queue = unsafe { device.get_device_queue(family, 0) };
@@ -133,7 +139,7 @@ impl Context {
             instance,
             submission: Mutex::new(()),
             idle_commands: Mutex::default(),
-            graves: Mutex::default(),
+            deletions: Mutex::default(),
             allocator: Mutex::new(Some(allocator)),
             live: Mutex::default(),
             peak: AtomicU64::new(0),
@@ -144,16 +150,6 @@ impl Context {
             compilations: Mutex::default(),
             cache_key,
         })
-    }
-
-    /// Returns when each pipeline so far was made, and how long that took.
-    pub fn compilations(&self) -> Vec<Compilation> {
-        lock(&self.compilations).clone()
-    }
-
-    /// Returns what all pipelines were made from.
-    pub fn made(&self) -> Vec<Made> {
-        lock(&self.pipelines).values().map(|pipeline| pipeline.made.clone()).collect()
     }
 
     /// Runs `f` with the allocator and then notes the peak.
@@ -170,16 +166,24 @@ impl Context {
         lock(&self.allocator).as_ref().map_or(0, Allocator::capacity)
     }
 
-    /// Returns the largest number of bytes of device memory that were allocated.
-    pub fn peak_bytes(&self) -> u64 {
-        self.peak.load(Ordering::Relaxed)
+    /// Returns the error of an allocation of so many bytes that failed.
+    pub fn out_of_memory(&self, name: &str, bytes: u64) -> Error {
+        Error::OutOfMemory { name: name.to_owned(), bytes, in_use: self.in_use() }
     }
 
-    /// Sets the peak to the bytes that are allocated now, and returns them.
-    pub fn reset_peak(&self) -> u64 {
-        let now = self.in_use();
-        self.peak.store(now, Ordering::Relaxed);
-        now
+    /// Allocates memory for a buffer, or for an image, which is not linear. `bytes` are those that an error names.
+    pub fn allocate(
+        &self,
+        name: &str,
+        bytes: u64,
+        requirements: vk::MemoryRequirements,
+        (location, linear): (MemoryLocation, bool),
+    ) -> Result<Allocation, Error> {
+        fault::vulkan("allocate").map_err(|_| self.out_of_memory(name, bytes))?;
+        let allocation_scheme = AllocationScheme::GpuAllocatorManaged;
+        let wanted = AllocationCreateDesc { name, requirements, location, linear, allocation_scheme };
+        let allocated = self.with_allocator(|allocator| allocator.allocate(&wanted)).and_then(Result::ok);
+        allocated.ok_or_else(|| self.out_of_memory(name, bytes))
     }
 
     /// Takes note of an allocation.
@@ -222,11 +226,6 @@ impl Context {
                 }
             }
         }
-    }
-
-    /// Command buffers that nobody records at the moment.
-    pub fn idle_commands(&self) -> usize {
-        lock(&self.idle_commands).len()
     }
 
     /// Keeps a command buffer for the next recording. It must not be pending.
@@ -289,7 +288,13 @@ fn create_device(
     info: &DeviceInfo,
     (robust, statistics): (bool, bool),
 ) -> Result<ash::Device, Error> {
-    let mut robustness = if robust { Robustness::query(instance, physical) } else { Robustness::default() };
+    let modern: vk::PhysicalDeviceVulkan13Features<'_> = features(&instance.raw, physical, None);
+    let has_robustness2 = robust && has_extension(&instance.raw, physical, ext::robustness2::NAME);
+    let found: vk::PhysicalDeviceRobustness2FeaturesEXT<'_> =
+        features(&instance.raw, physical, Some(ext::robustness2::NAME));
+    let mut robustness2 = vk::PhysicalDeviceRobustness2FeaturesEXT::default()
+        .robust_buffer_access2(found.robust_buffer_access2 == vk::TRUE)
+        .robust_image_access2(found.robust_image_access2 == vk::TRUE);
     let priorities = [1.0];
     let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
     let core = vk::PhysicalDeviceFeatures::default()
@@ -305,16 +310,16 @@ fn create_device(
         .synchronization2(true)
         .dynamic_rendering(true)
         .maintenance4(true)
-        .robust_image_access(robustness.images)
+        .robust_image_access(robust && modern.robust_image_access == vk::TRUE)
         .subgroup_size_control(info.subgroup.is_some())
         .compute_full_subgroups(info.subgroup.is_some());
     let mut extensions = Vec::new();
     extensions.extend(instance.surface.is_some().then_some(khr::swapchain::NAME.as_ptr()));
-    extensions.extend(robustness.second.is_some().then_some(ext::robustness2::NAME.as_ptr()));
+    extensions.extend(has_robustness2.then_some(ext::robustness2::NAME.as_ptr()));
     extensions.extend(statistics.then_some(khr::pipeline_executable_properties::NAME.as_ptr()));
     extensions.extend(info.conditional.then_some(ext::conditional_rendering::NAME.as_ptr()));
     // Vulkan wants it enabled wherever a device has it, as MoltenVK does. Its features stay off.
-    let portability = has_extension(instance, physical, khr::portability_subset::NAME);
+    let portability = has_extension(&instance.raw, physical, khr::portability_subset::NAME);
     extensions.extend(portability.then_some(khr::portability_subset::NAME.as_ptr()));
     let mut conditional = vk::PhysicalDeviceConditionalRenderingFeaturesEXT::default().conditional_rendering(true);
     let mut executables =
@@ -331,40 +336,11 @@ fn create_device(
     if info.conditional {
         create = create.push_next(&mut conditional);
     }
-    if let Some(second) = &mut robustness.second {
-        create = create.push_next(second);
+    if has_robustness2 {
+        create = create.push_next(&mut robustness2);
     }
     // SAFETY: every feature was reported by this device, and the pointers live to the end of this function.
     unsafe { instance.raw.create_device(physical, &create, None) }.map_err(Error::call("vkCreateDevice"))
-}
-
-/// The device's features for keeping accesses within bounds, besides robustBufferAccess.
-#[derive(Default)]
-struct Robustness {
-    images: bool,
-    second: Option<vk::PhysicalDeviceRobustness2FeaturesEXT<'static>>,
-}
-
-impl Robustness {
-    fn query(instance: &Instance, physical: vk::PhysicalDevice) -> Self {
-        let mut features13 = vk::PhysicalDeviceVulkan13Features::default();
-        let mut second = vk::PhysicalDeviceRobustness2FeaturesEXT::default();
-        // SAFETY: plain queries on a live instance; a struct is only asked for where its extension is present.
-        let extended = unsafe {
-            let extensions = instance.raw.enumerate_device_extension_properties(physical).unwrap_or_default();
-            let extended = extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(ext::robustness2::NAME));
-            let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut features13);
-            if extended {
-                features = features.push_next(&mut second);
-            }
-            instance.raw.get_physical_device_features2(physical, &mut features);
-            extended
-        };
-        let second = vk::PhysicalDeviceRobustness2FeaturesEXT::default()
-            .robust_buffer_access2(second.robust_buffer_access2 == vk::TRUE)
-            .robust_image_access2(second.robust_image_access2 == vk::TRUE);
-        Self { images: features13.robust_image_access == vk::TRUE, second: extended.then_some(second) }
-    }
 }
 
 /// The limits, and a key that changes with the driver.

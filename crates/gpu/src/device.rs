@@ -6,17 +6,17 @@ use std::sync::atomic::Ordering;
 
 use ash::{ext, vk};
 
-use super::context::Context;
+use super::context::{Context, lock};
 use super::image::{self, Attachment, Format};
 use super::instance::{Instance, Messages};
-use super::limits::{DeviceInfo, DeviceOptions, Limits, has_extension, queue_family};
+use super::limits::{DeviceInfo, DeviceOptions, Limits, features, queue_family};
 use super::surface::Surface;
 use super::{Buffer, Compilation, Error, GpuType, Made, Memory, Preferences, Recorder};
 
 /// Returns the Vulkan devices in Vulkan's order, and the index of the one that `--device wanted` (or nothing) would
 /// take, if it can be.
 pub fn devices(wanted: Option<&str>) -> Result<(Vec<DeviceInfo>, Option<usize>), Error> {
-    let instance = Instance::new(false, false)?;
+    let instance = Instance::new(false, false, &[])?;
     let found = enumerate(&instance)?;
     let taken = match wanted {
         Some(wanted) => Some(named(&found, wanted)?).filter(|(info, _)| info.lacks.is_empty()),
@@ -51,17 +51,17 @@ fn describe(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> 
     let (basic, core) = unsafe {
         let basic = instance.raw.get_physical_device_properties(physical);
         let modern = basic.api_version >= vk::API_VERSION_1_3;
-        let mut features = vk::PhysicalDeviceFeatures2::default();
+        let mut found = vk::PhysicalDeviceFeatures2::default();
         if modern {
-            features = features.push_next(&mut features12).push_next(&mut features13);
+            found = found.push_next(&mut features12).push_next(&mut features13);
             let mut properties = vk::PhysicalDeviceProperties2::default()
                 .push_next(&mut driver)
                 .push_next(&mut subgroups)
                 .push_next(&mut subgroup_sizes);
             instance.raw.get_physical_device_properties2(physical, &mut properties);
         }
-        instance.raw.get_physical_device_features2(physical, &mut features);
-        let core = features.features;
+        instance.raw.get_physical_device_features2(physical, &mut found);
+        let core = found.features;
         if modern {
             // Some drivers report 64-bit atomics only in the stand-alone struct, which may not share a chain with the
             // 1.2 struct.
@@ -88,7 +88,7 @@ fn describe(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> 
             }
         }
     }
-    match queue_family(instance, physical) {
+    match queue_family(&instance.raw, physical) {
         None => lacks.push("a queue for compute and graphics with timestamps".to_owned()),
         Some(family) if instance.surface.as_ref().is_some_and(|s| !s.takes_from(&instance.raw, physical, family)) => {
             lacks.push("a way to show pictures in this window".to_owned());
@@ -102,6 +102,8 @@ fn describe(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> 
         vk::PhysicalDeviceType::CPU => ("CPU", 3),
         _ => ("other", 4),
     };
+    let conditional: vk::PhysicalDeviceConditionalRenderingFeaturesEXT<'_> =
+        features(&instance.raw, physical, Some(ext::conditional_rendering::NAME));
     let driver_name = text(driver.driver_name_as_c_str());
     let driver_info = text(driver.driver_info_as_c_str());
     DeviceInfo {
@@ -119,24 +121,10 @@ fn describe(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> 
         subgroup: (features13.subgroup_size_control == vk::TRUE && features13.compute_full_subgroups == vk::TRUE)
             .then(|| subgroup_size(&subgroups, &subgroup_sizes))
             .flatten(),
-        conditional: is_conditional(instance, physical),
+        conditional: conditional.conditional_rendering == vk::TRUE,
         prefers: Preferences::of(basic.device_type),
         rank,
     }
-}
-
-/// Returns `true` if the device can leave out commands by a word in a buffer.
-fn is_conditional(instance: &Instance, physical: vk::PhysicalDevice) -> bool {
-    let mut features = vk::PhysicalDeviceConditionalRenderingFeaturesEXT::default();
-    if !has_extension(instance, physical, ext::conditional_rendering::NAME) {
-        return false;
-    }
-    // SAFETY: a plain query on a live instance; the struct is only asked for where its extension is present.
-    unsafe {
-        let mut all = vk::PhysicalDeviceFeatures2::default().push_next(&mut features);
-        instance.raw.get_physical_device_features2(physical, &mut all);
-    }
-    features.conditional_rendering == vk::TRUE
 }
 
 /// The subgroup size that compute shaders ask for: the largest up to 32, so that a ballot is one word.
@@ -162,7 +150,7 @@ pub struct Device(pub(super) Arc<Context>);
 impl Device {
     /// Opens the device that `options` names, or the best one.
     pub fn open(options: &DeviceOptions) -> Result<Self, Error> {
-        Self::open_on(Instance::new(options.validation, options.gpu_assisted)?, options)
+        Self::open_on(Instance::new(options.validation, options.gpu_assisted, &[])?, options)
     }
 
     /// Opens the device that `options` names, or the best one of those that can present to a surface, which needs these
@@ -177,7 +165,8 @@ impl Device {
         extensions: &[*const c_char],
         surface: impl FnOnce(&ash::Entry, &ash::Instance) -> Result<Surface, Error>,
     ) -> Result<Self, Error> {
-        let instance = Instance::for_surface(options.validation, options.gpu_assisted, extensions, surface)?;
+        let mut instance = Instance::new(options.validation, options.gpu_assisted, extensions)?;
+        instance.surface = Some(surface(&instance.entry, &instance.raw)?);
         Self::open_on(instance, options)
     }
 
@@ -251,17 +240,19 @@ impl Device {
     /// Command buffers that wait for the next [`Self::recorder`]: as many as there were recorders at one time, less
     /// those that there are now.
     pub fn idle_command_buffers(&self) -> usize {
-        self.0.idle_commands()
+        lock(&self.0.idle_commands).len()
     }
 
     /// Returns the largest number of bytes that was reserved on the device at any time since [`Self::reset_peak`].
     pub fn peak_bytes(&self) -> u64 {
-        self.0.peak_bytes()
+        self.0.peak.load(Ordering::Relaxed)
     }
 
     /// Starts a new measurement of the peak from the bytes reserved now; returns that.
     pub fn reset_peak(&self) -> u64 {
-        self.0.reset_peak()
+        let now = self.0.in_use();
+        self.0.peak.store(now, Ordering::Relaxed);
+        now
     }
 
     /// Allows `count` further submissions, with `None` all of them; later ones fail with [`Error::Stopped`]. Any thread
@@ -296,12 +287,12 @@ impl Device {
     /// Returns when each pipeline so far was made, and how long that took, from WGSL to what the driver makes of it.
     /// The pipelines are in the order in which they were done.
     pub fn compilations(&self) -> Vec<Compilation> {
-        self.0.compilations()
+        lock(&self.0.compilations).clone()
     }
 
     /// Returns what every pipeline so far was made from; in no order.
     pub fn made(&self) -> Vec<Made> {
-        self.0.made()
+        lock(&self.0.pipelines).values().map(|pipeline| pipeline.made.clone()).collect()
     }
 
     /// Returns everything that the validation layers said so far.

@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 use ash::vk::{self, Handle};
 use gpu_allocator::MemoryLocation;
-use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
+use gpu_allocator::vulkan::Allocation;
 
-use super::graves::Grave;
+use super::deletions::Deletion;
 use super::instance::Instance;
 use super::{Context, Device, Error, Resource};
 
@@ -131,33 +131,21 @@ impl Attachment {
             return Err(Error::Framebuffer { name: name.to_owned(), size, limit });
         }
         let bytes = u64::from(size[0]) * u64::from(size[1]) * u64::from(samples) * format.bytes();
-        let out_of_memory = || Error::OutOfMemory { name: name.to_owned(), bytes, in_use: context.in_use() };
         // SAFETY: a live device, and a size that it has; the handle is destroyed in drop.
-        let raw = unsafe { context.device.create_image(&info, None) }.map_err(|_| out_of_memory())?;
+        let raw =
+            unsafe { context.device.create_image(&info, None) }.map_err(|_| context.out_of_memory(name, bytes))?;
         let (context, view) = (context.clone(), vk::ImageView::null());
         let mut image = Self { context, format, samples, size, raw, view, allocation: None };
-        image.bind(name, out_of_memory)?;
+        image.bind(name, bytes)?;
         Ok(image)
     }
 
     /// Gives a fresh image its memory and its view.
-    fn bind(&mut self, name: &str, out_of_memory: impl Fn() -> Error) -> Result<(), Error> {
-        crate::fault::vulkan("allocate").map_err(|_| out_of_memory())?;
+    fn bind(&mut self, name: &str, bytes: u64) -> Result<(), Error> {
         let context = &self.context;
         // SAFETY: the image was just made from this device.
         let requirements = unsafe { context.device.get_image_memory_requirements(self.raw) };
-        let allocation = context
-            .with_allocator(|allocator| {
-                allocator.allocate(&AllocationCreateDesc {
-                    name,
-                    requirements,
-                    location: MemoryLocation::GpuOnly,
-                    linear: false,
-                    allocation_scheme: AllocationScheme::GpuAllocatorManaged,
-                })
-            })
-            .and_then(Result::ok)
-            .ok_or_else(&out_of_memory)?;
+        let allocation = context.allocate(name, bytes, requirements, (MemoryLocation::GpuOnly, false))?;
         // SAFETY: the memory is fresh and large enough, at the offset that the allocator aligned.
         let bound = unsafe { context.device.bind_image_memory(self.raw, allocation.memory(), allocation.offset()) };
         context.note_allocation((vk::Image::TYPE, self.raw.as_raw()), name, requirements.size);
@@ -210,7 +198,7 @@ impl Attachment {
 
 impl Drop for Attachment {
     fn drop(&mut self) {
-        self.context.bury(Grave::Image(self.raw, self.view, self.allocation.take()));
+        self.context.delete(Deletion::Image(self.raw, self.view, self.allocation.take()));
     }
 }
 

@@ -45,30 +45,14 @@ pub struct Instance {
     /// The surface that shows frames, if a window exists.
     pub surface: Option<super::surface::Surface>,
     messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
-    entry: ash::Entry,
+    pub entry: ash::Entry,
 }
 
 impl Instance {
     /// Opens the loader. With `validation`, validation and synchronization validation are on and every warning or error
     /// is collected; with `gpu_assisted` besides, shaders are instrumented, and synchronization is not looked at.
-    pub fn new(validation: bool, gpu_assisted: bool) -> Result<Self, Error> {
-        Self::with_extensions(validation, gpu_assisted, &[])
-    }
-
-    /// Like [`Instance::new`], with a surface that needs the extensions `wanted`.
-    pub fn for_surface(
-        validation: bool,
-        gpu_assisted: bool,
-        wanted: &[*const c_char],
-        surface: impl FnOnce(&ash::Entry, &ash::Instance) -> Result<super::surface::Surface, Error>,
-    ) -> Result<Self, Error> {
-        let mut instance = Self::with_extensions(validation, gpu_assisted, wanted)?;
-        instance.surface = Some(surface(&instance.entry, &instance.raw)?);
-        Ok(instance)
-    }
-
-    /// `wanted` are names of further extensions.
-    fn with_extensions(validation: bool, gpu_assisted: bool, wanted: &[*const c_char]) -> Result<Self, Error> {
+    /// `wanted` are names of further extensions, those of a surface.
+    pub fn new(validation: bool, gpu_assisted: bool, wanted: &[*const c_char]) -> Result<Self, Error> {
         // SAFETY: loading the system's Vulkan loader runs its initializers; this is the only way to reach Vulkan.
         let entry = unsafe { ash::Entry::load() }.map_err(|e| Error::NoLoader(e.to_string()))?;
         // SAFETY: plain queries on a loaded entry.

@@ -10,12 +10,12 @@ mod buffer;
 pub mod cache;
 mod compiled;
 mod context;
+mod deletions;
 mod device;
 mod error;
 #[doc(hidden)]
 pub mod fault;
 mod foresee;
-mod graves;
 mod guard;
 mod image;
 mod instance;
@@ -50,6 +50,8 @@ pub use recorder::{Dispatch, Draw, PassTime, Recorder, Run, Submitted, Targets, 
 pub use shader::Variant;
 
 // For the crate that shows pictures in windows.
+#[doc(hidden)]
+pub use barriers::{full_barrier, image_barriers};
 #[doc(hidden)]
 pub use context::{Context, lock};
 #[doc(hidden)]

@@ -5,7 +5,6 @@ use std::ffi::CStr;
 use ash::vk;
 
 use super::Preferences;
-use super::instance::Instance;
 
 /// Options for opening a device.
 #[derive(Debug, Clone, Default)]
@@ -107,9 +106,9 @@ pub struct DeviceInfo {
 }
 
 /// Returns the index of a queue family for compute and graphics with timestamps.
-pub(super) fn queue_family(instance: &Instance, physical: vk::PhysicalDevice) -> Option<u32> {
+pub(super) fn queue_family(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<u32> {
     // SAFETY: a plain query on a live instance.
-    let families = unsafe { instance.raw.get_physical_device_queue_family_properties(physical) };
+    let families = unsafe { instance.get_physical_device_queue_family_properties(physical) };
     let wanted = vk::QueueFlags::COMPUTE | vk::QueueFlags::GRAPHICS;
     families
         .iter()
@@ -118,8 +117,23 @@ pub(super) fn queue_family(instance: &Instance, physical: vk::PhysicalDevice) ->
 }
 
 /// Returns `true` if the device has the extension of this name.
-pub(super) fn has_extension(instance: &Instance, physical: vk::PhysicalDevice, name: &CStr) -> bool {
+pub(super) fn has_extension(instance: &ash::Instance, physical: vk::PhysicalDevice, name: &CStr) -> bool {
     // SAFETY: a plain query on a live instance.
-    let extensions = unsafe { instance.raw.enumerate_device_extension_properties(physical) }.unwrap_or_default();
+    let extensions = unsafe { instance.enumerate_device_extension_properties(physical) }.unwrap_or_default();
     extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(name))
+}
+
+/// Returns features of a device; none of those of an extension that it lacks.
+pub(super) fn features<F: vk::ExtendsPhysicalDeviceFeatures2 + Default>(
+    instance: &ash::Instance,
+    physical: vk::PhysicalDevice,
+    extension: Option<&CStr>,
+) -> F {
+    let mut found = F::default();
+    if extension.is_none_or(|name| has_extension(instance, physical, name)) {
+        let mut all = vk::PhysicalDeviceFeatures2::default().push_next(&mut found);
+        // SAFETY: a plain query on a live instance; the struct is only asked for where its extension is present.
+        unsafe { instance.get_physical_device_features2(physical, &mut all) };
+    }
+    found
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use ash::vk::{self, Handle};
 
 use super::context::lock;
-use super::graves::Grave;
+use super::deletions::Deletion;
 use super::{Context, Recorder};
 
 /// A recording that goes on later.
@@ -36,49 +36,49 @@ pub struct Held(Arc<Context>);
 
 impl Held {
     fn new(context: &Arc<Context>) -> Self {
-        lock(&context.graves).recordings += 1;
+        lock(&context.deletions).recordings += 1;
         Self(context.clone())
     }
 }
 
 impl Drop for Held {
     fn drop(&mut self) {
-        let mut graves = lock(&self.0.graves);
-        graves.recordings -= 1;
-        if graves.recordings > 0 {
+        let mut deletions = lock(&self.0.deletions);
+        deletions.recordings -= 1;
+        if deletions.recordings > 0 {
             return;
         }
-        let waiting = std::mem::take(&mut graves.waiting);
-        drop(graves);
-        for grave in waiting {
-            self.0.destroy(grave);
+        let waiting = std::mem::take(&mut deletions.waiting);
+        drop(deletions);
+        for deletion in waiting {
+            self.0.destroy(deletion);
         }
     }
 }
 
 impl Context {
     /// Destroys what nobody but an interrupted recording may need, as soon as there is none.
-    pub fn bury(&self, grave: Grave) {
-        let mut graves = lock(&self.graves);
-        if graves.recordings > 0 {
-            graves.waiting.push(grave);
+    pub fn delete(&self, deletion: Deletion) {
+        let mut deletions = lock(&self.deletions);
+        if deletions.recordings > 0 {
+            deletions.waiting.push(deletion);
         } else {
-            drop(graves);
-            self.destroy(grave);
+            drop(deletions);
+            self.destroy(deletion);
         }
     }
 
-    fn destroy(&self, grave: Grave) {
+    fn destroy(&self, deletion: Deletion) {
         // SAFETY: whoever owned the handles gave them up. Submissions are waited for before their recorders are
         // dropped, and no interrupted recording is left; so the device no longer uses them. A null view is ignored.
         let allocation = unsafe {
-            match grave {
-                Grave::Buffer(raw, allocation) => {
+            match deletion {
+                Deletion::Buffer(raw, allocation) => {
                     self.forget_allocation((vk::Buffer::TYPE, raw.as_raw()));
                     self.device.destroy_buffer(raw, None);
                     allocation
                 }
-                Grave::Image(raw, view, allocation) => {
+                Deletion::Image(raw, view, allocation) => {
                     self.forget_allocation((vk::Image::TYPE, raw.as_raw()));
                     self.device.destroy_image_view(view, None);
                     self.device.destroy_image(raw, None);

@@ -1,53 +1,46 @@
 //! Corrections to naga's SPIR-V, word by word.
 
+use spirv::{BuiltIn, Decoration, Op, StorageClass};
+
 use super::guard;
 
-const OP_VARIABLE: u32 = 59;
-const OP_TYPE_INT: u32 = 21;
-const OP_TYPE_FLOAT: u32 = 22;
-const OP_TYPE_VECTOR: u32 = 23;
-const OP_TYPE_ARRAY: u32 = 28;
-const OP_TYPE_POINTER: u32 = 32;
-const OP_CONSTANT: u32 = 43;
-const OP_CONSTANT_COMPOSITE: u32 = 44;
-const OP_CONSTANT_NULL: u32 = 46;
-const OP_LOAD: u32 = 61;
-const OP_STORE: u32 = 62;
-const OP_ACCESS_CHAIN: u32 = 65;
-const OP_DECORATE: u32 = 71;
-const OP_FUNCTION: u32 = 54;
-const STORAGE_FUNCTION: u32 = 7;
-const DECORATION_BUILT_IN: u32 = 11;
-const BUILT_IN_SAMPLE_MASK: u32 = 20;
-const OP_TYPE_STRUCT: u32 = 30;
-const OP_ARRAY_LENGTH: u32 = 68;
-const OP_I_SUB: u32 = 130;
-const DECORATION_ARRAY_STRIDE: u32 = 6;
 const HEADER_WORDS: usize = 5;
-const DECORATION_NO_CONTRACTION: u32 = 42;
-/// OpTypeVoid to OpTypeFunction.
-const FIRST_TYPES: std::ops::RangeInclusive<u32> = 19..=33;
-/// OpFNegate, OpFAdd, OpFSub, OpFMul, OpFDiv, OpFRem, OpFMod, and OpVectorTimesScalar to OpDot.
-const FLOAT_ARITHMETIC: [u32; 14] = [127, 129, 131, 133, 136, 140, 141, 142, 143, 144, 145, 146, 147, 148];
+/// Instructions whose results are not to be contracted.
+const FLOAT_ARITHMETIC: [Op; 14] = [
+    Op::FNegate,
+    Op::FAdd,
+    Op::FSub,
+    Op::FMul,
+    Op::FDiv,
+    Op::FRem,
+    Op::FMod,
+    Op::VectorTimesScalar,
+    Op::MatrixTimesScalar,
+    Op::VectorTimesMatrix,
+    Op::MatrixTimesVector,
+    Op::MatrixTimesMatrix,
+    Op::OuterProduct,
+    Op::Dot,
+];
 /// Index of the id bound in the header.
 const BOUND: usize = 3;
 
 /// Goes up with each change of the corrections, so that nobody takes what earlier ones left in a cache.
 pub const REVISION: u32 = 3;
 
-/// Instructions, each as its opcode and all its words, including the first.
-fn instructions(words: &[u32]) -> impl Iterator<Item = (u32, &[u32])> {
+/// Instructions, each as its opcode and all its words, including the first. Unknown ones count as [`Op::Nop`].
+fn instructions(words: &[u32]) -> impl Iterator<Item = (Op, &[u32])> {
     let mut rest = words.get(HEADER_WORDS..).unwrap_or_default();
     std::iter::from_fn(move || {
         let first = *rest.first()?;
         let (instruction, tail) = rest.split_at_checked((first >> 16).max(1) as usize)?;
         rest = tail;
-        Some((first & 0xffff, instruction))
+        Some((Op::from_u32(first & 0xffff).unwrap_or(Op::Nop), instruction))
     })
 }
 
-fn emit(out: &mut Vec<u32>, opcode: u32, operands: &[u32]) {
-    out.push((operands.len() as u32 + 1) << 16 | opcode);
+fn emit(out: &mut Vec<u32>, opcode: Op, operands: &[u32]) {
+    out.push((operands.len() as u32 + 1) << 16 | opcode as u32);
     out.extend_from_slice(operands);
 }
 
@@ -60,7 +53,7 @@ pub fn correct(words: &[u32]) -> Vec<u32> {
 /// Subtracts `bytes` from the length of every runtime-sized array: bound ranges end with a guard that is invisible to
 /// shaders.
 fn hide_bytes(words: &[u32], bytes: u64) -> Vec<u32> {
-    let lengths: Vec<&[u32]> = instructions(words).filter(|(op, _)| *op == OP_ARRAY_LENGTH).map(|(_, i)| i).collect();
+    let lengths: Vec<&[u32]> = instructions(words).filter(|(op, _)| *op == Op::ArrayLength).map(|(_, i)| i).collect();
     let mut next = words[BOUND];
     let mut fresh = || {
         next += 1;
@@ -74,16 +67,16 @@ fn hide_bytes(words: &[u32], bytes: u64) -> Vec<u32> {
     let mut out = words[..HEADER_WORDS].to_vec();
     let mut declared = false;
     for (op, instruction) in instructions(words) {
-        if op == OP_FUNCTION && !declared {
+        if op == Op::Function && !declared {
             for (length, _, constant, elements) in &hidden {
-                emit(&mut out, OP_CONSTANT, &[length[1], *constant, *elements]);
+                emit(&mut out, Op::Constant, &[length[1], *constant, *elements]);
             }
             declared = true;
         }
-        match hidden.iter().find(|(length, ..)| op == OP_ARRAY_LENGTH && length[2] == instruction[2]) {
+        match hidden.iter().find(|(length, ..)| op == Op::ArrayLength && length[2] == instruction[2]) {
             Some((length, whole, constant, _)) => {
-                emit(&mut out, OP_ARRAY_LENGTH, &[length[1], *whole, length[3], length[4]]);
-                emit(&mut out, OP_I_SUB, &[length[1], length[2], *whole, *constant]);
+                emit(&mut out, Op::ArrayLength, &[length[1], *whole, length[3], length[4]]);
+                emit(&mut out, Op::ISub, &[length[1], length[2], *whole, *constant]);
             }
             None => out.extend_from_slice(instruction),
         }
@@ -94,16 +87,16 @@ fn hide_bytes(words: &[u32], bytes: u64) -> Vec<u32> {
 
 /// Bytes from element to element of the array that an OpArrayLength asks about.
 fn array_stride(words: &[u32], length: &[u32]) -> Option<u32> {
-    let operand = |op: u32, place: usize, id: u32, operand: usize| {
+    let operand = |op: Op, place: usize, id: u32, operand: usize| {
         instructions(words)
             .find(|(found, i)| *found == op && i.get(place) == Some(&id))
             .and_then(|(_, i)| i.get(operand).copied())
     };
-    let pointer = operand(OP_VARIABLE, 2, length[3], 1)?;
-    let block = operand(OP_TYPE_POINTER, 1, pointer, 3)?;
-    let array = operand(OP_TYPE_STRUCT, 1, block, 2 + length[4] as usize)?;
-    let stride = |i: &[u32]| i.len() == 4 && i[1] == array && i[2] == DECORATION_ARRAY_STRIDE;
-    instructions(words).find(|(op, i)| *op == OP_DECORATE && stride(i)).map(|(_, i)| i[3])
+    let pointer = operand(Op::Variable, 2, length[3], 1)?;
+    let block = operand(Op::TypePointer, 1, pointer, 3)?;
+    let array = operand(Op::TypeStruct, 1, block, 2 + length[4] as usize)?;
+    let stride = |i: &[u32]| i.len() == 4 && i[1] == array && i[2] == Decoration::ArrayStride as u32;
+    instructions(words).find(|(op, i)| *op == Op::Decorate && stride(i)).map(|(_, i)| i[3])
 }
 
 /// Decorates all floating-point arithmetic NoContraction, which naga cannot say.
@@ -117,9 +110,9 @@ fn forbid_contraction(words: &[u32]) -> Vec<u32> {
     let mut decorated = false;
     for (op, instruction) in instructions(words) {
         // Annotations end where types begin.
-        if !decorated && FIRST_TYPES.contains(&op) {
+        if !decorated && (Op::TypeVoid..=Op::TypeFunction).contains(&op) {
             for id in &results {
-                emit(&mut out, OP_DECORATE, &[*id, DECORATION_NO_CONTRACTION]);
+                emit(&mut out, Op::Decorate, &[*id, Decoration::NoContraction as u32]);
             }
             decorated = true;
         }
@@ -138,27 +131,27 @@ fn forbid_contraction(words: &[u32]) -> Vec<u32> {
 /// short arrays are spoiled instead (`spoil`): a shader that reads an element before it writes one shows it on every
 /// driver.
 fn drop_array_initializers(words: &[u32], spoil: bool) -> Vec<u32> {
-    let arrays: Vec<u32> = instructions(words).filter(|(op, _)| *op == OP_TYPE_ARRAY).map(|(_, i)| i[1]).collect();
+    let arrays: Vec<u32> = instructions(words).filter(|(op, _)| *op == Op::TypeArray).map(|(_, i)| i[1]).collect();
     let pointers: Vec<(u32, u32)> = instructions(words)
-        .filter(|(op, i)| *op == OP_TYPE_POINTER && i[2] == STORAGE_FUNCTION && arrays.contains(&i[3]))
+        .filter(|(op, i)| *op == Op::TypePointer && i[2] == StorageClass::Function as u32 && arrays.contains(&i[3]))
         .map(|(_, i)| (i[1], i[3]))
         .collect();
-    let nulls: Vec<u32> = instructions(words).filter(|(op, _)| *op == OP_CONSTANT_NULL).map(|(_, i)| i[2]).collect();
+    let nulls: Vec<u32> = instructions(words).filter(|(op, _)| *op == Op::ConstantNull).map(|(_, i)| i[2]).collect();
     let mut constants = Spoiled { words, next: words[BOUND], declared: Vec::new() };
     let spoiled: Vec<Option<u32>> =
         pointers.iter().map(|(_, array)| if spoil { constants.of_array(*array) } else { None }).collect();
     let mut out = words[..HEADER_WORDS].to_vec();
     let mut declared = false;
     for (op, instruction) in instructions(words) {
-        if op == OP_FUNCTION && !declared {
+        if op == Op::Function && !declared {
             out.extend_from_slice(&constants.declared);
             declared = true;
         }
         let place = pointers.iter().position(|(pointer, _)| instruction.get(1) == Some(pointer));
-        match place.filter(|_| op == OP_VARIABLE && instruction.len() == 5 && nulls.contains(&instruction[4])) {
+        match place.filter(|_| op == Op::Variable && instruction.len() == 5 && nulls.contains(&instruction[4])) {
             Some(place) => {
                 let variable: Vec<u32> = instruction[1..4].iter().copied().chain(spoiled[place]).collect();
-                emit(&mut out, OP_VARIABLE, &variable);
+                emit(&mut out, Op::Variable, &variable);
             }
             None => out.extend_from_slice(instruction),
         }
@@ -190,8 +183,8 @@ impl Spoiled<'_> {
 
     fn of(&mut self, kind: u32) -> Option<u32> {
         let (op, parts) = match self.elements(kind)? {
-            (_, 0) => (OP_CONSTANT, vec![Self::WORD]),
-            (element, count) => (OP_CONSTANT_COMPOSITE, vec![self.of(element)?; count as usize]),
+            (_, 0) => (Op::Constant, vec![Self::WORD]),
+            (element, count) => (Op::ConstantComposite, vec![self.of(element)?; count as usize]),
         };
         let id = self.next;
         self.next += 1;
@@ -210,11 +203,11 @@ impl Spoiled<'_> {
     /// The type of an array's or a vector's elements and their number; none of a scalar of 32 bits.
     fn elements(&self, kind: u32) -> Option<(u32, u32)> {
         let (op, i) = instructions(self.words)
-            .find(|(op, i)| [OP_TYPE_INT, OP_TYPE_FLOAT, OP_TYPE_VECTOR, OP_TYPE_ARRAY].contains(op) && i[1] == kind)?;
+            .find(|(op, i)| [Op::TypeInt, Op::TypeFloat, Op::TypeVector, Op::TypeArray].contains(op) && i[1] == kind)?;
         match op {
-            OP_TYPE_VECTOR => Some((i[2], i[3])),
-            OP_TYPE_ARRAY => {
-                let length = instructions(self.words).find(|(op, c)| *op == OP_CONSTANT && c[2] == i[3])?;
+            Op::TypeVector => Some((i[2], i[3])),
+            Op::TypeArray => {
+                let length = instructions(self.words).find(|(op, c)| *op == Op::Constant && c[2] == i[3])?;
                 Some((i[2], length.1[3]))
             }
             _ => (i[2] == 32).then_some((kind, 0)),
@@ -227,11 +220,14 @@ impl Spoiled<'_> {
 fn correct_sample_mask(words: &[u32]) -> Vec<u32> {
     let masks: Vec<u32> = instructions(words)
         .filter(|(op, i)| {
-            *op == OP_DECORATE && i.len() == 4 && i[2] == DECORATION_BUILT_IN && i[3] == BUILT_IN_SAMPLE_MASK
+            *op == Op::Decorate
+                && i.len() == 4
+                && i[2] == Decoration::BuiltIn as u32
+                && i[3] == BuiltIn::SampleMask as u32
         })
         .map(|(_, i)| i[1])
         .collect();
-    let uint = instructions(words).find(|(op, i)| *op == OP_TYPE_INT && i[2] == 32 && i[3] == 0).map(|(_, i)| i[1]);
+    let uint = instructions(words).find(|(op, i)| *op == Op::TypeInt && i[2] == 32 && i[3] == 0).map(|(_, i)| i[1]);
     let (false, Some(uint)) = (masks.is_empty(), uint) else { return words.to_vec() };
     let mut next = words[BOUND];
     let mut fresh = || {
@@ -242,29 +238,29 @@ fn correct_sample_mask(words: &[u32]) -> Vec<u32> {
     let mut out = words[..HEADER_WORDS].to_vec();
     let mut declared = false;
     for (op, instruction) in instructions(words) {
-        let variable = (op == OP_VARIABLE && masks.contains(&instruction[2])).then(|| instruction[3]);
+        let variable = (op == Op::Variable && masks.contains(&instruction[2])).then(|| instruction[3]);
         let accessed = match op {
-            OP_LOAD if masks.contains(&instruction[3]) => Some(instruction[3]),
-            OP_STORE if masks.contains(&instruction[1]) => Some(instruction[1]),
+            Op::Load if masks.contains(&instruction[3]) => Some(instruction[3]),
+            Op::Store if masks.contains(&instruction[1]) => Some(instruction[1]),
             _ => None,
         };
         if let Some(storage) = variable {
             if !declared {
-                emit(&mut out, OP_CONSTANT, &[uint, one, 1]);
-                emit(&mut out, OP_CONSTANT, &[uint, zero, 0]);
-                emit(&mut out, OP_TYPE_ARRAY, &[array, uint, one]);
+                emit(&mut out, Op::Constant, &[uint, one, 1]);
+                emit(&mut out, Op::Constant, &[uint, zero, 0]);
+                emit(&mut out, Op::TypeArray, &[array, uint, one]);
                 declared = true;
             }
             let pointer = fresh();
-            emit(&mut out, OP_TYPE_POINTER, &[pointer, storage, array]);
-            emit(&mut out, OP_VARIABLE, &[pointer, instruction[2], storage]);
+            emit(&mut out, Op::TypePointer, &[pointer, storage, array]);
+            emit(&mut out, Op::Variable, &[pointer, instruction[2], storage]);
         } else if let Some(mask) = accessed {
             let element_pointer = pointer_to(words, mask);
             let element = fresh();
-            emit(&mut out, OP_ACCESS_CHAIN, &[element_pointer, element, mask, zero]);
+            emit(&mut out, Op::AccessChain, &[element_pointer, element, mask, zero]);
             match op {
-                OP_LOAD => emit(&mut out, OP_LOAD, &[instruction[1], instruction[2], element]),
-                _ => emit(&mut out, OP_STORE, &[element, instruction[2]]),
+                Op::Load => emit(&mut out, Op::Load, &[instruction[1], instruction[2], element]),
+                _ => emit(&mut out, Op::Store, &[element, instruction[2]]),
             }
         } else {
             out.extend_from_slice(instruction);
@@ -277,8 +273,8 @@ fn correct_sample_mask(words: &[u32]) -> Vec<u32> {
 /// The pointer type a variable was declared with: after the correction it is the type of the array's element.
 fn pointer_to(words: &[u32], variable: u32) -> u32 {
     instructions(words)
-        .take_while(|(op, _)| *op != OP_FUNCTION)
-        .find(|(op, i)| *op == OP_VARIABLE && i[2] == variable)
+        .take_while(|(op, _)| *op != Op::Function)
+        .find(|(op, i)| *op == Op::Variable && i[2] == variable)
         .map_or(0, |(_, i)| i[1])
 }
 
@@ -286,7 +282,7 @@ fn pointer_to(words: &[u32], variable: u32) -> u32 {
 mod tests {
     use super::*;
 
-    fn count(words: &[u32], wanted: impl Fn(u32, &[u32]) -> bool) -> usize {
+    fn count(words: &[u32], wanted: impl Fn(Op, &[u32]) -> bool) -> usize {
         instructions(words).filter(|(op, i)| wanted(*op, i)).count()
     }
 
@@ -305,7 +301,7 @@ mod tests {
     #[test]
     fn array_initializers_are_dropped_and_scalars_keep_theirs() {
         let words = compiled(ARRAY);
-        let initialized = |op: u32, i: &[u32]| op == OP_VARIABLE && i.len() == 5;
+        let initialized = |op: Op, i: &[u32]| op == Op::Variable && i.len() == 5;
         let before = count(&words, initialized);
         let after = count(&drop_array_initializers(&words, false), initialized);
         assert!(before >= 2, "the shader has an initialized array and scalar");
@@ -322,7 +318,7 @@ mod tests {
                 data[2] = slopes[u32(data[3])];
             }",
         );
-        let initialized = |w: &[u32]| count(w, |op, i| op == OP_VARIABLE && i.len() == 5);
+        let initialized = |w: &[u32]| count(w, |op, i| op == Op::Variable && i.len() == 5);
         for spoil in [false, true] {
             assert_eq!(initialized(&drop_array_initializers(&words, spoil)), initialized(&words));
         }
@@ -341,9 +337,9 @@ mod tests {
         let words = compiled(LOCAL);
         let spoiled = drop_array_initializers(&words, true);
         // A float, a vector of two and an array of three; the long array has no initializer.
-        let added = |op: u32| count(&spoiled, |o, _| o == op) - count(&words, |o, _| o == op);
-        assert_eq!((added(OP_CONSTANT), added(OP_CONSTANT_COMPOSITE)), (1, 2));
-        let initialized = |w: &[u32]| count(w, |op, i| op == OP_VARIABLE && i.len() == 5);
+        let added = |op: Op| count(&spoiled, |o, _| o == op) - count(&words, |o, _| o == op);
+        assert_eq!((added(Op::Constant), added(Op::ConstantComposite)), (1, 2));
+        let initialized = |w: &[u32]| count(w, |op, i| op == Op::Variable && i.len() == 5);
         assert_eq!(initialized(&spoiled), initialized(&words) - 1);
     }
 
@@ -353,7 +349,7 @@ mod tests {
             "@group(0) @binding(0) var<storage, read_write> data: array<f32>;
             @compute @workgroup_size(1) fn main() { data[0] = data[1] * data[2] + data[3]; data[4] = f32(7u + u32(data[5])); }",
         );
-        let decorated = |w: &[u32]| count(w, |op, i| op == OP_DECORATE && i[2] == DECORATION_NO_CONTRACTION);
+        let decorated = |w: &[u32]| count(w, |op, i| op == Op::Decorate && i[2] == Decoration::NoContraction as u32);
         assert_eq!(decorated(&words), 0);
         assert_eq!(decorated(&forbid_contraction(&words)), 2);
     }
@@ -367,10 +363,10 @@ mod tests {
     fn sample_masks_become_arrays_of_one() {
         let words = compiled(MASK);
         let fixed = correct_sample_mask(&words);
-        assert_eq!(count(&words, |op, _| op == OP_TYPE_ARRAY), 0);
-        assert_eq!(count(&fixed, |op, _| op == OP_TYPE_ARRAY), 1);
+        assert_eq!(count(&words, |op, _| op == Op::TypeArray), 0);
+        assert_eq!(count(&fixed, |op, _| op == Op::TypeArray), 1);
         // One load of the input and one store of the output, each through an access chain.
-        let chains = |w: &[u32]| count(w, |op, _| op == OP_ACCESS_CHAIN);
+        let chains = |w: &[u32]| count(w, |op, _| op == Op::AccessChain);
         assert_eq!(chains(&fixed), chains(&words) + 2);
     }
 
@@ -385,11 +381,11 @@ mod tests {
     fn lengths_of_arrays_leave_the_guard_out() {
         let words = compiled(LENGTHS);
         let hidden = hide_bytes(&words, 100);
-        assert_eq!(count(&hidden, |op, _| op == OP_ARRAY_LENGTH), 3);
+        assert_eq!(count(&hidden, |op, _| op == Op::ArrayLength), 3);
         let constants: Vec<u32> = instructions(&hidden)
-            .filter(|(op, _)| *op == OP_I_SUB)
+            .filter(|(op, _)| *op == Op::ISub)
             .filter_map(|(_, sub)| {
-                let is_subtrahend = |op: u32, i: &[u32]| op == OP_CONSTANT && i[2] == sub[4];
+                let is_subtrahend = |op: Op, i: &[u32]| op == Op::Constant && i[2] == sub[4];
                 instructions(&hidden).find(|(op, i)| is_subtrahend(*op, i)).map(|(_, i)| i[3])
             })
             .collect();

@@ -4,6 +4,8 @@ use std::any::Any;
 
 use ash::{khr, vk};
 
+use super::limits::has_extension;
+
 /// A surface; the instance that it was made of destroys it.
 pub struct Surface {
     /// Functions for surfaces.
@@ -17,15 +19,9 @@ pub struct Surface {
 impl Surface {
     /// Returns `true` if queues of this family can present to the surface.
     pub(crate) fn takes_from(&self, instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -> bool {
-        // SAFETY: plain queries on a live instance; the family is one of this device.
-        let (extensions, supported) = unsafe {
-            (
-                instance.enumerate_device_extension_properties(physical).unwrap_or_default(),
-                self.loader.get_physical_device_surface_support(physical, family, self.raw),
-            )
-        };
-        let swaps = extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(khr::swapchain::NAME));
-        swaps && supported.unwrap_or(false)
+        // SAFETY: a plain query on a live surface; the family is one of this device.
+        let supported = unsafe { self.loader.get_physical_device_surface_support(physical, family, self.raw) };
+        has_extension(instance, physical, khr::swapchain::NAME) && supported.unwrap_or(false)
     }
 
     /// Destroys the surface; everything created from it must be gone.

@@ -127,7 +127,7 @@ impl Ask {
             depths: self.depths,
             stop: if self.eight_bit { Stop::EightBit { transparent: false } } else { Stop::Exact },
             factors: Factors { radius: self.radius_factor, opacity: self.opacity_factor },
-            max_error: None,
+            ..FrameRequest::default()
         };
         Ok(request)
     }

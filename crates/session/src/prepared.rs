@@ -112,7 +112,8 @@ pub struct Prepared {
     pub camera: Camera,
     /// The box of all points.
     pub bounds: Option<Bounds>,
-    pub(crate) sources: Sources,
+    /// The clouds.
+    pub sources: Sources,
 }
 
 impl Prepared {
@@ -156,7 +157,7 @@ impl Prepared {
 
     /// Returns the frame of a request, whose method and opacity are still those of the scene.
     pub fn frame(&self) -> Frame {
-        let request = &self.request.frame;
+        let (request, scene) = (&self.request.frame, &self.assembled.scene);
         Frame {
             memory_budget: request.memory_budget,
             fragments: request.counts,
@@ -164,7 +165,9 @@ impl Prepared {
             stop: if self.wish().is_some() { Stop::Exact } else { request.stop },
             factors: request.factors,
             max_error: request.max_error,
-            ..Frame::of_scene(&self.assembled.scene, self.camera, self.request.wanted.seed)
+            spread: request.spread,
+            detail: request.detail.unwrap_or(scene.detail),
+            ..Frame::of_scene(scene, self.camera, self.request.wanted.seed)
         }
     }
 

@@ -2,7 +2,7 @@
 
 use pellucid_engine::Result;
 use pellucid_engine::methods::{Factors, Stop};
-use pellucid_engine::scene::{Input, MethodChoice, Named, Scene};
+use pellucid_engine::scene::{Detail, Input, MethodChoice, Named, Scene};
 
 use crate::assembled::Wanted;
 use crate::choice::Wish;
@@ -77,6 +77,10 @@ pub struct FrameRequest {
     pub factors: Factors,
     /// Standard error at which stochastic methods may end.
     pub max_error: Option<f32>,
+    /// `true` if stochastic methods compute their standard error.
+    pub spread: bool,
+    /// Points that may be left out, in place of what the scene says.
+    pub detail: Option<Detail>,
 }
 
 impl Request {

@@ -15,7 +15,7 @@ use pellucid_engine::plan;
 use pellucid_engine::points::{Changes, Points};
 use pellucid_engine::profile::Profile;
 use pellucid_engine::progress::{Phase, Progress};
-use pellucid_engine::scene::{self, Detail, MethodChoice, Scene};
+use pellucid_engine::scene::{self, Detail, Method, MethodChoice, Scene};
 
 use crate::assembled::Assembled;
 use crate::choice::{self, Choice, Subject, Wish};
@@ -90,9 +90,15 @@ impl Session {
         let mut renderer = Renderer::new(device)?;
         renderer.progress = progress.clone();
         let uploaded = Uploaded::new(&renderer, &prepared.assembled, &prepared.scene().detail, by_windows)?;
+        Ok(Self::of(renderer, prepared, uploaded, progress))
+    }
+
+    /// Returns the session of a prepared request whose points a renderer has brought to the device; the method is that
+    /// of [`Self::upload`].
+    pub fn of(renderer: Renderer, prepared: Prepared, uploaded: Uploaded, progress: &Progress) -> Self {
         let frame = undecided(&prepared);
-        Ok(Self {
-            device: device.clone(),
+        Self {
+            device: renderer.device().clone(),
             renderer,
             prepared,
             frame,
@@ -105,7 +111,7 @@ impl Session {
             is_judged: false,
             told: Told::default(),
             progress: progress.clone(),
-        })
+        }
     }
 
     /// Makes everything ready for the frame of another request of the same clouds: makes again only what depends on
@@ -138,9 +144,14 @@ impl Session {
         self.decide_after(decided, messages)
     }
 
-    /// Turns the points into those of a request. Returns `None` if they must be made again.
-    fn follow(&mut self, request: &Request, progress: &Progress) -> Result<Option<Changes>> {
-        let Self { renderer, uploaded, prepared, .. } = self;
+    /// Turns the points into those of a request of the same clouds. Returns the changes since the last success, or
+    /// `None` if the points must be made again. Request, camera and frame stay those from before.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Uploaded::follow`], and an error if a file can't be read.
+    pub fn follow(&mut self, request: &Request, progress: &Progress) -> Result<Option<Changes>> {
+        let Self { renderer, uploaded, prepared, decided, .. } = self;
+        *decided = None;
         let Prepared { assembled, sources, .. } = prepared;
         sources.complete(&request.scene, progress)?;
         uploaded.follow(renderer, assembled, sources, (&request.scene, request.wanted.seed), progress)
@@ -186,6 +197,11 @@ impl Session {
     pub fn decide(&mut self, messages: &dyn Messages) -> Result<()> {
         self.decide_after(None, messages)?;
         Ok(())
+    }
+
+    /// Renders the request by a method that was decided before, for the reason `why`.
+    pub fn keep_method(&mut self, method: Method, why: String) {
+        (self.frame, self.why) = (Frame { method, ..undecided(&self.prepared) }, why);
     }
 
     /// Decides method and opacity, unless nothing changed of what the last ones followed from.

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::stage::Pose;
+use super::navigate::Pose;
 use pellucid_engine::metrics;
 use pellucid_engine::plan;
 use pellucid_engine::points::Points;
@@ -14,7 +14,7 @@ const MOST_BYTES: usize = 256 << 20;
 
 /// The relation of a method's whole picture to the exact one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Standing {
+pub enum Exactness {
     /// Exact except for rounding.
     Exact,
     /// A mean of samples or ensembles; the standard error estimates its error.
@@ -25,7 +25,7 @@ pub enum Standing {
     Own,
 }
 
-impl Standing {
+impl Exactness {
     /// Returns the exactness of a method that is applied to these points.
     pub fn for_method(method: &Method, points: &Points) -> Self {
         let exact = method.is_exact(plan::may_cross(method, points));
@@ -40,7 +40,7 @@ impl Standing {
 
 /// A picture of a view as its table of accuracy has it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rung {
+pub struct Refinement {
     /// Description of the draft.
     pub name: String,
     /// Milliseconds that it took.
@@ -64,34 +64,41 @@ pub enum Reference {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Accuracy {
     /// The pictures so far, the last one last.
-    pub rungs: Vec<Rung>,
+    pub refinements: Vec<Refinement>,
     /// The reference, if any.
     pub against: Option<Reference>,
     /// The exactness class of the last picture, if it is a whole one.
-    pub standing: Option<Standing>,
+    pub exactness: Option<Exactness>,
 }
 
 /// Pictures of one view. Pixels are composed linear R, G, B, and missing while they are on the device alone.
 #[derive(Default)]
 pub struct History {
     view: Option<(Arc<Scene>, Pose)>,
-    rungs: Vec<(Rung, Option<Vec<[f32; 3]>>)>,
+    refinements: Vec<(Refinement, Option<Vec<[f32; 3]>>)>,
     against: Option<Reference>,
 }
 
 impl History {
     /// Adds a picture; those of another view are forgotten. A whole one becomes the reference for the earlier ones.
-    pub fn add(&mut self, scene: &Arc<Scene>, pose: Pose, rung: Rung, pixels: Option<Vec<[f32; 3]>>, whole: bool) {
+    pub fn add(
+        &mut self,
+        scene: &Arc<Scene>,
+        pose: Pose,
+        refinement: Refinement,
+        pixels: Option<Vec<[f32; 3]>>,
+        whole: bool,
+    ) {
         if !self.is_of(scene, pose) {
             *self = Self { view: Some((scene.clone(), pose)), ..Self::default() };
         }
         // A repeated one carries no new information.
-        self.rungs.retain(|(before, _)| before.name != rung.name);
-        self.rungs.push((rung, pixels));
-        while self.rungs.len() > 1 && self.bytes() > MOST_BYTES {
-            self.rungs.remove(0);
+        self.refinements.retain(|(before, _)| before.name != refinement.name);
+        self.refinements.push((refinement, pixels));
+        while self.refinements.len() > 1 && self.bytes() > MOST_BYTES {
+            self.refinements.remove(0);
         }
-        if let (true, Some(((_, Some(whole)), rest))) = (whole, self.rungs.split_last_mut()) {
+        if let (true, Some(((_, Some(whole)), rest))) = (whole, self.refinements.split_last_mut()) {
             measure(rest, whole);
             self.against = Some(Reference::Whole);
         }
@@ -99,7 +106,7 @@ impl History {
 
     /// Gives the last picture its pixels, if they were missing.
     pub fn supply(&mut self, pixels: Vec<[f32; 3]>) {
-        if let Some((_, missing)) = self.rungs.last_mut() {
+        if let Some((_, missing)) = self.refinements.last_mut() {
             missing.get_or_insert(pixels);
         }
     }
@@ -109,7 +116,7 @@ impl History {
     pub fn measure(&mut self, scene: &Arc<Scene>, pose: Pose, method: &'static str, exact: &[[f32; 3]]) -> bool {
         let same = self.is_of(scene, pose);
         if same {
-            measure(&mut self.rungs, exact);
+            measure(&mut self.refinements, exact);
             self.against = Some(Reference::Exact(method));
         }
         same
@@ -121,20 +128,20 @@ impl History {
     }
 
     fn bytes(&self) -> usize {
-        self.rungs.iter().flat_map(|(_, pixels)| pixels).map(|pixels| size_of_val(pixels.as_slice())).sum()
+        self.refinements.iter().flat_map(|(_, pixels)| pixels).map(|pixels| size_of_val(pixels.as_slice())).sum()
     }
 
     /// The table.
-    pub fn accuracy(&self, standing: Option<Standing>) -> Accuracy {
-        let rungs = self.rungs.iter().map(|(rung, _)| rung.clone()).collect();
-        Accuracy { rungs, against: self.against, standing }
+    pub fn accuracy(&self, exactness: Option<Exactness>) -> Accuracy {
+        let refinements = self.refinements.iter().map(|(refinement, _)| refinement.clone()).collect();
+        Accuracy { refinements, against: self.against, exactness }
     }
 }
 
 /// Finds the errors of pictures against a better one.
-fn measure(rungs: &mut [(Rung, Option<Vec<[f32; 3]>>)], better: &[[f32; 3]]) {
-    for (rung, pixels) in rungs {
-        rung.rmse = pixels.as_ref().map(|pixels| metrics::rmse(better, pixels));
+fn measure(refinements: &mut [(Refinement, Option<Vec<[f32; 3]>>)], better: &[[f32; 3]]) {
+    for (refinement, pixels) in refinements {
+        refinement.rmse = pixels.as_ref().map(|pixels| metrics::rmse(better, pixels));
     }
 }
 
@@ -158,26 +165,26 @@ mod tests {
 
     #[test]
     fn exact_methods_are_told_from_others() {
-        let standing_of = |method| Standing::for_method(&method, &points(true));
+        let exactness_of = |method| Exactness::for_method(&method, &points(true));
         let discs = Discs::default();
         let oriented = Discs { shape: DiscShape::Oriented, ..discs };
-        assert_eq!(standing_of(Method::Sorted(discs)), Standing::Exact);
-        assert_eq!(standing_of(Method::Sorted(oriented)), Standing::Approximation(Method::ABuffer(oriented)));
-        assert_eq!(Standing::for_method(&Method::Sorted(oriented), &points(false)), Standing::Exact);
-        assert_eq!(standing_of(Method::Peel(Default::default())), Standing::Exact);
+        assert_eq!(exactness_of(Method::Sorted(discs)), Exactness::Exact);
+        assert_eq!(exactness_of(Method::Sorted(oriented)), Exactness::Approximation(Method::ABuffer(oriented)));
+        assert_eq!(Exactness::for_method(&Method::Sorted(oriented), &points(false)), Exactness::Exact);
+        assert_eq!(exactness_of(Method::Peel(Default::default())), Exactness::Exact);
         let cut = Method::Peel(Peel { layers: 3, ..Default::default() });
-        assert_eq!(standing_of(cut), Standing::Approximation(Method::ABuffer(discs)));
-        assert_eq!(standing_of(Method::Weighted(discs)), Standing::Approximation(Method::ABuffer(discs)));
+        assert_eq!(exactness_of(cut), Exactness::Approximation(Method::ABuffer(discs)));
+        assert_eq!(exactness_of(Method::Weighted(discs)), Exactness::Approximation(Method::ABuffer(discs)));
         let sampled = Method::Stochastic(Stochastic::default());
-        assert_eq!(standing_of(sampled), Standing::Approximation(Method::ABuffer(discs)));
-        assert_eq!(standing_of(Method::SoftBase(Soft::default())), Standing::Exact);
+        assert_eq!(exactness_of(sampled), Exactness::Approximation(Method::ABuffer(discs)));
+        assert_eq!(exactness_of(Method::SoftBase(Soft::default())), Exactness::Exact);
         assert!(matches!(
-            standing_of(Method::SoftExpress(Soft::default())),
-            Standing::Approximation(Method::SoftBase(_))
+            exactness_of(Method::SoftExpress(Soft::default())),
+            Exactness::Approximation(Method::SoftBase(_))
         ));
-        assert_eq!(standing_of(Method::Spbr(Spbr::default())), Standing::Sampled);
+        assert_eq!(exactness_of(Method::Spbr(Spbr::default())), Exactness::Sampled);
         for own in [Method::Points, Method::Hqs(Default::default()), Method::PeelLayers(PeelLayers::default())] {
-            assert_eq!(standing_of(own), Standing::Own);
+            assert_eq!(exactness_of(own), Exactness::Own);
         }
     }
 
@@ -185,13 +192,15 @@ mod tests {
     fn pictures_of_one_view_are_held_against_its_best() {
         let scene = Document::from_clouds(["a.ply"], &Overrides::default()).unwrap().scene().unwrap();
         let (scene, mut history) = (Arc::new(scene), History::default());
-        let rung = |name: &str| Rung { name: name.into(), ms: 1.0, standard_error: None, rmse: None };
+        let refinement = |name: &str| Refinement { name: name.into(), ms: 1.0, standard_error: None, rmse: None };
         let gray = |value: f32| vec![[value; 3]; 4];
-        history.add(&scene, Pose::Scene, rung("a"), Some(gray(0.5)), false);
-        history.add(&scene, Pose::Scene, rung("b"), Some(gray(0.25)), false);
+        history.add(&scene, Pose::Scene, refinement("a"), Some(gray(0.5)), false);
+        history.add(&scene, Pose::Scene, refinement("b"), Some(gray(0.25)), false);
         assert_eq!(history.accuracy(None).against, None);
-        history.add(&scene, Pose::Scene, rung("whole"), Some(gray(0.0)), true);
-        let errors = |history: &History| history.accuracy(None).rungs.iter().map(|rung| rung.rmse).collect::<Vec<_>>();
+        history.add(&scene, Pose::Scene, refinement("whole"), Some(gray(0.0)), true);
+        let errors = |history: &History| {
+            history.accuracy(None).refinements.iter().map(|refinement| refinement.rmse).collect::<Vec<_>>()
+        };
         assert_eq!(errors(&history), [Some(0.5), Some(0.25), None]);
         assert!(history.measure(&scene, Pose::Scene, "abuffer", &gray(0.125)));
         assert_eq!(errors(&history), [Some(0.375), Some(0.125), Some(0.125)]);
@@ -200,7 +209,7 @@ mod tests {
         let mut again = Scene::clone(&scene);
         again.image.size[0] += 1;
         let again = Arc::new(again);
-        history.add(&again, Pose::Scene, rung("a"), Some(gray(1.0)), false);
+        history.add(&again, Pose::Scene, refinement("a"), Some(gray(1.0)), false);
         assert_eq!(errors(&history), [None]);
         assert!(!history.measure(&scene, Pose::Scene, "abuffer", &gray(0.0)));
         assert_eq!(errors(&history), [None]);
@@ -212,10 +221,10 @@ mod tests {
         let (scene, mut history) = (Arc::new(scene), History::default());
         let pixels = MOST_BYTES / size_of::<[f32; 3]>() / 2;
         for name in ["a", "b", "c"] {
-            let rung = Rung { name: name.into(), ms: 1.0, standard_error: None, rmse: None };
-            history.add(&scene, Pose::Scene, rung, Some(vec![[0.0; 3]; pixels]), false);
+            let refinement = Refinement { name: name.into(), ms: 1.0, standard_error: None, rmse: None };
+            history.add(&scene, Pose::Scene, refinement, Some(vec![[0.0; 3]; pixels]), false);
         }
-        assert_eq!(history.accuracy(None).rungs.len(), 2);
+        assert_eq!(history.accuracy(None).refinements.len(), 2);
         assert!(history.bytes() <= MOST_BYTES);
     }
 }

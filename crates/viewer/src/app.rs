@@ -13,13 +13,14 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::keyboard::{Key, NamedKey};
 use winit::window::{Fullscreen, Window, WindowId};
 
-use super::graphics::{Graphics, Opening};
+use super::graphics::{Graphics, Opening, Wake};
 use super::loss::{self, Losses, Lost};
+use super::messages::{News, Setup, Task};
 use super::model::Model;
 use super::sources::Opened;
 use super::status_log::StatusLog;
 use super::visibility::Visibility;
-use super::worker::{News, Setup, Task, Workload};
+use super::worker::Workload;
 use super::{Options, ui};
 use crate::Result;
 use pellucid_engine::gpu::ValidationLog;
@@ -40,10 +41,6 @@ const LOOK: Duration = Duration::from_millis(250);
 /// Longest time for which the screen may stay unchanged while a picture is being rendered. Drawing the window takes the
 /// device's only queue away from the picture and, on a CPU, the same cores.
 const UNCHANGED: Duration = Duration::from_millis(50);
-
-/// The worker has news.
-#[derive(Debug)]
-pub struct Wake;
 
 /// Everything that lives as long as the window. Field order matters: fields are dropped in this order, and whatever
 /// belongs to a device must go before the window.
@@ -165,7 +162,7 @@ impl App {
                 };
                 match begun_anew {
                     // Printed at once, because the next movement of a control clears the message.
-                    Ok(()) => running.status_log.tell(&self.say, &running.model),
+                    Ok(()) => running.status_log.report(&self.say, &running.model),
                     Err(error) => self.end(event_loop, Err(error)),
                 }
             }
@@ -318,11 +315,11 @@ impl Running {
             self.again_at = None;
             self.window.request_redraw();
         }
-        self.status_log.tell(say, &self.model);
+        self.status_log.report(say, &self.model);
         if self.model.is_at_rest(now)
             && let Some(graphics) = &self.graphics
         {
-            self.status_log.tell_at_rest(say, &self.model, self.shown, &graphics.device);
+            self.status_log.report_at_rest(say, &self.model, self.shown, &graphics.device);
         }
         let drop_at = (!self.dropped.is_empty()).then(|| self.dropped_at + DROP);
         [self.again_at, self.model.due_at(now), drop_at].into_iter().flatten().min()
@@ -353,7 +350,7 @@ impl Running {
         if hidden {
             self.again_at = self.again_at.or(Some(now + LOOK));
         }
-        self.status_log.tell_hidden(say, hidden);
+        self.status_log.report_hidden(say, hidden);
     }
 
     /// Returns the time until which the screen may stay unchanged because a picture in progress would replace the

@@ -8,7 +8,7 @@ mod clouds;
 #[cfg(test)]
 mod tests;
 
-pub use beside::{changes, light_changes, method_changes};
+pub use beside::{light_changes, method_changes};
 pub use classes::{ClassKey, ClassLook, class_changes, class_defaults, class_look};
 pub use clips::{AXES, NewClip, clip_changes, decimals, new_clip, short_number, without_clip};
 pub use clouds::{cloud, opacities, opacity};

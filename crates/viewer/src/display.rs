@@ -7,42 +7,26 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use pellucid_engine::Result;
-use pellucid_engine::color::encode_srgb;
 use pellucid_engine::gpu::{Buffer, Device, Slice};
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::encode::{Encoder, Showing, byte_steps};
 use pellucid_engine::output::to_byte;
 use pellucid_engine::scene::{ColorSpace, Scene};
 
-/// Cells of the table of first guesses.
-const CELLS: usize = 4096;
-
 /// Converts linear values to sRGB bytes.
-///
-/// A byte is the number of steps below a value. Comparing with all 255 steps would do; the table of first guesses
-/// leaves one or two comparisons.
 pub struct Display {
-    /// The least value that becomes this byte.
-    steps: [f32; 257],
-    /// The byte at each cell's beginning.
-    begin: Vec<u8>,
+    /// The least value that becomes this byte, from 1 to 255.
+    steps: Vec<f32>,
 }
 
 impl Display {
     pub fn new() -> Self {
-        let begin = (0..=CELLS).map(|cell| to_byte(encode_srgb(cell as f32 / CELLS as f32))).collect();
-        Self { steps: byte_steps(ColorSpace::Linear), begin }
+        Self { steps: byte_steps(ColorSpace::Linear)[1..256].to_vec() }
     }
 
-    /// The byte of a linear value; NaN is 0.
+    /// The byte of a linear value: the number of steps that it reaches; NaN is 0.
     fn byte(&self, value: f32) -> u8 {
-        // The cast of NaN is 0.
-        let value = value.clamp(0.0, 1.0);
-        let mut byte = self.begin[(value * CELLS as f32) as usize];
-        while value >= self.steps[usize::from(byte) + 1] {
-            byte += 1;
-        }
-        byte
+        self.steps.partition_point(|step| *step <= value) as u8
     }
 
     /// R, G, B and 255 of each composed pixel, whose values are those of a color space.
@@ -192,6 +176,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use pellucid_engine::color::encode_srgb;
     use pellucid_engine::gpu::Memory;
     use pellucid_engine::scene::{Document, Overrides};
     use pellucid_testing::with_device;
@@ -203,11 +188,10 @@ mod tests {
         let mut random = rand_pcg::Pcg64::seed_from_u64(7);
         let near =
             |value: f32| (-3..=3).map(move |ulps: i32| f32::from_bits(value.to_bits().wrapping_add_signed(ulps)));
-        let steps = display.steps[1..256].iter().copied().flat_map(near);
-        let cells = (1..=CELLS).map(|cell| cell as f32 / CELLS as f32).flat_map(near);
+        let steps = display.steps.iter().copied().flat_map(near);
         let odd = [0.0, -0.0, -1.0, 1.0, 1.5, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, f32::MIN_POSITIVE];
         let chance = (0..200_000).map(|_| random.random_range(-0.1..1.1f32).powi(3));
-        for value in steps.chain(cells).chain(odd).chain(chance) {
+        for value in steps.chain(odd).chain(chance) {
             assert_eq!(display.byte(value), to_byte(encode_srgb(value)), "{value}");
         }
     }

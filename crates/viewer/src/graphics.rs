@@ -5,11 +5,15 @@ use std::sync::Arc;
 use winit::event_loop::EventLoopProxy;
 use winit::window::Window;
 
-use super::app::Wake;
-use super::worker::{News, Setup, Worker, Workload};
+use super::messages::{News, Setup};
+use super::worker::{Worker, Workload};
 use pellucid_engine::Result;
 use pellucid_engine::gpu::{Device, DeviceOptions, ValidationLog};
 use pellucid_window::{Screen, Textures};
+
+/// The worker has news.
+#[derive(Debug)]
+pub struct Wake;
 
 /// Settings with which a device is opened, each time.
 pub struct Opening {

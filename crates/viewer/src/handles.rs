@@ -188,7 +188,7 @@ fn dot(ui: &mut Ui, model: &mut Model, view: &View, face: (usize, usize, usize),
     let (place, id) = (view.at(pixel), ui.id().with(("face", face)));
     let response = ui.interact(Rect::from_center_size(place, Vec2::splat(REACH)), id, Sense::click_and_drag());
     let name = format!("clip.{at}.{}{}", if side == 0 { '-' } else { '+' }, AXES[axis]);
-    panel::note(ui, model, &name, &response);
+    let response = panel::note(model, &name, response);
     let active = response.hovered() || response.dragged();
     ui.painter().circle(place, if active { DOT + 2.0 } else { DOT }, COLORS[axis], Stroke::new(1.5, Color32::WHITE));
     if active {

@@ -8,9 +8,9 @@ use egui::{
 };
 use glam::DVec3;
 
+use super::messages::Picture;
 use super::model::Model;
 use super::overlay;
-use super::worker::Picture;
 use pellucid_engine::Result;
 use pellucid_engine::scene::legend::{Entry, Legend, ScaleBar, Swatch, Values};
 use pellucid_engine::scene::{ClassSettings, Clip, CloudSettings, Scene};

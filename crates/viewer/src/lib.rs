@@ -4,10 +4,11 @@
 //! - `model`: the scene being edited ([`Document`](pellucid_engine::scene::Document)), the last picture, and when the
 //!   next one is due.
 //! - `route`: key frames and the motion through them; `dialog`: chooses files to open or to save to.
-//! - `worker`, a thread, owns a `stage`: the clouds in memory or in stores (`sources`), the points on the device
-//!   (`placed`) and the renderer that `render` uses, too. `draft` decides what is left out while things move: samples,
-//!   pixels and points (`thinned`). `accuracy` measures the error of drafts and approximations, `times` keeps frame
-//!   times, `save` writes scene and picture, `display` converts pixels to bytes.
+//! - `messages`: the requests of the window, and the replies of the worker.
+//! - `worker`, a thread, owns a `stage`: the clouds in memory or in stores (`sources`), and the
+//!   [`Session`](pellucid_session::Session) that `render` uses, too. `draft` decides what is left out while things
+//!   move: samples, pixels and points (`thinned`). `accuracy` measures the error of drafts and approximations, `times`
+//!   keeps frame times, `save` writes scene and picture, `display` converts pixels to bytes.
 //! - `graphics`: the worker and the screen of one device; `loss`: decides if a lost device is opened again.
 //! - `visibility`: detects a minimized window; `status_log`: the lines that `-v` prints.
 //! - `app` owns the window: passes events to egui, draws `ui` (`panel` with its `controls`, `overlay`, `legend`,
@@ -15,7 +16,6 @@
 
 mod accuracy;
 mod app;
-mod census;
 mod controls;
 mod counts;
 mod dialog;
@@ -27,16 +27,17 @@ mod handles;
 mod hints;
 mod legend;
 mod loss;
+mod messages;
 mod model;
 mod navigate;
 mod overlay;
 mod panel;
-mod placed;
 mod pointer;
 mod route;
 mod save;
 mod sources;
 mod stage;
+mod statistics;
 mod status_log;
 mod thinned;
 mod times;
@@ -95,7 +96,7 @@ fn plain(reason: &str) -> String {
 }
 
 /// A connection to the display.
-pub struct Display(EventLoop<app::Wake>);
+pub struct Display(EventLoop<graphics::Wake>);
 
 impl Display {
     /// Connects, which is only possible on the main thread.

@@ -9,15 +9,14 @@ use std::time::{Duration, Instant};
 use glam::DVec2;
 use pellucid_engine::progress::Progress;
 
-use super::census::Census;
 use super::counts::abbreviated;
 use super::dialog::Dialog;
 use super::loss::Lost;
-use super::navigate::{self, Navigator};
+use super::messages::{News, Picture, Task};
+use super::navigate::{self, Navigator, Pose};
 use super::route::Route;
-use super::stage::Pose;
+use super::statistics::Statistics;
 use super::times::Times;
-use super::worker::{News, Picture, Task};
 use crate::{Error, Result};
 use pellucid_engine::camera::Projection;
 use pellucid_engine::camera::import::Source;
@@ -113,7 +112,7 @@ pub struct Model {
     flatten: bool,
     viewport: Viewport,
     picture: Option<Box<Picture>>,
-    census: Arc<[Census]>,
+    statistics: Arc<[Statistics]>,
     picture_state: PictureState,
     serial: u64,
     /// True if the last picture was asked for with the meaning of its colors.
@@ -169,7 +168,7 @@ impl Model {
             flatten: false,
             viewport: Viewport::default(),
             picture: None,
-            census: Arc::default(),
+            statistics: Arc::default(),
             picture_state: PictureState::Stale,
             serial: 0,
             explained: false,
@@ -357,7 +356,7 @@ impl Model {
         match news {
             News::Picture(picture) => self.show(picture),
             News::Opened(name, document) => return self.replace(name, *document),
-            News::Clouds(census) => self.census = census,
+            News::Clouds(statistics) => self.statistics = statistics,
             News::Saved(files) => {
                 self.note_saved(&files);
                 self.take_answer();

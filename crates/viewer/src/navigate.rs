@@ -7,10 +7,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DVec2, DVec3};
 
-use pellucid_engine::camera::path::Pose;
-use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::camera::{Camera, Projection, path};
 use pellucid_engine::cloud::{Bounds, UpAxis};
-use pellucid_engine::scene::{CameraSettings, DEFAULT_FOV_Y, Vertical, camera_at};
+use pellucid_engine::scene::{CameraSettings, DEFAULT_FOV_Y, Vertical, View, camera_at};
 
 /// Distances in this range, in reaches of the scene, are as far as one gets.
 const DISTANCES: [f64; 2] = [1e-6, 1e3];
@@ -43,6 +42,17 @@ impl Turntable {
         let own = Self { vertical: camera.up, front: -camera.forward, side: camera.right };
         [Self::with_vertical(up), Self::with_vertical(other)].into_iter().find(level).unwrap_or(own)
     }
+}
+
+/// Where a picture is taken from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Pose {
+    /// The scene's own camera.
+    Scene,
+    /// A camera with perspective that sees everything from the direction of a view.
+    View(View),
+    /// A camera whose eye, target and up are given.
+    At(CameraSettings),
 }
 
 /// The extent of the scene the camera looks at.
@@ -276,7 +286,7 @@ impl Navigator {
 }
 
 /// The scene-file settings for a camera on a path; its target is as far away as the middle of the scene.
-pub fn settings_of(pose: &Pose, subject: &Subject) -> CameraSettings {
+pub fn settings_of(pose: &path::Pose, subject: &Subject) -> CameraSettings {
     let (fov_y, height) = match pose.projection {
         Projection::Perspective { fov_y } => (Some(fov_y.to_degrees()), None),
         Projection::Orthographic { height } => (None, Some(height)),

@@ -6,10 +6,10 @@ use bytesize::ByteSize;
 use egui::{Align2, Area, Color32, Context, Frame, Grid, Id, Label, RichText, Sense, Ui, Window, vec2};
 use egui_plot::{Bar, BarChart, Plot};
 
-use super::accuracy::{Accuracy, Reference, Standing};
+use super::accuracy::{Accuracy, Exactness, Reference};
+use super::messages::Picture;
 use super::model::{Model, Passes};
 use super::times::{HISTORY, Medians};
-use super::worker::Picture;
 
 const BLUE: Color32 = Color32::from_rgb(110, 170, 255);
 
@@ -136,17 +136,20 @@ fn bar(ui: &mut Ui, share: f32) {
     ui.painter().rect_filled(filled, 1.0, BLUE);
 }
 
+/// Returns a plot from 0 to `most` that the pointer does not move.
+pub fn still_plot(id: &str, height: f32, most: f64) -> Plot<'static> {
+    let plot = Plot::new(id.to_owned()).height(height).include_x(0.0).include_x(most).include_y(0.0).show_grid(false);
+    plot.allow_drag(false).allow_zoom(false).allow_scroll(false).allow_boxed_zoom(false).show_x(false)
+}
+
 /// The strip chart of the last frames.
 fn strip(ui: &mut Ui, model: &Model) {
     let walls = model.times.walls();
     let start = HISTORY.saturating_sub(walls.len());
     let bars = walls.enumerate().map(|(i, ms)| Bar::new((start + i) as f64, ms).width(1.0)).collect();
     let chart = BarChart::new("frame", bars).color(BLUE);
-    let plot = Plot::new("frames").height(60.0).include_x(0.0).include_x(HISTORY as f64).include_y(0.0);
-    let plot =
-        plot.show_axes([false, true]).show_grid(false).y_axis_min_width(32.0).set_margin_fraction([0.0, 0.05].into());
-    let plot = plot.allow_drag(false).allow_zoom(false).allow_scroll(false).allow_boxed_zoom(false).show_x(false);
-    plot.show(ui, |plot| plot.bar_chart(chart));
+    let plot = still_plot("frames", 60.0, HISTORY as f64).show_axes([false, true]).y_axis_min_width(32.0);
+    plot.set_margin_fraction([0.0, 0.05].into()).show(ui, |plot| plot.bar_chart(chart));
 }
 
 fn facts(ui: &mut Ui, picture: &Picture) {
@@ -178,7 +181,7 @@ fn accuracy(ui: &mut Ui, picture: &Picture) {
         "Errors are of linear color, root mean square over all pixels. A standard error is estimated from the spread of \
          samples or ensembles; an RMSE is measured against the named picture.",
     );
-    if accuracy.rungs.iter().all(|rung| rung.rmse.is_none()) {
+    if accuracy.refinements.iter().all(|refinement| refinement.rmse.is_none()) {
         return;
     }
     let against = match accuracy.against {
@@ -189,10 +192,10 @@ fn accuracy(ui: &mut Ui, picture: &Picture) {
     Grid::new("accuracy").num_columns(3).spacing([8.0, 1.0]).show(ui, |ui| {
         ["picture", "ms", &against].into_iter().for_each(|head| drop(ui.label(small(head).weak())));
         ui.end_row();
-        for rung in &accuracy.rungs {
-            ui.label(small(&rung.name));
-            ui.label(small(&format!("{:.1}", rung.ms)));
-            ui.label(small(&rung.rmse.map_or_else(|| "–".to_owned(), |rmse| format!("{rmse:.5}"))));
+        for refinement in &accuracy.refinements {
+            ui.label(small(&refinement.name));
+            ui.label(small(&format!("{:.1}", refinement.ms)));
+            ui.label(small(&refinement.rmse.map_or_else(|| "–".to_owned(), |rmse| format!("{rmse:.5}"))));
             ui.end_row();
         }
     });
@@ -200,22 +203,24 @@ fn accuracy(ui: &mut Ui, picture: &Picture) {
 
 /// Returns a sentence on the current picture.
 fn now(picture: &Picture) -> String {
-    let Accuracy { rungs, against, standing } = &picture.accuracy;
-    let last = rungs.last();
-    let standard_error = last.and_then(|rung| rung.standard_error);
-    let rmse = last.and_then(|rung| rung.rmse);
+    let Accuracy { refinements, against, exactness } = &picture.accuracy;
+    let last = refinements.last();
+    let standard_error = last.and_then(|refinement| refinement.standard_error);
+    let rmse = last.and_then(|refinement| refinement.rmse);
     let labeled = |error: f64| format!("standard error {error:.5}");
-    match (standing, against, standard_error) {
+    match (exactness, against, standard_error) {
         _ if !picture.whole => {
             let suffix = standard_error.map(|error| format!(", {}", labeled(error))).unwrap_or_default();
             format!("draft: {}{suffix}", picture.draft)
         }
-        (Some(Standing::Exact), ..) => format!("exact: {} differs only by rounding", picture.method),
-        (Some(Standing::Approximation(_)), Some(Reference::Exact(exact)), _) if rmse.is_some() => {
+        (Some(Exactness::Exact), ..) => format!("exact: {} differs only by rounding", picture.method),
+        (Some(Exactness::Approximation(_)), Some(Reference::Exact(exact)), _) if rmse.is_some() => {
             format!("RMSE {:.5} against {exact}, which is exact", rmse.unwrap_or_default())
         }
         (.., Some(error)) => labeled(error),
-        (Some(Standing::Approximation(exact)), ..) => format!("an approximation of {}, measured at rest", exact.name()),
+        (Some(Exactness::Approximation(exact)), ..) => {
+            format!("an approximation of {}, measured at rest", exact.name())
+        }
         _ => format!("whole, as {} draws it", picture.method),
     }
 }

@@ -3,26 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use super::draft::Effort;
-use super::stage::{Pose, Stage, TakenPicture};
-use pellucid_engine::camera::path::CameraPath;
-use pellucid_engine::output::{self, WriteOptions};
+use super::messages::Saving;
+use super::navigate::Pose;
+use super::stage::{Stage, TakenPicture};
+use pellucid_engine::output;
 use pellucid_engine::scene::{Document, Overrides, Setting};
 use pellucid_engine::{Result, io};
 use pellucid_session::Clouds;
-
-/// The files to write.
-pub struct Saving {
-    /// The scene, with camera and size.
-    pub document: Document,
-    /// The stem of the files' names.
-    pub stem: String,
-    /// True if a picture is wanted, too.
-    pub picture: bool,
-    /// Key frames to write, if any.
-    pub path: Option<CameraPath>,
-    /// The file of the scene, if it has a name already.
-    pub to: Option<PathBuf>,
-}
 
 /// Writes the scene to the current folder under the next free number, or to the given place. On request also writes the
 /// path and the picture, equal to `render`'s picture of that file to the last byte. Clouds that no file contains are
@@ -30,7 +17,7 @@ pub struct Saving {
 ///
 /// # Errors
 /// Files can't be written or the scene can't be rendered.
-pub fn write(stage: &mut Stage, saving: &Saving, generated: bool, seed: u64) -> Result<Vec<PathBuf>> {
+pub fn write(stage: &mut Stage, saving: &Saving, generated: bool) -> Result<Vec<PathBuf>> {
     let mut document = saving.document.clone();
     if generated {
         write_clouds(stage, &mut document, &saving.stem)?;
@@ -46,7 +33,7 @@ pub fn write(stage: &mut Stage, saving: &Saving, generated: bool, seed: u64) -> 
     }
     if saving.picture {
         let picture = scene_path.with_extension("png");
-        if let Err(error) = render(stage, &scene_path, &picture, seed) {
+        if let Err(error) = render(stage, &scene_path, &picture) {
             // Files that belong together are there together.
             let _ = std::fs::remove_file(&scene_path);
             return Err(error);
@@ -69,19 +56,11 @@ fn free(stem: &str, taken: impl Fn(&Path) -> bool) -> PathBuf {
 }
 
 /// Does the same as `pellucid render SCENE -o PICTURE`.
-fn render(stage: &mut Stage, scene_path: &Path, picture: &Path, seed: u64) -> Result<()> {
+fn render(stage: &mut Stage, scene_path: &Path, picture: &Path) -> Result<()> {
     let mut scene = Document::read(scene_path, &Overrides::default())?.scene()?;
     stage.settle(&mut scene);
-    let TakenPicture { rendered, frame, brightness, .. } = stage.take(&scene, Pose::Scene, Effort::Whole)?;
-    let device = stage.renderer().device();
-    device.check_validation()?;
-    let name = scene_path.display().to_string();
-    let mut metadata = output::tags(&name, frame.method.name(), &scene.settings, &device.info().name, seed);
-    if let Some(applied) = brightness {
-        metadata.push(("pellucid:brightness".to_owned(), applied.json().to_string()));
-    }
-    let (background, color) = (scene.image.background, scene.image.color_space());
-    let options = WriteOptions { background, color, transparent: false, metadata };
+    let TakenPicture { rendered, brightness, .. } = stage.take(&scene, Pose::Scene, Effort::Whole)?;
+    let options = stage.write_options(scene_path.display().to_string(), brightness.as_ref())?;
     output::write_image(picture, &rendered.image, &options)?;
     stage.recycle(rendered.image);
     Ok(())

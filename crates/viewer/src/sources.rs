@@ -5,13 +5,13 @@ use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{Document, Named, Scene};
 use pellucid_session::{Clouds, Limits, Messages, Residence, Sources};
 
-use super::census::Census;
+use super::statistics::Statistics;
 
 /// Returns the statistics of each cloud.
-pub fn census(clouds: &Clouds) -> Vec<Census> {
+pub fn statistics(clouds: &Clouds) -> Vec<Statistics> {
     match clouds {
-        Clouds::Held(clouds) => clouds.iter().map(|cloud| Census::from_cloud(cloud)).collect(),
-        Clouds::Stored(stores) => stores.iter().map(Census::from_store).collect(),
+        Clouds::Held(clouds) => clouds.iter().map(|cloud| Statistics::from_cloud(cloud)).collect(),
+        Clouds::Stored(stores) => stores.iter().map(Statistics::from_store).collect(),
     }
 }
 

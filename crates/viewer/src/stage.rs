@@ -4,41 +4,32 @@ use std::time::Instant;
 
 use pellucid_engine::progress::{Observer, Progress};
 
-use super::accuracy::Standing;
-use super::census::{FieldFacts, Histograms};
+use super::accuracy::Exactness;
 use super::draft::{Cost, Costs, Draft, Effort};
-use super::navigate::Subject;
-use super::placed::Placed;
+use super::messages::{Held, Setup};
+use super::navigate::{Pose, Subject};
+use super::statistics::{FieldFacts, Histograms};
 use super::thinned::{self, ThinnedCloud};
-use super::worker::Setup;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::gpu::Device;
-use pellucid_engine::methods::brightness::{self, Applied};
+use pellucid_engine::methods::brightness::Applied;
 use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop, shadows};
+use pellucid_engine::output::WriteOptions;
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::points::Changes;
+use pellucid_engine::points::{Changes, Points};
 use pellucid_engine::scene::legend::Legend;
-use pellucid_engine::scene::{self, CameraSettings, Detail, Method, MethodChoice, Scene, View};
+use pellucid_engine::scene::{self, CameraSettings, Detail, Input, Method, MethodChoice, Scene};
 use pellucid_engine::supply::Cut;
 use pellucid_engine::{Result, plan};
-use pellucid_session::{Clouds, Sources};
+use pellucid_session::{
+    Assembled, Clouds, FrameRequest, Limits, Prepared, Request, Residence, Session, Silent, Sources, Uploaded, Wanted,
+};
 
 /// Points that are this near to others add nothing that is seen, in pixels.
 const FINE_PX: f32 = 1.0;
 
 /// Share of the whole picture's work from which a picture at rest is the whole one.
 const NEARLY_WHOLE: f64 = 0.5;
-
-/// Where a picture is taken from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Pose {
-    /// The scene's own camera.
-    Scene,
-    /// A camera with perspective that sees everything from the direction of a view.
-    View(View),
-    /// A camera whose eye, target and up are given.
-    At(CameraSettings),
-}
 
 /// Cancels work while the device is stopped.
 struct WhileAllowed(Device);
@@ -66,22 +57,11 @@ pub struct TakenPicture {
     /// Lights that stand for an area light: the number used, and the number the scene wants.
     pub lights: Option<[u32; 2]>,
     /// The picture's relation to the exact one, for whole pictures.
-    pub standing: Option<Standing>,
+    pub exactness: Option<Exactness>,
     /// The distribution of F over the points, if the method uses it.
     pub field: Option<FieldFacts>,
     /// How much of clouds that stay in their files the picture holds.
     pub held: Option<Held>,
-}
-
-/// How much of a cloud that stays in its file a picture holds.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Held {
-    /// Points in the picture.
-    pub points: u64,
-    /// All points.
-    pub all: u64,
-    /// True if those left out are less than a pixel from one that is there.
-    pub is_fine: bool,
 }
 
 impl TakenPicture {
@@ -100,16 +80,23 @@ impl TakenPicture {
     }
 }
 
+/// A scene on the device.
+struct Placed {
+    session: Session,
+    /// A smaller number of the points, for coarser pictures.
+    thinned: Option<ThinnedCloud>,
+    /// The points' box, largest radius and vertical.
+    subject: Subject,
+}
+
 /// A renderer with the clouds of one scene.
 pub struct Stage {
-    renderer: Renderer,
-    sources: Sources,
-    /// Seed of stochastic methods.
-    seed: u64,
+    /// The renderer and the clouds while no points are on the device.
+    waiting: Option<(Renderer, Sources)>,
+    placed: Option<Placed>,
+    setup: Setup,
     /// Says what is done to points before they can be rendered, and nothing once they can.
     pub progress: Progress,
-    memory_budget: Option<u64>,
-    placed: Option<Placed>,
     /// The name of the last method, its number of samples, ensembles or layers, and the cost of its frames.
     costs: Option<(&'static str, Option<u32>, Costs)>,
     histograms: Histograms,
@@ -123,22 +110,33 @@ impl Stage {
     /// # Errors
     /// The device failed.
     pub fn new(device: &Device, sources: Sources, setup: &Setup) -> Result<Self> {
-        let Setup { seed, memory_budget, .. } = *setup;
         let mut renderer = Renderer::new(device)?;
         renderer.progress = Progress::observed(WhileAllowed(device.clone()));
-        let (progress, histograms) = (Progress::hidden(), Histograms::default());
-        let (placed, costs, chosen) = (None, None, None);
-        Ok(Self { renderer, sources, seed, progress, memory_budget, placed, costs, chosen, histograms })
+        Ok(Self {
+            waiting: Some((renderer, sources)),
+            placed: None,
+            setup: *setup,
+            progress: Progress::hidden(),
+            costs: None,
+            histograms: Histograms::default(),
+            chosen: None,
+        })
     }
 
     /// The renderer.
     pub fn renderer(&self) -> &Renderer {
-        &self.renderer
+        let waiting = || self.waiting.as_ref().map(|(renderer, _)| renderer);
+        self.placed.as_ref().map(|placed| &placed.session.renderer).or_else(waiting).expect("either is there")
+    }
+
+    fn sources(&self) -> &Sources {
+        let waiting = || self.waiting.as_ref().map(|(_, sources)| sources);
+        self.placed.as_ref().map(|placed| &placed.session.prepared.sources).or_else(waiting).expect("either is there")
     }
 
     /// The clouds as they were read.
     pub fn clouds(&self) -> &Clouds {
-        self.sources.clouds()
+        self.sources().clouds()
     }
 
     /// Settles what the clouds decide about a scene.
@@ -149,8 +147,9 @@ impl Stage {
     }
 
     /// Returns the clouds and columns derived from them, when everything else goes.
-    pub fn into_sources(self) -> Sources {
-        self.sources
+    pub fn into_sources(mut self) -> Sources {
+        self.free();
+        self.waiting.map(|(_, sources)| sources).expect("nothing is on the device")
     }
 
     /// Returns the meaning of the colors in the scene of the last picture.
@@ -158,13 +157,15 @@ impl Stage {
     /// # Errors
     /// A cloud lacks what its colors are to show.
     pub fn legend(&self, scene: &Scene) -> Result<Legend> {
-        let placed = self.placed.as_ref().ok_or_else(no_points)?;
-        placed.legend(scene, &self.sources)
+        let Prepared { assembled, sources, .. } = &self.placed.as_ref().ok_or_else(no_points)?.session.prepared;
+        assembled.legend_of(scene, sources)
     }
 
     /// Takes an image back whose memory the next one may have.
     pub fn recycle(&mut self, image: pellucid_engine::image::Image) {
-        self.renderer.recycle(image);
+        if let Some(placed) = &mut self.placed {
+            placed.session.renderer.recycle(image);
+        }
     }
 
     /// Takes a picture of a scene at the size the scene gives or, with less than full effort, with fewer pixels,
@@ -173,40 +174,22 @@ impl Stage {
     /// # Errors
     /// The scene can't be rendered; the next one may work.
     pub fn take(&mut self, scene: &Scene, pose: Pose, effort: Effort) -> Result<TakenPicture> {
-        if self.place(scene)?.any() {
-            self.reconsider(scene);
-        }
-        let (seed, memory_budget) = (self.seed, self.memory_budget);
+        self.place(scene, pose)?;
         let known = self.chosen.clone().filter(|(requested, method, _)| {
             *requested == scene.method && self.draft(method, effort, scene.image.size) != Draft::whole(method)
         });
-        let Some(placed) = &mut self.placed else { return Err(no_points()) };
-        let camera = camera(scene, pose, placed)?;
-        let mut settled = scene.clone();
-        placed.assembled.settle(&mut settled);
-        let scene = &settled;
-        let stop = Stop::EightBit { transparent: false };
-        // The window has drafts of its own, and draws all points at rest.
-        let detail = Detail::default();
-        let mut frame = Frame { memory_budget, stop, spread: true, detail, ..Frame::of_scene(scene, camera, seed) };
-        let (method, why) = match known {
-            Some((_, method, why)) => (method, why),
-            None => {
-                let Placed { assembled, uploaded, .. } = placed;
-                let points = assembled.points();
-                plan::choose(&mut self.renderer, &mut uploaded.cloud, points, scene.method, &frame)?
-            }
-        };
+        let Some(Placed { session, .. }) = &mut self.placed else { return Err(no_points()) };
+        match known {
+            Some((_, method, why)) => session.keep_method(method, why),
+            None => session.decide(&Silent)?,
+        }
+        let (mut frame, why) = (session.frame, session.why.clone());
+        let method = frame.method;
+        let lights = lights(&mut frame, session.cloud(), effort);
         self.chosen = Some((scene.method, method, why.clone()));
-        frame.method = method;
-        let lights = lights(&mut frame, &placed.uploaded.cloud, effort);
         let draft = self.draft(&method, effort, scene.image.size);
         let started = Instant::now();
-        // Nobody but the screen needs the colors of a moving picture, unless one at rest follows.
-        self.renderer.host_colors = !matches!(effort, Effort::Moving(_));
-        let drawn = self.draw(&frame, draft);
-        self.renderer.host_colors = true;
-        let (rendered, brightness) = drawn?;
+        let (rendered, brightness) = self.draw(&frame, draft, effort)?;
         // Shadows that were cast are there for the next one.
         if rendered.facts.light_views == 0 {
             let ms = started.elapsed().as_secs_f64() * 1e3;
@@ -214,35 +197,43 @@ impl Stage {
             let costs = self.costs_of(&method).map_or_else(|| Costs::new(cost), |costs| costs.with(cost));
             self.costs = Some((method.name(), Draft::whole(&method).steps, costs));
         }
-        let Some(placed) = &mut self.placed else { return Err(no_points()) };
+        let all = self.clouds().points();
+        let Some(Placed { session, subject, .. }) = &mut self.placed else { return Err(no_points()) };
+        let (points, cloud) = (session.prepared.points(), &mut session.uploaded.cloud);
         // Medians of radii may be asked for, which drafts have no time for.
         let whole = effort == Effort::Whole || draft == Draft::whole(&method);
-        let standing = whole.then(|| Standing::for_method(&method, placed.points()));
+        let exactness = whole.then(|| Exactness::for_method(&method, points));
         let field = method.threshold().map(|threshold| FieldFacts {
-            histogram: self.histograms.for_scene(scene, &placed.points().fields),
-            parts: placed.uploaded.cloud.parts(threshold),
+            histogram: self.histograms.for_scene(scene, &points.fields),
+            parts: cloud.parts(threshold),
         });
-        let all = self.sources.clouds().points();
-        let held = placed.stored().is_some().then(|| {
+        let held = session.prepared.assembled.stored().is_some().then(|| {
             let points = if draft.points.is_some() { rendered.facts.points.min(all) } else { all };
-            let px = placed.uploaded.cloud.cut_in_force().map_or(f64::INFINITY, Cut::px);
+            let px = cloud.cut_in_force().map_or(f64::INFINITY, Cut::px);
             let is_fine = draft.points.is_none() || draft.coarse == 1 && px <= FINE_PX.into();
             Held { points, all, is_fine: is_fine && draft.steps == Draft::whole(&method).steps }
         });
-        let subject = placed.subject;
-        Ok(TakenPicture { rendered, frame, why, brightness, subject, draft, lights, standing, field, held })
+        let subject = *subject;
+        Ok(TakenPicture { rendered, frame, why, brightness, subject, draft, lights, exactness, field, held })
+    }
+
+    /// Returns how the last picture is written to a file, with the metadata of a scene of this name.
+    pub fn write_options(&mut self, name: String, applied: Option<&Applied>) -> Result<WriteOptions> {
+        let session = &mut self.placed.as_mut().ok_or_else(no_points)?.session;
+        session.prepared.request.name = name;
+        Ok(session.write_options(applied, Vec::new()))
     }
 
     /// The picture of the exact method that this one approximates, from the same scene.
     ///
     /// # Errors
     /// The frame can't be rendered.
-    pub fn exact(&mut self, scene: &Scene, frame: &Frame, method: Method) -> Result<Rendered> {
+    pub fn exact(&mut self, scene: &Scene, pose: Pose, frame: &Frame, method: Method) -> Result<Rendered> {
         // A picture that came to nothing may have left other points.
-        self.place(scene)?;
-        let Some(placed) = &mut self.placed else { return Err(no_points()) };
-        let frame = Frame { method, stop: Stop::Exact, spread: false, ensembles: None, ..*frame };
-        Ok(self.renderer.render(&mut placed.uploaded.cloud, &frame)?)
+        self.place(scene, pose)?;
+        let Some(Placed { session, .. }) = &mut self.placed else { return Err(no_points()) };
+        session.frame = Frame { method, stop: Stop::Exact, spread: false, ensembles: None, ..*frame };
+        session.render()
     }
 
     fn costs_of(&self, method: &Method) -> Option<Costs> {
@@ -253,14 +244,14 @@ impl Stage {
     /// The share of the points that a draft draws, of which so many are there.
     fn share(&self, draft: Draft, points: u64) -> f64 {
         let Some(most) = draft.points else { return 1.0 };
-        points.min(most.into()) as f64 / self.sources.clouds().points().max(1) as f64
+        points.min(most.into()) as f64 / self.clouds().points().max(1) as f64
     }
 
     /// The draft of a method that this effort allows in a picture of so many pixels.
     fn draft(&self, method: &Method, effort: Effort, size: [u32; 2]) -> Draft {
         let Some(budget) = effort.budget_ms() else { return Draft::whole(method) };
-        if let (Clouds::Stored(_), false) = (self.sources.clouds(), method.is_dealt()) {
-            return Draft::of_stored(method, self.costs_of(method), effort, self.sources.clouds().points(), size);
+        if let (Clouds::Stored(_), false) = (self.clouds(), method.is_dealt()) {
+            return Draft::of_stored(method, self.costs_of(method), effort, self.clouds().points(), size);
         }
         let draft = Draft::within(method, self.costs_of(method), budget);
         // At rest the whole picture is worth twice the wait for most of it.
@@ -269,88 +260,157 @@ impl Stage {
     }
 
     /// Renders what a draft has of a whole frame.
-    fn draw(&mut self, whole: &Frame, draft: Draft) -> Result<(Rendered, Option<Applied>)> {
-        let Some(placed) = &mut self.placed else { return Err(no_points()) };
-        let (renderer, method) = (&mut self.renderer, draft.method(whole.method));
-        let mut frame = Frame { method, ensembles: draft.ensembles(&method), size: draft.size(whole.size), ..*whole };
-        if let Some(points) = draft.points {
-            return Ok((draw_some(renderer, placed, frame, points)?, None));
-        }
-        // Points of ensembles are fewer on fewer pixels by themselves; shadows are those of all points.
-        let thinned =
-            draft.coarse > 1 && !method.is_dealt() && shadows::casting(whole, &placed.uploaded.cloud).is_none();
-        if !thinned {
-            let mut rendered = renderer.render(&mut placed.uploaded.cloud, &frame)?;
-            let brightness = brightness::apply(renderer, &mut placed.uploaded.cloud, &frame, &mut rendered.image)?;
-            return Ok((rendered, brightness));
-        }
-        let one_of = (draft.coarse * draft.coarse) as usize;
-        if let Some(soft) = method.soft() {
-            frame.method = thinned::as_dense(method, placed.uploaded.cloud.parts(soft.threshold).median_radius);
-        }
-        frame.factors.radius *= draft.coarse as f32;
-        let cloud = ThinnedCloud::reuse_or_upload(&mut placed.thinned, renderer, placed.assembled.points(), one_of)?;
-        Ok((renderer.render(cloud, &frame)?, None))
+    fn draw(&mut self, whole: &Frame, draft: Draft, effort: Effort) -> Result<(Rendered, Option<Applied>)> {
+        let Some(Placed { session, thinned, .. }) = &mut self.placed else { return Err(no_points()) };
+        let method = draft.method(whole.method);
+        session.frame = Frame { method, ensembles: draft.ensembles(&method), size: draft.size(whole.size), ..*whole };
+        // Nobody but the screen needs the colors of a moving picture, unless one at rest follows.
+        session.renderer.host_colors = !matches!(effort, Effort::Moving(_));
+        let drawn = draw(session, thinned, draft);
+        session.renderer.host_colors = true;
+        drawn
     }
 
-    /// Brings the scene's points to the device: uploads the missing and the changed ones.
-    fn place(&mut self, scene: &Scene) -> Result<Changes> {
-        let placed = self.place_quietly(scene);
+    /// The request for pictures of a scene. The window has drafts of its own, and draws all points at rest.
+    fn request(&self, scene: &Scene) -> Request {
+        let Setup { seed, memory_budget, host_memory } = self.setup;
+        let limits = Limits { memory: host_memory, residence: Residence::Memory };
+        let mut request = Request::of_scene(String::new(), scene.clone(), Input::Files, limits, seed);
+        request.is_edited = true;
+        let (stop, detail) = (Stop::EightBit { transparent: false }, Some(Detail::default()));
+        request.frame = FrameRequest { memory_budget, stop, spread: true, detail, ..FrameRequest::default() };
+        request
+    }
+
+    /// Brings the scene's points to the device, the missing and the changed ones, and finds the camera.
+    fn place(&mut self, scene: &Scene, pose: Pose) -> Result<Changes> {
+        let placed = self.place_quietly(self.request(scene), pose);
         self.progress.set_message("");
         placed
     }
 
-    fn place_quietly(&mut self, scene: &Scene) -> Result<Changes> {
-        let Self { renderer, sources, seed, progress, placed, .. } = self;
-        let seed = *seed;
-        sources.complete(scene, progress)?;
-        if let Some(before) = placed {
-            if let Some(changes) = before.follow(renderer, sources, (scene, seed), progress)? {
-                return Ok(changes);
-            }
+    fn place_quietly(&mut self, request: Request, pose: Pose) -> Result<Changes> {
+        let followed = match &mut self.placed {
+            Some(placed) => placed.session.follow(&request, &self.progress)?,
+            None => None,
+        };
+        let Some(changes) = followed else {
             // The points moved. They are freed first, so that old and new never occupy memory together.
-            *placed = None;
+            self.free();
+            self.upload(request, pose)?;
+            return Ok(Changes::ALL);
+        };
+        if changes.any() {
+            self.reconsider(request.scene.method);
         }
-        *placed = Some(Placed::new(renderer, sources, (scene, seed), progress)?);
-        Ok(Changes::ALL)
+        let Some(Placed { session, thinned, subject }) = &mut self.placed else { return Err(no_points()) };
+        if changes.any() {
+            *thinned = None;
+        }
+        if changes.radii || changes.unseen {
+            subject.radius = session.points().largest_radius();
+        }
+        let camera = camera(&request.scene, pose, subject, session.points());
+        session.prepared.request = request;
+        session.prepared.camera = camera?;
+        Ok(changes)
+    }
+
+    /// Frees what is on the device.
+    fn free(&mut self) {
+        if let Some(Placed { session: Session { renderer, prepared, .. }, .. }) = self.placed.take() {
+            self.waiting = Some((renderer, prepared.sources));
+        }
+    }
+
+    /// Makes points of the clouds and brings them to the device.
+    fn upload(&mut self, request: Request, pose: Pose) -> Result<()> {
+        let Some((renderer, sources)) = &mut self.waiting else { return Err(no_points()) };
+        let (scene, progress) = (&request.scene, &self.progress);
+        sources.complete(scene, progress)?;
+        let wanted = Wanted { seed: request.seed, legend: false, radii: false, is_edited: true };
+        let assembled = Assembled::new(sources, scene, wanted, &Silent, progress)?;
+        progress.set_message("uploading points");
+        let uploaded = Uploaded::new(renderer, &assembled, &Detail::default(), false)?;
+        let bounds = assembled.points().bounds().ok_or_else(no_points)?;
+        let subject = Subject { bounds, radius: assembled.points().largest_radius(), up: assembled.up };
+        let camera = camera(scene, pose, &subject, assembled.points())?;
+        let Some((renderer, sources)) = self.waiting.take() else { return Err(no_points()) };
+        let prepared = Prepared { request, assembled, camera, bounds: Some(bounds), sources };
+        let session = Session::of(renderer, prepared, uploaded, &Progress::hidden());
+        let requested = session.scene().method;
+        self.placed = Some(Placed { session, thinned: None, subject });
+        self.reconsider(requested);
+        Ok(())
     }
 
     /// Forgets what `auto` stood for if other points ask for something else: opaque ones for no order at all.
-    fn reconsider(&mut self, scene: &Scene) {
+    fn reconsider(&mut self, requested: MethodChoice) {
         let Some(placed) = &self.placed else { return };
         let needs_order = |method: &Method| !matches!(method, Method::Circles(_));
-        let (resolved, _why) = plan::resolve(scene.method, placed.points());
+        let (resolved, _why) = plan::resolve(requested, placed.session.points());
         self.chosen.take_if(|(_, method, _)| needs_order(method) != needs_order(&resolved));
     }
 
     /// The passes of a frame and their reasons.
     pub fn plan(&self, picture: &TakenPicture) -> Vec<plan::Step> {
-        let TakenPicture { rendered, frame, why, .. } = picture;
-        plan::plan(self.renderer.device(), frame, &rendered.facts, self.renderer.switches.wide_atomics, why)
+        let (TakenPicture { rendered, frame, why, .. }, renderer) = (picture, self.renderer());
+        plan::plan(renderer.device(), frame, &rendered.facts, renderer.switches.wide_atomics, why)
     }
+}
+
+/// Renders what a draft has of the session's frame.
+fn draw(session: &mut Session, kept: &mut Option<ThinnedCloud>, draft: Draft) -> Result<(Rendered, Option<Applied>)> {
+    if let Some(points) = draft.points {
+        return Ok((draw_some(session, kept, points)?, None));
+    }
+    // Points of ensembles are fewer on fewer pixels by themselves; shadows are those of all points.
+    let is_thinned = draft.coarse > 1
+        && !session.frame.method.is_dealt()
+        && shadows::casting(&session.frame, session.cloud()).is_none();
+    if !is_thinned {
+        let mut rendered = session.render()?;
+        let brightness = session.brighten(&mut rendered, &Silent)?;
+        return Ok((rendered, brightness));
+    }
+    let one_of = (draft.coarse * draft.coarse) as usize;
+    Ok((draw_thinned(session, kept, one_of, draft.coarse as f32)?, None))
+}
+
+/// Renders one of so many points with larger radii.
+fn draw_thinned(
+    session: &mut Session,
+    kept: &mut Option<ThinnedCloud>,
+    one_of: usize,
+    radius_factor: f32,
+) -> Result<Rendered> {
+    let Session { renderer, prepared, uploaded, frame, .. } = session;
+    let mut frame = *frame;
+    if let Some(soft) = frame.method.soft() {
+        frame.method = thinned::as_dense(frame.method, uploaded.cloud.parts(soft.threshold).median_radius);
+    }
+    frame.factors.radius *= radius_factor;
+    let cloud = ThinnedCloud::reuse_or_upload(kept, renderer, prepared.points(), one_of)?;
+    Ok(renderer.render(cloud, &frame)?)
 }
 
 /// Renders about so many points of a cloud that stays in its file: its levels, or, if it has none, those that stand for
 /// all.
-fn draw_some(renderer: &mut Renderer, placed: &mut Placed, mut frame: Frame, points: u32) -> Result<Rendered> {
+fn draw_some(session: &mut Session, kept: &mut Option<ThinnedCloud>, points: u32) -> Result<Rendered> {
     let has_levels = |cloud: &DeviceCloud| {
         cloud.supply().is_some_and(|supply| supply.blocks().iter().all(|block| block.branch.is_some()))
     };
-    if !has_levels(&placed.uploaded.cloud) {
-        let (some, all) = (placed.points().len(), placed.points().count());
-        if let Some(soft) = frame.method.soft() {
-            frame.method = thinned::as_dense(frame.method, placed.uploaded.cloud.parts(soft.threshold).median_radius);
-        }
+    if !has_levels(session.cloud()) {
+        let (some, all) = (session.points().len(), session.points().count());
         // The discs of a place together keep their area.
-        frame.factors.radius *= (all as f32 / some.max(1) as f32).sqrt();
-        let cloud = ThinnedCloud::reuse_or_upload(&mut placed.thinned, renderer, placed.assembled.points(), 1)?;
-        return Ok(renderer.render(cloud, &frame)?);
+        return draw_thinned(session, kept, 1, (all as f32 / some.max(1) as f32).sqrt());
     }
+    let Session { renderer, uploaded, frame, .. } = session;
     frame.detail = Detail { spacing_px: FINE_PX, max_points: Some(points) };
-    match renderer.render(&mut placed.uploaded.cloud, &frame) {
+    match renderer.render(&mut uploaded.cloud, frame) {
         Err(methods::Error::Coarsest { points, .. }) => {
             frame.detail.max_points = Some(u32::try_from(points).unwrap_or(u32::MAX));
-            Ok(renderer.render(&mut placed.uploaded.cloud, &frame)?)
+            Ok(renderer.render(&mut uploaded.cloud, frame)?)
         }
         rendered => Ok(rendered?),
     }
@@ -377,12 +437,12 @@ fn lights(frame: &mut Frame, cloud: &DeviceCloud, effort: Effort) -> Option<[u32
     Some([used, wanted.samples])
 }
 
-pub(super) fn no_points() -> pellucid_engine::Error {
+fn no_points() -> pellucid_engine::Error {
     scene::Error::NoPoints { clouds: "the scene".into(), hidden: 0 }.into()
 }
 
-fn camera(scene: &Scene, pose: Pose, placed: &Placed) -> Result<Camera> {
-    let Subject { bounds, radius, up } = &placed.subject;
+fn camera(scene: &Scene, pose: Pose, subject: &Subject, points: &Points) -> Result<Camera> {
+    let Subject { bounds, radius, up } = subject;
     let settings = match pose {
         Pose::At(settings) => {
             let found = scene::camera_at(&settings, bounds, *radius);
@@ -392,7 +452,7 @@ fn camera(scene: &Scene, pose: Pose, placed: &Placed) -> Result<Camera> {
         Pose::View(view) => CameraSettings { view, eye: None, target: None, up: None, height: None, ..scene.camera },
     };
     let framed = Scene { camera: settings, clouds: Vec::new(), ..scene.clone() };
-    let (camera, _warnings) = scene::camera(&framed, placed.points(), *up)?;
+    let (camera, _warnings) = scene::camera(&framed, points, *up)?;
     Ok(camera)
 }
 

@@ -15,7 +15,7 @@ pub struct StatusLog {
 impl StatusLog {
     /// Reports that the picture on the screen is complete, once per picture, and the allocations on the device at that
     /// time. `shown` is the picture's serial.
-    pub fn tell_at_rest(&mut self, say: &dyn Fn(&str), model: &Model, shown: Option<u64>, device: &Device) {
+    pub fn report_at_rest(&mut self, say: &dyn Fn(&str), model: &Model, shown: Option<u64>, device: &Device) {
         let Some(picture) = model.picture() else { return };
         if shown == Some(picture.serial) && self.at_rest != shown {
             let ([width, height], ms) = (picture.size, picture.profile.wall.as_secs_f64() * 1e3);
@@ -28,7 +28,7 @@ impl StatusLog {
     }
 
     /// Tells when pictures begin to wait for the window to be seen, and when they no longer do.
-    pub fn tell_hidden(&mut self, say: &dyn Fn(&str), hidden: bool) {
+    pub fn report_hidden(&mut self, say: &dyn Fn(&str), hidden: bool) {
         if hidden != self.hidden {
             say(if hidden { "hidden: pictures wait" } else { "no picture waits any more" });
             self.hidden = hidden;
@@ -36,7 +36,7 @@ impl StatusLog {
     }
 
     /// Tells the message and where the controls are, when they change.
-    pub fn tell(&mut self, say: &dyn Fn(&str), model: &Model) {
+    pub fn report(&mut self, say: &dyn Fn(&str), model: &Model) {
         let message = model.message.as_ref().map(|(text, _)| text.clone());
         if message != self.message {
             message.iter().for_each(|message| say(message));

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::worker::Picture;
+use super::messages::Picture;
 use pellucid_engine::profile::median;
 
 /// Number of frames whose times are kept.

@@ -8,13 +8,15 @@ use std::thread::JoinHandle;
 
 use pellucid_engine::progress::Progress;
 
-use super::accuracy::{History, Rung, Standing};
+use super::accuracy::{Exactness, History, Refinement};
 use super::display::{self, SceneImage, ScreenEncoder};
 use super::legend::Legends;
 use super::loss;
-use super::save::{self, Saving};
-use super::sources::{Opened, census};
-use super::stage::{Pose, Stage, TakenPicture};
+use super::messages::{News, Picture, Request, Saving, Setup, Task};
+use super::navigate::Pose;
+use super::save;
+use super::sources::{Opened, statistics};
+use super::stage::{Stage, TakenPicture};
 use pellucid_engine::camera::import::Source;
 use pellucid_engine::camera::path;
 use pellucid_engine::gpu::{self, Device};
@@ -22,10 +24,6 @@ use pellucid_engine::methods::{self, Frame};
 use pellucid_engine::scene::{self, Overrides, Scene};
 use pellucid_engine::{Error, Result};
 use pellucid_session::{Silent, Sources};
-
-mod messages;
-
-pub use messages::{News, Picture, Request, Task};
 
 /// Flags that control which tasks may be stopped.
 #[derive(Default)]
@@ -60,13 +58,13 @@ impl<F: Fn()> Drop for Bell<F> {
 
 /// The thread's sender of news. Fields drop in this order: a loop woken by the end of the thread must find the channel
 /// closed.
-struct Teller<F: Fn()> {
+struct Reporter<F: Fn()> {
     news: Sender<News>,
     bell: Bell<F>,
 }
 
-impl<F: Fn()> Teller<F> {
-    fn tell(&self, news: News) {
+impl<F: Fn()> Reporter<F> {
+    fn report(&self, news: News) {
         // Sending fails after the window has closed, which is fine.
         let _ = self.news.send(news);
         (self.bell.0)();
@@ -106,7 +104,7 @@ impl Worker {
         wake: impl Fn() + Send + 'static,
     ) -> Result<Self> {
         let (tasks, waiting) = mpsc::channel();
-        let (teller, news) = mpsc::channel();
+        let (reporter, news) = mpsc::channel();
         let stage = Stage::new(device, workload.sources, &setup)?;
         let progress = stage.progress.clone();
         let (encoder, history) = (ScreenEncoder::new(device, blue_first)?, History::default());
@@ -121,10 +119,10 @@ impl Worker {
             surveyed: false,
             legends: Legends::default(),
         };
-        let teller = Teller { news: teller, bell: Bell(wake) };
+        let reporter = Reporter { news: reporter, bell: Bell(wake) };
         let stops = Arc::new(Stops::default());
         let stoppable = stops.clone();
-        let thread = std::thread::spawn(move || work.run_all(waiting, &stoppable, &teller));
+        let thread = std::thread::spawn(move || work.run_all(waiting, &stoppable, &reporter));
         let worker = Self { progress, tasks: Some(tasks), news, thread: Some(thread), device: device.clone(), stops };
         workload.tasks.into_iter().for_each(|task| worker.ask(task));
         Ok(worker)
@@ -184,17 +182,6 @@ impl Drop for Worker {
     }
 }
 
-/// Settings that stay the same when other files are opened.
-#[derive(Debug, Clone, Copy)]
-pub struct Setup {
-    /// Seed of stochastic methods and of the built-in scene.
-    pub seed: u64,
-    /// Device bytes for a frame's fragments.
-    pub memory_budget: Option<u64>,
-    /// Bytes of memory for points: clouds that take more stay in their files.
-    pub host_memory: u64,
-}
-
 struct Work {
     stage: Stage,
     setup: Setup,
@@ -219,7 +206,7 @@ struct Whole {
     scene: Arc<Scene>,
     pose: Pose,
     frame: Frame,
-    standing: Standing,
+    exactness: Exactness,
 }
 
 /// All waiting tasks, without pictures that a later one replaces.
@@ -240,11 +227,11 @@ impl Work {
         mut self,
         waiting: Receiver<Task>,
         stops: &Stops,
-        teller: &Teller<impl Fn()>,
+        reporter: &Reporter<impl Fn()>,
     ) -> (Workload, Receiver<Task>) {
         let device = self.stage.renderer().device().clone();
         let (mut left, mut lost) = (Vec::new(), false);
-        teller.tell(self.census());
+        reporter.report(self.statistics());
         while let Some(task) = (!lost).then(|| waiting.recv().ok()).flatten() {
             for task in latest(task, &waiting) {
                 let news = if lost { None } else { self.run_allowed(&task, &device, stops) };
@@ -258,9 +245,9 @@ impl Work {
                 }
                 // Points of stores were looked at for the first picture.
                 let others = matches!(news, News::Opened(..)) || self.is_news(&news);
-                teller.tell(news);
+                reporter.report(news);
                 if others {
-                    teller.tell(self.census());
+                    reporter.report(self.statistics());
                 }
             }
         }
@@ -312,8 +299,8 @@ impl Work {
         is_first
     }
 
-    fn census(&self) -> News {
-        News::Clouds(census(self.stage.clouds()).into())
+    fn statistics(&self) -> News {
+        News::Clouds(statistics(self.stage.clouds()).into())
     }
 
     fn show(&mut self, request: &Request) -> Result<News> {
@@ -326,7 +313,7 @@ impl Work {
         let (whole, draft) = (taken.is_whole(), taken.name());
         let image = &taken.rendered.image;
         let shown = SceneImage { size: [image.width, image.height], scene };
-        let rung = Rung {
+        let refinement = Refinement {
             name: draft.clone(),
             ms: taken.rendered.profile.wall.as_secs_f64() * 1e3,
             // A single stratum of samples has no spread.
@@ -343,10 +330,10 @@ impl Work {
         if shown.is_coarse() {
             depths = display::enlarge_depths(&depths, shown.size, scene.image.size);
         }
-        self.history.add(scene, *pose, rung, composed, whole);
-        let TakenPicture { rendered, frame, subject, standing, field, held, .. } = taken;
-        if let (true, Some(standing)) = (whole, standing) {
-            self.whole = Some(Whole { serial: *serial, scene: scene.clone(), pose: *pose, frame, standing });
+        self.history.add(scene, *pose, refinement, composed, whole);
+        let TakenPicture { rendered, frame, subject, exactness, field, held, .. } = taken;
+        if let (true, Some(exactness)) = (whole, exactness) {
+            self.whole = Some(Whole { serial: *serial, scene: scene.clone(), pose: *pose, frame, exactness });
         }
         let picture = Picture {
             serial: *serial,
@@ -358,7 +345,7 @@ impl Work {
             depths,
             whole,
             draft,
-            accuracy: self.history.accuracy(standing),
+            accuracy: self.history.accuracy(exactness),
             method: frame.method.name(),
             profile: rendered.profile,
             facts: rendered.facts,
@@ -383,16 +370,16 @@ impl Work {
     /// Compares the pictures of the last view with the exact one.
     fn measure(&mut self, serial: u64) -> Result<News> {
         let whole = self.whole.clone().filter(|whole| whole.serial == serial);
-        let standing = whole.as_ref().map(|whole| whole.standing);
-        if let (Some(whole), Some(Standing::Approximation(method))) = (whole, standing) {
+        let exactness = whole.as_ref().map(|whole| whole.exactness);
+        if let (Some(whole), Some(Exactness::Approximation(method))) = (whole, exactness) {
             self.supply(&whole.scene, whole.pose)?;
-            let rendered = self.stage.exact(&whole.scene, &whole.frame, method)?;
+            let rendered = self.stage.exact(&whole.scene, whole.pose, &whole.frame, method)?;
             let image = SceneImage { size: [rendered.image.width, rendered.image.height], scene: &whole.scene };
             let exact = image.composed(&rendered.image.rgba);
             self.stage.recycle(rendered.image);
             self.history.measure(&whole.scene, whole.pose, method.name(), &exact);
         }
-        Ok(News::Measured(serial, self.history.accuracy(standing)))
+        Ok(News::Measured(serial, self.history.accuracy(exactness)))
     }
 
     fn open(&mut self, files: &[PathBuf]) -> Result<News> {
@@ -415,7 +402,7 @@ impl Work {
     fn save(&mut self, saving: &Saving) -> Result<News> {
         // The saved picture takes its place.
         self.unread = None;
-        save::write(&mut self.stage, saving, self.generated, self.setup.seed).map(News::Saved)
+        save::write(&mut self.stage, saving, self.generated).map(News::Saved)
     }
 }
 

@@ -6,7 +6,7 @@ use ash::{khr, vk};
 
 use super::panel::{Drawing, Painter, Textures};
 use super::swapchain::{self, RANGE, Swapchain, failed};
-use pellucid_gpu::{Buffer, Context, Device, Error, lock};
+use pellucid_gpu::{Buffer, Context, Device, Error, full_barrier, image_barriers, lock};
 
 /// Bytes to show, and where: sRGB-encoded, row by row, in the order that [`Screen::blue_first`] says.
 pub struct Picture<'a> {
@@ -217,24 +217,26 @@ impl Screen {
         let (Some(swapchain), Some(painter)) = (&self.swapchain, &mut self.painter) else { return Ok(()) };
         let (device, commands) = (&self.context.device, self.commands);
         let image = swapchain.images[index as usize];
+        let barrier = |layouts| image_barriers(&self.context, commands, std::iter::once((image, RANGE)), layouts);
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the last submission of this command buffer is over; the image was acquired, and its swapchain lives
         // until the submission is waited for.
         unsafe {
             device.begin_command_buffer(commands, &begin).map_err(Error::call("vkBeginCommandBuffer"))?;
-            barrier(device, commands, image, [vk::ImageLayout::UNDEFINED, COPIED]);
+            barrier([vk::ImageLayout::UNDEFINED, COPIED]);
             let gray = vk::ClearColorValue { float32: [GRAY, GRAY, GRAY, 1.0] };
             device.cmd_clear_color_image(commands, image, COPIED, &gray, &[RANGE]);
-            barrier(device, commands, image, [COPIED, COPIED]);
+            barrier([COPIED, COPIED]);
             if let Some(Picture { size, at, pixels }) = picture
                 && let Some(region) = region(*size, *at, swapchain.extent)
             {
-                see_all(device, commands);
+                // What earlier submissions wrote is copied.
+                full_barrier(&self.context, commands);
                 let source = pixels.all().raw();
                 let region = region.buffer_offset(source.offset);
                 device.cmd_copy_buffer_to_image(commands, source.buffer, image, COPIED, &[region]);
             }
-            barrier(device, commands, image, [COPIED, DRAWN]);
+            barrier([COPIED, DRAWN]);
             let colors = [vk::RenderingAttachmentInfo::default()
                 .image_view(swapchain.views[index as usize])
                 .image_layout(DRAWN)
@@ -245,7 +247,7 @@ impl Screen {
             device.cmd_begin_rendering(commands, &rendering);
             painter.record(commands, swapchain.extent, drawing)?;
             device.cmd_end_rendering(commands);
-            barrier(device, commands, image, [DRAWN, vk::ImageLayout::PRESENT_SRC_KHR]);
+            barrier([DRAWN, vk::ImageLayout::PRESENT_SRC_KHR]);
             device.end_command_buffer(commands).map_err(Error::call("vkEndCommandBuffer"))
         }
     }
@@ -347,47 +349,6 @@ fn region(size: [u32; 2], at: [u32; 2], extent: vk::Extent2D) -> Option<vk::Buff
             .image_offset(vk::Offset3D { x: offset[0], y: offset[1], z: 0 })
             .image_extent(vk::Extent3D { width, height, depth: 1 })
     })
-}
-
-/// Lets copies see what earlier submissions wrote.
-///
-/// # Safety
-/// The command buffer is recording outside of rendering.
-unsafe fn see_all(device: &ash::Device, commands: vk::CommandBuffer) {
-    let barrier = [vk::MemoryBarrier2::default()
-        .src_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
-        .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
-        .dst_stage_mask(vk::PipelineStageFlags2::COPY)
-        .dst_access_mask(vk::AccessFlags2::TRANSFER_READ)];
-    let dependency = vk::DependencyInfo::default().memory_barriers(&barrier);
-    // SAFETY: by the caller.
-    unsafe { device.cmd_pipeline_barrier2(commands, &dependency) };
-}
-
-/// Takes an image from one layout to another, after all that was done to it.
-///
-/// # Safety
-/// The command buffer is recording outside of rendering, and the image is in the first layout.
-unsafe fn barrier(
-    device: &ash::Device,
-    commands: vk::CommandBuffer,
-    image: vk::Image,
-    [from, to]: [vk::ImageLayout; 2],
-) {
-    let all = vk::PipelineStageFlags2::ALL_COMMANDS;
-    let access = vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE;
-    let barrier = [vk::ImageMemoryBarrier2::default()
-        .src_stage_mask(all)
-        .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
-        .dst_stage_mask(all)
-        .dst_access_mask(access)
-        .old_layout(from)
-        .new_layout(to)
-        .image(image)
-        .subresource_range(RANGE)];
-    let dependency = vk::DependencyInfo::default().image_memory_barriers(&barrier);
-    // SAFETY: by the caller.
-    unsafe { device.cmd_pipeline_barrier2(commands, &dependency) };
 }
 
 #[cfg(test)]

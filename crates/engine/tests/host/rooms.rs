@@ -66,7 +66,8 @@ fn add(sources: &Path, folder: &Path, path: &[&str], uses: &mut Uses) {
         let name = file.strip_prefix(sources).expect("a source of the crate").with_extension("");
         let mut module: Vec<&str> = name.iter().filter_map(|part| part.to_str()).collect();
         module.pop_if(|last| *last == "mod");
-        let Some(room) = module.get(path.len()).filter(|room| !["lib", "main", "tests"].contains(*room)) else {
+        let is_test = module.contains(&"tests");
+        let Some(room) = module.get(path.len()).filter(|room| !is_test && !["lib", "main"].contains(*room)) else {
             continue;
         };
         if file.extension().is_some_and(|e| e == "rs") {
@@ -103,27 +104,9 @@ fn circle(mut uses: Uses) -> BTreeSet<String> {
 }
 
 /// Rooms that use each other in a circle today, each list with the reason. Entries are only ever deleted.
-const KNOWN: [(&str, &[&str], &[&str]); 6] = [
-    // Context, recorder, buffers and pipelines hold each other.
-    (
-        "gpu",
-        &[],
-        &[
-            "agree", "compiled", "context", "device", "guard", "image", "pass", "paused", "pipeline", "recorder",
-            "shader", "spirv",
-        ],
-    ),
+const KNOWN: [(&str, &[&str], &[&str]); 2] = [
     // Readers and stores share the error and the source of the root.
     ("io", &[], &["channel", "columns", "las", "store"]),
-    // The panel and its parts share the state of the app.
-    (
-        "viewer",
-        &[],
-        &[
-            "accuracy", "app", "graphics", "legend", "model", "overlay", "panel", "placed", "pointer", "save", "stage",
-            "times", "worker",
-        ],
-    ),
     // The trait of engines, windows and explanations name the families.
     (
         "engine",

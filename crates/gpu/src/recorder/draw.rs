@@ -3,6 +3,7 @@
 use ash::vk;
 
 use super::Recorder;
+use crate::barriers::image_barriers;
 use crate::pipeline::{Outputs, Pipeline};
 use crate::{Attachment, Blend, Error, Pass, RawSlice, Slice, Variant};
 
@@ -103,7 +104,7 @@ impl<'a> Recorder<'a> {
             rendering = rendering.depth_attachment(depth);
         }
         let before = if draw.targets.clear.is_some() { vk::ImageLayout::UNDEFINED } else { READ };
-        self.image_barrier(draw.targets, before, DRAWN);
+        self.image_barrier(draw.targets, [before, DRAWN]);
         let (device, commands) = (&self.context.device, self.commands);
         // SAFETY: as in `run`; the area is within the framebuffer limits. Indirect arguments lie
         // within their buffer, every buffer is made for that use, and the caller's passes never raise a count: the
@@ -127,7 +128,7 @@ impl<'a> Recorder<'a> {
             }
             device.cmd_end_rendering(commands);
         }
-        self.image_barrier(draw.targets, DRAWN, READ);
+        self.image_barrier(draw.targets, [DRAWN, READ]);
         self.touch_more();
         self.end_pass();
         self.pipelines.push(pipeline);
@@ -135,27 +136,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// Takes attachments from one layout to another, if there are any.
-    fn image_barrier(&self, targets: Targets<'_>, from: vk::ImageLayout, to: vk::ImageLayout) {
-        let all = vk::PipelineStageFlags2::ALL_COMMANDS;
-        let barriers: Vec<_> = targets
-            .images()
-            .map(|image| {
-                vk::ImageMemoryBarrier2::default()
-                    .src_stage_mask(all)
-                    .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
-                    .dst_stage_mask(all)
-                    .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)
-                    .old_layout(from)
-                    .new_layout(to)
-                    .image(image.raw())
-                    .subresource_range(image.range())
-            })
-            .collect();
-        if barriers.is_empty() {
-            return;
-        }
-        let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);
-        // SAFETY: the command buffer is recording outside of a render pass; the images outlive the submission.
-        unsafe { self.context.device.cmd_pipeline_barrier2(self.commands, &dependency) };
+    fn image_barrier(&self, targets: Targets<'_>, layouts: [vk::ImageLayout; 2]) {
+        image_barriers(&self.context, self.commands, targets.images().map(|i| (i.raw(), i.range())), layouts);
     }
 }

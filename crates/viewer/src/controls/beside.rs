@@ -11,11 +11,6 @@ pub fn above(threshold: f32) -> f32 {
     (threshold + APART).min(1.0)
 }
 
-/// A change of one key, and nothing else.
-pub fn changes(key: &str, value: Option<Setting>) -> Vec<Change> {
-    vec![(key.to_owned(), value)]
-}
-
 /// The changes that set or remove a method's key. `softness` and `lambda` replace each other, so do `modulation` and
 /// the paper's layout, and `threshold` and `modulation` stop at each other.
 pub fn method_changes(method: &Method, key: &str, value: Option<Setting>) -> Vec<Change> {

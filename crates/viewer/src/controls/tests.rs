@@ -23,6 +23,11 @@ fn ends(control: Control) -> Vec<Setting> {
     }
 }
 
+/// A change of one key, and nothing else.
+fn changes(key: &str, value: Option<Setting>) -> Vec<Change> {
+    vec![(key.to_owned(), value)]
+}
+
 fn names(keys: &[Key]) -> Vec<&'static str> {
     keys.iter().map(|key| key.name).collect()
 }

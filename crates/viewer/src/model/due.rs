@@ -5,9 +5,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::{Model, PictureState};
-use crate::accuracy::Standing;
+use crate::accuracy::Exactness;
 use crate::draft::Effort;
-use crate::worker::{Request, Task};
+use crate::messages::{Request, Task};
 use pellucid_engine::scene::Scene;
 
 /// Factor between the time of a picture at rest and that of the one before it: all drafts together take a third of the
@@ -35,7 +35,7 @@ impl Model {
         self.picture_state = PictureState::Requested(self.serial, refined);
         let mut scene = Scene::clone(&self.scene);
         scene.image.size = self.viewport.size;
-        scene.settle_for(|cloud| self.census().get(cloud).is_some_and(|census| census.gaussians));
+        scene.settle_for(|cloud| self.statistics().get(cloud).is_some_and(|statistics| statistics.gaussians));
         self.explained = self.shows.explains_colors();
         let (scene, pose, serial, legend) = (Arc::new(scene), self.pose, self.serial, self.explained);
         Some(Task::Show(Box::new(Request { scene, pose, effort, serial, legend })))
@@ -66,7 +66,7 @@ impl Model {
 
     fn unmeasured(&self) -> Option<u64> {
         let picture = self.picture.as_deref().filter(|_| self.picture_state == PictureState::Current)?;
-        let approximates = matches!(picture.accuracy.standing, Some(Standing::Approximation(_)));
+        let approximates = matches!(picture.accuracy.exactness, Some(Exactness::Approximation(_)));
         (approximates && self.measured != Some(picture.serial)).then_some(picture.serial)
     }
 

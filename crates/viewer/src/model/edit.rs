@@ -3,14 +3,14 @@
 use std::sync::Arc;
 
 use super::Model;
-use crate::census::Census;
 use crate::controls::Extent;
+use crate::statistics::Statistics;
 use pellucid_engine::scene::{Change, Error, Scene, Setting, method_keys};
 
 impl Model {
     /// Statistics of the clouds, in the scene's order; empty until they are gathered.
-    pub fn census(&self) -> Arc<[Census]> {
-        self.census.clone()
+    pub fn statistics(&self) -> Arc<[Statistics]> {
+        self.statistics.clone()
     }
 
     /// The extent of the last picture's scene and its soft points.
@@ -26,9 +26,9 @@ impl Model {
         self.document.has(key)
     }
 
-    /// Sets a key of the scene file; a value the scene rejects becomes a message.
-    pub fn set(&mut self, key: &str, value: Setting) {
-        self.change(&[(key.to_owned(), Some(value))]);
+    /// Sets a key of the scene file, or removes it; a value the scene rejects becomes a message.
+    pub fn set(&mut self, key: &str, value: impl Into<Option<Setting>>) {
+        self.change(&[(key.to_owned(), value.into())]);
     }
 
     /// Sets or removes keys of the scene file, all at once; changes the scene rejects become a message.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{Model, Pose, Setting, Task};
-use crate::save::Saving;
+use crate::messages::Saving;
 use pellucid_engine::Result;
 use pellucid_engine::camera::import;
 use pellucid_engine::scene::Document;

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use super::{Model, Pose, Setting, Task};
+use crate::messages::Saving;
 use crate::navigate::{Navigator, Subject, settings_of};
 use crate::route::Route;
-use crate::save::Saving;
 use pellucid_engine::camera::import::Source;
 use pellucid_engine::camera::path::{Defaults, Key, Problem, Turntable};
 use pellucid_engine::scene::{CameraSettings, DEFAULT_FOV_Y, camera_at, path_defaults};

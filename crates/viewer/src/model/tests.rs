@@ -6,15 +6,14 @@ use glam::DVec3;
 
 use super::due::STILL;
 use super::*;
-use crate::accuracy::{Accuracy, History, Reference, Standing};
+use crate::accuracy::{Accuracy, Exactness, History, Reference};
 use crate::draft::Effort;
+use crate::messages::{Held, Request};
 use crate::navigate::Subject;
-use crate::stage::Held;
-use crate::worker::Request;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::cloud::{Bounds, UpAxis};
 use pellucid_engine::methods::{Facts, FrameProfile};
-use pellucid_engine::scene::{Overrides, ViewName};
+use pellucid_engine::scene::{Method, Overrides, ViewName};
 
 mod edited;
 mod keys;
@@ -76,11 +75,28 @@ fn picture(request: &Request, whole: bool) -> News {
 
 /// A model that shows its first picture, and a moment later.
 fn settled() -> (Model, Instant) {
-    let mut model = model();
-    let now = Instant::now();
-    let request = asked(&mut model, now).expect("the first picture");
-    model.take_in(picture(&request, true)).unwrap();
+    let (mut model, now) = (model(), Instant::now());
+    shown(&mut model);
     (model, now + REST)
+}
+
+/// A model whose camera has just moved, and the time.
+fn moved() -> (Model, Instant) {
+    let (mut model, _) = settled();
+    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
+    (model, Instant::now())
+}
+
+/// Asks for the picture that is due, and shows the whole of it.
+fn shown(model: &mut Model) {
+    let request = asked(model, Instant::now()).expect("a picture is due");
+    model.take_in(picture(&request, true)).unwrap();
+}
+
+/// Opens the scene of a cloud of this name.
+fn opened(model: &mut Model, name: &str) {
+    let document = Document::from_clouds([name], &Overrides::default()).unwrap();
+    model.take_in(News::Opened(name.into(), Box::new(document))).unwrap();
 }
 
 #[test]
@@ -105,9 +121,7 @@ fn only_the_latest_request_counts() {
 
 #[test]
 fn at_rest_nothing_is_left_out() {
-    let (mut model, _) = settled();
-    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
-    let now = Instant::now();
+    let (mut model, now) = moved();
     let draft = asked(&mut model, now).unwrap();
     model.take_in(picture(&draft, false)).unwrap();
     assert!(asked(&mut model, now).is_none(), "still moving");
@@ -152,9 +166,7 @@ fn every_point_of_a_store_is_drawn_only_if_that_is_asked_for() {
 
 #[test]
 fn whatever_a_draft_costs_the_whole_picture_comes() {
-    let (mut model, _) = settled();
-    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
-    let now = Instant::now();
+    let (mut model, now) = moved();
     let mut efforts = Vec::new();
     for _ in 0..20 {
         let Some(request) = asked(&mut model, now + efforts.len().min(1) as u32 * REST) else { break };
@@ -167,9 +179,7 @@ fn whatever_a_draft_costs_the_whole_picture_comes() {
 
 #[test]
 fn a_stopped_picture_is_requested_again() {
-    let (mut model, _) = settled();
-    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
-    let now = Instant::now();
+    let (mut model, now) = moved();
     let first = asked(&mut model, now).unwrap();
     model.take_in(News::Stopped(first.serial)).unwrap();
     let second = asked(&mut model, now + REST).unwrap();
@@ -181,13 +191,11 @@ fn a_stopped_picture_is_requested_again() {
 
 #[test]
 fn approximations_at_rest_are_held_against_the_exact_picture_once() {
-    let (mut model, _) = settled();
-    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
-    let now = Instant::now();
+    let approximation = Exactness::Approximation(Method::ABuffer(Default::default()));
+    let (mut model, now) = moved();
     let request = asked(&mut model, now).unwrap();
     let News::Picture(mut shown) = picture(&request, true) else { unreachable!() };
-    shown.accuracy.standing =
-        Some(Standing::Approximation(pellucid_engine::scene::Method::ABuffer(Default::default())));
+    shown.accuracy.exactness = Some(approximation);
     model.take_in(News::Picture(shown)).unwrap();
     assert!(model.next_task(now + REST).is_none());
     let due = model.due_at(now + REST).unwrap();
@@ -195,13 +203,12 @@ fn approximations_at_rest_are_held_against_the_exact_picture_once() {
     let Some(Task::Measure(serial)) = model.next_task(due) else { panic!("no measurement") };
     assert_eq!(serial, request.serial);
     assert!(model.next_task(due).is_none());
-    let measured = Accuracy { rungs: Vec::new(), against: Some(Reference::Exact("abuffer")), standing: None };
+    let measured = Accuracy { refinements: Vec::new(), against: Some(Reference::Exact("abuffer")), exactness: None };
     model.take_in(News::Measured(serial, measured.clone())).unwrap();
     assert_eq!(model.picture().unwrap().accuracy, measured);
     // A stopped picture is requested again.
     let (mut model, now) = settled();
-    model.picture.as_mut().unwrap().accuracy.standing =
-        Some(Standing::Approximation(pellucid_engine::scene::Method::ABuffer(Default::default())));
+    model.picture.as_mut().unwrap().accuracy.exactness = Some(approximation);
     let Some(Task::Measure(serial)) = model.next_task(now + STILL) else { panic!("no measurement") };
     model.take_in(News::Stopped(serial)).unwrap();
     assert!(matches!(model.next_task(now + STILL), Some(Task::Measure(_))));
@@ -286,8 +293,7 @@ fn other_files_take_the_place_of_the_scene() {
     assert!(matches!(model.next_task(now), Some(Task::Open(files)) if files == [Path::new("b.ply")]));
     model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
     assert!(asked(&mut model, now).is_none(), "not while files are read");
-    let document = Document::from_clouds(["b.ply"], &Overrides::default()).unwrap();
-    model.take_in(News::Opened("b.ply".into(), Box::new(document))).unwrap();
+    opened(&mut model, "b.ply");
     let request = asked(&mut model, Instant::now()).unwrap();
     assert_eq!((model.name.as_str(), request.pose, request.serial), ("b.ply", Pose::Scene, 2));
     model.open(vec!["c.ply".into()]);

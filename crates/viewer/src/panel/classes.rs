@@ -4,10 +4,10 @@ use egui::{Align, Button, Label, Layout, RichText, ScrollArea, Ui, vec2};
 
 use super::clouds;
 use super::row::{note, opacity_slider, takes_out, three_digits};
-use crate::census::Census;
 use crate::controls::{ClassKey, ClassLook, class_changes, class_defaults, class_look, opacity};
 use crate::counts::{abbreviated, grouped};
 use crate::model::Model;
+use crate::statistics::Statistics;
 use pellucid_engine::color::{classes, decode_srgb_f64};
 use pellucid_engine::scene::{Change, CloudSettings, ColorBy, rounded};
 
@@ -22,12 +22,15 @@ const SLIDER: f32 = 46.0;
 
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {
-    let (settings, census) = (model.scene().clouds.clone(), model.census());
-    let classified =
-        settings.iter().zip(census.iter()).enumerate().filter(|(_, (_, census))| !census.classes.is_empty());
-    for (i, (settings, census)) in classified {
+    let (settings, statistics) = (model.scene().clouds.clone(), model.statistics());
+    let classified = settings
+        .iter()
+        .zip(statistics.iter())
+        .enumerate()
+        .filter(|(_, (_, statistics))| !statistics.classes.is_empty());
+    for (i, (settings, statistics)) in classified {
         let several = model.scene().clouds.len() > 1;
-        let line = colored_otherwise(settings, census);
+        let line = colored_otherwise(settings, statistics);
         if several || line.is_some() {
             ui.horizontal(|ui| {
                 if several {
@@ -37,14 +40,14 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
             });
         }
         let area = ScrollArea::vertical().id_salt(("classes", i)).max_height(ROOM).auto_shrink([false, true]);
-        area.show(ui, |ui| list(ui, model, i, settings, census));
+        area.show(ui, |ui| list(ui, model, i, settings, statistics));
     }
 }
 
 /// Says that the points have other colors than their classes, if so.
-fn colored_otherwise(settings: &CloudSettings, census: &Census) -> Option<String> {
+fn colored_otherwise(settings: &CloudSettings, statistics: &Statistics) -> Option<String> {
     let shown = match &settings.coloring.color_by {
-        ColorBy::Auto => &census.auto,
+        ColorBy::Auto => &statistics.auto,
         by => by,
     };
     match (settings.color, shown) {
@@ -56,8 +59,8 @@ fn colored_otherwise(settings: &CloudSettings, census: &Census) -> Option<String
 }
 
 /// The classes that occur.
-fn list(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, census: &Census) {
-    for (code, count) in &census.classes {
+fn list(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, statistics: &Statistics) {
+    for (code, count) in &statistics.classes {
         let changes = ui.horizontal(|ui| row(ui, model, i, settings, (*code, *count as u64))).inner;
         if let Some(changes) = changes {
             model.change(&changes);
@@ -100,7 +103,7 @@ fn eye(ui: &mut Ui, model: &mut Model, i: usize, code: u8, look: ClassLook) -> O
     let symbol = RichText::new("👁").size(16.0);
     let symbol = if look.visible { symbol.strong() } else { symbol.weak().strikethrough() };
     let response = ui.add(Button::new(symbol).frame(false).min_size(vec2(20.0, 0.0)));
-    note(ui, model, &format!("cloud.{i}.class.{code}.visible"), &response);
+    let response = note(model, &format!("cloud.{i}.class.{code}.visible"), response);
     let response = response.on_hover_text(if look.visible { "is drawn" } else { "is not drawn" });
     response.clicked().then_some(ClassKey::Visible(!look.visible))
 }
@@ -125,7 +128,7 @@ fn faintness(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings,
     ui.spacing_mut().slider_width = SLIDER;
     ui.spacing_mut().interact_size.x = 36.0;
     let response = ui.add_enabled(look.visible, opacity_slider(&mut value));
-    note(ui, model, &format!("cloud.{i}.class.{code}.opacity"), &response);
+    let response = note(model, &format!("cloud.{i}.class.{code}.opacity"), response);
     let response = response.on_hover_text(match look.opacity {
         Some(_) => "opacity of this class, in place of the cloud's",
         None => "the cloud's opacity; move to give the class its own",
@@ -153,7 +156,7 @@ mod tests {
         let line = |by: ColorBy, auto: ColorBy| {
             let coloring = ColorSettings { color_by: by, ..ColorSettings::default() };
             let settings = CloudSettings { coloring, ..CloudSettings::default() };
-            colored_otherwise(&settings, &Census { colors: true, auto, ..Census::default() })
+            colored_otherwise(&settings, &Statistics { colors: true, auto, ..Statistics::default() })
         };
         for (auto, wanted) in [
             (ColorBy::Rgb, Some("in the file's colors")),
@@ -166,7 +169,7 @@ mod tests {
         }
         assert_eq!(line(ColorBy::Intensity, ColorBy::Rgb).as_deref(), Some("colored by intensity"));
         let red = CloudSettings { color: Some(glam::Vec3::X), ..CloudSettings::default() };
-        assert_eq!(colored_otherwise(&red, &Census::default()).as_deref(), Some("in one color"));
+        assert_eq!(colored_otherwise(&red, &Statistics::default()).as_deref(), Some("in one color"));
     }
 
     #[test]

@@ -43,9 +43,7 @@ fn add(ui: &mut Ui, model: &mut Model, at: usize) {
     ui.horizontal(|ui| {
         ui.label("add");
         for (text, kind, hint) in kinds {
-            let response = ui.button(text).on_hover_text(hint);
-            note(ui, model, &format!("clip.{text}+"), &response);
-            if response.clicked() {
+            if note(model, &format!("clip.{text}+"), ui.button(text).on_hover_text(hint)).clicked() {
                 model.change(&clip_changes(at, &new_clip(kind, bounds)));
             }
         }
@@ -63,10 +61,10 @@ fn entry(ui: &mut Ui, model: &mut Model, at: usize, clip: &Clip) -> Option<Clip>
     };
     let out = ui.horizontal(|ui| {
         let out = ui.small_button("×").on_hover_text("remove this clip");
-        note(ui, model, &format!("clip.{at}-"), &out);
+        let out = note(model, &format!("clip.{at}-"), out);
         ui.label(RichText::new(name).strong());
         let response = ui.checkbox(&mut edited.invert, "keep the outside").on_hover_text(hint("clip.0.invert"));
-        note(ui, model, &format!("clip.{at}.invert"), &response);
+        note(model, &format!("clip.{at}.invert"), response);
         out.clicked()
     });
     if out.inner {
@@ -163,9 +161,7 @@ fn plane(ui: &mut Ui, model: &mut Model, at: usize, point: &mut glam::DVec3, nor
         let key = format!("clip.{at}.plane.point");
         for axis in 0..AXES.len() {
             let response = number(ui, model, axis, &mut point[axis], f64::NEG_INFINITY..=f64::INFINITY);
-            if axis == 0 {
-                note(ui, model, &key, &response);
-            }
+            let response = if axis == 0 { note(model, &key, response) } else { response };
             response.on_hover_text(hint(&key));
         }
     });

@@ -5,10 +5,10 @@ use egui::{ScrollArea, Ui};
 
 use super::row::{name as row_name, note, row};
 use super::{field, opacity};
-use crate::census::Census;
 use crate::controls;
 use crate::counts::grouped;
 use crate::model::Model;
+use crate::statistics::Statistics;
 use pellucid_engine::cloud::field::Field;
 use pellucid_engine::scene::{CloudSettings, Method, Primitive, Scene};
 
@@ -28,10 +28,8 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         _ if blended => opacity::all(ui, model, &clouds),
         _ => {}
     }
-    if method.needs_radii()
-        && let Some(first) = clouds.first()
-        && let Some(entry) = controls::cloud(first, "radius_factor", false, None, model.extent())
-    {
+    if let Some(first) = clouds.first().filter(|_| method.needs_radii()) {
+        let entry = controls::cloud(first, "radius_factor", false, None, model.extent());
         row(ui, model, "cloud.*.radius_factor", "radius ×", entry);
     }
     if clouds.len() <= MANY {
@@ -50,7 +48,7 @@ pub fn are_blended(scene: &Scene) -> bool {
 
 /// Lists the clouds: opacity if `faint`, and name, which unfolds the cloud.
 fn list(ui: &mut Ui, model: &mut Model, faint: bool) {
-    let (clouds, census) = (model.scene().clouds.clone(), model.census());
+    let (clouds, statistics) = (model.scene().clouds.clone(), model.statistics());
     for (i, settings) in clouds.iter().enumerate() {
         let id = ui.make_persistent_id(("cloud", i));
         let state = CollapsingState::load_with_default_open(ui.ctx(), id, false);
@@ -62,14 +60,13 @@ fn list(ui: &mut Ui, model: &mut Model, faint: bool) {
                 opacity::one(ui, model, i, settings, &name)
             } else {
                 let response = row_name(ui, "", &name).on_hover_text(settings.path.display().to_string());
-                note(ui, model, &format!("cloud.{i}"), &response);
-                response.clicked()
+                note(model, &format!("cloud.{i}"), response).clicked()
             };
         });
         if clicked {
             header.toggle();
         }
-        header.body(|ui| details(ui, model, i, settings, census.get(i)));
+        header.body(|ui| details(ui, model, i, settings, statistics.get(i)));
     }
 }
 
@@ -80,18 +77,18 @@ pub fn name(settings: &CloudSettings, i: usize) -> String {
 }
 
 /// A cloud's settings other than its opacity.
-fn details(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, census: Option<&Census>) {
+fn details(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, statistics: Option<&Statistics>) {
     let method = model.scene().method;
-    let unknown = Census::default();
-    let census = census.unwrap_or(&unknown);
-    ui.weak(facts(census));
-    let field = census.field(settings);
-    let estimated = method.needs_radii() && settings.radius.is_none() && !census.own_radii;
+    let unknown = Statistics::default();
+    let statistics = statistics.unwrap_or(&unknown);
+    ui.weak(facts(statistics));
+    let field = statistics.field(settings);
+    let estimated = method.needs_radii() && settings.radius.is_none() && !statistics.own_radii;
     let uncertain = method.needs_field() && field == Field::Uncertainty;
     let around = estimated || uncertain;
-    let as_gaussians = census.gaussians && settings.primitive == Primitive::Gaussians && method.is_made_of_discs();
+    let as_gaussians = statistics.gaussians && settings.primitive == Primitive::Gaussians && method.is_made_of_discs();
     let keys = [
-        ("primitive", census.gaussians),
+        ("primitive", statistics.gaussians),
         ("sh_degree", as_gaussians),
         ("radius", method.needs_radii() && !as_gaussians),
         ("neighbors", around && !as_gaussians),
@@ -101,11 +98,10 @@ fn details(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, c
     if method.representative().discs().is_some() && !as_gaussians {
         opacity::surface(ui, model, i, settings);
     }
-    let prepared = census.prepared.as_ref().map(|(neighbors, _)| *neighbors);
+    let prepared = statistics.prepared.as_ref().map(|(neighbors, _)| *neighbors);
     for (key, _) in keys.into_iter().filter(|(_, shown)| *shown) {
-        if let Some(entry) = controls::cloud(settings, key, census.own_radii, prepared, model.extent()) {
-            row(ui, model, &format!("cloud.{i}.{key}"), &controls::label(key), entry);
-        }
+        let entry = controls::cloud(settings, key, statistics.own_radii, prepared, model.extent());
+        row(ui, model, &format!("cloud.{i}.{key}"), &controls::label(key), entry);
     }
     // A single cloud has its own section for this.
     if method.needs_field() && model.scene().clouds.len() > 1 {
@@ -113,17 +109,20 @@ fn details(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, c
     }
 }
 
-fn facts(census: &Census) -> String {
+fn facts(statistics: &Statistics) -> String {
     let has = [
-        ("Gaussians", census.gaussians),
-        ("colors", census.colors),
-        ("normals", census.normals),
-        ("radii", census.own_radii),
+        ("Gaussians", statistics.gaussians),
+        ("colors", statistics.colors),
+        ("normals", statistics.normals),
+        ("radii", statistics.own_radii),
     ];
     let has = has.into_iter().filter(|(_, has)| *has).map(|(name, _)| name);
-    let scalars =
-        census.scalars.iter().map(|(name, _)| name.as_str()).filter(|name| !["x", "y", "z", "radius"].contains(name));
+    let scalars = statistics
+        .scalars
+        .iter()
+        .map(|(name, _)| name.as_str())
+        .filter(|name| !["x", "y", "z", "radius"].contains(name));
     let has: Vec<_> = has.chain(scalars).collect();
-    let points = grouped(census.points as u64);
+    let points = grouped(statistics.points as u64);
     if has.is_empty() { format!("{points} points") } else { format!("{points} points; {}", has.join(", ")) }
 }

@@ -4,11 +4,11 @@ use egui::{ComboBox, DragValue, Id, Ui};
 
 use super::clips::shown_decimals;
 use super::clouds;
-use super::row::{choice, name, note, row, takes_out};
-use crate::census::Census;
-use crate::controls::{self, Presence, changes, short_number};
+use super::row::{choice_row, name, row};
+use crate::controls::{self, Entry, Presence, short_number};
 use crate::legend;
 use crate::model::Model;
+use crate::statistics::Statistics;
 use pellucid_engine::scene::{Change, CloudSettings, ColorBy, Setting};
 
 /// The clouds that the section is about.
@@ -44,7 +44,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     one_color(ui, model, target, settings);
     if settings.color.is_none() {
         meaning(ui, model, target, settings);
-        if is_mapped(settings, model.census().get(first)) {
+        if is_mapped(settings, model.statistics().get(first)) {
             plain(ui, model, target, settings, "colormap");
             range(ui, model, target, settings);
             ui.horizontal(|ui| ["reverse", "log"].into_iter().for_each(|key| plain(ui, model, target, settings, key)));
@@ -82,44 +82,31 @@ fn target(ui: &mut Ui, clouds: &[CloudSettings]) -> Target {
 
 /// Shows the row of a single color that replaces all others.
 fn one_color(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSettings) {
-    if let Some(mut entry) = controls::cloud(settings, "color", false, None, model.extent()) {
-        if let Presence::Optional { without, .. } = &mut entry.presence {
-            without.clear();
-        }
-        row(ui, model, &target.key("color"), "one color", entry);
+    let mut entry = controls::cloud(settings, "color", false, None, model.extent());
+    if let Some(Entry { presence: Presence::Optional { without, .. }, .. }) = &mut entry {
+        without.clear();
     }
+    row(ui, model, &target.key("color"), "one color", entry);
 }
 
 /// The row of a key that needs nothing but its control.
 fn plain(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSettings, key: &str) {
-    if let Some(entry) = controls::cloud(settings, key, false, None, model.extent()) {
-        row(ui, model, &target.key(key), &controls::label(key), entry);
-    }
+    let entry = controls::cloud(settings, key, false, None, model.extent());
+    row(ui, model, &target.key(key), &controls::label(key), entry);
 }
 
 /// Shows the choice of what the colors mean, among the quantities that all of the clouds have.
 fn meaning(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSettings) {
-    let (census, scene) = (model.census(), model.scene().clone());
-    let known = scene.clouds.iter().zip(census.iter()).enumerate();
+    let (statistics, scene) = (model.statistics(), model.scene().clone());
+    let known = scene.clouds.iter().zip(statistics.iter()).enumerate();
     let about = known.filter(|(i, _)| target == Target::All || target == Target::One(*i));
-    let offers: Vec<Vec<&str>> = about.map(|(_, (settings, census))| offers(settings, census)).collect();
+    let offers: Vec<Vec<&str>> = about.map(|(_, (settings, statistics))| offers(settings, statistics)).collect();
     let Some((first, others)) = offers.split_first() else { return };
     let words: Vec<&str> =
         first.iter().copied().filter(|word| others.iter().all(|other| other.contains(word))).collect();
     let key = target.key("color_by");
-    let given = model.is_given(&key);
-    let (chosen, out) = ui
-        .horizontal(|ui| {
-            let (response, chosen) = choice(ui, &key, settings.coloring.color_by.word(), &words);
-            note(ui, model, &key, &response);
-            name(ui, &key, "colored by");
-            (chosen, given && takes_out(ui, model, &key))
-        })
-        .inner;
-    if out {
-        model.change(&by(target, None));
-    } else if let Some(word) = chosen {
-        model.change(&by(target, Some(word)));
+    if let Some(word) = choice_row(ui, model, &key, "colored by", settings.coloring.color_by.word(), &words) {
+        model.change(&by(target, word));
     }
 }
 
@@ -129,20 +116,20 @@ fn by(target: Target, word: Option<&str>) -> Vec<Change> {
 }
 
 /// Returns the quantities that the colors of a cloud can show.
-fn offers<'a>(settings: &CloudSettings, census: &'a Census) -> Vec<&'a str> {
-    let has = |name: &str| census.scalars.iter().any(|(known, _)| known == name);
+fn offers<'a>(settings: &CloudSettings, statistics: &'a Statistics) -> Vec<&'a str> {
+    let has = |name: &str| statistics.scalars.iter().any(|(known, _)| known == name);
     // Columns of LAS files are read when they are asked for.
     let is_las =
         settings.path.extension().is_some_and(|end| ["las", "laz"].iter().any(|las| end.eq_ignore_ascii_case(las)));
     let offered = |word: &&str| match *word {
-        "rgb" => census.colors,
+        "rgb" => statistics.colors,
         "intensity" => has("intensity"),
-        "classification" => !census.classes.is_empty(),
+        "classification" => !statistics.classes.is_empty(),
         "return" | "source" | "gps-time" => is_las,
-        "normal" => census.normals,
+        "normal" => statistics.normals,
         _ => true,
     };
-    let scalars = census.scalars.iter().map(|(name, _)| name.as_str());
+    let scalars = statistics.scalars.iter().map(|(name, _)| name.as_str());
     let known = ["x", "y", "z", "intensity", "return_number", "point_source_id", "gps_time"];
     let scalars = scalars.filter(|name| !known.contains(name) && ColorBy::words().all(|word| word != *name));
     let words = ColorBy::words().filter(offered).map(|word| -> &'a str { word });
@@ -150,9 +137,9 @@ fn offers<'a>(settings: &CloudSettings, census: &'a Census) -> Vec<&'a str> {
 }
 
 /// True if values become colors by way of the color map.
-fn is_mapped(settings: &CloudSettings, census: Option<&Census>) -> bool {
+fn is_mapped(settings: &CloudSettings, statistics: Option<&Statistics>) -> bool {
     match settings.coloring.color_by {
-        ColorBy::Auto => census.is_some_and(|census| census.auto.is_mapped()),
+        ColorBy::Auto => statistics.is_some_and(|statistics| statistics.auto.is_mapped()),
         ref by => by.is_mapped(),
     }
 }
@@ -184,9 +171,9 @@ fn range(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSetting
         given.is_some() && ui.small_button("percentiles").on_hover_text("1 and 99, as without `range`").clicked()
     });
     if out.inner {
-        model.change(&changes(&key, None));
+        model.set(&key, None);
     } else if ends != [low, high] {
-        model.change(&changes(&key, Some(ends.into())));
+        model.set(&key, Setting::from(ends));
     }
 }
 
@@ -254,10 +241,10 @@ mod tests {
 
     #[test]
     fn auto_is_mapped_where_it_falls_to_height() {
-        let census = |auto| Census { auto, ..Census::default() };
+        let statistics = |auto| Statistics { auto, ..Statistics::default() };
         let settings = CloudSettings::default();
         for (auto, wanted) in [(ColorBy::Height, true), (ColorBy::Rgb, false), (ColorBy::Classification, false)] {
-            assert_eq!(is_mapped(&settings, Some(&census(auto))), wanted);
+            assert_eq!(is_mapped(&settings, Some(&statistics(auto))), wanted);
         }
         assert!(!is_mapped(&settings, None), "not known yet");
     }

@@ -3,13 +3,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use egui::{Color32, ScrollArea, Ui};
-use egui_plot::{Bar, BarChart, Plot, VLine};
+use egui_plot::{Bar, BarChart, VLine};
 
-use super::row::{choice, name, note, takes_out, vector};
-use crate::census::{BINS, FieldFacts};
+use super::row::{choice_row, note, vector};
 use crate::counts::grouped;
 use crate::hints::hint;
 use crate::model::Model;
+use crate::overlay::still_plot;
+use crate::statistics::{BINS, FieldFacts};
 use pellucid_engine::cloud::UpAxis;
 use pellucid_engine::cloud::field::Field;
 use pellucid_engine::color::classes;
@@ -40,35 +41,25 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 
 /// The chooser of the field of some clouds, which `cloud.TARGET` names, with what belongs to the field.
 pub fn chooser(ui: &mut Ui, model: &mut Model, target: &str, clouds: &[usize]) {
-    let (census, scene) = (model.census(), model.scene().clone());
-    let known: Vec<_> = clouds.iter().filter_map(|i| Some((scene.clouds.get(*i)?, census.get(*i)?))).collect();
-    let fields: Vec<Field> = known.iter().map(|(settings, census)| census.field(settings)).collect();
+    let (statistics, scene) = (model.statistics(), model.scene().clone());
+    let known: Vec<_> = clouds.iter().filter_map(|i| Some((scene.clouds.get(*i)?, statistics.get(*i)?))).collect();
+    let fields: Vec<Field> = known.iter().map(|(settings, statistics)| statistics.field(settings)).collect();
     let (Some(first), Some((_, some))) = (fields.first(), known.first()) else {
         ui.weak("examining the clouds");
         return;
     };
     let same = fields.iter().all(|field| field.name() == first.name());
     let word = if same { first.name() } else { "several" };
-    let has = |name: &&str| known.iter().all(|(_, census)| census.fields().contains(name));
+    let has = |name: &&str| known.iter().all(|(_, statistics)| statistics.fields().contains(name));
     let words: Vec<&str> = some.fields().into_iter().filter(has).collect();
     let key = format!("cloud.{target}.field");
-    let given = model.is_given(&key);
-    let (chosen, out) = ui
-        .horizontal(|ui| {
-            let (response, chosen) = choice(ui, &key, word, &words);
-            note(ui, model, &key, &response);
-            name(ui, &key, "field F");
-            (chosen, given && takes_out(ui, model, &key))
-        })
-        .inner;
-    let counts = known.iter().fold(BTreeMap::new(), |mut sum: BTreeMap<u8, usize>, (_, census)| {
-        census.classes.iter().for_each(|(code, count)| *sum.entry(*code).or_default() += count);
+    let chosen = choice_row(ui, model, &key, "field F", word, &words);
+    let counts = known.iter().fold(BTreeMap::new(), |mut sum: BTreeMap<u8, usize>, (_, statistics)| {
+        statistics.classes.iter().for_each(|(code, count)| *sum.entry(*code).or_default() += count);
         sum
     });
     if let Some(word) = chosen {
-        model.change(&to_field(target, Some(word), &counts));
-    } else if out {
-        model.change(&to_field(target, None, &counts));
+        model.change(&to_field(target, word, &counts));
     } else if same {
         match first {
             Field::Classification { .. } => classes(ui, model, target, &fields, &counts),
@@ -103,7 +94,7 @@ fn classes(ui: &mut Ui, model: &mut Model, target: &str, fields: &[Field], count
             let name = classes::name(*code).map_or_else(|| code.to_string(), |name| format!("{code} {name}"));
             ui.horizontal(|ui| {
                 let response = ui.checkbox(&mut on, name).on_hover_text(hint(&key));
-                note(ui, model, &format!("{key}.{code}"), &response);
+                note(model, &format!("{key}.{code}"), response);
                 ui.weak(grouped(*count as u64));
             });
             if on {
@@ -136,8 +127,7 @@ fn axis(ui: &mut Ui, model: &mut Model, target: &str, point: Option<[f64; 3]>, d
         let key = format!("cloud.{target}.axis.{part}");
         let mut on = given.is_some();
         let switched = ui.horizontal(|ui| {
-            let response = ui.checkbox(&mut on, label);
-            note(ui, model, &format!("{key}?"), &response);
+            let response = note(model, &format!("{key}?"), ui.checkbox(&mut on, label));
             if given.is_none() {
                 ui.weak(without);
             }
@@ -167,8 +157,8 @@ fn around(target: &str, part: &str, numbers: Option<[f64; 3]>) -> Vec<Change> {
 }
 
 /// Shows the least and the largest value of a property.
-fn range(ui: &mut Ui, census: &crate::census::Census, field: &str, clouds: usize) {
-    let found = census.scalars.iter().find(|(name, _)| name == field);
+fn range(ui: &mut Ui, statistics: &crate::statistics::Statistics, field: &str, clouds: usize) {
+    let found = statistics.scalars.iter().find(|(name, _)| name == field);
     if let (Some((_, [least, most])), 1) = (found, clouds) {
         let scaled = if *least >= 0.0 && *most <= 1.0 { "as stored" } else { "scaled to 0 to 1" };
         ui.weak(format!("{least} to {most}, {scaled}"));
@@ -192,17 +182,8 @@ fn histogram(ui: &mut Ui, facts: &FieldFacts, threshold: f64) {
     };
     let bars = facts.histogram.iter().enumerate().map(bar).collect();
     let chart = BarChart::new("points", bars).element_formatter(Box::new(says));
-    let plot =
-        Plot::new("field").height(74.0).width(ui.available_width() - 8.0).include_x(0.0).include_x(1.0).include_y(0.0);
-    let plot = plot.show_axes([true, false]).show_grid(false).set_margin_fraction([0.01, 0.05].into());
-    let plot = plot
-        .allow_drag(false)
-        .allow_zoom(false)
-        .allow_scroll(false)
-        .allow_boxed_zoom(false)
-        .show_x(false)
-        .show_y(false);
-    plot.show(ui, |plot| {
+    let plot = still_plot("field", 74.0, 1.0).width(ui.available_width() - 8.0).show_y(false);
+    plot.show_axes([true, false]).set_margin_fraction([0.01, 0.05].into()).show(ui, |plot| {
         plot.bar_chart(chart);
         plot.vline(VLine::new("t", threshold).color(THRESHOLD).width(1.5));
     });

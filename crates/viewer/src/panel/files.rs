@@ -8,27 +8,17 @@ use crate::model::Model;
 pub fn show(ui: &mut Ui, model: &mut Model) {
     ui.add_enabled_ui(!model.busy, |ui| {
         ui.horizontal_wrapped(|ui| {
-            if ui.button("open…").on_hover_text("open a scene, clouds or a camera path (Ctrl+O)").clicked() {
+            let mut clicked = |text: &str, hint: &str| ui.button(text).on_hover_text(hint).clicked();
+            if clicked("open…", "open a scene, clouds or a camera path (Ctrl+O)") {
                 model.dialog.open();
             }
-            if ui
-                .button("save picture")
-                .on_hover_text(
-                    "save the picture and its scene file in the current folder \
-                 (F12)",
-                )
-                .clicked()
-            {
+            if clicked("save picture", "save the picture and its scene file in the current folder (F12)") {
                 model.save(true);
             }
-            if ui.button("save scene").on_hover_text("save the scene file in the current folder (Ctrl+S)").clicked() {
+            if clicked("save scene", "save the scene file in the current folder (Ctrl+S)") {
                 model.save(false);
             }
-            if ui
-                .button("save scene as…")
-                .on_hover_text("save the scene file under another name (Ctrl+Shift+S)")
-                .clicked()
-            {
+            if clicked("save scene as…", "save the scene file under another name (Ctrl+Shift+S)") {
                 model.ask_where_to_save();
             }
         });

@@ -24,7 +24,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
                 }
             }
         });
-        note(ui, model, "method.name", &shown.response);
+        note(model, "method.name", shown.response);
         if let Some(taken) = taken {
             ui.weak(format!("here {taken}"));
         }
@@ -33,7 +33,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         model.set_method(name);
     }
     // Without Gaussians they are keys without effect, and there are many of them.
-    let gaussians = model.census().iter().any(|census| census.gaussians);
+    let gaussians = model.statistics().iter().any(|statistics| statistics.gaussians);
     let shown = |key: &&str| gaussians || !gaussian_keys().contains(key);
     for key in method_keys(method.name()).into_iter().filter(shown) {
         let dotted = format!("method.{key}");

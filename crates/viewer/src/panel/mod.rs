@@ -57,7 +57,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
             section(ui, model, "Solid and soft", true, field::show);
         }
         section(ui, model, "Clouds", true, clouds::show);
-        if model.census().iter().any(|census| !census.classes.is_empty()) {
+        if model.statistics().iter().any(|statistics| !statistics.classes.is_empty()) {
             section(ui, model, "Classes", false, classes::show);
         }
         model.shows.colors = section(ui, model, "Colors", false, colors::show);
@@ -78,7 +78,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 fn section(ui: &mut Ui, model: &mut Model, title: &str, open: bool, content: fn(&mut Ui, &mut Model)) -> bool {
     let header = egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(open);
     let shown = header.show(ui, |ui| content(ui, model));
-    note(ui, model, &format!("section {title}"), &shown.header_response);
+    note(model, &format!("section {title}"), shown.header_response);
     shown.body_returned.is_some()
 }
 

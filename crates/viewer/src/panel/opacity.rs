@@ -2,7 +2,7 @@
 
 use egui::Ui;
 
-use super::row::{Edit, edit_row, note, row};
+use super::row::{edit_row, note, row};
 use crate::controls::{self, Entry, Presence};
 use crate::model::Model;
 use pellucid_engine::scene::{Change, CloudSettings, Setting, rounded};
@@ -18,8 +18,7 @@ fn entry(cloud: &CloudSettings, model: &Model) -> Option<(&'static str, Entry)> 
 
 /// The slider of one cloud. Returns true if its label was clicked.
 pub fn one(ui: &mut Ui, model: &mut Model, i: usize, cloud: &CloudSettings, label: &str) -> bool {
-    let Some((key, entry)) = entry(cloud, model) else { return false };
-    row(ui, model, &format!("cloud.{i}.{key}"), label, entry)
+    entry(cloud, model).is_some_and(|(key, entry)| row(ui, model, &format!("cloud.{i}.{key}"), label, Some(entry)))
 }
 
 /// Shows a slider for all clouds, each by its own key; while they differ it shows their mean.
@@ -35,11 +34,7 @@ pub fn all(ui: &mut Ui, model: &mut Model, clouds: &[CloudSettings]) {
     };
     entry.value = Setting::Number(value);
     if let (Some(edit), _) = edit_row(ui, model, &format!("cloud.*.{key}"), label, entry) {
-        let value = match edit {
-            Edit::To(value) => Some(value),
-            Edit::Out => None,
-        };
-        model.change(&controls::opacities(clouds, value.as_ref()));
+        model.change(&controls::opacities(clouds, edit.value().as_ref()));
     }
 }
 
@@ -48,8 +43,7 @@ pub fn surface(ui: &mut Ui, model: &mut Model, i: usize, cloud: &CloudSettings) 
     let (key, value) = controls::opacity(cloud);
     let mut on = key == "surface_opacity";
     let response = ui.checkbox(&mut on, "opacity of the surface");
-    note(ui, model, &format!("cloud.{i}.surface_opacity?"), &response);
-    let response = response.on_hover_text(
+    let response = note(model, &format!("cloud.{i}.surface_opacity?"), response).on_hover_text(
         "Overlapping discs hide more than each one alone. If checked, the opacity is that of the surface the discs lie on \
          (surface_opacity).",
     );

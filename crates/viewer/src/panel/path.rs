@@ -1,7 +1,8 @@
 //! The path of key frames: keys of the present camera, and running along them.
 
-use egui::{DragValue, Response, ScrollArea, Slider, SliderClamping, Ui};
+use egui::{DragValue, ScrollArea, Slider, SliderClamping, Ui};
 
+use super::row::note;
 use crate::model::Model;
 
 /// Height of the list of keys in points.
@@ -20,47 +21,31 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     files(ui, model);
 }
 
-/// A button that is there for tests to find, too.
-fn button(ui: &mut Ui, model: &mut Model, name: &str, text: &str, enabled: bool, hint: &str) -> bool {
-    let response = ui.add_enabled(enabled, egui::Button::new(text)).on_hover_text(hint);
-    note(ui, model, name, &response);
-    response.clicked()
-}
+/// Name, text, whether it can be clicked, hint and action of a button.
+type Button<'a> = (&'a str, &'a str, bool, &'a str, fn(&mut Model));
 
-fn note(ui: &Ui, model: &mut Model, name: &str, response: &Response) {
-    let (rect, scale) = (response.rect, ui.ctx().pixels_per_point());
-    let place = [rect.left(), rect.top(), rect.width(), rect.height()].map(|x| (x * scale).round() as i32);
-    model.controls.insert(format!("path.{name}"), place);
+/// Buttons in a row, which are there for tests to find, too.
+fn buttons(ui: &mut Ui, model: &mut Model, all: &[Button<'_>]) {
+    for (name, text, enabled, hint, act) in all {
+        let response = ui.add_enabled(*enabled, egui::Button::new(*text)).on_hover_text(*hint);
+        if note(model, &format!("path.{name}"), response).clicked() {
+            act(model);
+        }
+    }
 }
 
 fn edit(ui: &mut Ui, model: &mut Model) {
     let selected = model.route.selected();
-    let count = model.route.keys().len();
-    let last = selected.is_some_and(|at| at + 1 == count);
-    ui.horizontal(|ui| {
-        if button(ui, model, "add", "add key", true, "add the current camera after the selected key (K)") {
-            model.add_key();
-        }
-        if button(
-            ui,
-            model,
-            "replace",
-            "replace",
-            selected.is_some(),
-            "replace the selected key with the current camera",
-        ) {
-            model.replace_key();
-        }
-        if button(ui, model, "delete", "delete", selected.is_some(), "the selected key") {
-            model.delete_key();
-        }
-        if button(ui, model, "up", "⏶", selected.is_some_and(|at| at > 0), "move the selected key earlier") {
-            model.shift_key(true);
-        }
-        if button(ui, model, "down", "⏷", selected.is_some() && !last, "move the selected key later") {
-            model.shift_key(false);
-        }
-    });
+    let (is_selected, count) = (selected.is_some(), model.route.keys().len());
+    let [is_first, is_last] = [Some(0), count.checked_sub(1)].map(|at| selected == at);
+    let all: [Button<'_>; 5] = [
+        ("add", "add key", true, "add the current camera after the selected key (K)", Model::add_key),
+        ("replace", "replace", is_selected, "replace the selected key with the current camera", Model::replace_key),
+        ("delete", "delete", is_selected, "the selected key", Model::delete_key),
+        ("up", "⏶", is_selected && !is_first, "move the selected key earlier", |model| model.shift_key(true)),
+        ("down", "⏷", is_selected && !is_last, "move the selected key later", |model| model.shift_key(false)),
+    ];
+    ui.horizontal(|ui| buttons(ui, model, &all));
 }
 
 /// The keys; one that is clicked is selected and shown.
@@ -81,8 +66,7 @@ fn row(ui: &mut Ui, model: &mut Model, at: usize) {
     let is_selected = model.route.selected() == Some(at);
     let response = ui.selectable_label(is_selected, format!("{:>3}", at + 1));
     let response = response.on_hover_text(format!("eye at {x:.3}, {y:.3}, {z:.3}"));
-    note(ui, model, &format!("key.{}", at + 1), &response);
-    if response.clicked() {
+    if note(model, &format!("path.key.{}", at + 1), response).clicked() {
         model.go_to_key(at);
     }
     match time {
@@ -130,16 +114,13 @@ fn timing(ui: &mut Ui, model: &mut Model) {
 fn run(ui: &mut Ui, model: &mut Model) {
     ui.horizontal(|ui| {
         let text = if model.route.is_playing() { "⏸ stop" } else { "▶ play" };
-        if button(ui, model, "play", text, true, "play the path (Space); any camera movement stops it") {
-            model.play();
-        }
+        let hint = "play the path (Space); any camera movement stops it";
+        buttons(ui, model, &[("play", text, true, hint, Model::play)]);
         let (mut position, duration) = (model.route.position(), model.route.duration());
         // Only what a hand does is rounded: a slider that rounds what it shows would stop the camera.
         let slider = Slider::new(&mut position, 0.0..=duration.max(f64::MIN_POSITIVE)).clamping(SliderClamping::Edits);
         let slider = slider.max_decimals(2).suffix(" s");
-        let response = ui.add_enabled(duration > 0.0, slider);
-        note(ui, model, "position", &response);
-        if response.changed() {
+        if note(model, "path.position", ui.add_enabled(duration > 0.0, slider)).changed() {
             model.seek(position);
         }
     });
@@ -147,18 +128,13 @@ fn run(ui: &mut Ui, model: &mut Model) {
 
 fn files(ui: &mut Ui, model: &mut Model) {
     let any = !model.route.keys().is_empty();
-    ui.horizontal(|ui| {
-        let hint = "Fill the path with a full turn of the current camera about its pivot: a key every 22.5°.\n`pellucid \
+    let turn = "Fill the path with a full turn of the current camera about its pivot: a key every 22.5°.\n`pellucid \
              render --turntable` turns around the middle of the scene instead, and keeps all of it in every frame.";
-        if button(ui, model, "turntable", "turntable", true, hint) {
-            model.fill_turntable();
-        }
-        let hint = "save the path and its scene in the current folder (Ctrl+K); the message shows how to render it";
-        if button(ui, model, "save", "save path", any && !model.busy, hint) {
-            model.save_path();
-        }
-        if button(ui, model, "clear", "clear", any, "remove all keys") {
-            model.route.clear();
-        }
-    });
+    let save = "save the path and its scene in the current folder (Ctrl+K); the message shows how to render it";
+    let all: [Button<'_>; 3] = [
+        ("turntable", "turntable", true, turn, Model::fill_turntable),
+        ("save", "save path", any && !model.busy, save, Model::save_path),
+        ("clear", "clear", any, "remove all keys", |model| model.route.clear()),
+    ];
+    ui.horizontal(|ui| buttons(ui, model, &all));
 }

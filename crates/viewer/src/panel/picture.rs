@@ -10,9 +10,8 @@ use crate::model::{Model, Passes};
 pub fn show(ui: &mut Ui, model: &mut Model) {
     let image = model.scene().image;
     for (key, label) in [("background", "background"), ("color", "blended in")] {
-        if let Some(entry) = controls::find(image.keys(), key).and_then(|key| controls::entry(&key, model.extent())) {
-            row(ui, model, &format!("image.{key}"), label, entry);
-        }
+        let entry = controls::find(image.keys(), key).and_then(|key| controls::entry(&key, model.extent()));
+        row(ui, model, &format!("image.{key}"), label, entry);
     }
     ui.horizontal(|ui| {
         ui.label("times (T)").on_hover_text("show the time of each pass over the picture");

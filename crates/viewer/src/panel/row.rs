@@ -32,13 +32,12 @@ impl Edit {
     }
 }
 
-/// A row that applies its own edits. Returns true if its name was clicked.
-pub fn row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Entry) -> bool {
+/// A row that applies its own edits, if its key has a control. Returns true if its name was clicked.
+pub fn row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Option<Entry>) -> bool {
+    let Some(entry) = entry else { return false };
     let (edit, clicked) = edit_row(ui, model, key, label, entry);
-    match edit {
-        Some(Edit::To(value)) => model.set(key, value),
-        Some(Edit::Out) => model.change(&controls::changes(key, None)),
-        None => {}
+    if let Some(edit) = edit {
+        model.set(key, edit.value());
     }
     clicked
 }
@@ -56,7 +55,7 @@ pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: E
         let (on, mut edit) = switch(ui, model, key, &presence, &value, about);
         if on {
             let (response, changed) = change(ui, key, label, control, value);
-            note(ui, model, key, &response.on_hover_text(about));
+            note(model, key, response.on_hover_text(about));
             edit = edit.or(changed.map(Edit::To));
         }
         if let (Presence::Optional { without, .. }, false) = (&presence, on) {
@@ -89,7 +88,7 @@ fn switch(
     };
     let was = on;
     let response = if radio { ui.radio(on, "") } else { ui.checkbox(&mut on, "") };
-    note(ui, model, &format!("{key}?"), &response);
+    let response = note(model, &format!("{key}?"), response);
     let clicked = if radio { response.clicked() && !was } else { response.changed() };
     response.on_hover_text(about);
     let edit = clicked.then(|| if was { Edit::Out } else { Edit::To(start.clone()) });
@@ -115,69 +114,56 @@ fn name_within(ui: &mut Ui, about: &str, label: &str, room: f32) -> Response {
 pub fn takes_out(ui: &mut Ui, model: &mut Model, key: &str) -> bool {
     let response =
         ui.add(Button::new(RichText::new("⟲").size(11.0)).frame(false)).on_hover_text("reset to the default");
-    note(ui, model, &format!("{key} default"), &response);
-    response.clicked()
+    note(model, &format!("{key} default"), response).clicked()
 }
 
 /// Notes where a control is.
-pub fn note(ui: &Ui, model: &mut Model, key: &str, response: &Response) {
-    let scale = ui.ctx().pixels_per_point();
-    let rect = response.rect;
+pub fn note(model: &mut Model, key: &str, response: Response) -> Response {
+    let (rect, scale) = (response.rect, response.ctx.pixels_per_point());
     let place = [rect.left(), rect.top(), rect.width(), rect.height()].map(|x| (x * scale).round() as i32);
     model.controls.insert(key.to_owned(), place);
+    response
 }
 
 fn change(ui: &mut Ui, key: &str, label: &str, control: Control, value: Setting) -> (Response, Option<Setting>) {
-    match (control, value) {
+    let (response, changed) = match (control, value) {
         (Control::Slider(from, to), Setting::Number(mut x)) => {
-            let response = ui.add(slider(&mut x, from, to).max_decimals(3).step_by(0.001));
-            let changed = response.changed().then_some(Setting::Number(x));
-            (response, changed)
+            (ui.add(slider(&mut x, from, to).max_decimals(3).step_by(0.001)), Setting::Number(x))
         }
         (Control::Powers(from, to), Setting::Number(mut x)) => {
             let least = if from > 0.0 { from } else { 1e-5 * to };
             let slider = slider(&mut x, from, to).logarithmic(true).smallest_positive(least);
-            let response = ui.add(slider.custom_formatter(|x, _| short(x)));
-            let changed = response.changed().then(|| Setting::Number(significant(x)));
-            (response, changed)
+            (ui.add(slider.custom_formatter(|x, _| short(x))), Setting::Number(significant(x)))
         }
         (Control::Opacity, Setting::Number(mut x)) => {
-            let response = ui.add(opacity_slider(&mut x));
-            let changed = response.changed().then(|| Setting::Number(three_digits(x)));
-            (response, changed)
+            (ui.add(opacity_slider(&mut x)), Setting::Number(three_digits(x)))
         }
         (Control::Count(from, to), Setting::Integer(mut n)) => {
             let slider = Slider::new(&mut n, from..=to).logarithmic(to > 32).clamping(SliderClamping::Edits);
-            let response = ui.add(slider.update_while_editing(false));
-            let changed = response.changed().then_some(Setting::Integer(n));
-            (response, changed)
+            (ui.add(slider.update_while_editing(false)), Setting::Integer(n))
         }
         (Control::OneOf(numbers), Setting::Integer(n)) => {
             let words: Vec<String> = numbers.iter().map(u32::to_string).collect();
             let (own, words) = (n.to_string(), words.iter().map(String::as_str).collect::<Vec<_>>());
             let (response, chosen) = choice(ui, key, &own, &words);
-            (response, chosen.and_then(|word| word.parse().ok()).map(Setting::Integer))
+            return (response, chosen.and_then(|word| word.parse().ok()).map(Setting::Integer));
         }
-        (Control::Flag, Setting::Flag(mut flag)) => {
-            let response = ui.checkbox(&mut flag, label);
-            let changed = response.changed().then_some(Setting::Flag(flag));
-            (response, changed)
-        }
+        (Control::Flag, Setting::Flag(mut flag)) => (ui.checkbox(&mut flag, label), Setting::Flag(flag)),
         (Control::Choice(words), Setting::Word(word)) => {
             let words: Vec<&str> = words.iter().map(|word| word.name).collect();
             let (response, chosen) = choice(ui, key, &word, &words);
-            (response, chosen.map(|word| Setting::Word(word.to_owned())))
+            return (response, chosen.map(Setting::from));
         }
         (Control::Color, Setting::Numbers(color)) => {
             let mut rgb: [f32; 3] = std::array::from_fn(|i| color.get(i).copied().unwrap_or_default() as f32);
             let response = ui.color_edit_button_rgb(&mut rgb);
-            let rounded = || rgb.map(|x| (f64::from(x.clamp(0.0, 1.0)) * 1e4).round() / 1e4).to_vec();
-            let changed = response.changed().then(|| Setting::Numbers(rounded()));
-            (response, changed)
+            (response, rgb.map(|x| (f64::from(x.clamp(0.0, 1.0)) * 1e4).round() / 1e4).into())
         }
         // A control has the value that belongs to it.
-        (_, other) => (ui.weak(format!("{other:?}")), None),
-    }
+        (_, other) => return (ui.weak(format!("{other:?}")), None),
+    };
+    let changed = response.changed().then_some(changed);
+    (response, changed)
 }
 
 /// A slider of opacities. Small ones have as much room as large ones, because layers overlap.
@@ -207,6 +193,27 @@ pub fn choice<'a>(ui: &mut Ui, key: &str, word: &'a str, words: &[&'a str]) -> (
     (shown.response, (chosen != word).then_some(chosen))
 }
 
+/// A choice between words with its name and, if its key is given, a button that removes the key. Returns the word that
+/// was chosen, `None` for one if the button was clicked.
+pub fn choice_row<'a>(
+    ui: &mut Ui,
+    model: &mut Model,
+    key: &str,
+    label: &str,
+    word: &'a str,
+    words: &[&'a str],
+) -> Option<Option<&'a str>> {
+    let given = model.is_given(key);
+    let row = ui.horizontal(|ui| {
+        let (response, chosen) = choice(ui, key, word, words);
+        note(model, key, response);
+        name(ui, key, label);
+        let out = given && takes_out(ui, model, key);
+        chosen.map(Some).or(out.then_some(None))
+    });
+    row.inner
+}
+
 /// Three numbers with a name; returns them if they changed.
 pub fn vector(ui: &mut Ui, model: &mut Model, key: &str, vector: [f64; 3], speed: f64) -> Option<[f64; 3]> {
     let mut changed = vector;
@@ -216,8 +223,8 @@ pub fn vector(ui: &mut Ui, model: &mut Model, key: &str, vector: [f64; 3], speed
             let number = DragValue::new(x).speed(speed).max_decimals(4).update_while_editing(false);
             ui.add_sized([70.0, 18.0], number).on_hover_text(hint(key))
         });
-        let [first, ..] = &responses;
-        note(ui, model, key, first);
+        let [first, ..] = responses;
+        note(model, key, first);
     });
     (changed != vector).then_some(changed)
 }

@@ -3,7 +3,7 @@
 use egui::Ui;
 use glam::DVec3;
 
-use super::row::{choice, name, note, row, takes_out, vector};
+use super::row::{choice_row, name, note, row, vector};
 use crate::controls;
 use crate::model::Model;
 use pellucid_engine::cloud::UpAxis;
@@ -29,9 +29,8 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         (false, false) => &[],
     };
     for key in of_model.iter().chain(of_depth) {
-        if let Some(entry) = controls::find(shading.keys(), key).and_then(|key| controls::entry(&key, model.extent())) {
-            row(ui, model, &format!("shading.{key}"), key, entry);
-        }
+        let entry = controls::find(shading.keys(), key).and_then(|key| controls::entry(&key, model.extent()));
+        row(ui, model, &format!("shading.{key}"), key, entry);
     }
     if shading.model != ShadingModel::None {
         light(ui, model, shading.light);
@@ -45,17 +44,8 @@ fn light(ui: &mut Ui, model: &mut Model, light: Light) {
         Light::Direction(_) => "direction",
         Light::Position(_) => "position",
     };
-    let given = model.is_given("shading.light");
-    let (chosen, out) = ui
-        .horizontal(|ui| {
-            let (response, chosen) = choice(ui, "shading.light", word, &words);
-            note(ui, model, "shading.light", &response);
-            name(ui, "shading.light", "light");
-            (chosen, given && takes_out(ui, model, "shading.light"))
-        })
-        .inner;
-    if let Some(word) = chosen.or(out.then_some("headlight")) {
-        set_light(model, light, other_kind(model, light, word));
+    if let Some(word) = choice_row(ui, model, "shading.light", "light", word, &words) {
+        set_light(model, light, other_kind(model, light, word.unwrap_or("headlight")));
         return;
     }
     match light {
@@ -112,7 +102,7 @@ fn along(ui: &mut Ui, model: &mut Model, travels: DVec3) {
         let slider = egui::Slider::new(&mut turned[i], -most..=most).fixed_decimals(1).suffix("°");
         ui.horizontal(|ui| {
             let response = ui.add(slider.clamping(egui::SliderClamping::Edits).update_while_editing(false));
-            note(ui, model, &key, &response);
+            note(model, &key, response);
             name(ui, &key, label);
         });
     }
@@ -151,8 +141,7 @@ pub fn has_shadows(scene: &Scene) -> bool {
 /// Draws the section on shadows.
 pub fn shadows(ui: &mut Ui, model: &mut Model) {
     let mut on = model.is_given("shadows");
-    let response = ui.checkbox(&mut on, "cast shadows");
-    note(ui, model, "shadows.method", &response);
+    let response = note(model, "shadows.method", ui.checkbox(&mut on, "cast shadows"));
     // Shadows that were switched off return with the same settings.
     let id = egui::Id::new("shadows, switched off");
     if response.changed() && on {
@@ -162,7 +151,7 @@ pub fn shadows(ui: &mut Ui, model: &mut Model) {
         if let Some(shadows) = model.scene().shadows {
             ui.data_mut(|data| data.insert_temp(id, (shadows, model.scene().shading.light)));
         }
-        model.change(&controls::changes("shadows", None));
+        model.set("shadows", None);
     }
     if !on {
         return;
@@ -182,9 +171,8 @@ pub fn shadows(ui: &mut Ui, model: &mut Model) {
         Some(_) => &["light_radius", "resolution", "min_layer_distance"],
     };
     for key in keys {
-        if let Some(entry) = controls::shadows(&shadows, shading.light, key, model.extent()) {
-            row(ui, model, &format!("shadows.{key}"), &controls::label(key), entry);
-        }
+        let entry = controls::shadows(&shadows, shading.light, key, model.extent());
+        row(ui, model, &format!("shadows.{key}"), &controls::label(key), entry);
     }
 }
 

@@ -75,9 +75,9 @@ fn each_setting_of(methods: &[&str]) {
             all.extend([words("method.name", there), words("method.name", method), number("cloud.0.opacity", 0.2)]);
             for (key, value) in all {
                 let scene = document.set(&key, value.clone()).unwrap();
-                let before = live.placed.as_ref().map(|placed| placed.points().positions.as_ptr());
+                let before = live.placed.as_ref().map(|placed| placed.session.points().positions.as_ptr());
                 let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
-                let after = live.placed.as_ref().map(|placed| placed.points().positions.as_ptr());
+                let after = live.placed.as_ref().map(|placed| placed.session.points().positions.as_ptr());
                 following += usize::from(before == after);
                 let what = format!("{method} (by way of {there}), {key} = {value:?}");
                 assert_same(&taken, &fresh(&mut other, device, &clouds, &scene), &what);
@@ -133,7 +133,7 @@ fn only_columns_that_changed_are_uploaded() {
         for ((key, value), bytes, changes) in steps {
             let scene = document.set(&key, value).unwrap();
             let before = device.uploaded_bytes();
-            assert_eq!(stage.place(&scene).unwrap(), changes, "{key}");
+            assert_eq!(stage.place(&scene, Pose::Scene).unwrap(), changes, "{key}");
             assert_eq!(device.uploaded_bytes() - before, bytes, "{key}");
         }
     });
@@ -152,7 +152,7 @@ fn dealt_points_stay_dealt_when_colors_and_opacities_change() {
         for (i, (key, value)) in settings.into_iter().enumerate() {
             let scene = document.set(&key, value).unwrap();
             let before = device.uploaded_bytes();
-            let changes = live.place(&scene).unwrap();
+            let changes = live.place(&scene, Pose::Scene).unwrap();
             if i > 0 {
                 assert_eq!(changes, Changes { opacities: true, ..Changes::default() }, "{key}");
                 assert_eq!(device.uploaded_bytes() - before, 16 * n, "{key}");

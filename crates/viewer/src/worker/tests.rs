@@ -128,7 +128,7 @@ fn accuracy_is_that_of_the_picture_that_is_shown() {
         worker.ask(whole(&document, Pose::Scene, 1));
         assert!(matches!(news(worker, || {}), News::Picture(_)));
         let before = measured(1);
-        assert!(before.rungs[0].rmse.is_some_and(|rmse| rmse > 1e-4), "{before:?}");
+        assert!(before.refinements[0].rmse.is_some_and(|rmse| rmse > 1e-4), "{before:?}");
         document.put("cloud.0.opacity", Setting::Number(0.1)).unwrap();
         worker.ask(whole(
             &document,
@@ -149,14 +149,14 @@ fn a_moving_picture_is_measured_once_a_better_one_is_there() {
             let scene = Arc::new(document.scene().unwrap());
             worker.ask(Task::Show(Box::new(Request { scene, pose: Pose::Scene, effort, serial, legend: false })));
             match news(worker, || {}) {
-                News::Picture(picture) => picture.accuracy.rungs,
+                News::Picture(picture) => picture.accuracy.refinements,
                 _ => panic!("no picture"),
             }
         };
         let draft = show(&document, Effort::Moving(1e-6), 1);
         assert!(draft.len() == 1 && draft[0].rmse.is_none(), "{draft:?}");
-        let rungs = show(&document, Effort::Whole, 2);
-        assert!(rungs.len() == 2 && rungs[0].rmse.is_some_and(|rmse| rmse > 1e-3), "{rungs:?}");
+        let refinements = show(&document, Effort::Whole, 2);
+        assert!(refinements.len() == 2 && refinements[0].rmse.is_some_and(|rmse| rmse > 1e-3), "{refinements:?}");
         // The saved picture takes the place of the draft on the device, so the draft can't be measured.
         document.put("cloud.0.opacity", Setting::Number(0.5)).unwrap();
         show(&document, Effort::Moving(1e-6), 3);
@@ -169,8 +169,8 @@ fn a_moving_picture_is_measured_once_a_better_one_is_there() {
         };
         worker.ask(Task::Save(Box::new(saving)));
         assert!(matches!(news(worker, || {}), News::Saved(_)));
-        let rungs = show(&document, Effort::Whole, 4);
-        assert!(rungs.len() == 2 && rungs[0].rmse.is_none(), "{rungs:?}");
+        let refinements = show(&document, Effort::Whole, 4);
+        assert!(refinements.len() == 2 && refinements[0].rmse.is_none(), "{refinements:?}");
     });
 }
 
@@ -184,7 +184,7 @@ fn files_that_are_opened_again_have_no_accuracy_yet() {
         assert!(matches!(news(worker, || {}), News::Opened(..)));
         worker.ask(Task::Measure(1));
         let News::Measured(1, accuracy) = news(worker, || {}) else { panic!("not measured") };
-        assert!(accuracy.rungs.is_empty(), "{accuracy:?}");
+        assert!(accuracy.refinements.is_empty(), "{accuracy:?}");
     });
 }
 
@@ -203,9 +203,9 @@ fn a_picture_is_not_stopped_by_being_asked_for() {
 fn a_panic_is_news() {
     let (sender, news) = mpsc::channel();
     let (rings, heard) = mpsc::channel();
-    let teller = Teller { news: sender, bell: Bell(move || rings.send(()).unwrap()) };
+    let reporter = Reporter { news: sender, bell: Bell(move || rings.send(()).unwrap()) };
     let thread = std::thread::spawn(move || {
-        teller.tell(News::Stopped(1));
+        reporter.report(News::Stopped(1));
         // Resumes without the panic hook, which is global and would print.
         std::panic::resume_unwind(Box::new("a bug"));
     });

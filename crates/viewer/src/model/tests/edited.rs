@@ -1,10 +1,10 @@
 //! Edits of the scene by the panel.
 
 use super::*;
-use crate::census::{Census, FieldFacts};
 use crate::controls::{self, Extent};
+use crate::statistics::{FieldFacts, Statistics};
 use pellucid_engine::passes::project::Parts;
-use pellucid_engine::scene::{METHODS, Method, Shells, method_keys};
+use pellucid_engine::scene::{DiscShape, METHODS, Shells, method_keys};
 
 fn word(word: &str) -> Setting {
     Setting::Word(word.to_owned())
@@ -84,14 +84,7 @@ fn values_of_another_method_make_room() {
     model.set_method("peel-layers");
     assert!(matches!(model.scene().method.fixed(), Some(Method::PeelLayers(layers)) if layers.layers == 4));
     model.set_method("sorted");
-    assert!(
-        model
-            .scene()
-            .method
-            .representative()
-            .discs()
-            .is_some_and(|discs| discs.shape == pellucid_engine::scene::DiscShape::Oriented)
-    );
+    assert!(model.scene().method.representative().discs().is_some_and(|discs| discs.shape == DiscShape::Oriented));
     model.set_method("nonsense");
     assert!(model.message.as_ref().is_some_and(|(text, wrong)| *wrong && text.contains("nonsense")));
     assert_eq!(model.scene().method.name(), "sorted");
@@ -104,9 +97,9 @@ fn statistics_of_clouds_and_points_come_with_the_news() {
     let diagonal = 6.0 * 3f64.sqrt();
     assert!((model.extent().diagonal - diagonal).abs() < 1e-9 && model.extent().median_radius == 0.0);
     assert_eq!(self::model().extent(), Extent::default());
-    assert!(model.census().is_empty());
-    model.take_in(News::Clouds([Census { points: 7, ..Census::default() }].into())).unwrap();
-    assert_eq!(model.census()[0].points, 7);
+    assert!(model.statistics().is_empty());
+    model.take_in(News::Clouds([Statistics { points: 7, ..Statistics::default() }].into())).unwrap();
+    assert_eq!(model.statistics()[0].points, 7);
     model.set("method.name", word("soft-base"));
     let request = asked(&mut model, Instant::now()).unwrap();
     let News::Picture(mut shown) = picture(&request, true) else { panic!("a picture") };
@@ -115,7 +108,6 @@ fn statistics_of_clouds_and_points_come_with_the_news() {
     model.take_in(News::Picture(shown)).unwrap();
     assert_eq!(model.extent().median_radius, 0.5);
     // Other clouds are not those.
-    let document = Document::from_clouds(["b.ply"], &Overrides::default()).unwrap();
-    model.take_in(News::Opened("b.ply".into(), Box::new(document))).unwrap();
-    assert!(model.census().is_empty());
+    opened(&mut model, "b.ply");
+    assert!(model.statistics().is_empty());
 }

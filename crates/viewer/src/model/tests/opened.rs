@@ -6,7 +6,6 @@ use super::*;
 #[test]
 fn files_that_are_opened_one_upon_the_other_are_waited_for() {
     let (mut model, now) = settled();
-    let document = |name: &str| Box::new(Document::from_clouds([name], &Overrides::default()).unwrap());
     model.open(vec!["b.ply".into()]);
     model.open(vec!["c.ply".into(), "flight.json".into()]);
     assert_eq!(std::iter::from_fn(|| model.next_task(now)).count(), 3);
@@ -16,9 +15,9 @@ fn files_that_are_opened_one_upon_the_other_are_waited_for() {
         model.next_task(now).is_none() && model.message.as_ref().is_some_and(|(text, _)| text.contains("not saved"))
     );
     // The clouds of this one are gone already when its picture could be asked for.
-    model.take_in(News::Opened("b.ply".into(), document("b.ply"))).unwrap();
+    opened(&mut model, "b.ply");
     assert!(model.busy && asked(&mut model, now).is_none());
-    model.take_in(News::Opened("c.ply".into(), document("c.ply"))).unwrap();
+    opened(&mut model, "c.ply");
     assert!(model.busy && asked(&mut model, now).is_none());
     model.take_in(News::Failed(0, "flight.json: no such file".into())).unwrap();
     assert!(!model.busy && asked(&mut model, now).is_some());
@@ -26,7 +25,7 @@ fn files_that_are_opened_one_upon_the_other_are_waited_for() {
     model.open(vec!["d.ply".into()]);
     model.next_task(now);
     model.open(vec!["e.ply".into()]);
-    model.take_in(News::Opened("d.ply".into(), document("d.ply"))).unwrap();
+    opened(&mut model, "d.ply");
     assert!(matches!(model.next_task(now), Some(Task::Open(files)) if files == [Path::new("e.ply")]));
     assert!(model.busy && model.next_task(now).is_none());
 }
@@ -42,8 +41,7 @@ fn a_scene_without_a_picture_does_not_promise_one() {
     model.navigate(|_| ());
     model.look_from(View::default());
     assert!(model.line_without_picture().unwrap().contains("rendering the first picture"));
-    let request = asked(&mut model, Instant::now()).unwrap();
-    model.take_in(picture(&request, true)).unwrap();
+    shown(&mut model);
     assert_eq!((model.line_without_picture(), &model.message), (None, &None));
     // Other messages stay.
     model.look_from(View::default());
@@ -51,8 +49,7 @@ fn a_scene_without_a_picture_does_not_promise_one() {
     model.take_in(News::Failed(request.serial, "too many points".into())).unwrap();
     model.message = Some(("something else".into(), true));
     model.look_from(View::default());
-    let request = asked(&mut model, Instant::now()).unwrap();
-    model.take_in(picture(&request, true)).unwrap();
+    shown(&mut model);
     assert_eq!(model.message, Some(("something else".into(), true)));
 }
 
@@ -85,8 +82,7 @@ fn saved_files_are_named_until_others_are_saved() {
     assert!(model.message.as_ref().is_some_and(|(_, wrong)| *wrong) && model.saved.as_ref() == Some(&saved));
     model.open(vec!["b.ply".into()]);
     while model.next_task(now).is_some() {}
-    let document = Document::from_clouds(["b.ply"], &Overrides::default()).unwrap();
-    model.take_in(News::Opened("b.ply".into(), Box::new(document))).unwrap();
+    opened(&mut model, "b.ply");
     assert_eq!(model.saved, Some(saved));
     model.take_in(News::Saved(vec!["/x/b-1.toml".into(), "/x/b-1.json".into()])).unwrap();
     let saved = model.saved.unwrap();

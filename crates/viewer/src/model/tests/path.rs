@@ -75,8 +75,7 @@ fn the_camera_runs_as_something_that_moves_until_it_is_moved() {
     model.look_from(View::default());
     assert!(!model.route.is_playing());
     // At its end the path has arrived at the last key.
-    let request = asked(&mut model, Instant::now()).unwrap();
-    model.take_in(picture(&request, true)).unwrap();
+    shown(&mut model);
     model.play();
     (0..50).for_each(|_| model.tick(0.1));
     let Pose::At(last) = model.pose else { panic!("on the path") };
@@ -165,8 +164,7 @@ fn files_of_cameras_become_keys() {
     // Before the first picture the position of the camera is unknown.
     model.take_path("a.json".into(), Source::Path(path.clone()));
     assert!(model.route.keys().is_empty());
-    let request = asked(&mut model, Instant::now()).unwrap();
-    model.take_in(picture(&request, true)).unwrap();
+    shown(&mut model);
     assert_eq!((model.route.path(SIZE), model.message.clone()), (path, Some(("a.json: 2 keys".into(), false))));
     assert!(matches!(pose(&mut model), Pose::At(camera) if camera.eye == Some(DVec3::new(0.0, -9.0, 0.0))));
     // A second file replaces the first; an invalid file changes nothing.
@@ -185,8 +183,7 @@ fn files_of_cameras_become_keys() {
     model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
     assert_eq!(depths(&model), (Some(0.5), None));
     // Another scene keeps the keys.
-    let document = Document::from_clouds(["b.ply"], &Overrides::default()).unwrap();
-    model.take_in(News::Opened("b.ply".into(), Box::new(document))).unwrap();
+    opened(&mut model, "b.ply");
     assert_eq!(model.route.keys().len(), 1);
 }
 

@@ -3,7 +3,8 @@
 use pellucid_testing::with_device;
 
 use super::*;
-use crate::worker::{Setup, Worker, Workload};
+use crate::messages::Setup;
+use crate::worker::{Worker, Workload};
 use pellucid_engine::gpu::Device;
 use pellucid_engine::scene::{self, Opened};
 use pellucid_session::{Clouds, Sources};

@@ -2,7 +2,7 @@
 //! of the points, and what is stopped leaves no trace.
 
 use super::*;
-use crate::sources::{Opened, census};
+use crate::sources::{Opened, statistics};
 use pellucid_engine::io::ply;
 use pellucid_engine::io::store::build::Settings;
 use pellucid_engine::io::store::{self, Store};
@@ -164,15 +164,15 @@ fn a_frame_stopped_while_nodes_are_read_leaves_no_trace() {
 }
 
 #[test]
-fn a_census_of_a_store_is_that_of_points_that_stand_for_all() {
+fn statistics_of_a_store_are_those_of_points_that_stand_for_all() {
     with_device(|device| {
         let mut case = Case::octree(device);
-        let before = census(case.stage.clouds());
+        let before = statistics(case.stage.clouds());
         assert_eq!((before[0].points, before[0].own_radii, before[0].classes.len()), (COUNT, true, 0));
         let scene = case.document.scene().unwrap();
         case.stage.take(&scene, Pose::Scene, Effort::Whole).unwrap();
         let held = Clouds::Held(case.clouds.into_iter().map(Arc::new).collect());
-        let (found, expected) = (census(case.stage.clouds()), census(&held));
+        let (found, expected) = (statistics(case.stage.clouds()), statistics(&held));
         // So few points stand for themselves.
         assert_eq!(found[0].classes, expected[0].classes);
         assert_eq!((found[0].auto.clone(), found[0].normals), (expected[0].auto.clone(), expected[0].normals));

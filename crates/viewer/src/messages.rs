@@ -4,19 +4,29 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::accuracy::Accuracy;
-use crate::census::{Census, FieldFacts};
 use crate::draft::Effort;
-use crate::navigate::Subject;
-use crate::save::Saving;
-use crate::stage::{Held, Pose};
+use crate::navigate::{Pose, Subject};
+use crate::statistics::{FieldFacts, Statistics};
 use pellucid_engine::Error;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::camera::import::Source;
+use pellucid_engine::camera::path::CameraPath;
 use pellucid_engine::gpu::Buffer;
 use pellucid_engine::methods::{Facts, FrameProfile};
 use pellucid_engine::plan::Step;
 use pellucid_engine::scene::legend::Legend;
 use pellucid_engine::scene::{Document, Scene};
+
+/// Settings that stay the same when other files are opened.
+#[derive(Debug, Clone, Copy)]
+pub struct Setup {
+    /// Seed of stochastic methods and of the built-in scene.
+    pub seed: u64,
+    /// Device bytes for a frame's fragments.
+    pub memory_budget: Option<u64>,
+    /// Bytes of memory for points: clouds that take more stay in their files.
+    pub host_memory: u64,
+}
 
 /// A picture that is wanted.
 #[derive(Clone)]
@@ -33,6 +43,20 @@ pub struct Request {
     pub legend: bool,
 }
 
+/// The files to write.
+pub struct Saving {
+    /// The scene, with camera and size.
+    pub document: Document,
+    /// The stem of the files' names.
+    pub stem: String,
+    /// True if a picture is wanted, too.
+    pub picture: bool,
+    /// Key frames to write, if any.
+    pub path: Option<CameraPath>,
+    /// The file of the scene, if it has a name already.
+    pub to: Option<PathBuf>,
+}
+
 /// A request to the thread.
 pub enum Task {
     /// Render a picture; only the latest request counts.
@@ -46,6 +70,17 @@ pub enum Task {
     Cameras(PathBuf),
     /// Save the scene as a file, with or without a picture of it.
     Save(Box<Saving>),
+}
+
+/// How much of a cloud that stays in its file a picture holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Held {
+    /// Points in the picture.
+    pub points: u64,
+    /// All points.
+    pub all: u64,
+    /// True if those left out are less than a pixel from one that is there.
+    pub is_fine: bool,
 }
 
 /// A picture for the window.
@@ -93,7 +128,7 @@ pub enum News {
     /// Name and scene document of other files that were opened.
     Opened(String, Box<Document>),
     /// Statistics of the clouds, in the scene's order.
-    Clouds(Arc<[Census]>),
+    Clouds(Arc<[Statistics]>),
     /// Cameras were read from this file.
     Cameras(PathBuf, Box<Source>),
     /// The error of the pictures of the view with this serial against the exact one.
@@ -121,7 +156,7 @@ impl News {
 
 impl Task {
     /// True if the task may be stopped for a later picture: it only serves the eye and may take long.
-    pub(super) fn may_stop(&self) -> bool {
+    pub fn may_stop(&self) -> bool {
         match self {
             Self::Show(request) => !matches!(request.effort, Effort::Moving(_)),
             Self::Measure(_) => true,

@@ -17,7 +17,7 @@ pub const BINS: usize = 64;
 
 /// Statistics of one cloud.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Census {
+pub struct Statistics {
     /// Finite points.
     pub points: usize,
     /// True if the file has colors.
@@ -39,7 +39,7 @@ pub struct Census {
     pub prepared: Option<(usize, Field)>,
 }
 
-impl Census {
+impl Statistics {
     /// Gathers the statistics of all points of a cloud.
     pub fn from_cloud(cloud: &Cloud) -> Self {
         let names = field::names(cloud).into_iter().filter(|name| !name.is_empty() && name != "classification");
@@ -71,10 +71,10 @@ impl Census {
         let summary = store.summary();
         let known = store.surveyed();
         let sample = known.as_ref().map_or(&summary.like, |survey| &survey.sample);
-        let census = Self::from_cloud(sample);
+        let statistics = Self::from_cloud(sample);
         let times = summary.points as f64 / sample.len().max(1) as f64;
-        let classes = census.classes.iter().map(|(code, count)| (*code, (*count as f64 * times).round() as usize));
-        Self { points: summary.points as usize, classes: classes.collect(), ..census }
+        let classes = statistics.classes.iter().map(|(code, count)| (*code, (*count as f64 * times).round() as usize));
+        Self { points: summary.points as usize, classes: classes.collect(), ..statistics }
     }
 
     /// The field in force, by the scene's settings for this cloud.
@@ -106,17 +106,22 @@ fn automatic(cloud: &Cloud) -> ColorBy {
 }
 
 fn classes(codes: &[u8]) -> BTreeMap<u8, usize> {
-    let add = |mut sum: [usize; 256], more: [usize; 256]| {
+    let counts: [usize; 256] = counts(codes, |code| usize::from(*code));
+    (0u8..=255).zip(counts).filter(|(_, count)| *count > 0).collect()
+}
+
+/// Counts items by their bin, below N.
+fn counts<T: Sync, const N: usize>(items: &[T], bin: impl Fn(&T) -> usize + Sync) -> [usize; N] {
+    let add = |mut sum: [usize; N], more: [usize; N]| {
         sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
         sum
     };
-    let of_chunk = |codes: &[u8]| {
-        let mut counts = [0; 256];
-        codes.iter().for_each(|code| counts[usize::from(*code)] += 1);
+    let of_chunk = |items: &[T]| {
+        let mut counts = [0; N];
+        items.iter().for_each(|item| counts[bin(item)] += 1);
         counts
     };
-    let counts = codes.par_chunks(1 << 16).map(of_chunk).reduce(|| [0; 256], add);
-    (0u8..=255).zip(counts).filter(|(_, count)| *count > 0).collect()
+    items.par_chunks(1 << 16).map(of_chunk).reduce(|| [0; N], add)
 }
 
 /// The smallest and the largest finite value of the column called `name`; 0 and 0 if it has none.
@@ -177,17 +182,9 @@ impl Histograms {
 }
 
 fn histogram(fields: &[f32]) -> Arc<[u64]> {
-    let add = |mut sum: [u64; BINS], more: [u64; BINS]| {
-        sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
-        sum
-    };
-    let of_chunk = |fields: &[f32]| {
-        let mut counts = [0; BINS];
-        // The cast clamps at both ends; 1 belongs to the last bin.
-        fields.iter().for_each(|f| counts[((f * BINS as f32) as usize).min(BINS - 1)] += 1);
-        counts
-    };
-    Arc::new(fields.par_chunks(1 << 16).map(of_chunk).reduce(|| [0; BINS], add))
+    // The cast clamps at both ends; 1 belongs to the last bin.
+    let counts: [usize; BINS] = counts(fields, |f| ((f * BINS as f32) as usize).min(BINS - 1));
+    Arc::new(counts.map(|count| count as u64))
 }
 
 #[cfg(test)]
@@ -211,10 +208,13 @@ mod tests {
     }
 
     #[test]
-    fn a_census_counts_what_is_there() {
-        let census = Census::from_cloud(&cloud());
-        assert_eq!((census.points, census.colors, census.normals, census.own_radii), (100_000, false, false, false));
-        assert_eq!(census.classes, [(2, 90_000), (5, 10_000)].into());
+    fn statistics_count_what_is_there() {
+        let statistics = Statistics::from_cloud(&cloud());
+        assert_eq!(
+            (statistics.points, statistics.colors, statistics.normals, statistics.own_radii),
+            (100_000, false, false, false)
+        );
+        assert_eq!(statistics.classes, [(2, 90_000), (5, 10_000)].into());
         let scalars = [
             ("intensity", [7.0, 100_006.0]),
             ("gps time", [-2.0, 3.0]),
@@ -223,8 +223,8 @@ mod tests {
             ("y", [-1.0, -1.0]),
             ("z", [4.5e6, 4.5e6]),
         ];
-        assert_eq!(census.scalars, scalars.map(|(name, range)| (name.to_owned(), range)));
-        let plain = Census::from_cloud(&Cloud::default());
+        assert_eq!(statistics.scalars, scalars.map(|(name, range)| (name.to_owned(), range)));
+        let plain = Statistics::from_cloud(&Cloud::default());
         assert_eq!(plain.fields(), ["uncertainty", "distance-to-axis", "x", "y", "z"]);
     }
 
@@ -241,23 +241,23 @@ mod tests {
             assert_eq!(of(blank, enough), ColorBy::Classification);
             assert_eq!(of(blank, few), ColorBy::Height);
         }
-        assert_eq!(Census::from_cloud(&cloud()).auto, ColorBy::Height, "darker where intensity is small");
+        assert_eq!(Statistics::from_cloud(&cloud()).auto, ColorBy::Height, "darker where intensity is small");
     }
 
     /// Every name the chooser offers is a field of the cloud.
     #[test]
     fn every_field_that_is_offered_can_be_had() {
         let cloud = cloud();
-        let census = Census::from_cloud(&cloud);
-        assert_eq!(census.fields().len(), 9);
-        for name in census.fields() {
+        let statistics = Statistics::from_cloud(&cloud);
+        assert_eq!(statistics.fields().len(), 9);
+        for name in statistics.fields() {
             let mut document = Document::from_clouds(["a.ply"], &Overrides::default()).unwrap();
             let word = pellucid_engine::scene::Setting::Word(name.to_owned());
             let classes = pellucid_engine::scene::Setting::Integers(vec![5]);
             let changes =
                 [("cloud.0.field".to_owned(), Some(word)), ("cloud.0.soft_classes".to_owned(), Some(classes))];
             let scene = document.change(&changes).unwrap();
-            let field = census.field(&scene.clouds[0]);
+            let field = statistics.field(&scene.clouds[0]);
             assert_eq!(field.name(), name);
             let values = field.values(&cloud).unwrap();
             assert_eq!(values.is_none(), name == "uncertainty");

@@ -4,14 +4,14 @@ use ash::vk;
 use gpu_allocator::vulkan::Allocation;
 
 /// Handles and memory that nobody but an interrupted recording may need.
-pub enum Grave {
+pub enum Deletion {
     Buffer(vk::Buffer, Option<Allocation>),
     Image(vk::Image, vk::ImageView, Option<Allocation>),
 }
 
 /// Resources that wait for the end of interrupted recordings, and the number of those recordings.
 #[derive(Default)]
-pub struct Graves {
+pub struct Deletions {
     pub recordings: usize,
-    pub waiting: Vec<Grave>,
+    pub waiting: Vec<Deletion>,
 }
