@@ -7,7 +7,7 @@ use pellucid_engine::Result;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
-use pellucid_engine::methods::brightness;
+use pellucid_engine::methods::brightness::{self, Applied};
 use pellucid_engine::methods::see_through::{self, Found};
 use pellucid_engine::methods::{DrawnPart, Frame, PassProfile, Rendered, Renderer, SamplePart};
 use pellucid_engine::output::WriteOptions;
@@ -396,16 +396,8 @@ impl Session {
         own: Vec<(String, String)>,
         messages: &dyn Messages,
     ) -> Result<WriteOptions> {
-        let Self { renderer, uploaded, frame, found, prepared, device, choice, .. } = self;
-        let applied = brightness::apply(renderer, &mut uploaded.cloud, frame, &mut rendered.image)?;
-        device.check_validation()?;
-        let scene = prepared.scene();
-        let mut metadata = prepared.metadata(frame.method.name(), &device.info().name);
-        metadata.extend(notes::decisions(frame, &uploaded.cloud, &scene.clouds, applied.as_ref(), found.as_ref()));
-        let choice = choice.as_ref().map(Choice::json);
-        metadata.extend(choice.map(|json| ("pellucid:choice".to_owned(), json.to_string())));
-        metadata.extend(own);
-        let (background, color) = (scene.image.background, scene.image.color_space());
+        let applied = self.brighten(rendered)?;
+        let options = self.write_options(applied.as_ref(), own);
         describe_frame(rendered, messages);
         self.prepared.described_reads().iter().for_each(|reads| messages.detail(reads));
         self.describe_detail(messages);
@@ -415,7 +407,35 @@ impl Session {
             }
             applied.warning().iter().for_each(|warning| messages.warn(warning));
         }
-        Ok(WriteOptions { background, color, transparent: false, metadata })
+        Ok(options)
+    }
+
+    /// Brightens a frame's image if its method is to do so.
+    ///
+    /// # Errors
+    /// Returns an error if a trial frame can't be rendered, or if the device fails.
+    pub fn brighten(&mut self, rendered: &mut Rendered) -> Result<Option<Applied>> {
+        let applied =
+            brightness::apply(&mut self.renderer, &mut self.uploaded.cloud, &self.frame, &mut rendered.image)?;
+        self.device.check_validation()?;
+        Ok(applied)
+    }
+
+    /// Returns how the image of a frame is written, with its metadata; `own` is added to them.
+    pub fn write_options(&self, applied: Option<&Applied>, own: Vec<(String, String)>) -> WriteOptions {
+        let Self { uploaded, frame, found, prepared, device, choice, .. } = self;
+        let scene = prepared.scene();
+        let mut metadata = prepared.metadata(frame.method.name(), &device.info().name);
+        metadata.extend(notes::decisions(frame, &uploaded.cloud, &scene.clouds, applied, found.as_ref()));
+        let choice = choice.as_ref().map(Choice::json);
+        metadata.extend(choice.map(|json| ("pellucid:choice".to_owned(), json.to_string())));
+        metadata.extend(own);
+        WriteOptions {
+            background: scene.image.background,
+            color: scene.image.color_space(),
+            transparent: false,
+            metadata,
+        }
     }
 
     /// Reports how many points were left out of the last frame.

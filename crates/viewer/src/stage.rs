@@ -22,7 +22,7 @@ use pellucid_engine::scene::{self, CameraSettings, Detail, Input, Method, Method
 use pellucid_engine::supply::Cut;
 use pellucid_engine::{Result, plan};
 use pellucid_session::{
-    Assembled, Clouds, FrameRequest, Limits, Prepared, Request, Residence, Session, Silent, Sources, Uploaded, Wanted,
+    Assembled, Clouds, FrameRequest, Limits, Prepared, Request, Residence, Session, Silent, Sources, Uploaded,
 };
 
 /// Points that are this near to others add nothing that is seen, in pixels.
@@ -185,7 +185,7 @@ impl Stage {
         }
         let (mut frame, why) = (session.frame, session.why.clone());
         let method = frame.method;
-        let lights = lights(&mut frame, session.cloud(), effort);
+        let lights = lights(&mut frame, &session.uploaded.cloud, effort);
         self.chosen = Some((scene.method, method, why.clone()));
         let draft = self.draft(&method, effort, scene.image.size);
         let started = Instant::now();
@@ -276,7 +276,7 @@ impl Stage {
         let Setup { seed, memory_budget, host_memory } = self.setup;
         let limits = Limits { memory: host_memory, residence: Residence::Memory };
         let mut request = Request::of_scene(String::new(), scene.clone(), Input::Files, limits, seed);
-        request.is_edited = true;
+        request.wanted.is_edited = true;
         let (stop, detail) = (Stop::EightBit { transparent: false }, Some(Detail::default()));
         request.frame = FrameRequest { memory_budget, stop, spread: true, detail, ..FrameRequest::default() };
         request
@@ -328,8 +328,7 @@ impl Stage {
         let Some((renderer, sources)) = &mut self.waiting else { return Err(no_points()) };
         let (scene, progress) = (&request.scene, &self.progress);
         sources.complete(scene, progress)?;
-        let wanted = Wanted { seed: request.seed, legend: false, radii: false, is_edited: true };
-        let assembled = Assembled::new(sources, scene, wanted, &Silent, progress)?;
+        let assembled = Assembled::new(sources, scene, request.wanted, &Silent, progress)?;
         progress.set_message("uploading points");
         let uploaded = Uploaded::new(renderer, &assembled, &Detail::default(), false)?;
         let bounds = assembled.points().bounds().ok_or_else(no_points)?;
@@ -367,10 +366,10 @@ fn draw(session: &mut Session, kept: &mut Option<ThinnedCloud>, draft: Draft) ->
     // Points of ensembles are fewer on fewer pixels by themselves; shadows are those of all points.
     let is_thinned = draft.coarse > 1
         && !session.frame.method.is_dealt()
-        && shadows::casting(&session.frame, session.cloud()).is_none();
+        && shadows::casting(&session.frame, &session.uploaded.cloud).is_none();
     if !is_thinned {
         let mut rendered = session.render()?;
-        let brightness = session.brighten(&mut rendered, &Silent)?;
+        let brightness = session.brighten(&mut rendered)?;
         return Ok((rendered, brightness));
     }
     let one_of = (draft.coarse * draft.coarse) as usize;
@@ -400,7 +399,7 @@ fn draw_some(session: &mut Session, kept: &mut Option<ThinnedCloud>, points: u32
     let has_levels = |cloud: &DeviceCloud| {
         cloud.supply().is_some_and(|supply| supply.blocks().iter().all(|block| block.branch.is_some()))
     };
-    if !has_levels(session.cloud()) {
+    if !has_levels(&session.uploaded.cloud) {
         let (some, all) = (session.points().len(), session.points().count());
         // The discs of a place together keep their area.
         return draw_thinned(session, kept, 1, (all as f32 / some.max(1) as f32).sqrt());

@@ -3,9 +3,9 @@
 use glam::DVec3;
 use image::{ExtendedColorType, save_buffer};
 use pellucid_core::cloud::Cloud;
+use pellucid_core::progress::Progress;
 use pellucid_io::photo::{Heights, Photo};
 use pellucid_io::{Hints, load, load_with};
-use pellucid_core::progress::Progress;
 use pellucid_scene::{self as scene, Overrides, Scene};
 
 /// Two by two pixels: red, half-transparent mid gray; nothing, white.
