@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::{Family, Key, Kind, METHODS, Method, MethodChoice, tables};
 
-const REWRITE: &str = "PELLUCID_UPDATE=1 cargo test -p pellucid-engine --lib scene::reference";
+const REWRITE: &str = "PELLUCID_UPDATE=1 cargo test -p pellucid-scene --lib reference";
 
 const INTRODUCTION: &str = "\
 # The scene file
