@@ -50,7 +50,7 @@ pub use frame::{Factors, Frame};
 pub use frame_profile::{FrameProfile, PassProfile};
 pub use parts::{DrawnPart, PartError, SamplePart, SampleSteps};
 pub use reach::{need_subgroups, without_subgroups};
-pub use renderer::{Rendered, Renderer};
+pub use renderer::{Rendered, Renderer, Source, Upload};
 pub use sorted::Stop;
 pub use target::{Pixels, Target};
 

@@ -50,7 +50,7 @@ fn picture(stage: &mut Stage, clip: &str, method: Method) -> Result<Image, Troub
     let arranged = scene::arrange(&scene, vec![cloud()], 1, &Progress::hidden())?;
     let projection = Projection::Perspective { fov_y: 45f64.to_radians() };
     let camera = looking(DVec3::new(0.5, 0.75, 3.5), DVec3::ZERO, projection, 0.125, 128.0);
-    let mut uploaded = stage.renderer.upload_arranged(&arranged)?;
+    let mut uploaded = stage.renderer.upload(&arranged)?;
     Ok(stage.renderer.render(&mut uploaded, &frame(camera, [40, 30], method))?.image)
 }
 

@@ -11,6 +11,7 @@ use super::verdict::Naive::Computed;
 use super::verdict::Trouble;
 use super::{Case, Finding, Stage, each, one};
 use pellucid_engine::points::Points;
+use pellucid_engine::prepare::Arranged;
 use pellucid_engine::prepare::ensembles::{Dealt, Surface};
 use pellucid_engine::random::threefry2x32;
 use pellucid_engine::reference::spbr::slanted;
@@ -87,7 +88,7 @@ fn dealt(planes: Vec<(Points, f64)>) -> Dealt {
 
 /// A of each pixel.
 fn alphas(stage: &mut Stage, dealt: &Dealt, method: Method) -> Result<Vec<f64>, Trouble> {
-    let mut cloud = stage.renderer.upload_dealt(dealt)?;
+    let mut cloud = stage.renderer.upload(&Arranged::Dealt(dealt.clone()))?;
     let image = stage.renderer.render(&mut cloud, &frame(pixels(SIZE), SIZE, method))?.image;
     Ok(image.rgba.iter().map(|pixel| f64::from(pixel[3])).collect())
 }

@@ -176,7 +176,7 @@ fn compared_with(
 }
 
 fn rendered(stage: &mut Stage, arranged: &Arranged, frame: &Frame) -> Result<Image, Trouble> {
-    let mut cloud = stage.renderer.upload_arranged(arranged)?;
+    let mut cloud = stage.renderer.upload(arranged)?;
     Ok(stage.renderer.render(&mut cloud, frame)?.image)
 }
 

@@ -13,7 +13,7 @@ use super::{Figures, Subject};
 use crate::candidates::{Formation, Occasion, Setting, formation};
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::LinearImage;
-use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop};
+use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop, Upload};
 use pellucid_engine::output::linear;
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::profile::median;
@@ -347,7 +347,7 @@ fn leveled<'a>(
     }
     match levels {
         Some(levels) => Ok(levels),
-        None => Ok(levels.insert(renderer.upload_for(detail, subject.arranged, None)?)),
+        None => Ok(levels.insert(renderer.upload(Upload::with_detail(subject.arranged, detail))?)),
     }
 }
 

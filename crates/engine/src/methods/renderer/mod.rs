@@ -1,12 +1,14 @@
 //! The renderer: from points, camera and method to an image and a profile, window by window.
 
-mod arranged;
 mod deep;
 mod depths;
 mod parts;
 mod supplied;
 mod survey;
+mod upload;
 mod walk;
+
+pub use self::upload::{Source, Upload};
 
 use std::time::{Duration, Instant};
 

@@ -18,8 +18,8 @@ use super::super::setting::device_of;
 use super::super::turn::Turn;
 use super::super::work::Work;
 use super::frame::Own;
-use super::nowhere;
 use super::orders::{self, Order};
+use super::supplied_from_nowhere;
 use crate::commands::DeviceArgs;
 
 /// The device of a rank, with what it knows of the scene.
@@ -27,7 +27,7 @@ struct Worker {
     renderer: Renderer,
     cloud: DeviceCloud,
     /// Points that stand for all.
-    sample: Points,
+    sample: Arc<Points>,
 }
 
 /// Does what the first rank orders until that has nothing more to do.
@@ -67,7 +67,8 @@ impl Worker {
     fn open(asked: &DeviceArgs, ranks: &Ranks, sample: Points, parts: Option<(f32, Parts)>) -> Result<Self> {
         let options = DeviceOptions { device: device_of(asked, ranks)?, ..DeviceOptions::from_env() };
         let renderer = Renderer::new(&Device::open(&options)?)?;
-        let mut cloud = renderer.supply(&sample, &(Arc::new(nowhere(&sample)) as Arc<_>))?;
+        let sample = Arc::new(sample);
+        let mut cloud = renderer.upload(&supplied_from_nowhere(&sample))?;
         if let Some((threshold, parts)) = parts {
             cloud.know_parts(threshold, parts);
         }
