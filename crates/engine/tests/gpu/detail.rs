@@ -152,7 +152,7 @@ fn other_cameras_have_other_cuts_and_points_on_the_device_have_none() {
         let whole = Frame { detail: Detail::default(), ..of(near) };
         let all = renderer.render(&mut cloud, &whole).expect("a frame");
         assert_eq!(all.facts.points, 20_000);
-        let mut resident = renderer.upload(&points).expect("room");
+        let mut resident = renderer.upload(&*points).expect("room");
         assert_eq!(bits(&renderer.render(&mut resident, &whole).expect("a frame").image), bits(&all.image));
         assert!(matches!(renderer.render(&mut resident, &of(near)), Err(Error::NoLevels)));
         let nothing = Frame { detail: spacing(1e9), ..of(near) };

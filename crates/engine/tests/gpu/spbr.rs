@@ -582,7 +582,7 @@ fn points_that_were_not_dealt_are_refused_and_other_methods_take_dealt_ones() {
         let mut renderer = Renderer::new(device).expect("a renderer");
         let list = mixture(6);
         let frame = frame(perspective(), SIZE, method(3));
-        let mut plain = renderer.upload(&list.points).expect("fits");
+        let mut plain = renderer.upload(&*list.points).expect("fits");
         assert!(matches!(renderer.render(&mut plain, &frame), Err(Error::NotDealt)));
         let mut cloud = renderer.upload(&Arranged::Dealt(list.clone())).expect("fits");
         renderer.render(&mut cloud, &frame).expect("renders");

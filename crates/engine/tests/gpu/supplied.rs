@@ -23,7 +23,7 @@ fn every_method_renders_the_same_bytes_window_by_window() {
         let mut differ = Vec::new();
         for method in Method::all().into_iter().filter(|method| !method.is_dealt()) {
             let whole = Frame { fragments: true, ..frame(perspective(), [160, 120], method) };
-            let mut cloud = renderer.upload(&points).expect("room for the points");
+            let mut cloud = renderer.upload(&*points).expect("room for the points");
             let expected = renderer.render(&mut cloud, &whole).expect("a frame");
             // Room for some 30,000 points.
             let small = Frame { memory_budget: Some(9 << 20), ..whole };
@@ -76,7 +76,7 @@ fn points_without_normals_find_their_shares_of_light_window_by_window() {
         let mut renderer = Renderer::new(device).expect("a renderer");
         for method in Method::all().into_iter().filter(|method| method.name() == "circles") {
             let whole = Frame { shading, shadows, ..frame(perspective(), [160, 120], method) };
-            let mut cloud = renderer.upload(&points).expect("room for the points");
+            let mut cloud = renderer.upload(&*points).expect("room for the points");
             let expected = renderer.render(&mut cloud, &whole).expect("a frame");
             let unlit = renderer.render(&mut cloud, &Frame { shadows: None, ..whole }).expect("a frame");
             assert!(bits(&expected.image) != bits(&unlit.image), "there are shadows");
